@@ -1,0 +1,1 @@
+"""Transmittance, path radiance, sunlight and sky between the sea and a sensor."""

@@ -1,0 +1,1 @@
+"""What matter does to light: blackbodies, bands, the index of sea water, Fresnel reflection."""

@@ -1,0 +1,1 @@
+"""Pictures with axes, units and scales."""

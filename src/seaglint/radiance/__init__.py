@@ -1,0 +1,1 @@
+"""Mean radiance of the sea from slope statistics."""

@@ -1,0 +1,1 @@
+"""One TOML file, validated: what the user asked for."""
