@@ -1,1 +1,1 @@
-"""Transmittance, path radiance, sunlight and sky between the sea and a sensor."""
+"""What lies between the sea and the sensor: transmittance, path radiance, sunlight at the sea and thermal sky."""
