@@ -1,0 +1,104 @@
+"""The tree of keys a scenario may have, read off the models: for error messages, the template and the documentation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from typing import Annotated, Any, Literal, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.quantity import Quantity
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key: where it stands, what it means, what it may be."""
+
+    path: tuple[str, ...]
+    info: FieldInfo
+    records: tuple[type[BaseModel], ...]
+    """Records that the key may hold, when it is a table (several for a union)."""
+
+    @property
+    def allowed(self) -> str:
+        """Range or choices as text; empty where any value goes."""
+        quantities = list(_find(self.info.annotation, Quantity)) or [item for item in self.info.metadata if isinstance(item, Quantity)]
+        if quantities:
+            return " x ".join(dict.fromkeys(quantity.allowed for quantity in quantities))
+        choices = _choices(self.info.annotation)
+        if choices:
+            return " | ".join(f'"{choice}"' if isinstance(choice, str) else f"{choice}" for choice in choices)
+        return "true | false" if self.info.annotation is bool else ""
+
+
+def _find(annotation: Any, wanted: type) -> Iterator[Any]:
+    """Instances of ``wanted`` among the annotations nested in a type."""
+    if get_origin(annotation) is Annotated:
+        inner, *extras = get_args(annotation)
+        yield from (extra for extra in extras if isinstance(extra, wanted))
+        yield from _find(inner, wanted)
+    else:
+        for argument in get_args(annotation):
+            yield from _find(argument, wanted)
+
+
+def _records(annotation: Any) -> Iterator[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for argument in get_args(annotation):
+        yield from _records(argument)
+
+
+def _choices(annotation: Any) -> tuple[Any, ...]:
+    return get_args(annotation) if get_origin(annotation) is Literal else ()
+
+
+def fields_of(record: type[BaseModel], above: tuple[str, ...] = ()) -> Iterator[Key]:
+    """Keys of one record, not going deeper."""
+    for name, info in record.model_fields.items():
+        yield Key((*above, name), info, tuple(dict.fromkeys(_records(info.annotation))))
+
+
+@cache
+def _at(location: tuple[str, ...]) -> tuple[type[BaseModel], ...]:
+    """Records that may stand at a location."""
+    records: tuple[type[BaseModel], ...] = (Scenario,)
+    for part in location:
+        records = tuple(found for record in records for key in fields_of(record) if key.path[-1] == part for found in key.records)
+    return records
+
+
+def table_keys(location: tuple[str | int, ...]) -> tuple[str, ...]:
+    """Keys allowed in the table at a location, over all the kinds that it may have."""
+    return tuple(dict.fromkeys(name for record in _at(tuple(str(part) for part in location)) for name in record.model_fields))
+
+
+def tags(location: tuple[str | int, ...]) -> tuple[str, ...]:
+    """Kinds of the union at a location; empty where there is no union."""
+    records = _at(tuple(str(part) for part in location))
+    if len(records) < 2:
+        return ()
+    return tuple(str(choice) for record in records for choice in _choices(next(iter(record.model_fields.values())).annotation))
+
+
+def tag_name(location: tuple[str | int, ...]) -> str:
+    """Name of the key that chooses the kind of the union at a location."""
+    return next(iter(_at(tuple(str(part) for part in location))[0].model_fields))
+
+
+@cache
+def key_paths() -> tuple[str, ...]:
+    """All keys as dotted paths, tables not included."""
+
+    def walk(record: type[BaseModel], above: tuple[str, ...]) -> Iterator[str]:
+        for key in fields_of(record, above):
+            if not key.records:
+                yield ".".join(key.path)
+            for inner in key.records:
+                yield from walk(inner, key.path)
+
+    return tuple(dict.fromkeys(walk(Scenario, ())))

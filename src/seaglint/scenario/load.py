@@ -1,0 +1,138 @@
+"""A scenario from a TOML file or a plain mapping, with errors that say file, key, value, what is allowed and the nearest valid key."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from seaglint.errors import ScenarioError
+from seaglint.scenario.keys import key_paths, table_keys, tag_name, tags
+from seaglint.scenario.model import Scenario
+
+
+def load_scenario(path: str | Path) -> Scenario:
+    """Read and validate a scenario file.
+
+    Raises
+    ------
+    ScenarioError
+        With one line per mistake: ``file: key.path = value ...: what is allowed; what to do``.
+    """
+    path = Path(path)
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except FileNotFoundError:
+        raise ScenarioError(f"{path}: no such file; 'seaglint init {path}' writes a commented one") from None
+    except IsADirectoryError:
+        raise ScenarioError(f"{path}: is a folder; give the scenario's TOML file") from None
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"{path}: is not UTF-8 text (byte {error.start}); save the scenario as UTF-8") from None
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error.strerror}") from None
+    try:
+        raw = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{path}: is not valid TOML: {error}; is the file whole, and is text in quotes?") from None
+    return parse_scenario(raw, name=str(path), base=path.parent)
+
+
+def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path | None = None) -> Scenario:
+    """Validate a mapping laid out as the TOML file; ``base`` is the folder that relative paths count from."""
+    try:
+        return Scenario.model_validate(dict(raw), context={"base": base})
+    except ValidationError as error:
+        lines = dict.fromkeys(f"{name}: {_explain(detail, raw)}" for detail in error.errors(include_url=False))
+        raise ScenarioError("\n".join(lines)) from None
+
+
+def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> str:
+    """One line for one mistake."""
+    location = _without_tags(error["loc"], raw)
+    key = _dotted(location)
+    kind, context, value = error["type"], error.get("ctx", {}), _shown(error["input"])
+    if kind == "rule":
+        return f"{context['key']} {error['msg']}"
+    if kind == "extra_forbidden":
+        return _unknown_key(location)
+    if kind == "missing":
+        return f"{key} is missing; add it to the file"
+    if kind in ("quantity", "missing_file"):
+        return f"{key} = {value} {error['msg']}"
+    if kind == "union_tag_invalid":
+        tag = str(context["discriminator"]).strip("'")
+        allowed = tags(location)
+        return f"{key}.{tag} = '{context['tag']}' is not one of {_listed(allowed)}{_meant(str(context['tag']), allowed)}"
+    if kind == "literal_error":
+        allowed = tuple(part.strip("' ") for part in str(context["expected"]).replace(" or ", ", ").split(", "))
+        return f"{key} = {value} is not one of {_listed(allowed)}{_meant(str(error['input']), allowed)}"
+    if kind in ("too_short", "too_long", "tuple_type"):
+        return f"{key} = {value} must be a pair of numbers [width, height]"
+    if kind in ("model_type", "model_attributes_type", "dict_type") or kind.startswith("union_tag"):
+        keys = ", ".join(table_keys(location)) or "none"
+        return f"{key} = {value} must be a table [{key}]; allowed keys: {keys}"
+    if kind.startswith("bool"):
+        return f"{key} = {value} must be true or false"
+    if kind.startswith("datetime") or kind.startswith("date_"):
+        return f"{key} = {value} is not a date and time; write it as 2026-06-21T17:30:00Z"
+    if kind.startswith("path"):
+        return f"{key} = {value} must be the path of a file, in quotes"
+    return f"{key} = {value}: {error['msg']}"
+
+
+def _unknown_key(location: Sequence[str | int]) -> str:
+    *table, wrong = location
+    here, name = table_keys(tuple(table)), str(wrong)
+    if name in here:
+        # A key of another kind of the same table, such as atmosphere.model beside source = "isothermal".
+        tag = tag_name(tuple(table))
+        return f"{_dotted(location)} does not go with this {tag} of {_dotted(table)}; leave it out or change the {tag}"
+    exact = [path for path in key_paths() if path.rsplit(".", 1)[-1] == name]
+    near = exact or [_dotted((*table, key)) for key in difflib.get_close_matches(name, here, n=1, cutoff=0.6)] or _nearest_anywhere(name)
+    hint = f"; did you mean {near[0]}?" if near else ""
+    allowed = "" if near else f"; allowed here: {', '.join(here) or 'none'}"
+    return f"{_dotted(location)} is an unknown key{hint}{allowed}"
+
+
+def _nearest_anywhere(name: str) -> list[str]:
+    """Full path of the key of any table whose last part is closest to ``name``, as a list of one or none."""
+    paths = {path.rsplit(".", 1)[-1]: path for path in reversed(key_paths())}
+    return [paths[near] for near in difflib.get_close_matches(name, paths, n=1, cutoff=0.6)]
+
+
+def _without_tags(location: Sequence[str | int], raw: Mapping[str, Any]) -> tuple[str | int, ...]:
+    """Pydantic puts the tag of a union into the path (``sea.spectrum.file.path``); the file has no such level."""
+    out: list[str | int] = []
+    skip = False
+    for part in location:
+        if skip:
+            skip = False
+            continue
+        out.append(part)
+        skip = bool(tags(tuple(out)))
+    return tuple(out)
+
+
+def _dotted(location: Sequence[str | int]) -> str:
+    return "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
+
+
+def _listed(values: Sequence[str]) -> str:
+    return ", ".join(value if value.isdecimal() else f"'{value}'" for value in values)
+
+
+def _meant(given: str, allowed: Sequence[str]) -> str:
+    near = [value for value in allowed if given and value.startswith(given)] or difflib.get_close_matches(given, allowed, n=1, cutoff=0.5)
+    return f"; did you mean '{near[0]}'?" if near else ""
+
+
+def _shown(value: object) -> str:
+    text = {True: "true", False: "false"}.get(value) if isinstance(value, bool) else None
+    text = text or (f"'{value}'" if isinstance(value, str | Path) else f"{value}")
+    text = " ".join(text.split())
+    return text if len(text) <= 80 else text[:77] + "..."

@@ -1,0 +1,350 @@
+"""What a scenario file may say: frozen records, one per table of the TOML file, every value checked once.
+
+A validated number stays in the unit that its key names (``height_m``, ``azimuth_deg``); the pipeline converts.
+Winds and waves are described by where they come FROM; azimuths are clockwise from north; elevations are above the
+horizontal, so that looking down is negative.
+"""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, StrictBool, ValidationInfo, model_validator
+from pydantic_core import PydanticCustomError
+
+from seaglint.scenario.quantity import Quantity
+
+SQUARE_PIXEL_TOLERANCE = 0.01
+"""Largest relative difference of the pixel's two angular sides: rounded fields of view pass, a swapped or mistyped number does not."""
+
+SLOPE_FIT_MAX_WIND = 20.0
+"""U10 [m s-1] up to which the slope models are used without being asked to extrapolate."""
+
+
+def rule(key: str, text: str) -> PydanticCustomError:
+    """Error of a rule that ties several keys together; ``key`` is the full path it is reported under."""
+    return PydanticCustomError("rule", "{text}", {"text": text, "key": key})
+
+
+class Record(BaseModel):
+    """Frozen; unknown keys are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
+
+
+def _default_tag(tag: str, value: str) -> BeforeValidator:
+    """Let a table of a union leave its tag out: ``[atmosphere] model = "..."`` is a table atmosphere."""
+
+    def fill(raw: Any) -> Any:
+        return {tag: value, **raw} if isinstance(raw, dict) and tag not in raw else raw
+
+    return BeforeValidator(fill)
+
+
+def _as_utc(moment: datetime) -> datetime:
+    return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
+
+
+def _from_scenario_folder(path: Path, info: ValidationInfo) -> Path:
+    """Relative paths count from the scenario file, wherever the program runs."""
+    base = (info.context or {}).get("base")
+    return path if base is None or path.is_absolute() else Path(base) / path
+
+
+def _must_exist(path: Path) -> Path:
+    if not path.is_file():
+        raise PydanticCustomError(
+            "missing_file", "{text}", {"text": "is not a file that exists; a relative path counts from the scenario file's folder"}
+        )
+    return path
+
+
+Utc = Annotated[datetime, AfterValidator(_as_utc)]
+InputPath = Annotated[Path, AfterValidator(_from_scenario_folder)]
+InputFile = Annotated[InputPath, AfterValidator(_must_exist)]
+
+
+class Time(Record):
+    """When: with ``[place]`` it gives the Sun's position and distance."""
+
+    utc: Annotated[Utc, Field(description="UTC date and time of the first frame, e.g. 2026-06-21T17:30:00Z")]
+
+
+class Place(Record):
+    """Where: with ``[time]`` it gives the Sun's position."""
+
+    latitude_deg: Annotated[float, Quantity("deg", ge=-90, le=90), Field(description="latitude, north positive")]
+    longitude_deg: Annotated[float, Quantity("deg", ge=-180, le=360), Field(description="longitude, east positive")]
+
+
+class Sun(Record):
+    """The Sun's position given directly, at 1 au; instead of ``[time]`` and ``[place]``."""
+
+    zenith_deg: Annotated[
+        float,
+        Quantity("deg", ge=0, le=180),
+        Field(description="zenith angle of the Sun's centre; above 90 it is below the horizontal: no glint"),
+    ] = 75.0
+    azimuth_deg: Annotated[float, Quantity("deg", ge=-360, le=360), Field(description="azimuth of the Sun, clockwise from north")] = 180.0
+
+
+class Sensor(Record):
+    """Where the sensor stands and looks, and its pixels: equal steps of azimuth and elevation."""
+
+    height_m: Annotated[float, Quantity("m", gt=0, le=10_000), Field(description="height above the mean sea")] = 30.0
+    azimuth_deg: Annotated[
+        float, Quantity("deg", ge=-360, le=360), Field(description="azimuth of the image centre, clockwise from north")
+    ] = 180.0
+    elevation_deg: Annotated[
+        float, Quantity("deg", ge=-90, le=90), Field(description="elevation of the image centre; horizontal 0, looking down negative")
+    ] = -3.5
+    fov_deg: Annotated[
+        tuple[Annotated[float, Quantity("deg", gt=0, le=360)], Annotated[float, Quantity("deg", gt=0, le=180)]],
+        Field(description="field of view [width, height]"),
+    ] = (16.0, 8.0)
+    pixels: Annotated[
+        tuple[Annotated[int, Quantity("", ge=1, le=65_536, integer=True)], Annotated[int, Quantity("", ge=1, le=65_536, integer=True)]],
+        Field(description="number of pixels [width, height]"),
+    ] = (512, 256)
+    square_pixels: Annotated[
+        bool, Field(description="refuse fields of view whose pixels are not square within 1 %; false allows oblong ones")
+    ] = True
+    frame_rate_hz: Annotated[float, Quantity("Hz", gt=0, le=100_000), Field(description="frames per second")] = 25.0
+    frames: Annotated[int, Quantity("", ge=1, le=10_000_000, integer=True), Field(description="number of frames")] = 100
+
+    @property
+    def ifov_deg(self) -> tuple[float, float]:
+        """Angular size of a pixel (width, height) [deg]."""
+        return self.fov_deg[0] / self.pixels[0], self.fov_deg[1] / self.pixels[1]
+
+    @model_validator(mode="after")
+    def _image_is_possible(self) -> Self:
+        (width, height), (nx, ny) = self.fov_deg, self.pixels
+        dx, dy = self.ifov_deg
+        if self.square_pixels and abs(dx - dy) > SQUARE_PIXEL_TOLERANCE * max(dx, dy):
+            text = (
+                f"= [{nx}, {ny}] disagrees with sensor.fov_deg = [{width:g}, {height:g}]: a pixel would be {dx:.4g} x {dy:.4g} deg; "
+                f"allowed is a difference of {100 * SQUARE_PIXEL_TOLERANCE:g} %; use fov_deg = [{width:g}, {width * ny / nx:.6g}], "
+                "or set sensor.square_pixels = false"
+            )
+            raise rule("sensor.pixels", text)
+        top, bottom = self.elevation_deg + 0.5 * height, self.elevation_deg - 0.5 * height
+        if top > 90.0 or bottom < -90.0:
+            reach = f"reaches from {bottom:g} to {top:g} deg; allowed is -90 to 90 deg"
+            text = f"= {self.elevation_deg:g} with a field of view {height:g} deg high {reach}"
+            raise rule("sensor.elevation_deg", text)
+        return self
+
+
+class Band(Record):
+    """Spectral band: a rectangle, or a measured response."""
+
+    min_um: Annotated[
+        Annotated[float, Quantity("um", gt=0, le=100)] | None,
+        Field(description="short-wave edge of a rectangular band (3.5 where nothing is said)"),
+    ] = None
+    max_um: Annotated[
+        Annotated[float, Quantity("um", gt=0, le=100)] | None,
+        Field(description="long-wave edge of a rectangular band (5.0 where nothing is said)"),
+    ] = None
+    response: Annotated[InputFile | None, Field(description="CSV file with columns wavelength_um, response; instead of the two edges")] = (
+        None
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _edges(cls, raw: Any) -> Any:
+        if isinstance(raw, dict) and raw.get("response") is None:
+            return {"min_um": 3.5, "max_um": 5.0} | {k: v for k, v in raw.items() if v is not None}
+        return raw
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        if self.response is not None and (self.min_um is not None or self.max_um is not None):
+            raise rule("band.response", "is given together with band.min_um or band.max_um; give the file or the two edges, not both")
+        if self.min_um is not None and self.max_um is not None and not self.min_um < self.max_um:
+            raise rule("band.min_um", f"= {self.min_um:g} is not below band.max_um = {self.max_um:g}; swap them")
+        return self
+
+
+class Wind(Record):
+    """Neutral wind at 10 m."""
+
+    speed_m_s: Annotated[float, Quantity("m/s", ge=0, le=75), Field(description="wind speed at 10 m")] = 7.0
+    from_deg: Annotated[float, Quantity("deg", ge=-360, le=360), Field(description="azimuth the wind comes FROM, clockwise from north")] = (
+        230.0
+    )
+
+
+class CoxMunkIsotropic(Record):
+    """Cox and Munk 1954, clean sea, the same variance in all directions."""
+
+    kind: Literal["cox-munk-isotropic"] = "cox-munk-isotropic"
+    extrapolate: Annotated[StrictBool, Field(description="allow winds above the range of the fit")] = False
+
+
+class CoxMunkAnisotropic(Record):
+    """Cox and Munk 1954, clean sea, upwind and crosswind variances."""
+
+    kind: Literal["cox-munk-anisotropic"] = "cox-munk-anisotropic"
+    extrapolate: Annotated[StrictBool, Field(description="allow winds above the range of the fit")] = False
+
+
+class FlatSlopes(Record):
+    """A mirror: no slopes."""
+
+    kind: Literal["flat"] = "flat"
+
+
+Slopes = Annotated[
+    Annotated[CoxMunkIsotropic | CoxMunkAnisotropic | FlatSlopes, Field(discriminator="kind")], _default_tag("kind", "cox-munk-anisotropic")
+]
+
+
+class Elfouhaily(Record):
+    """Elfouhaily et al. 1997, fully developed, at the scenario's wind."""
+
+    kind: Literal["elfouhaily"] = "elfouhaily"
+
+
+class PiersonMoskowitz(Record):
+    """Pierson and Moskowitz 1964, at the scenario's wind."""
+
+    kind: Literal["pierson-moskowitz"] = "pierson-moskowitz"
+
+
+class SpectrumFile(Record):
+    """A measured directional spectrum (NDBC buoy files)."""
+
+    kind: Literal["file"] = "file"
+    path: Annotated[
+        InputPath, Field(description="one of a buoy's NDBC files, e.g. 41010.data_spec; its .swdir, .swdir2, .swr1, .swr2 lie beside it")
+    ]
+    time: Annotated[Utc | None, Field(description="UTC time of the record wanted; that of [time] where nothing is said")] = None
+
+
+class FlatSea(Record):
+    """No waves."""
+
+    kind: Literal["flat"] = "flat"
+
+
+Spectrum = Annotated[
+    Annotated[Elfouhaily | PiersonMoskowitz | SpectrumFile | FlatSea, Field(discriminator="kind")], _default_tag("kind", "elfouhaily")
+]
+
+
+class Sea(Record):
+    """The water and its shape."""
+
+    temperature_k: Annotated[float, Quantity("K", ge=260, le=320), Field(description="skin temperature of the sea")] = 288.15
+    water: Annotated[Literal["hale-querry-sea", "segelstein", "article"], Field(description="table of the complex refractive index")] = (
+        "hale-querry-sea"
+    )
+    resolve_waves: Annotated[
+        bool, Field(description="true: long waves are geometry; false: all slopes are facet density, the mean picture")
+    ] = True
+    shortest_wave_m: Annotated[
+        float,
+        Quantity("m", ge=0.02, le=1000),
+        Field(description="length of the shortest wave that is geometry; shorter ones are facet density"),
+    ] = 2.0
+    slopes: Annotated[Slopes, Field(description="slope statistics of the whole sea")] = CoxMunkAnisotropic()
+    spectrum: Annotated[Spectrum, Field(description="spectrum of the waves that are geometry")] = Elfouhaily()
+
+
+class TableAtmosphere(Record):
+    """LOWTRAN7 with its Navy maritime aerosol at the scenario's wind, from the table in the package."""
+
+    source: Literal["table"] = "table"
+    model: Annotated[Literal["midlatitude-summer", "us-standard-1976"], Field(description="model atmosphere")] = "midlatitude-summer"
+
+
+class IsothermalAtmosphere(Record):
+    """Air and sky at one temperature, no Sun: a closed cavity for tests."""
+
+    source: Literal["isothermal"] = "isothermal"
+    temperature_k: Annotated[float, Quantity("K", ge=150, le=400), Field(description="temperature of air and sky")] = 288.15
+    extinction_per_km: Annotated[float, Quantity("1/km", ge=0, le=1000), Field(description="extinction of the air")] = 0.1
+
+
+class NoAtmosphere(Record):
+    """No air: a black sky and the Sun at 1 au or the date's distance."""
+
+    source: Literal["none"] = "none"
+
+
+Atmosphere = Annotated[
+    Annotated[TableAtmosphere | IsothermalAtmosphere | NoAtmosphere, Field(discriminator="source")], _default_tag("source", "table")
+]
+
+
+class Mean(Record):
+    """How the mean radiance is computed."""
+
+    mode: Annotated[
+        Literal["spectral", "article"],
+        Field(description="spectral: per wavenumber, sky and sea apart; article: band means as in the source article"),
+    ] = "spectral"
+
+
+class Render(Record):
+    """Accuracy and cost of the image, and what is written."""
+
+    lines_per_column: Annotated[
+        Annotated[int, Quantity("", ge=1, le=1024, integer=True)] | None,
+        Field(description="lines of sight across a pixel column; chosen from the pixel and wave size where nothing is said"),
+    ] = None
+    step_m: Annotated[
+        Annotated[float, Quantity("m", gt=0, le=100)] | None,
+        Field(description="outward step of the sweep; chosen from the shortest wave where nothing is said"),
+    ] = None
+    tile_size: Annotated[Literal[64, 128, 256, 512, 1024, 2048, 4096], Field(description="points along each side of a wave tile")] = 512
+    apparent_temperature: Annotated[StrictBool, Field(description="write apparent temperature beside radiance")] = False
+
+
+class Scenario(Record):
+    """A scene and the sensor that looks at it: everything a picture depends on."""
+
+    seed: Annotated[int, Quantity("", ge=0, le=2**63 - 1, integer=True), Field(description="the same seed gives the same sea")] = 1
+    time: Time | None = None
+    place: Place | None = None
+    sun: Sun | None = None
+    sensor: Sensor = Sensor()
+    band: Band = Band()
+    wind: Wind = Wind()
+    sea: Sea = Sea()
+    atmosphere: Annotated[Atmosphere, Field(description="the air")] = TableAtmosphere()
+    mean: Mean = Mean()
+    render: Render = Render()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _sun_by_default(cls, raw: Any) -> Any:
+        if isinstance(raw, dict) and not any(raw.get(key) is not None for key in ("time", "place", "sun")):
+            return {**raw, "sun": {}}
+        return raw
+
+    @model_validator(mode="after")
+    def _one_sun(self) -> Self:
+        if self.sun is not None and (self.time is not None or self.place is not None):
+            other = "time" if self.time is not None else "place"
+            raise rule("sun", f"is given together with [{other}]; give [sun] alone, or [time] and [place] without [sun]")
+        if self.sun is None and self.place is None:
+            raise rule("place", "is missing: [time] needs [place] latitude_deg, longitude_deg to find the Sun; or give [sun] instead")
+        if self.sun is None and self.time is None:
+            raise rule("time", "is missing: [place] needs [time] utc to find the Sun; or give [sun] instead")
+        return self
+
+    @model_validator(mode="after")
+    def _wind_is_in_the_fit(self) -> Self:
+        slopes = self.sea.slopes
+        if not isinstance(slopes, FlatSlopes) and self.wind.speed_m_s > SLOPE_FIT_MAX_WIND and not slopes.extrapolate:
+            raise rule(
+                "wind.speed_m_s",
+                f"= {self.wind.speed_m_s:g} is above the {slopes.kind} slope fit; allowed: 0 to {SLOPE_FIT_MAX_WIND:g} m/s, "
+                "or set sea.slopes.extrapolate = true",
+            )
+        return self

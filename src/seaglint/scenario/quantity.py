@@ -1,0 +1,144 @@
+"""Numbers of a scenario: plain in the unit of their key, or text with a unit ("12 kn", "30 ft", "15 degC").
+
+Units end here: what leaves a validated scenario is a plain number in the unit that its key names.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+_NUMBER_AND_UNIT = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
+
+# Spellings of the field that pint reads otherwise ("kn" would be a kilo-something) or not at all.
+_SPELLINGS = {
+    "kn": "knot",
+    "kt": "knot",
+    "kts": "knot",
+    "knots": "knot",
+    "°": "degree",
+    "°C": "degC",
+    "µ": "um",
+    "micron": "um",
+    "microns": "um",
+}
+
+_EXAMPLES = {"m": "30 ft", "deg": "0.1 rad", "m/s": "12 kn", "K": "15 degC", "um": "4000 nm", "Hz": "25 Hz", "1/km": "0.1 / km"}
+
+
+@cache
+def _registry() -> Any:
+    # pint takes a third of a second to start: paid only by scenarios that contain text with units.
+    import pint
+
+    return pint.UnitRegistry()
+
+
+def convert(text: str, unit: str) -> float:
+    """Value of a text such as ``"12 kn"`` in ``unit``.
+
+    Raises
+    ------
+    ValueError
+        When the text is no number with a unit, or the unit is of another kind.
+
+    Examples
+    --------
+    >>> round(convert("14 knots", "m/s"), 3)
+    7.202
+    >>> round(convert("15 degC", "K"), 2)
+    288.15
+    """
+    match = _NUMBER_AND_UNIT.match(text)
+    example = _EXAMPLES.get(unit, f"1 {unit}")
+    if match is None:
+        raise ValueError(f"is not a number with a unit; write a number in {unit} or text such as '{example}'")
+    value, written = float(match[1]), match[2]
+    if not written:
+        raise ValueError(f"has no unit; write {match[1]} without quotes (in {unit}) or text such as '{example}'")
+    ureg = _registry()
+    try:
+        # pint answers unknown spellings with several exception types (tokenizer, attribute, value); all mean the same here.
+        quantity = ureg.Quantity(value, ureg.Unit(_SPELLINGS.get(written, written)))
+    except Exception:
+        raise ValueError(f"has the unknown unit '{written}'; write a number in {unit} or text such as '{example}'") from None
+    if not quantity.is_compatible_with(unit):
+        raise ValueError(f"has a unit of another kind ('{written}'); allowed is {unit} or what converts to it, such as '{example}'")
+    return float(quantity.to(unit).magnitude)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Annotation of a scenario number: its unit and the closed (``ge``, ``le``) or open (``gt``, ``lt``) range allowed."""
+
+    unit: str
+    gt: float | None = None
+    ge: float | None = None
+    lt: float | None = None
+    le: float | None = None
+    integer: bool = False
+
+    @property
+    def allowed(self) -> str:
+        """Range as text, e.g. ``"above 0 to 10000 m"``."""
+        low = f"above {self.gt:g}" if self.gt is not None else f"{self.ge:g}" if self.ge is not None else ""
+        high = f"below {self.lt:g}" if self.lt is not None else f"{self.le:.10g}" if self.le is not None else ""
+        unit = f" {self.unit}" if self.unit else ""
+        if low and high:
+            return f"{low} to {high}{unit}"
+        if low:
+            return f"{low}{unit}" if self.gt is not None else f"{low}{unit} or more"
+        return f"{high}{unit} or less" if high else f"any finite number{unit}"
+
+    def parse(self, raw: object) -> float | int:
+        """Plain number in the key's unit; raises a located pydantic error with the allowed range."""
+        kind = "a whole number" if self.integer else f"a number{' in ' + self.unit if self.unit else ''}"
+        if isinstance(raw, str) and self.unit:
+            try:
+                value: float | int = convert(raw, self.unit)
+            except ValueError as error:
+                raise self._error(f"{error} (allowed: {self.allowed})") from None
+        elif isinstance(raw, bool) or not isinstance(raw, int | float):
+            raise self._error(f"is not {kind} (allowed: {self.allowed})")
+        else:
+            value = raw
+        if self.integer and not isinstance(value, int):
+            raise self._error(f"is not {kind} (allowed: {self.allowed})")
+        if not math.isfinite(value):
+            raise self._error(f"is not finite (allowed: {self.allowed})")
+        inside = (
+            (self.gt is None or value > self.gt)
+            and (self.ge is None or value >= self.ge)
+            and (self.lt is None or value < self.lt)
+            and (self.le is None or value <= self.le)
+        )
+        if not inside:
+            raise self._error(f"is outside the allowed range: {self.allowed}")
+        return value if self.integer else float(value)
+
+    @staticmethod
+    def _error(text: str) -> PydanticCustomError:
+        # The text goes in as a value: braces in a user's text must not be read as a template.
+        return PydanticCustomError("quantity", "{text}", {"text": text})
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Parse and check before pydantic sees the number."""
+        return core_schema.no_info_before_validator_function(self.parse, handler(source))
+
+    def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
+        """Number with its range, or text with a unit."""
+        number: JsonSchemaValue = {"type": "integer" if self.integer else "number"}
+        for name, value in (("exclusiveMinimum", self.gt), ("minimum", self.ge), ("exclusiveMaximum", self.lt), ("maximum", self.le)):
+            if value is not None:
+                number[name] = value
+        if not self.unit or self.integer:
+            return number
+        example = _EXAMPLES.get(self.unit, f"1 {self.unit}")
+        return {"anyOf": [number, {"type": "string", "description": f"number with a unit that converts to {self.unit}, e.g. '{example}'"}]}
