@@ -1,1 +1,1 @@
-"""What matter does to light: blackbodies, bands, the index of sea water, Fresnel reflection."""
+"""Blackbodies, bands, the refractive index of sea water and Fresnel reflection."""
