@@ -1,0 +1,60 @@
+"""Where a file comes from: the attributes that every output carries."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any, Final
+
+from seaglint import __version__
+
+VOLATILE: Final = frozenset({"history", "created_with"})
+"""Attributes that may differ between two halves of one sequence; all others must agree before ``--resume`` goes on."""
+
+_PACKAGES: Final = ("numpy", "scipy", "numba", "zarr")
+
+
+def package_version(name: str) -> str:
+    """Installed version of a distribution, or ``"not installed"``; the package itself is not imported."""
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def provenance(title: str, scenario_json: str, seed: int, **more: Any) -> dict[str, Any]:
+    """Global attributes of a file.
+
+    Parameters
+    ----------
+    title : str
+        What the file holds, in a few words.
+    scenario_json : str
+        The validated scenario as JSON: with the version it is all that is needed to make the file again.
+    seed : int
+        Seed of the random streams.
+    **more
+        What the computation adds: table checksums, cut wavenumbers, steps. Values must be JSON-able.
+    """
+    packages = ", ".join(f"{name} {package_version(name)}" for name in _PACKAGES)
+    now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    return {
+        "Conventions": "CF-1.11",
+        "title": title,
+        "source": f"seaglint {__version__} (model)",
+        "seaglint_version": __version__,
+        "seed": seed,
+        "scenario": scenario_json,
+        **more,
+        "created_with": f"Python {platform.python_version()} on {sys.platform} {platform.machine()}, {packages}",
+        "history": f"{now} written by seaglint {__version__}",
+    }
+
+
+def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+    """Names of the attributes in which two files of one sequence may not differ, and do."""
+    keys = (old.keys() | new.keys()) - VOLATILE
+    return sorted(key for key in keys if old.get(key) != new.get(key))

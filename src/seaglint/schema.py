@@ -1,0 +1,69 @@
+"""Every variable that leaves seaglint: its name, unit, CF standard name and description, in one table.
+
+Files, plot labels and the documentation read it; nothing else may name a unit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One output variable."""
+
+    name: str
+    units: str
+    """UDUNITS text, empty for what has none."""
+    long_name: str
+    standard_name: str | None = None
+    """CF standard name, where one fits."""
+    symbol: str = ""
+    """Unit as it is written on plots; that of ``units`` where empty."""
+
+    @property
+    def attributes(self) -> dict[str, str]:
+        """CF attributes."""
+        pairs = {"long_name": self.long_name, "units": self.units, "standard_name": self.standard_name}
+        return {key: value for key, value in pairs.items() if value}
+
+    @property
+    def label(self) -> str:
+        """Axis or colour-bar label, e.g. ``"apparent temperature [K]"``."""
+        unit = self.symbol or self.units
+        return f"{self.long_name} [{unit}]" if unit else self.long_name
+
+
+_RADIANCE = ("W m-2 sr-1", "W m⁻² sr⁻¹")
+
+
+def _radiance(name: str, long_name: str) -> Variable:
+    return Variable(name, _RADIANCE[0], long_name, symbol=_RADIANCE[1])
+
+
+VARIABLES: Final[dict[str, Variable]] = {
+    variable.name: variable
+    for variable in (
+        # CF has no standard name for in-band radiance along a near-horizontal line of sight: long_name, units and band coordinates say it.
+        _radiance("radiance", "in-band radiance at the aperture"),
+        _radiance("radiance_path", "in-band radiance of the path (thermal)"),
+        _radiance("radiance_emission", "in-band radiance emitted by the sea, at the aperture"),
+        _radiance("radiance_sky", "in-band sky radiance reflected by the sea, at the aperture"),
+        _radiance("radiance_sun", "in-band sunlight reflected by the sea, at the aperture"),
+        Variable("apparent_temperature", "K", "apparent temperature", "brightness_temperature"),
+        Variable("azimuth", "degree", "azimuth of the line of sight, clockwise from north", "sensor_azimuth_angle", symbol="deg"),
+        Variable("elevation", "degree", "elevation of the line of sight above the horizontal at the sensor", symbol="deg"),
+        Variable("time", "s", "time from the start of the sequence"),
+        Variable("frame", "1", "number of the frame in the whole sequence, from 0", symbol=" "),
+        Variable("frame_done", "1", "1 where the frame has been written completely", symbol=" "),
+        Variable("wavelength", "um", "centre of the band", "sensor_band_central_radiation_wavelength", symbol="µm"),
+        Variable("wavelength_bounds", "um", "edges of the band", symbol="µm"),
+    )
+}
+"""Variables by name."""
+
+ARTICLE_RADIANCE_PER_SI: Final = 100.0
+"""uW cm-2 sr-1 per W m-2 sr-1: the unit of the source article, offered beside SI in plots and reports."""
+
+ARTICLE_RADIANCE_SYMBOL: Final = "µW cm⁻² sr⁻¹"
