@@ -4,7 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from seaglint.errors import DomainError
-from seaglint.optics.fresnel import reflectance
+from seaglint.optics import sea_water
+from seaglint.optics.fresnel import ReflectanceSeries, reflectance
 
 
 @given(st.floats(0.0, 1.0), st.floats(1.01, 3.0), st.floats(0.0, 2.0))
@@ -37,3 +38,10 @@ def test_agrees_with_snells_angles_for_a_clear_medium():
 def test_cosines_outside_are_refused(c):
     with pytest.raises(DomainError, match=r"0\.\.1"):
         reflectance(c, 1.33)
+
+
+@pytest.mark.parametrize("model", [sea_water.hale_querry_sea, sea_water.segelstein])
+def test_series_is_the_formula(model):
+    index = model().index(np.linspace(720.0, 4900.0, 300))
+    c = np.linspace(0.0, 1.0, 501)
+    np.testing.assert_allclose(ReflectanceSeries.of(index)(c), reflectance(c[:, None], index), atol=2e-8, rtol=0)  # stated bound

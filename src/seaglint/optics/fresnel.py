@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
 from seaglint.conventions import FloatArray
@@ -54,3 +57,39 @@ def reflectance(cos_incidence: ArrayLike, index: ArrayLike) -> FloatArray:
     r_s = (c - q) / (c + q)
     r_p = (m2 * c - q) / (m2 * c + q)
     return np.asarray(0.5 * (r_s.real**2 + r_s.imag**2 + r_p.real**2 + r_p.imag**2))
+
+
+@dataclass(frozen=True, eq=False)
+class ReflectanceSeries:
+    """Fresnel reflectance of one spectrum of indices as a Chebyshev series in the cosine of incidence.
+
+    ``rho(c, nu) = sum_j a_j(nu) T_j(2 c - 1)``. Sixteen terms leave less than 2e-8 for water at any infrared wavelength, and
+    spectral sums over ``a_j`` can be taken before a single direction is looked at.
+
+    Attributes
+    ----------
+    coefficients : ndarray
+        ``a_j`` [1, (terms, n)].
+    """
+
+    coefficients: FloatArray
+
+    @classmethod
+    def of(cls, index: ArrayLike, terms: int = 16) -> ReflectanceSeries:
+        """Series for complex indices [1, (n,)]."""
+        nodes = chebyshev.chebpts1(terms)
+        rho = reflectance(0.5 * (1.0 + nodes)[:, None], np.asarray(index, dtype=np.complex128)[None, :])
+        return cls(np.asarray(np.linalg.solve(chebyshev.chebvander(nodes, terms - 1), rho)))
+
+    @property
+    def terms(self) -> int:
+        """Number of terms."""
+        return int(self.coefficients.shape[0])
+
+    def basis(self, cos_incidence: ArrayLike) -> FloatArray:
+        """``T_j(2 c - 1)`` [1, (..., terms)]."""
+        return np.asarray(chebyshev.chebvander(2.0 * np.asarray(cos_incidence, dtype=np.float64) - 1.0, self.terms - 1))
+
+    def __call__(self, cos_incidence: ArrayLike) -> FloatArray:
+        """Reflectance [1, (..., n)] at cosines of incidence in 0..1."""
+        return np.asarray(self.basis(cos_incidence) @ self.coefficients)
