@@ -1,0 +1,40 @@
+"""Sphinx configuration; ``./run docs`` builds with warnings as errors."""
+
+import os
+import sys
+from pathlib import Path
+
+# Kernels then are plain functions, with signatures and docstrings that autodoc can read.
+os.environ["NUMBA_DISABLE_JIT"] = "1"
+sys.path.insert(0, str(Path(__file__).parent / "_ext"))
+
+import seaglint  # noqa: E402
+
+project = "seaglint"
+author = "The seaglint developers"
+copyright = "The seaglint developers, BSD-3-Clause"
+release = version = seaglint.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.mathjax",
+    "sphinx.ext.viewcode",
+    "numpydoc",
+    "generated_tables",
+]
+templates_path = ["_templates"]
+exclude_patterns = ["_build"]
+
+html_theme = "furo"
+html_title = f"seaglint {release}"
+
+myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
+myst_heading_anchors = 3
+
+autosummary_generate = True
+autodoc_typehints = "none"  # numpydoc's Parameters sections name types, units and shapes
+autodoc_member_order = "bysource"
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
