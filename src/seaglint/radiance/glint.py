@@ -1,0 +1,247 @@
+r"""Share of the viewed sea that mirrors the Sun, with the Sun a disc.
+
+A point of the sea shows the Sun or it does not. Seen from the direction **v**, facets that mirror the direction **l** have the slope
+
+.. math:: s = -\frac{v_h + l_h}{v_z + l_z}
+
+and the share of the visible projected area that mirrors the solar disc is
+
+.. math:: P = \int_{disc} \frac{p(s)\,S}{4 \cos^4\beta\,\cos\theta_v}\,d\Omega_l
+
+A mirroring point shows :math:`\rho E / (\pi \epsilon^2)`. For a density much wider than the disc's image this is Eq. 8 of the source
+article, ``rho p S E / (4 cos^4(beta) cos(theta_v))``; for a calm sea, where that formula exceeds any possible value, P is the
+integral of the visible density over the disc and never above 1.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seaglint.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.conventions import FloatArray, unit_vector
+from seaglint.errors import DomainError
+from seaglint.sea.shadowing import bistatic, projected_area, smith_lambda, smith_nu
+from seaglint.sea.slopes import SlopeStatistics
+
+Shadowing = Literal["both", "viewer"]
+"""Legs that waves shadow: viewer and Sun, or the viewer's alone (the source article)."""
+
+_FLOOR: Final = 1e-3 * SOLAR_ANGULAR_RADIUS
+"""Least rms slope of the quadrature [1]: a mirror gets an edge of 0.2 % of the Sun's radius and needs no formula of its own."""
+
+_BROAD: Final = 0.4
+"""Image of the Sun's radius in slopes over the rms slope, below which seven points on the disc are exact to 1e-3 even at 4 sigma."""
+
+_WINDOW: Final = 6.0  # standard deviations of a narrow density that are integrated; the rest holds 2e-9
+_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(24)
+
+# Disc of radius 1, exact for polynomials of degree 5 (Abramowitz and Stegun 25.4.61): centre and a hexagon.
+_HEX_ANGLE = np.arange(6) * np.pi / 3.0
+_HEX_X = np.concatenate([[0.0], np.sqrt(2.0 / 3.0) * np.cos(_HEX_ANGLE)])
+_HEX_Y = np.concatenate([[0.0], np.sqrt(2.0 / 3.0) * np.sin(_HEX_ANGLE)])
+_HEX_W = np.array([0.25] + 6 * [0.125])
+
+_CHUNK: Final = 4096  # pixels whose 24 x 24 points are held at a time: 19 MB per array
+
+
+class SlopeDensity(Protocol):
+    """A density of slopes, by position."""
+
+    def __call__(self, slope_east: ArrayLike, slope_north: ArrayLike, /) -> FloatArray:
+        """Density [1/slope²] of slopes (east, north), broadcast."""
+        ...
+
+
+@dataclass(frozen=True)
+class Glint:
+    """What the mirrored Sun needs at each pixel.
+
+    Attributes
+    ----------
+    chance : ndarray
+        P, share of the viewed area that mirrors the visible part of the Sun [1].
+    cos_incidence : ndarray
+        Cosine of the angle of incidence on the mirroring facets [1].
+    """
+
+    chance: FloatArray
+    cos_incidence: FloatArray
+
+
+def visible_sun(solar_zenith: float) -> tuple[float, float]:
+    """Fraction of the disc above the horizon, and the zenith angle of that part's centroid [rad].
+
+    A Sun cut by the horizon is cut. The zenith angle is the apparent one, at the sea. A Sun wholly below gives (0, solar_zenith).
+
+    >>> visible_sun(1.0)
+    (1.0, 1.0)
+    """
+    radius = SOLAR_ANGULAR_RADIUS
+    chord = (solar_zenith - 0.5 * np.pi) / radius  # the horizon's height above the disc's centre, in radii
+    if chord <= -1.0:
+        return 1.0, float(solar_zenith)
+    if chord >= 1.0:
+        return 0.0, float(solar_zenith)
+    rest = np.sqrt(1.0 - chord * chord)
+    area = np.arccos(chord) - chord * rest
+    centroid = 2.0 / 3.0 * rest**3 / area
+    return float(area / np.pi), float(solar_zenith - radius * centroid)
+
+
+def direction(zenith: ArrayLike, azimuth: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Unit vector (east, north, up) of a zenith angle and an azimuth [rad], broadcast."""
+    z = np.asarray(zenith, dtype=np.float64)
+    east, north = unit_vector(azimuth)
+    return np.sin(z) * east, np.sin(z) * north, np.cos(z) + 0.0 * east
+
+
+def _floored(slopes: SlopeStatistics) -> SlopeStatistics:
+    """The same statistics with no variance below the floor, so that mirrors have a density."""
+    if min(slopes.mss_up, slopes.mss_cross) >= _FLOOR**2:
+        return slopes
+    return SlopeStatistics(max(slopes.mss_up, _FLOOR**2), max(slopes.mss_cross, _FLOOR**2), slopes.wind_to_azimuth)
+
+
+def glint(
+    view_zenith: ArrayLike,
+    view_azimuth: ArrayLike,
+    solar_zenith: float,
+    solar_azimuth: float,
+    slopes: SlopeStatistics,
+    shadowing: Shadowing = "both",
+) -> Glint:
+    """Share of the viewed sea that mirrors the Sun to the viewer, and the incidence there.
+
+    Parameters
+    ----------
+    view_zenith : array_like
+        Zenith angle of the direction from the sea to the sensor [rad], 0..pi/2; broadcast against ``view_azimuth``.
+    view_azimuth : array_like
+        Azimuth of the direction from the sea to the sensor [rad]: that of the line of sight plus pi.
+    solar_zenith, solar_azimuth : float
+        Direction from the sea to the Sun's centre [rad]; below the horizon is valid: no glint.
+    slopes : SlopeStatistics
+        Slopes of the sea; a flat one mirrors the disc itself.
+    shadowing : {"both", "viewer"}
+        Legs that are shadowed.
+
+    Returns
+    -------
+    Glint
+        Arrays of the broadcast shape; ``chance`` is 0 for a Sun below the horizon.
+
+    Raises
+    ------
+    DomainError
+        View zeniths outside 0..pi/2.
+
+    Notes
+    -----
+    Where the disc's image in the slope plane is small against the rms slope, seven points on the disc; elsewhere, and for a Sun cut by
+    the horizon, 24 x 24 Gauss points on that part of the disc where the density is not negligible. Shadowing of the Sun's leg is
+    taken at the middle of the visible part of the disc.
+
+    References
+    ----------
+    Source article Eqs. 8 and 12; Cox and Munk 1954, J. Opt. Soc. Am. 44, 838.
+    """
+    shape = np.broadcast_shapes(np.shape(view_zenith), np.shape(view_azimuth))
+    theta = np.broadcast_to(np.asarray(view_zenith, dtype=np.float64), shape).ravel()
+    azimuth = np.broadcast_to(np.asarray(view_azimuth, dtype=np.float64), shape).ravel()
+    if not np.all((theta >= 0.0) & (theta <= 0.5 * np.pi)):
+        raise DomainError("view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor")
+    share, centroid = visible_sun(solar_zenith)
+    if share == 0.0:
+        return Glint(np.zeros(shape), np.zeros(shape))
+    sea = _floored(slopes)
+    v = direction(theta, azimuth)
+    sun = direction(centroid, solar_azimuth)
+    cos_incidence = np.sqrt(np.clip(0.5 * (1.0 + v[0] * sun[0] + v[1] * sun[1] + v[2] * sun[2]), 0.0, 1.0))
+
+    # Half axes of the disc's image in slopes: eps/2 along the plane of incidence, eps/(2 cos w) across it, both over cos^2(beta) or less.
+    smallest = np.sqrt(min(sea.mss_up, sea.mss_cross))
+    facet_up = (v[2] + sun[2]) / (2.0 * cos_incidence)
+    ratio = SOLAR_ANGULAR_RADIUS / (2.0 * cos_incidence * facet_up**2 * smallest)
+    broad = (ratio < _BROAD) & (share == 1.0)
+    integral = np.zeros(theta.size)
+    if np.any(broad):
+        integral[broad] = _wide(tuple(c[broad] for c in v), solar_zenith, solar_azimuth, sea.density)
+    narrow = np.flatnonzero(~broad)
+    for start in range(0, narrow.size, _CHUNK):
+        pick = narrow[start : start + _CHUNK]
+        integral[pick] = _narrow(tuple(c[pick] for c in v), cos_incidence[pick], solar_zenith, solar_azimuth, sea)
+    factor = _visibility(theta, azimuth, centroid, solar_azimuth, sea, shadowing)
+    return Glint((integral * factor).reshape(shape), cos_incidence.reshape(shape))
+
+
+def _visibility(
+    theta: FloatArray, azimuth: FloatArray, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics, shadowing: Shadowing
+) -> FloatArray:
+    """``S / cos(theta_v)``, finite to the horizon: 1/A+ for the viewer's leg, less by the Sun's."""
+    variance = slopes.mss_along(azimuth)
+    area = projected_area(theta, variance)
+    if shadowing == "viewer":
+        return np.asarray(1.0 / area)
+    view = smith_lambda(smith_nu(theta, variance))
+    sun = smith_lambda(smith_nu(solar_zenith, slopes.mss_along(solar_azimuth)))
+    # Towards the horizon Lambda_v grows without bound and (1 + Lambda_v) S tends to 1.
+    finite = np.where(np.isfinite(view), view, 0.0)
+    both = np.where(np.isfinite(view), (1.0 + finite) * bistatic(finite, sun, azimuth - solar_azimuth), 1.0)
+    return np.asarray(both / area)
+
+
+def _point_density(
+    v: tuple[FloatArray, ...], x: FloatArray, y: FloatArray, solar_zenith: float, solar_azimuth: float, density: SlopeDensity
+) -> FloatArray:
+    """``p(s) / (4 cos^4(beta))`` for points of the disc ``x`` to the right and ``y`` above the Sun's centre [rad]."""
+    sun = direction(solar_zenith, solar_azimuth)
+    right = (np.cos(solar_azimuth), -np.sin(solar_azimuth), 0.0)
+    above = (-np.cos(solar_zenith) * np.sin(solar_azimuth), -np.cos(solar_zenith) * np.cos(solar_azimuth), np.sin(solar_zenith))
+    norm = 1.0 / np.sqrt(1.0 + x * x + y * y)
+    east, north, up = (v[i][:, None] + norm * (sun[i] + x * right[i] + y * above[i]) for i in range(3))
+    # A horizontal look at a horizontal ray needs an upright facet: infinitely steep, density zero.
+    rise = np.maximum(up, 1e-12)
+    slope_east, slope_north = -east / rise, -north / rise
+    secant2 = 1.0 + slope_east**2 + slope_north**2
+    p = density(slope_east, slope_north)
+    return np.asarray(np.where(p > 0.0, 0.25 * p * secant2**2, 0.0))
+
+
+def _wide(v: tuple[FloatArray, ...], solar_zenith: float, solar_azimuth: float, density: SlopeDensity) -> FloatArray:
+    """Integral over the whole disc of a density that varies little on it."""
+    x, y = SOLAR_ANGULAR_RADIUS * _HEX_X[None, :], SOLAR_ANGULAR_RADIUS * _HEX_Y[None, :]
+    values = _point_density(v, x, y, solar_zenith, solar_azimuth, density)
+    return np.asarray(np.pi * SOLAR_ANGULAR_RADIUS**2 * (values @ _HEX_W))
+
+
+def _narrow(
+    v: tuple[FloatArray, ...], cos_incidence: FloatArray, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics
+) -> FloatArray:
+    """Integral over the part of the disc that is above the horizon and where the density is not negligible."""
+    radius = SOLAR_ANGULAR_RADIUS
+    sigma = np.sqrt(max(slopes.mss_up, slopes.mss_cross))
+    # Direction that a level sea mirrors to the viewer, in the Sun's own frame; slopes of sigma turn it by 2 sigma.
+    turn = np.arctan2(v[0], v[1]) + np.pi - solar_azimuth
+    sine = np.hypot(v[0], v[1])
+    mirror_x = sine * np.sin(turn)
+    mirror_y = v[2] * np.sin(solar_zenith) - sine * np.cos(turn) * np.cos(solar_zenith)
+    reach = 2.0 * _WINDOW * sigma
+    low = np.maximum(mirror_y - reach, max(-radius, -1.0 / np.tan(solar_zenith) if solar_zenith > 0.0 else -radius))
+    high = np.minimum(mirror_y + reach, radius)
+    half = 0.5 * np.maximum(high - low, 0.0)
+    y = (0.5 * (high + low))[:, None] + half[:, None] * _GAUSS_X
+    chord = np.sqrt(np.maximum(radius**2 - y**2, 0.0))
+    # Across the plane of incidence the image is stretched by 1/cos(w); twice that window, for facets that are not level.
+    across = (2.0 * reach * np.minimum(1.0, cos_incidence))[:, None] + np.zeros_like(y)
+    left = np.maximum(mirror_x[:, None] - across, -chord)
+    right = np.minimum(mirror_x[:, None] + across, chord)
+    width = 0.5 * np.maximum(right - left, 0.0)
+    x = (0.5 * (left + right))[..., None] + width[..., None] * _GAUSS_X
+    points = (v[0].size, -1)
+    yy = np.broadcast_to(y[..., None], x.shape)
+    values = _point_density(v, x.reshape(points), yy.reshape(points), solar_zenith, solar_azimuth, slopes.density).reshape(x.shape)
+    return np.asarray(np.einsum("pij,pi,i,j->p", values, width * half[:, None], _GAUSS_W, _GAUSS_W))

@@ -1,0 +1,130 @@
+import numpy as np
+import pytest
+
+from seaglint.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.errors import DomainError
+from seaglint.radiance.glint import direction, glint, visible_sun
+from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.sea.shadowing import saunders
+from seaglint.sea.slopes import SlopeStatistics, flat
+
+EPS = SOLAR_ANGULAR_RADIUS
+
+
+def _eq8(theta, azimuth, solar_zenith, solar_azimuth, slopes):
+    """Chance by the point formula of the article's Eq. 8, written with the angles of its Fig. 1."""
+    relative = azimuth - solar_azimuth
+    cos2w = np.cos(theta) * np.cos(solar_zenith) + np.sin(theta) * np.sin(solar_zenith) * np.cos(relative)
+    w = 0.5 * np.arccos(cos2w)
+    beta = np.arccos((np.cos(theta) + np.cos(solar_zenith)) / (2 * np.cos(w)))
+    p = np.exp(-(np.tan(beta) ** 2) / slopes.mss) / (np.pi * slopes.mss)
+    return np.pi * EPS**2 * p * saunders(theta, slopes.mss_up) / (4 * np.cos(beta) ** 4 * np.cos(theta)), np.cos(w)
+
+
+@pytest.mark.parametrize("wind", [5.0, 10.0, 15.0])
+@pytest.mark.parametrize("depression", [5.0, 20.0, 45.0, 80.0])
+@pytest.mark.parametrize("relative", [0.0, 10.0, 60.0])
+def test_rough_sea_is_the_point_formula(wind, depression, relative):
+    slopes = cox_munk_isotropic(wind)
+    theta, azimuth = np.radians(90.0 - depression), np.radians(180.0 + 30.0 + relative)
+    got = glint(theta, azimuth, np.radians(40.0), np.radians(30.0), slopes, "viewer")
+    chance, cos_incidence = _eq8(theta, azimuth, np.radians(40.0), np.radians(30.0), slopes)
+    # (image of the disc / rms slope)^2 / 8 times He2 of the slope: below 0.3 % here, to six standard deviations
+    assert got.chance == pytest.approx(chance, rel=6e-3)
+    assert got.cos_incidence == pytest.approx(cos_incidence, rel=1e-12)
+
+
+@pytest.mark.parametrize("mss", [1e-8, 1e-6, 1e-5, 1e-4, 1e-3, 5e-3])
+@pytest.mark.parametrize("zenith", [30.0, 80.0])
+def test_chance_is_the_share_of_facets_drawn_at_random(mss, zenith):
+    """Independent route: draw visible facets, mirror the view, count hits on the disc."""
+    slopes = SlopeStatistics(mss, mss)
+    theta, azimuth, sun_zenith = np.radians(zenith), 0.3, np.radians(zenith) - 0.5 * EPS
+    rng = np.random.default_rng(7)
+    n = 1_000_000
+    s = rng.normal(0.0, np.sqrt(mss), (2, n))
+    v = np.array([float(c) for c in direction(theta, azimuth)])
+    projection = v[2] - v[0] * s[0] - v[1] * s[1]
+    weight = np.maximum(projection, 0.0)
+    r = 2.0 * projection * np.array([-s[0], -s[1], np.ones(n)]) / (1.0 + s[0] ** 2 + s[1] ** 2) - v[:, None]
+    sun = np.array([float(c) for c in direction(sun_zenith, azimuth + np.pi)])
+    hit = (sun @ r > np.cos(EPS)) * weight / weight.mean()
+    got = float(glint(theta, azimuth, sun_zenith, azimuth + np.pi, slopes, "viewer").chance)
+    # four standard errors of the million draws, plus 0.2 % for the quadrature
+    assert got == pytest.approx(hit.mean(), abs=4.0 * hit.std() / np.sqrt(n) + 2e-3 * hit.mean())
+    assert 0.0 <= got <= 1.0
+
+
+@pytest.mark.parametrize("zenith", [1.0, 45.0, 85.0, 89.5])
+def test_mirror_shows_the_whole_disc_and_nothing_beside_it(zenith):
+    theta = np.radians(zenith)
+    offset = np.array([0.0, 0.5, 0.99, 1.01, 3.0]) * EPS
+    chance = [float(glint(theta - d, np.pi, theta, 0.0, flat()).chance) for d in offset]
+    np.testing.assert_allclose(chance, [1, 1, 1, 0, 0], atol=5e-3)  # Gauss points on the chords of a disc
+
+
+@pytest.mark.parametrize("wind", [0.0, 0.5, 3.0])
+def test_chance_never_exceeds_one_anywhere(wind):
+    theta = np.radians(np.linspace(0.0, 90.0, 91))[:, None]
+    azimuth = np.radians(np.linspace(90.0, 270.0, 19))
+    for zenith in np.radians([0.0, 45.0, 85.0, 89.0, 89.9]):
+        chance = glint(theta, azimuth, zenith, 0.0, cox_munk_isotropic(wind)).chance
+        assert np.all((chance >= 0.0) & (chance <= 1.0))
+
+
+def test_all_suns_together_see_every_facet_once():
+    """Energy: over all positions of a small Sun, chance / disc adds up to the share of facets that mirror the sky."""
+    slopes = cox_munk_isotropic(8.0)
+    theta = np.radians(60.0)
+    cosine, weight = np.polynomial.legendre.leggauss(160)
+    cosine, weight = 0.5 + 0.5 * cosine, 0.5 * weight
+    azimuth = np.linspace(-np.pi, np.pi, 720, endpoint=False)
+    total = 0.0
+    for c, w in zip(cosine, weight, strict=True):
+        p = glint(theta, azimuth, float(np.arccos(c)), 0.0, slopes, "viewer").chance
+        total += w * p.sum() * (azimuth[1] - azimuth[0]) / (np.pi * EPS**2)
+    from seaglint.sea.emissivity import facet_nodes
+
+    nodes = facet_nodes(theta, slopes)
+    assert total == pytest.approx(nodes.weight[~nodes.meets_sea].sum(), rel=2e-3)  # Suns cut by the horizon count in part
+
+
+@pytest.mark.parametrize("elevation", [-0.5, -0.27, -0.1, 0.0, 0.1, 0.2, 0.27, 1.0])
+def test_sun_cut_by_the_horizon(elevation):
+    share, zenith = visible_sun(np.radians(90.0 - elevation))
+    rng = np.random.default_rng(3)
+    x, y = rng.uniform(-1.0, 1.0, (2, 400_000)) * EPS
+    y = y[x * x + y * y < EPS**2] + np.radians(elevation)
+    assert share == pytest.approx(np.mean(y > 0.0), abs=4e-3)  # 4 standard errors of 300 000 points
+    if share > 0.02:
+        assert np.pi / 2 - zenith == pytest.approx(y[y > 0.0].mean(), rel=0.02)
+
+
+def test_glint_fades_without_a_jump_as_the_sun_sets():
+    elevation = np.radians(np.linspace(0.6, -0.4, 101))
+    chance = np.array([float(glint(np.radians(85.0), np.pi, np.pi / 2 - e, 0.0, cox_munk_isotropic(5.0)).chance) for e in elevation])
+    assert chance[-1] == 0.0
+    assert np.all(np.diff(chance) <= 1e-9)
+    assert np.max(-np.diff(chance)) < 0.05 * chance[0]
+
+
+def test_directional_sea_is_brighter_across_a_wind_that_roughens_along():
+    """With the Sun off to the side of the corridor, the wider spread along the wind wins when the wind blows across the view."""
+    view, sun = (np.radians(60.0), np.radians(180.0 + 50.0)), (np.radians(60.0), 0.0)
+    across = glint(*view, *sun, cox_munk_anisotropic(12.0, np.pi / 2 + 0.43)).chance
+    along = glint(*view, *sun, cox_munk_anisotropic(12.0, 0.43)).chance
+    assert across > 1.3 * along
+
+
+def test_reciprocal_in_viewer_and_sun():
+    """Helmholtz: p S / (4 cos^4 beta cos cos') is symmetric, so chance x cos(view) is."""
+    slopes = cox_munk_anisotropic(9.0, 0.7)
+    a, b = (np.radians(75.0), 2.0), (np.radians(50.0), 0.2)
+    one = float(glint(*a, *b, slopes).chance) * np.cos(a[0])
+    other = float(glint(*b, *a, slopes).chance) * np.cos(b[0])
+    assert one == pytest.approx(other, rel=2e-3)  # the finite disc is on one side only
+
+
+def test_view_from_below_is_refused():
+    with pytest.raises(DomainError, match=r"0\.\.pi/2"):
+        glint(2.0, 0.0, 1.0, 0.0, flat())

@@ -1,0 +1,157 @@
+import numpy as np
+import pytest
+
+from seaglint.atmosphere.isothermal import IsothermalAtmosphere
+from seaglint.atmosphere.vacuum import VacuumAtmosphere
+from seaglint.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.conventions import horizon_depression, view_zenith
+from seaglint.errors import DomainError
+from seaglint.optics import sea_water
+from seaglint.optics.band import Band, apparent_temperature
+from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.optics.fresnel import ReflectanceSeries, reflectance
+from seaglint.radiance.glint import glint
+from seaglint.radiance.mean import SeaView, mean_radiance
+from seaglint.radiance.surface import sea_leaving
+from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.sea.slopes import flat
+
+BAND = Band.rectangular(3.0, 5.0)
+SEAS = {
+    "flat": flat(),
+    "calm": cox_munk_isotropic(0.0),
+    "10 m/s": cox_munk_isotropic(10.0),
+    "20 m/s": cox_munk_isotropic(19.0),
+    "directional": cox_munk_anisotropic(10.0, 0.4),
+}
+
+
+class WarmSky(VacuumAtmosphere):
+    """No air, a sky whose temperature falls towards the zenith."""
+
+    def sky_radiance(self, zenith, height=0.0):
+        temperature = 200.0 + 80.0 * np.sin(np.asarray(zenith, dtype=float)) ** 4
+        return planck_wavenumber(self.wavenumber_cm, temperature[..., None])
+
+
+def _view(atmosphere, slopes, **changes):
+    inputs = {
+        "atmosphere": atmosphere,
+        "band": BAND,
+        "water": sea_water.hale_querry_sea(),
+        "slopes": slopes,
+        "sea_temperature": 288.15,
+        "sensor_height": 30.0,
+        "solar_zenith": np.radians(70.0),
+    }
+    return SeaView(**(inputs | changes))
+
+
+@pytest.mark.parametrize("slopes", SEAS.values(), ids=SEAS.keys())
+@pytest.mark.parametrize("height", [2.0, 100.0, 3000.0])
+def test_white_furnace_is_flat_from_sky_to_nadir(slopes, height):
+    view = _view(IsothermalAtmosphere.for_band(288.15, 3.0, 5.0), slopes, sensor_height=height)
+    horizon = horizon_depression(height)
+    elevation = np.concatenate([[0.3, 0.0], -horizon - np.array([-1e-6, 1e-7, 1e-5, 1e-3]), -np.radians(np.linspace(2.0, 90.0, 150))])
+    total = mean_radiance(view, elevation, np.radians([-40.0, 0.0, 25.0])).total
+    np.testing.assert_allclose(total, BAND.radiance(288.15, view.atmosphere.wavenumber_cm), rtol=1e-10)  # weights add to 1: rounding only
+
+
+@pytest.mark.parametrize("depression", [0.5, 2.0, 10.0, 45.0, 90.0])
+def test_flat_sea_is_fresnel_times_sky_plus_emission(depression):
+    atmosphere = WarmSky.for_band(3.0, 5.0)
+    got = mean_radiance(_view(atmosphere, flat(), solar_zenith=2.0), [-np.radians(depression)], [0.0])
+    theta = view_zenith(30.0, np.radians(depression))
+    nu = atmosphere.wavenumber_cm
+    rho = reflectance(np.cos(theta), sea_water.hale_querry_sea().index(nu))
+    expected = BAND.weights(nu) @ (rho * atmosphere.sky_radiance(theta) + (1.0 - rho) * planck_wavenumber(nu, 288.15))
+    assert got.total == pytest.approx(expected, rel=1e-6)  # series of the reflectance: 2e-8 of grazing light
+    assert np.all(got.sun == 0.0)
+
+
+@pytest.mark.parametrize("depression", [5.0, 30.0, 70.0])
+@pytest.mark.parametrize("azimuth", [0.0, 20.0])
+def test_sun_in_a_line_of_spectrum_is_eq_8(depression, azimuth):
+    """One narrow line, no air: sun = rho E x chance / (pi eps^2) with the numbers put in by hand."""
+    atmosphere = VacuumAtmosphere.for_band(3.0, 5.0)
+    line = Band.rectangular(1e4 / 2500.5, 1e4 / 2499.5)
+    slopes = cox_munk_isotropic(10.0)
+    view = _view(atmosphere, slopes, band=line, sun_distance_factor=1.03)
+    d, a = np.radians(depression), np.radians(azimuth)
+    theta = float(view_zenith(30.0, d))
+    cos2w = np.cos(theta) * np.cos(view.solar_zenith) - np.sin(theta) * np.sin(view.solar_zenith) * np.cos(a)
+    g = glint(theta, a + np.pi, view.solar_zenith, 0.0, slopes)
+    cos_w = np.sqrt(0.5 * (1.0 + cos2w))
+    rho = reflectance(cos_w, sea_water.hale_querry_sea().index(2500.0))
+    irradiance = 1.03 * np.interp(2500.0, atmosphere.wavenumber_cm, atmosphere.solar_irradiance(view.solar_zenith))
+    expected = float(rho * irradiance * g.chance / (np.pi * SOLAR_ANGULAR_RADIUS**2))
+    assert mean_radiance(view, [-d], [a]).sun[0, 0] == pytest.approx(expected, rel=1e-3)  # the line is 1 cm-1 wide on a 5 cm-1 grid
+
+
+def test_mirrored_sun_of_a_flat_sea_has_the_suns_own_radiance_times_rho():
+    atmosphere = VacuumAtmosphere.for_band(3.0, 5.0)
+    view = _view(atmosphere, flat(), sensor_height=10.0, solar_zenith=float(view_zenith(10.0, np.radians(30.0))))
+    nu = atmosphere.wavenumber_cm
+    rho = reflectance(np.cos(view.solar_zenith), sea_water.hale_querry_sea().index(nu))
+    disc = BAND.weights(nu) @ (rho * atmosphere.solar_irradiance(view.solar_zenith)) / (np.pi * SOLAR_ANGULAR_RADIUS**2)
+    assert mean_radiance(view, [-np.radians(30.0)], [0.0]).sun[0, 0] == pytest.approx(disc, rel=2e-3)  # Gauss points on the disc's chords
+
+
+def test_glint_is_bright_where_the_sun_is_and_nowhere_else():
+    view = _view(VacuumAtmosphere.for_band(3.0, 5.0), cox_munk_isotropic(5.0), solar_azimuth=np.radians(120.0))
+    azimuth = np.radians(np.arange(0.0, 360.0, 5.0))
+    sun = mean_radiance(view, [-np.radians(15.0)], azimuth).sun[0]
+    assert np.degrees(azimuth[np.argmax(sun)]) == pytest.approx(120.0)
+    assert sun[np.abs(azimuth - np.radians(120.0)) > 1.5].max() < 1e-3 * sun.max()
+
+
+@pytest.mark.parametrize("zenith", [90.5, 120.0, 180.0])
+def test_sun_below_the_horizon_is_valid_and_dark(zenith):
+    view = _view(VacuumAtmosphere.for_band(3.0, 5.0), cox_munk_isotropic(5.0), solar_zenith=np.radians(zenith))
+    radiance = mean_radiance(view, -np.radians([1.0, 10.0]), [0.0])
+    assert np.all(radiance.sun == 0.0)
+    assert np.all(radiance.emission > 0.0)
+
+
+def test_many_rows_are_interpolated_to_what_each_gives_alone():
+    atmosphere = WarmSky.for_band(3.0, 5.0)
+    elevation = -np.radians(np.geomspace(0.2, 80.0, 300))
+    for slopes in (cox_munk_isotropic(3.0), cox_munk_anisotropic(14.0, 1.0)):
+        view = _view(atmosphere, slopes)
+        azimuth = np.radians([-70.0, 10.0])
+        many = mean_radiance(view, elevation, azimuth)
+        for row in (0, 7, 40, 111, 222, 298):
+            theta = view_zenith(30.0, -elevation[row])
+            series = ReflectanceSeries.of(view.water.index(atmosphere.wavenumber_cm))
+            for column, a in enumerate(azimuth):
+                one = sea_leaving(theta, a + np.pi, slopes, series, atmosphere, 288.15)
+                weights = BAND.weights(atmosphere.wavenumber_cm)
+                background = np.broadcast_to(many.emission + many.sky, (300, 2))[row, column]
+                assert background == pytest.approx(float(weights @ (one.emission + one.sky)), rel=1e-4)  # stated error of the spline
+
+
+def test_apparent_temperature_of_the_furnace_is_its_own():
+    atmosphere = IsothermalAtmosphere.for_band(300.0, 3.0, 5.0)
+    radiance = mean_radiance(_view(atmosphere, cox_munk_isotropic(8.0), sea_temperature=300.0), -np.radians([0.5, 5.0]), [0.0])
+    assert apparent_temperature(radiance.total, BAND, atmosphere.wavenumber_cm) == pytest.approx(300.0, abs=1e-4)
+
+
+def test_an_article_background_is_a_blackbody_behind_air():
+    atmosphere = IsothermalAtmosphere.for_band(288.15, 3.0, 5.0)
+    view = _view(atmosphere, cox_munk_isotropic(8.0), background="blackbody")
+    total = mean_radiance(view, -np.radians([0.5, 5.0]), [0.0]).total
+    np.testing.assert_allclose(total, BAND.radiance(288.15, atmosphere.wavenumber_cm), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "text"),
+    [
+        ({"sensor_height": 0.0}, "height > 0 m"),
+        ({"sea_temperature": -1.0}, "kelvin"),
+        ({"solar_zenith": 4.0}, r"0\.\.pi"),
+        ({"solar_zenith": np.nan}, r"0\.\.pi"),
+    ],
+)
+def test_views_that_make_no_sense_are_refused(changes, text):
+    with pytest.raises(DomainError, match=text):
+        _view(VacuumAtmosphere.for_band(3.0, 5.0), flat(), **changes)
