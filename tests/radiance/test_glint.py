@@ -5,6 +5,7 @@ from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.errors import DomainError
 from seaglint.radiance.glint import direction, glint, visible_sun
 from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.sea.emissivity import facet_nodes
 from seaglint.sea.shadowing import saunders
 from seaglint.sea.slopes import SlopeStatistics, flat
 
@@ -83,8 +84,6 @@ def test_all_suns_together_see_every_facet_once():
     for c, w in zip(cosine, weight, strict=True):
         p = glint(theta, azimuth, float(np.arccos(c)), 0.0, slopes, "viewer").chance
         total += w * p.sum() * (azimuth[1] - azimuth[0]) / (np.pi * EPS**2)
-    from seaglint.sea.emissivity import facet_nodes
-
     nodes = facet_nodes(theta, slopes)
     assert total == pytest.approx(nodes.weight[~nodes.meets_sea].sum(), rel=2e-3)  # Suns cut by the horizon count in part
 

@@ -9,11 +9,11 @@ from seaglint.errors import DomainError
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.optics.fresnel import ReflectanceSeries, reflectance
+from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.glint import glint
 from seaglint.radiance.mean import SeaView, mean_radiance
-from seaglint.radiance.surface import sea_leaving
 from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.sea.emissivity import facet_nodes
 from seaglint.sea.slopes import flat
 
 BAND = Band.rectangular(3.0, 5.0)
@@ -113,21 +113,23 @@ def test_sun_below_the_horizon_is_valid_and_dark(zenith):
     assert np.all(radiance.emission > 0.0)
 
 
-def test_many_rows_are_interpolated_to_what_each_gives_alone():
+@pytest.mark.parametrize("slopes", [cox_munk_isotropic(3.0), cox_munk_anisotropic(14.0, 1.0)], ids=["isotropic", "directional"])
+@pytest.mark.parametrize("depression", [0.3, 3.0, 30.0])
+@pytest.mark.parametrize("azimuth", [-70.0, 10.0])
+def test_background_is_the_plain_sum_over_facets(slopes, depression, azimuth):
+    """Independent route: Fresnel and sky at every facet, without series, sky table and harmonics."""
     atmosphere = WarmSky.for_band(3.0, 5.0)
-    elevation = -np.radians(np.geomspace(0.2, 80.0, 300))
-    for slopes in (cox_munk_isotropic(3.0), cox_munk_anisotropic(14.0, 1.0)):
-        view = _view(atmosphere, slopes)
-        azimuth = np.radians([-70.0, 10.0])
-        many = mean_radiance(view, elevation, azimuth)
-        for row in (0, 7, 40, 111, 222, 298):
-            theta = view_zenith(30.0, -elevation[row])
-            series = ReflectanceSeries.of(view.water.index(atmosphere.wavenumber_cm))
-            for column, a in enumerate(azimuth):
-                one = sea_leaving(theta, a + np.pi, slopes, series, atmosphere, 288.15)
-                weights = BAND.weights(atmosphere.wavenumber_cm)
-                background = np.broadcast_to(many.emission + many.sky, (300, 2))[row, column]
-                assert background == pytest.approx(float(weights @ (one.emission + one.sky)), rel=1e-4)  # stated error of the spline
+    view = _view(atmosphere, slopes)
+    got = mean_radiance(view, [-np.radians(depression)], np.radians([azimuth, 33.0]))
+    theta = view_zenith(30.0, np.radians(depression))
+    nodes = facet_nodes(theta, slopes, np.radians(azimuth) + np.pi)
+    nu = atmosphere.wavenumber_cm
+    rho = reflectance(nodes.cos_incidence[:, None], view.water.index(nu))
+    sky = atmosphere.sky_radiance(np.minimum(nodes.reflected_zenith, np.pi / 2))
+    sea = planck_wavenumber(nu, 288.15)
+    seen = np.where(nodes.meets_sea[:, None], sea, rho * sky + (1.0 - rho) * sea)
+    expected = BAND.weights(nu) @ (nodes.weight @ seen)
+    assert (got.emission + got.sky)[0, 0] == pytest.approx(expected, rel=1e-4)  # azimuth harmonics; 1e-6 for isotropic slopes
 
 
 def test_apparent_temperature_of_the_furnace_is_its_own():

@@ -20,7 +20,7 @@ from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.glint import Shadowing, glint, visible_sun
-from seaglint.radiance.surface import sea_leaving_map
+from seaglint.radiance.surface import SeaSurface
 from seaglint.sea.slopes import SlopeStatistics
 
 Background = Literal["facets", "blackbody"]
@@ -178,9 +178,9 @@ def _background(view: SeaView, theta: FloatArray, columns: FloatArray, seen: Flo
     if view.background == "blackbody":
         blackbody = (seen @ planck_wavenumber(view.atmosphere.wavenumber_cm[grid], view.sea_temperature))[:, None]
         return blackbody, np.zeros_like(blackbody)
-    leaving = sea_leaving_map(theta, columns + np.pi, view.slopes, _series(view, grid), view.atmosphere, view.sea_temperature, grid)
-    emission, sky = (np.einsum("rn,rcn->rc", seen, part) for part in (leaving.emission, leaving.sky))
-    return np.asarray(emission), np.asarray(sky)
+    surface = SeaSurface.create(view.atmosphere, view.water, view.sea_temperature, grid)
+    leaving = surface.leaving_map(theta, columns + np.pi, view.slopes, seen)
+    return leaving.emission, leaving.sky
 
 
 def _sun(view: SeaView, theta: FloatArray, columns: FloatArray, seen: FloatArray, grid: slice) -> FloatArray:

@@ -13,110 +13,133 @@ from seaglint.atmosphere.base import Atmosphere
 from seaglint.conventions import FloatArray
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
+from seaglint.optics.sea_water import WaterIndex
 from seaglint.sea.emissivity import facet_nodes
 from seaglint.sea.slopes import SlopeStatistics
 
-_ZENITH_NODES: Final = 40
-"""View zeniths at which the facets are summed; Chebyshev points with a spline between leave below 1e-5 of the radiance."""
+_SKY_NODES: Final = 241
+"""Zenith angles of the sky table, crowded to the horizon by the square root of elevation: below 1e-6 of the sky between them."""
 
-_AZIMUTH_NODES: Final = 5
-"""View azimuths from along to across the wind; even harmonics up to the eighth."""
+_SKY_RANK: Final = 1e-7
+"""Singular values of the sky table below this share of the first are dropped; what they carry is below 1e-6 of the sky."""
+
+_AZIMUTHS: Final = 6
+"""View azimuths from along to across the wind: even harmonics up to the tenth, 1e-4 of the radiance at the horizon, far less elsewhere."""
+
+_CHUNK: Final = 64
+"""View zeniths summed at a time: 64 x 384 facets x 30 numbers are 6 MB."""
+
+
+@dataclass(frozen=True, eq=False)
+class SkyTable:
+    """Thermal sky over the sea, as a short sum of products: ``L(zenith, nu) = sum_r u_r(zenith) v_r(nu)``.
+
+    Few products are enough (the sky grows with the air looked through), and the average over facets is taken of ``u_r`` alone.
+
+    Attributes
+    ----------
+    angular : CubicSpline
+        ``u_r`` against the square root of elevation [(..., r)].
+    spectral : ndarray
+        ``v_r`` [W m-2 sr-1 per cm-1, (r, n)].
+    """
+
+    angular: CubicSpline[np.float64]
+    spectral: FloatArray
+
+    @classmethod
+    def of(cls, atmosphere: Atmosphere, grid: slice = slice(None)) -> SkyTable:
+        """Table of the sky seen from the sea, on part of the atmosphere's spectral grid."""
+        root = np.sqrt(0.5 * np.pi) * np.linspace(0.0, 1.0, _SKY_NODES)
+        radiance = atmosphere.sky_radiance(np.clip(0.5 * np.pi - root**2, 0.0, 0.5 * np.pi))[:, grid]
+        u, s, v = np.linalg.svd(radiance, full_matrices=False)
+        rank = max(int(np.count_nonzero(s > _SKY_RANK * s[0])), 1)
+        return cls(CubicSpline(root, u[:, :rank] * s[:rank]), np.asarray(v[:rank]))
+
+    def shares(self, zenith: ArrayLike) -> FloatArray:
+        """``u_r`` at zenith angles [rad, (...)] up to the horizon: (..., r)."""
+        elevation = np.maximum(0.5 * np.pi - np.asarray(zenith, dtype=np.float64), 0.0)
+        return np.asarray(self.angular(np.sqrt(elevation)))
 
 
 @dataclass(frozen=True, eq=False)
 class SeaLeaving:
-    """Spectra that leave the sea towards the viewer, W m-2 sr-1 per cm-1, shape (..., n)."""
+    """Spectra that leave the sea towards the viewer [W m-2 sr-1 per cm-1, (..., n)]."""
 
     emission: FloatArray
     sky: FloatArray
 
 
-def sea_leaving(
-    view_zenith: ArrayLike,
-    view_azimuth: float,
-    slopes: SlopeStatistics,
-    reflectance: ReflectanceSeries,
-    atmosphere: Atmosphere,
-    sea_temperature: float,
-    grid: slice = slice(None),
-) -> SeaLeaving:
-    r"""Emission and mirrored sky of the sea, facet by facet.
+@dataclass(frozen=True, eq=False)
+class SeaSurface:
+    """Water of one temperature under one sky, on part of an atmosphere's spectral grid. Make it with :meth:`create`."""
 
-    .. math::
+    reflectance: ReflectanceSeries
+    blackbody: FloatArray
+    sky: SkyTable
 
-        L_{emission} = (1 - \sum_{sky} w_i \rho_i)\,B(T), \qquad L_{sky} = \sum_{sky} w_i \rho_i L_s(\theta_i)
+    @classmethod
+    def create(cls, atmosphere: Atmosphere, water: WaterIndex, sea_temperature: float, grid: slice = slice(None)) -> SeaSurface:
+        """Surface of ``water`` at ``sea_temperature`` [K] under the sky of ``atmosphere``."""
+        nu = atmosphere.wavenumber_cm[grid]
+        return cls(ReflectanceSeries.of(water.index(nu)), planck_wavenumber(nu, sea_temperature), SkyTable.of(atmosphere, grid))
 
-    Both sums run over the facets whose mirrored ray comes from the sky; the others see the sea, taken as a blackbody. So in a closed
-    cavity of the sea's own temperature the two add up to ``B(T)`` for any slopes.
+    def leaving(self, view_zenith: ArrayLike, view_azimuth: float, slopes: SlopeStatistics) -> SeaLeaving:
+        r"""Emission and mirrored sky, facet by facet.
 
-    Parameters
-    ----------
-    view_zenith : array_like
-        Zenith angle of the direction from the sea to the viewer [rad, (...)].
-    view_azimuth : float
-        Its azimuth [rad]; matters for directional slopes only.
-    slopes, reflectance, atmosphere, sea_temperature
-        The sea's slopes, the Fresnel reflectance of its water on ``atmosphere.wavenumber_cm[grid]``, what is above it, and its
-        temperature [K].
-    grid : slice
-        Part of the atmosphere's spectral grid to work on.
+        .. math::
 
-    Returns
-    -------
-    SeaLeaving
-        Spectra at the sea, shape (..., n).
-    """
-    nodes = facet_nodes(view_zenith, slopes, view_azimuth)
-    blackbody = planck_wavenumber(atmosphere.wavenumber_cm[grid], sea_temperature)
-    weight = np.where(nodes.meets_sea, 0.0, nodes.weight)
-    shares = weight[..., None] * reflectance(nodes.cos_incidence)
-    zenith = np.minimum(nodes.reflected_zenith, 0.5 * np.pi)
-    sky = np.einsum("...in,...in->...n", shares, atmosphere.sky_radiance(zenith)[..., grid])
-    return SeaLeaving((1.0 - shares.sum(axis=-2)) * blackbody, sky)
+            L_{emission} = (1 - \sum_{sky} w_i \rho_i)\,B(T), \qquad L_{sky} = \sum_{sky} w_i \rho_i L_s(\theta_i)
 
+        Both sums run over the facets whose mirrored ray comes from the sky; the others see the sea, taken as a blackbody. So in a
+        closed cavity of the sea's own temperature the two add up to ``B(T)`` for any slopes.
 
-def sea_leaving_map(
-    view_zenith: FloatArray,
-    view_azimuth: FloatArray,
-    slopes: SlopeStatistics,
-    reflectance: ReflectanceSeries,
-    atmosphere: Atmosphere,
-    sea_temperature: float,
-    grid: slice = slice(None),
-) -> SeaLeaving:
-    """The same on rows of view zenith and columns of azimuth: shape (rows, 1, n) for isotropic slopes, else (rows, columns, n).
+        Parameters
+        ----------
+        view_zenith : array_like
+            Zenith angle of the direction from the sea to the viewer [rad, (...)].
+        view_azimuth : float
+            Its azimuth [rad]; matters for directional slopes only.
+        slopes : SlopeStatistics
+            Slopes of the sea.
 
-    Many rows are interpolated: a cubic spline through Chebyshev points in view zenith, even harmonics of the angle to the wind in azimuth.
-    """
-    if slopes.is_isotropic:
-        emission, sky = _rows(view_zenith, float(view_azimuth[0]), slopes, reflectance, atmosphere, sea_temperature, grid)
-        return SeaLeaving(emission[:, None, :], sky[:, None, :])
-    m = np.arange(_AZIMUTH_NODES)
-    angles = 0.5 * np.pi * m / (_AZIMUTH_NODES - 1)
-    harmonics = np.linalg.solve(np.cos(2.0 * np.outer(angles, m)), np.eye(_AZIMUTH_NODES))
-    share = np.cos(2.0 * np.outer(view_azimuth - slopes.wind_to_azimuth, m)) @ harmonics
-    parts = [
-        _rows(view_zenith, slopes.wind_to_azimuth + float(angle), slopes, reflectance, atmosphere, sea_temperature, grid)
-        for angle in angles
-    ]
-    emission, sky = (np.einsum("ca,arn->rcn", share, np.stack([part[i] for part in parts])) for i in (0, 1))
-    return SeaLeaving(np.asarray(emission), np.asarray(sky))
+        Returns
+        -------
+        SeaLeaving
+            Spectra at the sea, (..., n).
+        """
+        theta = np.asarray(view_zenith, dtype=np.float64)
+        flat = theta.ravel()
+        parts = [self._chunk(flat[i : i + _CHUNK], view_azimuth, slopes) for i in range(0, flat.size, _CHUNK)]
+        emission, sky = (np.concatenate([part[i] for part in parts]).reshape(*theta.shape, -1) for i in (0, 1))
+        return SeaLeaving(emission, sky)
 
+    def _chunk(self, theta: FloatArray, azimuth: float, slopes: SlopeStatistics) -> tuple[FloatArray, FloatArray]:
+        nodes = facet_nodes(theta, slopes, azimuth)
+        weight = np.where(nodes.meets_sea, 0.0, nodes.weight)
+        # Moments of the facets: incidence (Chebyshev term j) by part of the sky (r). The first column, a sky of 1, gives the emission.
+        incidence = self.reflectance.basis(nodes.cos_incidence)
+        sky = self.sky.shares(nodes.reflected_zenith) * weight[..., None]
+        moments = np.swapaxes(incidence, -1, -2) @ np.concatenate([weight[..., None], sky], axis=-1)
+        reflected = np.swapaxes(moments, -1, -2) @ self.reflectance.coefficients
+        return (1.0 - reflected[:, 0]) * self.blackbody, np.einsum("irn,rn->in", reflected[:, 1:], self.sky.spectral)
 
-def _rows(
-    view_zenith: FloatArray,
-    view_azimuth: float,
-    slopes: SlopeStatistics,
-    reflectance: ReflectanceSeries,
-    atmosphere: Atmosphere,
-    sea_temperature: float,
-    grid: slice,
-) -> tuple[FloatArray, FloatArray]:
-    low, high = float(np.min(view_zenith)), float(np.max(view_zenith))
-    if view_zenith.size <= _ZENITH_NODES or high - low < 1e-6:
-        direct = sea_leaving(view_zenith, view_azimuth, slopes, reflectance, atmosphere, sea_temperature, grid)
-        return direct.emission, direct.sky
-    nodes = 0.5 * (low + high) - 0.5 * (high - low) * np.cos(np.pi * np.arange(_ZENITH_NODES) / (_ZENITH_NODES - 1))
-    nodes[[0, -1]] = low, high
-    table = sea_leaving(nodes, view_azimuth, slopes, reflectance, atmosphere, sea_temperature, grid)
-    return tuple(np.asarray(CubicSpline(nodes, part, axis=0)(view_zenith)) for part in (table.emission, table.sky))  # type: ignore[return-value]
+    def leaving_map(self, view_zenith: FloatArray, view_azimuth: FloatArray, slopes: SlopeStatistics, seen: FloatArray) -> SeaLeaving:
+        """Band radiance behind the air on rows of view zenith and columns of view azimuth [W m-2 sr-1].
+
+        ``seen`` (rows, n) is transmittance times quadrature weight [cm-1]. Isotropic slopes give one column for all azimuths;
+        others are interpolated in azimuth by even harmonics of the angle to the wind.
+        """
+        if slopes.is_isotropic:
+            leaving = self.leaving(view_zenith, float(view_azimuth[0]), slopes)
+            emission, sky = (np.einsum("rn,rn->r", seen, part)[:, None] for part in (leaving.emission, leaving.sky))
+            return SeaLeaving(emission, sky)
+        harmonic = np.arange(_AZIMUTHS)
+        angle = 0.5 * np.pi * harmonic / (_AZIMUTHS - 1)
+        share = np.cos(2.0 * np.outer(view_azimuth - slopes.wind_to_azimuth, harmonic)) @ np.linalg.inv(
+            np.cos(2.0 * np.outer(angle, harmonic))
+        )
+        parts = [self.leaving(view_zenith, slopes.wind_to_azimuth + float(a), slopes) for a in angle]
+        emission = np.stack([np.einsum("rn,rn->r", seen, part.emission) for part in parts], axis=-1)
+        sky = np.stack([np.einsum("rn,rn->r", seen, part.sky) for part in parts], axis=-1)
+        return SeaLeaving(emission @ share.T, sky @ share.T)
