@@ -8,7 +8,7 @@ from pathlib import Path
 os.environ["NUMBA_DISABLE_JIT"] = "1"
 sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 
-import seaglint  # noqa: E402
+import seaglint
 
 project = "seaglint"
 author = "The seaglint developers"
