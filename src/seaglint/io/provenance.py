@@ -9,7 +9,10 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final
 
+import numpy as np
+
 from seaglint import __version__
+from seaglint.optics.band import Band
 
 VOLATILE: Final = frozenset({"history", "created_with"})
 """Attributes that may differ between two halves of one sequence; all others must agree before ``--resume`` goes on."""
@@ -58,3 +61,14 @@ def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     """Names of the attributes in which two files of one sequence may not differ, and do."""
     keys = (old.keys() | new.keys()) - VOLATILE
     return sorted(key for key in keys if old.get(key) != new.get(key))
+
+
+def band_attributes(band: Band) -> dict[str, list[float]]:
+    """Spectral response as attributes, so that a file needs no other one to be read."""
+    return {"band_wavelength_um": band.wavelength_um.tolist(), "band_response": band.response.tolist()}
+
+
+def stored_band(attributes: Mapping[str, Any]) -> Band:
+    """Spectral response that a file's radiance is integrated over."""
+    wavelength, response = (np.asarray(attributes[key], dtype=np.float64) for key in ("band_wavelength_um", "band_response"))
+    return Band(wavelength, response)

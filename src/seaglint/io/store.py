@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, SeaglintError
 from seaglint.io.failures import storage_errors
-from seaglint.io.provenance import differences
+from seaglint.io.provenance import band_attributes, differences
 from seaglint.optics.band import Band
 from seaglint.schema import VARIABLES
 
@@ -79,8 +79,7 @@ class Layout:
             **self.attributes,
             "seaglint_format": _FORMAT,
             "frame_rate_hz": self.frame_rate,
-            "band_wavelength_um": self.band.wavelength_um.tolist(),
-            "band_response": self.band.response.tolist(),
+            **band_attributes(self.band),
         }
 
 
@@ -344,10 +343,3 @@ def open_sequence(path: str | Path, *, allow_partial: bool = False) -> xr.Datase
         missing = f"{int((~done).sum())} of {done.size} frames are missing"
         raise DataError(f"{path}: is unfinished, {missing}; render again with --resume")
     return dataset
-
-
-def stored_band(dataset: xr.Dataset) -> Band:
-    """Spectral response that a sequence's radiance is integrated over."""
-    return Band(
-        np.asarray(dataset.attrs["band_wavelength_um"], dtype=np.float64), np.asarray(dataset.attrs["band_response"], dtype=np.float64)
-    )

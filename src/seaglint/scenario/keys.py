@@ -85,6 +85,12 @@ def tags(location: tuple[str | int, ...]) -> tuple[str, ...]:
     return tuple(str(choice) for record in records for choice in _choices(next(iter(record.model_fields.values())).annotation))
 
 
+def choices_of_kind(key: Key) -> str:
+    """For the key that chooses a kind: all kinds as text; empty for other keys."""
+    above = tags(key.path[:-1])
+    return " | ".join(f'"{tag}"' for tag in above) if above and tag_name(key.path[:-1]) == key.path[-1] else ""
+
+
 def tag_name(location: tuple[str | int, ...]) -> str:
     """Name of the key that chooses the kind of the union at a location."""
     return next(iter(_at(tuple(str(part) for part in location))[0].model_fields))

@@ -105,14 +105,14 @@ class Sensor(Record):
         Field(description="field of view [width, height]"),
     ] = (16.0, 8.0)
     pixels: Annotated[
-        tuple[Annotated[int, Quantity("", ge=1, le=65_536, integer=True)], Annotated[int, Quantity("", ge=1, le=65_536, integer=True)]],
+        tuple[Annotated[int, Quantity(ge=1, le=65_536, integer=True)], Annotated[int, Quantity(ge=1, le=65_536, integer=True)]],
         Field(description="number of pixels [width, height]"),
     ] = (512, 256)
     square_pixels: Annotated[
         bool, Field(description="refuse fields of view whose pixels are not square within 1 %; false allows oblong ones")
     ] = True
     frame_rate_hz: Annotated[float, Quantity("Hz", gt=0, le=100_000), Field(description="frames per second")] = 25.0
-    frames: Annotated[int, Quantity("", ge=1, le=10_000_000, integer=True), Field(description="number of frames")] = 100
+    frames: Annotated[int, Quantity(ge=1, le=10_000_000, integer=True), Field(description="number of frames")] = 100
 
     @property
     def ifov_deg(self) -> tuple[float, float]:
@@ -294,7 +294,7 @@ class Render(Record):
     """Accuracy and cost of the image, and what is written."""
 
     lines_per_column: Annotated[
-        Annotated[int, Quantity("", ge=1, le=1024, integer=True)] | None,
+        Annotated[int, Quantity(ge=1, le=1024, integer=True)] | None,
         Field(description="lines of sight across a pixel column; chosen from the pixel and wave size where nothing is said"),
     ] = None
     step_m: Annotated[
@@ -308,7 +308,9 @@ class Render(Record):
 class Scenario(Record):
     """A scene and the sensor that looks at it: everything a picture depends on."""
 
-    seed: Annotated[int, Quantity("", ge=0, le=2**63 - 1, integer=True), Field(description="the same seed gives the same sea")] = 1
+    seed: Annotated[
+        int, Quantity(ge=0, le=9_223_372_036_854_775_807, integer=True), Field(description="the same seed gives the same sea")
+    ] = 1
     time: Time | None = None
     place: Place | None = None
     sun: Sun | None = None

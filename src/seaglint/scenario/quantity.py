@@ -78,7 +78,7 @@ def convert(text: str, unit: str) -> float:
 class Quantity:
     """Annotation of a scenario number: its unit and the closed (``ge``, ``le``) or open (``gt``, ``lt``) range allowed."""
 
-    unit: str
+    unit: str = ""
     gt: float | None = None
     ge: float | None = None
     lt: float | None = None
@@ -89,7 +89,8 @@ class Quantity:
     def allowed(self) -> str:
         """Range as text, e.g. ``"above 0 to 10000 m"``."""
         low = f"above {self.gt:g}" if self.gt is not None else f"{self.ge:g}" if self.ge is not None else ""
-        high = f"below {self.lt:g}" if self.lt is not None else f"{self.le:.10g}" if self.le is not None else ""
+        top = f"{self.le:.0f}" if self.integer and self.le is not None else f"{self.le:g}"
+        high = f"below {self.lt:g}" if self.lt is not None else top if self.le is not None else ""
         unit = f" {self.unit}" if self.unit else ""
         if low and high:
             return f"{low} to {high}{unit}"

@@ -1,0 +1,170 @@
+"""Is the installation whole, and what can this machine do?"""
+
+from __future__ import annotations
+
+import ctypes
+import hashlib
+import os
+import platform
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from seaglint import __version__
+from seaglint.io.provenance import package_version
+
+CORE = ("numpy", "scipy", "numba", "xarray", "zarr", "h5netcdf", "pydantic", "pint", "typer", "rich", "matplotlib", "pvlib")
+EXTRAS = {"av": ("video", "MP4 previews"), "wavespectra": ("waves", "measured wave spectra")}
+
+
+@dataclass
+class Report:
+    """What was found, in the order it is printed."""
+
+    sections: dict[str, dict[str, Any]] = field(default_factory=dict)
+    problems: list[str] = field(default_factory=list)
+
+    @property
+    def lines(self) -> list[str]:
+        """Plain text."""
+        out: list[str] = []
+        for title, entries in self.sections.items():
+            out.append(title)
+            out += [f"  {key:28} {value}" for key, value in entries.items()]
+        out.append("all well" if not self.problems else f"{len(self.problems)} problem(s), see below")
+        return out
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, for JSON."""
+        return {**self.sections, "problems": self.problems}
+
+
+def examine() -> Report:
+    """Versions, threads, GPU, codecs, table checksums; every check runs, whatever the others find."""
+    report = Report()
+    report.sections["seaglint"] = {
+        "version": __version__,
+        "python": f"{platform.python_version()} ({sys.executable})",
+        "system": platform.platform(),
+    }
+    report.sections["packages"] = _packages(report)
+    report.sections["machine"] = _machine(report)
+    report.sections["codecs"] = _codecs(report)
+    report.sections["tables"] = _tables(report)
+    return report
+
+
+def _packages(report: Report) -> dict[str, str]:
+    found = {name: package_version(name) for name in CORE}
+    report.problems += [f"{name} is missing; pip install seaglint again" for name, version in found.items() if version == "not installed"]
+    for name, (extra, use) in EXTRAS.items():
+        version = package_version(name)
+        found[name] = version if version != "not installed" else f"not installed: no {use}; pip install 'seaglint[{extra}]'"
+    return found
+
+
+def _machine(report: Report) -> dict[str, Any]:
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    found: dict[str, Any] = {"processors": os.cpu_count(), "usable by this process": usable}
+    found["numba threads"] = _try(report, "numba", _numba_threads)
+    found["GPU"] = "CUDA driver found; this version renders on the processor" if _has_cuda_driver() else "no CUDA driver; not needed"
+    return found
+
+
+def _numba_threads() -> str:
+    import numba
+
+    settings: Any = numba.config
+    disabled = " (JIT is off: NUMBA_DISABLE_JIT)" if settings.DISABLE_JIT else ""
+    return f"{numba.get_num_threads()}{disabled}"
+
+
+def _has_cuda_driver() -> bool:
+    for name in ("libcuda.so.1", "nvcuda.dll"):
+        try:
+            ctypes.CDLL(name)
+        except OSError:
+            continue
+        return True
+    return False
+
+
+def _codecs(report: Report) -> dict[str, str]:
+    return {"Zarr, Blosc zstd": _try(report, "the Blosc codec", _blosc_round_trip), "H.264 video": _h264()}
+
+
+def _blosc_round_trip() -> str:
+    import numpy as np
+    import zarr
+    from zarr.codecs import BloscCodec
+
+    values = np.linspace(0.0, 1.0, 4096, dtype=np.float32)
+    array = zarr.create_array(
+        zarr.storage.MemoryStore(), shape=values.shape, dtype="float32", compressors=BloscCodec(cname="zstd", clevel=3, shuffle="shuffle")
+    )
+    array[...] = values
+    if not np.array_equal(np.asarray(array[...]), values):
+        raise RuntimeError("what was written is not what was read")
+    return "ok"
+
+
+def _h264() -> str:
+    try:
+        import av
+
+        av.Codec("libx264", "w")
+    except ImportError:
+        return "not installed"
+    except Exception:  # PyAV's own error for an unknown codec changed its name over time
+        return "PyAV is there without libx264: no MP4 previews"
+    return "ok"
+
+
+def _tables(report: Report) -> dict[str, str]:
+    """SHA-256 of every data file against the list shipped beside them."""
+    root = Path(str(files("seaglint")))
+    found: dict[str, str] = {}
+    expected = read_checksums(root / "checksums.sha256")
+    for name in sorted(expected.keys() | set(data_files(root))):
+        path = root / name
+        if not path.is_file():
+            state = "MISSING"
+        elif name not in expected:
+            state = f"{checksum(path)[:12]} (not in the list of checksums)"
+        else:
+            state = f"{checksum(path)[:12]} ok" if checksum(path) == expected[name] else "CHANGED"
+        found[name] = state
+        if state in ("MISSING", "CHANGED"):
+            report.problems.append(f"{name} is {state.lower()}; pip install --force-reinstall seaglint")
+    return found
+
+
+def data_files(root: Path) -> list[str]:
+    """Data files of the package, relative to it."""
+    return sorted(path.relative_to(root).as_posix() for path in root.glob("*/data/*") if path.is_file() and path.suffix != ".py")
+
+
+def checksum(path: Path) -> str:
+    """SHA-256 of a file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def read_checksums(path: Path) -> dict[str, str]:
+    """File of ``sha256sum`` lines; empty where there is none."""
+    if not path.is_file():
+        return {}
+    return {
+        name.strip(): digest for digest, name in (line.split(maxsplit=1) for line in path.read_text(encoding="utf-8").splitlines() if line)
+    }
+
+
+def _try(report: Report, what: str, check: Callable[[], str]) -> str:
+    """Result of a check; a failure becomes a problem and does not end the examination."""
+    try:
+        return check()
+    except Exception as error:
+        report.problems.append(f"{what} does not work: {error}; pip install --force-reinstall seaglint")
+        return f"FAILED: {error}"

@@ -1,0 +1,97 @@
+"""What a sequence or a map holds and how it was made."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from seaglint.errors import DataError
+from seaglint.io.store import open_sequence
+from seaglint.plot.summary import images, summarise
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_HIDDEN = frozenset({"scenario", "band_wavelength_um", "band_response", "Conventions", "title", "seaglint_format", "frame_rate_hz", "seed"})
+
+
+def describe(path: Path) -> dict[str, Any]:
+    """Facts about an output file as plain values.
+
+    Raises
+    ------
+    DataError
+        Nothing is there, or it cannot be read.
+    """
+    dataset = open_sequence(path, allow_partial=True) if path.is_dir() or not path.exists() else _open_map(path)
+    with dataset:
+        try:
+            return _facts(path, dataset)
+        except (KeyError, ValueError, OSError, RuntimeError) as error:
+            raise DataError(f"{path}: cannot be read as a seaglint file ({error}); make it again") from error
+
+
+def _open_map(path: Path) -> xr.Dataset:
+    import xarray as xr
+
+    try:
+        return xr.open_dataset(path, engine="h5netcdf", decode_times=False)
+    except Exception as error:
+        raise DataError(f"{path}: is not a NetCDF file, or is cut ({error}); give what 'seaglint render' or 'seaglint mean' made") from None
+
+
+def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
+    radiance = dataset["radiance"]
+    azimuth, elevation = dataset["azimuth"].to_numpy(), dataset["elevation"].to_numpy()
+    facts: dict[str, Any] = {"path": str(path), "title": dataset.attrs.get("title", ""), "variables": sorted(map(str, dataset.data_vars))}
+    if "time" in radiance.dims:
+        done = len(images(dataset))
+        facts |= {
+            "frames": radiance.sizes["time"],
+            "frames_done": done,
+            "complete": done == radiance.sizes["time"],
+            "first_frame": int(dataset["frame"][0]),
+            "frame_rate_hz": dataset.attrs["frame_rate_hz"],
+        }
+    facts |= {
+        "pixels": [int(radiance.sizes["x"]), int(radiance.sizes["y"])],
+        "azimuth_deg": [float(azimuth[0]), float(azimuth[-1])],
+        "elevation_deg": [float(elevation[0]), float(elevation[-1])],
+        "band_um": [float(dataset.attrs["band_wavelength_um"][0]), float(dataset.attrs["band_wavelength_um"][-1])],
+        "seed": int(dataset.attrs["seed"]) if "seed" in dataset.attrs else None,
+        "bytes": sum(file.stat().st_size for file in path.rglob("*") if file.is_file()) if path.is_dir() else path.stat().st_size,
+    }
+    if len(images(dataset)):
+        found = summarise(dataset)
+        facts |= {"statistics": found.as_dict(), "summary": found.line}
+    facts["provenance"] = {key: _plain(value) for key, value in dataset.attrs.items() if key not in _HIDDEN}
+    try:
+        facts["scenario"] = json.loads(dataset.attrs["scenario"])
+    except (KeyError, ValueError):
+        facts["scenario"] = None
+    return facts
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def lines(facts: dict[str, Any]) -> list[str]:
+    """The same for people."""
+    (nx, ny), (a0, a1), (e0, e1), (w0, w1) = (facts[key] for key in ("pixels", "azimuth_deg", "elevation_deg", "band_um"))
+    out = [f"{facts['path']}: {facts['title']}"]
+    if "frames" in facts:
+        state = "complete" if facts["complete"] else f"UNFINISHED, {facts['frames_done']} done"
+        out.append(f"  frames            {facts['frames']} from number {facts['first_frame']} at {facts['frame_rate_hz']:g} Hz, {state}")
+    out += [
+        f"  pixels            {nx} x {ny}: azimuth {a0:g} to {a1:g} deg, elevation {e0:g} to {e1:g} deg",
+        f"  band              {w0:g} to {w1:g} um",
+        f"  variables         {', '.join(facts['variables'])}",
+        f"  size              {facts['bytes'] / 1e6:.1f} MB",
+        f"  seed              {facts['seed']}",
+    ]
+    if "summary" in facts:
+        out.append(f"  radiance          {facts['summary']}")
+    out += [f"  {key:17} {value}" for key, value in facts["provenance"].items()]
+    return out

@@ -1,0 +1,113 @@
+"""Progress with rate and time left: a bar on a terminal, plain lines elsewhere, nothing on request; always on stderr."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from enum import StrEnum
+
+
+class ProgressMode(StrEnum):
+    """How progress is shown."""
+
+    AUTO = "auto"
+    BAR = "bar"
+    LOG = "log"
+    NONE = "none"
+
+
+Report = Callable[[int, int], None]
+
+LOG_INTERVAL = 10.0
+"""Seconds between two lines of a log: a batch job of hours stays readable."""
+
+
+@contextmanager
+def progress(mode: ProgressMode, what: str) -> Iterator[Report]:
+    """Function to call with (done, total): once at the start, then after each piece of work."""
+    if mode is ProgressMode.AUTO:
+        mode = ProgressMode.BAR if sys.stderr.isatty() else ProgressMode.LOG
+    if mode is ProgressMode.BAR:
+        with _bar(what) as report:
+            yield report
+    elif mode is ProgressMode.LOG:
+        yield log_lines(what, lambda line: print(line, file=sys.stderr, flush=True))
+    else:
+        yield lambda done, total: None
+
+
+def duration(seconds: float) -> str:
+    """Time span as people say it.
+
+    >>> duration(42.4), duration(600), duration(7500)
+    ('42 s', '10 min', '2 h 05 min')
+    """
+    if seconds < 99.5:
+        return f"{seconds:.0f} s"
+    minutes = round(seconds / 60.0)
+    return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60:02d} min"
+
+
+def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic) -> Report:
+    """Report that writes a line at the start, at most every :data:`LOG_INTERVAL` seconds, and at the end."""
+    start: list[tuple[float, int]] = []
+    last = [0.0]
+
+    def report(done: int, total: int) -> None:
+        now = clock()
+        if not start:
+            start.append((now, done))
+            last[0] = now
+            write(f"{what}: {total - done} to do" + (f", {done} of {total} there already" if done else ""))
+            return
+        if done < total and now - last[0] < LOG_INTERVAL:
+            return
+        last[0] = now
+        began, before = start[0]
+        rate = (done - before) / max(now - began, 1e-9)
+        if done < total:
+            write(f"{what}: {done}/{total}, {rate:.3g} per s, {duration((total - done) / max(rate, 1e-9))} left")
+        else:
+            write(f"{what}: {done}/{total} in {duration(now - began)}, {rate:.3g} per s")
+
+    return report
+
+
+@contextmanager
+def _bar(what: str) -> Iterator[Report]:
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        ProgressColumn,
+        Task,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+    from rich.text import Text
+
+    class Rate(ProgressColumn):
+        """Pieces per second since this run began."""
+
+        def render(self, task: Task) -> Text:
+            """Rate as text."""
+            before = int(task.fields.get("before", 0))
+            elapsed = task.finished_time if task.finished_time is not None else task.elapsed
+            return Text(f"{(task.completed - before) / elapsed:.3g}/s" if elapsed and task.completed > before else "-/s")
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Rate(), TimeElapsedColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True)) as shown:
+        task = shown.add_task(what, total=None)
+        seen: list[int] = []
+
+        def report(done: int, total: int) -> None:
+            if not seen:
+                seen.append(done)
+                shown.update(task, before=done)
+            shown.update(task, completed=done, total=total)
+
+        yield report

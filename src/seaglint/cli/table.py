@@ -1,0 +1,24 @@
+"""Plain text tables of results."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+
+def _number(value: Any) -> str:
+    if isinstance(value, list | tuple):
+        return " to ".join(_number(item) for item in value)
+    return f"{value:.4g}" if isinstance(value, int | float) else str(value)
+
+
+def table(rows: Mapping[str, Mapping[str, Any]]) -> list[str]:
+    """Lines of a table: what, article, ours, unit; the settings of each row under it."""
+    width = max((len(key) for key in rows), default=4)
+    out = [f"{'what':{width}}  {'article':>12}  {'ours':>12}  unit"]
+    for key, row in rows.items():
+        out.append(f"{key:{width}}  {_number(row['article']):>12}  {_number(row['ours']):>12}  {row.get('unit', '')}".rstrip())
+        if settings := row.get("settings"):
+            text = "; ".join(f"{k} = {_number(v)}" for k, v in settings.items()) if isinstance(settings, Mapping) else str(settings)
+            out.append(f"{'':{width}}  {text}")
+    return out

@@ -1,0 +1,118 @@
+"""A picture of a sequence or map: radiance and apparent temperature, angles on the axes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.conventions import FloatArray
+from seaglint.io.failures import storage_errors
+from seaglint.io.provenance import stored_band
+from seaglint.plot.summary import images, to_temperature
+from seaglint.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PERCENTILES: Final = (0.2, 99.8)
+"""Scale limits: a few sparkles are tens of times brighter than the sea and would turn the rest black."""
+
+
+def scale_limits(values: NDArray[Any]) -> tuple[float, float]:
+    """Limits of a colour scale, never empty."""
+    finite = values[np.isfinite(values)]
+    if finite.size == 0:
+        return 0.0, 1.0
+    low, high = (float(v) for v in np.percentile(finite, PERCENTILES))
+    margin = 1e-4 * max(abs(low), abs(high), 1e-12)  # a flat image must not show its rounding errors
+    return (low, high) if high - low > margin else (low - margin, high + margin)
+
+
+def _edges(centres: FloatArray) -> tuple[float, float]:
+    step = (centres[-1] - centres[0]) / (centres.size - 1) if centres.size > 1 else 1.0
+    return float(centres[0] - 0.5 * step), float(centres[-1] + 0.5 * step)
+
+
+def _title(dataset: xr.Dataset) -> str:
+    """Facts of the scene, from the scenario in the attributes."""
+    band = stored_band(dataset.attrs)
+    facts = [f"{band.min_um:g}–{band.max_um:g} µm"]
+    try:
+        scenario = json.loads(dataset.attrs["scenario"])
+        facts.append(f"sensor {scenario['sensor']['height_m']:g} m")
+        facts.append(f"wind {scenario['wind']['speed_m_s']:g} m/s from {scenario['wind']['from_deg']:g}°")
+        if scenario.get("sun"):
+            facts.append(f"Sun zenith {scenario['sun']['zenith_deg']:g}°, azimuth {scenario['sun']['azimuth_deg']:g}°")
+        elif scenario.get("time"):
+            facts.append(str(scenario["time"]["utc"]))
+    except (KeyError, ValueError, TypeError):
+        pass
+    if "time" in dataset["radiance"].dims:
+        facts.append(f"t = {float(dataset['time'][0]):g} s")
+    return " · ".join(facts)
+
+
+def _panel(figure: Figure, axes: Axes, values: NDArray[Any], extent: tuple[float, float, float, float], name: str, colours: str) -> Any:
+    low, high = scale_limits(values)
+    shape: Literal["equal", "auto"] = "equal" if 0.2 < abs((extent[3] - extent[2]) / (extent[1] - extent[0])) < 5.0 else "auto"
+    image = axes.imshow(values, cmap=colours, vmin=low, vmax=high, extent=extent, origin="upper", aspect=shape, interpolation="nearest")
+    axes.set_xlabel("azimuth [deg]")
+    axes.set_ylabel("elevation [deg]")
+    axes.set_title(VARIABLES[name].long_name, fontsize=10)
+    finite = values[np.isfinite(values)]
+    above, below = bool(np.any(finite > high)), bool(np.any(finite < low))
+    extend = {(True, True): "both", (True, False): "max", (False, True): "min", (False, False): "neither"}[above, below]
+    return figure.colorbar(image, ax=axes, extend=extend, pad=0.02)
+
+
+def draw(dataset: xr.Dataset) -> Figure:
+    """Figure of the first frame of a sequence, or of a map."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    radiance = images(dataset)[0]
+    temperature = to_temperature(radiance, stored_band(dataset.attrs))
+    x = _edges(dataset["azimuth"].to_numpy().astype(np.float64))
+    top, bottom = _edges(dataset["elevation"].to_numpy().astype(np.float64))
+    extent = (*x, bottom, top)
+    wide = abs((x[1] - x[0]) / (top - bottom)) > 1.0
+    figure = Figure(figsize=(9.0, 9.0) if wide else (12.0, 6.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    upper, lower = figure.subplots(2, 1) if wide else figure.subplots(1, 2)
+    bar = _panel(figure, upper, radiance, extent, "radiance", "inferno")
+    # Both units beside one bar: the article's reads 100 times the SI number.
+    bar.ax.set_title(VARIABLES["radiance"].symbol, fontsize=8, loc="left")
+    second = bar.ax.secondary_yaxis("left", functions=(lambda v: ARTICLE_RADIANCE_PER_SI * v, lambda v: v / ARTICLE_RADIANCE_PER_SI))
+    second.set_ylabel(ARTICLE_RADIANCE_SYMBOL, fontsize=8)
+    second.tick_params(labelsize=7)
+    bar.ax.tick_params(labelsize=7)
+    thermal = _panel(figure, lower, temperature, extent, "apparent_temperature", "gray")
+    thermal.ax.set_title("K", fontsize=8, loc="left")
+    thermal.ax.tick_params(labelsize=7)
+    figure.suptitle(_title(dataset), fontsize=11)
+    return figure
+
+
+def write_picture(dataset: xr.Dataset, output: str | Path) -> Path:
+    """Write the picture as PNG.
+
+    Raises
+    ------
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    output = Path(output)
+    partial = output.with_name(output.name + ".partial")
+    try:
+        with storage_errors(output, "make room and run the same command with --resume"):
+            draw(dataset).savefig(partial, format="png", dpi=130)
+            partial.replace(output)
+    finally:
+        partial.unlink(missing_ok=True)
+    return output

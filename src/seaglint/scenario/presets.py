@@ -1,0 +1,71 @@
+"""Scenes to begin with, each with where its numbers come from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+
+@dataclass(frozen=True)
+class Preset:
+    """What differs from the defaults, and why."""
+
+    title: str
+    notes: tuple[str, ...]
+    """Sources and remarks, one line each."""
+    values: dict[str, Any] = field(default_factory=dict)
+
+
+PRESETS: Final[dict[str, Preset]] = {
+    "glint": Preset(
+        "the glint corridor of a low Sun, seen from a ship's mast",
+        (
+            "Band: 3.5-5 um as in the source article's glint calculations. Air: LOWTRAN7 midlatitude summer, Navy maritime aerosol",
+            "(Kneizys et al. 1988). Slopes: Cox and Munk 1954. Waves: Elfouhaily et al. 1997. Sea at 288.15 K as in the source article.",
+        ),
+    ),
+    "calm": Preset(
+        "a nearly calm sea and its bright, narrow glint",
+        (
+            "Sensor at 100 m, wind 0.5 m/s: the article's 'calm', where the brightest point looks as warm as 526 K.",
+            "Waves this small stay facet density: the mean picture.",
+        ),
+        {
+            "sensor": {"height_m": 100.0, "elevation_deg": -13.0, "fov_deg": [32.0, 16.0]},
+            "wind": {"speed_m_s": 0.5},
+            "sea": {"resolve_waves": False, "slopes": {"kind": "cox-munk-isotropic"}},
+        },
+    ),
+    "article-10ms": Preset(
+        "10 m/s of wind in the article's own manner, for mean maps",
+        (
+            "Settings of the headline row '62 K rise at 10 m/s': isotropic Cox-Munk slopes, article's water index, band means,",
+            "sky and sea as one blackbody, the viewer's shadowing only. Brightest at a depression of 1.5 to 2.5 deg.",
+        ),
+        {
+            "sun": {"zenith_deg": 77.0, "azimuth_deg": 180.0},
+            "sensor": {"height_m": 100.0},
+            "wind": {"speed_m_s": 10.0},
+            "sea": {"water": "article", "resolve_waves": False, "slopes": {"kind": "cox-munk-isotropic"}},
+            "mean": {"mode": "article"},
+        },
+    ),
+    "buoy": Preset(
+        "waves measured by a buoy",
+        (
+            "Directional spectrum of NDBC station 41010 (ndbc.noaa.gov, realtime2: .data_spec, .swdir, .swdir2, .swr1, .swr2);",
+            "put the five files beside this one. Reading them needs the extra: pip install 'seaglint[waves]'.",
+        ),
+        {"sea": {"spectrum": {"kind": "file", "path": "41010.data_spec"}}},
+    ),
+    "furnace": Preset(
+        "everything at one temperature: the picture must be flat",
+        ("A closed isothermal cavity looks like a blackbody whatever its walls are: the test scene of every thermal renderer.",),
+        {
+            "sensor": {"frames": 2, "pixels": [128, 64]},
+            "sea": {"temperature_k": 288.15},
+            "atmosphere": {"source": "isothermal", "temperature_k": 288.15},
+        },
+    ),
+}
+"""Presets by the name that ``seaglint init --preset`` takes."""

@@ -1,0 +1,135 @@
+"""What ``seaglint init`` and ``seaglint schema`` write: the commented scenario and its JSON Schema, both read off the models."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from seaglint.errors import DataError, ScenarioError, StorageError
+from seaglint.scenario.keys import Key, choices_of_kind, fields_of
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.presets import PRESETS, Preset
+
+__all__ = ["PRESETS", "json_schema", "template", "write_template"]
+
+_HEADER = """\
+# Numbers are in the unit at the end of their key; text with another unit is taken too: "12 kn", "30 ft", "15 degC".
+# Azimuths are clockwise from north, winds come FROM their azimuth, elevations are above the horizontal (looking down is negative).
+# Every key may be left out. 'seaglint schema' prints all of them as JSON Schema.
+"""
+
+_EXAMPLES = {
+    "time": "2026-06-21T17:30:00Z",
+    "min_um": "3.5",
+    "max_um": "5.0",
+    "response": '"response.csv"',
+    "utc": "2026-06-21T17:30:00Z",
+    "latitude_deg": "36.8",
+    "longitude_deg": "-75.9",
+    "lines_per_column": "4",
+    "step_m": "0.5",
+}
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of scenario files, for editors and other programs."""
+    schema = Scenario.model_json_schema(mode="validation")
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "seaglint scenario"}
+
+
+def template(preset: str = "glint") -> str:
+    """Commented TOML text of a preset.
+
+    Raises
+    ------
+    ScenarioError
+        For a name that is no preset.
+    """
+    try:
+        chosen = PRESETS[preset]
+    except KeyError:
+        raise ScenarioError(f"--preset {preset}: is not one of {', '.join(PRESETS)}") from None
+    return "\n".join(_lines(chosen)) + "\n"
+
+
+def write_template(output: str | Path, preset: str = "glint", *, overwrite: bool = False) -> Path:
+    """Write the commented scenario of a preset.
+
+    Raises
+    ------
+    DataError
+        The file exists.
+    StorageError
+        It cannot be written.
+    """
+    output, text = Path(output), template(preset)
+    if output.exists() and not overwrite:
+        raise DataError(f"{output}: exists already; choose another name, or replace it with --overwrite")
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise StorageError(f"{output}: cannot be written: {error.strerror}; choose another place") from error
+    return output
+
+
+def _lines(preset: Preset) -> Iterator[str]:
+    yield f"# seaglint scenario: {preset.title}"
+    yield from (f"# {line}" for line in preset.notes)
+    yield from _HEADER.splitlines()
+    yield ""
+    yield from _table(Scenario.model_validate(preset.values), ())
+
+
+def _table(record: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
+    """Plain keys first, then the tables inside, as TOML wants it."""
+    keys = list(fields_of(type(record), path))
+    for key in keys:
+        if not key.records:
+            yield _entry(key, getattr(record, key.path[-1]))
+    for key in keys:
+        if key.records:
+            yield ""
+            yield from _section(key, getattr(record, key.path[-1]))
+
+
+def _section(key: Key, value: BaseModel | None) -> Iterator[str]:
+    name = ".".join(key.path)
+    if value is not None:
+        yield f"[{name}]  # {_first_line(type(value))}"
+        yield from _table(value, key.path)
+        return
+    yield f"# [{name}]  # {_first_line(key.records[0])}"
+    for inner in fields_of(key.records[0], key.path):
+        line = _entry(inner, None)
+        yield line if line.startswith("#") else f"# {line}"
+
+
+def _first_line(record: type[BaseModel]) -> str:
+    return (record.__doc__ or "").strip().splitlines()[0].rstrip(".").replace("``", "")
+
+
+def _entry(key: Key, value: Any) -> str:
+    name = key.path[-1]
+    allowed = choices_of_kind(key) or key.allowed
+    note = "; ".join(part for part in (key.info.description or "", allowed) if part)
+    comment = f"  # {note}" if note else ""
+    if value is None:
+        return f"# {name} = {_EXAMPLES.get(name, '...')}{comment}"
+    return f"{name} = {_toml(value)}{comment}"
+
+
+def _toml(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, datetime):
+        return value.isoformat().replace("+00:00", "Z")
+    if isinstance(value, int | float):
+        return repr(value)
+    if isinstance(value, tuple):
+        return "[" + ", ".join(_toml(item) for item in value) + "]"
+    text = str(value).replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{text}"'
