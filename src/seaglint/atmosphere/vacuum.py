@@ -39,7 +39,7 @@ def exoatmospheric_irradiance(wavenumber_cm: ArrayLike) -> FloatArray:
     Examples
     --------
     >>> round(float(exoatmospheric_irradiance(2500.0)), 6)
-    0.014411
+    0.0152
     """
     wanted = np.asarray(wavenumber_cm, dtype=np.float64)
     known, irradiance = _solar_table()

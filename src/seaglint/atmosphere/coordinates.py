@@ -1,0 +1,120 @@
+"""Where the nodes of an atmosphere table lie: refraction, normalised path length, normalised elevation, splines between kinks.
+
+The table builder and :mod:`seaglint.atmosphere.table` share this file, so that nodes and look-ups cannot drift apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from seaglint.atmosphere.base import FloatArray
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+
+
+@dataclass(frozen=True)
+class Refraction:
+    """LOWTRAN7's own refractivity profile, exponential between its levels, over its own Earth radius.
+
+    Snell's law on a sphere, ``n r sin(zenith) = const``, ties the depression at the sensor to the zenith angle at the sea
+    without tracing the ray.
+    """
+
+    level_height: FloatArray
+    refractivity: FloatArray
+    earth_radius: float
+
+    def _offset(self, height: float) -> float:
+        """``1 - n_0 R / (n_h (R + h))``, written so that low sensors keep their digits."""
+        sea = self.refractivity[0]
+        air = float(np.exp(np.interp(height, self.level_height, np.log(self.refractivity))))
+        return float((self.earth_radius * (air - sea) + (1.0 + air) * height) / ((1.0 + air) * (self.earth_radius + height)))
+
+    def depression(self, height: float, sea_cosine: ArrayLike) -> FloatArray:
+        """Depression at the sensor of the ray that leaves the sea at zenith angle ``arccos(sea_cosine)`` [rad]."""
+        e = self._offset(height)
+        sine = np.sqrt(e * (2.0 - e) + ((1.0 - e) * np.asarray(sea_cosine, dtype=np.float64)) ** 2)
+        return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
+
+    def sea_cosine(self, height: float, depression: ArrayLike) -> FloatArray:
+        """Cosine of the zenith angle at the sea of the ray seen at ``depression``; NaN where the ray misses the sea."""
+        e = self._offset(height)
+        squared = (np.sin(np.asarray(depression, dtype=np.float64)) ** 2 - e * (2.0 - e)) / (1.0 - e) ** 2
+        with np.errstate(invalid="ignore"):
+            return np.asarray(np.sqrt(squared))
+
+    def dip(self, height: float) -> float:
+        """Depression of the sea horizon [rad]."""
+        return float(self.depression(height, 0.0))
+
+
+def straight_slant(height: float, sea_cosine: ArrayLike) -> FloatArray:
+    """Straight path over the effective Earth that leaves the sea at ``sea_cosine`` and ends at ``height`` [m]."""
+    rc = EFFECTIVE_EARTH_RADIUS * np.asarray(sea_cosine, dtype=np.float64)
+    rise = height * (2.0 * EFFECTIVE_EARTH_RADIUS + height)
+    return np.asarray(rise / (rc + np.sqrt(rc * rc + rise)))
+
+
+def straight_sea_cosine(height: float, slant: ArrayLike) -> FloatArray:
+    """Inverse of :func:`straight_slant`."""
+    s = np.asarray(slant, dtype=np.float64)
+    return np.asarray((height * (2.0 * EFFECTIVE_EARTH_RADIUS + height) - s * s) / (2.0 * EFFECTIVE_EARTH_RADIUS * s))
+
+
+def path_coordinate(slant: ArrayLike, height: float, horizon_slant: float) -> FloatArray:
+    """``log(s/h) / log(s_horizon/h)``: 0 straight down, 1 at the sea horizon; optical depth is nearly a power of it."""
+    return np.asarray(np.log(np.maximum(np.asarray(slant, dtype=np.float64) / height, 1.0)) / np.log(horizon_slant / height))
+
+
+ELEVATION_SCALE = 0.012
+"""Angle above the horizon at which the spacing of elevation nodes turns from even to geometric [rad]."""
+
+
+def elevation_coordinate(elevation: ArrayLike, dip: float) -> FloatArray:
+    """Angle above the sea horizon squeezed to 0 (horizon) ... 1 (straight up): ``asinh(e/e0) / asinh(e_max/e0)``."""
+    scale = ELEVATION_SCALE + 0.5 * dip
+    return np.asarray(np.arcsinh(np.asarray(elevation) / scale) / np.arcsinh((0.5 * np.pi + dip) / scale))
+
+
+def elevation_of_coordinate(y: ArrayLike, dip: float) -> FloatArray:
+    """Inverse of :func:`elevation_coordinate`."""
+    scale = ELEVATION_SCALE + 0.5 * dip
+    return np.asarray(scale * np.sinh(np.asarray(y) * np.arcsinh((0.5 * np.pi + dip) / scale)))
+
+
+OPTICAL_DEPTH_FLOOR, OPTICAL_DEPTH_CEILING = 1e-4, 6.0
+"""Below the one a channel is clear, far above the other it is opaque; what the encoding spends on either is little."""
+
+
+def encode_optical_depth(optical_depth: ArrayLike) -> FloatArray:
+    """``q = log(d/(1 + d/6) + 1e-4)``: a logarithm that levels off where transmittance is nearly 1 or nearly 0.
+
+    Splines and principal components of ``q`` then work for the optical depths that matter: 32 components leave 0.06 % of
+    the 3-5 um band transmittance (above 0.01), of the plain logarithm 0.1 %.
+    """
+    d = np.asarray(optical_depth, dtype=np.float64)
+    return np.asarray(np.log(d / (1.0 + d / OPTICAL_DEPTH_CEILING) + OPTICAL_DEPTH_FLOOR))
+
+
+def decode_optical_depth(q: FloatArray) -> FloatArray:
+    """Inverse of :func:`encode_optical_depth`; not below 0, and above 60 nothing is told apart."""
+    share = np.exp(q)
+    share -= OPTICAL_DEPTH_FLOOR
+    np.maximum(share, 0.0, out=share)
+    return np.asarray(share / np.maximum(1.0 - share / OPTICAL_DEPTH_CEILING, 0.09))
+
+
+def spline_weights(nodes: FloatArray, kinks: tuple[float, ...], x: float) -> FloatArray:
+    """Weights [(nodes)] with which node values add up to a cubic spline's value at ``x``; the slope may jump at ``kinks``.
+
+    Kinks must be nodes. Between two kinks the spline is not-a-knot (three nodes: a parabola, two: a line).
+    """
+    edges = sorted({nodes[0], *kinks, nodes[-1]})
+    last = min(max(int(np.searchsorted(edges, x, side="right")), 1), len(edges) - 1)
+    inside = (nodes >= edges[last - 1]) & (nodes <= edges[last])
+    weights = np.zeros(nodes.size)
+    weights[inside] = CubicSpline(nodes[inside], np.eye(int(inside.sum())))(x)
+    return weights

@@ -1,0 +1,258 @@
+"""LOWTRAN7 with its Navy maritime aerosol, tabulated: the atmosphere that ships with seaglint.
+
+Built by ``tools/build_atmosphere.py``; each file holds, for one model atmosphere and one spectral region,
+
+- encoded optical depth and effective air temperature ``T_e`` of the path from the sea to a sensor, against wind, height and
+  normalised path length: ``L_path = (1 - tau) B(T_e)``;
+- encoded optical depth of the path to the Sun against wind and zenith angle;
+- brightness temperature of the thermal sky against wind, height and elevation above the sea horizon,
+
+each as spectral principal components whose scores are interpolated by cubic splines. These quantities vary slowly where
+transmittance and radiance vary by orders of magnitude, and splines of them show no bands in an image.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib import resources
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from seaglint.atmosphere.base import FloatArray, require_height, require_range, slant_range, wavenumber_grid
+from seaglint.atmosphere.coordinates import (
+    Refraction,
+    decode_optical_depth,
+    elevation_coordinate,
+    path_coordinate,
+    spline_weights,
+    straight_slant,
+)
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.conventions import horizon_depression
+from seaglint.errors import DataError, DomainError
+from seaglint.optics.blackbody import planck_wavenumber
+
+_DATA = resources.files("seaglint.atmosphere").joinpath("data")
+_ANGLE_SLACK = 1e-6
+"""Angles this far below the horizon count as on it: rounding of degrees, 2e-3 of the solar radius [rad]."""
+
+
+def models(region: str = "mwir") -> tuple[str, ...]:
+    """Names of the model atmospheres that ship with a table of the spectral region (``mwir`` 2-5.5 um, ``lwir`` 7.5-14 um)."""
+    ending = f"_{region}.npz"
+    return tuple(sorted(f.name.removesuffix(ending) for f in _DATA.iterdir() if f.name.endswith(ending)))
+
+
+@dataclass(frozen=True)
+class _Spectra:
+    """Spectra as ``mean + scores @ components``: one row of scores per node, interpolation acts on the scores."""
+
+    mean: FloatArray
+    components: FloatArray
+    scores: FloatArray
+
+    @classmethod
+    def read(cls, file: Mapping[str, Any], name: str, keep: slice, wind_weights: FloatArray) -> _Spectra:
+        scores = np.tensordot(wind_weights, file[name + "_scores"].astype(np.float64), axes=1)
+        return cls(file[name + "_mean"][keep].astype(np.float64), file[name + "_components"][:, keep].astype(np.float64), scores)
+
+    def at_height(self, weights: FloatArray) -> _Spectra:
+        return _Spectra(self.mean, self.components, np.tensordot(weights, self.scores, axes=1))
+
+    def along(self, nodes: FloatArray, x: FloatArray) -> FloatArray:
+        """Spectra at ``x``: cubic spline between the nodes, the end's tangent beyond the last one."""
+        spline = CubicSpline(nodes, self.scores)
+        inside = np.minimum(x, nodes[-1])
+        scores = spline(inside) + (x - inside)[..., np.newaxis] * spline(nodes[-1], 1)
+        return np.asarray(scores @ self.components + self.mean)
+
+
+@dataclass(frozen=True)
+class TableAtmosphere:
+    """One LOWTRAN7 model atmosphere at one wind speed, over one band. Make it with :meth:`load`.
+
+    Notes
+    -----
+    Heights 2 m to 10 km, wind (U10, also the 24-hour mean) 0 to 20 m/s, arcs from 0 to the sea horizon. Beyond the horizon,
+    where only wave crests are seen, encoded optical depth and air temperature go on along their tangent in log path length.
+    LOWTRAN7 takes calm (0 m/s) for "unknown"; the table's 0 m/s is its limit for little wind. Radiance is thermal: sunlight
+    scattered by the air is not in it. Spectral resolution is LOWTRAN7's 20 cm-1, sampled every 5.
+
+    References
+    ----------
+    Kneizys, F. X., et al. (1988), Users Guide to LOWTRAN 7, AFGL-TR-88-0177; Gathman, S. G. (1983), Optical properties of
+    the marine aerosol as predicted by the Navy aerosol model, Opt. Eng. 22, 57-62.
+
+    Examples
+    --------
+    >>> air = TableAtmosphere.load("midlatitude-summer", wind_speed=7.0, band_um=(3.5, 5.0))
+    >>> air.transmittance(100.0, [1000.0, 10000.0]).shape
+    (2, 172)
+    """
+
+    model: str
+    wind_speed: float
+    wavenumber_cm: FloatArray
+    provenance: dict[str, Any]
+    _heights: FloatArray
+    _kinks: tuple[float, ...]
+    _sky_heights: FloatArray
+    _refraction: Refraction
+    _solar: FloatArray
+    _horizon_excess: FloatArray
+    _ray: FloatArray
+    _path_depth: _Spectra
+    _path_temperature: _Spectra
+    _sun_depth: _Spectra
+    _sky_temperature: _Spectra
+
+    @classmethod
+    def load(cls, model: str, wind_speed: float, band_um: tuple[float, float] = (3.0, 5.0)) -> TableAtmosphere:
+        """Read the table of ``model`` and interpolate it to a wind.
+
+        Parameters
+        ----------
+        model : str
+            One of :func:`models`, e.g. ``"midlatitude-summer"``.
+        wind_speed : float
+            U10 of the Navy maritime aerosol [m s-1], 0 to 20.
+        band_um : (float, float)
+            Wavelengths that the spectral samples have to cover [um]; inside 2-5.5 um (or 7.5-14 um where a table ships).
+
+        Raises
+        ------
+        DomainError
+            For an unknown model, a wind or a band outside the table.
+        DataError
+            If the file in the package is damaged.
+        """
+        wanted = wavenumber_grid(*band_um)
+        region = "mwir" if band_um[0] < 6.5 else "lwir"
+        if model not in models(region):
+            raise DomainError(
+                f"model = {model!r} has no table for {band_um[0]:g}-{band_um[1]:g} um; choose one of {', '.join(models(region))}"
+            )
+        file = _read(f"{model}_{region}.npz")
+        grid, winds = file["wavenumber_cm"], file["winds"]
+        if wanted[0] < grid[0] or wanted[-1] > grid[-1]:
+            covered = f"{1e4 / grid[-1]:.3g}-{1e4 / grid[0]:.3g} um"
+            raise DomainError(f"band {band_um[0]:g}-{band_um[1]:g} um reaches beyond the table of {covered}; narrow the band")
+        if not winds[0] <= wind_speed <= winds[-1]:
+            raise DomainError(f"wind_speed = {wind_speed:g} m/s is outside {winds[0]:g}-{winds[-1]:g} m/s of the Navy maritime aerosol")
+        keep = slice(int(np.searchsorted(grid, wanted[0])), int(np.searchsorted(grid, wanted[-1])) + 1)
+        wind_weights = spline_weights(winds, (float(file["wind_kink"]),), wind_speed)
+        return cls(
+            model=model,
+            wind_speed=float(wind_speed),
+            wavenumber_cm=grid[keep].copy(),
+            provenance=json.loads(str(file["provenance"])) | {"sha256": str(file["sha256"])},
+            _heights=file["heights"],
+            _kinks=tuple(file["height_kinks"]),
+            _sky_heights=file["sky_heights"],
+            _refraction=Refraction(file["level_height"], file["refractivity"], float(file["earth_radius"])),
+            _solar=file["solar"][keep].copy(),
+            _horizon_excess=file["horizon_excess"],
+            _ray=file["ray"],
+            _path_depth=_Spectra.read(file, "path_depth", keep, wind_weights),
+            _path_temperature=_Spectra.read(file, "path_temperature", keep, wind_weights),
+            _sun_depth=_Spectra.read(file, "sun_depth", keep, wind_weights),
+            _sky_temperature=_Spectra.read(file, "sky_temperature", keep, wind_weights),
+        )
+
+    def _height_weights(self, height: float) -> FloatArray:
+        require_height(height, self._heights[0], self._heights[-1], "choose a height inside it")
+        kinks = tuple(float(np.log(k)) for k in self._kinks)
+        return spline_weights(np.log(self._heights), kinks, float(np.log(height)))
+
+    def _horizon_slant(self, height: float, weights: FloatArray) -> float:
+        """Slant path to the sea horizon that LOWTRAN7's refraction gives, in the table's straight geometry [m]."""
+        return float(straight_slant(height, 0.0) * np.exp(weights @ self._horizon_excess))
+
+    def path(self, height: float, range_m: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] in one go, both (..., n)."""
+        arc = require_range(range_m)
+        weights = self._height_weights(height)
+        x = path_coordinate(slant_range(height, arc), height, self._horizon_slant(height, weights))
+        nodes = np.linspace(0.0, 1.0, self._path_depth.scores.shape[1])
+        optical_depth = decode_optical_depth(self._path_depth.at_height(weights).along(nodes, x))
+        air = self._path_temperature.at_height(weights).along(nodes, x)
+        return np.exp(-optical_depth), -np.expm1(-optical_depth) * planck_wavenumber(self.wavenumber_cm, air)
+
+    def transmittance(self, height: float, range_m: ArrayLike) -> FloatArray:
+        """Transmittance of the path from the sea at arcs ``range_m`` [m, (...)] to the sensor [1, (..., n)]."""
+        arc = require_range(range_m)
+        weights = self._height_weights(height)
+        x = path_coordinate(slant_range(height, arc), height, self._horizon_slant(height, weights))
+        nodes = np.linspace(0.0, 1.0, self._path_depth.scores.shape[1])
+        return np.asarray(np.exp(-decode_optical_depth(self._path_depth.at_height(weights).along(nodes, x))))
+
+    def path_radiance(self, height: float, range_m: ArrayLike) -> FloatArray:
+        """Thermal radiance of the air between the sea and the sensor [W m-2 sr-1 per cm-1, (..., n)]."""
+        return self.path(height, range_m)[1]
+
+    def range_of_depression(self, height: float, depression: ArrayLike) -> FloatArray:
+        """Arc to the sea point at which LOWTRAN7's own refracted ray of this depression ends [m]; NaN where it misses the sea.
+
+        Differs from :func:`seaglint.conventions.surface_range` by tens of per cent close to the horizon. Use it to compare
+        with LOWTRAN7 runs made by angle.
+        """
+        weights = self._height_weights(height)
+        cosine = self._refraction.sea_cosine(height, depression)
+        straight = path_coordinate(straight_slant(height, cosine), height, float(straight_slant(height, 0.0)))
+        ray = CubicSpline(np.linspace(0.0, 1.0, self._ray.shape[1]), weights @ self._ray)
+        slant = height * (self._horizon_slant(height, weights) / height) ** ray(straight)
+        chord = (slant**2 - height**2) / (4.0 * EFFECTIVE_EARTH_RADIUS * (EFFECTIVE_EARTH_RADIUS + height))
+        return np.asarray(2.0 * EFFECTIVE_EARTH_RADIUS * np.arcsin(np.sqrt(np.maximum(chord, 0.0))))
+
+    def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
+        """Direct sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)]; 0 beyond a zenith angle of pi/2.
+
+        ``solar_zenith`` is the apparent (refracted) zenith angle of the point of the Sun looked at [rad, (...)].
+        """
+        zenith = np.asarray(solar_zenith, dtype=np.float64)
+        if not np.all((zenith >= 0.0) & (zenith <= np.pi)):
+            raise DomainError("solar_zenith has values outside 0-pi rad; give zenith angles in radians")
+        y = elevation_coordinate(np.maximum(0.5 * np.pi - zenith, 0.0), 0.0)
+        encoded = self._sun_depth.along(np.linspace(0.0, 1.0, self._sun_depth.scores.shape[0]), y)
+        up = (zenith <= 0.5 * np.pi + _ANGLE_SLACK)[..., np.newaxis]
+        return np.asarray(np.where(up, self._solar * np.exp(-decode_optical_depth(encoded)), 0.0))
+
+    def sky_radiance(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
+        """Thermal radiance of the clear sky at zenith angles ``zenith`` [rad, (...)] seen from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
+
+        From a height the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``; lower ones see the sea
+        and are refused.
+        """
+        require_height(height, 0.0, self._sky_heights[-1], "choose a height inside it")
+        dip = horizon_depression(height) if height > 0.0 else 0.0
+        above = 0.5 * np.pi + dip - np.asarray(zenith, dtype=np.float64)
+        if not np.all((above >= -_ANGLE_SLACK) & (above <= 0.5 * np.pi + dip + _ANGLE_SLACK)):
+            raise DomainError(
+                f"zenith has values outside 0-{np.degrees(0.5 * np.pi + dip):.4f} deg, where the sky of a sensor at {height:g} m ends; "
+                "directions below the sea horizon see the sea"
+            )
+        table_dip = self._refraction.dip(height) if height > 0.0 else 0.0
+        y = np.minimum(elevation_coordinate(np.maximum(above, 0.0), table_dip), 1.0)
+        kinks = tuple(float(_sky_height_coordinate(k)) for k in self._kinks if k in self._sky_heights)
+        weights = spline_weights(_sky_height_coordinate(self._sky_heights), kinks, float(_sky_height_coordinate(height)))
+        sky = self._sky_temperature.at_height(weights)
+        return planck_wavenumber(self.wavenumber_cm, sky.along(np.linspace(0.0, 1.0, sky.scores.shape[0]), y))
+
+
+def _sky_height_coordinate(height: ArrayLike) -> FloatArray:
+    return np.asarray(np.log1p(np.asarray(height, dtype=np.float64) / 20.0))
+
+
+def _read(name: str) -> dict[str, Any]:
+    content = _DATA.joinpath(name).read_bytes()
+    try:
+        with resources.as_file(_DATA.joinpath(name)) as path, np.load(path) as archive:
+            return dict(archive) | {"sha256": hashlib.sha256(content).hexdigest()}
+    except (OSError, ValueError, KeyError) as error:
+        raise DataError(f"the atmosphere table {name} in the package is damaged ({error}); install seaglint again") from error
