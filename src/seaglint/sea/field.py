@@ -1,0 +1,431 @@
+"""Synthesis of a moving sea: Gaussian waves of a directional spectrum on a few periodic tiles.
+
+    zeta(x, t) = Re sum_k a_k exp[i (k.x - omega t)],     <|a_k|^2> = 2 int_cell Psi dk,     omega by :mod:`seaglint.sea.dispersion`
+
+Every tile carries its own band of wavenumbers, so that the sum over tiles has the whole spectrum once. Lengths are incommensurate and
+axes turned against each other, so the sum does not repeat where each tile does. The energy of a lattice wave is the integral of the
+spectrum over its cell, not a sample of it: heights and slopes have the variance of the spectrum for any grid size and tile length.
+
+A frame is a function of (amplitudes, time) alone; amplitudes are a function of (spectrum, tiles, seed) alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final, Literal
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from seaglint._jit import njit
+from seaglint.errors import DomainError
+from seaglint.random import stream
+from seaglint.sea.dispersion import angular_frequency
+from seaglint.sea.slopes import SlopeStatistics
+from seaglint.sea.spectra.base import DirectionalSpectrum
+
+FloatArray = NDArray[np.float64]
+SurfaceArray = NDArray[np.float32]
+ComplexArray = NDArray[np.complex64]
+
+SAMPLES_PER_WAVE: Final = 4
+"""Lattice points per shortest wave of a tile: bilinear interpolation keeps 75-100 % of such a wave's slope variance."""
+
+SHORTEST_SPAN: Final = 6.0
+"""Fewest waves of a band's longest kind along a tile; with fewer, directions are coarse and the tile's beat shows."""
+
+ENERGETIC_SHARE: Final = 0.01
+"""Share of the height variance in waves longer than the "longest" one that the first tile must hold SHORTEST_SPAN times."""
+
+_GOLDEN: Final = 0.3819660112501051  # 1 - 1/golden ratio: the fraction that is hardest to approach by ratios of small integers
+_NEAR: Final = 24  # lattice steps from the origin within which cells are integrated finely
+
+
+@dataclass(frozen=True)
+class Tile:
+    """A periodic square of sea and the waves it carries.
+
+    Attributes
+    ----------
+    length : float
+        Period along both axes [m].
+    n : int
+        Lattice points along each axis.
+    rotation : float
+        Angle of the first axis from east, counter-clockwise seen from above [rad]: ``u = (cos a x + sin a y)``,
+        ``v = (-sin a x + cos a y)``.
+    k_min, k_max : float
+        Waves with ``k_min <= k < k_max`` belong to this tile [rad m⁻¹].
+    """
+
+    length: float
+    n: int
+    rotation: float
+    k_min: float
+    k_max: float
+
+    def __post_init__(self) -> None:
+        """Refuse tiles that cannot carry their band."""
+        if self.n < 16 or self.n % 4:
+            raise DomainError(f"tile of n = {self.n} points; give a multiple of 4, 16 or more (256, 512 and 1024 are fast)")
+        if not (np.isfinite(self.length) and self.length > 0.0 and np.isfinite(self.rotation)):
+            raise DomainError(f"tile of length {self.length:g} m, rotation {self.rotation:g} rad; give a finite length above 0 m")
+        if not 0.0 <= self.k_min < self.k_max:
+            raise DomainError(f"tile for wavenumbers {self.k_min:g}-{self.k_max:g} rad/m; give 0 <= k_min < k_max")
+        if self.k_max * self.spacing > 2.0 * np.pi / SAMPLES_PER_WAVE * (1.0 + 1e-9):
+            raise DomainError(
+                f"tile spacing {self.spacing:.4g} m samples its shortest wave of {2 * np.pi / self.k_max:.4g} m less than "
+                f"{SAMPLES_PER_WAVE} times; give more points or a shorter tile"
+            )
+
+    @property
+    def spacing(self) -> float:
+        """Distance of lattice points [m]."""
+        return self.length / self.n
+
+    @property
+    def step(self) -> float:
+        """Distance of lattice wavenumbers [rad m⁻¹]."""
+        return 2.0 * np.pi / self.length
+
+
+def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tiles: int = 3) -> tuple[Tile, ...]:
+    """Tiles for all waves of a spectrum that are longer than ``shortest_wave``, longest band first.
+
+    Lengths fall by one ratio, nudged apart from it, chosen so that every tile is the same number of its longest waves long.
+
+    Parameters
+    ----------
+    spectrum : DirectionalSpectrum
+        The sea.
+    shortest_wave : float
+        Shortest wave to be synthesised [m]; the last tile samples it four times.
+    n : int
+        Lattice points along each axis of each tile.
+    tiles : int
+        Number of tiles.
+
+    Returns
+    -------
+    tuple of Tile
+
+    Raises
+    ------
+    DomainError
+        If the tiles came out too short for the sea state, or no energetic wave is that long.
+
+    Examples
+    --------
+    >>> from seaglint.sea.spectra import ElfouhailySpectrum
+    >>> [round(t.length) for t in plan_tiles(ElfouhailySpectrum(10.0), 0.5, 512)]
+    [3222, 454, 64]
+    """
+    if tiles < 1:
+        raise DomainError(f"tiles = {tiles}; give one or more")
+    if not (np.isfinite(shortest_wave) and shortest_wave > 0.0):
+        raise DomainError(f"shortest wave = {shortest_wave:g} m; give a length above 0 m")
+    k_low, k_top = longest_wave_number(spectrum), 2.0 * np.pi / shortest_wave
+    if k_top <= k_low:
+        raise DomainError(
+            f"shortest wave = {shortest_wave:.4g} m is longer than the longest energetic waves of this sea ({2 * np.pi / k_low:.4g} m): "
+            "nothing is left to synthesise; give a shorter one or resolve no waves"
+        )
+    ratio = (k_top / k_low) ** (1.0 / tiles)
+    span = n / (SAMPLES_PER_WAVE * ratio)
+    last = shortest_wave * n / SAMPLES_PER_WAVE
+    lengths = [last * ratio ** (tiles - 1 - i) * (1.0 + 0.06 * ((tiles - 1 - i) * _GOLDEN % 1.0)) for i in range(tiles)]
+    if span < SHORTEST_SPAN:
+        need = SHORTEST_SPAN * 2.0 * np.pi / k_low
+        raise DomainError(
+            f"{tiles} tiles of {n} points from {shortest_wave:.4g} m waves up make the longest {lengths[0]:.4g} m long; this sea needs "
+            f"{need:.4g} m: give more tiles, more points or a longer shortest wave"
+        )
+    edges = [0.0, *(2.0 * np.pi * n / (SAMPLES_PER_WAVE * length) for length in lengths)]
+    return tuple(
+        Tile(length, n, float(0.5 * np.pi * ((i + 0.3) * _GOLDEN % 1.0)), edges[i], edges[i + 1]) for i, length in enumerate(lengths)
+    )
+
+
+def longest_wave_number(spectrum: DirectionalSpectrum) -> float:
+    """Wavenumber below which lies :data:`ENERGETIC_SHARE` of the height variance [rad m⁻¹]."""
+    low, high = spectrum.wavenumber_range
+    wanted = ENERGETIC_SHARE * spectrum.height_variance()
+    return float(np.exp(brentq(lambda x: spectrum.height_variance(float(np.exp(x))) - wanted, np.log(low), np.log(high), xtol=1e-6)))
+
+
+def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fraction: float = 0.8) -> float:
+    """Wavenumber at which resolved slopes reach a fraction of the slope model, upwind or crosswind, whichever comes first.
+
+    Geometry stops there, so that the facets of the energy rule keep a share of the variance in every direction.
+
+    Parameters
+    ----------
+    spectrum : DirectionalSpectrum
+        The sea.
+    slopes : SlopeStatistics
+        The slope model that geometry and facets add up to.
+    fraction : float
+        Largest share of geometry [1].
+
+    Returns
+    -------
+    float
+        Wavenumber [rad m⁻¹]; the spectrum's upper end where the fraction is never reached, 0 where the model has no slopes.
+    """
+    if not 0.0 < fraction <= 1.0:
+        raise DomainError(f"fraction = {fraction:g} must lie in (0, 1]")
+    allowed = (fraction * slopes.mss_up, fraction * slopes.mss_cross)
+    if min(allowed) <= 0.0:
+        return 0.0
+
+    def excess(log_k: float) -> float:
+        up, cross = spectrum.mss(float(np.exp(log_k)))
+        return max(up / allowed[0], cross / allowed[1]) - 1.0
+
+    low, high = spectrum.wavenumber_range
+    if excess(float(np.log(high))) <= 0.0:
+        return high
+    return float(np.exp(brentq(excess, np.log(low), np.log(high), xtol=1e-6)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Lattice:
+    """Waves a tile can carry: rows are v wavenumbers in FFT order, columns u wavenumbers from 0 up.
+
+    ``variance`` and ``opposite`` are the height variances of the waves travelling along k and along -k [m²]. The column u = 0 holds
+    k and -k both: its lower half has no waves of its own.
+    """
+
+    k_east: FloatArray
+    k_north: FloatArray
+    frequency: FloatArray
+    variance: FloatArray
+    opposite: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class _Amplitudes:
+    """Half amplitudes of the waves along k and along -k, a_k/2 and a_-k/2 [m], on a tile's lattice."""
+
+    forward: ComplexArray
+    backward: ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class WaveField:
+    """A moving sea; make it with :meth:`create`."""
+
+    spectrum: DirectionalSpectrum
+    tiles: tuple[Tile, ...]
+    seed: int
+    _lattices: tuple[_Lattice, ...]
+    _amplitudes: tuple[_Amplitudes, ...]
+
+    @classmethod
+    def create(cls, spectrum: DirectionalSpectrum, tiles: Sequence[Tile], seed: int) -> WaveField:
+        """Put a spectrum on tiles and draw the amplitudes of each from ``stream(seed, "waves", tile index)``.
+
+        Raises
+        ------
+        DomainError
+            If a tile is too short for the longest waves of its band, or bands overlap.
+        """
+        _require_bands(spectrum, tiles)
+        lattices = tuple(_lattice_waves(spectrum, tile) for tile in tiles)
+        return cls(spectrum, tuple(tiles), seed, lattices, _draw(lattices, seed))
+
+    def reseeded(self, seed: int) -> WaveField:
+        """Another realisation of the same sea, as :meth:`create` would make it, without integrating the spectrum again."""
+        return replace(self, seed=seed, _amplitudes=_draw(self._lattices, seed))
+
+    def surfaces(self, time: float, workers: int = 1) -> tuple[SurfaceArray, ...]:
+        """Height and slopes of every tile at one time.
+
+        Parameters
+        ----------
+        time : float
+            Time since the start [s].
+        workers : int
+            Threads of the transforms; the bytes do not depend on them.
+
+        Returns
+        -------
+        tuple of ndarray
+            Per tile an array (n, n, 3) of float32: height [m], slope towards east, slope towards north [1], at [iy, ix] with
+            ``u = ix spacing``, ``v = iy spacing`` (see :class:`Tile`).
+        """
+        if not np.isfinite(time):
+            raise DomainError(f"time = {time:g} s must be finite")
+        parts = zip(self.tiles, self._lattices, self._amplitudes, strict=True)
+        return tuple(_surface(tile, lattice, amplitudes, time, workers) for tile, lattice, amplitudes in parts)
+
+    @property
+    def height_variance(self) -> float:
+        """Ensemble variance of the height of all tiles together [m²]."""
+        return float(sum(float(waves.variance.sum() + waves.opposite.sum()) for waves in self._lattices))
+
+    @property
+    def significant_height(self) -> float:
+        """Ensemble significant height of all tiles together [m]."""
+        return 4.0 * float(np.sqrt(self.height_variance))
+
+    @property
+    def lattice_mss(self) -> tuple[float, float]:
+        """Ensemble slope variance (up, cross) at the lattice points, all tiles together [1]."""
+        return self.resolved_mss("none")
+
+    def resolved_mss(self, interpolation: Literal["bilinear", "none"] = "bilinear") -> tuple[float, float]:
+        """Ensemble slope variance that a sampler gets, along and across the wind.
+
+        Bilinear interpolation between lattice points keeps ``(2 + cos k_u d)/3 (2 + cos k_v d)/3`` of a wave's variance, averaged
+        over positions; the facets must be given what it loses.
+
+        Parameters
+        ----------
+        interpolation : "bilinear" or "none"
+            How slopes are read between lattice points.
+
+        Returns
+        -------
+        tuple of float
+            Slope variance (up, cross) of all tiles together [1].
+        """
+        s, c = np.sin(self.spectrum.wind_to_azimuth), np.cos(self.spectrum.wind_to_azimuth)
+        up = cross = 0.0
+        for tile, waves in zip(self.tiles, self._lattices, strict=True):
+            energy = waves.variance + waves.opposite
+            if interpolation == "bilinear":
+                energy = energy * _bilinear_share(tile)
+            up += float(np.sum(energy * (waves.k_east * s + waves.k_north * c) ** 2))
+            cross += float(np.sum(energy * (waves.k_east * c - waves.k_north * s) ** 2))
+        return up, cross
+
+
+def _require_bands(spectrum: DirectionalSpectrum, tiles: Sequence[Tile]) -> None:
+    """Refuse overlapping bands and a tile too short for the longest waves of its band."""
+    ordered = sorted(tiles, key=lambda tile: tile.k_min)
+    for long, short in pairwise(ordered):
+        if short.k_min < long.k_max * (1.0 - 1e-12):
+            raise DomainError(
+                f"bands {long.k_min:.4g}-{long.k_max:.4g} and {short.k_min:.4g}-{short.k_max:.4g} rad/m overlap: their waves would count "
+                "twice; give disjoint bands"
+            )
+    k_low = longest_wave_number(spectrum)
+    for tile in tiles:
+        longest = 2.0 * np.pi / max(tile.k_min, k_low)
+        if tile.length < 0.5 * SHORTEST_SPAN * longest:
+            raise DomainError(
+                f"tile of {tile.length:.4g} m is too short for its waves of {longest:.4g} m; give at least {SHORTEST_SPAN * longest:.4g} m"
+            )
+
+
+def _lattice_numbers(tile: Tile) -> tuple[FloatArray, FloatArray]:
+    """Lattice numbers (q of rows in FFT order, p of columns) that can hold energy: up to one beyond the band's upper edge."""
+    top = int(np.ceil(tile.k_max / tile.step)) + 1
+    return np.concatenate([np.arange(top + 1), np.arange(-top, 0)]).astype(np.float64), np.arange(top + 1, dtype=np.float64)
+
+
+def _to_world(tile: Tile, p: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Wave vector (east, north) of lattice numbers along the tile's axes [rad m⁻¹]."""
+    c, s = np.cos(tile.rotation) * tile.step, np.sin(tile.rotation) * tile.step
+    return np.asarray(c * p - s * q), np.asarray(s * p + c * q)
+
+
+def _bilinear_share(tile: Tile) -> FloatArray:
+    q, p = _lattice_numbers(tile)
+    turn = 2.0 * np.pi / tile.n
+    return np.asarray(np.outer(2.0 + np.cos(turn * q), 2.0 + np.cos(turn * p)) / 9.0)
+
+
+def _cell_variance(spectrum: DirectionalSpectrum, tile: Tile, p: FloatArray, q: FloatArray, order: int) -> tuple[FloatArray, FloatArray]:
+    """Integrals of the spectrum at k and at -k over lattice cells, only inside the tile's band [m²]; midpoints, as edges cut cells."""
+    offsets = (np.arange(order) + 0.5) / order - 0.5
+    along, against = np.zeros(p.shape), np.zeros(p.shape)
+    for du in offsets:
+        for dv in offsets:
+            east, north = _to_world(tile, p + du, q + dv)
+            k, azimuth = np.hypot(east, north), np.arctan2(east, north)
+            inside = (k >= tile.k_min) & (k < tile.k_max) & (k > 0.0)
+            safe = np.where(inside, k, tile.k_max)
+            level = np.where(inside, spectrum.omnidirectional(safe) / safe, 0.0)
+            along += level * spectrum.spreading(safe, azimuth)
+            against += level * spectrum.spreading(safe, azimuth + np.pi)
+    area = (tile.step / order) ** 2
+    return along * area, against * area
+
+
+def _variances(spectrum: DirectionalSpectrum, tile: Tile, p: FloatArray, q: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Variances of the lattice waves along k and -k [m²]: fine sums where cells are large against k or cut by an edge of the band."""
+    steps = np.hypot(p, q)
+    low, high = tile.k_min / tile.step, tile.k_max / tile.step
+    held = (steps > low - 0.75) & (steps < high + 0.75) & (steps > 0.0)
+    near = steps <= _NEAR
+    edge = (np.abs(steps - low) < 0.75) | (np.abs(steps - high) < 0.75)
+    along, against = np.zeros(p.shape), np.zeros(p.shape)
+    for cells, order in ((held & near, 12), (held & ~near & edge, 4), (held & ~near & ~edge, 2)):
+        along[cells], against[cells] = _cell_variance(spectrum, tile, p[cells], q[cells], order)
+    return along, against
+
+
+def _lattice_waves(spectrum: DirectionalSpectrum, tile: Tile) -> _Lattice:
+    """Wave vectors, frequencies and variances of a tile."""
+    q, p = np.meshgrid(*_lattice_numbers(tile), indexing="ij")
+    k_east, k_north = _to_world(tile, p, q)
+    variance, opposite = _variances(spectrum, tile, p, q)
+    repeated = slice(p.shape[1], None)
+    variance[repeated, 0] = opposite[repeated, 0] = 0.0
+    return _Lattice(k_east, k_north, angular_frequency(np.hypot(k_east, k_north)), variance, opposite)
+
+
+def _draw(lattices: Sequence[_Lattice], seed: int) -> tuple[_Amplitudes, ...]:
+    """Gaussian amplitudes of every tile."""
+    return tuple(_draw_tile(lattice, stream(seed, "waves", i)) for i, lattice in enumerate(lattices))
+
+
+def _draw_tile(lattice: _Lattice, rng: np.random.Generator) -> _Amplitudes:
+    """Gaussian amplitudes, ``<|a/2|^2> = variance/2``: half of it in each of the two parts of the complex number."""
+    draws = rng.standard_normal((4, *lattice.variance.shape))
+    forward = 0.5 * np.sqrt(lattice.variance) * (draws[0] + 1j * draws[1])
+    backward = 0.5 * np.sqrt(lattice.opposite) * (draws[2] + 1j * draws[3])
+    # In the column u = 0 the lower half holds the same waves as the upper one, seen from the other side.
+    top = lattice.variance.shape[1] - 1
+    forward[:top:-1, 0], backward[:top:-1, 0] = backward[1 : top + 1, 0], forward[1 : top + 1, 0]
+    return _Amplitudes(forward.astype(np.complex64), backward.astype(np.complex64))
+
+
+@njit
+def _evolve(
+    forward: ComplexArray,
+    backward: ComplexArray,
+    frequency: FloatArray,
+    k_east: FloatArray,
+    k_north: FloatArray,
+    time: float,
+    out: ComplexArray,
+) -> None:
+    """Fourier coefficients of height and slopes at one time; phases in float64, as omega t grows large."""
+    rows, columns = forward.shape
+    top = columns - 1
+    n = out.shape[0]
+    for j in range(rows):
+        row = j if j <= top else n - rows + j
+        for i in range(columns):
+            phase = frequency[j, i] * time
+            turn = complex(np.cos(phase), -np.sin(phase))
+            height = forward[j, i] * turn + np.conj(backward[j, i] * turn)
+            out[row, i, 0] = height
+            out[row, i, 1] = complex(0.0, k_east[j, i]) * height
+            out[row, i, 2] = complex(0.0, k_north[j, i]) * height
+
+
+def _surface(tile: Tile, lattice: _Lattice, amplitudes: _Amplitudes, time: float, workers: int) -> SurfaceArray:
+    """Interleaved height and slopes; the band fills a quarter of the spectrum, so only those columns are transformed."""
+    n = tile.n
+    coefficients = np.zeros((n, amplitudes.forward.shape[1], 3), dtype=np.complex64)
+    _evolve(amplitudes.forward, amplitudes.backward, lattice.frequency, lattice.k_east, lattice.k_north, float(time), coefficients)
+    columns = scipy.fft.ifft(coefficients, axis=0, norm="forward", overwrite_x=True, workers=workers)
+    return np.asarray(scipy.fft.irfft(columns, n=n, axis=1, norm="forward", overwrite_x=True, workers=workers))
