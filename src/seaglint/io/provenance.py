@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import platform
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final
@@ -58,9 +59,24 @@ def provenance(title: str, scenario_json: str, seed: int, **more: Any) -> dict[s
 
 
 def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
-    """Names of the attributes in which two files of one sequence may not differ, and do."""
-    keys = (old.keys() | new.keys()) - VOLATILE
-    return sorted(key for key in keys if old.get(key) != new.get(key))
+    """Names of the attributes in which two files of one sequence may not differ, and do; scenarios are compared key by key."""
+    keys = sorted(key for key in (old.keys() | new.keys()) - VOLATILE if old.get(key) != new.get(key))
+    if "scenario" not in keys:
+        return keys
+    try:
+        inside = list(_different_keys(json.loads(old["scenario"]), json.loads(new["scenario"])))
+    except (KeyError, ValueError):
+        inside = []
+    # What follows from the scenario (band, rate, seed, cut wavenumbers) need not be told again.
+    return inside or keys
+
+
+def _different_keys(old: Any, new: Any, path: str = "") -> Iterator[str]:
+    if isinstance(old, dict) and isinstance(new, dict):
+        for key in dict.fromkeys([*old, *new]):
+            yield from _different_keys(old.get(key), new.get(key), f"{path}.{key}" if path else key)
+    elif old != new:
+        yield path
 
 
 def band_attributes(band: Band) -> dict[str, list[float]]:

@@ -87,13 +87,13 @@ def draw(dataset: xr.Dataset) -> Figure:
     upper, lower = figure.subplots(2, 1) if wide else figure.subplots(1, 2)
     bar = _panel(figure, upper, radiance, extent, "radiance", "inferno")
     # Both units beside one bar: the article's reads 100 times the SI number.
-    bar.ax.set_title(VARIABLES["radiance"].symbol, fontsize=8, loc="left")
+    bar.set_label(VARIABLES["radiance"].symbol, fontsize=8)
     second = bar.ax.secondary_yaxis("left", functions=(lambda v: ARTICLE_RADIANCE_PER_SI * v, lambda v: v / ARTICLE_RADIANCE_PER_SI))
     second.set_ylabel(ARTICLE_RADIANCE_SYMBOL, fontsize=8)
     second.tick_params(labelsize=7)
     bar.ax.tick_params(labelsize=7)
     thermal = _panel(figure, lower, temperature, extent, "apparent_temperature", "gray")
-    thermal.ax.set_title("K", fontsize=8, loc="left")
+    thermal.set_label(VARIABLES["apparent_temperature"].units, fontsize=8)
     thermal.ax.tick_params(labelsize=7)
     figure.suptitle(_title(dataset), fontsize=11)
     return figure

@@ -33,8 +33,9 @@ def grey(image: NDArray[np.float32], low: float, high: float) -> NDArray[np.uint
     scaled = np.nan_to_num(np.clip((image - low) / (high - low), 0.0, 1.0), nan=0.0)
     shrink = -(-max(image.shape) // _MAX_SIDE)
     if shrink > 1:
-        rows, columns = (size // shrink * shrink for size in image.shape)
-        scaled = scaled[:rows, :columns].reshape(max(rows // shrink, 1), -1, columns // shrink, shrink).mean(axis=(1, 3))
+        down, across = (min(shrink, size) for size in image.shape)
+        rows, columns = image.shape[0] // down, image.shape[1] // across
+        scaled = scaled[: rows * down, : columns * across].reshape(rows, down, columns, across).mean(axis=(1, 3))
     grow = max(1, _SHOWN_WIDTH // max(scaled.shape))
     enlarged = np.repeat(np.repeat(scaled, grow, axis=0), grow, axis=1)
     # H.264 with halved colour resolution takes even sides only.

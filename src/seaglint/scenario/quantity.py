@@ -64,9 +64,10 @@ def convert(text: str, unit: str) -> float:
     if not written:
         raise ValueError(f"has no unit; write {match[1]} without quotes (in {unit}) or text such as '{example}'")
     ureg = _registry()
+    spelling = "1 " + written if written.startswith("/") else _SPELLINGS.get(written, written)
     try:
         # pint answers unknown spellings with several exception types (tokenizer, attribute, value); all mean the same here.
-        quantity = ureg.Quantity(value, ureg.Unit(_SPELLINGS.get(written, written)))
+        quantity = ureg.Quantity(value, ureg.Unit(spelling))
     except Exception:
         raise ValueError(f"has the unknown unit '{written}'; write a number in {unit} or text such as '{example}'") from None
     if not quantity.is_compatible_with(unit):

@@ -1,0 +1,166 @@
+"""Pictures, videos and the summary of known images."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from seaglint.errors import BackendError, StorageError
+from seaglint.io.provenance import band_attributes
+from seaglint.io.store import Layout, open_sequence, write_sequence
+from seaglint.optics.band import Band
+from seaglint.plot import preview, video
+from seaglint.plot.preview import draw, scale_limits, write_picture
+from seaglint.plot.summary import GLINT_EXCESS, grid_of, summarise, to_temperature
+from seaglint.plot.video import grey, video_available, write_video
+
+BAND = Band.rectangular(3.5, 5.0)
+SEA = 288.15
+STORED = 1e-6  # relative; radiance is kept in float32
+QUADRATURE = 0.01  # K; blackbody on the plots' own grid against that of the atmosphere's
+
+
+def sequence(tmp_path: Path, frames, **attributes) -> xr.Dataset:
+    frames = np.asarray(frames, dtype=np.float32)
+    layout = Layout(
+        azimuth_deg=np.linspace(172, 188, frames.shape[2]),
+        elevation_deg=np.linspace(0, -7, frames.shape[1]),
+        frames=range(len(frames)),
+        frame_rate=25.0,
+        band=BAND,
+        attributes={"scenario": json.dumps({"sea": {"temperature_k": SEA}}), "seed": 1} | attributes,
+    )
+    return open_sequence(write_sequence(tmp_path / "run.zarr", layout, lambda number: frames[number]))
+
+
+def blackbody(temperature: float) -> float:
+    return float(BAND.radiance(temperature, grid_of(BAND)))
+
+
+def test_summary_of_blackbodies(tmp_path):
+    frames = np.full((2, 4, 8), blackbody(SEA))
+    frames[1, 0, 0] = blackbody(400.0)
+    frames[0, 0, 0] = blackbody(SEA + 0.9 * GLINT_EXCESS)
+    found = summarise(sequence(tmp_path, frames))
+    assert found.frames == 2
+    assert found.mean == pytest.approx(frames.mean(), rel=STORED)
+    assert found.peak_apparent_temperature == pytest.approx(400.0, abs=QUADRATURE)
+    assert found.glint_fraction == 1 / 64
+    assert "µW cm⁻² sr⁻¹" in found.line
+    assert "2 frames" in found.line
+
+
+def test_summary_counts_what_is_not_finite_and_survives_it(tmp_path):
+    frames = np.full((1, 4, 8), blackbody(SEA))
+    frames[0, 1, :3] = np.nan
+    found = summarise(sequence(tmp_path, frames))
+    assert found.non_finite == 3
+    assert found.mean_apparent_temperature == pytest.approx(SEA, abs=QUADRATURE)
+    assert "3 pixels not finite" in found.line
+
+
+def test_apparent_temperature_of_the_plots_is_that_of_the_band():
+    temperatures = np.array([220.0, 288.0, 600.0])
+    fine = np.linspace(1995.0, 2900.0, 2000)
+    np.testing.assert_allclose(to_temperature(BAND.radiance(temperatures, fine), BAND), temperatures, atol=QUADRATURE)
+
+
+def test_scale_limits_ignore_sparkles_and_are_never_empty():
+    values = np.linspace(1.0, 2.0, 10_000)
+    values[0] = 1e6
+    low, high = scale_limits(values)
+    assert 1.0 <= low < high <= 2.0
+    for flat in (np.full(9, 3.0), np.zeros(9), np.full(9, np.nan), 3.0 + 1e-7 * np.arange(9)):
+        low, high = scale_limits(flat)
+        assert low < high
+
+
+def test_the_picture_has_angles_units_and_both_scales(tmp_path):
+    figure = draw(sequence(tmp_path, np.random.default_rng(1).gamma(2, 1, (1, 16, 32))))
+    labels = " ".join(axes.get_xlabel() + axes.get_ylabel() + axes.get_title() for axes in figure.axes)
+    children = [child.get_ylabel() for axes in figure.axes for child in axes.child_axes]
+    for word in ("azimuth [deg]", "elevation [deg]", "radiance", "apparent temperature", "W m⁻² sr⁻¹", "K"):
+        assert word in labels
+    assert "µW cm⁻² sr⁻¹" in children
+
+
+def test_rows_are_shown_at_their_elevation(tmp_path):
+    image = np.ones((1, 8, 16))
+    image[0, 0] = 5.0  # the top row
+    axes = draw(sequence(tmp_path, image)).axes[0]
+    left, right, bottom, top = axes.images[0].get_extent()
+    assert (top > 0.0 > bottom, left < 172.0, right > 188.0) == (True, True, True)
+    assert float(np.asarray(axes.images[0].get_array())[0, 0]) == 5.0
+    assert axes.images[0].origin == "upper"
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 40), (40, 1), (3, 400), (64, 16)])
+def test_pictures_of_any_shape(tmp_path, shape):
+    dataset = sequence(tmp_path, np.random.default_rng(1).gamma(2, 1, (1, *shape)))
+    path = write_picture(dataset, tmp_path / "run.png")
+    assert path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_map_without_time_is_drawn_too(tmp_path):
+    values = xr.Dataset(
+        {"radiance": (("y", "x"), np.ones((4, 8)))},
+        {"azimuth": ("x", np.arange(8.0)), "elevation": ("y", -np.arange(4.0))},
+        {**band_attributes(BAND), "scenario": "{}"},
+    )
+    assert write_picture(values, tmp_path / "mean.png").exists()
+    assert summarise(values).frames == 1
+
+
+def test_a_failed_picture_leaves_nothing(tmp_path, monkeypatch):
+    dataset = sequence(tmp_path, np.ones((1, 4, 8)))
+
+    class Full:
+        def savefig(self, path, **_):
+            Path(path).write_bytes(b"half")
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(preview, "draw", lambda dataset: Full())
+    with pytest.raises(StorageError, match="no room"):
+        write_picture(dataset, tmp_path / "run.png")
+    assert [path.name for path in tmp_path.iterdir()] == ["run.zarr"]
+
+
+def test_grey_pictures_are_even_clipped_and_keep_their_pixels():
+    image = np.array([[0.0, 1.0, 2.0], [0.5, np.nan, -1.0], [0.0, 0.0, 0.0]], dtype=np.float32)
+    shown = grey(image, 0.0, 1.0)
+    assert shown.shape[0] % 2 == 0 == shown.shape[1] % 2
+    factor = shown.shape[0] // 3
+    assert [int(v) for v in shown[0, [0, factor, 2 * factor]]] == [0, 255, 255]
+    assert [int(v) for v in shown[factor, [0, factor, 2 * factor]]] == [128, 0, 0]
+
+
+@pytest.mark.parametrize("shape", [(20, 9001), (1, 9001), (9001, 3)])
+def test_wide_panoramas_are_averaged_down(shape):
+    shown = grey(np.full(shape, 0.5, np.float32), 0.0, 1.0)
+    assert max(shown.shape) <= 4096
+    assert set(np.unique(shown)) == {128}
+
+
+@pytest.mark.skipif(not video_available(), reason="PyAV (extra 'video') is not installed")
+def test_the_video_has_all_frames_at_their_rate(tmp_path):
+    import av
+
+    ramp = np.linspace(0.0, 1.0, 5)[:, None, None] * np.ones((5, 10, 21))
+    path = write_video(sequence(tmp_path, ramp), tmp_path / "run.mp4")
+    with av.open(str(path)) as container:
+        stream = container.streams.video[0]
+        assert float(stream.average_rate) == pytest.approx(25.0)
+        levels = [frame.to_ndarray(format="gray").mean() for frame in container.decode(stream)]
+    assert len(levels) == 5
+    assert levels == sorted(levels)
+    assert not (tmp_path / "run.mp4.partial").exists()
+
+
+def test_without_pyav_a_video_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setattr(video, "video_available", lambda: False)
+    with pytest.raises(BackendError, match=r"seaglint\[video\]"):
+        write_video(sequence(tmp_path, np.ones((1, 4, 8))), tmp_path / "run.mp4")

@@ -1,0 +1,107 @@
+"""One line per mistake: file, key path, value, what is allowed, the nearest valid key."""
+
+from __future__ import annotations
+
+import pytest
+
+from seaglint.errors import ScenarioError
+from seaglint.scenario.load import load_scenario, parse_scenario
+
+MISTAKES = {
+    "misspelt key": ({"sensor": {"hieght_m": 3}}, ["sensor.hieght_m", "unknown key", "sensor.height_m?"]),
+    "wrong unit in a key": ({"sensor": {"height_ft": 3}}, ["sensor.height_ft", "sensor.height_m?"]),
+    "key in the wrong table": ({"sensor": {"speed_m_s": 3}}, ["sensor.speed_m_s", "wind.speed_m_s?"]),
+    "unknown table": ({"winds": {"speed_m_s": 3}}, ["winds", "wind?"]),
+    "nothing near": ({"sensor": {"qqq": 3}}, ["sensor.qqq", "allowed here: height_m"]),
+    "key of another kind": ({"atmosphere": {"source": "none", "model": "x"}}, ["atmosphere.model", "does not go with this source"]),
+    "below the range": ({"sensor": {"height_m": -3}}, ["sensor.height_m = -3", "above 0 to 10000 m"]),
+    "above the range": ({"sea": {"temperature_k": 400}}, ["sea.temperature_k = 400", "260 to 320 K"]),
+    "Celsius as kelvin": ({"sea": {"temperature_k": 15}}, ["sea.temperature_k = 15", "260 to 320 K"]),
+    "text out of range": ({"sensor": {"height_m": "-30 ft"}}, ["sensor.height_m = '-30 ft'", "above 0 to 10000 m"]),
+    "unit of another kind": ({"sensor": {"height_m": "30 kg"}}, ["sensor.height_m = '30 kg'", "another kind", "m"]),
+    "unknown unit": ({"sensor": {"height_m": "30 blah"}}, ["unknown unit 'blah'", "30 ft"]),
+    "text without unit": ({"sensor": {"height_m": "30"}}, ["sensor.height_m = '30'", "no unit"]),
+    "hostile unit": ({"sensor": {"height_m": "30 __import__('os')"}}, ["sensor.height_m", "unknown unit"]),
+    "braces in text": ({"sensor": {"height_m": "30 {0}{text}"}}, ["sensor.height_m = '30 {0}{text}'"]),
+    "NaN": ({"sensor": {"elevation_deg": float("nan")}}, ["sensor.elevation_deg = nan", "not finite", "-90 to 90 deg"]),
+    "infinite": ({"wind": {"speed_m_s": float("inf")}}, ["wind.speed_m_s = inf", "not finite"]),
+    "zero pixels": ({"sensor": {"pixels": [0, 256]}}, ["sensor.pixels[0] = 0", "1 to 65536"]),
+    "half a frame": ({"sensor": {"frames": 2.5}}, ["sensor.frames = 2.5", "whole number"]),
+    "a truth for a number": ({"sensor": {"frames": True}}, ["sensor.frames = true"]),
+    "one number for a pair": ({"sensor": {"pixels": 512}}, ["sensor.pixels = 512", "[width, height]"]),
+    "three numbers for a pair": ({"sensor": {"fov_deg": [1, 2, 3]}}, ["sensor.fov_deg = [1, 2, 3]", "[width, height]"]),
+    "a number for a table": ({"sea": 3}, ["sea = 3", "table [sea]", "temperature_k"]),
+    "a text for a union": ({"sea": {"spectrum": "file"}}, ["sea.spectrum = 'file'", "table [sea.spectrum]"]),
+    "unknown kind": ({"sea": {"spectrum": {"kind": "elfouhali"}}}, ["kind = 'elfouhali'", "'flat'", "did you mean 'elfouhaily'"]),
+    "unknown choice": ({"atmosphere": {"model": "us-standard"}}, ["atmosphere.model = 'us-standard'", "did you mean 'us-standard-1976'"]),
+    "missing key": ({"sea": {"spectrum": {"kind": "file"}}}, ["sea.spectrum.path is missing"]),
+    "missing file": ({"band": {"response": "nix.csv"}}, ["band.response = 'nix.csv'", "not a file"]),
+    "no date": ({"time": {"utc": "2026-13-01"}}, ["time.utc = '2026-13-01'", "2026-06-21T17:30:00Z"]),
+    "time without place": ({"time": {"utc": "2026-12-01"}}, ["place is missing", "latitude_deg"]),
+    "place without time": ({"place": {"latitude_deg": 3, "longitude_deg": 4}}, ["time is missing"]),
+    "two Suns": (
+        {"sun": {}, "time": {"utc": "2026-12-01"}, "place": {"latitude_deg": 3, "longitude_deg": 4}},
+        ["sun is given together with [time]"],
+    ),
+    "band upside down": ({"band": {"min_um": 5, "max_um": 4}}, ["band.min_um = 5", "band.max_um = 4"]),
+    "wind above the fit": ({"wind": {"speed_m_s": 31}}, ["wind.speed_m_s = 31", "0 to 20 m/s", "sea.slopes.extrapolate = true"]),
+    "over the pole": ({"sensor": {"elevation_deg": -88}}, ["sensor.elevation_deg = -88", "-92", "-90 to 90 deg"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("case", MISTAKES)
+def test_each_mistake_is_one_line_that_helps(case):
+    values, words = MISTAKES[case]
+    with pytest.raises(ScenarioError) as caught:
+        parse_scenario(values, name="my.toml")
+    text = str(caught.value)
+    assert "\n" not in text
+    assert text.startswith("my.toml: ")
+    for word in words:
+        assert word in text
+
+
+def test_several_mistakes_are_told_at_once():
+    with pytest.raises(ScenarioError) as caught:
+        parse_scenario({"sensor": {"height_m": -3, "frames": 0}, "wind": {"speed": 3}})
+    assert len(str(caught.value).splitlines()) == 3
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"[sensor\nheight_m = 3", ["not valid TOML", "line 1"]),
+        (b"[sensor]\nheight_m = ", ["not valid TOML", "is the file whole"]),
+        (b"[wind]\nspeed_m_s = 12 kn", ["not valid TOML", "quotes"]),
+        (b"seed = 1\nseed = 2", ["not valid TOML"]),
+        (b"\xff\xfe\x00", ["not UTF-8"]),
+        (b"\x00\x01", ["not valid TOML"]),
+    ],
+)
+def test_files_that_are_no_scenario(tmp_path, content, words):
+    path = tmp_path / "my.toml"
+    path.write_bytes(content)
+    with pytest.raises(ScenarioError) as caught:
+        load_scenario(path)
+    assert str(path) in str(caught.value)
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_a_byte_order_mark_is_no_mistake(tmp_path):
+    path = tmp_path / "my.toml"
+    path.write_bytes(b"\xef\xbb\xbfseed = 7\n")
+    assert load_scenario(path).seed == 7
+
+
+def test_an_empty_file_is_the_default_scenario(tmp_path):
+    path = tmp_path / "my.toml"
+    path.write_text("")
+    assert load_scenario(path) == parse_scenario({})
+
+
+def test_missing_file_and_folder(tmp_path):
+    with pytest.raises(ScenarioError, match="no such file; 'seaglint init"):
+        load_scenario(tmp_path / "nix.toml")
+    with pytest.raises(ScenarioError, match="is a folder"):
+        load_scenario(tmp_path)

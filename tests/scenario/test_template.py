@@ -1,0 +1,60 @@
+"""What ``init`` writes is a scenario; what ``schema`` prints describes it."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+
+import pytest
+
+from seaglint.errors import DataError, ScenarioError
+from seaglint.scenario.keys import key_paths
+from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.template import PRESETS, json_schema, template, write_template
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_the_written_file_is_the_preset(name):
+    assert parse_scenario(tomllib.loads(template(name))) == parse_scenario(PRESETS[name].values)
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_presets_say_where_they_come_from(name):
+    assert PRESETS[name].notes
+
+
+def test_the_commented_keys_are_valid_too():
+    # Whoever removes a comment sign must not meet an error, but for the Sun, which is given one way or the other.
+    text = re.sub(r"^# (\[|(utc|latitude_deg|longitude_deg|lines_per_column|step_m) =)", r"\1", template(), flags=re.MULTILINE)
+    values = tomllib.loads(text)
+    values.pop("sun")
+    parse_scenario(values)
+
+
+def test_every_key_of_the_default_kinds_is_in_the_template():
+    text = template()
+    other_kinds = {"sea.spectrum.path", "sea.spectrum.time", "atmosphere.temperature_k", "atmosphere.extinction_per_km"}
+    for path in set(key_paths()) - other_kinds:
+        assert f"{path.rsplit('.', 1)[-1]} = " in text
+
+
+def test_an_unknown_preset_and_an_existing_file(tmp_path):
+    with pytest.raises(ScenarioError, match="glint, calm"):
+        template("nix")
+    path = write_template(tmp_path / "my.toml")
+    with pytest.raises(DataError, match="--overwrite"):
+        write_template(path)
+    write_template(path, "calm", overwrite=True)
+    assert "calm" in path.read_text()
+
+
+def test_the_schema_names_every_key_and_takes_text_with_units():
+    schema = json_schema()
+    text = json.dumps(schema)
+    for path in key_paths():
+        assert f'"{path.rsplit(".", 1)[-1]}"' in text
+    height = schema["$defs"]["Sensor"]["properties"]["height_m"]
+    assert [option["type"] for option in height["anyOf"]] == ["number", "string"]
+    assert height["anyOf"][0]["exclusiveMinimum"] == 0
+    assert schema["additionalProperties"] is False
