@@ -45,7 +45,12 @@ _HEX_X = np.concatenate([[0.0], np.sqrt(2.0 / 3.0) * np.cos(_HEX_ANGLE)])
 _HEX_Y = np.concatenate([[0.0], np.sqrt(2.0 / 3.0) * np.sin(_HEX_ANGLE)])
 _HEX_W = np.array([0.25] + 6 * [0.125])
 
-_CHUNK: Final = 4096  # pixels whose 24 x 24 points are held at a time: 19 MB per array
+_NEGLIGIBLE: Final = 9.0
+"""Rms slopes beyond which the density is nothing (3e-18 of its peak) and no integral is taken."""
+
+# Pixels taken at a time, so that their points stay near the processor: 7 and 576 points each.
+_WIDE_CHUNK: Final = 8192
+_NARROW_CHUNK: Final = 512
 
 
 class SlopeDensity(Protocol):
@@ -149,40 +154,41 @@ def glint(
     ----------
     Source article Eqs. 8 and 12; Cox and Munk 1954, J. Opt. Soc. Am. 44, 838.
     """
-    shape = np.broadcast_shapes(np.shape(view_zenith), np.shape(view_azimuth))
-    theta = np.broadcast_to(np.asarray(view_zenith, dtype=np.float64), shape).ravel()
-    azimuth = np.broadcast_to(np.asarray(view_azimuth, dtype=np.float64), shape).ravel()
+    theta, azimuth = np.asarray(view_zenith, dtype=np.float64), np.asarray(view_azimuth, dtype=np.float64)
     if not np.all((theta >= 0.0) & (theta <= 0.5 * np.pi)):
         raise DomainError("view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor")
+    shape = np.broadcast_shapes(theta.shape, azimuth.shape)
     share, centroid = visible_sun(solar_zenith)
     if share == 0.0:
         return Glint(np.zeros(shape), np.zeros(shape))
     sea = _floored(slopes)
-    v = direction(theta, azimuth)
+    v = tuple(np.broadcast_to(c, shape).ravel() for c in direction(theta, azimuth))
     sun = direction(centroid, solar_azimuth)
-    cos_incidence = np.sqrt(np.clip(0.5 * (1.0 + v[0] * sun[0] + v[1] * sun[1] + v[2] * sun[2]), 0.0, 1.0))
+    # cos(2 w) = v.l; the floor only keeps exact grazing from dividing by zero.
+    cos_incidence = np.sqrt(np.clip(0.5 * (1.0 + v[0] * sun[0] + v[1] * sun[1] + v[2] * sun[2]), 1e-18, 1.0))
 
-    # Half axes of the disc's image in slopes: eps/2 along the plane of incidence, eps/(2 cos w) across it, both over cos^2(beta) or less.
-    smallest = np.sqrt(min(sea.mss_up, sea.mss_cross))
-    facet_up = (v[2] + sun[2]) / (2.0 * cos_incidence)
-    ratio = SOLAR_ANGULAR_RADIUS / (2.0 * cos_incidence * facet_up**2 * smallest)
-    broad = (ratio < _BROAD) & (share == 1.0)
-    integral = np.zeros(theta.size)
-    if np.any(broad):
-        integral[broad] = _wide(tuple(c[broad] for c in v), solar_zenith, solar_azimuth, sea.density)
-    narrow = np.flatnonzero(~broad)
-    for start in range(0, narrow.size, _CHUNK):
-        pick = narrow[start : start + _CHUNK]
-        integral[pick] = _narrow(tuple(c[pick] for c in v), cos_incidence[pick], solar_zenith, solar_azimuth, sea)
-    factor = _visibility(theta, azimuth, centroid, solar_azimuth, sea, shadowing)
-    return Glint((integral * factor).reshape(shape), cos_incidence.reshape(shape))
+    # Image of the Sun's radius in slopes, its long half axis: eps/(2 cos w), over the square of the facet's upward cosine.
+    upward = (v[2] + sun[2]) / (2.0 * cos_incidence)
+    image = SOLAR_ANGULAR_RADIUS / (2.0 * cos_incidence * upward**2)
+    slope = np.sqrt(np.maximum(1.0 / upward**2 - 1.0, 0.0))
+    possible = slope - 2.0 * image < _NEGLIGIBLE * np.sqrt(max(sea.mss_up, sea.mss_cross))
+    broad = (image < _BROAD * np.sqrt(min(sea.mss_up, sea.mss_cross))) & (share == 1.0)
+    integral = np.zeros(cos_incidence.size)
+    for rule, pixels, chunk in ((_wide, broad, _WIDE_CHUNK), (_narrow, ~broad, _NARROW_CHUNK)):
+        wanted = np.flatnonzero(pixels & possible)
+        for start in range(0, wanted.size, chunk):
+            pick = wanted[start : start + chunk]
+            integral[pick] = rule(tuple(c[pick] for c in v), cos_incidence[pick], solar_zenith, solar_azimuth, sea)
+    chance = integral.reshape(shape) * _visibility(theta, azimuth, centroid, solar_azimuth, sea, shadowing)
+    return Glint(chance, cos_incidence.reshape(shape))
 
 
 def _visibility(
     theta: FloatArray, azimuth: FloatArray, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics, shadowing: Shadowing
 ) -> FloatArray:
     """``S / cos(theta_v)``, finite to the horizon: 1/A+ for the viewer's leg, less by the Sun's."""
-    variance = slopes.mss_along(azimuth)
+    # One number for isotropic slopes, so that what depends on the row alone is computed per row.
+    variance = np.float64(slopes.mss_up) if slopes.is_isotropic else slopes.mss_along(azimuth)
     area = projected_area(theta, variance)
     if shadowing == "viewer":
         return np.asarray(1.0 / area)
@@ -211,10 +217,12 @@ def _point_density(
     return np.asarray(np.where(p > 0.0, 0.25 * p * secant2**2, 0.0))
 
 
-def _wide(v: tuple[FloatArray, ...], solar_zenith: float, solar_azimuth: float, density: SlopeDensity) -> FloatArray:
+def _wide(
+    v: tuple[FloatArray, ...], cos_incidence: FloatArray, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics
+) -> FloatArray:
     """Integral over the whole disc of a density that varies little on it."""
     x, y = SOLAR_ANGULAR_RADIUS * _HEX_X[None, :], SOLAR_ANGULAR_RADIUS * _HEX_Y[None, :]
-    values = _point_density(v, x, y, solar_zenith, solar_azimuth, density)
+    values = _point_density(v, x, y, solar_zenith, solar_azimuth, slopes.density)
     return np.asarray(np.pi * SOLAR_ANGULAR_RADIUS**2 * (values @ _HEX_W))
 
 
