@@ -1,5 +1,7 @@
 """Synthesis of a moving sea: Gaussian waves of a directional spectrum on a few periodic tiles.
 
+::
+
     zeta(x, t) = Re sum_k a_k exp[i (k.x - omega t)],     <|a_k|^2> = 2 int_cell Psi dk,     omega by :mod:`seaglint.sea.dispersion`
 
 Every tile carries its own band of wavenumbers, so that the sum over tiles has the whole spectrum once. Lengths are incommensurate and

@@ -1,6 +1,6 @@
 """Shadowing of a Gaussian rough sea by itself: Smith's function, Saunders' factor, two legs, and the visible projected area.
 
-With ``v`` the unit vector to the viewer, the projected area of facets turned to the viewer per unit area of sea is
+With ``v`` the unit vector to the viewer, the projected area of facets turned to the viewer per unit area of sea is ::
 
     A+ = <max(0, v_z - v_h . s)>  =  m Phi(m/d) + d phi(m/d),      m = v_z - v_h . <s>,  d = |v_h| sigma_1
 
