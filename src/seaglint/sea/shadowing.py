@@ -9,7 +9,7 @@ With ``v`` the unit vector to the viewer, the projected area of facets turned to
 
 References
 ----------
-Smith 1967, IEEE Trans. Antennas Propag. 15, 668 (Eqs. 21-24); Saunders 1967, J. Geophys. Res. 72, 4109;
+Smith 1967, IEEE Trans. Antennas Propag. 15, 668 (Eqs. 21-24); Saunders 1967, J. Geophys. Res. 72, 4643;
 Zeisse 1995, J. Opt. Soc. Am. A 12, 2022; Heitz 2014, J. Comput. Graph. Tech. 3 (2), 32.
 """
 
