@@ -1,0 +1,290 @@
+"""Measured directional spectra: what a wave buoy reports, as a wavenumber spectrum.
+
+A buoy gives, per frequency band, the energy density and two Fourier moments of the directional distribution. The distribution used is the
+one of maximum entropy with exactly these moments, positive everywhere; the slope variances along and across the wind depend on the second
+moment alone. Above the buoy's last band with energy the spectrum goes on as ``f^-5`` (``S ~ k^-3``), the saturated range of Phillips 1958,
+with the mean level and the mean directions of the last bands that have energy.
+
+References
+----------
+Lygre and Krogstad 1986, J. Phys. Oceanogr. 16, 2052 (maximum entropy, Eqs. 11-14); Longuet-Higgins, Cartwright and Smith 1963 (moments);
+NDBC, "Nondirectional and directional wave data analysis procedures", Technical Document 96-01; Phillips 1958, J. Fluid Mech. 4, 426.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seaglint.errors import BackendError, DataError
+from seaglint.sea.dispersion import angular_frequency, group_velocity, wavenumber
+from seaglint.sea.spectra.base import DirectionalSpectrum
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+NDBC_SUFFIXES: Final = (".data_spec", ".swdir", ".swdir2", ".swr1", ".swr2")
+"""The five files of one buoy: energy, mean and principal direction (degrees, from), and the lengths r1, r2 of the two moments."""
+
+_MISSING: Final = 99.0  # NDBC writes 999.0 or 999.00; no energy density or moment is as large
+_TAIL_BANDS: Final = 5  # the last band alone is one or two units of the last printed digit
+_TAIL_END: Final = 370.0  # gravity waves only, as in the Pierson-Moskowitz spectrum [rad/m]
+_SHARPEST: Final = 0.95  # of the largest second moment compatible with the first: a distribution at the limit is a pair of spikes
+_LOST_SHARE: Final = 0.1  # energy without directions that is tolerated
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredSpectrum(DirectionalSpectrum):
+    """Directional spectrum from energy and two circular moments per frequency.
+
+    ``S(k) = E(f) df/dk`` with ``E`` linear between the frequencies and ``df/dk`` the group velocity over 2 pi;
+    ``D`` of maximum entropy from the moments, interpolated over wavenumber.
+
+    Attributes
+    ----------
+    frequency_hz : ndarray
+        Ascending frequencies [Hz, (m,)].
+    energy : ndarray
+        Height variance per hertz, E(f) [m² Hz⁻¹, (m,)].
+    first, second : ndarray of complex
+        ``int D exp(i phi) dphi`` and ``int D exp(2 i phi) dphi``, phi the azimuth waves travel TO [1, (m,)].
+    wind_to_azimuth : float
+        Azimuth the wind blows TO [rad]; used only to tell upwind from crosswind.
+
+    Raises
+    ------
+    DataError
+        Values that are missing, negative or impossible; no energy at all.
+    """
+
+    frequency_hz: FloatArray
+    energy: FloatArray
+    first: ComplexArray
+    second: ComplexArray
+    wind_to_azimuth: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse columns that cannot be a spectrum."""
+        columns = (self.frequency_hz, self.energy, self.first, self.second)
+        if len({c.shape for c in columns}) != 1 or self.frequency_hz.ndim != 1 or self.frequency_hz.size < 3:
+            raise DataError("a measured spectrum needs frequency, energy and two moments of the same length, at least 3 bands")
+        if not all(np.all(np.isfinite(c)) for c in columns):
+            raise DataError("measured spectrum has missing or NaN values; fill or drop that record")
+        if self.frequency_hz[0] <= 0.0 or np.any(np.diff(self.frequency_hz) <= 0.0):
+            raise DataError("frequencies of a measured spectrum must be above 0 Hz and ascending")
+        if np.any(self.energy < 0.0) or not np.any(self.energy > 0.0):
+            raise DataError("energy of a measured spectrum must not be negative, nor zero everywhere; for a calm sea use the flat spectrum")
+        room = 1.0 - np.abs(self.first) ** 2
+        if np.any(room <= 0.0) or np.any(np.abs(self.second - self.first**2) >= room):
+            raise DataError("directional moments that no distribution has; pass them through possible_moments first")
+
+    @cached_property
+    def _k(self) -> FloatArray:
+        """Wavenumbers of the measured frequencies [rad m⁻¹]."""
+        return wavenumber(2.0 * np.pi * self.frequency_hz)
+
+    @cached_property
+    def _tail(self) -> _Tail:
+        used = np.flatnonzero(self.energy > 0.0)[-_TAIL_BANDS:]
+        saturation = self.energy[used] * _frequency_per_wavenumber(self._k[used]) * self._k[used] ** 3
+        return _Tail(
+            float(self._k[used[-1]]), float(saturation.mean()), complex(self.first[used].mean()), complex(self.second[used].mean())
+        )
+
+    @property
+    def peak_wavenumber(self) -> float:
+        """Wavenumber of the frequency band with the highest density [rad m⁻¹]."""
+        return float(self._k[int(np.argmax(self.energy))])
+
+    @property
+    def tail_wavenumber(self) -> float:
+        """Wavenumber above which the spectrum is not measured but continued [rad m⁻¹]."""
+        return self._tail.start
+
+    @property
+    def wavenumber_range(self) -> tuple[float, float]:
+        """From the first frequency to 370 rad/m, where surface tension takes over [rad m⁻¹]."""
+        return float(self._k[0]), _TAIL_END
+
+    def breakpoints(self) -> FloatArray:
+        """The measured frequencies: energy is linear between them."""
+        return self._k
+
+    def omnidirectional(self, wavenumber: ArrayLike) -> FloatArray:
+        """``E(f) df/dk`` up to the last band with energy, above it ``level k^-3`` [m³]."""
+        k = np.asarray(wavenumber, dtype=np.float64)
+        low, high = self.wavenumber_range
+        safe = np.clip(k, low, high)
+        frequency = angular_frequency(safe) / (2.0 * np.pi)
+        measured = np.interp(frequency, self.frequency_hz, self.energy) * _frequency_per_wavenumber(safe)
+        value = np.where(safe < self._tail.start, measured, self._tail.level * safe**-3)
+        return np.asarray(np.where((k >= low) & (k <= high), value, 0.0))
+
+    def _moments(self, wavenumber: ArrayLike) -> tuple[ComplexArray, ComplexArray]:
+        """Moments at any wavenumber; mixtures of possible moments are possible."""
+        k = np.asarray(wavenumber, dtype=np.float64)
+        measured = k < self._tail.start
+        first = np.where(measured, np.interp(k, self._k, self.first), self._tail.first)
+        second = np.where(measured, np.interp(k, self._k, self.second), self._tail.second)
+        return first, second
+
+    def spreading(self, wavenumber: ArrayLike, azimuth: ArrayLike) -> FloatArray:
+        """Maximum-entropy distribution of the two moments [rad⁻¹] (Lygre and Krogstad 1986, Eqs. 13-14)."""
+        first, second = self._moments(wavenumber)
+        turn = np.exp(-1j * np.asarray(azimuth, dtype=np.float64))
+        a = (first - second * np.conj(first)) / (1.0 - np.abs(first) ** 2)
+        b = second - first * a
+        level = (1.0 - a * np.conj(first) - b * np.conj(second)).real
+        return np.asarray(level / np.abs(1.0 - a * turn - b * turn**2) ** 2 / (2.0 * np.pi))
+
+    def second_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
+        """Second moment along the wind [1]."""
+        return np.asarray((self._moments(wavenumber)[1] * np.exp(-2j * self.wind_to_azimuth)).real)
+
+
+class _Tail(NamedTuple):
+    """Continuation above the measured bands: ``S = level k^-3`` from ``start`` on."""
+
+    start: float
+    level: float
+    first: complex
+    second: complex
+
+
+def _frequency_per_wavenumber(k: FloatArray) -> FloatArray:
+    """Jacobian df/dk [Hz m rad⁻¹]."""
+    return np.asarray(group_velocity(k) / (2.0 * np.pi))
+
+
+def possible_moments(first: ComplexArray, second: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
+    """Nearest moments that a distribution of finite width has.
+
+    A distribution needs ``|c1| < 1`` and ``|c2 - c1^2| < 1 - |c1|^2``; sampling noise of a buoy can lie outside. Moments beyond 95 % of
+    these limits are moved to 95 %.
+    """
+    size = np.abs(first)
+    first = first * np.minimum(1.0, 0.99 / np.maximum(size, 0.99))
+    room = _SHARPEST * (1.0 - np.abs(first) ** 2)
+    offset = second - first**2
+    return first, first**2 + offset * np.minimum(1.0, room / np.maximum(np.abs(offset), room))
+
+
+def read_ndbc(
+    path: str | Path, time: str | datetime | np.datetime64, wind_to_azimuth: float = 0.0, *, tolerance: float = 3600.0
+) -> MeasuredSpectrum:
+    """Directional spectrum of an NDBC buoy at one time.
+
+    Parameters
+    ----------
+    path : path
+        The ``.data_spec`` file; ``.swdir``, ``.swdir2``, ``.swr1`` and ``.swr2`` of the same name must lie beside it.
+        The name without any ending will do.
+    time : str, datetime or datetime64
+        Time wanted, UTC; the nearest record is taken.
+    wind_to_azimuth : float
+        Azimuth the wind blows TO [rad].
+    tolerance : float
+        Farthest a record may be from ``time`` [s].
+
+    Returns
+    -------
+    MeasuredSpectrum
+
+    Raises
+    ------
+    DataError
+        Missing, cut or malformed files, missing values, no record near the time.
+    BackendError
+        If wavespectra is not installed.
+    """
+    base = Path(path)
+    base = base.with_name(base.name.removesuffix(NDBC_SUFFIXES[0]))
+    files = [base.with_name(base.name + suffix) for suffix in NDBC_SUFFIXES]
+    energy_table = _read(files[0])
+    moment = _nearest(energy_table, _utc(time), files[0], tolerance)
+    frequency = np.asarray(energy_table["freq"].values, dtype=np.float64)
+    energy, alpha1, alpha2, r1, r2 = (_record(_read(file), moment, frequency, file) for file in files)
+    if np.any(_lacks(energy)):
+        raise DataError(f"{files[0]}: the record of {moment} has missing energy; choose another time")
+    first = r1 * np.exp(1j * (np.radians(alpha1) + np.pi))  # from -> to; the second moment does not know the difference
+    second = r2 * np.exp(2j * np.radians(alpha2))
+    known = ~(_lacks(r1) | _lacks(r2) | (alpha1 > 360.0) | (alpha2 > 360.0) | ~np.isfinite(first) | ~np.isfinite(second))
+    _require_directions(energy, frequency, known, f"{base}: the record of {moment}")
+    if np.any(r1[known] > 1.0) or np.any(r2[known] > 1.0):
+        raise DataError(
+            f"{base}: r1 or r2 above 1 at {moment}; realtime files have them in 0-1, historical ones in hundredths: divide by 100"
+        )
+    first, second = (np.interp(frequency, frequency[known], c[known]) for c in (first, second))
+    return MeasuredSpectrum(frequency, energy, *possible_moments(first, second), wind_to_azimuth)
+
+
+def _read(file: Path) -> Any:
+    """One file as an xarray dataset with ``efth(time, freq, dir)``, whatever quantity it holds."""
+    try:
+        from wavespectra import read_ndbc_ascii
+    except ImportError as error:
+        raise BackendError("measured spectra are read by wavespectra, which is not installed; pip install 'seaglint[waves]'") from error
+    if not file.is_file():
+        raise DataError(
+            f"{file} does not exist; a buoy's directional spectrum needs the files {', '.join('NAME' + s for s in NDBC_SUFFIXES)}"
+        )
+    try:
+        return read_ndbc_ascii(str(file))
+    except Exception as error:  # a parser's errors for a file that is no NDBC file are of any kind
+        raise DataError(f"{file} cannot be read as an NDBC spectral file ({error}); it may be cut or of another kind") from error
+
+
+def _utc(time: str | datetime | np.datetime64) -> np.datetime64:
+    """Time as datetime64 in UTC; text and datetimes without a zone are UTC."""
+    if isinstance(time, np.datetime64):
+        return time
+    try:
+        moment = datetime.fromisoformat(time) if isinstance(time, str) else time
+    except ValueError as error:
+        raise DataError(f"time {time!r} is not an ISO date and time such as 2020-06-08T03:50Z") from error
+    if moment.tzinfo is not None:
+        moment = moment.astimezone(UTC).replace(tzinfo=None)
+    return np.datetime64(moment)
+
+
+def _nearest(table: Any, time: np.datetime64, file: Path, tolerance: float) -> np.datetime64:
+    """Time of the record nearest to ``time``."""
+    times = np.asarray(table["time"].values)
+    if times.size == 0:
+        raise DataError(f"{file} holds no record")
+    nearest = times[int(np.argmin(np.abs(times - time)))]
+    if abs(nearest - time) > np.timedelta64(round(tolerance), "s"):
+        raise DataError(
+            f"{file} has no record within {tolerance:g} s of {time}; it covers {times.min()} to {times.max()}, nearest is {nearest}"
+        )
+    return np.datetime64(nearest)
+
+
+def _record(table: Any, moment: np.datetime64, frequency: FloatArray, file: Path) -> FloatArray:
+    """Column of one file at one time, on the frequencies of the energy file."""
+    index = np.flatnonzero(np.asarray(table["time"].values) == moment)
+    if index.size == 0:
+        raise DataError(f"{file} has no record of {moment}, which the energy file has; the files do not belong together or one is cut")
+    values = np.asarray(table["efth"].values, dtype=np.float64)[int(index[0])].ravel()
+    if values.size != frequency.size or not np.allclose(table["freq"].values, frequency):
+        raise DataError(f"{file} has other frequencies than the energy file; the files do not belong together or one is cut")
+    return np.asarray(values, dtype=np.float64)
+
+
+def _lacks(values: FloatArray) -> NDArray[np.bool_]:
+    return ~np.isfinite(values) | (values >= _MISSING)
+
+
+def _require_directions(energy: FloatArray, frequency: FloatArray, known: NDArray[np.bool_], what: str) -> None:
+    """Refuse a record with more than a little energy in bands without directions."""
+    share = np.where(known, 0.0, energy) @ np.gradient(frequency) / max(float(energy @ np.gradient(frequency)), 1e-300)
+    if share > _LOST_SHARE or not np.any(known):
+        raise DataError(
+            f"{what} lacks directions for {100 * share:.0f} % of its energy ({100 * _LOST_SHARE:.0f} % allowed); choose another time"
+        )
