@@ -73,6 +73,15 @@ def test_fetch():
     assert ElfouhailySpectrum(10.0, 0.0, young).significant_height() < 0.6 * ElfouhailySpectrum(10.0).significant_height()
 
 
+@pytest.mark.parametrize(("age", "enhancement"), [(2.0, 3.506), (5.0, 5.894)])
+def test_peak_enhancement_of_young_seas(age, enhancement):
+    """At the peak k^3 S = exp(-5/4) gamma (0.003 sqrt(Omega_c) + short waves); gamma = 1.7 + 6 log10(Omega_c), not ln (5.9 and 11.4)."""
+    sea = ElfouhailySpectrum(10.0, 0.0, age)
+    long_waves = np.exp(-1.25) * 0.003 * np.sqrt(age)
+    kp = sea.peak_wavenumber
+    assert 1.0 < kp**3 * float(sea.omnidirectional(kp)) / long_waves / enhancement < 1.4  # the short waves' part is 0.1-0.3 of the long
+
+
 @pytest.mark.parametrize("wind", [0.0, -3.0, 31.0, np.nan])
 def test_winds_outside_the_models_are_refused(wind):
     with pytest.raises(DomainError, match="Elfouhaily"):
