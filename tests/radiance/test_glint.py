@@ -35,25 +35,70 @@ def test_rough_sea_is_the_point_formula(wind, depression, relative):
     assert got.cos_incidence == pytest.approx(cos_incidence, rel=1e-12)
 
 
+def _drawn(slopes, theta, azimuth, sun_zenith, sun_azimuth, n=1_000_000):
+    """Share of visible facets, drawn at random, that mirror the part of the disc above the horizon; and its standard error."""
+    rng = np.random.default_rng(7)
+    up, cross = rng.normal(0.0, 1.0, (2, n)) * np.sqrt([[slopes.mss_up], [slopes.mss_cross]])
+    a = slopes.wind_to_azimuth
+    s = np.array([up * np.sin(a) + cross * np.cos(a), up * np.cos(a) - cross * np.sin(a)])
+    v = np.array([float(c) for c in direction(theta, azimuth)])
+    projection = v[2] - v[0] * s[0] - v[1] * s[1]
+    weight = np.maximum(projection, 0.0)
+    r = 2.0 * projection * np.array([-s[0], -s[1], np.ones(n)]) / (1.0 + s[0] ** 2 + s[1] ** 2) - v[:, None]
+    sun = np.array([float(c) for c in direction(sun_zenith, sun_azimuth)])
+    hit = ((sun @ r > np.cos(EPS)) & (r[2] > 0.0)) * weight / weight.mean()
+    return hit.mean(), hit.std() / np.sqrt(n)
+
+
 @pytest.mark.parametrize("mss", [1e-8, 1e-6, 1e-5, 1e-4, 1e-3, 5e-3])
 @pytest.mark.parametrize("zenith", [30.0, 80.0])
 def test_chance_is_the_share_of_facets_drawn_at_random(mss, zenith):
     """Independent route: draw visible facets, mirror the view, count hits on the disc."""
     slopes = SlopeStatistics(mss, mss)
     theta, azimuth, sun_zenith = np.radians(zenith), 0.3, np.radians(zenith) - 0.5 * EPS
-    rng = np.random.default_rng(7)
-    n = 1_000_000
-    s = rng.normal(0.0, np.sqrt(mss), (2, n))
-    v = np.array([float(c) for c in direction(theta, azimuth)])
-    projection = v[2] - v[0] * s[0] - v[1] * s[1]
-    weight = np.maximum(projection, 0.0)
-    r = 2.0 * projection * np.array([-s[0], -s[1], np.ones(n)]) / (1.0 + s[0] ** 2 + s[1] ** 2) - v[:, None]
-    sun = np.array([float(c) for c in direction(sun_zenith, azimuth + np.pi)])
-    hit = (sun @ r > np.cos(EPS)) * weight / weight.mean()
+    expected, error = _drawn(slopes, theta, azimuth, sun_zenith, azimuth + np.pi)
     got = float(glint(theta, azimuth, sun_zenith, azimuth + np.pi, slopes, "viewer").chance)
     # four standard errors of the million draws, plus 0.2 % for the quadrature
-    assert got == pytest.approx(hit.mean(), abs=4.0 * hit.std() / np.sqrt(n) + 2e-3 * hit.mean())
+    assert got == pytest.approx(expected, abs=4.0 * error + 2e-3 * expected)
     assert 0.0 <= got <= 1.0
+
+
+@pytest.mark.parametrize("elevation", [0.25, 0.1, 0.0, -0.15])
+@pytest.mark.parametrize("slopes", [SlopeStatistics(1e-3, 1e-3), SlopeStatistics(4e-4, 3e-3, 0.8)], ids=["isotropic", "directional"])
+def test_facets_drawn_at_random_see_a_cut_sun_cut(elevation, slopes):
+    theta, sun_zenith = np.radians(89.8), np.radians(90.0 - elevation)
+    expected, error = _drawn(slopes, theta, 0.3, sun_zenith, 0.3005 + np.pi)
+    got = float(glint(theta, 0.3, sun_zenith, 0.3005 + np.pi, slopes, "viewer").chance)
+    assert got == pytest.approx(expected, abs=4.0 * error + 5e-3 * expected)  # draws, and points on the cut disc
+
+
+@pytest.mark.parametrize("mss", [(2e-5, 4e-6), (0.04, 0.01)], ids=["narrow", "wide"])
+@pytest.mark.parametrize("turn", [0.5, 2.0, 4.0])
+def test_the_compass_does_not_matter(mss, turn):
+    """View, Sun and wind turned together see the same glint."""
+    fixed = glint(1.0, 0.3, 1.004, 0.3 + np.pi + 0.004, SlopeStatistics(*mss, 0.9)).chance
+    turned = glint(1.0, 0.3 + turn, 1.004, 0.3 + np.pi + 0.004 + turn, SlopeStatistics(*mss, 0.9 + turn)).chance
+    assert float(turned) == pytest.approx(float(fixed), rel=1e-3)  # the hexagon of points turns with the Sun, the window too
+    mirrored = glint(1.0, 0.3, 1.004, 0.3 + np.pi + 0.4, SlopeStatistics(*mss, -0.3)).chance
+    other = glint(1.0, 0.3, 1.004, 0.3 + np.pi - 0.4, SlopeStatistics(*mss, 0.9)).chance
+    assert float(mirrored) == pytest.approx(float(other), rel=1e-3, abs=1e-30)  # mirror image about the view's own azimuth
+
+
+# Saunders' factor at slope variance 0.0316 along the view, from an independent calculation: 80 deg 0.92141, 85 deg 0.71082.
+LAMBDA_80, LAMBDA_85 = 1 / 0.92141 - 1, 1 / 0.71082 - 1
+
+
+@pytest.mark.parametrize(
+    ("view", "sun", "expected"),
+    [
+        (85.0, 80.0, (1 + LAMBDA_85) / (1 + LAMBDA_85 + LAMBDA_80)),
+        (80.0, 85.0, (1 + LAMBDA_80) / (1 + LAMBDA_85 + LAMBDA_80)),
+    ],
+)
+def test_second_leg_takes_what_smith_says(view, sun, expected):
+    slopes = SlopeStatistics(0.0316, 0.0316)
+    both, viewer = (float(glint(np.radians(view), np.pi, np.radians(sun), 0.0, slopes, legs).chance) for legs in ("both", "viewer"))
+    assert both / viewer == pytest.approx(expected, rel=2e-5)  # printed digits
 
 
 @pytest.mark.parametrize("zenith", [1.0, 45.0, 85.0, 89.5])

@@ -214,7 +214,8 @@ def _point_density(
     slope_east, slope_north = -east / rise, -north / rise
     secant2 = 1.0 + slope_east**2 + slope_north**2
     p = density(slope_east, slope_north)
-    return np.asarray(np.where(p > 0.0, 0.25 * p * secant2**2, 0.0))
+    # norm^3: solid angle of the tangent plane, so that a calm sea's whole density adds up to 1 and no more.
+    return np.asarray(np.where(p > 0.0, 0.25 * p * secant2**2 * norm**3, 0.0))
 
 
 def _wide(
@@ -229,24 +230,39 @@ def _wide(
 def _narrow(
     v: tuple[FloatArray, ...], cos_incidence: FloatArray, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics
 ) -> FloatArray:
-    """Integral over the part of the disc that is above the horizon and where the density is not negligible."""
+    """Integral over the part of the disc that is above the horizon and where the density is not negligible.
+
+    Along a line of the disc parallel to the horizon the mirroring slope moves in proportion to the distance, towards one azimuth, so the
+    window of a Gaussian density on that line is exact, however grazing the light.
+    """
     radius = SOLAR_ANGULAR_RADIUS
-    sigma = np.sqrt(max(slopes.mss_up, slopes.mss_cross))
-    # Direction that a level sea mirrors to the viewer, in the Sun's own frame; slopes of sigma turn it by 2 sigma.
+    right_east, right_north = np.cos(solar_azimuth), -np.sin(solar_azimuth)
+    # Up and down the disc: the slope towards the Sun's azimuth decides; a slope of sigma turns the mirrored ray by 2 sigma.
     turn = np.arctan2(v[0], v[1]) + np.pi - solar_azimuth
     sine = np.hypot(v[0], v[1])
-    mirror_x = sine * np.sin(turn)
     mirror_y = v[2] * np.sin(solar_zenith) - sine * np.cos(turn) * np.cos(solar_zenith)
-    reach = 2.0 * _WINDOW * sigma
-    low = np.maximum(mirror_y - reach, max(-radius, -1.0 / np.tan(solar_zenith) if solar_zenith > 0.0 else -radius))
+    reach = 2.0 * _WINDOW * np.sqrt(float(slopes.mss_along(solar_azimuth)))
+    horizon = -1.0 / np.tan(solar_zenith) if solar_zenith > 0.0 else -np.inf
+    low = np.maximum(mirror_y - reach, max(-radius, horizon))
     high = np.minimum(mirror_y + reach, radius)
     half = 0.5 * np.maximum(high - low, 0.0)
     y = (0.5 * (high + low))[:, None] + half[:, None] * _GAUSS_X
+    # Across it: slope(x) = at_centre + x step, whose Gaussian has its centre and width where Q(x) = slope.C^-1.slope is least.
+    level = np.sin(solar_zenith) - y * np.cos(solar_zenith)
+    rise = np.maximum(v[2][:, None] + np.cos(solar_zenith) + y * np.sin(solar_zenith), 1e-12)
+    centre_east = -(v[0][:, None] + level * np.sin(solar_azimuth)) / rise
+    centre_north = -(v[1][:, None] + level * np.cos(solar_azimuth)) / rise
+    ee, en, nn = slopes.covariance()
+    norm = ee * nn - en * en
+    inverse = (nn / norm, -en / norm, ee / norm)
+    step_q = (inverse[0] * right_east**2 + 2.0 * inverse[1] * right_east * right_north + inverse[2] * right_north**2) / rise**2
+    cross_q = (
+        centre_east * (inverse[0] * right_east + inverse[1] * right_north)
+        + centre_north * (inverse[1] * right_east + inverse[2] * right_north)
+    ) / rise
+    middle, across = cross_q / step_q, _WINDOW / np.sqrt(step_q)
     chord = np.sqrt(np.maximum(radius**2 - y**2, 0.0))
-    # Across the plane of incidence the image is stretched by 1/cos(w); twice that window, for facets that are not level.
-    across = (2.0 * reach * np.minimum(1.0, cos_incidence))[:, None] + np.zeros_like(y)
-    left = np.maximum(mirror_x[:, None] - across, -chord)
-    right = np.minimum(mirror_x[:, None] + across, chord)
+    left, right = np.maximum(middle - across, -chord), np.minimum(middle + across, chord)
     width = 0.5 * np.maximum(right - left, 0.0)
     x = (0.5 * (left + right))[..., None] + width[..., None] * _GAUSS_X
     points = (v[0].size, -1)
