@@ -73,6 +73,9 @@ ELEVATION_NODES = 40
 TOLERANCE = {"path_depth": 1e-3, "path_temperature": 1e-2, "sun_depth": 1e-3, "sky_temperature": 1e-2}
 """Root-mean-square error the truncated components may leave (encoded optical depth; kelvin)."""
 
+OPAQUE = 25.0
+"""Optical depths end here (transmittance 1e-11): components are not to be spent on the shades of black beyond."""
+
 MOST_COMPONENTS = 40
 """32 leave less than 1e-3 of 3-5 um transmittance everywhere; more only describe channels that are opaque anyway."""
 
@@ -92,8 +95,8 @@ def brightness_temperature(wavenumber_cm: np.ndarray, radiance: np.ndarray) -> n
 
 
 def optical_depth(spectrum: Spectrum) -> np.ndarray:
-    """``-log(tau)`` within 1e-12 ... 60: single precision in LOWTRAN7's constants ends there."""
-    return np.clip(-np.log(np.maximum(spectrum.transmittance, 1e-300)), 1e-12, 60.0)
+    """``-log(tau)`` within 1e-12 ... OPAQUE."""
+    return np.clip(-np.log(np.maximum(spectrum.transmittance, 1e-300)), 1e-12, OPAQUE)
 
 
 def refraction_of(spectrum: Spectrum) -> Refraction:
@@ -160,6 +163,14 @@ def sample(engine: Path, model: str, workers: int) -> dict[str, np.ndarray]:
     }
 
 
+def write_solar_spectrum(engine: Path, note: dict[str, str]) -> None:
+    """The Sun outside the atmosphere at 1 au as LOWTRAN7 tabulates it, 0.70-14.7 um."""
+    sun = run(engine, Case(MODELS["us-standard-1976"], 5.0, 3, 3, 0.0, 0.0, 680, 14290))
+    np.savez_compressed(
+        DATA / "solar_lowtran7.npz", wavenumber_cm=sun.wavenumber_cm, irradiance=sun.source, provenance=np.array(json.dumps(note))
+    )
+
+
 def principal_components(name: str, field: np.ndarray, report: dict[str, list[float]]) -> dict[str, np.ndarray]:
     """Mean, components and scores of the spectra, as many as the tolerance asks for."""
     rows = field.reshape(-1, field.shape[-1]).astype(np.float64)
@@ -197,7 +208,8 @@ def pack(model: str, region: str, raw: dict[str, np.ndarray], engine_note: dict[
         x = path_coordinate(slant, h, horizon)
         excess[i] = np.log(horizon / straight_horizon)
         ray_to_path[i] = CubicSpline(t, x)(ray)
-        depth[:, i] = CubicSpline(x, raw["path_depth"][:, i, :, keep], axis=1)(even)
+        encoded = np.minimum(raw["path_depth"][:, i, :, keep], encode_optical_depth(OPAQUE))
+        depth[:, i] = CubicSpline(x, encoded, axis=1)(even)
         temperature[:, i] = CubicSpline(x, raw["path_temperature"][:, i, :, keep], axis=1)(even)
     report: dict[str, list[float]] = {}
     fields = {
@@ -250,6 +262,7 @@ def main() -> None:
             "sky ITYPE=3; sun IEMSCT=3, IDAY=0 (1 au)",
             "built": datetime.datetime.now(datetime.UTC).date().isoformat(),
         }
+        write_solar_spectrum(engine, note)
         samples = args.samples or Path(temporary)
         samples.mkdir(parents=True, exist_ok=True)
         for model in args.models:

