@@ -63,6 +63,14 @@ def test_chance_is_the_share_of_facets_drawn_at_random(mss, zenith):
     assert 0.0 <= got <= 1.0
 
 
+@pytest.mark.parametrize("offset", [-0.0045, 0.0035])
+@pytest.mark.parametrize("slopes", [SlopeStatistics(1e-6, 1e-6), SlopeStatistics(4e-6, 5e-7, 1.0)], ids=["isotropic", "directional"])
+def test_facets_drawn_at_random_see_a_sun_beside_the_mirror_direction(offset, slopes):
+    expected, error = _drawn(slopes, np.radians(85.0), 0.3, np.radians(85.0), 0.3 + np.pi + offset)
+    got = float(glint(np.radians(85.0), 0.3, np.radians(85.0), 0.3 + np.pi + offset, slopes, "viewer").chance)
+    assert got == pytest.approx(expected, abs=4.0 * error + 5e-3 * expected)  # draws, and points on the chords
+
+
 @pytest.mark.parametrize("elevation", [0.25, 0.1, 0.0, -0.15])
 @pytest.mark.parametrize("slopes", [SlopeStatistics(1e-3, 1e-3), SlopeStatistics(4e-4, 3e-3, 0.8)], ids=["isotropic", "directional"])
 def test_facets_drawn_at_random_see_a_cut_sun_cut(elevation, slopes):
