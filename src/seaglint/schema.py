@@ -47,10 +47,10 @@ VARIABLES: Final[dict[str, Variable]] = {
     for variable in (
         # CF has no standard name for in-band radiance along a near-horizontal line of sight: long_name, units and band coordinates say it.
         _radiance("radiance", "in-band radiance at the aperture"),
-        _radiance("radiance_path", "in-band radiance of the path (thermal)"),
-        _radiance("radiance_emission", "in-band radiance emitted by the sea, at the aperture"),
-        _radiance("radiance_sky", "in-band sky radiance reflected by the sea, at the aperture"),
-        _radiance("radiance_sun", "in-band sunlight reflected by the sea, at the aperture"),
+        _radiance("path_radiance", "in-band radiance of the path (thermal)"),
+        _radiance("emitted_radiance", "in-band radiance emitted by the sea, at the aperture"),
+        _radiance("sky_radiance", "in-band sky radiance reflected by the sea, at the aperture"),
+        _radiance("glint_radiance", "in-band sunlight reflected by the sea, at the aperture"),
         Variable("apparent_temperature", "K", "apparent temperature", "brightness_temperature"),
         Variable("azimuth", "degree", "azimuth of the line of sight, clockwise from north", "sensor_azimuth_angle", symbol="deg"),
         Variable("elevation", "degree", "elevation of the line of sight above the horizontal at the sensor", symbol="deg"),

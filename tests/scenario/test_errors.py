@@ -45,6 +45,11 @@ MISTAKES = {
     ),
     "band upside down": ({"band": {"min_um": 5, "max_um": 4}}, ["band.min_um = 5", "band.max_um = 4"]),
     "wind above the fit": ({"wind": {"speed_m_s": 31}}, ["wind.speed_m_s = 31", "0 to 20 m/s", "sea.slopes.extrapolate = true"]),
+    "extrapolated slopes under a table": (
+        {"wind": {"speed_m_s": 25}, "sea": {"slopes": {"extrapolate": True}}},
+        ["wind.speed_m_s = 25", "aerosol", "atmosphere.source = 'none'"],
+    ),
+    "slopes of no air": ({"wind": {"speed_m_s": 25}, "atmosphere": {"source": "none"}}, ["wind.speed_m_s = 25", "cox-munk-anisotropic"]),
     "over the pole": ({"sensor": {"elevation_deg": -88}}, ["sensor.elevation_deg = -88", "-92", "-90 to 90 deg"]),
 }  # fmt: skip
 

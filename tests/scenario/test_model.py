@@ -112,3 +112,8 @@ def test_pixels_are_square_within_the_tolerance(height, fits):
 @pytest.mark.parametrize("zenith", [0.0, 90.0, 95.0, 180.0])
 def test_the_sun_may_be_anywhere(zenith):
     parse_scenario({"sun": {"zenith_deg": zenith}})
+
+
+def test_wind_above_the_fit_when_asked_for():
+    values = {"wind": {"speed_m_s": 25}, "sea": {"slopes": {"extrapolate": True}}, "atmosphere": {"source": "none"}}
+    assert parse_scenario(values).wind.speed_m_s == 25.0

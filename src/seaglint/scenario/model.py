@@ -19,8 +19,8 @@ from seaglint.scenario.quantity import Quantity
 SQUARE_PIXEL_TOLERANCE = 0.01
 """Largest relative difference of the pixel's two angular sides: rounded fields of view pass, a swapped or mistyped number does not."""
 
-SLOPE_FIT_MAX_WIND = 20.0
-"""U10 [m s-1] up to which the slope models are used without being asked to extrapolate."""
+FIT_MAX_WIND = 20.0
+"""U10 [m s-1] up to which the slope models are used without being asked to extrapolate, and to which the air tables reach."""
 
 
 def rule(key: str, text: str) -> PydanticCustomError:
@@ -341,12 +341,18 @@ class Scenario(Record):
         return self
 
     @model_validator(mode="after")
-    def _wind_is_in_the_fit(self) -> Self:
-        slopes = self.sea.slopes
-        if not isinstance(slopes, FlatSlopes) and self.wind.speed_m_s > SLOPE_FIT_MAX_WIND and not slopes.extrapolate:
-            raise rule(
-                "wind.speed_m_s",
-                f"= {self.wind.speed_m_s:g} is above the {slopes.kind} slope fit; allowed: 0 to {SLOPE_FIT_MAX_WIND:g} m/s, "
-                "or set sea.slopes.extrapolate = true",
+    def _wind_is_in_the_fits(self) -> Self:
+        slopes, speed = self.sea.slopes, self.wind.speed_m_s
+        if speed <= FIT_MAX_WIND:
+            return self
+        allowed = f"allowed: 0 to {FIT_MAX_WIND:g} m/s, or set"
+        ask = "sea.slopes.extrapolate = true"
+        if self.atmosphere.source == "table":
+            # The aerosol of the table has no value to extrapolate from; without air the slopes still can be.
+            text = (
+                f"= {speed:g} is above the range of the table atmosphere's maritime aerosol; {allowed} atmosphere.source = 'none' and {ask}"
             )
+            raise rule("wind.speed_m_s", text)
+        if not isinstance(slopes, FlatSlopes) and not slopes.extrapolate:
+            raise rule("wind.speed_m_s", f"= {speed:g} is above the {slopes.kind} slope fit; {allowed} {ask}")
         return self
