@@ -32,9 +32,13 @@ ROWS = [
     ("us-standard-1976", 7.9, 2824.0, 4.108, 53.28, 34.91, 0.100702, 0.660819, 8.51064, 1.49278, 0.559895),
 ]
 
+# Between 2.6 and 3 km LOWTRAN7 integrates the aerosol of its layer 2-3 km exponentially, at 3 km (where it ends) linearly: the optical
+# depth of a 4 degree path jumps by 0.05 there. The table is smooth through it and up to 1.5 % off below the level.
+JUMP = (2600.0, 3000.0)
+JUMP_ERROR = 1.5e-2
+
 ROW_ERROR = 5e-3  # between the median (0.2 %) and the 95th percentile (1 %) that the table is built for
 SMALL = 5e-4  # of the largest value of a column: below it only the absolute error counts
-LARGEST = np.array([1.0, 2.0, 12.0, 12.0, 2.0])
 
 
 def quantities(model, wind, height, depression, solar_zenith, sky_zenith, edges):
@@ -48,11 +52,12 @@ def quantities(model, wind, height, depression, solar_zenith, sky_zenith, edges)
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda r: f"{r[0]}-{r[2]:g}m-{r[3]:g}deg")
 def test_single_cases(row):
-    np.testing.assert_allclose(quantities(*row[:6], (3.0, 5.0)), row[6:], rtol=ROW_ERROR, atol=SMALL)
+    error = JUMP_ERROR if JUMP[0] < row[2] < JUMP[1] else ROW_ERROR
+    np.testing.assert_allclose(quantities(*row[:6], (3.0, 5.0)), row[6:], rtol=error, atol=SMALL)
 
 
 @pytest.mark.validation
-@pytest.mark.parametrize("edges", [(3.0, 5.0), (3.5, 5.0)])
+@pytest.mark.parametrize("edges", [(3.0, 5.0), (3.5, 5.0), (8.0, 12.0)])
 def test_all_reference_cases(reference_dir, edges):
     """Median error at most 0.2 %, 95th percentile 1 % of the value (or 5e-4 of the column's maximum), each quantity."""
     with (reference_dir / "lowtran7_slant_paths.csv").open() as file:
