@@ -90,7 +90,7 @@ class TableAtmosphere:
 
     Against LOWTRAN7 runs off the nodes (random heights 2 m-10 km, angles and winds) band transmittance, path radiance, sunlight,
     and the sky seen from the sea are within 0.2 % (95th percentile; of values above 5e-4 of the largest). The sky seen from above
-    500 m within a few degrees of the sea horizon is within 3 %. Sensors at 2.6-3 km: LOWTRAN7's own aerosol optical depth jumps at
+    500 m within a few degrees of the sea horizon is within 4 %. Sensors at 2.6-3 km: LOWTRAN7's own aerosol optical depth jumps at
     3 km (layers that end in zero are integrated linearly, others exponentially); the table is smooth there, up to 1.5 % off.
 
     References
