@@ -73,9 +73,7 @@ def test_units_inside_pairs():
 
 
 def test_a_table_of_several_kinds_may_leave_its_kind_out():
-    scenario = parse_scenario(
-        {"atmosphere": {"model": "us-standard-1976"}, "sea": {"slopes": {"extrapolate": True}}, "wind": {"speed_m_s": 25}}
-    )
+    scenario = parse_scenario({"atmosphere": {"model": "us-standard-1976"}, "sea": {"slopes": {"extrapolate": True}}})
     assert scenario.atmosphere.source == "table"
     assert scenario.sea.slopes.kind == "cox-munk-anisotropic"
 
