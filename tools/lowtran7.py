@@ -115,4 +115,6 @@ def run(engine: Path, case: Case, timeout: float = 60.0) -> Spectrum:
     if not np.array_equal(v, case.v1 + 5.0 * np.arange(n)):
         raise RuntimeError(f"LOWTRAN7 rejected {case}: no spectrum (does the path reach its end?)")
     per_cm = 1e4 * 1e4 / v**2  # W cm-2 per um -> W m-2 per cm-1
+    if case.iemsct != 3:
+        sun, source = np.zeros((2, n))  # LOWTRAN7 leaves them unset
     return Spectrum(head[3], head[4], head[5], levels[0], levels[3], v, tau, radiance * per_cm, sun * per_cm, source * per_cm)
