@@ -1,0 +1,52 @@
+"""A scenario becomes a map of mean radiance and apparent temperature."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from seaglint.io.provenance import band_attributes, provenance
+from seaglint.optics.band import apparent_temperature
+from seaglint.pipeline import prepare
+from seaglint.radiance.mean import mean_radiance
+from seaglint.scenario.model import Scenario
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def mean(scenario: Scenario) -> xr.Dataset:
+    """Mean radiance over the field of view, with its components, as a labelled dataset.
+
+    Dimensions ``y, x`` (elevation from the top, azimuth clockwise); variables ``radiance``, ``apparent_temperature`` and the four
+    components of the radiance.
+    """
+    import xarray as xr
+
+    view, camera = prepare.view(scenario), prepare.camera(scenario)
+    found = mean_radiance(view, camera.elevations, camera.azimuths)
+    total = found.total
+    maps = {
+        "radiance": total,
+        "apparent_temperature": apparent_temperature(total, view.band, view.atmosphere.wavenumber_cm),
+        "path_radiance": np.broadcast_to(found.path, total.shape),
+        "emitted_radiance": np.broadcast_to(found.emission, total.shape),
+        "sky_radiance": np.broadcast_to(found.sky, total.shape),
+        "glint_radiance": np.broadcast_to(found.sun, total.shape),
+    }
+    return xr.Dataset(
+        {name: (("y", "x"), np.asarray(values, dtype=np.float32)) for name, values in maps.items()},
+        coords={"azimuth": ("x", np.degrees(camera.azimuths)), "elevation": ("y", np.degrees(camera.elevations))},
+        attrs=provenance(
+            "Mean infrared radiance of the sea",
+            scenario.model_dump_json(exclude_none=True),
+            scenario.seed,
+            mss_up=view.slopes.mss_up,
+            mss_cross=view.slopes.mss_cross,
+            solar_zenith_deg=math.degrees(view.solar_zenith),
+            solar_azimuth_deg=math.degrees(view.solar_azimuth),
+            **band_attributes(view.band),
+        ),
+    )

@@ -1,0 +1,191 @@
+"""From a scenario to the records of physics: units become SI, names become models."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, assert_never
+
+import numpy as np
+
+from seaglint.atmosphere.base import Atmosphere, wavenumber_grid
+from seaglint.atmosphere.isothermal import IsothermalAtmosphere
+from seaglint.atmosphere.table import TableAtmosphere
+from seaglint.atmosphere.vacuum import VacuumAtmosphere
+from seaglint.conventions import travel_azimuth
+from seaglint.errors import DomainError, ScenarioError
+from seaglint.io.response import read_response
+from seaglint.optics import sea_water
+from seaglint.optics.band import Band
+from seaglint.optics.sea_water import WaterIndex
+from seaglint.radiance.mean import SeaView
+from seaglint.render.camera import Camera
+from seaglint.scenario import model
+from seaglint.scenario.sun import sun_position
+from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.sea.field import WaveField, longest_wave_number, plan_tiles, resolve_limit
+from seaglint.sea.slopes import SlopeStatistics, flat
+from seaglint.sea.spectra.base import DirectionalSpectrum
+from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
+
+RESOLVED_SHARE = 0.8
+"""Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest."""
+
+
+@dataclass(frozen=True)
+class Sea:
+    """The waves that are geometry, and what was decided about them."""
+
+    waves: WaveField | None
+    report: dict[str, Any]
+    """For the provenance: cut wavenumber and why, tiles, resolved and remaining slope variances."""
+
+
+def band(scenario: model.Scenario) -> Band:
+    """Spectral response."""
+    if scenario.band.response is not None:
+        return read_response(scenario.band.response)
+    assert scenario.band.min_um is not None  # the model fills both edges where no file is given
+    assert scenario.band.max_um is not None
+    return Band.rectangular(scenario.band.min_um, scenario.band.max_um)
+
+
+def atmosphere(scenario: model.Scenario, over: Band) -> Atmosphere:
+    """The air, sampled over a band."""
+    match scenario.atmosphere:
+        case model.TableAtmosphere(model=name):
+            return TableAtmosphere.load(name, scenario.wind.speed_m_s, (over.min_um, over.max_um))
+        case model.IsothermalAtmosphere(temperature_k=temperature, extinction_per_km=extinction):
+            return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
+        case model.NoAtmosphere():
+            return VacuumAtmosphere(wavenumber_grid(over.min_um, over.max_um))
+        case other:
+            assert_never(other)
+
+
+def water(scenario: model.Scenario) -> WaterIndex:
+    """Refractive index of the sea."""
+    match scenario.sea.water:
+        case "hale-querry-sea":
+            return sea_water.hale_querry_sea()
+        case "segelstein":
+            return sea_water.segelstein()
+        case "article":
+            return sea_water.article()
+        case other:
+            assert_never(other)
+
+
+def slopes(scenario: model.Scenario) -> SlopeStatistics:
+    """Slope statistics of the whole sea."""
+    speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
+    match scenario.sea.slopes:
+        case model.CoxMunkIsotropic(extrapolate=extrapolate):
+            return cox_munk_isotropic(speed, extrapolate=extrapolate)
+        case model.CoxMunkAnisotropic(extrapolate=extrapolate):
+            return cox_munk_anisotropic(speed, to, extrapolate=extrapolate)
+        case model.FlatSlopes():
+            return flat()
+        case other:
+            assert_never(other)
+
+
+def spectrum(scenario: model.Scenario) -> DirectionalSpectrum | None:
+    """Wave spectrum; None for a sea without waves."""
+    speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
+    match scenario.sea.spectrum:
+        case model.FlatSea():
+            return None
+        case model.SpectrumFile(path=path, time=time):
+            from seaglint.sea.spectra.measured import read_ndbc
+
+            when = time if time is not None else (scenario.time.utc if scenario.time is not None else None)
+            if when is None:
+                raise ScenarioError("sea.spectrum.time is missing: give the UTC time of the record wanted, or [time] utc")
+            return read_ndbc(path, when, wind_to_azimuth=to)
+        case _ if speed == 0.0:
+            return None  # no wind, no wind sea
+        case model.Elfouhaily():
+            return ElfouhailySpectrum(speed, to)
+        case model.PiersonMoskowitz():
+            return PiersonMoskowitzSpectrum.of_u10(speed, to)
+        case other:
+            assert_never(other)
+
+
+def view(scenario: model.Scenario) -> SeaView:
+    """Sea, air and Sun as one sensor height sees them."""
+    over = band(scenario)
+    sun = sun_position(scenario)
+    return SeaView(
+        atmosphere=atmosphere(scenario, over),
+        band=over,
+        water=water(scenario),
+        slopes=slopes(scenario),
+        sea_temperature=scenario.sea.temperature_k,
+        sensor_height=scenario.sensor.height_m,
+        solar_zenith=sun.zenith,
+        solar_azimuth=sun.azimuth,
+        sun_distance_factor=sun.irradiance_factor,
+    )
+
+
+def camera(scenario: model.Scenario) -> Camera:
+    """The image grid."""
+    sensor = scenario.sensor
+    return Camera(
+        height=sensor.height_m,
+        azimuth=float(np.radians(sensor.azimuth_deg)),
+        elevation=float(np.radians(sensor.elevation_deg)),
+        width=float(np.radians(sensor.fov_deg[0])),
+        height_angle=float(np.radians(sensor.fov_deg[1])),
+        columns=sensor.pixels[0],
+        rows=sensor.pixels[1],
+    )
+
+
+def sea(scenario: model.Scenario, statistics: SlopeStatistics) -> Sea:
+    """The waves to be geometry: as short as asked for, but never more slope variance than the energy rule allows.
+
+    Raises
+    ------
+    DomainError
+        If waves are to be resolved on a mirror, or the tiles cannot hold them.
+    """
+    none = {"resolved_mss_up": 0.0, "resolved_mss_cross": 0.0, "facet_mss_up": statistics.mss_up, "facet_mss_cross": statistics.mss_cross}
+    spectral = spectrum(scenario) if scenario.sea.resolve_waves else None
+    if spectral is None:
+        return Sea(None, {"waves": "none", **none})
+    if statistics.is_flat:
+        raise DomainError(
+            'sea.slopes.kind = "flat" leaves no slopes for waves; set sea.spectrum.kind = "flat" or sea.resolve_waves = false'
+        )
+    asked = 2.0 * np.pi / scenario.sea.shortest_wave_m
+    limit = resolve_limit(spectral, statistics, RESOLVED_SHARE)
+    cut = min(asked, limit, spectral.wavenumber_range[1])
+    if cut <= longest_wave_number(spectral):
+        reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
+        return Sea(None, {"waves": reason, **none})
+    waves = WaveField.create(spectral, plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size), scenario.seed)
+    up, cross = waves.resolved_mss()
+    return Sea(
+        waves,
+        {
+            "waves": "geometry down to the cut, facets below it",
+            "cut_wavenumber_rad_m": cut,
+            "cut_by": "sea.shortest_wave_m" if cut == asked else f"{100 * RESOLVED_SHARE:g} % of the slope variance",
+            "tile_length_m": [t.length for t in waves.tiles],
+            "tile_turn_deg": [float(np.degrees(t.rotation)) for t in waves.tiles],
+            "tile_shortest_wave_m": [2.0 * np.pi / t.k_max for t in waves.tiles],
+            "resolved_significant_height_m": waves.significant_height,
+            "resolved_mss_up": up,
+            "resolved_mss_cross": cross,
+            "facet_mss_up": statistics.mss_up - up,
+            "facet_mss_cross": statistics.mss_cross - cross,
+        },
+    )
+
+
+def atmosphere_provenance(air: Atmosphere) -> dict[str, Any]:
+    """What the atmosphere's table says of itself."""
+    return dict(getattr(air, "provenance", {"table": type(air).__name__}))

@@ -1,0 +1,430 @@
+"""Radiance of one piece of visible sea: a resolved slope with unresolved roughness on it.
+
+A facet of resolved slope ``s0`` carries the Gaussian density ``q`` of the slopes that geometry does not resolve. Sunlight is a closed form,
+
+    L_sun = rho(omega) E q(s* - s0) S (1 + Lambda_v) / (4 cos^4(beta) A+),
+
+with ``A+``, both ``Lambda`` and the two-leg factor ``S`` taken about the facet's own tilt (``S (1 + Lambda_v)/A+`` is ``1/A+`` under a high Sun). ``q`` is
+convolved with the solar disc: its covariance, ``eps^2/4`` in every direction, is carried to slopes by the mirror's Jacobian.
+Emission and reflected sky are averages over the same visible density, tabulated once per image. Rays reflected downwards meet the sea
+again and see a blackbody at its temperature.
+
+Everything is kept per term of :class:`~seaglint.render.path_basis.PathBasis`, so that products with the path are integrated per wavenumber.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numba
+import numpy as np
+from numpy.polynomial.hermite_e import hermegauss
+
+from seaglint._jit import njit, njit_inline, njit_parallel
+from seaglint.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.conventions import FloatArray
+from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.optics.fresnel import reflectance
+from seaglint.optics.sea_water import WaterIndex
+from seaglint.radiance.mean import SeaView
+from seaglint.render.path_basis import PathBasis
+from seaglint.sea.shadowing import bistatic_kernel, smith_lambda_kernel, visible_area_kernel
+from seaglint.sea.slopes import SlopeStatistics
+
+INCIDENCE_NODES = 513
+"""Nodes uniform in the cosine of incidence; linear interpolation of the reflectance is then within 2e-5."""
+
+SKY_NODES = 129
+"""Nodes uniform in the square root of the reflected ray's cosine, which crowd at the horizon, where the sky changes fast."""
+
+ALONG_NODES, CROSS_NODES = 14, 5
+"""Quadrature over the facet's slopes: Gauss-Legendre on both sides of the slope that mirrors the horizon, Gauss-Hermite across."""
+
+NEGLIGIBLE_EXPONENT = 30.0
+"""Slope densities below exp(-30) of their peak are taken as zero: 1e-13 of the glint's."""
+
+FARTHEST_TURNED_AWAY = -3.0
+"""Facets turned from the viewer by more than this many deviations of their roughness are treated as if by this many; they are not seen."""
+
+
+class Sunlight(NamedTuple):
+    """The Sun as kernels see it: the unit vector to it, the tangent ``t_*`` in its vertical plane and the horizontal one ``c_*``."""
+
+    shining: bool
+    azimuth: float
+    east: float
+    north: float
+    up: float
+    t_east: float
+    t_north: float
+    t_up: float
+    c_east: float
+    c_north: float
+
+
+class Roughness(NamedTuple):
+    """Covariance of unresolved slopes towards east and north (zero means mirror facets), and the deviation along the Sun's azimuth."""
+
+    east_east: float
+    east_north: float
+    north_north: float
+    towards_sun: float
+
+
+class FacetTables(NamedTuple):
+    """Band terms of what facets send.
+
+    ``thermal[u, chi, a, c, k]``: emission and reflected sky over the sine of the grazing angle, the view azimuth and the resolved slope
+    towards the viewer and across; ``axes[i] = (first node, 1/step)``. ``sun[c, k]``: reflected sunlight over the cosine of incidence.
+    """
+
+    thermal: np.ndarray
+    axes: np.ndarray
+    sun: np.ndarray
+
+
+class FacetOptics(NamedTuple):
+    """All that :func:`facet_radiance` looks up."""
+
+    sunlight: Sunlight
+    roughness: Roughness
+    tables: FacetTables
+
+
+class Sight(NamedTuple):
+    """A line of sight, seen from the sea: horizontal unit vector to the sensor, azimuth node of the tables, azimuth from the Sun's,
+    and the deviation of unresolved slopes along it.
+    """
+
+    east: float
+    north: float
+    chi: float
+    from_sun: float
+    deviation: float
+
+
+@njit
+def along(roughness: Roughness, east: float, north: float) -> float:
+    """Slope variance along a horizontal unit vector."""
+    return roughness.east_east * east * east + 2.0 * roughness.east_north * east * north + roughness.north_north * north * north
+
+
+@njit
+def line_of_sight(optics: FacetOptics, azimuth: float) -> Sight:
+    """The :class:`Sight` of a line that leaves the sensor at an azimuth."""
+    east, north = -math.sin(azimuth), -math.cos(azimuth)
+    deviation = math.sqrt(max(along(optics.roughness, east, north), 0.0))
+    return Sight(east, north, azimuth, azimuth + math.pi - optics.sunlight.azimuth, deviation)
+
+
+@njit
+def sun_factor(
+    sun: Sunlight, rough: Roughness, sight: Sight, grazing: tuple[float, float], slope_east: float, slope_north: float
+) -> tuple[float, float]:
+    """Glint factor ``q S (1+Lambda_v)/(4 cos^4(beta) A+)`` [1/sr] and the cosine of incidence; ``grazing`` is its sine and cosine."""
+    vz, horizontal = grazing
+    ve, vn = sight.east * horizontal, sight.north * horizontal
+    mz = vz + sun.up
+    if not sun.shining or mz <= 1e-9:
+        return 0.0, 0.0
+    cos_incidence = math.sqrt(max(0.5 * (1.0 + ve * sun.east + vn * sun.north + vz * sun.up), 0.0))
+    if rough.east_east + rough.north_north <= 0.0:
+        return mirror_factor(sun, ve, vn, vz, slope_east, slope_north), cos_incidence
+    se, sn = -(ve + sun.east) / mz, -(vn + sun.north) / mz
+    tan2 = se * se + sn * sn
+    ee, en, nn, shift_e, shift_n = disc_in_slopes(sun, mz, se, sn)
+    # the weight 1/cos^4(beta), growing as exp(4 s/(1+s^2) . ds) across the disc's image, moves its centre
+    lean = 4.0 / (1.0 + tan2)
+    de = se + shift_e + lean * (ee * se + en * sn) - slope_east
+    dn = sn + shift_n + lean * (en * se + nn * sn) - slope_north
+    ee, en, nn = ee + rough.east_east, en + rough.east_north, nn + rough.north_north
+    det = ee * nn - en * en
+    exponent = 0.5 * (nn * de * de - 2.0 * en * de * dn + ee * dn * dn) / det
+    if exponent > NEGLIGIBLE_EXPONENT:
+        return 0.0, cos_incidence
+    sun_mean = sun.up - sun.east * slope_east - sun.north * slope_north
+    mean = vz - horizontal * (sight.east * slope_east + sight.north * slope_north)
+    deviation = horizontal * sight.deviation
+    area = visible_area_kernel(mean, deviation)
+    if area <= 0.0 or sun_mean <= 0.0:
+        return 0.0, cos_incidence
+    lit = 1.0
+    # above 4.5 deviations Smith's Lambda is below 1e-6
+    if sun_mean < 4.5 * rough.towards_sun and mean > 0.0:
+        lambda_sun = smith_lambda_kernel(sun_mean / (math.sqrt(2.0) * rough.towards_sun))
+        lambda_view = smith_lambda_kernel(mean / (math.sqrt(2.0) * deviation)) if deviation > 0.0 else 0.0
+        lit = bistatic_kernel(lambda_view, lambda_sun, sight.from_sun) * (1.0 + lambda_view)
+    density = math.exp(-exponent) / (2.0 * math.pi * math.sqrt(det))
+    return 0.25 * density * lit * (1.0 + tan2) * (1.0 + tan2) / area, cos_incidence
+
+
+@njit
+def disc_in_slopes(sun: Sunlight, mz: float, se: float, sn: float) -> tuple[float, float, float, float, float]:
+    """Covariance (ee, en, nn) and mean offset (e, n) of the slopes that mirror the points of the solar disc, about those of its centre.
+
+    With ``s = -(v+l)_h/(v+l)_z`` and ``l`` moved by ``d`` on the sphere, to second order
+    ``ds = -(d_h + s d_z)/m_z + (d_h + s d_z) d_z/m_z^2 + |d|^2 (l_h + s l_z)/(2 m_z)``; the disc has ``<d d> = eps^2/4`` in every direction.
+    """
+    scale = 0.25 * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS / (mz * mz)
+    along_e, along_n = sun.t_east + se * sun.t_up, sun.t_north + sn * sun.t_up
+    ee = scale * (sun.c_east * sun.c_east + along_e * along_e)
+    en = scale * (sun.c_east * sun.c_north + along_e * along_n)
+    nn = scale * (sun.c_north * sun.c_north + along_n * along_n)
+    shift_e = scale * (along_e * sun.t_up + mz * (sun.east + se * sun.up))
+    shift_n = scale * (along_n * sun.t_up + mz * (sun.north + sn * sun.up))
+    return ee, en, nn, shift_e, shift_n
+
+
+@njit
+def mirror_factor(sun: Sunlight, ve: float, vn: float, vz: float, slope_east: float, slope_north: float) -> float:
+    """``1/(pi eps^2)`` where a smooth facet mirrors a point of the solar disc to the viewer ``v``, else 0."""
+    norm = 1.0 / math.sqrt(1.0 + slope_east * slope_east + slope_north * slope_north)
+    ne, nn, nz = -slope_east * norm, -slope_north * norm, norm
+    twice = 2.0 * (ve * ne + vn * nn + vz * nz)
+    re, rn, rz = twice * ne - ve - sun.east, twice * nn - vn - sun.north, twice * nz - vz - sun.up
+    if re * re + rn * rn + rz * rz > SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS:
+        return 0.0
+    return 1.0 / (math.pi * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS)
+
+
+@njit_inline
+def node(axes: np.ndarray, axis: int, size: int, value: float) -> tuple[int, float]:
+    """Lower node and fraction of a value on a uniform axis; values outside take the nearest cell's end."""
+    x = (value - axes[axis, 0]) * axes[axis, 1]
+    x = min(max(x, 0.0), size - 1.000001)
+    lower = int(x)
+    return lower, x - lower
+
+
+@njit_inline
+def facet_radiance(
+    optics: FacetOptics, coefficients: np.ndarray, i_path: int, sight: Sight, grazing: tuple[float, float], slope: tuple[float, float]
+) -> tuple[float, float]:
+    """Thermal (emission and reflected sky) and solar radiance of a facet, attenuated by the path ``coefficients[i_path]`` [W m-2 sr-1]."""
+    slope_east, slope_north = slope
+    factor, cos_incidence = sun_factor(optics.sunlight, optics.roughness, sight, grazing, slope_east, slope_north)
+    terms = coefficients.shape[1]
+    table, axes, sun = optics.tables.thermal, optics.tables.axes, optics.tables.sun
+    solar = 0.0
+    if factor > 0.0:
+        x = cos_incidence * (sun.shape[0] - 1)
+        i = min(int(x), sun.shape[0] - 2)
+        f = x - i
+        for k in range(terms):
+            solar += coefficients[i_path, k] * ((1.0 - f) * sun[i, k] + f * sun[i + 1, k])
+        solar *= factor
+
+    iu, fu = node(axes, 0, table.shape[0], grazing[0])
+    ix, fx = node(axes, 1, table.shape[1], sight.chi)
+    ia, fa = node(axes, 2, table.shape[2], slope_east * sight.east + slope_north * sight.north)
+    ic, fc = node(axes, 3, table.shape[3], slope_east * sight.north - slope_north * sight.east)
+    thermal = 0.0
+    for u in range(2):
+        wu = fu if u else 1.0 - fu
+        for x_ in range(2):
+            wx = wu * (fx if x_ else 1.0 - fx)
+            if wx == 0.0:
+                continue
+            iv, iw = iu + u, ix + x_
+            a, b, c, d = wx * (1.0 - fa) * (1.0 - fc), wx * (1.0 - fa) * fc, wx * fa * (1.0 - fc), wx * fa * fc
+            for k in range(terms):
+                mixed = a * table[iv, iw, ia, ic, k] + b * table[iv, iw, ia, ic + 1, k]
+                mixed += c * table[iv, iw, ia + 1, ic, k] + d * table[iv, iw, ia + 1, ic + 1, k]
+                thermal += coefficients[i_path, k] * mixed
+    return thermal, solar
+
+
+class ThermalSources(NamedTuple):
+    """Band terms of the light that a smooth facet sends: ``emitted[c, k]``, ``sky[c, m, k]``, ``black[k]``."""
+
+    emitted: np.ndarray
+    sky: np.ndarray
+    black: np.ndarray
+
+
+class SlopeQuadrature(NamedTuple):
+    """Gauss-Legendre nodes along the view and Gauss-Hermite nodes across it, each with weights."""
+
+    along: np.ndarray
+    along_weight: np.ndarray
+    cross: np.ndarray
+    cross_weight: np.ndarray
+
+
+@njit
+def add_mirror(sources: ThermalSources, sine: float, a: float, c: float, weight: float, out: np.ndarray) -> None:
+    """Add to ``out[k]`` what a smooth facet of slope ``a`` towards the viewer and ``c`` across sends to a viewer at ``sine``."""
+    cosine = math.sqrt(max(1.0 - sine * sine, 0.0))
+    nz = 1.0 / math.sqrt(1.0 + a * a + c * c)
+    cos_incidence = min(max((sine - cosine * a) * nz, 0.0), 1.0)
+    up = 2.0 * cos_incidence * nz - sine
+    if up <= 0.0:
+        for k in range(out.shape[0]):
+            out[k] += weight * sources.black[k]
+        return
+    x = cos_incidence * (sources.sky.shape[0] - 1)
+    i = min(int(x), sources.sky.shape[0] - 2)
+    f = x - i
+    y = math.sqrt(min(up, 1.0)) * (sources.sky.shape[1] - 1)
+    j = min(int(y), sources.sky.shape[1] - 2)
+    g = y - j
+    for k in range(out.shape[0]):
+        emitted = (1.0 - f) * sources.emitted[i, k] + f * sources.emitted[i + 1, k]
+        near = (1.0 - g) * sources.sky[i, j, k] + g * sources.sky[i, j + 1, k]
+        far = (1.0 - g) * sources.sky[i + 1, j, k] + g * sources.sky[i + 1, j + 1, k]
+        out[k] += weight * (emitted + (1.0 - f) * near + f * far)
+
+
+@njit
+def mean_facet(
+    sources: ThermalSources,
+    q: SlopeQuadrature,
+    rough: Roughness,
+    sight: tuple[float, float],
+    sine: float,
+    slope: tuple[float, float],
+    out: np.ndarray,
+) -> None:
+    """Average of :func:`add_mirror` over the visible slopes of a facet, into ``out[k]``; the weights are normalised to 1.
+
+    ``sight`` is the horizontal unit vector to the viewer, ``slope`` the facet's towards the viewer and across.
+    """
+    east, north = sight
+    cosine = math.sqrt(max(1.0 - sine * sine, 0.0))
+    variance = along(rough, east, north)
+    tangent = sine / max(cosine, 1e-12)
+    sigma = math.sqrt(variance)
+    out[:] = 0.0
+    if sigma <= 0.0:
+        add_mirror(sources, sine, slope[0], slope[1], 1.0, out)
+        return
+    a0, c0 = min(slope[0], tangent - FARTHEST_TURNED_AWAY * sigma), slope[1]
+    across_e, across_n = north, -east
+    mixed = (
+        rough.east_east * east * across_e + rough.east_north * (east * across_n + north * across_e) + rough.north_north * north * across_n
+    )
+    across = along(rough, across_e, across_n)
+    lean = mixed / across if across > 0.0 else 0.0
+    spread = math.sqrt(max(variance - lean * mixed, 1e-3 * variance))
+    total = 0.0
+    for j in range(q.cross.shape[0]):
+        c = c0 + math.sqrt(across) * q.cross[j]
+        centre = a0 + lean * (c - c0)
+        low, high = centre - 5.0 * spread, min(centre + 5.0 * spread, tangent)
+        # steeper than this the facet mirrors the sea, not the sky: the integrand may jump there
+        turn = (math.sqrt(max(cosine * cosine + sine * sine * (1.0 - c * c), 0.0)) - cosine) / max(sine, 1e-9)
+        turn = min(max(turn, low), high)
+        for part in range(2):
+            start, end = (low, turn) if part == 0 else (turn, high)
+            for i in range(q.along.shape[0]):
+                a = start + 0.5 * (end - start) * (1.0 + q.along[i])
+                z = (a - centre) / spread
+                # proportional to the visible density of slopes; constants cancel in the normalisation
+                w = q.along_weight[i] * (end - start) * math.exp(-0.5 * z * z) * max(sine - cosine * a, 0.0) * q.cross_weight[j]
+                if w > 0.0:
+                    add_mirror(sources, sine, a, c, w, out)
+                    total += w
+    for k in range(out.shape[0]):
+        out[k] /= total
+
+
+@njit_parallel
+def fill_thermal(sources: ThermalSources, quadrature: SlopeQuadrature, rough: Roughness, axes: np.ndarray, out: np.ndarray) -> None:
+    """Tabulate :func:`mean_facet` over grazing angle, view azimuth and resolved slope."""
+    nu, nx, na, nc, _ = out.shape
+    for row in numba.prange(nu * nx * na):
+        u, x, a = row // (nx * na), (row // na) % nx, row % na
+        sine = min(axes[0, 0] + u / axes[0, 1], 1.0)
+        chi = axes[1, 0] + x / axes[1, 1]
+        sight = (-math.sin(chi), -math.cos(chi))
+        buffer = np.zeros(out.shape[4])
+        for c in range(nc):
+            slope = (axes[2, 0] + a / axes[2, 1], axes[3, 0] + c / axes[3, 1])
+            mean_facet(sources, quadrature, rough, sight, sine, slope, buffer)
+            out[u, x, a, c, :] = buffer
+
+
+def _axis(low: float, high: float, step: float) -> tuple[float, float, int]:
+    """First node, 1/step and number of nodes of a uniform axis that covers [low, high] with steps of at most ``step``."""
+    if high - low < 1e-9:
+        return low - 5e-4, 1e3, 2
+    size = max(int(np.ceil((high - low) / step)), 1) + 1
+    return low, (size - 1) / (high - low), size
+
+
+def thermal_axes(
+    roughness: SlopeStatistics, resolved: tuple[float, float], sines: tuple[float, float], azimuths: tuple[float, float]
+) -> tuple[FloatArray, tuple[int, int, int, int]]:
+    """Axes of the thermal table, ``(4, 2)`` first nodes and inverse steps, and the numbers of nodes.
+
+    Steps follow the roughness: the average changes over about one deviation of the facet's slopes. Slopes span 5.5 deviations of the resolved waves.
+    """
+    sigma = max(float(np.sqrt(0.5 * roughness.mss)), 0.02)
+    reach = 5.5 * float(np.sqrt(max(resolved)))
+    isotropic = abs(roughness.mss_up - roughness.mss_cross) < 1e-3 * max(roughness.mss, 1e-12)
+    middle = 0.5 * (azimuths[0] + azimuths[1])
+    span = (middle, middle) if isotropic else azimuths
+    parts = (
+        _axis(sines[0], sines[1], min(0.1 * sigma, 0.01)),
+        _axis(span[0], span[1], np.radians(5.0)),
+        _axis(-reach, reach, 0.25 * sigma),
+        _axis(-reach, reach, 0.5 * sigma),
+    )
+    return np.array([p[:2] for p in parts]), (parts[0][2], parts[1][2], parts[2][2], parts[3][2])
+
+
+def band_reflectance(basis: PathBasis, water: WaterIndex) -> FloatArray:
+    """Reflectance over the nodes in the cosine of incidence and the basis' wavenumbers."""
+    incidence = np.linspace(0.0, 1.0, INCIDENCE_NODES)
+    # The outermost samples can lie just outside the water's table where the band ends on its edge: hold the index there.
+    nu = np.clip(basis.wavenumber_cm, 1e4 / water.wavelength_um[-1], 1e4 / water.wavelength_um[0])
+    return reflectance(incidence[:, None], water.index(nu)[None, :])
+
+
+def thermal_sources(basis: PathBasis, view: SeaView) -> ThermalSources:
+    """Band terms of emission, reflected sky and a blackbody at the sea's temperature."""
+    rho = band_reflectance(basis, view.water)
+    black = planck_wavenumber(basis.wavenumber_cm, view.sea_temperature)
+    zenith = np.arccos(np.linspace(0.0, 1.0, SKY_NODES) ** 2)
+    sky = view.atmosphere.sky_radiance(zenith)[:, basis.grid]
+    weighted = basis.phi * basis.weights
+    reflected = np.stack([(rho * w) @ sky.T for w in weighted], axis=-1)
+    return ThermalSources(basis.project((1.0 - rho) * black), np.ascontiguousarray(reflected), basis.project(black))
+
+
+def sunlight(zenith: float, azimuth: float, shining: bool) -> Sunlight:
+    """The Sun's direction and the tangents to it, in its vertical plane and horizontal."""
+    sz, cz, sa, ca = np.sin(zenith), np.cos(zenith), np.sin(azimuth), np.cos(azimuth)
+    values = (azimuth, sz * sa, sz * ca, cz, -cz * sa, -cz * ca, sz, ca, -sa)
+    return Sunlight(shining, *(float(v) for v in values))
+
+
+def facet_optics(
+    basis: PathBasis,
+    sources: ThermalSources,
+    sun: Sunlight,
+    reflected_sun: FloatArray,
+    roughness: SlopeStatistics,
+    axes: FloatArray,
+    shape: tuple[int, int, int, int],
+) -> FacetOptics:
+    """Tabulate the facet averages; see :func:`thermal_axes` for ``axes`` and ``shape``.
+
+    ``reflected_sun`` (incidence nodes, k) are band terms of reflectance times solar irradiance [W m-2].
+    """
+    rough = Roughness(*roughness.covariance(), float(np.sqrt(roughness.mss_along(sun.azimuth))))
+    nodes, weights = np.polynomial.legendre.leggauss(ALONG_NODES)
+    cross, cross_weights = hermegauss(CROSS_NODES)
+    quadrature = SlopeQuadrature(nodes, weights, cross, cross_weights / cross_weights.sum())
+    thermal = np.empty((*shape, basis.phi.shape[0]), dtype=np.float32)
+    fill_thermal(sources, quadrature, rough, axes, thermal)
+    return FacetOptics(sun, rough, FacetTables(thermal, axes, np.ascontiguousarray(reflected_sun)))
+
+
+def sun_terms(basis: PathBasis, irradiance: FloatArray, water: WaterIndex) -> FloatArray:
+    """Band terms of reflectance times solar irradiance over the cosine of incidence, (incidence nodes, k) [W m-2].
+
+    ``irradiance`` [W m-2 (cm-1)-1] is given on the basis' wavenumbers.
+    """
+    return basis.project(band_reflectance(basis, water) * irradiance)

@@ -1,0 +1,81 @@
+"""Spectral products along the line of sight, integrated per wavenumber at the price of a few sums.
+
+A pixel needs ``int R(nu) tau(nu; range) X(nu; facet) dnu`` for millions of facets. The transmittances seen from one height span a
+small space: with ``tau(nu; r) ~ sum_k a_k(r) phi_k(nu)`` the integral is ``sum_k a_k(r) int R phi_k X dnu``, and the
+inner integrals depend on the facet alone. The number of terms is chosen from the error that it leaves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from seaglint.atmosphere.base import Atmosphere
+from seaglint.conventions import FloatArray
+from seaglint.optics.band import Band
+from seaglint.radiance.mean import band_grid
+
+RELATIVE_ERROR = 1e-2
+"""Largest error of any range's transmittance spectrum, RMS over the band relative to its mean. Band products, which average over the
+spectrum, are then within 7e-4 (thermal) and 4e-5 (Sun) of all terms, for five terms in 3.5-5 um."""
+
+NODES = 320
+"""Ranges at which the atmosphere is asked; the coefficients between them are splined in log range."""
+
+
+@dataclass(frozen=True)
+class PathBasis:
+    """Transmittance and path radiance from one sensor height, ready for band products.
+
+    Attributes
+    ----------
+    wavenumber_cm : (n,) [cm-1]
+        Samples inside the band.
+    grid : slice
+        Where they stand on the atmosphere's grid.
+    phi : (k, n)
+        Basis of transmittance spectra.
+    weights : (n,) [cm-1]
+        Quadrature weights of the band.
+    coefficients : (m, k)
+        ``a_k`` at the ranges asked for.
+    path_radiance : (m,) [W m-2 sr-1]
+        Thermal path radiance in the band.
+    """
+
+    wavenumber_cm: FloatArray
+    grid: slice
+    phi: FloatArray
+    weights: FloatArray
+    coefficients: FloatArray
+    path_radiance: FloatArray
+
+    def project(self, spectra: FloatArray) -> FloatArray:
+        """Band integrals ``int R phi_k X dnu``: (..., n) [X] to (..., k) [X cm-1]."""
+        return np.asarray(spectra @ (self.phi * self.weights).T)
+
+
+def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: FloatArray) -> PathBasis:
+    """Basis and coefficients for the sea points at arcs ``range_m`` [m] (ascending) seen from ``height`` [m]."""
+    from scipy.interpolate import CubicSpline
+
+    weights, grid = band_grid(band, atmosphere)
+    nu = atmosphere.wavenumber_cm[grid]
+    lowest = max(float(range_m[0]), 0.05 * height)
+    nodes = np.geomspace(lowest, float(range_m[-1]) * (1.0 + 1e-9), NODES) if range_m[-1] > lowest else np.array([lowest, lowest * 1.01])
+    tau = np.maximum(np.asarray(atmosphere.transmittance(height, nodes))[:, grid], 0.0)
+    path = np.asarray(atmosphere.path_radiance(height, nodes))[:, grid] @ weights
+
+    mean = np.maximum((tau @ weights) / weights.sum(), 1e-30)
+    root = np.sqrt(np.maximum(weights, 1e-6 * weights.max()) / weights.sum())
+    u, s, vt = np.linalg.svd(tau / mean[:, None] * root, full_matrices=False)
+    # residual[j, k]: RMS over the band left at node j by the first k + 1 terms.
+    left = (u * s) ** 2
+    residual = np.sqrt(np.maximum(left.sum(axis=1, keepdims=True) - np.cumsum(left, axis=1), 0.0))
+    terms = int(np.argmax(residual.max(axis=0) < RELATIVE_ERROR)) + 1
+    phi = vt[:terms] / root
+    log_nodes = np.log(nodes)
+    at = np.log(np.maximum(range_m, lowest))
+    coefficients = CubicSpline(log_nodes, (u * s)[:, :terms] * mean[:, None], axis=0)(at)
+    return PathBasis(nu, grid, phi, weights, np.ascontiguousarray(coefficients), np.asarray(CubicSpline(log_nodes, path)(at)))
