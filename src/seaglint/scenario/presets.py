@@ -54,9 +54,10 @@ PRESETS: Final[dict[str, Preset]] = {
         "waves measured by a buoy",
         (
             "Directional spectrum of NDBC station 41010 (ndbc.noaa.gov, realtime2: .data_spec, .swdir, .swdir2, .swr1, .swr2);",
-            "put the five files beside this one. Reading them needs the extra: pip install 'seaglint[waves]'.",
+            "put the five files beside this one and set the time to an hour that they hold. Reading them needs the extra:",
+            "pip install 'seaglint[waves]'.",
         ),
-        {"sea": {"spectrum": {"kind": "file", "path": "41010.data_spec"}}},
+        {"sea": {"spectrum": {"kind": "file", "path": "41010.data_spec", "time": "2026-06-21T17:00:00Z"}}},
     ),
     "furnace": Preset(
         "everything at one temperature: the picture must be flat",
