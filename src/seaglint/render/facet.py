@@ -366,10 +366,10 @@ def thermal_axes(
     middle = 0.5 * (azimuths[0] + azimuths[1])
     span = (middle, middle) if isotropic else azimuths
     parts = (
-        _axis(sines[0], sines[1], min(0.1 * sigma, 0.01)),
-        _axis(span[0], span[1], np.radians(5.0)),
+        _axis(sines[0], sines[1], min(0.15 * sigma, 0.015)),
+        _axis(span[0], span[1], np.radians(8.0)),
         _axis(-reach, reach, 0.25 * sigma),
-        _axis(-reach, reach, 0.5 * sigma),
+        _axis(-reach, reach, 0.7 * sigma),
     )
     return np.array([p[:2] for p in parts]), (parts[0][2], parts[1][2], parts[2][2], parts[3][2])
 

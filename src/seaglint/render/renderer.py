@@ -17,7 +17,7 @@ from seaglint.radiance.mean import SeaView, band_grid
 from seaglint.render.camera import Camera
 from seaglint.render.facet import FacetOptics, facet_optics, sun_terms, sunlight, thermal_axes, thermal_sources
 from seaglint.render.path_basis import path_basis
-from seaglint.render.surface import Ceilings, Surface, calm_surface, height, surface_of
+from seaglint.render.surface import Surface, calm_surface, height, surface_of
 from seaglint.render.sweep import Frame, Walk, calm_ranges, graded_ranges, sea_limits, sweep_columns
 from seaglint.sea.field import WaveField
 from seaglint.sea.slopes import SlopeStatistics
@@ -99,7 +99,6 @@ class Renderer:
         self._step = step if step is not None else self.shortest_wave / STEPS_PER_WAVE
         self._most_lines = most_lines if waves is not None else 1
         self._frame = self._sky_rows()
-        self._ceilings: Ceilings | None = None
         resolved = (0.0, 0.0)
         arcs = np.empty(0)
         if waves is None:
@@ -112,9 +111,6 @@ class Renderer:
                     "or do not resolve waves"
                 )
             resolved = waves.resolved_mss()
-            spacing, turn = np.array([t.spacing for t in waves.tiles]), np.array([t.rotation for t in waves.tiles])
-            half = 0.5 * camera.width
-            self._ceilings = Ceilings(spacing, turn, waves.tiles[0].n, self._step, (camera.azimuth - half, camera.azimuth + half))
             limits = sea_limits(camera, CREST * waves.significant_height)
             if limits is not None:
                 arcs = graded_ranges(*limits, self._step, camera.height, camera.row_step)
@@ -175,13 +171,16 @@ class Renderer:
             weights, grid = band_grid(view.band, view.atmosphere)
             sky[rows] = view.atmosphere.sky_radiance(0.5 * np.pi - elevation[rows], camera.height)[:, grid] @ weights
         bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
-        return Frame(camera.top, 1.0 / camera.row_step, camera.rows, bottom, sky)
+        top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
+        return Frame(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky)
 
     def surface(self, time: float) -> Surface:
         """The sea at a time [s]."""
-        if self.waves is None or self._ceilings is None:
+        if self.waves is None:
             return calm_surface()
-        return surface_of(self.waves.surfaces(time, workers=numba.get_num_threads()), self._ceilings)
+        tiles = self.waves.tiles
+        lattices = self.waves.surfaces(time, workers=numba.get_num_threads())
+        return surface_of(lattices, np.array([t.spacing for t in tiles]), np.array([t.rotation for t in tiles]))
 
     def radiances(self, time: float) -> Radiances:
         """Render the instant ``time`` [s] from the start: a function of the scene and the time alone.
@@ -192,9 +191,9 @@ class Renderer:
             If a crest at the sensor's foot stands above the sensor.
         """
         camera = self.camera
-        images = np.empty((2, camera.columns, camera.rows))
+        images = np.empty((camera.columns, 2, camera.rows))
         if self._walk is None or self._optics is None:
-            images[0], images[1] = self._frame.sky, 0.0
+            images[:, 0], images[:, 1] = self._frame.sky, 0.0
         else:
             surface = self.surface(time)
             foot = height(surface, 0.0, 0.0)
@@ -203,5 +202,5 @@ class Renderer:
                     f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {camera.height:g} m above the mean sea"
                 )
             sweep_columns(self._walk, self._frame, surface, *self._optics, camera.azimuths, camera.column_step, images)
-        total, sun = np.ascontiguousarray(images.transpose(0, 2, 1), dtype=np.float32)
+        total, sun = np.ascontiguousarray(images.transpose(1, 2, 0), dtype=np.float32)
         return Radiances(total, sun)

@@ -2,9 +2,6 @@
 
 Every surface piece above the running horizon is visible and covers a known interval of elevation; its radiance, taken at the middle of that
 interval, is added to the pixels in proportion to the overlap. So a column has no sampling noise in elevation, its own horizon, and any width of panorama.
-Most samples are hidden at grazing views: stretches whose ceiling stays below the line of sight are stepped over, which gives exactly the image
-of the full walk at a fraction of its samples.
-
 Across a column, lines part as the column widens: one line near the sensor, two where half a shortest wave no longer spans the column, and so on
 up to a limit. From there on the sea is sampled, not averaged, across a column.
 """
@@ -22,13 +19,17 @@ from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
 from seaglint.render.camera import Camera
 from seaglint.render.facet import FacetOptics, FacetTables, Roughness, Sight, Sunlight, facet_radiance, line_of_sight
-from seaglint.render.surface import STRIDES, Surface, ceiling, height, slopes
+from seaglint.render.surface import Surface, height, slopes
 
 RANGE_PARTS = 0.5
 """Largest step as a share of the ground seen by one pixel row, so that near pixels are made of several pieces."""
 
 CALM_PARTS = 4
 """Pieces per pixel row where no waves are resolved."""
+
+
+BUFFER = 1024
+"""Visible pieces that are found before they are shaded; 24 kB stay in the first cache."""
 
 
 class Walk(NamedTuple):
@@ -49,12 +50,13 @@ class Walk(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """Rows of the image: elevation of the upper edge, 1/row step, number of rows, and the sky's radiance in each."""
+    """Rows of the image: elevation of the upper edge, 1/row step, number of rows, tangents of the lower and upper edges, the sky's radiance."""
 
     top: float
     per_radian: float
     rows: int
     bottom_tangent: float
+    top_tangent: float
     sky: np.ndarray
 
 
@@ -109,9 +111,10 @@ def calm_ranges(camera: Camera) -> FloatArray:
 
 
 @njit_inline
-def sight_height(walk: Walk, i: int, tangent: float) -> float:
-    """Height at sample ``i`` of the line of sight with this tangent of elevation [m]; what is higher is visible."""
-    return (tangent * walk.sine_arc[i] + walk.drop[i]) / (walk.cosine[i] - tangent * walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS)
+def clearance(walk: Walk, i: int, tangent: float, z: float) -> float:
+    """Height above the line of sight of this tangent at sample ``i`` [m], to first order in the arc's angle; what is above is visible."""
+    scale = walk.cosine[i] - tangent * walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
+    return z * scale - tangent * walk.sine_arc[i] - walk.drop[i]
 
 
 @njit_inline
@@ -121,119 +124,117 @@ def tangent_of(walk: Walk, i: int, z: float) -> float:
 
 
 @njit_inline
-def hidden_stretch(walk: Walk, surface: Surface, sight: Sight, i: int, tangent: float, level: int) -> bool:
-    """Whether the sea stays below the line of sight from sample ``i`` on over the ceiling's reach."""
-    r = walk.range_m[i]
-    # the line of sight is convex over the round sea: its tangent here is a lower bound further out
-    fall = max(-tangent - r / EFFECTIVE_EARTH_RADIUS, 0.0)
-    return ceiling(surface, level, -r * sight.east, -r * sight.north) < sight_height(walk, i, tangent) - fall * surface.reach[level]
-
-
-@njit_inline
-def add_rows(image: np.ndarray, frame: Frame, low: float, high: float, value: float) -> None:
-    """Add ``value`` to the rows between two elevations, in proportion to the overlap."""
+def add_rows(images: np.ndarray, frame: Frame, low: float, high: float, total: float, solar: float) -> None:
+    """Add radiances to the rows between two elevations, in proportion to the overlap."""
     upper = max((frame.top - high) * frame.per_radian, 0.0)
     lower = min((frame.top - low) * frame.per_radian, float(frame.rows))
     row = int(upper)
     while row < lower:
-        image[row] += value * (min(lower, row + 1.0) - max(upper, float(row)))
+        overlap = min(lower, row + 1.0) - max(upper, float(row))
+        images[0, row] += total * overlap
+        images[1, row] += solar * overlap
         row += 1
 
 
-@njit_inline
-def piece(walk: Walk, optics: FacetOptics, surface: Surface, sight: Sight, i: int, back: float, tangent: float) -> tuple[float, float]:
-    """Thermal radiance (with the path's) and solar radiance of the piece that ends at sample ``i``, read ``back`` metres before it."""
-    r = walk.range_m[i] - back
-    slope = slopes(surface, -r * sight.east, -r * sight.north)
-    # the grazing angle is the depression less the arc's angle
-    cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
-    sine_arc = walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
-    grazing_sine = -cosine * (tangent * walk.cosine[i] + sine_arc)
-    grazing_cosine = cosine * (walk.cosine[i] - tangent * sine_arc)
-    thermal, solar = facet_radiance(optics, walk.coefficients, i, sight, (grazing_sine, grazing_cosine), slope)
-    return thermal + walk.path[i], solar
+@njit
+def walk_line(
+    walk: Walk, surface: Surface, sight: Sight, part: tuple[int, int], horizon: tuple[float, float], sample: np.ndarray, piece: np.ndarray
+) -> tuple[int, int, float]:
+    """Find the visible pieces of one line over the samples ``part = (first, end)``, or as many as the buffers hold.
+
+    ``horizon`` is the tangent of the highest elevation seen before and that of the image's upper edge. Piece ``j`` ends at the sample
+    ``sample[j]``; its part of the step before it is ``piece[j, 0]`` (1 for all) and the tangent at its upper edge ``piece[j, 1]``; its lower edge is
+    the upper one of the piece before. Returns the number of pieces, the sample to go on with (or ``end``) and the last tangent.
+    """
+    i, end = part
+    tangent, top = horizon
+    count, last_above = 0, i - 1
+    while i < end and tangent < top and count < sample.shape[0]:
+        r = walk.range_m[i]
+        z = height(surface, -r * sight.east, -r * sight.north)
+        above = clearance(walk, i, tangent, z)
+        if above < 0.0:
+            i += 1
+            continue
+        share = 1.0
+        if i > 0 and last_above != i - 1:
+            before = walk.range_m[i - 1]
+            below = max(-clearance(walk, i - 1, tangent, height(surface, -before * sight.east, -before * sight.north)), 0.0)
+            share = above / (below + above + 1e-30)
+        risen = tangent_of(walk, i, z)
+        if risen > tangent:
+            sample[count], piece[count, 0], piece[count, 1] = i, share, risen
+            count += 1
+            tangent = risen
+        last_above = i
+        i += 1
+    return count, (i if tangent < top else end), tangent
 
 
 @njit
-def sweep_line(
+def shade_line(
     walk: Walk,
     frame: Frame,
     surface: Surface,
     optics: FacetOptics,
     sight: Sight,
-    part: tuple[int, int, float, float],
-    total: np.ndarray,
-    sun: np.ndarray,
-) -> float:
-    """Walk one line over the samples ``part = (first, end, weight, tangent of the horizon so far)``; returns that tangent at the end.
-
-    Radiance times the weight is added to the rows of ``total``, its solar part to those of ``sun``.
-    """
-    i, end, weight, tangent = part
-    elevation = math.atan(tangent)
-    last_above, level, top_level = i - 1, 0, surface.reach.shape[0] - 1
-    waves = surface.height.shape[0] > 0
-    while i < end and elevation < frame.top:
-        if waves and level >= 0:
-            if hidden_stretch(walk, surface, sight, i, tangent, level):
-                i += STRIDES[level]
-                level = min(level + 1, top_level)
-                continue
-            level -= 1
-            if level >= 0:
-                continue
-        r = walk.range_m[i]
-        z = height(surface, -r * sight.east, -r * sight.north)
-        above = z - sight_height(walk, i, tangent)
-        if above < 0.0:
-            i += 1
-            level = 0
-            continue
-        start = 0.0
-        if i > 0 and last_above != i - 1:
-            before = walk.range_m[i - 1]
-            below = sight_height(walk, i - 1, tangent) - height(surface, -before * sight.east, -before * sight.north)
-            start = max(below, 0.0) / (max(below, 0.0) + above + 1e-30)
-        new_tangent = tangent_of(walk, i, z)
-        new_elevation = math.atan(new_tangent)
-        if new_elevation > elevation:
-            if i > 0:
-                back = 0.5 * (1.0 - start) * (r - walk.range_m[i - 1])
-                thermal, solar = piece(walk, optics, surface, sight, i, back, 0.5 * (max(tangent, -1e3) + new_tangent))
-                add_rows(total, frame, elevation, new_elevation, weight * (thermal + solar))
-                add_rows(sun, frame, elevation, new_elevation, weight * solar)
-            tangent, elevation = new_tangent, new_elevation
-        last_above, level = i, -1
-        i += 1
-    return tangent
+    weight: float,
+    lowest: float,
+    pieces: tuple[int, np.ndarray, np.ndarray],
+    images: np.ndarray,
+) -> None:
+    """Add the radiance of a line's visible pieces, times its weight, to the rows of ``images`` (total, solar part)."""
+    count, sample, piece = pieces
+    below = lowest
+    low = math.atan(below)
+    for j in range(count):
+        i, above = sample[j], piece[j, 1]
+        high = math.atan(above)
+        if i > 0:
+            r = walk.range_m[i] - 0.5 * piece[j, 0] * (walk.range_m[i] - walk.range_m[i - 1])
+            slope = slopes(surface, -r * sight.east, -r * sight.north)
+            # the grazing angle is the depression less the arc's angle
+            tangent = 0.5 * (max(below, -1e3) + above)
+            cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
+            sine_arc = walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
+            grazing = (-cosine * (tangent * walk.cosine[i] + sine_arc), cosine * (walk.cosine[i] - tangent * sine_arc))
+            thermal, solar = facet_radiance(optics, walk.coefficients, i, sight, grazing, slope)
+            add_rows(images, frame, low, high, weight * (thermal + walk.path[i] + solar), weight * solar)
+        below, low = above, high
 
 
 @njit
-def add_sky(frame: Frame, tangent: float, weight: float, total: np.ndarray) -> None:
+def add_sky(frame: Frame, tangent: float, weight: float, images: np.ndarray) -> None:
     """Fill the rows above the horizon that a line ended with."""
     upper = (frame.top - math.atan(tangent)) * frame.per_radian
-    for row in range(min(frame.rows, int(math.ceil(max(upper, 0.0))))):
-        total[row] += weight * frame.sky[row] * (min(upper, row + 1.0) - row)
+    for row in range(min(frame.rows, math.ceil(max(upper, 0.0)))):
+        images[0, row] += weight * frame.sky[row] * (min(upper, row + 1.0) - row)
 
 
 @njit
-def sweep_column(
-    walk: Walk, frame: Frame, surface: Surface, optics: FacetOptics, centre: float, width: float, total: np.ndarray, sun: np.ndarray
-) -> None:
-    """Add one column of azimuth ``centre`` and ``width`` [rad]; ``walk.parting`` are the samples at which every line becomes two."""
+def sweep_column(walk: Walk, frame: Frame, surface: Surface, optics: FacetOptics, centre: float, width: float) -> np.ndarray:
+    """Radiance and its solar part, (2, rows), of one column of azimuth ``centre`` and ``width`` [rad]."""
+    images = np.zeros((2, frame.rows))
+    sample, piece = np.empty(BUFFER, np.int64), np.empty((BUFFER, 2))
     stages = walk.parting.shape[0] - 1
     tangents = np.full(1, frame.bottom_tangent)
     for stage in range(stages):
         lines = tangents.shape[0]
+        part = (walk.parting[stage], walk.parting[stage + 1])
         for j in range(lines):
-            azimuth = centre + width * ((j + 0.5) / lines - 0.5)
-            sight = line_of_sight(optics, azimuth)
-            part = (walk.parting[stage], walk.parting[stage + 1], 1.0 / lines, tangents[j])
-            tangents[j] = sweep_line(walk, frame, surface, optics, sight, part, total, sun)
+            sight = line_of_sight(optics, centre + width * ((j + 0.5) / lines - 0.5))
+            i = part[0]
+            while i < part[1]:
+                horizon = (tangents[j], frame.top_tangent)
+                count, i, tangent = walk_line(walk, surface, sight, (i, part[1]), horizon, sample, piece)
+                # apart from the walk, so that the look-ups of one piece can overlap with those of the next
+                shade_line(walk, frame, surface, optics, sight, 1.0 / lines, tangents[j], (count, sample, piece), images)
+                tangents[j] = tangent
         if stage + 1 < stages:
             tangents = np.repeat(tangents, 2)
     for tangent in tangents:
-        add_sky(frame, tangent, 1.0 / tangents.shape[0], total)
+        add_sky(frame, tangent, 1.0 / tangents.shape[0], images)
+    return images
 
 
 @njit_parallel
@@ -248,11 +249,9 @@ def sweep_columns(
     width: float,
     images: np.ndarray,
 ) -> None:
-    """Fill ``images``, (2, columns, rows): radiance and its solar part, for columns at ``azimuths`` of a ``width`` [rad].
+    """Fill ``images``, (columns, 2, rows): radiance and its solar part, for columns at ``azimuths`` of a ``width`` [rad].
 
     Columns do not depend on each other. Numba's parallel loops take no nested tuples, so the facet's parts come one by one.
     """
     for column in numba.prange(azimuths.shape[0]):
-        total, sun = np.zeros(frame.rows), np.zeros(frame.rows)
-        sweep_column(walk, frame, surface, FacetOptics(sunlight, roughness, tables), azimuths[column], width, total, sun)
-        images[0, column], images[1, column] = total, sun
+        images[column] = sweep_column(walk, frame, surface, FacetOptics(sunlight, roughness, tables), azimuths[column], width)
