@@ -52,7 +52,8 @@ VARIABLES: Final[dict[str, Variable]] = {
         _radiance("sky_radiance", "in-band sky radiance reflected by the sea, at the aperture"),
         _radiance("glint_radiance", "in-band sunlight reflected by the sea, at the aperture"),
         Variable("apparent_temperature", "K", "apparent temperature", "brightness_temperature"),
-        Variable("azimuth", "degree", "azimuth of the line of sight, clockwise from north", "sensor_azimuth_angle", symbol="deg"),
+        # Not CF's sensor_azimuth_angle, which is measured at the point seen, towards the sensor: the opposite direction.
+        Variable("azimuth", "degree", "azimuth of the line of sight at the sensor, clockwise from north", symbol="deg"),
         Variable("elevation", "degree", "elevation of the line of sight above the horizontal at the sensor", symbol="deg"),
         Variable("time", "s", "time from the start of the sequence"),
         Variable("frame", "1", "number of the frame in the whole sequence, from 0", symbol=" "),

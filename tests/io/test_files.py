@@ -25,7 +25,9 @@ def test_a_map_comes_back_with_cf_attributes(tmp_path):
     with xr.open_dataset(path, engine="h5netcdf") as found:
         np.testing.assert_array_equal(found["radiance"], dataset()["radiance"])
         assert found["radiance"].attrs["units"] == "W m-2 sr-1"
-        assert found["azimuth"].attrs["standard_name"] == "sensor_azimuth_angle"
+        assert found["azimuth"].attrs["units"] == "degree"
+        # CF's sensor_azimuth_angle is measured at the point seen: the opposite direction
+        assert "standard_name" not in found["azimuth"].attrs
         assert found.attrs["title"] == "Mean"
     assert [file.name for file in tmp_path.iterdir()] == ["mean.nc"]
 

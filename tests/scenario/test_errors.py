@@ -34,6 +34,7 @@ MISTAKES = {
     "a text for a union": ({"sea": {"spectrum": "file"}}, ["sea.spectrum = 'file'", "table [sea.spectrum]"]),
     "unknown kind": ({"sea": {"spectrum": {"kind": "elfouhali"}}}, ["kind = 'elfouhali'", "'flat'", "did you mean 'elfouhaily'"]),
     "unknown choice": ({"atmosphere": {"model": "us-standard"}}, ["atmosphere.model = 'us-standard'", "did you mean 'us-standard-1976'"]),
+    "lines that do not part": ({"render": {"lines_per_column": 3}}, ["render.lines_per_column = 3", "1, 2, 4, 8"]),
     "missing key": ({"sea": {"spectrum": {"kind": "file"}}}, ["sea.spectrum.path is missing"]),
     "missing file": ({"band": {"response": "nix.csv"}}, ["band.response = 'nix.csv'", "not a file"]),
     "no date": ({"time": {"utc": "2026-13-01"}}, ["time.utc = '2026-13-01'", "2026-06-21T17:30:00Z"]),

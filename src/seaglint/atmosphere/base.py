@@ -76,7 +76,7 @@ def require_height(height: float, lowest: float, highest: float, remedy: str) ->
 
 
 def require_range(range_m: ArrayLike) -> FloatArray:
-    """Arcs along the sea as an array; negative or NaN ones are refused."""
+    """Arcs along the sea as an array [m]; negative or NaN ones are refused."""
     arc = np.asarray(range_m, dtype=np.float64)
     if not np.all(arc >= 0.0):
         raise DomainError(f"range_m holds {np.asarray(arc)[~(arc >= 0.0)].ravel()[0]:g} m; give arcs along the sea of 0 m or more")

@@ -40,7 +40,7 @@ class Refraction:
         return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
 
     def sea_cosine(self, height: float, depression: ArrayLike) -> FloatArray:
-        """Cosine of the zenith angle at the sea of the ray seen at ``depression``; NaN where the ray misses the sea."""
+        """Cosine of the zenith angle at the sea of the ray seen at ``depression`` [1]; NaN where the ray misses the sea."""
         e = self._offset(height)
         squared = (np.sin(np.asarray(depression, dtype=np.float64)) ** 2 - e * (2.0 - e)) / (1.0 - e) ** 2
         with np.errstate(invalid="ignore"):
@@ -59,18 +59,18 @@ def straight_slant(height: float, sea_cosine: ArrayLike) -> FloatArray:
 
 
 def straight_sea_cosine(height: float, slant: ArrayLike) -> FloatArray:
-    """Inverse of :func:`straight_slant`."""
+    """Inverse of :func:`straight_slant`: cosine of the zenith angle at the sea [1]."""
     s = np.asarray(slant, dtype=np.float64)
     return np.asarray((height * (2.0 * EFFECTIVE_EARTH_RADIUS + height) - s * s) / (2.0 * EFFECTIVE_EARTH_RADIUS * s))
 
 
 def path_coordinate(slant: ArrayLike, height: float, horizon_slant: float) -> FloatArray:
-    """``log(s/h) / log(s_horizon/h)``: 0 straight down, 1 at the sea horizon; optical depth is nearly a power of it."""
+    """``log(s/h) / log(s_horizon/h)`` [1]: 0 straight down, 1 at the sea horizon; optical depth is nearly a power of it."""
     return np.asarray(np.log(np.maximum(np.asarray(slant, dtype=np.float64) / height, 1.0)) / np.log(horizon_slant / height))
 
 
 def height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> FloatArray:
-    """Height stretched for splines: ``log(h)`` up to the first level, then ``j + sqrt(part of layer j)``.
+    """Height stretched for splines [1]: ``log(h)`` up to the first level, then ``j + sqrt(part of layer j)``.
 
     Just above a level LOWTRAN7's path gains a thin layer of another temperature, and near the horizon that layer takes over
     the emission within tens of metres: the square root spreads those out (95th percentile of path radiance 0.1 instead of 1 %).
@@ -88,13 +88,13 @@ ELEVATION_SCALE = 0.012
 
 
 def elevation_coordinate(elevation: ArrayLike, dip: float) -> FloatArray:
-    """Angle above the sea horizon squeezed to 0 (horizon) ... 1 (straight up): ``asinh(e/e0) / asinh(e_max/e0)``."""
+    """Angle above the sea horizon squeezed to 0 (horizon) ... 1 (straight up) [1]: ``asinh(e/e0) / asinh(e_max/e0)``."""
     scale = ELEVATION_SCALE + 0.5 * dip
     return np.asarray(np.arcsinh(np.asarray(elevation) / scale) / np.arcsinh((0.5 * np.pi + dip) / scale))
 
 
 def elevation_of_coordinate(y: ArrayLike, dip: float) -> FloatArray:
-    """Inverse of :func:`elevation_coordinate`."""
+    """Inverse of :func:`elevation_coordinate`: angle above the sea horizon [rad]."""
     scale = ELEVATION_SCALE + 0.5 * dip
     return np.asarray(scale * np.sinh(np.asarray(y) * np.arcsinh((0.5 * np.pi + dip) / scale)))
 
@@ -104,7 +104,7 @@ OPTICAL_DEPTH_FLOOR, OPTICAL_DEPTH_CEILING = 1e-4, 6.0
 
 
 def encode_optical_depth(optical_depth: ArrayLike) -> FloatArray:
-    """``q = log(d/(1 + d/6) + 1e-4)``: a logarithm that levels off where transmittance is nearly 1 or nearly 0.
+    """``q = log(d/(1 + d/6) + 1e-4)`` [1]: a logarithm that levels off where transmittance is nearly 1 or nearly 0.
 
     Splines and principal components of ``q`` then work for the optical depths that matter: 32 components leave 0.06 % of
     the 3-5 um band transmittance (above 0.01), of the plain logarithm 0.1 %.
@@ -114,7 +114,7 @@ def encode_optical_depth(optical_depth: ArrayLike) -> FloatArray:
 
 
 def decode_optical_depth(q: FloatArray) -> FloatArray:
-    """Inverse of :func:`encode_optical_depth`; not below 0, and above 60 nothing is told apart."""
+    """Inverse of :func:`encode_optical_depth`: optical depth [1], not below 0, and above 60 nothing is told apart."""
     share = np.exp(q)
     share -= OPTICAL_DEPTH_FLOOR
     np.maximum(share, 0.0, out=share)

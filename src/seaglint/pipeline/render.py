@@ -87,8 +87,7 @@ def renderer_and_layout(scenario: Scenario, frames: range | None = None) -> tupl
     """
     view, camera = prepare.view(scenario), prepare.camera(scenario)
     sea = prepare.sea(scenario, view.slopes)
-    lines = scenario.render.lines_per_column
-    renderer = Renderer(view, camera, sea.waves, step=scenario.render.step_m, **({} if lines is None else {"most_lines": lines}))
+    renderer = Renderer(view, camera, sea.waves, step=scenario.render.step_m, most_lines=scenario.render.lines_per_column)
     layout = Layout(
         azimuth_deg=np.degrees(camera.azimuths),
         elevation_deg=np.degrees(camera.elevations),
@@ -122,7 +121,7 @@ def thread_limit(threads: int | None) -> Iterator[None]:
     if threads is None:
         yield
         return
-    most = int(numba.config.NUMBA_NUM_THREADS)
+    most = int(vars(numba.config)["NUMBA_NUM_THREADS"])  # set at run time, where type checkers do not see it
     if not 1 <= threads <= most:
         raise BackendError(
             f"threads = {threads}: allowed are 1 to {most} here; the environment variable NUMBA_NUM_THREADS raises the limit"

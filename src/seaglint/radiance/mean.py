@@ -99,7 +99,7 @@ class SeaRadiance:
 
     @property
     def total(self) -> FloatArray:
-        """Sum of all, (rows, columns)."""
+        """Sum of all [W m-2 sr-1, (rows, columns)]."""
         return np.asarray(self.path + self.emission + self.sky + self.sun)
 
 

@@ -294,9 +294,9 @@ class Render(Record):
     """Accuracy and cost of the image, and what is written."""
 
     lines_per_column: Annotated[
-        Annotated[int, Quantity(ge=1, le=1024, integer=True)] | None,
-        Field(description="lines of sight across a pixel column; chosen from the pixel and wave size where nothing is said"),
-    ] = None
+        Literal[1, 2, 4, 8, 16],
+        Field(description="most lines of sight across a pixel column; one begins and parts in two as the column widens with range"),
+    ] = 2
     step_m: Annotated[
         Annotated[float, Quantity("m", gt=0, le=100)] | None,
         Field(description="outward step of the sweep; chosen from the shortest wave where nothing is said"),

@@ -30,7 +30,6 @@ _EXAMPLES = {
     "utc": "2026-06-21T17:30:00Z",
     "latitude_deg": "36.8",
     "longitude_deg": "-75.9",
-    "lines_per_column": "4",
     "step_m": "0.5",
 }
 

@@ -20,11 +20,10 @@ from dataclasses import dataclass
 from typing import Final, Protocol
 
 import numpy as np
-from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
 from seaglint.errors import DomainError
-from seaglint.optics.fresnel import reflectance
+from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.sea.slopes import SlopeStatistics
 
 FloatArray = NDArray[np.float64]
@@ -35,7 +34,6 @@ _ACROSS: Final = 8
 _UP: Final = 16
 _DOWN: Final = 8
 _CUT: Final = 5.5  # standard deviations; the tail beyond holds 4e-8
-_CHEBYSHEV: Final = 16  # terms; error of the reflectance of water below 3e-9
 
 
 class RefractiveIndex(Protocol):
@@ -182,19 +180,6 @@ def _turning_slope(cosine: FloatArray, sine: FloatArray, across: FloatArray) -> 
     return np.asarray(np.where(cosine <= 0.0, np.inf, edge))
 
 
-def _incidence_moments(nodes: FacetNodes, weight: FloatArray) -> FloatArray:
-    """Chebyshev moments of the incidence cosine: sum of weight x T_j(2 c - 1), shape (..., j)."""
-    basis = chebyshev.chebvander(2.0 * nodes.cos_incidence - 1.0, _CHEBYSHEV - 1)
-    return np.asarray(np.einsum("...i,...ij->...j", weight, basis))
-
-
-def _reflectance_coefficients(index: NDArray[np.complex128]) -> FloatArray:
-    """Chebyshev coefficients of the Fresnel reflectance in the incidence cosine, shape (j, wavenumber)."""
-    x = chebyshev.chebpts1(_CHEBYSHEV)
-    rho = reflectance(0.5 * (1.0 + x)[:, None], index[None, :])
-    return np.asarray(np.linalg.solve(chebyshev.chebvander(x, _CHEBYSHEV - 1), rho))
-
-
 def emissivity(
     view_zenith: ArrayLike,
     slopes: SlopeStatistics,
@@ -239,5 +224,7 @@ def emissivity(
     """
     nodes = facet_nodes(view_zenith, slopes, view_azimuth)
     weight = np.where(nodes.meets_sea, 0.0, nodes.weight) if sea_to_sea else nodes.weight
-    index = np.asarray(water.index(np.atleast_1d(np.asarray(wavenumber_cm, dtype=np.float64))))
-    return np.asarray(1.0 - _incidence_moments(nodes, weight) @ _reflectance_coefficients(index))
+    series = ReflectanceSeries.of(water.index(np.atleast_1d(np.asarray(wavenumber_cm, dtype=np.float64))))
+    # moments of the incidence first: the sum over facets is then taken once for all wavenumbers
+    moments = np.einsum("...i,...ij->...j", weight, series.basis(nodes.cos_incidence))
+    return np.asarray(1.0 - moments @ series.coefficients)

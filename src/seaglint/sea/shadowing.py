@@ -81,7 +81,8 @@ def _map_bistatic(lambda_view: FloatArray, lambda_sun: FloatArray, azimuth: Floa
 def _flat_broadcast(*arrays: ArrayLike) -> tuple[tuple[int, ...], list[FloatArray]]:
     """Broadcast shape and the raveled float64 copies."""
     parts = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in arrays))
-    return parts[0].shape, [np.ascontiguousarray(p).ravel() for p in parts]
+    # copies: broadcast views are read-only soon, and kernels are compiled for arrays that are not
+    return parts[0].shape, [np.array(p, order="C").ravel() for p in parts]
 
 
 def smith_lambda(nu: ArrayLike) -> FloatArray:

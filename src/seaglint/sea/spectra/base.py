@@ -104,6 +104,6 @@ class DirectionalSpectrum(ABC):
 
 
 def downwind(angle: ArrayLike) -> FloatArray:
-    """1 on the half plane around the wind's direction, 0 behind it, 1/2 on the line between (so k and -k share that energy once)."""
+    """1 on the half plane around the wind's direction, 0 behind it, 1/2 on the line between (so k and -k share that energy once) [1]."""
     c = np.cos(np.asarray(angle, dtype=np.float64))
     return np.asarray(np.where(np.abs(c) < 1e-9, 0.5, (c > 0.0).astype(np.float64)))

@@ -113,7 +113,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
         return float(self._k[0]), _TAIL_END
 
     def breakpoints(self) -> FloatArray:
-        """The measured frequencies: energy is linear between them."""
+        """The measured frequencies as wavenumbers [rad/m]: energy is linear between them."""
         return self._k
 
     def omnidirectional(self, wavenumber: ArrayLike) -> FloatArray:
