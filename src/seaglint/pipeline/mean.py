@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, assert_never
 
 import numpy as np
 
 from seaglint.io.provenance import band_attributes, provenance
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
-from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.article import article_radiance
+from seaglint.radiance.mean import SeaRadiance, SeaView, mean_radiance
+from seaglint.render.camera import Camera
 from seaglint.scenario.model import Scenario
 
 if TYPE_CHECKING:
@@ -21,12 +23,20 @@ def mean(scenario: Scenario) -> xr.Dataset:
     """Mean radiance over the field of view, with its components, as a labelled dataset.
 
     Dimensions ``y, x`` (elevation from the top, azimuth clockwise); variables ``radiance``, ``apparent_temperature`` and the four
-    components of the radiance.
+    components of the radiance. In the mode ``article`` the emitted radiance is that of the one blackbody which stands for sea and
+    mirrored sky, and the sky's part is 0 below the horizon.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> small = parse_scenario({"sensor": {"pixels": [8, 4]}})
+    >>> dict(mean(small).radiance.sizes)
+    {'y': 4, 'x': 8}
     """
     import xarray as xr
 
-    view, camera = prepare.view(scenario), prepare.camera(scenario)
-    found = mean_radiance(view, camera.elevations, camera.azimuths)
+    camera = prepare.camera(scenario)
+    view, found = _radiances(scenario, camera)
     total = found.total
     maps = {
         "radiance": total,
@@ -43,6 +53,7 @@ def mean(scenario: Scenario) -> xr.Dataset:
             "Mean infrared radiance of the sea",
             scenario.model_dump_json(exclude_none=True),
             scenario.seed,
+            mean_mode=scenario.mean.mode,
             mss_up=view.slopes.mss_up,
             mss_cross=view.slopes.mss_cross,
             solar_zenith_deg=math.degrees(view.solar_zenith),
@@ -50,3 +61,16 @@ def mean(scenario: Scenario) -> xr.Dataset:
             **band_attributes(view.band),
         ),
     )
+
+
+def _radiances(scenario: Scenario, camera: Camera) -> tuple[SeaView, SeaRadiance]:
+    """What the scenario's mode sees, and how."""
+    match scenario.mean.mode:
+        case "spectral":
+            view = prepare.view(scenario)
+            return view, mean_radiance(view, camera.elevations, camera.azimuths)
+        case "article":
+            view = prepare.article_view(scenario)
+            return view, article_radiance(view, camera.elevations, camera.azimuths)
+        case other:
+            assert_never(other)

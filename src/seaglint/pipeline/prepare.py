@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, assert_never
 
 import numpy as np
@@ -21,7 +21,7 @@ from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
 from seaglint.scenario import model
 from seaglint.scenario.sun import sun_position
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.field import WaveField, longest_wave_number, plan_tiles, resolve_limit
 from seaglint.sea.slopes import SlopeStatistics, flat
 from seaglint.sea.spectra.base import DirectionalSpectrum
@@ -128,6 +128,20 @@ def view(scenario: model.Scenario) -> SeaView:
         solar_azimuth=sun.azimuth,
         sun_distance_factor=sun.irradiance_factor,
     )
+
+
+def article_view(scenario: model.Scenario) -> SeaView:
+    """The same for the source article's mode: isotropic slopes at the wind as given, one blackbody for sea and sky, one leg shadowed.
+
+    The water stays the scenario's; ``sea.water = "article"`` is the article's own. A mirror stays a mirror.
+    """
+    kind = scenario.sea.slopes
+    isotropic = (
+        flat()
+        if isinstance(kind, model.FlatSlopes)
+        else cox_munk_isotropic(scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=kind.extrapolate)
+    )
+    return replace(view(scenario), slopes=isotropic, shadowing="viewer", background="blackbody")
 
 
 def camera(scenario: model.Scenario) -> Camera:

@@ -286,7 +286,10 @@ class Mean(Record):
 
     mode: Annotated[
         Literal["spectral", "article"],
-        Field(description="spectral: per wavenumber, sky and sea apart; article: band means as in the source article"),
+        Field(
+            description="spectral: per wavenumber, sky and sea apart; article: band means, isotropic slopes at the wind as given, "
+            "sky and sea one blackbody, as in the source article"
+        ),
     ] = "spectral"
 
 

@@ -39,8 +39,8 @@ PRESETS: Final[dict[str, Preset]] = {
     "article-10ms": Preset(
         "10 m/s of wind in the article's own manner, for mean maps",
         (
-            "Settings of the headline row '62 K rise at 10 m/s': isotropic Cox-Munk slopes, article's water index, band means,",
-            "sky and sea as one blackbody, the viewer's shadowing only. Brightest at a depression of 1.5 to 2.5 deg.",
+            "Settings of the headline row '62 K rise at 10 m/s': isotropic Cox-Munk slopes at the wind as given, the article's water,",
+            "band means, sky and sea as one blackbody, the viewer's shadowing only. Brightest at a depression of 1.5 to 2.5 deg.",
         ),
         {
             "sun": {"zenith_deg": 77.0, "azimuth_deg": 180.0},
