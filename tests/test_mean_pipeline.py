@@ -56,7 +56,7 @@ def test_the_articles_mode_is_the_articles_case():
 
 
 def test_the_preset_of_the_article_rises_as_its_figure_does():
-    """62 K at 10 m/s in the article (its height is not given), 62-63 K with band means from 50 m; less through the longer path from 100 m."""
+    """62 K at 10 m/s in the article (its height is not given), 62-63 K with band means from 50 m; less through the long path from 100 m."""
     quiet = {"zenith_deg": 120.0, "azimuth_deg": 180.0}
     maps = [mean(parse_scenario(PRESETS["article-10ms"].values | extra)) for extra in ({}, {"sun": quiet})]
     sunny, dark = (m["apparent_temperature"].where(m["elevation"] < -0.4).max().item() for m in maps)
