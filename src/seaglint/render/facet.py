@@ -4,8 +4,9 @@ A facet of resolved slope ``s0`` carries the Gaussian density ``q`` of the slope
 
     L_sun = rho(omega) E q(s* - s0) S (1 + Lambda_v) / (4 cos^4(beta) A+),
 
-with ``A+``, both ``Lambda`` and the two-leg factor ``S`` taken about the facet's own tilt (``S (1 + Lambda_v)/A+`` is ``1/A+`` under a high Sun). ``q`` is
-convolved with the solar disc: its covariance, ``eps^2/4`` in every direction, is carried to slopes by the mirror's Jacobian.
+with ``A+``, both ``Lambda`` and the two-leg factor ``S`` taken about the facet's own tilt (``S (1 + Lambda_v)/A+`` is ``1/A+`` under a
+high Sun). ``q`` is convolved with the solar disc: its covariance, ``eps^2/4`` in every direction, is carried to slopes by the mirror's
+Jacobian.
 Emission and reflected sky are averages over the same visible density, tabulated once per image. Rays reflected downwards meet the sea
 again and see a blackbody at its temperature.
 
@@ -43,6 +44,9 @@ ALONG_NODES, CROSS_NODES = 14, 5
 
 NEGLIGIBLE_EXPONENT = 30.0
 """Slope densities below exp(-30) of their peak are taken as zero: 1e-13 of the glint's."""
+
+SHARP_DISC = 0.1
+"""Share of the Sun's image in the slope variance from which its sharp edge counts: below it the glint's peak moves by less than 0.4 %."""
 
 FARTHEST_TURNED_AWAY = -3.0
 """Facets turned from the viewer by more than this many deviations of their roughness are treated as if by this many; they are not seen."""
@@ -134,6 +138,7 @@ def sun_factor(
     se, sn = -(ve + sun.east) / mz, -(vn + sun.north) / mz
     tan2 = se * se + sn * sn
     ee, en, nn, shift_e, shift_n = disc_in_slopes(sun, mz, se, sn)
+    disc = (ee, en, nn)
     # the weight 1/cos^4(beta), growing as exp(4 s/(1+s^2) . ds) across the disc's image, moves its centre
     lean = 4.0 / (1.0 + tan2)
     de = se + shift_e + lean * (ee * se + en * sn) - slope_east
@@ -143,6 +148,8 @@ def sun_factor(
     exponent = 0.5 * (nn * de * de - 2.0 * en * de * dn + ee * dn * dn) / det
     if exponent > NEGLIGIBLE_EXPONENT:
         return 0.0, cos_incidence
+    if disc[0] + disc[2] > SHARP_DISC * (ee + nn):
+        exponent += disc_edge(disc, (ee, en, nn), (de, dn), det)
     sun_mean = sun.up - sun.east * slope_east - sun.north * slope_north
     mean = vz - horizontal * (sight.east * slope_east + sight.north * slope_north)
     deviation = horizontal * sight.deviation
@@ -150,9 +157,10 @@ def sun_factor(
     if area <= 0.0 or sun_mean <= 0.0:
         return 0.0, cos_incidence
     lit = 1.0
+    sun_deviation = sun.t_up * rough.towards_sun
     # above 4.5 deviations Smith's Lambda is below 1e-6
-    if sun_mean < 4.5 * rough.towards_sun and mean > 0.0:
-        lambda_sun = smith_lambda_kernel(sun_mean / (math.sqrt(2.0) * rough.towards_sun))
+    if sun_mean < 4.5 * sun_deviation and mean > 0.0:
+        lambda_sun = smith_lambda_kernel(sun_mean / (math.sqrt(2.0) * sun_deviation))
         lambda_view = smith_lambda_kernel(mean / (math.sqrt(2.0) * deviation)) if deviation > 0.0 else 0.0
         lit = bistatic_kernel(lambda_view, lambda_sun, sight.from_sun) * (1.0 + lambda_view)
     density = math.exp(-exponent) / (2.0 * math.pi * math.sqrt(det))
@@ -164,7 +172,8 @@ def disc_in_slopes(sun: Sunlight, mz: float, se: float, sn: float) -> tuple[floa
     """Covariance (ee, en, nn) and mean offset (e, n) of the slopes that mirror the points of the solar disc, about those of its centre.
 
     With ``s = -(v+l)_h/(v+l)_z`` and ``l`` moved by ``d`` on the sphere, to second order
-    ``ds = -(d_h + s d_z)/m_z + (d_h + s d_z) d_z/m_z^2 + |d|^2 (l_h + s l_z)/(2 m_z)``; the disc has ``<d d> = eps^2/4`` in every direction.
+    ``ds = -(d_h + s d_z)/m_z + (d_h + s d_z) d_z/m_z^2 + |d|^2 (l_h + s l_z)/(2 m_z)``; the disc has ``<d d> = eps^2/4`` in every
+    direction.
     """
     scale = 0.25 * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS / (mz * mz)
     along_e, along_n = sun.t_east + se * sun.t_up, sun.t_north + sn * sun.t_up
@@ -174,6 +183,27 @@ def disc_in_slopes(sun: Sunlight, mz: float, se: float, sn: float) -> tuple[floa
     shift_e = scale * (along_e * sun.t_up + mz * (sun.east + se * sun.up))
     shift_n = scale * (along_n * sun.t_up + mz * (sun.north + sn * sun.up))
     return ee, en, nn, shift_e, shift_n
+
+
+@njit
+def disc_edge(disc: tuple[float, float, float], both: tuple[float, float, float], offset: tuple[float, float], det: float) -> float:
+    """What a disc's sharp edge adds to the exponent of the Gaussian that stands for its convolution with the facet's slopes.
+
+    A uniform disc has the fourth cumulants ``-(E_ij E_kl + E_ik E_jl + E_il E_jk)/3`` with ``E`` its covariance (``disc``). The Edgeworth
+    factor is ``1 - H/24`` with ``H = (u.Eu)^2 - 2 tr(E/C) u.Eu - 4 u.E/C.Eu + tr(E/C)^2 + 2 tr((E/C)^2)``, ``u = C^-1 offset`` and ``C``
+    the covariance of ``both``; it is taken as ``exp(-H/24)``, which stays positive in the tails.
+    """
+    ee, en, nn = disc
+    i_ee, i_en, i_nn = both[2] / det, -both[1] / det, both[0] / det
+    ue, un = i_ee * offset[0] + i_en * offset[1], i_en * offset[0] + i_nn * offset[1]
+    we, wn = ee * ue + en * un, en * ue + nn * un
+    # E/C, row by row
+    a, b = ee * i_ee + en * i_en, ee * i_en + en * i_nn
+    c, d = en * i_ee + nn * i_en, en * i_en + nn * i_nn
+    trace = a + d
+    once = ue * we + un * wn
+    twice = we * (i_ee * we + i_en * wn) + wn * (i_en * we + i_nn * wn)
+    return (once * once - 2.0 * trace * once - 4.0 * twice + trace * trace + 2.0 * (a * a + 2.0 * b * c + d * d)) / 24.0
 
 
 @njit
@@ -199,13 +229,22 @@ def node(axes: np.ndarray, axis: int, size: int, value: float) -> tuple[int, flo
 
 @njit_inline
 def facet_radiance(
-    optics: FacetOptics, coefficients: np.ndarray, i_path: int, sight: Sight, grazing: tuple[float, float], slope: tuple[float, float]
+    optics: FacetOptics,
+    thermal: np.ndarray,
+    coefficients: np.ndarray,
+    i_path: int,
+    sight: Sight,
+    grazing: tuple[float, float],
+    slope: tuple[float, float],
 ) -> tuple[float, float]:
-    """Thermal (emission and reflected sky) and solar radiance of a facet, attenuated by the path ``coefficients[i_path]`` [W m-2 sr-1]."""
+    """Thermal (emission and reflected sky) and solar radiance of a facet, attenuated by the path ``coefficients[i_path]`` [W m-2 sr-1].
+
+    ``thermal`` is :func:`thermal_along` the line of sight.
+    """
     slope_east, slope_north = slope
     factor, cos_incidence = sun_factor(optics.sunlight, optics.roughness, sight, grazing, slope_east, slope_north)
     terms = coefficients.shape[1]
-    table, axes, sun = optics.tables.thermal, optics.tables.axes, optics.tables.sun
+    axes, sun = optics.tables.axes, optics.tables.sun
     solar = 0.0
     if factor > 0.0:
         x = cos_incidence * (sun.shape[0] - 1)
@@ -215,24 +254,25 @@ def facet_radiance(
             solar += coefficients[i_path, k] * ((1.0 - f) * sun[i, k] + f * sun[i + 1, k])
         solar *= factor
 
-    iu, fu = node(axes, 0, table.shape[0], grazing[0])
-    ix, fx = node(axes, 1, table.shape[1], sight.chi)
-    ia, fa = node(axes, 2, table.shape[2], slope_east * sight.east + slope_north * sight.north)
-    ic, fc = node(axes, 3, table.shape[3], slope_east * sight.north - slope_north * sight.east)
-    thermal = 0.0
-    for u in range(2):
-        wu = fu if u else 1.0 - fu
-        for x_ in range(2):
-            wx = wu * (fx if x_ else 1.0 - fx)
-            if wx == 0.0:
-                continue
-            iv, iw = iu + u, ix + x_
-            a, b, c, d = wx * (1.0 - fa) * (1.0 - fc), wx * (1.0 - fa) * fc, wx * fa * (1.0 - fc), wx * fa * fc
-            for k in range(terms):
-                mixed = a * table[iv, iw, ia, ic, k] + b * table[iv, iw, ia, ic + 1, k]
-                mixed += c * table[iv, iw, ia + 1, ic, k] + d * table[iv, iw, ia + 1, ic + 1, k]
-                thermal += coefficients[i_path, k] * mixed
-    return thermal, solar
+    iu, fu = node(axes, 0, thermal.shape[0], grazing[0])
+    ia, fa = node(axes, 2, thermal.shape[1], slope_east * sight.east + slope_north * sight.north)
+    ic, fc = node(axes, 3, thermal.shape[2], slope_east * sight.north - slope_north * sight.east)
+    a, b, c, d = (1.0 - fa) * (1.0 - fc), (1.0 - fa) * fc, fa * (1.0 - fc), fa * fc
+    warm = 0.0
+    for k in range(terms):
+        low = a * thermal[iu, ia, ic, k] + b * thermal[iu, ia, ic + 1, k]
+        low += c * thermal[iu, ia + 1, ic, k] + d * thermal[iu, ia + 1, ic + 1, k]
+        high = a * thermal[iu + 1, ia, ic, k] + b * thermal[iu + 1, ia, ic + 1, k]
+        high += c * thermal[iu + 1, ia + 1, ic, k] + d * thermal[iu + 1, ia + 1, ic + 1, k]
+        warm += coefficients[i_path, k] * (low + fu * (high - low))
+    return warm, solar
+
+
+@njit
+def thermal_along(tables: FacetTables, sight: Sight) -> np.ndarray:
+    """The thermal table (u, a, c, k) of one line of sight: interpolated to its azimuth once, as all its facets share it."""
+    ix, fx = node(tables.axes, 1, tables.thermal.shape[1], sight.chi)
+    return (1.0 - np.float32(fx)) * tables.thermal[:, ix] + np.float32(fx) * tables.thermal[:, ix + 1]
 
 
 class ThermalSources(NamedTuple):
@@ -356,9 +396,10 @@ def _axis(low: float, high: float, step: float) -> tuple[float, float, int]:
 def thermal_axes(
     roughness: SlopeStatistics, resolved: tuple[float, float], sines: tuple[float, float], azimuths: tuple[float, float]
 ) -> tuple[FloatArray, tuple[int, int, int, int]]:
-    """Axes of the thermal table, ``(4, 2)`` first nodes and inverse steps, and the numbers of nodes.
+    """Axes of the thermal table, (4, 2) first nodes and inverse steps [1, rad, 1, 1], and the numbers of nodes.
 
-    Steps follow the roughness: the average changes over about one deviation of the facet's slopes. Slopes span 5.5 deviations of the resolved waves.
+    Steps follow the roughness: the average changes over about one deviation of the facet's slopes. Slopes span 5.5 deviations of the
+    resolved waves.
     """
     sigma = max(float(np.sqrt(0.5 * roughness.mss)), 0.02)
     reach = 5.5 * float(np.sqrt(max(resolved)))
@@ -375,7 +416,7 @@ def thermal_axes(
 
 
 def band_reflectance(basis: PathBasis, water: WaterIndex) -> FloatArray:
-    """Reflectance over the nodes in the cosine of incidence and the basis' wavenumbers."""
+    """Reflectance [1] over the nodes in the cosine of incidence and the basis' wavenumbers."""
     incidence = np.linspace(0.0, 1.0, INCIDENCE_NODES)
     # The outermost samples can lie just outside the water's table where the band ends on its edge: hold the index there.
     nu = np.clip(basis.wavenumber_cm, 1e4 / water.wavelength_um[-1], 1e4 / water.wavelength_um[0])

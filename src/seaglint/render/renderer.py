@@ -141,6 +141,7 @@ class Renderer:
             np.cos(psi),
             EFFECTIVE_EARTH_RADIUS * np.sin(psi),
             camera.height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2,
+            float(np.diff(arcs).max()),
             basis.coefficients,
             basis.path_radiance,
             parting_samples(arcs, camera.column_step, self.shortest_wave, self._most_lines),
@@ -196,7 +197,7 @@ class Renderer:
             images[:, 0], images[:, 1] = self._frame.sky, 0.0
         else:
             surface = self.surface(time)
-            foot = height(surface, 0.0, 0.0)
+            foot = height(surface, 0, surface.height.shape[0], 0.0, 0.0)
             if foot >= camera.height:
                 raise DomainError(
                     f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {camera.height:g} m above the mean sea"

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint._jit import njit_inline
+from seaglint._jit import njit, njit_inline
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 
@@ -16,16 +16,19 @@ from seaglint.errors import DomainError
 class Surface(NamedTuple):
     """One instant of the sea.
 
-    ``height[i, a]`` [m] and ``slope[i, a] = (east, north)`` are the lattices of tile ``i`` at the address ``a`` of :func:`corners`: squares of
-    4 x 4 points lie together in memory, because lines cross the lattice in any direction. ``size`` is the number of points along a side;
-    ``grid[i] = (1/spacing, cos, sin of the tile's turn)``. ``rest[i]``: largest height that the tiles from ``i`` on can add up to [m].
+    ``height[i, a]`` [m] and ``slope[i, a] = (east, north)`` are the lattices of tile ``i`` at the address ``a`` of :func:`corners`:
+    squares of 4 x 4 points lie together in memory, because lines cross the lattice in any direction. ``size`` is the number of points
+    along a side;
+    ``grid[i] = (1/spacing, cos, sin of the tile's turn)``. ``crest``: largest height that the last tile, of the shortest waves, adds
+    [m]; ``curvature``: largest curvature along any line of all other tiles together [1/m].
     """
 
     size: int
     height: np.ndarray
     slope: np.ndarray
     grid: np.ndarray
-    rest: np.ndarray
+    crest: float
+    curvature: float
 
 
 @njit_inline
@@ -45,10 +48,10 @@ def corners(surface: Surface, tile: int, x: float, y: float) -> tuple[int, int, 
 
 
 @njit_inline
-def height(surface: Surface, x: float, y: float) -> float:
-    """Height of the sea at a point [m]."""
+def height(surface: Surface, first: int, last: int, x: float, y: float) -> float:
+    """Height at a point of the tiles ``first`` to ``last`` (not included) together [m]."""
     total = 0.0
-    for tile in range(surface.height.shape[0]):
+    for tile in range(first, last):
         y0, y1, x0, x1, fy, fx = corners(surface, tile, x, y)
         a, b = surface.height[tile, y0 + x0], surface.height[tile, y0 + x1]
         c, d = surface.height[tile, y1 + x0], surface.height[tile, y1 + x1]
@@ -72,10 +75,27 @@ def slopes(surface: Surface, x: float, y: float) -> tuple[float, float]:
     return east, north
 
 
+@njit
+def largest_curvature(lattice: np.ndarray) -> float:
+    """Bound of the second difference along any direction on a periodic lattice of heights [m per cell squared]."""
+    n = lattice.shape[0]
+    uu, vv, uv = 0.0, 0.0, 0.0
+    for i in range(n):
+        up, down = (i + 1) % n, i - 1
+        for j in range(n):
+            right, left = (j + 1) % n, j - 1
+            twice = 2.0 * lattice[i, j]
+            uu = max(uu, abs(lattice[i, right] - twice + lattice[i, left]))
+            vv = max(vv, abs(lattice[up, j] - twice + lattice[down, j]))
+            uv = max(uv, abs(lattice[up, right] - lattice[up, left] - lattice[down, right] + lattice[down, left]))
+    # |f_ss| <= max(|f_uu|, |f_vv|) + |f_uv| for a unit direction; the mixed difference above spans four cells
+    return max(uu, vv) + 0.25 * uv
+
+
 def calm_surface() -> Surface:
     """A sea without resolved waves."""
     lattice = np.zeros((0, 1, 2), np.float32)
-    return Surface(1, lattice[..., 0].copy(), lattice, np.zeros((0, 3)), np.zeros(1))
+    return Surface(1, lattice[..., 0].copy(), lattice, np.zeros((0, 3)), 0.0, 0.0)
 
 
 def surface_of(tiles: tuple[NDArray[np.float32], ...], spacing: FloatArray, turn: FloatArray) -> Surface:
@@ -85,7 +105,11 @@ def surface_of(tiles: tuple[NDArray[np.float32], ...], spacing: FloatArray, turn
     if n < 4 or n & (n - 1):
         raise DomainError(f"tiles of {n} points a side cannot be rendered; give a power of two, 4 or more")
     squares = lattice.reshape(count, n // 4, 4, n // 4, 4, 3).transpose(0, 1, 3, 2, 4, 5).reshape(count, n * n, 3)
-    height = np.ascontiguousarray(squares[..., 0])
-    highest = height.max(axis=1).astype(np.float64)
-    rest = np.append(np.cumsum(highest[::-1])[::-1], 0.0)
-    return Surface(n, height, np.ascontiguousarray(squares[..., 1:]), np.stack([1.0 / spacing, np.cos(turn), np.sin(turn)], axis=1), rest)
+    return Surface(
+        n,
+        np.ascontiguousarray(squares[..., 0]),
+        np.ascontiguousarray(squares[..., 1:]),
+        np.stack([1.0 / spacing, np.cos(turn), np.sin(turn)], axis=1),
+        float(lattice[-1, ..., 0].max()),
+        float(sum(largest_curvature(z) / d**2 for z, d in zip(lattice[:-1, ..., 0], spacing[:-1], strict=True))),
+    )

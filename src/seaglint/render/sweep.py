@@ -1,9 +1,13 @@
 """The sweep: walk outward along each azimuth, keep the highest elevation seen so far, and shade what rises above it.
 
-Every surface piece above the running horizon is visible and covers a known interval of elevation; its radiance, taken at the middle of that
-interval, is added to the pixels in proportion to the overlap. So a column has no sampling noise in elevation, its own horizon, and any width of panorama.
-Across a column, lines part as the column widens: one line near the sensor, two where half a shortest wave no longer spans the column, and so on
-up to a limit. From there on the sea is sampled, not averaged, across a column.
+Every surface piece above the running horizon is visible and covers a known interval of elevation; its radiance, taken at the middle of
+that interval, is added to the pixels in proportion to the overlap. So a column has no sampling noise in elevation, its own horizon, and any
+width of panorama.
+
+Most samples are hidden at grazing views. A few are passed over at once where the long waves, bounded by a chord and their curvature,
+and the highest crest of the shortest ones stay below the line of sight; the image is that of the full walk.
+Across a column, lines part as the column widens: one line near the sensor, two where the column is wider than half a shortest wave, and
+so on up to a limit. From there on the sea is sampled, not averaged, across a column.
 """
 
 from __future__ import annotations
@@ -18,7 +22,7 @@ from seaglint._jit import njit, njit_inline, njit_parallel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
 from seaglint.render.camera import Camera
-from seaglint.render.facet import FacetOptics, FacetTables, Roughness, Sight, Sunlight, facet_radiance, line_of_sight
+from seaglint.render.facet import FacetOptics, FacetTables, Roughness, Sight, Sunlight, facet_radiance, line_of_sight, thermal_along
 from seaglint.render.surface import Surface, height, slopes
 
 RANGE_PARTS = 0.5
@@ -28,6 +32,9 @@ CALM_PARTS = 4
 """Pieces per pixel row where no waves are resolved."""
 
 
+STRIDE = 4
+"""Samples that are passed over at once where the long waves and the highest crest of the shortest ones stay below the line of sight."""
+
 BUFFER = 1024
 """Visible pieces that are found before they are shaded; 24 kB stay in the first cache."""
 
@@ -35,8 +42,8 @@ BUFFER = 1024
 class Walk(NamedTuple):
     """Samples along every line: arcs from the sensor's foot and what depends on them alone.
 
-    ``range_m, cosine, sine_arc, drop``: arc r, cos(r/R'), R' sin(r/R') and h + R' (1 - cos(r/R')) at the samples.
-    ``coefficients, path`` belong to the middle of the piece that ends at a sample. ``parting``: first sample, those at which every line of
+    ``range_m, cosine, sine_arc, drop``: arc r, cos(r/R'), R' sin(r/R') and h + R' (1 - cos(r/R')) at the samples, at most ``step`` [m]
+    apart. ``coefficients, path`` belong to the middle of the piece that ends at a sample. ``parting``: first sample, those at which every line of
     a column becomes two, and the number of samples.
     """
 
@@ -44,13 +51,14 @@ class Walk(NamedTuple):
     cosine: np.ndarray
     sine_arc: np.ndarray
     drop: np.ndarray
+    step: float
     coefficients: np.ndarray
     path: np.ndarray
     parting: np.ndarray
 
 
 class Frame(NamedTuple):
-    """Rows of the image: elevation of the upper edge, 1/row step, number of rows, tangents of the lower and upper edges, the sky's radiance."""
+    """Rows of the image: elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the sky in each."""
 
     top: float
     per_radian: float
@@ -114,13 +122,13 @@ def calm_ranges(camera: Camera) -> FloatArray:
 def clearance(walk: Walk, i: int, tangent: float, z: float) -> float:
     """Height above the line of sight of this tangent at sample ``i`` [m], to first order in the arc's angle; what is above is visible."""
     scale = walk.cosine[i] - tangent * walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
-    return z * scale - tangent * walk.sine_arc[i] - walk.drop[i]
+    return float(z * scale - tangent * walk.sine_arc[i] - walk.drop[i])
 
 
 @njit_inline
 def tangent_of(walk: Walk, i: int, z: float) -> float:
     """Tangent of the elevation at which a height is seen."""
-    return (z * walk.cosine[i] - walk.drop[i]) / (walk.sine_arc[i] * (1.0 + z / EFFECTIVE_EARTH_RADIUS) + 1e-300)
+    return float((z * walk.cosine[i] - walk.drop[i]) / (walk.sine_arc[i] * (1.0 + z / EFFECTIVE_EARTH_RADIUS) + 1e-300))
 
 
 @njit_inline
@@ -142,31 +150,51 @@ def walk_line(
 ) -> tuple[int, int, float]:
     """Find the visible pieces of one line over the samples ``part = (first, end)``, or as many as the buffers hold.
 
-    ``horizon`` is the tangent of the highest elevation seen before and that of the image's upper edge. Piece ``j`` ends at the sample
-    ``sample[j]``; its part of the step before it is ``piece[j, 0]`` (1 for all) and the tangent at its upper edge ``piece[j, 1]``; its lower edge is
-    the upper one of the piece before. Returns the number of pieces, the sample to go on with (or ``end``) and the last tangent.
+    ``horizon``: tangents of the highest elevation seen before and of the image's upper edge. Piece ``j`` ends at the sample ``sample[j]``;
+    its length is ``piece[j, 0]`` [m] and the tangent at its upper edge ``piece[j, 1]``; its lower edge is the upper one of the piece
+    before. Returns the number of pieces, the sample to go on with (or ``end``) and the last tangent.
     """
     i, end = part
     tangent, top = horizon
-    count, last_above = 0, i - 1
+    count, last_above, patience = 0, -1, 0
+    tiles = surface.height.shape[0]
+    # a chord of the long waves misses their highest point by at most this, and the shortest waves add their crest
+    slack = surface.crest + 0.125 * surface.curvature * (STRIDE * walk.step) ** 2
     while i < end and tangent < top and count < sample.shape[0]:
         r = walk.range_m[i]
-        z = height(surface, -r * sight.east, -r * sight.north)
+        x, y = -r * sight.east, -r * sight.north
+        z = height(surface, 0, tiles - 1, x, y)
+        if tiles > 1 and clearance(walk, i, tangent, z + surface.crest) < 0.0:
+            i += 1
+            patience -= 1
+            while patience <= 0 and i + STRIDE <= end:
+                ahead = walk.range_m[i + STRIDE - 1]
+                z_ahead = height(surface, 0, tiles - 1, -ahead * sight.east, -ahead * sight.north)
+                # the line of sight is convex over the round sea, so it is lowest at an end or stays above its tangent at the near one
+                fall = max(-tangent - r / EFFECTIVE_EARTH_RADIUS, 0.0) * (ahead - r)
+                if clearance(walk, i - 1, tangent, max(z, z_ahead) + slack + fall) >= 0.0:
+                    patience = STRIDE
+                else:
+                    i += STRIDE
+                    r, z = ahead, z_ahead
+            continue
+        z += height(surface, tiles - 1, tiles, x, y)
         above = clearance(walk, i, tangent, z)
         if above < 0.0:
             i += 1
+            patience -= 1
             continue
-        share = 1.0
+        length = r - walk.range_m[i - 1] if i > 0 else 0.0
+        risen = tangent_of(walk, i, z)
         if i > 0 and last_above != i - 1:
             before = walk.range_m[i - 1]
-            below = max(-clearance(walk, i - 1, tangent, height(surface, -before * sight.east, -before * sight.north)), 0.0)
-            share = above / (below + above + 1e-30)
-        risen = tangent_of(walk, i, z)
+            below = max(-clearance(walk, i - 1, tangent, height(surface, 0, tiles, -before * sight.east, -before * sight.north)), 0.0)
+            length *= above / (below + above + 1e-30)
         if risen > tangent:
-            sample[count], piece[count, 0], piece[count, 1] = i, share, risen
+            sample[count], piece[count, 0], piece[count, 1] = i, length, risen
             count += 1
             tangent = risen
-        last_above = i
+        last_above, patience = i, 0
         i += 1
     return count, (i if tangent < top else end), tangent
 
@@ -185,20 +213,21 @@ def shade_line(
 ) -> None:
     """Add the radiance of a line's visible pieces, times its weight, to the rows of ``images`` (total, solar part)."""
     count, sample, piece = pieces
+    table = thermal_along(optics.tables, sight)
     below = lowest
     low = math.atan(below)
     for j in range(count):
         i, above = sample[j], piece[j, 1]
         high = math.atan(above)
         if i > 0:
-            r = walk.range_m[i] - 0.5 * piece[j, 0] * (walk.range_m[i] - walk.range_m[i - 1])
+            r = walk.range_m[i] - 0.5 * piece[j, 0]
             slope = slopes(surface, -r * sight.east, -r * sight.north)
             # the grazing angle is the depression less the arc's angle
             tangent = 0.5 * (max(below, -1e3) + above)
             cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
             sine_arc = walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
             grazing = (-cosine * (tangent * walk.cosine[i] + sine_arc), cosine * (walk.cosine[i] - tangent * sine_arc))
-            thermal, solar = facet_radiance(optics, walk.coefficients, i, sight, grazing, slope)
+            thermal, solar = facet_radiance(optics, table, walk.coefficients, i, sight, grazing, slope)
             add_rows(images, frame, low, high, weight * (thermal + walk.path[i] + solar), weight * solar)
         below, low = above, high
 
