@@ -1,0 +1,264 @@
+"""Recompute the tables of docs/validation.md, each between its two markers, from the package itself.
+
+    python tools/validation_tables.py               all tables
+    python tools/validation_tables.py headline sea  some of them
+
+The tables ``lowtran`` and ``emissivity`` need SEAGLINT_REFERENCE_DIR, ``buoy`` needs SEAGLINT_DATA_DIR; without it they stay as they are.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from seaglint.atmosphere.table import TableAtmosphere, models
+from seaglint.optics.band import Band
+from seaglint.optics.sea_water import hale_querry_sea
+from seaglint.pipeline import prepare
+from seaglint.pipeline.render import renderer_and_layout
+from seaglint.radiance.mean import mean_radiance
+from seaglint.scenario.load import parse_scenario
+from seaglint.sea.cox_munk import cox_munk_isotropic
+from seaglint.sea.emissivity import emissivity
+from seaglint.sea.field import WaveField, plan_tiles
+from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
+
+PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation.md"
+
+Lines = Iterator[str]
+
+
+class NotHereError(Exception):
+    """The table's data are not on this machine."""
+
+
+def folder(variable: str) -> Path:
+    """Folder named by an environment variable."""
+    if not os.environ.get(variable):
+        raise NotHereError(f"{variable} is not set")
+    return Path(os.environ[variable])
+
+
+def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> Lines:
+    """Markdown table."""
+    for row in (head, ("---",) * len(head), *rows):
+        yield "| " + " | ".join(row) + " |"
+
+
+def headline() -> Lines:
+    """The article's numbers beside ours."""
+    command = [sys.executable, "-m", "seaglint.cli.app", "reproduce", "headline", "--json"]
+    rows = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    common: dict[str, object] = {}
+    for row in rows.values():
+        if "atmosphere" in row["settings"]:
+            common = {k: v for k, v in row["settings"].items() if k in ("atmosphere", "band_um", "slopes", "background", "water")}
+    body = []
+    for key, row in rows.items():
+        settings = "; ".join(f"{k} {v}" for k, v in row["settings"].items() if k not in common or common[k] != v)
+        body.append((f"`{key}`", f"{row['article']:g}", f"{row['ours']:.4g}", row["unit"], settings))
+    yield from table(("row", "article", "here", "unit", "settings"), body)
+    yield ""
+    yield "The three rows of glint share: " + "; ".join(f"{k} {v}" for k, v in common.items()) + "."
+
+
+def lowtran() -> Lines:
+    """Medians and 95th percentiles of the table's error over the reference cases."""
+    names = {
+        "tau_mean": "path transmittance",
+        "path_radiance_W_m2_sr": "path radiance",
+        "sun_normal_irradiance_W_m2": "Sun at the sea",
+        "sun_times_tau_W_m2": "Sun times path, per wavenumber",
+        "sky_radiance_W_m2_sr": "sky from the sea",
+    }
+    with (folder("SEAGLINT_REFERENCE_DIR") / "lowtran7_slant_paths.csv").open() as file:
+        cases = [row for row in csv.DictReader(file) if row["atmosphere"] in models()]
+    bands = ((3.0, 5.0), (3.5, 5.0), (8.0, 12.0))
+    found = {}
+    for edges in bands:
+        ours = np.array([lowtran_case(row, edges) for row in cases])
+        theirs = np.array([[float(row[f"{name}[{edges[0]:.1f}-{edges[1]:.1f}]"]) for name in names] for row in cases])
+        relative = 100.0 * np.abs(ours / theirs - 1.0)
+        found[edges] = np.median(relative, axis=0), np.percentile(relative, 95.0, axis=0)
+    head = (f"{len(cases)} cases, error in %: median / 95 %", *(f"{low:g}-{high:g} µm" for low, high in bands))
+    rows = [(label, *(f"{found[edges][0][i]:.2g} / {found[edges][1][i]:.2g}" for edges in bands)) for i, label in enumerate(names.values())]
+    yield from table(head, rows)
+
+
+def lowtran_case(row: dict[str, str], edges: tuple[float, float]) -> list[float]:
+    """What our table says to one reference case."""
+    wind, height, depression, sun_zenith, sky_zenith = (
+        float(row[key]) for key in ("wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg")
+    )
+    air = TableAtmosphere.load(row["atmosphere"], wind, edges)
+    weights = Band.rectangular(*edges).weights(air.wavenumber_cm)
+    tau, path = air.path(height, air.range_of_depression(height, np.radians(depression)))
+    sun, sky = air.solar_irradiance(np.radians(sun_zenith)), air.sky_radiance(np.radians(sky_zenith))
+    return [float(weights @ value) for value in (tau / weights.sum(), path, sun, sun * tau, sky)]
+
+
+def wu_smith() -> Lines:
+    """Largest difference to Wu and Smith's emissivities, by wavelength."""
+    lines = (folder("SEAGLINT_REFERENCE_DIR") / "emissivity_wu_smith.csv").read_text(encoding="utf-8").splitlines()
+    worst: dict[float, float] = {}
+    winds: set[float] = set()
+    for row in csv.DictReader(line for line in lines if not line.startswith("#")):
+        wavelength, wind = float(row["wavelength_um"]), float(row["wind_m/s"])
+        angles = [int(key[2:]) for key, value in row.items() if key.startswith("e_") and value and int(key[2:]) <= 65]
+        slopes = cox_munk_isotropic(wind, height=12.5)
+        ours = emissivity(np.radians(angles), slopes, hale_querry_sea(), 1e4 / wavelength)[:, 0]
+        difference = float(np.max(np.abs(ours - [float(row[f"e_{angle}"]) for angle in angles])))
+        worst[wavelength] = max(worst.get(wavelength, 0.0), difference)
+        winds.add(wind)
+    head = (f"wavelength, winds {min(winds):g}-{max(winds):g} m/s, 0-65°", "largest difference")
+    yield from table(head, [(f"{wavelength:g} µm", f"{value:.5f}") for wavelength, value in sorted(worst.items())])
+
+
+def sea() -> Lines:
+    """Integrals of the spectra against published values, and synthesised seas against their integrals."""
+    published = {5.0: ("0.65", "0.0323", "0.0143"), 10.0: ("2.64", "0.0624", "0.0223"), 15.0: ("5.94", "0.0855", "0.0260")}
+    rows = []
+    for wind, (height, slopes, long_slopes) in published.items():
+        spectrum = ElfouhailySpectrum(wind)
+        total = sum(spectrum.mss(spectrum.wavenumber_range[1]))
+        rows.append(
+            (
+                f"Elfouhaily, {wind:g} m/s",
+                f"{spectrum.significant_height():.3f} ({height})",
+                f"{total:.4f} ({slopes})",
+                f"{sum(spectrum.mss(2.0 * np.pi)):.4f} ({long_slopes})",
+            )
+        )
+    spectrum = PiersonMoskowitzSpectrum(10.0)
+    rows.append(("Pierson-Moskowitz, 10 m/s at 19.5 m", f"{spectrum.significant_height():.3f} (2.13)", "", ""))
+    yield from table(("spectrum: here (independent integration)", "Hs [m]", "slope variance", "of waves above 1 m"), rows)
+    yield ""
+    spectrum = ElfouhailySpectrum(10.0, np.radians(60.0))
+    rows = []
+    for n, seeds in ((256, 60), (512, 16), (1024, 5)):
+        tiles = plan_tiles(spectrum, 0.5, n)
+        field = WaveField.create(spectrum, tiles, 0)
+        found = np.array([realisation(field.reseeded(seed), 10.0 * seed) for seed in range(seeds)])
+        expected = np.array([spectrum.height_variance(tiles[-1].k_max), *spectrum.mss(tiles[-1].k_max)])
+        mean, error = found.mean(axis=0) / expected, found.std(axis=0, ddof=1) / np.sqrt(seeds) / expected
+        mean[0], error[0] = np.sqrt(mean[0]), 0.5 * error[0]
+        rows.append((f"3 tiles of {n}², {seeds} seas", *(f"{m:.4f} ± {e:.4f}" for m, e in zip(mean, error, strict=True))))
+    yield from table(("synthesised / integral of the spectrum", "Hs", "upwind slope variance", "crosswind"), rows)
+
+
+def realisation(field: WaveField, time: float) -> tuple[float, float, float]:
+    """Variance of height, upwind and crosswind slope of one synthesised sea, from its lattices."""
+    s, c = np.sin(field.spectrum.wind_to_azimuth), np.cos(field.spectrum.wind_to_azimuth)
+    height = up = cross = 0.0
+    for lattice in field.surfaces(time):
+        z, east, north = (lattice[..., i].astype(float) for i in range(3))
+        height += float(np.mean(z**2))
+        up += float(np.mean((east * s + north * c) ** 2))
+        cross += float(np.mean((east * c - north * s) ** 2))
+    return height, up, cross
+
+
+def buoy() -> Lines:
+    """A week of spectra of buoy 41010 against the buoy's own summary."""
+    from seaglint.errors import DataError
+    from seaglint.sea.spectra.measured import read_ndbc
+
+    path = folder("SEAGLINT_DATA_DIR") / "waves" / "41010"
+    summary = [line.split() for line in path.with_suffix(".spec").read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
+    own, field, count = [], [], 0
+    for year, month, day, hour, minute, height, *_ in summary[::9]:
+        try:
+            spectrum = read_ndbc(path, f"{year}-{month}-{day}T{hour}:{minute}", tolerance=900.0)
+        except DataError:
+            continue  # the summary has hours that the spectra lack
+        count += 1
+        own.append(abs(spectrum.significant_height() - float(height)))
+        synthesised = WaveField.create(spectrum, plan_tiles(spectrum, 1.0, 256), 0).significant_height
+        field.append(abs(synthesised / spectrum.significant_height() - 1.0))
+    rows = [
+        ("spectrum's Hs against WVHT of the summary", f"{max(own):.3f} m", "0.15 m"),
+        ("synthesised Hs against the spectrum's own", f"{100 * max(field):.2f} %", "3 %"),
+    ]
+    yield from table((f"{count} hours of buoy 41010", "largest difference", "bound"), rows)
+
+
+def scenes() -> Lines:
+    """Scenes whose picture is known: largest difference of the rendered picture to it."""
+    furnace = {"atmosphere": {"source": "isothermal", "temperature_k": 288.15}, "sea": {"temperature_k": 288.15}}
+    calm = {"sea": {"slopes": {"kind": "flat"}, "spectrum": {"kind": "flat"}}, "sun": {"zenith_deg": 100.0, "azimuth_deg": 180.0}}
+    rows = [
+        ("sea, air and sky at one temperature, 7 m/s, waves resolved", f"{departure(furnace, flat=True):.1e}", "1e-4"),
+        ("flat sea under the table's sky: Fresnel times sky, plus emission", f"{departure(calm):.1e}", "1e-3"),
+    ]
+    for wind in (2.0, 7.0, 14.0):
+        means = {"sea": {"resolve_waves": False}, "wind": {"speed_m_s": wind}}
+        rows.append(
+            (f"all slopes in the facets, {wind:g} m/s: mean-radiance model, depressions 0.5-60°", f"{departure(means):.1e}", "5e-3")
+        )
+    yield from table(("scene", "largest relative difference", "bound"), rows)
+
+
+def departure(scene: dict[str, object], *, flat: bool = False) -> float:
+    """Largest relative difference of a picture to a constant, or to the mean-radiance model; looking into the Sun and beside it."""
+    worst = 0.0
+    for top, height, rows in ((-0.5, 1.0, 128), (-1.5, 6.0, 96), (-7.5, 52.5, 320)):
+        pixels = {"fov_deg": [60.0, height], "pixels": [12, rows], "elevation_deg": top - 0.5 * height, "square_pixels": False}
+        scenario = parse_scenario({**scene, "sensor": {"frames": 1, **pixels}})
+        renderer, _ = renderer_and_layout(scenario)
+        seen = renderer.radiances(0.0).total.astype(np.float64)
+        view, camera = prepare.view(scenario), prepare.camera(scenario)
+        if flat:
+            expected = float(view.band.radiance(view.sea_temperature, view.atmosphere.wavenumber_cm))
+        else:
+            # A row is a mean over its elevations (two Gauss points); without waves a column is one line of sight, at its middle.
+            inside = camera.row_step / np.sqrt(12.0)
+            expected = sum(0.5 * mean_radiance(view, camera.elevations + y, camera.azimuths).total for y in (-inside, inside))
+        worst = max(worst, float(np.max(np.abs(seen / expected - 1.0))))
+    return worst
+
+
+TABLES: dict[str, Callable[[], Lines]] = {
+    "headline": headline,
+    "lowtran": lowtran,
+    "emissivity": wu_smith,
+    "sea": sea,
+    "buoy": buoy,
+    "scenes": scenes,
+}
+
+
+def replace(page: str, name: str, lines: list[str]) -> str:
+    """Page with the text between a table's markers replaced."""
+    begin, end = f"% begin {name}", f"% end {name}"
+    pattern = re.compile(re.escape(begin) + r"\n.*?" + re.escape(end), re.DOTALL)
+    if not pattern.search(page):
+        raise SystemExit(f"{PAGE.name} lacks the markers '{begin}' and '{end}'")
+    return pattern.sub(lambda _: "\n".join((begin, "", *lines, "", end)), page)
+
+
+def main(names: list[str]) -> None:
+    """Rewrite the page."""
+    unknown = set(names) - set(TABLES)
+    if unknown:
+        raise SystemExit(f"no table {', '.join(sorted(unknown))}; there are {', '.join(TABLES)}")
+    for name in names or TABLES:
+        try:
+            lines = list(TABLES[name]())
+        except NotHereError as reason:
+            print(f"{name}: left as it is, {reason}")
+            continue
+        print(f"\n{name}", *lines, sep="\n")
+        PAGE.write_text(replace(PAGE.read_text(encoding="utf-8"), name, lines), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
