@@ -64,9 +64,9 @@ def facet_slopes(slopes: SlopeStatistics, waves: WaveField | None) -> SlopeStati
 
 
 def parting_samples(arcs: FloatArray, column_step: float, shortest_wave: float, most_lines: int) -> NDArray[np.int64]:
-    """Samples between which the number of lines in a column stays the same, doubling where they are half a shortest wave apart."""
+    """Samples [1] between which the number of lines in a column stays the same, doubling where they are a shortest wave apart."""
     stages = int(np.log2(most_lines))
-    ranges = shortest_wave / (2.0 * column_step) * 2.0 ** np.arange(stages)
+    ranges = shortest_wave / column_step * 2.0 ** np.arange(stages)
     return np.concatenate([[0], np.searchsorted(arcs, ranges), [arcs.size]]).astype(np.int64)
 
 

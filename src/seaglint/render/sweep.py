@@ -6,8 +6,8 @@ width of panorama.
 
 Most samples are hidden at grazing views. A few are passed over at once where the long waves, bounded by a chord and their curvature,
 and the highest crest of the shortest ones stay below the line of sight; the image is that of the full walk.
-Across a column, lines part as the column widens: one line near the sensor, two where the column is wider than half a shortest wave, and
-so on up to a limit. From there on the sea is sampled, not averaged, across a column.
+Across a column, lines part as the column widens: one line near the sensor, two where the column is wider than a shortest wave, and so
+on up to a limit. From there on the sea is sampled, not averaged, across a column.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ class Walk(NamedTuple):
     """Samples along every line: arcs from the sensor's foot and what depends on them alone.
 
     ``range_m, cosine, sine_arc, drop``: arc r, cos(r/R'), R' sin(r/R') and h + R' (1 - cos(r/R')) at the samples, at most ``step`` [m]
-    apart. ``coefficients, path`` belong to the middle of the piece that ends at a sample. ``parting``: first sample, those at which every line of
-    a column becomes two, and the number of samples.
+    apart. ``coefficients, path`` belong to the middle of the piece that ends at a sample. ``parting``: first sample, those at which every
+    line of a column becomes two, and the number of samples.
     """
 
     range_m: np.ndarray
@@ -206,14 +206,17 @@ def shade_line(
     surface: Surface,
     optics: FacetOptics,
     sight: Sight,
+    thermal: np.ndarray,
     weight: float,
     lowest: float,
     pieces: tuple[int, np.ndarray, np.ndarray],
     images: np.ndarray,
 ) -> None:
-    """Add the radiance of a line's visible pieces, times its weight, to the rows of ``images`` (total, solar part)."""
+    """Add the radiance of a line's visible pieces, times its weight, to the rows of ``images`` (total, solar part).
+
+    ``thermal`` is the table of :func:`~seaglint.render.facet.thermal_along` this line.
+    """
     count, sample, piece = pieces
-    table = thermal_along(optics.tables, sight)
     below = lowest
     low = math.atan(below)
     for j in range(count):
@@ -227,8 +230,8 @@ def shade_line(
             cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
             sine_arc = walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
             grazing = (-cosine * (tangent * walk.cosine[i] + sine_arc), cosine * (walk.cosine[i] - tangent * sine_arc))
-            thermal, solar = facet_radiance(optics, table, walk.coefficients, i, sight, grazing, slope)
-            add_rows(images, frame, low, high, weight * (thermal + walk.path[i] + solar), weight * solar)
+            warm, solar = facet_radiance(optics, thermal, walk.coefficients, i, sight, grazing, slope)
+            add_rows(images, frame, low, high, weight * (warm + walk.path[i] + solar), weight * solar)
         below, low = above, high
 
 
@@ -252,12 +255,13 @@ def sweep_column(walk: Walk, frame: Frame, surface: Surface, optics: FacetOptics
         part = (walk.parting[stage], walk.parting[stage + 1])
         for j in range(lines):
             sight = line_of_sight(optics, centre + width * ((j + 0.5) / lines - 0.5))
+            thermal = thermal_along(optics.tables, sight)
             i = part[0]
             while i < part[1]:
                 horizon = (tangents[j], frame.top_tangent)
                 count, i, tangent = walk_line(walk, surface, sight, (i, part[1]), horizon, sample, piece)
                 # apart from the walk, so that the look-ups of one piece can overlap with those of the next
-                shade_line(walk, frame, surface, optics, sight, 1.0 / lines, tangents[j], (count, sample, piece), images)
+                shade_line(walk, frame, surface, optics, sight, thermal, 1.0 / lines, tangents[j], (count, sample, piece), images)
                 tangents[j] = tangent
         if stage + 1 < stages:
             tangents = np.repeat(tangents, 2)
