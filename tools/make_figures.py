@@ -2,7 +2,7 @@
 
     python tools/make_figures.py
 
-``demo.png`` is the picture of ``./run demo`` (its first frame), ``mean.png`` that of ``seaglint mean examples/demo.toml -o mean.nc --preview``.
+``demo.png`` is the picture of ``./run demo`` (its first frame), ``mean.png`` that of ``seaglint mean examples/demo.toml --preview``.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Tables of the guide that come from the code, so that they never go stale.
 
-``{scenario-keys}`` lists every key of a scenario file from its JSON Schema; ``{output-variables}`` lists what files hold.
+``{scenario-keys}`` lists every key of a scenario file from its JSON Schema; ``{scenario-presets}`` lists the presets;
+``{output-variables}`` lists what files hold.
 """
 
 from __future__ import annotations
@@ -133,6 +134,16 @@ class ScenarioKeys(GeneratedTable):
         return ["**Outside of any table**", "", *head, *out]
 
 
+class ScenarioPresets(GeneratedTable):
+    """Presets with where their numbers come from."""
+
+    def lines(self) -> list[str]:
+        """Markdown to insert."""
+        from seaglint.scenario.presets import PRESETS
+
+        return markdown_table(("preset", "scene", "remarks"), [(f"`{k}`", p.title, " ".join(p.notes)) for k, p in PRESETS.items()])
+
+
 class OutputVariables(GeneratedTable):
     """Variables of the output files with CF names and units."""
 
@@ -147,5 +158,6 @@ class OutputVariables(GeneratedTable):
 def setup(app: Sphinx) -> dict[str, bool]:
     """Register the directives."""
     app.add_directive("scenario-keys", ScenarioKeys)
+    app.add_directive("scenario-presets", ScenarioPresets)
     app.add_directive("output-variables", OutputVariables)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

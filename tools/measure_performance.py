@@ -1,0 +1,122 @@
+"""Measure what docs/performance.md states on this machine and write it between the page's markers.
+
+    python tools/measure_performance.py            measure and write
+    python tools/measure_performance.py --print    measure only
+
+Every number comes from its own process. Kernels are compiled before anything is timed; run it on a quiet machine.
+"""
+
+from __future__ import annotations
+
+import argparse
+import datetime
+import os
+import platform
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "performance.md"
+
+FRAME = """
+import json, resource, statistics, sys, time
+from seaglint.pipeline.render import renderer_and_layout
+from seaglint.scenario.load import load_scenario, parse_scenario
+scenario = load_scenario(sys.argv[1]) if sys.argv[1].endswith(".toml") else parse_scenario(json.loads(sys.argv[1]))
+start = time.perf_counter()
+renderer, _ = renderer_and_layout(scenario)
+ready = time.perf_counter() - start
+seconds = []
+for frame in range(int(sys.argv[2])):
+    start = time.perf_counter()
+    renderer.radiances(frame / 25.0)
+    seconds.append(time.perf_counter() - start)
+peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+print(json.dumps({"ready": ready, "first": seconds[0], "frame": statistics.median(seconds), "peak": peak}))
+"""
+
+ARTICLE_CASE = (
+    '{"sensor": {"height_m": 30, "elevation_deg": -3.6, "fov_deg": [14.3, 7.15], "pixels": [%d, %d], "square_pixels": false},'
+    ' "sea": {"shortest_wave_m": 4}, "wind": {"speed_m_s": 10}}'
+)
+"""From 100 m range to the horizon, 3.5 km wide at 14 km, waves resolved on a 1 m lattice."""
+
+
+def render(scenario: str, frames: int) -> dict[str, float]:
+    """Seconds to get ready, of the first and the median frame, and peak memory [MB] of a process that renders some frames."""
+    import json
+
+    done = subprocess.run([sys.executable, "-c", FRAME, scenario, str(frames)], capture_output=True, text=True, check=True, cwd=ROOT)
+    return dict(json.loads(done.stdout))
+
+
+def best_seconds(*command: str, attempts: int = 5) -> float:
+    """Shortest of some runs."""
+    found = []
+    for _ in range(attempts):
+        start = time.perf_counter()
+        subprocess.run(command, capture_output=True, check=True, cwd=ROOT)
+        found.append(time.perf_counter() - start)
+    return min(found)
+
+
+def processor() -> str:
+    """Name of the processor, where the system tells it."""
+    try:
+        names = re.findall(r"^model name\s*:\s*(.+)$", Path("/proc/cpuinfo").read_text(encoding="utf-8"), re.MULTILINE)
+    except OSError:
+        names = []
+    return names[0] if names else platform.processor() or platform.machine()
+
+
+def measured() -> list[str]:
+    """Lines of the page."""
+    demo = str(ROOT / "examples" / "demo.toml")
+    render(demo, 1)  # compiles what is not compiled yet
+    sequence = render(demo, 12)
+    small, large = render(ARTICLE_CASE % (16, 16), 2), render(ARTICLE_CASE % (1024, 512), 2)
+    start_python = best_seconds(sys.executable, "-c", "pass")
+    start_import = best_seconds(sys.executable, "-c", "import seaglint")
+    start_help = best_seconds(sys.executable, "-c", "from seaglint.cli.app import main; main()", "--help")
+    rows = [
+        ("demo: scenario to first frame ready (tables, tiles)", f"{sequence['ready']:.1f} s"),
+        ("demo: one 512 x 256 frame, median of 12", f"{sequence['frame']:.2f} s"),
+        ("demo: 100 frames", f"{sequence['ready'] + 100 * sequence['frame']:.0f} s"),
+        ("demo: peak memory", f"{sequence['peak']:.0f} MB"),
+        ("14 km x 3.5 km, 1 m lattice, 1024 x 512 pixels: one frame", f"{large['frame']:.2f} s"),
+        ("the same: peak memory", f"{large['peak']:.0f} MB"),
+        ("the same with 16 x 16 pixels: peak memory", f"{small['peak']:.0f} MB"),
+        ("difference (article: 1.1 GB, cut 40-fold; bound here 150 MB)", f"{large['peak'] - small['peak']:.0f} MB"),
+        ("`import seaglint` (Python alone: " + f"{start_python:.2f} s)", f"{start_import:.2f} s"),
+        ("`seaglint --help`", f"{start_help:.2f} s"),
+    ]
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return [
+        f"{datetime.datetime.now(datetime.UTC):%Y-%m-%d}; {processor()}, {usable} processors used, Python {platform.python_version()}.",
+        "",
+        "| what | measured |",
+        "| --- | --- |",
+        *(f"| {what} | {value} |" for what, value in rows),
+    ]
+
+
+def main() -> None:
+    """Measure, print, write."""
+    parser = argparse.ArgumentParser(description="Measure what docs/performance.md states.")
+    parser.add_argument("--print", action="store_true", help="leave the page as it is")
+    arguments = parser.parse_args()
+    lines = measured()
+    print("\n".join(lines))
+    if not arguments.print:
+        text = PAGE.read_text(encoding="utf-8")
+        begin, end = "% begin measured\n", "% end measured"
+        PAGE.write_text(
+            text[: text.index(begin) + len(begin)] + "\n" + "\n".join(lines) + "\n\n" + text[text.index(end) :], encoding="utf-8"
+        )
+
+
+if __name__ == "__main__":
+    main()
