@@ -1,0 +1,82 @@
+"""Reading heights and slopes between lattice points, against plain NumPy."""
+
+import numpy as np
+import pytest
+from render_scenes import bilinear, elfouhaily, one_tile
+
+from seaglint.errors import DomainError
+from seaglint.render import surface as surface_module
+from seaglint.render.surface import calm_surface, corners, surface_of
+
+SPACING, TURN = np.array([2.0, 0.7]), np.array([0.4, 1.9])
+
+
+def _tiles(n=16):
+    """Lattices of noise: every corner and every component counts."""
+    return tuple(np.random.default_rng(5).normal(size=(2, n, n, 3)).astype(np.float32))
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("point", [(0.0, 0.0), (3.3, -1.7), (-40.2, 55.1), (1e5 + 0.3, -2e5 - 0.1), (31.999, 32.001)])
+def test_points_are_bilinear_sums_over_tiles(point):
+    tiles = _tiles()
+    sea = surface_of(tiles, SPACING, TURN)
+    z, east, north = sum(bilinear(t, d, a, *map(np.asarray, point)) for t, d, a in zip(tiles, SPACING, TURN, strict=True))
+    # lattices are float32; at 1e5 m the fractions keep 10 digits
+    assert surface_module.height(sea, 0, 2, *point) == pytest.approx(z, abs=2e-6)
+    assert surface_module.slopes(sea, *point) == pytest.approx((east, north), abs=2e-6)
+
+
+@pytest.mark.kernel
+def test_lattice_points_are_met_exactly_and_tiles_are_periodic():
+    tiles = _tiles()[:1]
+    sea = surface_of(tiles, SPACING[:1], np.zeros(1))
+    for row, column in ((0, 0), (3, 9), (15, 15), (4, 3)):
+        for wrap in (0.0, 32.0, -64.0):
+            x, y = 2.0 * column + wrap, 2.0 * row - wrap
+            assert surface_module.height(sea, 0, 1, x, y) == pytest.approx(float(tiles[0][row, column, 0]), abs=1e-9)
+
+
+@pytest.mark.kernel
+def test_addresses_of_the_squares_are_a_permutation():
+    sea = surface_of(_tiles()[:1], np.ones(1), np.zeros(1))
+    found = set()
+    for row in range(16):
+        for column in range(16):
+            y0, _, x0, _, _, _ = corners(sea, 0, column + 0.5, row + 0.5)
+            found.add(y0 + x0)
+    assert found == set(range(256))
+
+
+@pytest.mark.kernel
+def test_calm_sea_is_level():
+    assert surface_module.height(calm_surface(), 0, 0, 3.0, 4.0) == 0.0
+    assert surface_module.slopes(calm_surface(), 3.0, 4.0) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("n", [2, 12, 100])
+def test_tiles_that_are_no_power_of_two_are_refused(n):
+    with pytest.raises(DomainError, match="power of two"):
+        surface_of((np.zeros((n, n, 3), np.float32),), np.ones(1), np.zeros(1))
+
+
+def test_sampled_slopes_have_the_variance_that_the_facets_are_told():
+    """``resolved_mss`` against slopes read at random points: 12 seas, one number per direction."""
+    waves = elfouhaily(8.0, travel_deg=50.0)
+    rng = np.random.default_rng(11)
+    spacing, turn = np.array([t.spacing for t in waves.tiles]), np.array([t.rotation for t in waves.tiles])
+    to = waves.spectrum.wind_to_azimuth
+    squares = []
+    for seed in range(12):
+        tiles = waves.reseeded(seed).surfaces(0.0)
+        x, y = rng.uniform(-2e4, 2e4, (2, 40_000))
+        _, east, north = sum(bilinear(t, d, a, x, y) for t, d, a in zip(tiles, spacing, turn, strict=True)).T
+        squares.append([np.mean((east * np.sin(to) + north * np.cos(to)) ** 2), np.mean((east * np.cos(to) - north * np.sin(to)) ** 2)])
+    mean, error = np.mean(squares, axis=0), np.std(squares, axis=0) / np.sqrt(len(squares))
+    assert np.all(error < 0.015 * mean)  # so that a wrong share of interpolation, 5 % of the variance, is seen
+    np.testing.assert_array_less(np.abs(mean - waves.resolved_mss()), 4.0 * error)  # four standard errors of 12 seas
+
+
+def test_one_tile_is_steep_enough_to_hide_parts_of_itself():
+    """The small sea of the ray-marching test has slopes that a grazing view can hide."""
+    assert max(one_tile().resolved_mss()) > 1e-3
