@@ -95,16 +95,28 @@ def test_relative_paths_count_from_the_scenario_file(tmp_path: Path, monkeypatch
     assert load_scenario("scenes/my.toml").band.response == Path("scenes/response.csv")
 
 
-@pytest.mark.parametrize(("height", "fits"), [(8.0, True), (8.0 * (1 + 0.9 * SQUARE_PIXEL_TOLERANCE), True), (8.2, False), (16.0, False)])
-def test_pixels_are_square_within_the_tolerance(height, fits):
-    values = {"sensor": {"fov_deg": [16.0, height], "pixels": [512, 256]}}
+@pytest.mark.parametrize(
+    ("fov", "pixels", "shape", "fits"),
+    [
+        ([16.0, 8.0], [512, 256], "square", True),
+        ([16.0, 8.0 * (1 + 0.9 * SQUARE_PIXEL_TOLERANCE)], [512, 256], "square", True),
+        ([16.0, 8.2], [512, 256], "square", False),
+        ([16.0, 8.2], [512, 256], "auto", True),
+        ([2.0, 60.0], [8, 120], "auto", True),
+        ([360.0, 20.0], [1440, 160], "auto", True),
+        ([8.0, 16.0], [512, 256], "auto", False),
+        ([16.0, 8.0], [256, 512], "auto", False),
+        ([16.0, 8.0], [512, 8], "auto", False),
+        ([16.0, 8.0], [512, 8], "any", True),
+    ],
+)
+def test_fields_of_view_that_disagree_with_the_pixels_are_refused(fov, pixels, shape, fits):
+    values = {"sensor": {"fov_deg": fov, "pixels": pixels, "pixel_shape": shape, "elevation_deg": -30.0}}
     if fits:
         parse_scenario(values)
     else:
-        with pytest.raises(ScenarioError, match=r"sensor\.pixels = \[512, 256\] disagrees with sensor\.fov_deg"):
+        with pytest.raises(ScenarioError, match=r"sensor\.pixels = \[\d+, \d+\] disagrees with sensor\.fov_deg"):
             parse_scenario(values)
-        values["sensor"]["square_pixels"] = False
-        parse_scenario(values)
 
 
 @pytest.mark.parametrize("zenith", [0.0, 90.0, 95.0, 180.0])

@@ -17,7 +17,13 @@ from pydantic_core import PydanticCustomError
 from seaglint.scenario.quantity import Quantity
 
 SQUARE_PIXEL_TOLERANCE = 0.01
-"""Largest relative difference of the pixel's two angular sides: rounded fields of view pass, a swapped or mistyped number does not."""
+"""Relative difference of the pixel's two angular sides up to which it counts as square."""
+
+MOST_OBLONG = 8.0
+"""Ratio of a pixel's sides from which a mistyped number is likelier than a line scanner."""
+
+REVERSED_OBLONG = 1.5
+"""The same where the image is upright in pixels and flat in degrees, or the other way round: swapped numbers."""
 
 FIT_MAX_WIND = 20.0
 """U10 [m s-1] up to which the slope models are used without being asked to extrapolate, and to which the air tables reach."""
@@ -108,9 +114,13 @@ class Sensor(Record):
         tuple[Annotated[int, Quantity(ge=1, le=65_536, integer=True)], Annotated[int, Quantity(ge=1, le=65_536, integer=True)]],
         Field(description="number of pixels [width, height]"),
     ] = (512, 256)
-    square_pixels: Annotated[
-        bool, Field(description="refuse fields of view whose pixels are not square within 1 %; false allows oblong ones")
-    ] = True
+    pixel_shape: Annotated[
+        Literal["auto", "square", "any"],
+        Field(
+            description="auto refuses fields of view that disagree with the pixels (sides beyond 8:1, or 1.5:1 with width and height "
+            "reversed); square refuses pixels not square within 1 %; any refuses none"
+        ),
+    ] = "auto"
     frame_rate_hz: Annotated[float, Quantity("Hz", gt=0, le=100_000), Field(description="frames per second")] = 25.0
     frames: Annotated[int, Quantity(ge=1, le=10_000_000, integer=True), Field(description="number of frames")] = 100
 
@@ -123,11 +133,12 @@ class Sensor(Record):
     def _image_is_possible(self) -> Self:
         (width, height), (nx, ny) = self.fov_deg, self.pixels
         dx, dy = self.ifov_deg
-        if self.square_pixels and abs(dx - dy) > SQUARE_PIXEL_TOLERANCE * max(dx, dy):
+        reverse = (nx - ny) * (width - height) < 0
+        most = {"auto": REVERSED_OBLONG if reverse else MOST_OBLONG, "square": 1.0 + SQUARE_PIXEL_TOLERANCE, "any": float("inf")}
+        if max(dx, dy) > most[self.pixel_shape] * min(dx, dy):
             text = (
                 f"= [{nx}, {ny}] disagrees with sensor.fov_deg = [{width:g}, {height:g}]: a pixel would be {dx:.4g} x {dy:.4g} deg; "
-                f"allowed is a difference of {100 * SQUARE_PIXEL_TOLERANCE:g} %; use fov_deg = [{width:g}, {width * ny / nx:.6g}], "
-                "or set sensor.square_pixels = false"
+                f"for square pixels use fov_deg = [{width:g}, {width * ny / nx:.6g}], or set sensor.pixel_shape = 'any'"
             )
             raise rule("sensor.pixels", text)
         top, bottom = self.elevation_deg + 0.5 * height, self.elevation_deg - 0.5 * height
