@@ -231,27 +231,28 @@ def node(axes: np.ndarray, axis: int, size: int, value: float) -> tuple[int, flo
 def facet_radiance(
     optics: FacetOptics,
     thermal: np.ndarray,
-    coefficients: np.ndarray,
+    paths: tuple[np.ndarray, np.ndarray],
     i_path: int,
     sight: Sight,
     grazing: tuple[float, float],
     slope: tuple[float, float],
 ) -> tuple[float, float]:
-    """Thermal (emission and reflected sky) and solar radiance of a facet, attenuated by the path ``coefficients[i_path]`` [W m-2 sr-1].
+    """Thermal (emission and reflected sky) and solar radiance of a facet, both attenuated [W m-2 sr-1].
 
-    ``thermal`` is :func:`thermal_along` the line of sight.
+    ``thermal`` is :func:`thermal_along` the line of sight; ``paths`` are the coefficients of the thermal and of the solar table, of which
+    row ``i_path`` counts.
     """
     slope_east, slope_north = slope
     factor, cos_incidence = sun_factor(optics.sunlight, optics.roughness, sight, grazing, slope_east, slope_north)
-    terms = coefficients.shape[1]
+    warm_path, sun_path = paths
     axes, sun = optics.tables.axes, optics.tables.sun
     solar = 0.0
     if factor > 0.0:
         x = cos_incidence * (sun.shape[0] - 1)
         i = min(int(x), sun.shape[0] - 2)
         f = x - i
-        for k in range(terms):
-            solar += coefficients[i_path, k] * ((1.0 - f) * sun[i, k] + f * sun[i + 1, k])
+        for k in range(sun.shape[1]):
+            solar += sun_path[i_path, k] * ((1.0 - f) * sun[i, k] + f * sun[i + 1, k])
         solar *= factor
 
     iu, fu = node(axes, 0, thermal.shape[0], grazing[0])
@@ -259,12 +260,12 @@ def facet_radiance(
     ic, fc = node(axes, 3, thermal.shape[2], slope_east * sight.north - slope_north * sight.east)
     a, b, c, d = (1.0 - fa) * (1.0 - fc), (1.0 - fa) * fc, fa * (1.0 - fc), fa * fc
     warm = 0.0
-    for k in range(terms):
+    for k in range(thermal.shape[3]):
         low = a * thermal[iu, ia, ic, k] + b * thermal[iu, ia, ic + 1, k]
         low += c * thermal[iu, ia + 1, ic, k] + d * thermal[iu, ia + 1, ic + 1, k]
         high = a * thermal[iu + 1, ia, ic, k] + b * thermal[iu + 1, ia, ic + 1, k]
         high += c * thermal[iu + 1, ia + 1, ic, k] + d * thermal[iu + 1, ia + 1, ic + 1, k]
-        warm += coefficients[i_path, k] * (low + fu * (high - low))
+        warm += warm_path[i_path, k] * (low + fu * (high - low))
     return warm, solar
 
 

@@ -15,8 +15,8 @@ from seaglint.errors import DomainError
 from seaglint.radiance.glint import visible_sun
 from seaglint.radiance.mean import SeaView, band_grid
 from seaglint.render.camera import Camera
-from seaglint.render.facet import FacetOptics, facet_optics, sun_terms, sunlight, thermal_axes, thermal_sources
-from seaglint.render.path_basis import path_basis
+from seaglint.render.facet import FacetOptics, FacetTables, facet_optics, sun_terms, sunlight, thermal_axes, thermal_sources
+from seaglint.render.path_basis import fewest_terms, path_basis
 from seaglint.render.surface import Surface, calm_surface, height, surface_of
 from seaglint.render.sweep import Frame, Walk, calm_ranges, graded_ranges, sea_limits, sweep_columns
 from seaglint.sea.field import WaveField
@@ -128,13 +128,24 @@ class Renderer:
             "sweep_samples": 0 if walk is None else int(walk.range_m.size),
             "sweep_range_m": [] if walk is None else [float(walk.range_m[0]), float(walk.range_m[-1])],
             "most_lines_per_column": self._most_lines,
-            "spectral_terms": 0 if walk is None else int(walk.coefficients.shape[1]),
+            "spectral_terms": [] if walk is None else [int(walk.coefficients.shape[1]), int(walk.sun_coefficients.shape[1])],
         }
 
     def _prepare(self, arcs: FloatArray, resolved: tuple[float, float]) -> None:
         view, camera = self.view, self.camera
         middle = np.concatenate([arcs[:1], 0.5 * (arcs[1:] + arcs[:-1])])
         basis = path_basis(view.atmosphere, view.band, camera.height, middle)
+        facets = facet_slopes(view.slopes, self.waves)
+        sines = np.cos(view_zenith_of_range(camera.height, arcs[[-1, 0]]))
+        half = 0.5 * camera.width
+        axes, shape = thermal_axes(facets, resolved, (float(sines[0]), float(sines[1])), (camera.azimuth - half, camera.azimuth + half))
+        share, zenith = visible_sun(view.solar_zenith)
+        irradiance = view.sun_distance_factor * share * view.atmosphere.solar_irradiance(zenith)[basis.grid]
+        sun = sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0))
+        full = facet_optics(basis, thermal_sources(basis, view), sun, sun_terms(basis, irradiance, view.water), facets, axes, shape)
+        thermal, coefficients = fewest_terms(full.tables.thermal, basis.coefficients)
+        reflected, sun_coefficients = fewest_terms(full.tables.sun, basis.coefficients)
+        self._optics = full._replace(tables=FacetTables(thermal.astype(np.float32), axes, np.ascontiguousarray(reflected)))
         psi = arcs / EFFECTIVE_EARTH_RADIUS
         self._walk = Walk(
             arcs,
@@ -142,24 +153,10 @@ class Renderer:
             EFFECTIVE_EARTH_RADIUS * np.sin(psi),
             camera.height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2,
             float(np.diff(arcs).max()),
-            basis.coefficients,
+            coefficients,
+            sun_coefficients,
             basis.path_radiance,
             parting_samples(arcs, camera.column_step, self.shortest_wave, self._most_lines),
-        )
-        facets = facet_slopes(view.slopes, self.waves)
-        sines = np.cos(view_zenith_of_range(camera.height, arcs[[-1, 0]]))
-        half = 0.5 * camera.width
-        axes, shape = thermal_axes(facets, resolved, (float(sines[0]), float(sines[1])), (camera.azimuth - half, camera.azimuth + half))
-        share, zenith = visible_sun(view.solar_zenith)
-        irradiance = view.sun_distance_factor * share * view.atmosphere.solar_irradiance(zenith)[basis.grid]
-        self._optics = facet_optics(
-            basis,
-            thermal_sources(basis, view),
-            sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0)),
-            sun_terms(basis, irradiance, view.water),
-            facets,
-            axes,
-            shape,
         )
 
     def _sky_rows(self) -> Frame:

@@ -43,8 +43,8 @@ class Walk(NamedTuple):
     """Samples along every line: arcs from the sensor's foot and what depends on them alone.
 
     ``range_m, cosine, sine_arc, drop``: arc r, cos(r/R'), R' sin(r/R') and h + R' (1 - cos(r/R')) at the samples, at most ``step`` [m]
-    apart. ``coefficients, path`` belong to the middle of the piece that ends at a sample. ``parting``: first sample, those at which every
-    line of a column becomes two, and the number of samples.
+    apart. ``coefficients, sun_coefficients, path`` belong to the middle of the piece that ends at a sample. ``parting``: first sample,
+    those at which every line of a column becomes two, and the number of samples.
     """
 
     range_m: np.ndarray
@@ -53,6 +53,7 @@ class Walk(NamedTuple):
     drop: np.ndarray
     step: float
     coefficients: np.ndarray
+    sun_coefficients: np.ndarray
     path: np.ndarray
     parting: np.ndarray
 
@@ -217,6 +218,7 @@ def shade_line(
     ``thermal`` is the table of :func:`~seaglint.render.facet.thermal_along` this line.
     """
     count, sample, piece = pieces
+    paths = (walk.coefficients, walk.sun_coefficients)
     below = lowest
     low = math.atan(below)
     for j in range(count):
@@ -230,7 +232,7 @@ def shade_line(
             cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
             sine_arc = walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
             grazing = (-cosine * (tangent * walk.cosine[i] + sine_arc), cosine * (walk.cosine[i] - tangent * sine_arc))
-            warm, solar = facet_radiance(optics, thermal, walk.coefficients, i, sight, grazing, slope)
+            warm, solar = facet_radiance(optics, thermal, paths, i, sight, grazing, slope)
             add_rows(images, frame, low, high, weight * (warm + walk.path[i] + solar), weight * solar)
         below, low = above, high
 
