@@ -91,10 +91,10 @@ def camera(height, top, bottom, rows, *, azimuth=0.0, width=1.0, columns=1) -> C
     )
 
 
-def elfouhaily(wind, travel_deg=30.0, shortest_wave=2.0, points=128, seed=1) -> WaveField:
+def elfouhaily(wind, travel_deg=30.0, shortest_wave=2.0, seed=1) -> WaveField:
     """Small, quick field of a fully developed sea."""
     spectrum = ElfouhailySpectrum(wind, np.radians(travel_deg))
-    return WaveField.create(spectrum, plan_tiles(spectrum, shortest_wave, points), seed)
+    return WaveField.create(spectrum, plan_tiles(spectrum, shortest_wave, 128 if wind < 12.0 else 256), seed)
 
 
 def one_tile(wind=4.0, seed=3, *, points=128, length=64.0, shortest_wave=3.0, turn=0.4) -> WaveField:

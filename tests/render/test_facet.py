@@ -206,7 +206,7 @@ def test_thermal_radiance_of_a_facet_is_the_sum_over_its_slopes(air, slopes, til
     sight = facet.line_of_sight(optics, azimuth)
     where = 30
     thermal, solar = facet.facet_radiance(
-        optics, facet.thermal_along(optics.tables, sight), basis.coefficients, where, sight, (np.cos(zenith), np.sin(zenith)), tilt
+        optics, facet.thermal_along(optics.tables, sight), (basis.coefficients, basis.coefficients), where, sight, (np.cos(zenith), np.sin(zenith)), tilt
     )
     assert solar == 0.0
     # path basis 7e-4, linear interpolation between the tables' nodes 1e-3, Hermite nodes across

@@ -1,0 +1,85 @@
+"""A scenario becomes records in SI units; the energy rule decides what is geometry."""
+
+import numpy as np
+import pytest
+
+from seaglint.errors import DomainError, ScenarioError
+from seaglint.pipeline import prepare
+from seaglint.scenario.load import parse_scenario
+
+
+def _scenario(**tables):
+    return parse_scenario({"sensor": {"pixels": [16, 8]}, "render": {"tile_size": 128}} | tables)
+
+
+def test_angles_and_directions():
+    scenario = _scenario(
+        sun={"zenith_deg": 60.0, "azimuth_deg": 200.0},
+        sensor={"height_m": 40.0, "azimuth_deg": 190.0, "elevation_deg": -5.0, "fov_deg": [16.0, 8.0], "pixels": [16, 8]},
+        wind={"speed_m_s": 9.0, "from_deg": 230.0},
+    )
+    view, eye = prepare.view(scenario), prepare.camera(scenario)
+    assert np.degrees([view.solar_zenith, view.solar_azimuth]) == pytest.approx([60.0, 200.0])
+    assert np.degrees([eye.azimuths[0], eye.azimuths[-1], eye.elevations[0], eye.elevations[-1]]) == pytest.approx([182.5, 197.5, -1.5, -8.5])
+    # waves and the steeper slopes go where the wind blows
+    assert np.degrees(view.slopes.wind_to_azimuth) == pytest.approx(50.0)
+    assert np.degrees(prepare.spectrum(scenario).wind_to_azimuth) == pytest.approx(50.0)
+    assert view.sensor_height == eye.height == 40.0
+
+
+@pytest.mark.parametrize("wind", [1.0, 3.0, 8.0, 18.0])
+@pytest.mark.parametrize("shortest", [0.2, 2.0, 20.0])
+def test_geometry_takes_at_most_80_percent_and_facets_the_rest(wind, shortest):
+    scenario = _scenario(
+        wind={"speed_m_s": wind, "from_deg": 10.0}, sea={"shortest_wave_m": shortest}, render={"tile_size": 512}
+    )
+    view = prepare.view(scenario)
+    sea = prepare.sea(scenario, view.slopes)
+    report = sea.report
+    for direction in ("up", "cross"):
+        total = getattr(view.slopes, f"mss_{direction}")
+        assert report[f"resolved_mss_{direction}"] + report[f"facet_mss_{direction}"] == pytest.approx(total, rel=1e-9)
+        # 80 % by the spectrum's integral, of which interpolation loses some; lattice sums of the long waves are good to 1 %
+        assert report[f"resolved_mss_{direction}"] <= 0.81 * total
+    if sea.waves is None:
+        assert "all waves are facets" in report["waves"]
+    else:
+        assert report["cut_wavenumber_rad_m"] <= 2.0 * np.pi / shortest * (1.0 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    "sea", [{"resolve_waves": False}, {"spectrum": {"kind": "flat"}}, {"spectrum": {"kind": "flat"}, "slopes": {"kind": "flat"}}]
+)
+def test_no_waves_are_made_where_none_are_wanted(sea):
+    scenario = _scenario(sea=sea)
+    assert prepare.sea(scenario, prepare.slopes(scenario)).waves is None
+
+
+def test_calm_air_makes_no_wind_sea():
+    scenario = _scenario(wind={"speed_m_s": 0.0})
+    assert prepare.sea(scenario, prepare.slopes(scenario)).waves is None
+
+
+def test_waves_on_a_mirror_are_refused():
+    scenario = _scenario(sea={"slopes": {"kind": "flat"}})
+    with pytest.raises(DomainError, match="leaves no slopes for waves"):
+        prepare.sea(scenario, prepare.slopes(scenario))
+
+
+def test_a_buoy_without_a_time_is_refused(tmp_path):
+    path = tmp_path / "41010.data_spec"
+    path.write_text("#YY MM DD hh mm\n")
+    scenario = _scenario(sun={"zenith_deg": 60.0}, sea={"spectrum": {"kind": "file", "path": str(path)}})
+    with pytest.raises(ScenarioError, match=r"sea\.spectrum\.time"):
+        prepare.spectrum(scenario)
+
+
+@pytest.mark.parametrize(
+    ("air", "kind"), [({"source": "table"}, "TableAtmosphere"), ({"source": "isothermal"}, "IsothermalAtmosphere"), ({"source": "none"}, "VacuumAtmosphere")]
+)
+def test_every_source_of_air_covers_the_band(air, kind):
+    scenario = _scenario(atmosphere=air)
+    over = prepare.band(scenario)
+    made = prepare.atmosphere(scenario, over)
+    assert type(made).__name__ == kind
+    assert over.weights(made.wavenumber_cm).sum() > 0.0

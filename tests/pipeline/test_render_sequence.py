@@ -1,0 +1,84 @@
+"""From a scenario to a store: the same frame alone and in its sequence, for any number of threads."""
+
+import numba
+import numpy as np
+import pytest
+
+from seaglint.errors import BackendError, SeaglintError
+from seaglint.io.store import open_sequence
+from seaglint.pipeline.render import render, renderer_and_layout
+from seaglint.scenario.load import parse_scenario
+
+SMALL = {
+    "seed": 4,
+    "sun": {"zenith_deg": 75.0, "azimuth_deg": 180.0},
+    "sensor": {"fov_deg": [4.0, 2.0], "pixels": [16, 8], "elevation_deg": -3.0, "frames": 40, "frame_rate_hz": 25.0},
+    "wind": {"speed_m_s": 7.0, "from_deg": 230.0},
+    "sea": {"shortest_wave_m": 4.0},
+    "render": {"tile_size": 128, "apparent_temperature": True},
+}
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return parse_scenario(SMALL)
+
+
+def test_frame_37_alone_is_frame_37_of_the_sequence(scenario, tmp_path):
+    many = numba.config.NUMBA_NUM_THREADS
+    whole = open_sequence(render(scenario, tmp_path / "whole.zarr", threads=1))
+    alone = open_sequence(render(scenario, tmp_path / "alone.zarr", frames=range(37, 38), threads=min(2, many)))
+    assert whole.sizes["time"] == 40
+    assert alone.sizes["time"] == 1
+    assert float(alone.time[0]) == pytest.approx(37 / 25.0)
+    for name in ("radiance", "apparent_temperature"):
+        assert whole[name].values[37].tobytes() == alone[name].values[0].tobytes()
+    assert whole.radiance.values[36].tobytes() != whole.radiance.values[37].tobytes()
+
+
+def test_what_is_stored_is_what_the_renderer_makes(scenario, tmp_path):
+    stored = open_sequence(render(scenario, tmp_path / "run.zarr", frames=range(2, 3)))
+    renderer, layout = renderer_and_layout(scenario)
+    np.testing.assert_array_equal(stored.radiance.values[0], renderer.radiances(2 / 25.0).total)
+    np.testing.assert_allclose(stored.azimuth, np.degrees(renderer.camera.azimuths))
+    np.testing.assert_allclose(stored.elevation, np.degrees(renderer.camera.elevations))
+    assert layout.frame_rate == 25.0
+
+
+def test_threads_beyond_the_machine_are_refused_and_put_back(scenario, tmp_path):
+    before = numba.get_num_threads()
+    with pytest.raises(BackendError, match="NUMBA_NUM_THREADS"):
+        render(scenario, tmp_path / "run.zarr", threads=10_000)
+    assert numba.get_num_threads() == before
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_sensor_under_the_waves_leaves_no_store(tmp_path):
+    scenario = parse_scenario(SMALL | {"sensor": SMALL["sensor"] | {"height_m": 2.0}, "wind": {"speed_m_s": 18.0, "from_deg": 0.0}, "render": {"tile_size": 512}})
+    with pytest.raises(SeaglintError, match="within reach of the waves"):
+        render(scenario, tmp_path / "run.zarr")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("zenith", [95.0, 180.0])
+def test_night_is_a_valid_scenario(tmp_path, zenith):
+    scenario = parse_scenario(SMALL | {"sun": {"zenith_deg": zenith}})
+    image = open_sequence(render(scenario, tmp_path / "run.zarr", frames=range(1))).radiance.values
+    assert np.all(np.isfinite(image))
+    assert image.min() > 0.0
+
+
+def test_isothermal_scenario_is_flat_to_the_apparent_temperature(tmp_path):
+    scenario = parse_scenario(
+        SMALL | {"atmosphere": {"source": "isothermal", "temperature_k": 290.0}, "sea": {"temperature_k": 290.0, "shortest_wave_m": 4.0}}
+    )
+    stored = open_sequence(render(scenario, tmp_path / "run.zarr", frames=range(1)))
+    # float32 kelvin near 290: 3e-5
+    np.testing.assert_allclose(stored.apparent_temperature.values, 290.0, atol=2e-3)
+
+
+def test_provenance_names_cut_and_energies(scenario, tmp_path):
+    stored = open_sequence(render(scenario, tmp_path / "run.zarr", frames=range(1)))
+    text = str(stored.attrs)
+    for word in ("cut_wavenumber_rad_m", "resolved_mss_up", "facet_mss_cross", "sweep_step_m", "solar_zenith_deg", "atmosphere_table"):
+        assert word in text

@@ -1,0 +1,44 @@
+"""Resolved waves, averaged over independent seas, against the mean model: steep views agree, near the horizon a bound holds."""
+
+import numpy as np
+import pytest
+from near_horizon_table import BAND, bound, elfouhaily_sea, near_horizon, ratios, sea_view
+from render_scenes import camera
+
+from seaglint.atmosphere.table import TableAtmosphere
+
+HEIGHT = 80.0
+BANDS = tuple((d, d - 1.0, d + 1.0) for d in (30.0, 40.0, 50.0, 60.0, 70.0, 80.0))
+
+# Standard error and agreement asked for: 0.5 %, two standard errors and 1 %.
+ERROR, AGREEMENT = 5e-3, 1e-2
+# What the renderer's tables leave where the sea stands still: path basis 7e-4, facet tables 1e-3.
+TABLES = 1.5e-3
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize("sun_zenith", [30.0, 60.0])
+@pytest.mark.parametrize(("wind", "frames"), [(2.0, 500), (5.0, 500), (10.0, 500), (15.0, 500)])
+def test_steep_views_average_to_the_mean_model(wind, frames, sun_zenith):
+    """Looking towards the Sun from 80 m; every frame is a new sea, waves down to 0.5 m (or 80 % of the slopes) are geometry."""
+    waves, slopes = elfouhaily_sea(wind, 0.75 * np.pi, 0.5)
+    air = TableAtmosphere.load("midlatitude-summer", wind, (BAND.min_um, BAND.max_um))
+    eye = camera(HEIGHT, -28.5, -81.5, 106, width=16.0, columns=8)
+    found = ratios(sea_view(air, slopes, HEIGHT, sun_zenith), eye, waves, BANDS, range(frames))
+    for r in found:
+        print(
+            f"wind {wind:g} Sun {sun_zenith:g} depression {r.depression_deg:g}: "
+            f"total {r.total:.4f} +- {r.total_error:.4f}, glint {r.sun:.4f} +- {r.sun_error:.4f}"
+        )
+    assert max(r.total_error for r in found) <= ERROR
+    misses = [r for r in found if abs(r.total - 1.0) > min(2.0 * r.total_error + TABLES, AGREEMENT)]
+    assert not misses
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize(("sun_zenith", "depressions"), [(30.0, (4.0, 10.0)), (60.0, (2.0, 6.0)), (80.0, (2.0, 6.0))])
+def test_near_the_horizon_the_ratio_stays_under_its_bound(sun_zenith, depressions):
+    for r in near_horizon(sun_zenith, range(120), depressions):
+        print(f"Sun {sun_zenith:g} dep {r.depression_deg:g}: {r.sun:.3f} +- {r.sun_error:.3f}, bound {bound(r.depression_deg):.3f}")
+        assert r.sun - 2.0 * r.sun_error < bound(r.depression_deg)
+        assert r.sun > 0.1  # and a low Sun is dimmed, not lost
