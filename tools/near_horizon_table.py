@@ -118,14 +118,13 @@ def markdown(table: dict[float, list[Ratio]]) -> str:
     """The table of the glint's ratio, one row per Sun, with standard errors."""
     depressions = [r.depression_deg for r in next(iter(table.values()))]
     lines = ["| Sun's zenith angle | " + " | ".join(f"{d:g}°" for d in depressions) + " |", "|---" * (len(depressions) + 1) + "|"]
-    lines += [
-        f"| {zenith:g}° | " + " | ".join(f"{r.sun:.2f} ± {r.sun_error:.2f}" for r in found) + " |" for zenith, found in table.items()
-    ]
+    lines += [f"| {zenith:g}° | " + " | ".join(f"{r.sun:.2f} ± {r.sun_error:.2f}" for r in found) + " |" for zenith, found in table.items()]
     lines.append("| bound 1 + Λ | " + " | ".join(f"{bound(d):.2f}" for d in depressions) + " |")
     return "\n".join(lines)
 
 
 def main() -> None:
+    """Compute the table, write it and print it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--frames", type=int, default=300, help="independent seas per Sun")
     parser.add_argument("--csv", type=Path, help="file to write")
@@ -139,7 +138,15 @@ def main() -> None:
         with options.csv.open("w", newline="", encoding="utf-8") as stream:
             write = csv.writer(stream, lineterminator="\n")
             write.writerow(
-                ["solar_zenith_deg", "depression_deg", "glint_ratio", "glint_standard_error", "total_ratio", "total_standard_error", "bound"]
+                [
+                    "solar_zenith_deg",
+                    "depression_deg",
+                    "glint_ratio",
+                    "glint_standard_error",
+                    "total_ratio",
+                    "total_standard_error",
+                    "bound",
+                ]
             )
             for zenith, found in table.items():
                 for r in found:

@@ -20,7 +20,9 @@ def test_angles_and_directions():
     )
     view, eye = prepare.view(scenario), prepare.camera(scenario)
     assert np.degrees([view.solar_zenith, view.solar_azimuth]) == pytest.approx([60.0, 200.0])
-    assert np.degrees([eye.azimuths[0], eye.azimuths[-1], eye.elevations[0], eye.elevations[-1]]) == pytest.approx([182.5, 197.5, -1.5, -8.5])
+    assert np.degrees([eye.azimuths[0], eye.azimuths[-1], eye.elevations[0], eye.elevations[-1]]) == pytest.approx(
+        [182.5, 197.5, -1.5, -8.5]
+    )
     # waves and the steeper slopes go where the wind blows
     assert np.degrees(view.slopes.wind_to_azimuth) == pytest.approx(50.0)
     assert np.degrees(prepare.spectrum(scenario).wind_to_azimuth) == pytest.approx(50.0)
@@ -30,9 +32,7 @@ def test_angles_and_directions():
 @pytest.mark.parametrize("wind", [1.0, 3.0, 8.0, 18.0])
 @pytest.mark.parametrize("shortest", [0.2, 2.0, 20.0])
 def test_geometry_takes_at_most_80_percent_and_facets_the_rest(wind, shortest):
-    scenario = _scenario(
-        wind={"speed_m_s": wind, "from_deg": 10.0}, sea={"shortest_wave_m": shortest}, render={"tile_size": 512}
-    )
+    scenario = _scenario(wind={"speed_m_s": wind, "from_deg": 10.0}, sea={"shortest_wave_m": shortest}, render={"tile_size": 512})
     view = prepare.view(scenario)
     sea = prepare.sea(scenario, view.slopes)
     report = sea.report
@@ -75,7 +75,12 @@ def test_a_buoy_without_a_time_is_refused(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("air", "kind"), [({"source": "table"}, "TableAtmosphere"), ({"source": "isothermal"}, "IsothermalAtmosphere"), ({"source": "none"}, "VacuumAtmosphere")]
+    ("air", "kind"),
+    [
+        ({"source": "table"}, "TableAtmosphere"),
+        ({"source": "isothermal"}, "IsothermalAtmosphere"),
+        ({"source": "none"}, "VacuumAtmosphere"),
+    ],
 )
 def test_every_source_of_air_covers_the_band(air, kind):
     scenario = _scenario(atmosphere=air)

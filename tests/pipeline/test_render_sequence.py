@@ -54,7 +54,9 @@ def test_threads_beyond_the_machine_are_refused_and_put_back(scenario, tmp_path)
 
 
 def test_a_sensor_under_the_waves_leaves_no_store(tmp_path):
-    scenario = parse_scenario(SMALL | {"sensor": SMALL["sensor"] | {"height_m": 2.0}, "wind": {"speed_m_s": 18.0, "from_deg": 0.0}, "render": {"tile_size": 512}})
+    scenario = parse_scenario(
+        SMALL | {"sensor": SMALL["sensor"] | {"height_m": 2.0}, "wind": {"speed_m_s": 18.0, "from_deg": 0.0}, "render": {"tile_size": 512}}
+    )
     with pytest.raises(SeaglintError, match="within reach of the waves"):
         render(scenario, tmp_path / "run.zarr")
     assert not list(tmp_path.iterdir())

@@ -10,7 +10,17 @@ from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.glint import visible_sun
 from seaglint.render import facet
-from seaglint.render.facet import Roughness, Sight, SlopeQuadrature, facet_optics, sun_factor, sun_terms, sunlight, thermal_axes, thermal_sources
+from seaglint.render.facet import (
+    Roughness,
+    Sight,
+    SlopeQuadrature,
+    facet_optics,
+    sun_factor,
+    sun_terms,
+    sunlight,
+    thermal_axes,
+    thermal_sources,
+)
 from seaglint.render.path_basis import path_basis
 from seaglint.sea.slopes import SlopeStatistics
 
@@ -117,9 +127,7 @@ def test_low_sun_wide_disc_beside_narrow_slopes(mss, offset):
     m = v + _disc(*sun)
     s = -m[:, :2] / m[:, 2:]
     expected = np.mean(0.25 * slopes.density(s[:, 0] - tilt[0], s[:, 1] - tilt[1]) * (1.0 + (s**2).sum(axis=1)) ** 2) / area
-    got, _ = sun_factor(
-        sunlight(*sun, True), _roughness(slopes, 0.0), _sight(slopes, 0.0, 0.0), (np.cos(view[0]), np.sin(view[0])), *tilt
-    )
+    got, _ = sun_factor(sunlight(*sun, True), _roughness(slopes, 0.0), _sight(slopes, 0.0, 0.0), (np.cos(view[0]), np.sin(view[0])), *tilt)
     area_sun, mean_sun = _turned_to(_vector(*sun), tilt, slopes)
     mean_view = v[2] - v[1] * tilt[1] - v[0] * tilt[0]
     legs = (area / mean_view) / (area / mean_view + area_sun / mean_sun - 1.0)
@@ -132,7 +140,12 @@ def test_low_sun_wide_disc_beside_narrow_slopes(mss, offset):
 def test_the_angle_of_incidence_is_half_the_angle_between_sun_and_viewer():
     sun_z, azimuth, view_z = 1.1, 0.2, 0.7
     _, cosine = sun_factor(
-        sunlight(sun_z, 0.5, True), _roughness(DIRECTIONAL, 0.5), _sight(DIRECTIONAL, azimuth, 0.5), (np.cos(view_z), np.sin(view_z)), 0.0, 0.0
+        sunlight(sun_z, 0.5, True),
+        _roughness(DIRECTIONAL, 0.5),
+        _sight(DIRECTIONAL, azimuth, 0.5),
+        (np.cos(view_z), np.sin(view_z)),
+        0.0,
+        0.0,
     )
     between = np.arccos(_vector(view_z, azimuth + np.pi) @ _vector(sun_z, 0.5))
     assert cosine == pytest.approx(np.cos(0.5 * between), rel=1e-12)
@@ -206,7 +219,13 @@ def test_thermal_radiance_of_a_facet_is_the_sum_over_its_slopes(air, slopes, til
     sight = facet.line_of_sight(optics, azimuth)
     where = 30
     thermal, solar = facet.facet_radiance(
-        optics, facet.thermal_along(optics.tables, sight), (basis.coefficients, basis.coefficients), where, sight, (np.cos(zenith), np.sin(zenith)), tilt
+        optics,
+        facet.thermal_along(optics.tables, sight),
+        (basis.coefficients, basis.coefficients),
+        where,
+        sight,
+        (np.cos(zenith), np.sin(zenith)),
+        tilt,
     )
     assert solar == 0.0
     # path basis 7e-4, linear interpolation between the tables' nodes 1e-3, Hermite nodes across

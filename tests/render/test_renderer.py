@@ -177,7 +177,10 @@ def test_camera_and_view_at_different_heights_are_refused(air):
         Renderer(sea_view(air, cox_munk_isotropic(5.0), 30.0), camera(31.0, 0.0, -4.0, 8))
 
 
-@pytest.mark.parametrize(("pixels", "width", "height_angle"), [((0, 4), 1.0, 1.0), ((4, 0), 1.0, 1.0), ((4, 4), 0.0, 1.0), ((4, 4), 7.0, 1.0), ((4, 4), 1.0, 3.0)])
+@pytest.mark.parametrize(
+    ("pixels", "width", "height_angle"),
+    [((0, 4), 1.0, 1.0), ((4, 0), 1.0, 1.0), ((4, 4), 0.0, 1.0), ((4, 4), 7.0, 1.0), ((4, 4), 1.0, 3.0)],
+)
 def test_cameras_that_make_no_picture_are_refused(pixels, width, height_angle):
     with pytest.raises(DomainError):
         Camera(10.0, 0.0, -0.5, width, height_angle, *pixels)

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from near_horizon_table import BAND, bound, elfouhaily_sea, near_horizon, ratios, sea_view
 from render_scenes import camera
 
+from near_horizon_table import BAND, bound, elfouhaily_sea, near_horizon, ratios, sea_view
 from seaglint.atmosphere.table import TableAtmosphere
 
 HEIGHT = 80.0

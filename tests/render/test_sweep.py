@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from render_scenes import BAND, RangeFog, bilinear, black_water, camera, elfouhaily, furnace, one_tile, sea_view
 
-
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import horizon_depression, surface_range
 from seaglint.optics.blackbody import planck_wavenumber
@@ -66,7 +65,9 @@ def _march(waves, time, height, azimuth, elevations, step, last):
     return found
 
 
-@pytest.mark.parametrize(("height", "top", "bottom", "azimuth"), [(3.0, 0.6, -3.0, 40.0), (3.0, -3.0, -20.0, 200.0), (12.0, 0.1, -2.0, 310.0)])
+@pytest.mark.parametrize(
+    ("height", "top", "bottom", "azimuth"), [(3.0, 0.6, -3.0, 40.0), (3.0, -3.0, -20.0, 200.0), (12.0, 0.1, -2.0, 310.0)]
+)
 def test_visible_ranges_match_a_ray_marcher(height, top, bottom, azimuth):
     """One line of sight over steep waves: every row's mean transmittance, where crests hide troughs and stand out against the sky."""
     waves, rows, rays = one_tile(), 40, 24
