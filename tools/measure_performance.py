@@ -39,7 +39,7 @@ print(json.dumps({"ready": ready, "first": seconds[0], "frame": statistics.media
 """
 
 ARTICLE_CASE = (
-    '{"sensor": {"height_m": 30, "elevation_deg": -3.6, "fov_deg": [14.3, 7.15], "pixels": [%d, %d], "square_pixels": false},'
+    '{"sensor": {"height_m": 30, "elevation_deg": -3.6, "fov_deg": [14.3, 7.15], "pixels": [%d, %d], "pixel_shape": "any"},'
     ' "sea": {"shortest_wave_m": 4}, "wind": {"speed_m_s": 10}}'
 )
 """From 100 m range to the horizon, 3.5 km wide at 14 km, waves resolved on a 1 m lattice."""

@@ -211,7 +211,7 @@ def departure(scene: dict[str, object], *, flat: bool = False) -> float:
     """Largest relative difference of a picture to a constant, or to the mean-radiance model; looking into the Sun and beside it."""
     worst = 0.0
     for top, height, rows in ((-0.5, 1.0, 128), (-1.5, 6.0, 96), (-7.5, 52.5, 320)):
-        pixels = {"fov_deg": [60.0, height], "pixels": [12, rows], "elevation_deg": top - 0.5 * height, "square_pixels": False}
+        pixels = {"fov_deg": [60.0, height], "pixels": [12, rows], "elevation_deg": top - 0.5 * height, "pixel_shape": "any"}
         scenario = parse_scenario({**scene, "sensor": {"frames": 1, **pixels}})
         renderer, _ = renderer_and_layout(scenario)
         seen = renderer.radiances(0.0).total.astype(np.float64)
