@@ -81,9 +81,9 @@ SEAS = {
 }
 
 
-@pytest.mark.parametrize("sun_zenith", [30.0, 60.0, 80.0, 88.0])
+@pytest.mark.parametrize("sun_zenith", [40.0, 80.0, 88.0])
 @pytest.mark.parametrize(("wind", "slopes"), SEAS.values(), ids=SEAS.keys())
-@pytest.mark.parametrize(("top", "rows"), [(-0.5, 120), (-4.0, 560)], ids=["near the horizon", "down to 60 deg"])
+@pytest.mark.parametrize(("top", "rows"), [(-0.5, 120), (-4.0, 280)], ids=["near the horizon", "down to 60 deg"])
 def test_without_resolved_waves_the_image_is_the_mean(wind, slopes, sun_zenith, top, rows):
     """Two routes to the same average: path basis and facet tables here, spectral sums over facets per row there."""
     bottom = top - 0.03 * rows if top > -1.0 else -60.0

@@ -25,6 +25,7 @@ from seaglint.render.path_basis import path_basis
 from seaglint.sea.slopes import SlopeStatistics
 
 DIRECTIONAL = SlopeStatistics(0.02, 0.008, wind_to_azimuth=0.9)
+ROUGH = SlopeStatistics(0.05, 0.05)
 SMALL = SlopeStatistics(0.004, 0.006, wind_to_azimuth=-0.4)
 
 
@@ -77,6 +78,8 @@ def _glint_by_hand(slopes, tilt, view, sun, both_legs):
     v = _vector(*view)
     area, mean = _turned_to(v, tilt, slopes)
     lit_area, lit_mean = _turned_to(_vector(*sun), tilt, slopes)
+    if lit_mean <= 0.0:
+        return 0.0
     lambda_view, lambda_sun = area / mean - 1.0, lit_area / lit_mean - 1.0
     # legs on opposite sides are independent given the height, on one side the lower ray decides: Smith's two limits
     seen = {"opposite": 1.0 + lambda_view + lambda_sun, "same": 1.0 + max(lambda_view, lambda_sun)}[both_legs]
@@ -87,11 +90,18 @@ def _glint_by_hand(slopes, tilt, view, sun, both_legs):
 
 
 @pytest.mark.kernel
-@pytest.mark.parametrize("slopes", [DIRECTIONAL, SMALL], ids=["directional", "small"])
-@pytest.mark.parametrize("tilt", [(0.0, 0.0), (0.12, -0.05), (-0.06, 0.1)], ids=["level", "tilted", "turned away"])
+@pytest.mark.parametrize("slopes", [DIRECTIONAL, SMALL, ROUGH], ids=["directional", "small", "rough"])
+@pytest.mark.parametrize("tilt", [(0.0, 0.0), (0.12, -0.05), (0.06, 0.2)], ids=["level", "tilted", "turned from the Sun"])
 @pytest.mark.parametrize(
     ("depression", "sun_zenith", "legs"),
-    [(60.0, 30.0, "opposite"), (12.0, 75.0, "opposite"), (8.0, 82.0, "opposite"), (20.0, 84.0, "opposite"), (12.0, 80.0, "same")],
+    [
+        (60.0, 30.0, "opposite"),
+        (25.0, 65.0, "opposite"),
+        (12.0, 75.0, "opposite"),
+        (8.0, 82.0, "opposite"),
+        (20.0, 84.0, "opposite"),
+        (12.0, 80.0, "same"),
+    ],
 )
 def test_sun_factor_is_the_average_over_disc_and_slopes(slopes, tilt, depression, sun_zenith, legs):
     sun_azimuth = 0.3

@@ -30,7 +30,7 @@ def _renderer(air, eye, *, wind=WIND, travel=30.0, sun=(70.0, 0.0), seed=1, **op
     ("top", "bottom", "height"), [(0.5, -6.0, 30.0), (-10.0, -60.0, 30.0), (0.2, -2.0, 5.0), (-1.0, -15.0, 500.0)], ids=str
 )
 def test_half_the_step_changes_column_means_by_less_than_half_a_percent(air, top, bottom, height):
-    eye = camera(height, top, bottom, 200, width=20.0, columns=6)
+    eye = camera(height, top, bottom, 100, width=20.0, columns=3)
     coarse = _renderer(air, eye)
     fine = _renderer(air, eye, step=0.5 * coarse.report["sweep_step_m"])
     one, other = coarse.radiances(2.0).total.mean(axis=0), fine.radiances(2.0).total.mean(axis=0)
