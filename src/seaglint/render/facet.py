@@ -30,7 +30,7 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.mean import SeaView
 from seaglint.render.path_basis import PathBasis
-from seaglint.sea.shadowing import bistatic_kernel, smith_lambda_kernel, visible_area_kernel
+from seaglint.sea.shadowing import bistatic_kernel, visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
 INCIDENCE_NODES = 513
@@ -158,10 +158,10 @@ def sun_factor(
         return 0.0, cos_incidence
     lit = 1.0
     sun_deviation = sun.t_up * rough.towards_sun
-    # above 4.5 deviations Smith's Lambda is below 1e-6
+    # above 4.5 deviations Smith's Lambda, the visible area over the mean less one, is below 1e-6
     if sun_mean < 4.5 * sun_deviation and mean > 0.0:
-        lambda_sun = smith_lambda_kernel(sun_mean / (math.sqrt(2.0) * sun_deviation))
-        lambda_view = smith_lambda_kernel(mean / (math.sqrt(2.0) * deviation)) if deviation > 0.0 else 0.0
+        lambda_sun = visible_area_kernel(sun_mean, sun_deviation) / sun_mean - 1.0
+        lambda_view = area / mean - 1.0
         lit = bistatic_kernel(lambda_view, lambda_sun, sight.from_sun) * (1.0 + lambda_view)
     density = math.exp(-exponent) / (2.0 * math.pi * math.sqrt(det))
     return 0.25 * density * lit * (1.0 + tan2) * (1.0 + tan2) / area, cos_incidence

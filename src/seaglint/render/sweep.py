@@ -159,18 +159,19 @@ def walk_line(
     tangent, top = horizon
     count, last_above, patience = 0, -1, 0
     tiles = surface.height.shape[0]
+    long = max(tiles - 1, 0)  # tiles before the last
     # a chord of the long waves misses their highest point by at most this, and the shortest waves add their crest
     slack = surface.crest + 0.125 * surface.curvature * (STRIDE * walk.step) ** 2
     while i < end and tangent < top and count < sample.shape[0]:
         r = walk.range_m[i]
         x, y = -r * sight.east, -r * sight.north
-        z = height(surface, 0, tiles - 1, x, y)
+        z = height(surface, 0, long, x, y)
         if tiles > 1 and clearance(walk, i, tangent, z + surface.crest) < 0.0:
             i += 1
             patience -= 1
             while patience <= 0 and i + STRIDE <= end:
                 ahead = walk.range_m[i + STRIDE - 1]
-                z_ahead = height(surface, 0, tiles - 1, -ahead * sight.east, -ahead * sight.north)
+                z_ahead = height(surface, 0, long, -ahead * sight.east, -ahead * sight.north)
                 # the line of sight is convex over the round sea, so it is lowest at an end or stays above its tangent at the near one
                 fall = max(-tangent - r / EFFECTIVE_EARTH_RADIUS, 0.0) * (ahead - r)
                 if clearance(walk, i - 1, tangent, max(z, z_ahead) + slack + fall) >= 0.0:
@@ -179,7 +180,7 @@ def walk_line(
                     i += STRIDE
                     r, z = ahead, z_ahead
             continue
-        z += height(surface, tiles - 1, tiles, x, y)
+        z += height(surface, long, tiles, x, y)
         above = clearance(walk, i, tangent, z)
         if above < 0.0:
             i += 1
