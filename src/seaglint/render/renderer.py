@@ -17,7 +17,7 @@ from seaglint.radiance.mean import SeaView, band_grid
 from seaglint.render.camera import Camera
 from seaglint.render.facet import FacetOptics, FacetTables, facet_optics, sun_terms, sunlight, thermal_axes, thermal_sources
 from seaglint.render.path_basis import fewest_terms, path_basis
-from seaglint.render.surface import Surface, calm_surface, height, surface_of
+from seaglint.render.surface import Surface, calm_surface, height, lattice_line, surface_of
 from seaglint.render.sweep import Frame, Walk, calm_ranges, graded_ranges, sea_limits, sweep_columns
 from seaglint.sea.field import WaveField
 from seaglint.sea.slopes import SlopeStatistics
@@ -194,7 +194,7 @@ class Renderer:
             images[:, 0], images[:, 1] = self._frame.sky, 0.0
         else:
             surface = self.surface(time)
-            foot = height(surface, 0, surface.height.shape[0], 0.0, 0.0)
+            foot = height(surface, 0, surface.height.shape[0], lattice_line(surface, 1.0, 0.0), 0.0)
             if foot >= camera.height:
                 raise DomainError(
                     f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {camera.height:g} m above the mean sea"

@@ -32,27 +32,34 @@ class Surface(NamedTuple):
 
 
 @njit_inline
-def corners(surface: Surface, tile: int, x: float, y: float) -> tuple[int, int, int, int, float, float]:
-    """Address parts of the rows and columns around a point (row, next row, column, next column) and its fractions (v, u) between them.
+def lattice_line(surface: Surface, east: float, north: float) -> np.ndarray:
+    """Lattice steps (tiles, 2) along u and v of every tile per metre along a horizontal unit vector [1/m]."""
+    out = np.empty((surface.height.shape[0], 2))
+    for tile in range(out.shape[0]):
+        out[tile, 0] = (surface.grid[tile, 1] * east + surface.grid[tile, 2] * north) * surface.grid[tile, 0]
+        out[tile, 1] = (surface.grid[tile, 1] * north - surface.grid[tile, 2] * east) * surface.grid[tile, 0]
+    return out
 
-    A row part plus a column part is the address of a lattice point. The lattice size is a power of two.
+
+@njit_inline
+def corners(size: int, u: float, v: float) -> tuple[int, int, int, int, float, float]:
+    """Address parts of the rows and columns around a lattice position (row, next row, column, next column), and its fractions (v, u).
+
+    A row part plus a column part is the address of a lattice point. The lattice ``size`` is a power of two.
     """
-    u = (surface.grid[tile, 1] * x + surface.grid[tile, 2] * y) * surface.grid[tile, 0]
-    v = (surface.grid[tile, 1] * y - surface.grid[tile, 2] * x) * surface.grid[tile, 0]
     lower_u, lower_v = math.floor(u), math.floor(v)
-    mask = surface.size - 1
-    x0, y0 = int(lower_u) & mask, int(lower_v) & mask
-    x1, y1 = (x0 + 1) & mask, (y0 + 1) & mask
-    row0, row1 = (y0 >> 2) * 4 * surface.size + (y0 & 3) * 4, (y1 >> 2) * 4 * surface.size + (y1 & 3) * 4
+    x0, y0 = int(lower_u) & (size - 1), int(lower_v) & (size - 1)
+    x1, y1 = (x0 + 1) & (size - 1), (y0 + 1) & (size - 1)
+    row0, row1 = (y0 >> 2) * 4 * size + (y0 & 3) * 4, (y1 >> 2) * 4 * size + (y1 & 3) * 4
     return row0, row1, (x0 >> 2) * 16 + (x0 & 3), (x1 >> 2) * 16 + (x1 & 3), v - lower_v, u - lower_u
 
 
 @njit_inline
-def height(surface: Surface, first: int, last: int, x: float, y: float) -> float:
-    """Height at a point of the tiles ``first`` to ``last`` (not included) together [m]."""
+def height(surface: Surface, first: int, last: int, line: np.ndarray, r: float) -> float:
+    """Height of the tiles ``first`` to ``last`` (not included) together [m], ``r`` metres along a :func:`lattice_line` from the origin."""
     total = 0.0
     for tile in range(first, last):
-        y0, y1, x0, x1, fy, fx = corners(surface, tile, x, y)
+        y0, y1, x0, x1, fy, fx = corners(surface.size, r * line[tile, 0], r * line[tile, 1])
         a, b = surface.height[tile, y0 + x0], surface.height[tile, y0 + x1]
         c, d = surface.height[tile, y1 + x0], surface.height[tile, y1 + x1]
         low, high = a + fx * (b - a), c + fx * (d - c)
@@ -65,7 +72,9 @@ def slopes(surface: Surface, x: float, y: float) -> tuple[float, float]:
     """Slopes of the sea at a point towards east and north [1]."""
     east, north = 0.0, 0.0
     for tile in range(surface.height.shape[0]):
-        y0, y1, x0, x1, fy, fx = corners(surface, tile, x, y)
+        u = (surface.grid[tile, 1] * x + surface.grid[tile, 2] * y) * surface.grid[tile, 0]
+        v = (surface.grid[tile, 1] * y - surface.grid[tile, 2] * x) * surface.grid[tile, 0]
+        y0, y1, x0, x1, fy, fx = corners(surface.size, u, v)
         a, b = (1.0 - fy) * (1.0 - fx), (1.0 - fy) * fx
         c, d = fy * (1.0 - fx), fy * fx
         east += a * surface.slope[tile, y0 + x0, 0] + b * surface.slope[tile, y0 + x1, 0]

@@ -23,7 +23,7 @@ from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
 from seaglint.render.camera import Camera
 from seaglint.render.facet import FacetOptics, FacetTables, Roughness, Sight, Sunlight, facet_radiance, line_of_sight, thermal_along
-from seaglint.render.surface import Surface, height, slopes
+from seaglint.render.surface import Surface, height, lattice_line, slopes
 
 RANGE_PARTS = 0.5
 """Largest step as a share of the ground seen by one pixel row, so that near pixels are made of several pieces."""
@@ -147,7 +147,13 @@ def add_rows(images: np.ndarray, frame: Frame, low: float, high: float, total: f
 
 @njit
 def walk_line(
-    walk: Walk, surface: Surface, sight: Sight, part: tuple[int, int], horizon: tuple[float, float], sample: np.ndarray, piece: np.ndarray
+    walk: Walk,
+    surface: Surface,
+    sight: Sight,
+    part: tuple[int, int],
+    horizon: tuple[float, float],
+    sample: np.ndarray,
+    piece: np.ndarray,
 ) -> tuple[int, int, float]:
     """Find the visible pieces of one line over the samples ``part = (first, end)``, or as many as the buffers hold.
 
@@ -159,19 +165,19 @@ def walk_line(
     tangent, top = horizon
     count, last_above, patience = 0, -1, 0
     tiles = surface.height.shape[0]
+    line = lattice_line(surface, -sight.east, -sight.north)
     long = max(tiles - 1, 0)  # tiles before the last
     # a chord of the long waves misses their highest point by at most this, and the shortest waves add their crest
     slack = surface.crest + 0.125 * surface.curvature * (STRIDE * walk.step) ** 2
     while i < end and tangent < top and count < sample.shape[0]:
         r = walk.range_m[i]
-        x, y = -r * sight.east, -r * sight.north
-        z = height(surface, 0, long, x, y)
+        z = height(surface, 0, long, line, r)
         if tiles > 1 and clearance(walk, i, tangent, z + surface.crest) < 0.0:
             i += 1
             patience -= 1
             while patience <= 0 and i + STRIDE <= end:
                 ahead = walk.range_m[i + STRIDE - 1]
-                z_ahead = height(surface, 0, long, -ahead * sight.east, -ahead * sight.north)
+                z_ahead = height(surface, 0, long, line, ahead)
                 # the line of sight is convex over the round sea, so it is lowest at an end or stays above its tangent at the near one
                 fall = max(-tangent - r / EFFECTIVE_EARTH_RADIUS, 0.0) * (ahead - r)
                 if clearance(walk, i - 1, tangent, max(z, z_ahead) + slack + fall) >= 0.0:
@@ -180,7 +186,7 @@ def walk_line(
                     i += STRIDE
                     r, z = ahead, z_ahead
             continue
-        z += height(surface, long, tiles, x, y)
+        z += height(surface, long, tiles, line, r)
         above = clearance(walk, i, tangent, z)
         if above < 0.0:
             i += 1
@@ -190,7 +196,7 @@ def walk_line(
         risen = tangent_of(walk, i, z)
         if i > 0 and last_above != i - 1:
             before = walk.range_m[i - 1]
-            below = max(-clearance(walk, i - 1, tangent, height(surface, 0, tiles, -before * sight.east, -before * sight.north)), 0.0)
+            below = max(-clearance(walk, i - 1, tangent, height(surface, 0, tiles, line, before)), 0.0)
             length *= above / (below + above + 1e-30)
         if risen > tangent:
             sample[count], piece[count, 0], piece[count, 1] = i, length, risen
@@ -216,7 +222,7 @@ def shade_line(
 ) -> None:
     """Add the radiance of a line's visible pieces, times its weight, to the rows of ``images`` (total, solar part).
 
-    ``thermal`` is the table of :func:`~seaglint.render.facet.thermal_along` this line.
+    ``thermal`` is the line's table of :func:`~seaglint.render.facet.thermal_along`.
     """
     count, sample, piece = pieces
     paths = (walk.coefficients, walk.sun_coefficients)
