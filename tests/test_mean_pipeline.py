@@ -9,6 +9,7 @@ import xarray as xr
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.pipeline.mean import mean
+from seaglint.pipeline.render import renderer_and_layout
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.presets import PRESETS
 
@@ -86,3 +87,18 @@ def test_the_water_is_the_scenarios():
     assert sea_water.segelstein().index(nu).real < sea_water.hale_querry_sea().index(nu).real
     maps = [scene("article", sea={"water": water})["glint_radiance"].sum().item() for water in ("segelstein", "hale-querry-sea")]
     assert maps[0] < 0.99 * maps[1]
+
+
+@pytest.mark.parametrize("wind", [0.0, 7.0])
+def test_coarse_maps_are_averages_over_their_rows_as_images_are(wind):
+    raw = {
+        "sensor": {"pixels": [8, 48], "fov_deg": [2, 12], "elevation_deg": -6.6, "frames": 1},
+        "sea": {"resolve_waves": False},
+        "sun": {"zenith_deg": 70, "azimuth_deg": 180},
+        "wind": {"speed_m_s": wind, "from_deg": 180},
+    }
+    scenario = parse_scenario(raw)
+    found = mean(scenario).radiance.to_numpy()
+    image = renderer_and_layout(scenario)[0].radiances(0.0).total
+    # the bound of the image against the model, with slopes along one direction only (no wind) too
+    np.testing.assert_allclose(image[2:], found[2:], rtol=5e-3)

@@ -15,7 +15,7 @@ from seaglint.io.store import Layout, open_sequence, write_sequence
 from seaglint.optics.band import Band
 from seaglint.plot import preview, video
 from seaglint.plot.preview import draw, scale_limits, write_picture
-from seaglint.plot.summary import GLINT_EXCESS, grid_of, summarise, to_temperature
+from seaglint.plot.summary import GLINT_FACTOR, grid_of, summarise, to_temperature
 from seaglint.plot.video import grey, video_available, write_video
 
 BAND = Band.rectangular(3.5, 5.0)
@@ -44,7 +44,7 @@ def blackbody(temperature: float) -> float:
 def test_summary_of_blackbodies(tmp_path):
     frames = np.full((2, 4, 8), blackbody(SEA))
     frames[1, 0, 0] = blackbody(400.0)
-    frames[0, 0, 0] = blackbody(SEA + 0.9 * GLINT_EXCESS)
+    frames[0, 0, 0] = 0.9 * GLINT_FACTOR * blackbody(SEA)
     found = summarise(sequence(tmp_path, frames))
     assert found.frames == 2
     assert found.mean == pytest.approx(frames.mean(), rel=STORED)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, assert_never
 
 import numpy as np
 
+from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.io.provenance import band_attributes, provenance
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
@@ -17,6 +19,13 @@ from seaglint.scenario.model import Scenario
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+ROW_SHARE = 0.02
+"""Height of a row over its distance from the horizon from which it is averaged: below it the middle is within 1e-4 of the average."""
+
+ROW_POINTS = 8
+"""Elevations averaged in such a row."""
 
 
 def mean(scenario: Scenario) -> xr.Dataset:
@@ -68,9 +77,27 @@ def _radiances(scenario: Scenario, camera: Camera) -> tuple[SeaView, SeaRadiance
     match scenario.mean.mode:
         case "spectral":
             view = prepare.view(scenario)
-            return view, mean_radiance(view, camera.elevations, camera.azimuths)
+            return view, over_rows(camera, lambda elevations: mean_radiance(view, elevations, camera.azimuths))
         case "article":
             view = prepare.article_view(scenario)
-            return view, article_radiance(view, camera.elevations, camera.azimuths)
+            return view, over_rows(camera, lambda elevations: article_radiance(view, elevations, camera.azimuths))
         case other:
             assert_never(other)
+
+
+def over_rows(camera: Camera, radiance: Callable[[FloatArray], SeaRadiance]) -> SeaRadiance:
+    """Components averaged over the height of each pixel row [W m-2 sr-1], as an image has them.
+
+    Rows that are high against their distance from the horizon are the mean of :data:`ROW_POINTS` elevations; for others the middle serves.
+    """
+    below = np.abs(camera.elevations + horizon_depression(camera.height))
+    points = np.where(camera.row_step > ROW_SHARE * below, ROW_POINTS, 1)
+    row = np.repeat(np.arange(camera.rows), points)
+    starts = np.cumsum(points) - points
+    part = (np.arange(row.size) - starts[row] + 0.5) / points[row] - 0.5
+    found = radiance(camera.elevations[row] - part * camera.row_step)
+
+    def averaged(values: FloatArray) -> FloatArray:
+        return np.asarray(np.add.reduceat(values, starts, axis=0) / points[:, None])
+
+    return SeaRadiance(averaged(found.path), averaged(found.emission), averaged(found.sky), averaged(found.sun))

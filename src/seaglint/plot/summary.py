@@ -18,8 +18,8 @@ from seaglint.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL
 if TYPE_CHECKING:
     import xarray as xr
 
-GLINT_EXCESS: Final = 10.0
-"""A pixel counts as glint when it looks this much warmer than the water [K]: air and sky of ordinary scenes stay below."""
+GLINT_FACTOR: Final = 2.0
+"""A pixel counts as glint when it is this many times as bright as a blackbody at the water's temperature: the Sun gives most of it."""
 
 _GRID_STEP: Final = 5.0  # cm-1; the blackbody is smooth, so the step only has to resolve the response
 _FALLBACK_SEA: Final = 288.15
@@ -50,7 +50,7 @@ class Summary:
     peak_apparent_temperature: float
     """[K]."""
     glint_fraction: float
-    """Share of the pixels that look more than :data:`GLINT_EXCESS` warmer than the water."""
+    """Share of the pixels more than :data:`GLINT_FACTOR` times as bright as a blackbody at the water's temperature."""
     non_finite: int
     """Pixels that are NaN or infinite."""
 
@@ -81,7 +81,7 @@ def sea_temperature(dataset: xr.Dataset) -> float:
 def summarise(dataset: xr.Dataset) -> Summary:
     """Statistics of ``radiance``, frame by frame, so that memory does not grow with the sequence; unfinished frames are left out."""
     band = stored_band(dataset.attrs)
-    threshold = float(band.radiance(sea_temperature(dataset) + GLINT_EXCESS, grid_of(band)))
+    threshold = GLINT_FACTOR * float(band.radiance(sea_temperature(dataset), grid_of(band)))
     total, peak, glint, pixels, bad, frames = 0.0, 0.0, 0, 0, 0, 0
     for image in images(dataset):
         finite = np.isfinite(image)

@@ -33,6 +33,9 @@ Shadowing = Literal["both", "viewer"]
 _FLOOR: Final = 1e-3 * SOLAR_ANGULAR_RADIUS
 """Least rms slope of the quadrature [1]: a mirror gets an edge of 0.2 % of the Sun's radius and needs no formula of its own."""
 
+_THINNEST: Final = 0.02
+"""Least ratio of the two rms slopes: at the roughest slopes without wind, 0.055, half of the Sun's radius in slopes."""
+
 _BROAD: Final = 0.4
 """Image of the Sun's radius in slopes over the rms slope, below which seven points on the disc are exact to 1e-3 even at 4 sigma."""
 
@@ -105,10 +108,14 @@ def direction(zenith: ArrayLike, azimuth: ArrayLike) -> tuple[FloatArray, FloatA
 
 
 def _floored(slopes: SlopeStatistics) -> SlopeStatistics:
-    """The same statistics with no variance below the floor, so that mirrors have a density."""
-    if min(slopes.mss_up, slopes.mss_cross) >= _FLOOR**2:
+    """The same statistics with no variance below the floor, so that mirrors have a density, nor one far below the other.
+
+    Slopes along one direction only (directional fits without wind) would leave the quadrature's window, which is set up and down the disc.
+    """
+    least = max(_FLOOR**2, _THINNEST**2 * max(slopes.mss_up, slopes.mss_cross))
+    if min(slopes.mss_up, slopes.mss_cross) >= least:
         return slopes
-    return SlopeStatistics(max(slopes.mss_up, _FLOOR**2), max(slopes.mss_cross, _FLOOR**2), slopes.wind_to_azimuth)
+    return SlopeStatistics(max(slopes.mss_up, least), max(slopes.mss_cross, least), slopes.wind_to_azimuth)
 
 
 def glint(
