@@ -77,6 +77,7 @@ def measured() -> list[str]:
     demo = str(ROOT / "examples" / "demo.toml")
     render(demo, 1)  # compiles what is not compiled yet
     sequence = render(demo, 12)
+    default = render("{}", 4)
     small, large = render(ARTICLE_CASE % (16, 16), 2), render(ARTICLE_CASE % (1024, 512), 2)
     start_python = best_seconds(sys.executable, "-c", "pass")
     start_import = best_seconds(sys.executable, "-c", "import seaglint")
@@ -85,8 +86,9 @@ def measured() -> list[str]:
         ("demo: scenario to first frame ready (tables, tiles)", f"{sequence['ready']:.1f} s"),
         ("demo: one 512 x 256 frame, median of 12", f"{sequence['frame']:.2f} s"),
         ("demo: 100 frames", f"{sequence['ready'] + 100 * sequence['frame']:.0f} s"),
+        ("default settings (waves down to 2 m, two lines a far column): one 512 x 256 frame", f"{default['frame']:.2f} s"),
         ("demo: peak memory", f"{sequence['peak']:.0f} MB"),
-        ("14 km x 3.5 km, 1 m lattice, 1024 x 512 pixels: one frame", f"{large['frame']:.2f} s"),
+        ("14 km x 3.5 km, 1 m lattice, 1024 x 512 pixels, two lines: one frame", f"{large['frame']:.2f} s"),
         ("the same: peak memory", f"{large['peak']:.0f} MB"),
         ("the same with 16 x 16 pixels: peak memory", f"{small['peak']:.0f} MB"),
         ("difference (article: 1.1 GB, cut 40-fold; bound here 150 MB)", f"{large['peak'] - small['peak']:.0f} MB"),
