@@ -14,7 +14,7 @@ from seaglint.cli import app as commands
 from seaglint.cli.doctor import data_files, examine, read_checksums
 from seaglint.cli.frames import parse_frames
 from seaglint.cli.progress import LOG_INTERVAL, ProgressMode, log_lines, progress
-from seaglint.errors import ScenarioError
+from seaglint.errors import DomainError, ScenarioError
 
 
 def one_line(text: str) -> bool:
@@ -100,6 +100,39 @@ def test_user_errors_are_one_line_and_code_2(seaglint, pipeline, scenario, tmp_p
     assert one_line(answer.err)
     assert answer.err.startswith("seaglint: ")
     assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_sensor_within_reach_of_the_waves_is_told_by_file_and_key(seaglint, tmp_path):
+    path = tmp_path / "low.toml"
+    path.write_text(
+        "[sensor]\nheight_m = 2\nfov_deg = [4, 2]\npixels = [8, 4]\n[wind]\nspeed_m_s = 18\n[atmosphere]\nsource = 'isothermal'\n"
+    )
+    answer = seaglint("render", path, "-o", tmp_path / "run.zarr", "--progress", "none")
+    assert answer.code == 2
+    assert one_line(answer.err)
+    assert answer.err.startswith(f"seaglint: {path}: sensor.height_m = 2 is within reach of the waves (significant height ")
+    assert "sea.resolve_waves = false" in answer.err
+    assert not (tmp_path / "run.zarr").exists()
+    assert seaglint("mean", path, "-o", tmp_path / "mean.nc").code == 0  # no wave stands in the way of the mean
+
+
+@pytest.mark.parametrize(
+    ("error", "told"),
+    [
+        (DomainError("at 3 s the sea stands 5 m high under the sensor"), "sensor.height_m = 30: at 3 s the sea stands 5 m"),
+        (DomainError("wind speed = 0.3 m/s is outside"), "wind speed = 0.3 m/s is outside"),
+        (ScenarioError("sea.spectrum.time is missing"), "sea.spectrum.time is missing"),
+    ],
+)
+def test_what_only_physics_refuses_names_the_file(seaglint, pipeline, scenario, tmp_path, monkeypatch, error, told):
+    def refuse(*_, **__):
+        raise error
+
+    monkeypatch.setattr(sys.modules["seaglint.pipeline.render"], "render", refuse)
+    answer = seaglint("render", scenario, "-o", tmp_path / "run.zarr", "--progress", "none")
+    assert answer.code == 2
+    assert one_line(answer.err)
+    assert answer.err.startswith(f"seaglint: {scenario}: {told}")
 
 
 @pytest.mark.parametrize("arguments", [("render",), ("nix",), ("render", "my.toml"), ("render", "my.toml", "-o", "x", "--threads", "0")])

@@ -5,6 +5,7 @@ import pytest
 
 from seaglint.errors import DomainError, ScenarioError
 from seaglint.pipeline import prepare
+from seaglint.scenario import model
 from seaglint.scenario.load import parse_scenario
 
 
@@ -72,6 +73,21 @@ def test_a_buoy_without_a_time_is_refused(tmp_path):
     scenario = _scenario(sun={"zenith_deg": 60.0}, sea={"spectrum": {"kind": "file", "path": str(path)}})
     with pytest.raises(ScenarioError, match=r"sea\.spectrum\.time"):
         prepare.spectrum(scenario)
+
+
+def test_a_response_outside_the_air_table_is_told_by_its_key(tmp_path):
+    path = tmp_path / "wide.csv"
+    path.write_text("wavelength_um,response\n3,0\n5,1\n7,0\n")
+    scenario = _scenario(band={"response": str(path)})
+    with pytest.raises(ScenarioError, match=r"^band\.response = '.*wide\.csv' reaches from 3 to 7 um.*2 to 5\.5 um or 7\.5 to 14 um"):
+        prepare.atmosphere(scenario, prepare.band(scenario))
+
+
+@pytest.mark.parametrize(("region", "height"), zip(model.TABLE_BANDS, model.TABLE_HEIGHTS, strict=True))
+def test_what_the_scenario_allows_is_in_the_air_tables(region, height):
+    scenario = _scenario(band={"min_um": region[0], "max_um": region[1]}, sensor={"height_m": height, "pixels": [16, 8]})
+    path = prepare.view(scenario).atmosphere.transmittance(height, 1.1 * height)
+    assert np.all((path >= 0.0) & (path <= 1.0))
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,23 @@ from seaglint.scenario.load import load_scenario, parse_scenario
 MISTAKES = {
     "misspelt key": ({"sensor": {"hieght_m": 3}}, ["sensor.hieght_m", "unknown key", "sensor.height_m?"]),
     "wrong unit in a key": ({"sensor": {"height_ft": 3}}, ["sensor.height_ft", "sensor.height_m?"]),
+    "far key of another table": ({"wind": {"direction_deg": 3}}, ["wind.direction_deg", "unknown key; allowed here: speed_m_s, from_deg"]),
+    "nearest key of the same table first": (
+        {"sensor": {"zenith_deg": 3}},
+        ["sensor.zenith_deg", "did you mean sensor.azimuth_deg or sun.zenith_deg?"],
+    ),
+    "below the air table": ({"sensor": {"height_m": 1.9}}, ["sensor.height_m = 1.9", "2 to 10000 m", "atmosphere.source = 'none'"]),
+    "above the air table": ({"sensor": {"height_m": 10_001}}, ["sensor.height_m = 10001", "10000 m"]),
+    "band below the air tables": ({"band": {"min_um": 1.5}}, ["band.min_um = 1.5", "2 to 5.5 um or 7.5 to 14 um"]),
+    "band above the air tables": ({"band": {"min_um": 8, "max_um": 15}}, ["band.max_um = 15", "2 to 5.5 um or 7.5 to 14 um"]),
+    "band in the gap": ({"band": {"min_um": 6, "max_um": 7}}, ["band.min_um = 6", "2 to 5.5 um or 7.5 to 14 um"]),
+    "band across the gap": ({"band": {"min_um": 3, "max_um": 12}}, ["band.max_um = 12", "band.min_um = 3", "no band across the gap"]),
+    "a word for a truth": ({"sea": {"resolve_waves": "yes"}}, ["sea.resolve_waves = 'yes'", "must be true or false"]),
+    "a number for a truth": ({"sea": {"resolve_waves": 1}}, ["sea.resolve_waves = 1", "must be true or false"]),
+    "missing buoy file": (
+        {"sea": {"spectrum": {"kind": "file", "path": "nix.data_spec"}}},
+        ["sea.spectrum.path = 'nix.data_spec'", "not a file"],
+    ),
     "key in the wrong table": ({"sensor": {"speed_m_s": 3}}, ["sensor.speed_m_s", "wind.speed_m_s?"]),
     "unknown table": ({"winds": {"speed_m_s": 3}}, ["winds", "wind?"]),
     "nothing near": ({"sensor": {"qqq": 3}}, ["sensor.qqq", "allowed here: height_m"]),

@@ -61,7 +61,7 @@ def test_text_with_units(text, unit, value):
     assert convert(text, unit) == pytest.approx(value, rel=ROUNDING)
 
 
-@given(st.floats(0.001, 5000, allow_nan=False))
+@given(st.floats(2.0, 5000, allow_nan=False))
 def test_number_and_text_in_the_keys_unit_agree(height):
     by_number = parse_scenario({"sensor": {"height_m": height}})
     by_text = parse_scenario({"sensor": {"height_m": f"{height!r} m"}})
@@ -108,6 +108,8 @@ def test_relative_paths_count_from_the_scenario_file(tmp_path: Path, monkeypatch
         ([16.0, 8.0], [256, 512], "auto", False),
         ([16.0, 8.0], [512, 8], "auto", False),
         ([16.0, 8.0], [512, 8], "any", True),
+        ([16.0, 8.0], [512, 90], "auto", True),
+        ([16.0, 8.0], [512, 80], "auto", False),
     ],
 )
 def test_fields_of_view_that_disagree_with_the_pixels_are_refused(fov, pixels, shape, fits):
@@ -117,6 +119,25 @@ def test_fields_of_view_that_disagree_with_the_pixels_are_refused(fov, pixels, s
     else:
         with pytest.raises(ScenarioError, match=r"sensor\.pixels = \[\d+, \d+\] disagrees with sensor\.fov_deg"):
             parse_scenario(values)
+
+
+@pytest.mark.parametrize(("fov", "pixels", "advice"), [([8.0, 16.0], [512, 256], [512, 1024]), ([90.0, 30.0], [64, 640], [64, 21])])
+def test_the_pixels_advised_are_accepted(fov, pixels, advice):
+    sensor = {"fov_deg": fov, "pixels": pixels, "elevation_deg": -30.0}
+    with pytest.raises(ScenarioError) as caught:
+        parse_scenario({"sensor": sensor})
+    assert f"use pixels = {advice}," in str(caught.value)
+    parse_scenario({"sensor": sensor | {"pixels": advice}})
+
+
+@pytest.mark.parametrize(("height", "band"), [(2.0, (2.0, 5.5)), (10_000.0, (7.5, 14.0)), (30.0, (8.0, 12.0))])
+def test_the_whole_air_table_is_allowed(height, band):
+    parse_scenario({"sensor": {"height_m": height}, "band": {"min_um": band[0], "max_um": band[1]}})
+
+
+def test_without_the_air_table_height_and_band_are_free():
+    values = {"sensor": {"height_m": 0.5}, "band": {"min_um": 3.0, "max_um": 12.0}, "atmosphere": {"source": "none"}}
+    assert parse_scenario(values).sensor.height_m == 0.5
 
 
 @pytest.mark.parametrize("zenith", [0.0, 90.0, 95.0, 180.0])

@@ -86,6 +86,15 @@ def test_two_legs_limits():
     assert bistatic(np.inf, 0.4, 1.0) == 0.0
 
 
+def test_passage_between_the_limits_at_45_deg():
+    """By hand from van Ginneken's 4.41 per radian.
+
+    4.41 pi/4 = 3.46361, over 4.46361 is 0.775966; 4.41 pi = 13.85442, over 14.85442 is 0.932680; their ratio a = 0.831975.
+    1/(1 + 0.7 + 0.4 a) = 1/2.032790 = 0.491935.
+    """
+    assert bistatic(0.7, 0.4, np.pi / 4) == pytest.approx(0.491935, abs=2e-6)  # six digits; 4.40 or 4.42 would be 3e-5 away
+
+
 def test_deviation_of_zero_is_the_plane():
     assert visible_area_kernel(0.3, 0.0) == 0.3
     assert visible_area_kernel(-0.3, 0.0) == 0.0

@@ -82,6 +82,17 @@ def test_peak_enhancement_of_young_seas(age, enhancement):
     assert 1.0 < kp**3 * float(sea.omnidirectional(kp)) / long_waves / enhancement < 1.4  # the short waves' part is 0.1-0.3 of the long
 
 
+@pytest.mark.parametrize(("wavenumber", "delta"), [(370.0, 0.377287), (0.13843872, 0.952225)])
+def test_asymmetry_between_upwind_and_crosswind(wavenumber, delta):
+    """Elfouhaily's Delta by hand at U10 = 10 m/s: tanh[ln2/4 + 4 (c/c_p)^2.5 + 0.13 (u*/c_m) (c_m/c)^2.5].
+
+    c_p = 10/0.84 = 11.90476 m/s; z0 = 3.7e-5 100/9.81 0.84^0.9 = 3.22389e-4 m; u* = 4.1/ln(10/z0) = 0.39643 m/s; ln2/4 = 0.173287.
+    At 370 rad/m: c = sqrt(2 9.81/370) = 0.230276 m/s; 4 (c/c_p)^2.5 = 0.000208; 0.13 u*/0.23 (0.23/c)^2.5 = 0.223398; tanh 0.396893.
+    At 2 k_p = 0.13843872 rad/m: (c/c_p)^2.5 = 2^-1.25 = 0.420448, times 4 is 1.681793; the capillaries' term 0.000028; tanh 1.855107.
+    """
+    assert 2.0 * float(ElfouhailySpectrum(10.0).second_harmonic(wavenumber)) == pytest.approx(delta, abs=5e-6)  # six digits by hand
+
+
 @pytest.mark.parametrize("wind", [0.0, -3.0, 31.0, np.nan])
 def test_winds_outside_the_models_are_refused(wind):
     with pytest.raises(DomainError, match="Elfouhaily"):

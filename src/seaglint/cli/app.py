@@ -7,6 +7,8 @@ inside the command that needs it, so that ``seaglint --help`` answers at once.
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,7 +16,7 @@ import typer
 from typer.core import TyperGroup
 
 from seaglint.cli.progress import ProgressMode
-from seaglint.errors import SeaglintError
+from seaglint.errors import DomainError, ScenarioError, SeaglintError
 
 
 class _Commands(TyperGroup):
@@ -69,6 +71,22 @@ def _seaglint(
 def log(text: str) -> None:
     """One line for the user, on stderr."""
     print(text, file=sys.stderr, flush=True)
+
+
+@contextmanager
+def _naming(scenario: Path, height: float) -> Iterator[None]:
+    """Give what only physics refuses the file's name, and the key where it is the sensor's height [m]: physics knows neither."""
+    try:
+        yield
+    except ScenarioError as error:
+        raise ScenarioError(f"{scenario}: {error}") from error
+    except DomainError as error:
+        text = str(error)
+        if "sensor height" not in text and "under the sensor" not in text:
+            raise ScenarioError(f"{scenario}: {text}") from error
+        key, spoken = f"sensor.height_m = {height:g}", f"sensor height = {height:g} m "
+        what = f" {text.removeprefix(spoken)}" if text.startswith(spoken) else f": {text}"
+        raise ScenarioError(f"{scenario}: {key}{what}; sea.resolve_waves = false leaves the waves out") from error
 
 
 def _print_json(value: Any) -> None:
@@ -126,7 +144,8 @@ def mean(
         refuse_existing(picture, overwrite=overwrite)
     from seaglint.pipeline.mean import mean as mean_map
 
-    dataset = mean_map(loaded)
+    with _naming(scenario, loaded.sensor.height_m):
+        dataset = mean_map(loaded)
     write_netcdf(dataset, output, overwrite=overwrite)
     log(f"{output} written")
     if preview:
@@ -159,7 +178,7 @@ def render(
     pictures = _Pictures(output, replace=overwrite or resume) if preview else None
     from seaglint.pipeline.render import render as render_sequence
 
-    with progress(show, "frames") as report:
+    with _naming(scenario, loaded.sensor.height_m), progress(show, "frames") as report:
         render_sequence(loaded, output, frames=wanted, threads=threads, resume=resume, overwrite=overwrite, progress=report)
     from seaglint.io.store import open_sequence
     from seaglint.plot.summary import summarise

@@ -54,7 +54,16 @@ def atmosphere(scenario: model.Scenario, over: Band) -> Atmosphere:
     """The air, sampled over a band."""
     match scenario.atmosphere:
         case model.TableAtmosphere(model=name):
-            return TableAtmosphere.load(name, scenario.wind.speed_m_s, (over.min_um, over.max_um))
+            try:
+                return TableAtmosphere.load(name, scenario.wind.speed_m_s, (over.min_um, over.max_um))
+            except DomainError as error:
+                if scenario.band.response is None:
+                    raise
+                # The scenario checked its own numbers; what its response file reaches is known only here.
+                raise ScenarioError(
+                    f"band.response = '{scenario.band.response}' reaches from {over.min_um:g} to {over.max_um:g} um, outside the table "
+                    f"atmosphere; allowed: {model.TABLE_BANDS_TEXT}, or set atmosphere.source = 'none'"
+                ) from error
         case model.IsothermalAtmosphere(temperature_k=temperature, extinction_per_km=extinction):
             return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
         case model.NoAtmosphere():

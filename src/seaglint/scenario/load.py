@@ -92,17 +92,12 @@ def _unknown_key(location: Sequence[str | int]) -> str:
         # A key of another kind of the same table, such as atmosphere.model beside source = "isothermal".
         tag = tag_name(tuple(table))
         return f"{_dotted(location)} does not go with this {tag} of {_dotted(table)}; leave it out or change the {tag}"
+    # Of other tables only a key of the very same name helps: a similar one (direction_deg, elevation_deg) means something else.
     exact = [path for path in key_paths() if path.rsplit(".", 1)[-1] == name]
-    near = exact or [_dotted((*table, key)) for key in difflib.get_close_matches(name, here, n=1, cutoff=0.6)] or _nearest_anywhere(name)
-    hint = f"; did you mean {near[0]}?" if near else ""
+    near = [_dotted((*table, key)) for key in difflib.get_close_matches(name, here, n=1, cutoff=0.6)] + exact[:1]
+    hint = f"; did you mean {' or '.join(near)}?" if near else ""
     allowed = "" if near else f"; allowed here: {', '.join(here) or 'none'}"
     return f"{_dotted(location)} is an unknown key{hint}{allowed}"
-
-
-def _nearest_anywhere(name: str) -> list[str]:
-    """Full path of the key of any table whose last part is closest to ``name``, as a list of one or none."""
-    paths = {path.rsplit(".", 1)[-1]: path for path in reversed(key_paths())}
-    return [paths[near] for near in difflib.get_close_matches(name, paths, n=1, cutoff=0.6)]
 
 
 def _without_tags(location: Sequence[str | int], raw: Mapping[str, Any]) -> tuple[str | int, ...]:

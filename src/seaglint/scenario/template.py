@@ -80,7 +80,7 @@ def _lines(preset: Preset) -> Iterator[str]:
     yield from (f"# {line}" for line in preset.notes)
     yield from _HEADER.splitlines()
     yield ""
-    yield from _table(Scenario.model_validate(preset.values), ())
+    yield from _table(Scenario.model_validate(preset.values, context={"files": False}), ())
 
 
 def _table(record: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
