@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import os
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -45,14 +50,54 @@ def test_an_existing_map_is_kept_unless_told_otherwise(tmp_path):
 
 
 def test_a_failed_map_leaves_nothing(tmp_path, monkeypatch):
-    def full(self, path, **_):
-        path.write_bytes(b"half")
+    def full(self, _):
+        with self.open("wb") as file:
+            file.write(b"half")
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(xr.Dataset, "to_netcdf", full)
+    monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(StorageError, match="no room left"):
         write_netcdf(dataset(), tmp_path / "mean.nc")
     assert list(tmp_path.iterdir()) == []
+
+
+FULL = """
+import resource, sys
+import numpy as np, xarray as xr
+from seaglint.errors import StorageError
+from seaglint.io.netcdf import write_netcdf
+noise = np.random.default_rng(1).random((300, 300))
+resource.setrlimit(resource.RLIMIT_FSIZE, (65536, 65536))
+try:
+    write_netcdf(xr.Dataset({"radiance": (("y", "x"), noise)}), sys.argv[1], overwrite=True)
+except StorageError as error:
+    print(error)
+    sys.exit(error.exit_code)
+"""
+
+
+def test_a_map_that_does_not_fit_ends_in_a_sentence_and_keeps_the_old_one(tmp_path):
+    # In a process of its own: HDF5 writing to a full disk by itself ends in SIGSEGV.
+    pytest.importorskip("resource")
+    path = tmp_path / "mean.nc"
+    path.write_text("old")
+    ended = subprocess.run([sys.executable, "-c", FULL, path], capture_output=True, text=True, timeout=120, check=False)
+    assert ended.returncode == StorageError.exit_code, ended.stderr
+    assert "no room left" in ended.stdout
+    assert [file.name for file in tmp_path.iterdir()] == ["mean.nc"]
+    assert path.read_text() == "old"
+
+
+@pytest.mark.parametrize(("number", "words"), [(errno.ENOENT, "moved or removed"), (errno.EIO, "writing failed")])
+def test_room_is_not_the_remedy_for_every_refusal(number, words):
+    with pytest.raises(StorageError, match=rf"x: .*{words}.*: the-file\)") as caught, storage_errors("x", "make room"):
+        raise OSError(number, os.strerror(number), "the-file")
+    assert "make room" not in str(caught.value)
+
+
+def test_our_own_errors_pass_whatever_led_to_them():
+    with pytest.raises(DataError, match=r"^busy$"), storage_errors("x", "make room"):
+        raise DataError("busy") from BlockingIOError(errno.EAGAIN, "locked")
 
 
 def test_a_full_disk_is_found_behind_other_exceptions():

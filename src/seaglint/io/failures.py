@@ -7,10 +7,11 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Final
 
-from seaglint.errors import StorageError
+from seaglint.errors import SeaglintError, StorageError
 
 _FULL: Final = frozenset({errno.ENOSPC, errno.EDQUOT, errno.EFBIG})
 _DENIED: Final = frozenset({errno.EACCES, errno.EPERM, errno.EROFS})
+_GONE: Final = frozenset({errno.ENOENT, errno.ENOTDIR, errno.ESTALE})
 
 
 def _system_error(error: BaseException | None) -> OSError | None:
@@ -24,17 +25,25 @@ def _system_error(error: BaseException | None) -> OSError | None:
 
 @contextmanager
 def storage_errors(target: object, remedy: str) -> Iterator[None]:
-    """Turn a full disk, a quota or missing rights into a :class:`StorageError` that ends with ``remedy``."""
+    """Turn the system's refusals into a :class:`StorageError`, which ends with ``remedy`` where room or rights are missing."""
     try:
         yield
+    except SeaglintError:
+        raise
     except Exception as error:
         system = _system_error(error)
         if system is None:
             raise
-        if system.errno in _FULL:
-            reason = "no room left (disk full, or over the quota or file size limit)"
-        elif system.errno in _DENIED:
-            reason = "no right to write there"
-        else:
-            reason = system.strerror or str(system)
-        raise StorageError(f"{target}: {reason}; {remedy}") from error
+        raise StorageError(f"{target}: {_sentence(system, remedy)}") from error
+
+
+def _sentence(error: OSError, remedy: str) -> str:
+    if error.errno in _FULL:
+        return f"no room left (disk full, or over the quota or file size limit); {remedy}"
+    if error.errno in _DENIED:
+        return f"no right to write there; {remedy}"
+    told = error.strerror or str(error)
+    what = f"{told}: {error.filename}" if error.filename else told
+    if error.errno in _GONE:
+        return f"something was moved or removed while it was written ({what}); see that no other program works there and run again"
+    return f"writing failed ({what}); see to the disk or choose another place"

@@ -1,4 +1,7 @@
-"""Maps as one NetCDF 4 file, written beside its place and moved there when whole."""
+"""Maps as one NetCDF 4 file, written beside its place and moved there when whole.
+
+The file is made in memory and its bytes are written by Python: HDF5 that meets a full disk can take the process with it.
+"""
 
 from __future__ import annotations
 
@@ -42,9 +45,10 @@ def write_netcdf(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = F
             labelled[name].attrs = {**VARIABLES[name].attributes, **labelled[name].attrs}
     partial = output.with_name(output.name + ".partial")
     encoding = {name: {"zlib": True, "complevel": 3} for name, variable in labelled.data_vars.items() if variable.ndim >= 2}
+    content = labelled.to_netcdf(engine="h5netcdf", encoding=encoding)
     try:
         with storage_errors(output, "make room or choose another place; nothing was written"):
-            labelled.to_netcdf(partial, engine="h5netcdf", encoding=encoding)
+            partial.write_bytes(content)
             partial.replace(output)
     finally:
         partial.unlink(missing_ok=True)

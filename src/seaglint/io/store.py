@@ -1,8 +1,9 @@
 """Image sequences on disk: a Zarr 3 store with one chunk per frame, whole or plainly unfinished.
 
 Frames go to ``NAME.partial``; the folder gets its name when the last frame is in. A frame counts once ``frame_done`` says
-so, which is written after its pixels: whatever interrupts the work, a frame is whole or absent. Missing pixels are NaN
-(with a fill of 0, Zarr would not write chunks that are all zero, and a black frame could not be told from a missing one).
+so, which is written after its pixels: whatever interrupts the work, a frame is whole or absent. One process at a time writes there.
+Missing pixels are NaN (with a fill of 0, Zarr would not write chunks that are all zero, and a black frame could not be told from
+a missing one).
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import shutil
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import FrameType
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, SeaglintError
+from seaglint.io.claim import Claim, exclusive
 from seaglint.io.failures import storage_errors
 from seaglint.io.provenance import band_attributes, differences
 from seaglint.optics.band import Band
@@ -125,7 +127,7 @@ def write_sequence(
     Raises
     ------
     DataError
-        The output exists, or was made from something else.
+        The output exists, was made from something else, or another process writes it.
     StorageError
         No room or no rights; the frames done stay.
     Interrupted
@@ -134,11 +136,31 @@ def write_sequence(
     output = Path(output)
     partial = partial_path(output)
     remedy = f"what is done stays in {partial}: make room and run the same command with --resume"
-    if _nothing_to_do(output, partial, layout, resume=resume, overwrite=overwrite):
-        total = len(layout.frames)
-        if progress is not None:
-            progress(total, total)
-        return output
+    if resume and overwrite:
+        raise DataError("--resume keeps what is there and --overwrite replaces it; give one of the two")
+    if not output.parent.is_dir():
+        raise DataError(f"{output}: the folder {output.parent} does not exist; make it first")
+    if not _stands(output, layout, resume=resume, overwrite=overwrite):
+        with ExitStack() as held:
+            with storage_errors(partial, remedy):
+                claim = held.enter_context(exclusive(partial))
+            # Another process may have finished between the first look and the claim.
+            if not _stands(output, layout, resume=resume, overwrite=overwrite):
+                _require_free(partial, resume=resume, overwrite=overwrite)
+                _fill(partial, layout, frame, derived or {}, claim, remedy, resume=resume, progress=progress)
+                with storage_errors(output, remedy):
+                    _require_whole(partial, claim)
+                    _give_name(partial, output)
+                return output
+    if progress is not None:
+        progress(len(layout.frames), len(layout.frames))
+    return output
+
+
+def _fill(
+    partial: Path, layout: Layout, frame: Frame, derived: Derived, claim: Claim, remedy: str, *, resume: bool, progress: Progress | None
+) -> None:
+    """Compute and write the frames that are missing."""
     with storage_errors(partial, remedy):
         group = _open_partial(partial, layout) if resume and partial.exists() else _create_partial(partial, layout)
         done = np.asarray(group["frame_done"][:], dtype=bool)
@@ -153,33 +175,52 @@ def write_sequence(
                 )
             radiance = frame(layout.frames[int(index)])
             with storage_errors(partial, remedy):
-                _write_frame(group, int(index), radiance, derived or {})
+                claim.require()
+                _require_there(partial)
+                _write_frame(group, int(index), radiance, derived)
             count += 1
             if progress is not None:
                 progress(count, done.size)
-    with storage_errors(output, remedy):
-        _give_name(partial, output)
-    return output
 
 
-def _nothing_to_do(output: Path, partial: Path, layout: Layout, *, resume: bool, overwrite: bool) -> bool:
-    """Refuse what may not be touched; true when the whole sequence is there already."""
-    if resume and overwrite:
-        raise DataError("--resume keeps what is there and --overwrite replaces it; give one of the two")
-    if not output.parent.is_dir():
-        raise DataError(f"{output}: the folder {output.parent} does not exist; make it first")
-    if output.exists():
-        if resume:
-            _require_same(output, layout)
-            return True
-        if not overwrite:
-            raise DataError(f"{output}: exists already; choose another name, or replace it with --overwrite")
-        _require_ours(output)
+def _stands(output: Path, layout: Layout, *, resume: bool, overwrite: bool) -> bool:
+    """Refuse what may not be replaced; true when the whole sequence is there already."""
+    if not output.exists():
+        return False
+    if resume:
+        _require_same(output, layout)
+        return True
+    if not overwrite:
+        raise DataError(f"{output}: exists already; choose another name, or replace it with --overwrite")
+    _require_ours(output)
+    return False
+
+
+def _require_free(partial: Path, *, resume: bool, overwrite: bool) -> None:
+    """Refuse to begin anew where an unfinished sequence lies."""
     if partial.exists() and not resume:
         if not overwrite:
             raise DataError(f"{partial}: an unfinished sequence is there; go on with --resume, or begin anew with --overwrite")
         _require_ours(partial)
-    return False
+
+
+def _require_there(partial: Path) -> None:
+    """Without this, frames written into a folder that was moved away would make an unreadable one in its place."""
+    if not (partial / "zarr.json").exists():
+        raise DataError(f"{partial}: was moved or removed while it was written; put it back and go on with --resume, or begin anew")
+
+
+def _require_whole(partial: Path, claim: Claim) -> None:
+    """Nothing gets its final name unless it is still ours and has every frame on disk, whatever was counted on the way."""
+    import zarr
+
+    claim.require()
+    _require_there(partial)
+    group: Any = zarr.open_group(partial, mode="r", zarr_format=3)
+    done = np.asarray(group["frame_done"][:], dtype=bool)
+    if not done.all():
+        missing = f"{int((~done).sum())} of {done.size} frames are missing"
+        raise DataError(f"{partial}: {missing} though all were written; see that no other program works there and go on with --resume")
 
 
 def _require_ours(path: Path) -> None:

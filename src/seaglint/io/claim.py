@@ -1,0 +1,145 @@
+"""One writer at a time: a claim on a folder that ends with the process, however that ends.
+
+The claim is a lock of the operating system on a file beside the folder. It is not inside: the folder may be emptied, is renamed
+when whole, and everything in it is taken for part of the store. A killed process leaves the file but not the lock. Where a file
+system has no locks, the random token in the file still tells the earlier writer that another one has come.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from seaglint.errors import DataError
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What a writer holds while it writes into a folder."""
+
+    folder: Path
+    """The folder claimed."""
+    token: str
+    """Random text that no other claim has."""
+
+    def holds(self) -> bool:
+        """Whether the file beside the folder still carries our token."""
+        try:
+            return lock_path(self.folder).read_text(encoding="ascii").split()[1:] == [self.token]
+        except (FileNotFoundError, ValueError):  # removed, or overwritten with what is not text
+            return False
+
+    def require(self) -> None:
+        """Refuse to go on in a folder that another process has taken.
+
+        Raises
+        ------
+        DataError
+            The claim is gone.
+        """
+        if not self.holds():
+            raise DataError(
+                f"{self.folder}: another process has taken it, or {lock_path(self.folder).name} was removed; "
+                "see that one process only writes there and go on with --resume"
+            )
+
+
+def lock_path(folder: Path) -> Path:
+    """File that carries the claim on a folder."""
+    return folder.with_name(folder.name + ".lock")
+
+
+@contextmanager
+def exclusive(folder: Path) -> Iterator[Claim]:
+    """Claim a folder, which need not exist yet, for as long as the context lasts.
+
+    Raises
+    ------
+    DataError
+        Another process holds it.
+    OSError
+        The file beside the folder cannot be written.
+    """
+    path = lock_path(folder)
+    descriptor = _open_locked(folder, path)
+    claim = Claim(folder, secrets.token_hex(16))
+    try:
+        os.ftruncate(descriptor, 0)
+        os.write(descriptor, f"{os.getpid()} {claim.token}\n".encode("ascii"))
+        yield claim
+    finally:
+        _release(descriptor, claim)
+
+
+def _open_locked(folder: Path, path: Path) -> int:
+    """Open and lock the file; the one locked must be the one that has the name, not one that its last owner just removed."""
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            free = _lock(descriptor)
+            owner = b"" if free else os.read(descriptor, 100)
+            current = free and _has_name(descriptor, path)
+        except BaseException:
+            os.close(descriptor)
+            raise
+        if current:
+            return descriptor
+        os.close(descriptor)
+        if not free:
+            pid = owner.split(maxsplit=1)[:1]
+            known = f" (pid {pid[0].decode('ascii', 'replace')})" if pid else ""
+            raise DataError(f"{folder}: is being written by another process{known}; wait for it or choose another name")
+
+
+def _has_name(descriptor: int, path: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(descriptor), path.stat())
+    except FileNotFoundError:
+        return False
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _lock(descriptor: int) -> bool:
+        """Lock a byte far behind the text, which others must be able to read; false when another process holds it."""
+        os.lseek(descriptor, 1 << 30, os.SEEK_SET)
+        try:
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        finally:
+            os.lseek(descriptor, 0, os.SEEK_SET)
+        return True
+
+    def _release(descriptor: int, claim: Claim) -> None:
+        os.close(descriptor)
+        with suppress(OSError):  # an open file cannot be removed here: the next owner has it already
+            lock_path(claim.folder).unlink()
+
+else:
+    import fcntl
+
+    def _lock(descriptor: int) -> bool:
+        """Lock the file; false when another process holds it. Where there are no locks, the token alone has to do."""
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        except OSError:
+            return True  # some network file systems
+        return True
+
+    def _release(descriptor: int, claim: Claim) -> None:
+        # Removed while locked. Where locks are missing, a later owner may have put its token into the same file, which then stays.
+        try:
+            with suppress(OSError):  # what is left behind blocks nobody
+                if claim.holds():
+                    lock_path(claim.folder).unlink()
+        finally:
+            os.close(descriptor)
