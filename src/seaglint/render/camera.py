@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from seaglint.conventions import FloatArray, horizon_depression
+from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 
 
@@ -76,8 +76,3 @@ class Camera:
     def elevations(self) -> FloatArray:
         """Elevations of the row centres [rad], descending."""
         return np.asarray(self.top - (np.arange(self.rows) + 0.5) * self.row_step)
-
-    @property
-    def sees_sea(self) -> bool:
-        """Whether the lower edge of the image lies below the sea horizon."""
-        return self.bottom < -horizon_depression(self.height)
