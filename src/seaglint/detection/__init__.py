@@ -1,0 +1,1 @@
+"""Detectors to judge by their false alarms: frames in, a statistic per pixel out."""
