@@ -157,3 +157,18 @@ def test_an_article_background_is_a_blackbody_behind_air():
 def test_views_that_make_no_sense_are_refused(changes, text):
     with pytest.raises(DomainError, match=text):
         _view(VacuumAtmosphere.for_band(3.0, 5.0), flat(), **changes)
+
+
+def test_chance_and_incidence_come_with_the_sun_and_only_there():
+    atmosphere = VacuumAtmosphere.for_band(3.0, 5.0)
+    view = _view(atmosphere, cox_munk_isotropic(6.0))
+    elevation, azimuth = np.radians([2.0, -1.0, -20.0]), np.radians([0.0, 15.0])
+    seen = mean_radiance(view, elevation, azimuth)
+    theta = view_zenith(30.0, -elevation[1:])
+    direct = glint(theta[:, None], azimuth + np.pi, view.solar_zenith, 0.0, view.slopes)
+    np.testing.assert_allclose(seen.chance[1:], direct.chance, rtol=1e-3)  # tables of the view zenith
+    np.testing.assert_allclose(seen.cos_incidence[1:], direct.cos_incidence, rtol=1e-9)
+    assert not seen.chance[0].any()
+    assert not seen.cos_incidence[0].any()
+    dark = mean_radiance(_view(atmosphere, cox_munk_isotropic(6.0), solar_zenith=2.0), elevation, azimuth)
+    assert not dark.chance.any()

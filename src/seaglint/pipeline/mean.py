@@ -100,4 +100,5 @@ def over_rows(camera: Camera, radiance: Callable[[FloatArray], SeaRadiance]) -> 
     def averaged(values: FloatArray) -> FloatArray:
         return np.asarray(np.add.reduceat(values, starts, axis=0) / points[:, None])
 
-    return SeaRadiance(averaged(found.path), averaged(found.emission), averaged(found.sky), averaged(found.sun))
+    parts = (found.path, found.emission, found.sky, found.sun, found.chance, found.cos_incidence)
+    return SeaRadiance(*(averaged(part) for part in parts))

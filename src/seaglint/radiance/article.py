@@ -117,7 +117,7 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
     theta = view_zenith(view.sensor_height, -rows)
     sea = np.isfinite(theta)
     path, emission, sky = (np.zeros((rows.size, 1)) for _ in range(3))
-    sun = np.zeros((rows.size, columns.size))
+    sun, chance, cos_incidence = (np.zeros((rows.size, columns.size)) for _ in range(3))
     sky[~sea, 0] = air.sky(0.5 * np.pi - rows[~sea])
     slant = slant_range(view.sensor_height, surface_range(view.sensor_height, -rows[sea]))
     path[sea, 0] = air.path(np.log(slant))
@@ -127,8 +127,9 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
         mirrored = glint(theta[sea][:, None], columns + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, "viewer")
         irradiance = view.sun_distance_factor * float(air.sun(zenith))
         rho = _mean_reflectance(view, mirrored.cos_incidence)
+        chance[sea], cos_incidence[sea] = mirrored.chance, mirrored.cos_incidence
         sun[sea] = mirrored.chance * rho * irradiance * air.transmittance(slant)[:, None] / (np.pi * SOLAR_ANGULAR_RADIUS**2)
-    return SeaRadiance(path, emission, sky, sun)
+    return SeaRadiance(path, emission, sky, sun, chance, cos_incidence)
 
 
 def _mean_reflectance(view: SeaView, cos_incidence: FloatArray) -> FloatArray:

@@ -90,12 +90,18 @@ class SeaRadiance:
         Sky mirrored by the sea, attenuated; above the horizon the sky itself.
     sun : ndarray
         Sun mirrored by the sea, attenuated; the Sun itself is not drawn above the horizon.
+    chance : ndarray
+        Share of the viewed area that mirrors the Sun [1, (rows, columns)]; 0 without a Sun and above the horizon.
+    cos_incidence : ndarray
+        Cosine of the angle of incidence on the mirroring facets [1, (rows, columns)]; 0 in the same places.
     """
 
     path: FloatArray
     emission: FloatArray
     sky: FloatArray
     sun: FloatArray
+    chance: FloatArray
+    cos_incidence: FloatArray
 
     @property
     def total(self) -> FloatArray:
@@ -148,7 +154,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) -> Se
     theta = view_zenith(view.sensor_height, -rows)
     sea = np.isfinite(theta)
     path, emission, sky = (np.zeros((rows.size, 1 if view.slopes.is_isotropic else columns.size)) for _ in range(3))
-    sun = np.zeros((rows.size, columns.size))
+    sun, chance, cos_incidence = (np.zeros((rows.size, columns.size)) for _ in range(3))
     if np.any(~sea):
         above = view.atmosphere.sky_radiance(0.5 * np.pi - rows[~sea], view.sensor_height)
         sky[~sea] = (above[..., grid] @ weights)[:, None]
@@ -157,8 +163,8 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) -> Se
         seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., grid] * weights
         path[sea] = (view.atmosphere.path_radiance(view.sensor_height, arc)[..., grid] @ weights)[:, None]
         emission[sea], sky[sea] = _background(view, theta[sea], columns, seen, grid)
-        sun[sea] = _sun(view, theta[sea], columns, seen, grid)
-    return SeaRadiance(path, emission, sky, sun)
+        sun[sea], chance[sea], cos_incidence[sea] = _sun(view, theta[sea], columns, seen, grid)
+    return SeaRadiance(path, emission, sky, sun, chance, cos_incidence)
 
 
 def band_grid(band: Band, atmosphere: Atmosphere) -> tuple[FloatArray, slice]:
@@ -183,14 +189,16 @@ def _background(view: SeaView, theta: FloatArray, columns: FloatArray, seen: Flo
     return leaving.emission, leaving.sky
 
 
-def _sun(view: SeaView, theta: FloatArray, columns: FloatArray, seen: FloatArray, grid: slice) -> FloatArray:
-    """Mirrored Sun behind the air [W m-2 sr-1, (rows, columns)]."""
+def _sun(view: SeaView, theta: FloatArray, columns: FloatArray, seen: FloatArray, grid: slice) -> tuple[FloatArray, ...]:
+    """Mirrored Sun behind the air [W m-2 sr-1], its chance [1] and the cosine of its incidence [1], each (rows, columns)."""
     share, zenith = visible_sun(view.solar_zenith)
     if share == 0.0:
-        return np.zeros((theta.size, columns.size))
+        none = np.zeros((theta.size, columns.size))
+        return none, none, none
     mirrored = glint(theta[:, None], columns + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing)
     irradiance = view.sun_distance_factor * view.atmosphere.solar_irradiance(zenith)[..., grid]
     series = _series(view, grid)
     # The spectral sum over each Chebyshev term is taken per row; the pixels then only need their angle of incidence.
     per_term = (seen * irradiance) @ series.coefficients.T / (np.pi * SOLAR_ANGULAR_RADIUS**2)
-    return np.asarray(mirrored.chance * np.einsum("rcj,rj->rc", series.basis(mirrored.cos_incidence), per_term))
+    mirrored_sun = mirrored.chance * np.einsum("rcj,rj->rc", series.basis(mirrored.cos_incidence), per_term)
+    return mirrored_sun, mirrored.chance, mirrored.cos_incidence
