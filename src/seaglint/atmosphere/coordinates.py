@@ -27,19 +27,19 @@ class Refraction:
     refractivity: FloatArray
     earth_radius: float
 
-    def _offset(self, height: float) -> float:
+    def _offset(self, height: ArrayLike) -> FloatArray:
         """``1 - n_0 R / (n_h (R + h))``, written so that low sensors keep their digits."""
-        sea = self.refractivity[0]
-        air = float(np.exp(np.interp(height, self.level_height, np.log(self.refractivity))))
-        return float((self.earth_radius * (air - sea) + (1.0 + air) * height) / ((1.0 + air) * (self.earth_radius + height)))
+        sea, h = self.refractivity[0], np.asarray(height, dtype=np.float64)
+        air = np.exp(np.interp(h, self.level_height, np.log(self.refractivity)))
+        return np.asarray((self.earth_radius * (air - sea) + (1.0 + air) * h) / ((1.0 + air) * (self.earth_radius + h)))
 
-    def depression(self, height: float, sea_cosine: ArrayLike) -> FloatArray:
+    def depression(self, height: ArrayLike, sea_cosine: ArrayLike) -> FloatArray:
         """Depression at the sensor of the ray that leaves the sea at zenith angle ``arccos(sea_cosine)`` [rad]."""
         e = self._offset(height)
         sine = np.sqrt(e * (2.0 - e) + ((1.0 - e) * np.asarray(sea_cosine, dtype=np.float64)) ** 2)
         return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
 
-    def sea_cosine(self, height: float, depression: ArrayLike) -> FloatArray:
+    def sea_cosine(self, height: ArrayLike, depression: ArrayLike) -> FloatArray:
         """Cosine of the zenith angle at the sea of the ray seen at ``depression`` [1]; NaN where the ray misses the sea."""
         e = self._offset(height)
         squared = (np.sin(np.asarray(depression, dtype=np.float64)) ** 2 - e * (2.0 - e)) / (1.0 - e) ** 2
@@ -51,10 +51,10 @@ class Refraction:
         return float(self.depression(height, 0.0))
 
 
-def straight_slant(height: float, sea_cosine: ArrayLike) -> FloatArray:
+def straight_slant(height: ArrayLike, sea_cosine: ArrayLike) -> FloatArray:
     """Straight path over the effective Earth that leaves the sea at ``sea_cosine`` and ends at ``height`` [m]."""
-    rc = EFFECTIVE_EARTH_RADIUS * np.asarray(sea_cosine, dtype=np.float64)
-    rise = height * (2.0 * EFFECTIVE_EARTH_RADIUS + height)
+    rc, h = EFFECTIVE_EARTH_RADIUS * np.asarray(sea_cosine, dtype=np.float64), np.asarray(height, dtype=np.float64)
+    rise = h * (2.0 * EFFECTIVE_EARTH_RADIUS + h)
     return np.asarray(rise / (rc + np.sqrt(rc * rc + rise)))
 
 
@@ -64,9 +64,10 @@ def straight_sea_cosine(height: float, slant: ArrayLike) -> FloatArray:
     return np.asarray((height * (2.0 * EFFECTIVE_EARTH_RADIUS + height) - s * s) / (2.0 * EFFECTIVE_EARTH_RADIUS * s))
 
 
-def path_coordinate(slant: ArrayLike, height: float, horizon_slant: float) -> FloatArray:
+def path_coordinate(slant: ArrayLike, height: ArrayLike, horizon_slant: ArrayLike) -> FloatArray:
     """``log(s/h) / log(s_horizon/h)`` [1]: 0 straight down, 1 at the sea horizon; optical depth is nearly a power of it."""
-    return np.asarray(np.log(np.maximum(np.asarray(slant, dtype=np.float64) / height, 1.0)) / np.log(horizon_slant / height))
+    h = np.asarray(height, dtype=np.float64)
+    return np.asarray(np.log(np.maximum(np.asarray(slant, dtype=np.float64) / h, 1.0)) / np.log(np.asarray(horizon_slant) / h))
 
 
 def height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> FloatArray:
