@@ -358,6 +358,11 @@ def _stop_on_signal() -> Iterator[list[int]]:
             signal.signal(number, handler)
 
 
+def is_sequence(path: Path) -> bool:
+    """Whether a folder was written by :func:`write_sequence`, finished or not."""
+    return _attributes(path).get("seaglint_format") == _FORMAT
+
+
 def open_sequence(path: str | Path, *, allow_partial: bool = False) -> xr.Dataset:
     """Open a sequence lazily as an :class:`xarray.Dataset`.
 

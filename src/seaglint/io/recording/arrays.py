@@ -1,0 +1,175 @@
+"""Arrays in files: NumPy, HDF5, FITS, and NetCDF or Zarr of others; (rows, columns) or (frames, rows, columns)."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.errors import BackendError, DataError
+from seaglint.io.recording.base import Recording, full_scale, grey
+
+
+def of_array(
+    array: Any, source: str, *, channel: str | None = None, frame_rate: float | None = None, units: str | None = None
+) -> Recording:
+    """Frames of anything with ``shape``, ``dtype`` and slices: numbers (r, c), (f, r, c), or colours (r, c, 3|4), (f, r, c, 3|4)."""
+    shape, dtype = tuple(int(s) for s in array.shape), np.dtype(array.dtype)
+    if dtype.kind not in "uifb":
+        raise DataError(f"{source}: holds {dtype}, not real numbers; give radiances or counts")
+    coloured = (len(shape) == 4 and shape[-1] in (1, 2, 3, 4)) or (len(shape) == 3 and shape[-1] in (3, 4) and shape[0] > 4)
+    image = shape[-3:-1] if coloured else shape[-2:]
+    single = len(shape) == (3 if coloured else 2)
+    if len(shape) not in (2, 3, 4) or (len(shape) == 4 and not coloured) or 0 in shape:
+        raise DataError(f"{source}: has shape {shape}; give (rows, columns) or (frames, rows, columns)")
+
+    def read(start: int, stop: int) -> NDArray[Any]:
+        try:
+            block = np.asarray(array[...] if single else array[start:stop])
+        except (OSError, ValueError, RuntimeError) as error:
+            raise DataError(f"{source}: frames {start}:{stop} cannot be read ({error}); the file is cut") from error
+        block = block[np.newaxis] if single else block
+        return grey(block, source, channel) if coloured else block
+
+    saturation = full_scale(dtype) if dtype.kind in "ui" else None
+    return Recording(source, 1 if single else shape[0], image[0], image[1], read, frame_rate, units, saturation)
+
+
+def open_numpy(path: Path, variable: str | None, channel: str | None) -> Recording:
+    """``.npy``, mapped; or one array of an ``.npz``, which is read whole."""
+    try:
+        loaded = np.load(path, mmap_mode="r" if path.suffix == ".npy" else None, allow_pickle=False)
+    except (OSError, ValueError, EOFError) as error:
+        raise DataError(f"{path}: cannot be read as NumPy ({error}); save plain numbers with numpy.save") from error
+    if isinstance(loaded, np.ndarray):
+        return of_array(loaded, str(path), channel=channel)
+    name = _choose(dict.fromkeys(loaded.files), variable, path)
+    return of_array(loaded[name], f"{path}:{name}", channel=channel)
+
+
+def open_hdf5(path: Path, variable: str | None, channel: str | None) -> Recording:
+    """A dataset of an HDF5 file (also MATLAB 7.3); its only one of two or three dimensions, or ``variable``."""
+    import h5py
+
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read as HDF5 ({error})") from error
+    found: dict[str, Any] = {}
+
+    def visit(name: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset) and item.ndim in (2, 3, 4) and item.dtype.kind in "uif":
+            found[name] = item
+
+    file.visititems(visit)
+    name = _choose(found, variable, path)
+    array = found[name]
+    return of_array(array, f"{path}:{name}", channel=channel, frame_rate=_rate(dict(array.attrs)), units=_text(array.attrs.get("units")))
+
+
+def open_fits(path: Path, variable: str | None, channel: str | None) -> Recording:
+    """The first image of a FITS file, or the extension ``variable``; rows stay in the order of the file."""
+    try:
+        from astropy.io import fits
+    except ImportError as error:
+        raise BackendError(f"{path}: FITS needs astropy, which is not installed; pip install 'seaglint[fits]'") from error
+    try:
+        file = fits.open(path, memmap=True, do_not_scale_image_data=True)  # scaled memory maps are refused
+        images = {(hdu.name or str(i)): hdu for i, hdu in enumerate(file) if hdu.is_image and hdu.header.get("NAXIS", 0) >= 2}
+    except Exception as error:
+        raise DataError(f"{path}: cannot be read as FITS ({error})") from error
+    name = _choose(images, variable or (next(iter(images)) if images else None), path)
+    hdu = images[name]
+    scaled = hdu.header.get("BSCALE", 1) != 1 or hdu.header.get("BZERO", 0) != 0 or "BLANK" in hdu.header
+    try:
+        array = _Scaled(hdu) if scaled else hdu.data
+        recording = of_array(array, f"{path}:{name}", channel=channel, units=_text(hdu.header.get("BUNIT")))
+    except (TypeError, ValueError, OSError) as error:
+        raise DataError(f"{path}: is cut ({error}); copy it again") from error
+    # FITS has signed integers only: 16 bits of a camera are stored with an offset of half the scale.
+    bits, offset = int(hdu.header["BITPIX"]), float(hdu.header.get("BZERO", 0))
+    full = float(2**bits - 1) if scaled and bits in (8, 16) and offset == 2 ** (bits - 1) else recording.saturation
+    return replace(recording, frame_rate=_rate({"fps": hdu.header.get("FRMRATE", hdu.header.get("FPS"))}), saturation=full)
+
+
+class _Scaled:
+    """A FITS image whose scale, offset and blank value are applied to what is asked for only."""
+
+    def __init__(self, hdu: Any) -> None:
+        self._stored, self.shape, self.dtype = hdu.data, hdu.shape, np.dtype(np.float32)
+        self._scale, self._zero = float(hdu.header.get("BSCALE", 1.0)), float(hdu.header.get("BZERO", 0.0))
+        self._blank = hdu.header.get("BLANK")
+
+    def __getitem__(self, key: Any) -> NDArray[Any]:
+        stored = np.asarray(self._stored[key])
+        values = stored * self._scale + self._zero
+        return values if self._blank is None else np.where(stored == self._blank, np.nan, values)
+
+
+def open_labelled(path: Path, variable: str | None, channel: str | None) -> Recording:
+    """NetCDF and Zarr: ours, or anybody's with a variable of (time, rows, columns)."""
+    import xarray as xr
+
+    engine = "zarr" if path.is_dir() else "h5netcdf"
+    more: dict[str, Any] = {"consolidated": False} if path.is_dir() else {}
+    try:
+        dataset = xr.open_dataset(str(path), engine=engine, chunks=None, decode_times=False, **more)
+    except Exception as error:
+        what = "Zarr" if path.is_dir() else "NetCDF 4"
+        raise DataError(f"{path}: cannot be read as {what} ({str(error).splitlines()[0]})") from error
+    images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
+    name = _choose(images, variable or ("radiance" if "radiance" in images else None), path)
+    chosen = images[name]
+    rate = _rate(dataset.attrs) or _rate(dict(chosen.attrs)) or _spacing(dataset)
+    return of_array(_Lazy(chosen), f"{path}:{name}", channel=channel, frame_rate=rate, units=_text(chosen.attrs.get("units")))
+
+
+class _Lazy:
+    """A labelled variable read by slices."""
+
+    def __init__(self, variable: Any) -> None:
+        self._variable, self.shape, self.dtype = variable.variable, variable.shape, variable.dtype
+
+    def __getitem__(self, key: Any) -> NDArray[Any]:
+        return np.asarray(self._variable[key].to_numpy())
+
+
+def _spacing(dataset: Any) -> float | None:
+    """Frame rate from evenly spaced times in seconds."""
+    if "time" not in dataset.variables or dataset["time"].size < 2 or dataset["time"].attrs.get("units") != "s":
+        return None
+    steps = np.diff(dataset["time"].to_numpy())
+    middle = float(np.median(steps))
+    return 1.0 / middle if middle > 0.0 and np.all(np.abs(steps - middle) < 1e-3 * middle) else None
+
+
+def _rate(attributes: dict[str, Any]) -> float | None:
+    for name in ("frame_rate", "frame_rate_hz", "fps"):
+        value = attributes.get(name)
+        if value is not None:
+            try:
+                rate = float(np.ravel(value)[0])
+            except (TypeError, ValueError):
+                continue
+            if np.isfinite(rate) and rate > 0.0:
+                return rate
+    return None
+
+
+def _text(value: Any) -> str | None:
+    text = value.decode() if isinstance(value, bytes) else value
+    return str(text) if text else None
+
+
+def _choose(found: dict[str, Any], wanted: str | None, path: Path) -> str:
+    names = ", ".join(found) or "none"
+    if wanted is not None:
+        if wanted not in found:
+            raise DataError(f"{path}: has no image variable '{wanted}'; it has {names}")
+        return wanted
+    if len(found) != 1:
+        raise DataError(f"{path}: {'several image variables' if found else 'no image variable'} ({names}); choose one with --variable")
+    return next(iter(found))

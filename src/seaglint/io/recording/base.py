@@ -1,0 +1,114 @@
+"""What every reader gives: the size of a sequence, what is known of its time and units, and blocks of frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.errors import DataError
+
+FrameArray = NDArray[np.float32]
+
+NEARLY_GREY: Final = 0.02
+"""Largest difference between colour channels, as a share of full scale, that still counts as grey (rounding, recompression)."""
+
+CHANNELS: Final = ("mean", "red", "green", "blue")
+"""Ways to make one image of colour channels."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """A sequence of images that is read on demand. Make it with :func:`seaglint.io.recording.open_recording`.
+
+    Attributes
+    ----------
+    source : str
+        Path and format, for reports.
+    frames, rows, columns : int
+        Size.
+    read_block : callable
+        ``(start, stop) -> array (stop - start, rows, columns)`` in the file's own numbers; used by :meth:`read`.
+    frame_rate : float or None
+        Frames per second [Hz], where the file tells it or the user did.
+    units : str or None
+        Units of the values; None where neither file nor user say.
+    saturation : float or None
+        Value at which the format or sensor saturates: full scale of integer formats.
+    notes : tuple of str
+        What a reader of results should know: lossy codec, channels averaged, frames missing.
+    """
+
+    source: str
+    frames: int
+    rows: int
+    columns: int
+    read_block: Callable[[int, int], NDArray[Any]] = field(repr=False, compare=False)
+    frame_rate: float | None = None
+    units: str | None = None
+    saturation: float | None = None
+    notes: tuple[str, ...] = ()
+
+    def read(self, start: int, stop: int) -> FrameArray:
+        """Frames ``start`` to ``stop`` (not included) as float32 (k, rows, columns); NaN where there is no value.
+
+        Raises
+        ------
+        DataError
+            Frames the file does not have, or that cannot be decoded.
+        """
+        if not 0 <= start < stop <= self.frames:
+            raise DataError(f"{self.source}: frames {start}:{stop} asked for, but it has 0:{self.frames}")
+        block = np.ascontiguousarray(self.read_block(start, stop), dtype=np.float32)
+        if block.shape != (stop - start, self.rows, self.columns):
+            raise DataError(
+                f"{self.source}: frames {start}:{stop} came as {block.shape}, expected {(stop - start, self.rows, self.columns)}; "
+                "the file is cut or its frames differ in size"
+            )
+        return block
+
+    def blocks(self, memory: float = 64e6) -> Iterator[FrameArray]:
+        """All frames in order, in blocks of about ``memory`` bytes."""
+        step = max(int(memory / (4.0 * self.rows * self.columns)), 1)
+        for start in range(0, self.frames, step):
+            yield self.read(start, min(start + step, self.frames))
+
+    def with_notes(self, *notes: str) -> Recording:
+        """The same with more notes."""
+        return replace(self, notes=(*self.notes, *notes))
+
+
+def full_scale(dtype: np.dtype[Any]) -> float | None:
+    """Largest value of an integer type; None for floats."""
+    return float(np.iinfo(dtype).max) if np.issubdtype(dtype, np.integer) else None
+
+
+def grey(images: NDArray[Any], source: str, channel: str | None = None) -> NDArray[Any]:
+    """One channel of images whose last axis is grey+alpha, RGB or RGBA; images without that axis pass.
+
+    Raises
+    ------
+    DataError
+        The channels differ and no ``channel`` was chosen.
+    """
+    count = images.shape[-1]
+    if count in (1, 2):
+        return images[..., 0]
+    colours = images[..., :3]
+    if channel is not None and channel != "mean":
+        return np.asarray(colours[..., CHANNELS.index(channel) - 1])
+    scale = full_scale(images.dtype) or float(np.nanmax(np.abs(colours))) or 1.0
+    span = colours.max(axis=-1).astype(np.float64) - colours.min(axis=-1)
+    worst = float(np.nanmax(span)) / scale
+    if channel is None and worst > NEARLY_GREY:
+        raise DataError(
+            f"{source}: is a true colour image (channels differ by up to {100 * worst:.3g} % of full scale, grey allows "
+            f"{100 * NEARLY_GREY:g} %); false colours are no measure of radiance: give the grey original, or choose --channel "
+            f"{', '.join(CHANNELS)}"
+        )
+    if not span.any():
+        return np.asarray(colours[..., 0])
+    return np.asarray(colours.mean(axis=-1, dtype=np.float64))

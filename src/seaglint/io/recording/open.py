@@ -1,0 +1,120 @@
+"""Which reader a path needs, and what the user knows better than the file."""
+
+from __future__ import annotations
+
+import glob
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from seaglint.errors import DataError
+from seaglint.io.recording import arrays, images, video
+from seaglint.io.recording.base import CHANNELS, Recording
+from seaglint.io.recording.raw import RawLayout, open_raw
+
+RATE_TOLERANCE = 0.01
+"""Relative difference between the file's frame rate and the user's from which both are told."""
+
+FORMATS = (
+    "Zarr (*.zarr), NetCDF (*.nc), PNG and TIFF (file, folder or 'pattern*.png'), FITS (*.fits, *.fit), NumPy (*.npy, *.npz), "
+    "HDF5 (*.h5, *.hdf5, *.mat), video (*.mp4, *.avi, *.mkv, *.mov), raw (*.raw, *.bin, *.dat with a layout)"
+)
+
+
+def open_recording(
+    path: str | Path,
+    *,
+    frame_rate: float | None = None,
+    units: str | None = None,
+    raw: RawLayout | None = None,
+    variable: str | None = None,
+    channel: str | None = None,
+) -> Recording:
+    """Open a sequence of images or a single one; nothing but its size is read.
+
+    Parameters
+    ----------
+    path : path
+        File, folder of images, Zarr store, or pattern of image files.
+    frame_rate : float, optional
+        Frames per second [Hz]; overrules the file, which is noted where they differ.
+    units : str, optional
+        Units of the values; overrules the file.
+    raw : RawLayout, optional
+        Layout of a raw file; otherwise read from the file beside it.
+    variable : str, optional
+        Which array of a file that holds several.
+    channel : {"mean", "red", "green", "blue"}, optional
+        What to take of true colour images, which are refused otherwise.
+
+    Returns
+    -------
+    Recording
+
+    Raises
+    ------
+    DataError
+        Nothing there, an unknown format, a damaged file, or one that holds no images.
+    BackendError
+        A reader that is not installed.
+    """
+    if frame_rate is not None and not (np.isfinite(frame_rate) and frame_rate > 0.0):
+        raise DataError(f"frame rate = {frame_rate:g} Hz; give a number above 0")
+    if channel is not None and channel not in CHANNELS:
+        raise DataError(f"channel = {channel!r}; allowed are {', '.join(CHANNELS)}")
+    found = _open(Path(path), raw, variable, channel)
+    notes = found.notes
+    if frame_rate is not None and found.frame_rate is not None and abs(frame_rate / found.frame_rate - 1.0) > RATE_TOLERANCE:
+        notes = (*notes, f"frame rate {frame_rate:g} Hz as given; the file says {found.frame_rate:g} Hz")
+    return replace(found, frame_rate=frame_rate or found.frame_rate, units=units or found.units, notes=notes)
+
+
+def _open(path: Path, raw: RawLayout | None, variable: str | None, channel: str | None) -> Recording:
+    if any(sign in path.name for sign in "*?["):
+        matches = sorted(map(Path, glob.glob(str(path))), key=images.natural)
+        if not matches:
+            raise DataError(f"{path}: no file has such a name; check the pattern")
+        return images.open_images(_images_only(matches, path), channel)
+    if not path.exists():
+        raise DataError(f"{path}: no such file or folder; give one of {FORMATS}")
+    if path.is_dir():
+        return _open_folder(path, variable, channel)
+    if path.stat().st_size == 0:
+        raise DataError(f"{path}: is empty")
+    ending = path.suffix.lower()
+    if raw is not None or ending in (".raw", ".bin", ".dat"):
+        return open_raw(path, raw if raw is not None else RawLayout.beside(path))
+    if ending in images.ENDINGS:
+        return images.open_images([path], channel)
+    if ending in video.ENDINGS:
+        return video.open_video(path, channel)
+    if ending in (".npy", ".npz"):
+        return arrays.open_numpy(path, variable, channel)
+    if ending in (".h5", ".hdf5", ".he5", ".mat"):
+        return arrays.open_hdf5(path, variable, channel)
+    if ending in (".fits", ".fit", ".fts"):
+        return arrays.open_fits(path, variable, channel)
+    if ending in (".nc", ".nc4"):
+        return arrays.open_labelled(path, variable, channel)
+    raise DataError(f"{path}: format not known; give one of {FORMATS}")
+
+
+def _open_folder(path: Path, variable: str | None, channel: str | None) -> Recording:
+    if (path / "zarr.json").exists() or (path / ".zgroup").exists():
+        from seaglint.io.store import is_sequence, open_sequence
+
+        if is_sequence(path):
+            open_sequence(path).close()  # tells what is unfinished or damaged
+        return arrays.open_labelled(path, variable, channel)
+    files = sorted((f for f in path.iterdir() if f.suffix.lower() in images.ENDINGS), key=images.natural)
+    if not files:
+        raise DataError(f"{path}: a folder without PNG or TIFF images; give one of {FORMATS}")
+    return images.open_images(_images_only(files, path), channel)
+
+
+def _images_only(files: list[Path], where: Path) -> list[Path]:
+    endings = sorted({f.suffix.lower() for f in files})
+    if len(endings) > 1 or endings[0] not in images.ENDINGS:
+        raise DataError(f"{where}: holds files {', '.join(endings)}; give a pattern for one kind of image, e.g. '*.png'")
+    return files
