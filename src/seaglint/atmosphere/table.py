@@ -17,8 +17,13 @@ import hashlib
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib import resources
+from io import BytesIO
+from lzma import LZMAError
+from types import MappingProxyType
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -147,7 +152,7 @@ class TableAtmosphere:
             raise DomainError(
                 f"model = {model!r} has no table for {band_um[0]:g}-{band_um[1]:g} um; choose one of {', '.join(models(region))}"
             )
-        file = _read(f"{model}_{region}.npz")
+        file = read_table(model, region)
         grid, winds = file["wavenumber_cm"], file["winds"]
         if wanted[0] < grid[0] or wanted[-1] > grid[-1]:
             covered = f"{1e4 / grid[-1]:.3g}-{1e4 / grid[0]:.3g} um"
@@ -255,10 +260,25 @@ class TableAtmosphere:
         return planck_wavenumber(self.wavenumber_cm, sky.along(np.linspace(0.0, 1.0, sky.scores.shape[0]), y))
 
 
-def _read(name: str) -> dict[str, Any]:
-    content = _DATA.joinpath(name).read_bytes()
+@lru_cache(maxsize=12)
+def read_table(model: str, region: str) -> Mapping[str, Any]:
+    """Arrays of one shipped table by name, and the file's ``sha256``; read once a process, not to be written to.
+
+    Per quantity (``path_depth``, ``path_temperature``, ``sun_depth``, ``sky_temperature``) there are ``_mean`` [(n)],
+    ``_components`` [(c, n)] and ``_scores`` [(winds, [heights,] nodes, c)]: spectra are ``mean + scores @ components``.
+
+    Raises
+    ------
+    DataError
+        If the file in the package is missing or damaged.
+    """
+    name = f"{model}_{region}.npz"
     try:
-        with resources.as_file(_DATA.joinpath(name)) as path, np.load(path) as archive:
-            return dict(archive) | {"sha256": hashlib.sha256(content).hexdigest()}
-    except (OSError, ValueError, KeyError) as error:
+        content = _DATA.joinpath(name).read_bytes()
+        with np.load(BytesIO(content)) as archive:
+            table: dict[str, Any] = dict(archive)
+    except (OSError, ValueError, KeyError, BadZipFile, LZMAError) as error:
         raise DataError(f"the atmosphere table {name} in the package is damaged ({error}); install seaglint again") from error
+    for array in table.values():
+        array.flags.writeable = False
+    return MappingProxyType(table | {"sha256": hashlib.sha256(content).hexdigest()})
