@@ -12,7 +12,7 @@ detector of solid angle :math:`\Omega` at range r covers :math:`\Omega r^2`. So 
 .. math:: M = \frac{\Omega r^2 \cos\beta}{l^2 \cos\omega} = \frac{A}{l^2} \frac{\cos\theta_v \cos\beta}{\cos\omega},
     \qquad A = \frac{\Omega r^2}{\cos\theta_v}
 
-patches of the size of a mirroring cell, and :math:`\sigma^2 = \sigma_0^2 / \max(1, M)`. For sparse glints :math:`\sigma^2/\langle L\rangle^2`
+patches of the size of a mirroring cell, and :math:`\sigma^2 = \sigma_0^2 / \max(1, M)`. For sparse glints the relative variance
 becomes :math:`l^2/(A P_h S)` with :math:`P_h` the share of *sea* area (Eq. 12), because
 :math:`P = P_h S \cos\omega / (\cos\beta \cos\theta_v)`; Eq. 18 with P in place of :math:`P_h S` is low by that factor, 8 at 2 deg
 depression and a Sun at 60 deg.
@@ -95,7 +95,9 @@ def patches(
     """
     omega = np.asarray(solid_angle, dtype=np.float64)
     if not np.all(omega > 0.0):
-        raise DomainError(f"solid_angle = {float(np.min(omega)):g} sr; give the detector's solid angle > 0 sr, e.g. 1e-6 for 1 mrad x 1 mrad")
+        raise DomainError(
+            f"solid_angle = {float(np.min(omega)):g} sr; give the detector's solid angle > 0 sr, e.g. 1e-6 for 1 mrad x 1 mrad"
+        )
     if not (np.isfinite(correlation_length) and correlation_length > 0.0):
         raise DomainError(f"correlation_length = {correlation_length:g} m; give the length of a cell of the sea > 0 m, e.g. 0.0026")
     cosine = np.asarray(cos_incidence, dtype=np.float64)
