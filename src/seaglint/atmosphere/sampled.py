@@ -1,0 +1,365 @@
+"""An atmosphere from spectra at nodes, for one sensor height: somebody's own calculation or measurement, or LOWTRAN7 run live.
+
+Between the nodes the same quantities are splined as in the tables (:mod:`seaglint.atmosphere.table`): encoded optical depth and
+effective air temperature of the path, encoded optical depth towards the Sun, brightness temperature of the sky.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from seaglint.atmosphere.base import FloatArray, require_range, slant_range
+from seaglint.atmosphere.coordinates import (
+    ELEVATION_SCALE,
+    decode_optical_depth,
+    elevation_coordinate,
+    encode_optical_depth,
+    path_coordinate,
+)
+from seaglint.atmosphere.vacuum import exoatmospheric_irradiance
+from seaglint.conventions import horizon_depression
+from seaglint.errors import DataError, DomainError
+from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION, planck_wavenumber
+
+OPAQUE = 25.0
+"""Optical depths end here: transmittance 1e-11."""
+
+CLEAR = 1e-6
+"""Smallest optical depth whose emission is told from nothing."""
+
+COLDEST, HOTTEST = 1.0, 1e5
+"""Temperatures that stand for radiances [K]; splines overshoot where radiance falls to nothing."""
+
+ANGLE_SLACK = 1e-6
+"""Angles this far outside count as on the edge: rounding of degrees [rad]."""
+
+HEIGHT_SLACK = 1e-3
+"""Heights this close are one [m]."""
+
+FILE_SUN = 1.02
+"""Sunlight above the largest one given, by this factor, stands for "outside the atmosphere" where no solar spectrum is known."""
+
+
+@dataclass(frozen=True, eq=False)
+class PathSamples:
+    """Paths from the sea to the sensor at ascending arcs ``range_m`` [m, (k,)]: transmittance [1], thermal radiance, both (k, n).
+
+    ``beyond`` says that the last one touches the sea horizon, so that longer ones (to wave crests) go on along the tangent.
+    """
+
+    range_m: FloatArray
+    transmittance: FloatArray
+    radiance: FloatArray
+    beyond: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class SunSamples:
+    """Sunlight at the sea, normal to the beam, at 1 au (k, n), at ascending zenith angles [rad, (k,)]; ``source``: outside the air (n)."""
+
+    zenith: FloatArray
+    irradiance: FloatArray
+    source: FloatArray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class SkySamples:
+    """Thermal sky (k, n) seen from ``height`` [m] at ascending elevations above the horizontal [rad, (k,)].
+
+    ``dip`` is the depression of the horizon in the calculation that made them [rad]. ``kinks`` are node elevations at or below the
+    horizontal where the sky may have corners: a ray that grazes a level of the atmosphere.
+    """
+
+    height: float
+    elevation: FloatArray
+    radiance: FloatArray
+    dip: float = 0.0
+    kinks: tuple[float, ...] = ()
+
+
+def brightness_temperature(wavenumber_cm: FloatArray, radiance: FloatArray) -> FloatArray:
+    """Inverse of Planck's law [K], within :data:`COLDEST` ... :data:`HOTTEST`; 0 gives the coldest."""
+    ratio = FIRST_RADIATION * wavenumber_cm**3 / np.maximum(radiance, 1e-280)
+    return np.asarray(np.clip(SECOND_RADIATION * wavenumber_cm / np.log1p(ratio), COLDEST, HOTTEST))
+
+
+def radiance_of(wavenumber_cm: FloatArray, temperature: FloatArray) -> FloatArray:
+    """Planck's law for splined temperatures, which may overshoot."""
+    return planck_wavenumber(wavenumber_cm, np.clip(temperature, COLDEST, HOTTEST))
+
+
+def grazing_coordinate(part: ArrayLike) -> FloatArray:
+    """Share of an interval between two kinks to a coordinate 0...1 that spreads square-root corners at both ends: ``arccos(1 - 2s)/pi``."""
+    return np.asarray(np.arccos(np.clip(1.0 - 2.0 * np.asarray(part, dtype=np.float64), -1.0, 1.0)) / np.pi)
+
+
+def grazing_share(coordinate: ArrayLike) -> FloatArray:
+    """Inverse of :func:`grazing_coordinate`."""
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.asarray(coordinate, dtype=np.float64)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """Spline between two elevations."""
+
+    low: float
+    high: float
+    spline: CubicSpline[np.float64]
+
+    def __call__(self, elevation: FloatArray) -> FloatArray:
+        return np.asarray(self.spline(self.coordinate(elevation, self.low, self.high)))
+
+    @staticmethod
+    def coordinate(elevation: FloatArray, low: float, high: float) -> FloatArray:
+        """Below the horizontal from grazing ray to grazing ray, above it as the tables have it."""
+        if high <= 0.0:
+            return grazing_coordinate((elevation - low) / (high - low))
+        return elevation_coordinate(np.maximum(elevation, 0.0), 0.0) if low >= 0.0 else np.arcsinh(elevation / ELEVATION_SCALE)
+
+
+@dataclass(frozen=True, eq=False)
+class _Sky:
+    """Brightness temperature against elevation, in pieces."""
+
+    height: float
+    dip: float
+    lowest: float
+    highest: float
+    pieces: tuple[_Piece, ...]
+
+    @classmethod
+    def of(cls, samples: SkySamples, wavenumber_cm: FloatArray) -> _Sky:
+        e = np.asarray(samples.elevation, dtype=np.float64)
+        temperature = brightness_temperature(wavenumber_cm, samples.radiance)
+        edges = [e[0], *(k for k in sorted(samples.kinks) if e[0] < k < e[-1]), e[-1]]
+        pieces = []
+        for low, high in zip(edges[:-1], edges[1:], strict=True):
+            inside = (e >= low) & (e <= high)
+            pieces.append(
+                _Piece(float(low), float(high), CubicSpline(_Piece.coordinate(e[inside], low, high), temperature[inside], axis=0))
+            )
+        return cls(samples.height, samples.dip, float(e[0]), float(e[-1]), tuple(pieces))
+
+    def __call__(self, elevation: FloatArray) -> FloatArray:
+        flat = np.clip(elevation, self.lowest, self.highest).ravel()
+        which = np.clip(np.searchsorted([piece.low for piece in self.pieces], flat, side="right") - 1, 0, len(self.pieces) - 1)
+        out: FloatArray | None = None
+        for index in np.unique(which):
+            mine = which == index
+            values = self.pieces[int(index)](flat[mine])
+            if out is None:
+                out = np.empty((flat.size, values.shape[-1]))
+            out[mine] = values
+        assert out is not None  # callers ask for one elevation at least
+        return out.reshape(*elevation.shape, -1)
+
+
+@dataclass(frozen=True, eq=False)
+class SampledAtmosphere:
+    """Spectra at nodes and splines between them, for one sensor height. Make it with :meth:`create`.
+
+    Notes
+    -----
+    Other sensor heights, arcs beyond the samples (unless they reach the horizon), and angles outside them are refused with the range
+    covered. Of the sky from a height, the part between the horizontal and the horizon of the calculation is stretched onto that of
+    :mod:`seaglint.conventions`. Accuracy is that of the nodes: with those of :mod:`seaglint.io.lowtran.sample`, band quantities are
+    within 0.1 % (median; 95th percentile 0.5 %) of LOWTRAN7 runs between them.
+
+    Examples
+    --------
+    >>> nu = np.arange(2000.0, 2100.0, 5.0)
+    >>> one = np.ones((3, nu.size))
+    >>> air = SampledAtmosphere.create(
+    ...     nu,
+    ...     height=10.0,
+    ...     path=PathSamples(np.array([0.0, 100.0, 1000.0]), 0.9 * one, 0.0 * one),
+    ...     sun=SunSamples(np.radians([0.0, 45.0, 90.0]), 1e-3 * one),
+    ...     skies=[SkySamples(0.0, np.radians([0.0, 45.0, 90.0]), 1e-4 * one)],
+    ... )
+    >>> round(float(air.transmittance(10.0, 500.0)[0]), 6)
+    0.9
+    """
+
+    wavenumber_cm: FloatArray
+    height: float
+    name: str
+    provenance: dict[str, Any]
+    _beyond: bool
+    _ranges: tuple[float, float]
+    _longest: float
+    _zeniths: tuple[float, float]
+    _source: FloatArray
+    _depth: CubicSpline[np.float64]
+    _temperature: CubicSpline[np.float64]
+    _sun: CubicSpline[np.float64]
+    _skies: tuple[_Sky, ...] = field(default=())
+
+    @classmethod
+    def create(
+        cls,
+        wavenumber_cm: FloatArray,
+        *,
+        height: float,
+        path: PathSamples,
+        sun: SunSamples,
+        skies: Sequence[SkySamples],
+        name: str = "sampled atmosphere",
+        provenance: dict[str, Any] | None = None,
+    ) -> SampledAtmosphere:
+        """Prepare the splines.
+
+        Parameters
+        ----------
+        wavenumber_cm : ndarray
+            Ascending spectral samples [cm-1, (n,)].
+        height : float
+            Sensor height of ``path`` [m], above 0.
+        path, sun, skies
+            The samples; one sky must be that seen from the sea (height 0).
+        name : str
+            What error messages call the atmosphere.
+        provenance : dict, optional
+            What it says of itself.
+
+        Raises
+        ------
+        DataError
+            Fewer than two nodes, nodes not ascending, no sky from the sea, values out of their range.
+        """
+        nu = np.asarray(wavenumber_cm, dtype=np.float64)
+        if not height > 0.0:
+            raise DomainError(f"sensor height = {height:g} m; give a height above 0 m")
+        _ascending("range_m", path.range_m, 2)
+        _ascending("sun zenith", sun.zenith, 2)
+        for sky in skies:
+            _ascending("sky elevation", sky.elevation, 2)
+        if not any(sky.height <= HEIGHT_SLACK for sky in skies):
+            raise DataError(f"{name} has no sky seen from the sea (height 0 m), which the water mirrors; add it")
+        depth = np.clip(-np.log(np.maximum(path.transmittance, 1e-300)), CLEAR, OPAQUE)
+        temperature = brightness_temperature(nu, path.radiance / -np.expm1(-depth))
+        longest = float(slant_range(height, path.range_m[-1]))
+        x = path_coordinate(slant_range(height, path.range_m), height, longest)
+        keep = np.concatenate([[True], np.diff(x) > 1e-9])  # arcs much shorter than the height are all straight down
+        if keep.sum() < 2:
+            raise DataError(
+                f"{name}: its ranges up to {path.range_m[-1]:g} m are all straight below a sensor at {height:g} m; add longer ones"
+            )
+        source = _solar_source(nu, sun)
+        toward = np.clip(-np.log(np.maximum(sun.irradiance, 1e-300) / source), 0.0, OPAQUE)
+        elevation = np.maximum(0.5 * np.pi - np.asarray(sun.zenith)[::-1], 0.0)
+        return cls(
+            wavenumber_cm=nu,
+            height=float(height),
+            name=name,
+            provenance=dict(provenance or {"table": name}),
+            _beyond=path.beyond,
+            _ranges=(float(path.range_m[0]), float(path.range_m[-1])),
+            _longest=longest,
+            _zeniths=(float(sun.zenith[0]), float(sun.zenith[-1])),
+            _source=source,
+            _depth=CubicSpline(x[keep], encode_optical_depth(depth[keep]), axis=0),
+            _temperature=CubicSpline(x[keep], temperature[keep], axis=0),
+            _sun=CubicSpline(elevation_coordinate(elevation, 0.0), encode_optical_depth(toward[::-1]), axis=0),
+            _skies=tuple(_Sky.of(sky, nu) for sky in skies),
+        )
+
+    def _coordinate(self, height: float, range_m: ArrayLike) -> FloatArray:
+        arc = require_range(range_m)
+        if abs(height - self.height) > HEIGHT_SLACK:
+            raise DomainError(
+                f"sensor height = {height:g} m: {self.name} holds paths to {self.height:g} m only; set sensor.height_m to that"
+            )
+        first, last = self._ranges
+        # Straight down is one path, however the arcs are rounded there.
+        nearest = first if first > 0.05 * self.height else 0.0
+        if np.any(arc < nearest * (1.0 - 1e-6)) or (not self._beyond and np.any(arc > last * (1.0 + 1e-6))):
+            wrong = arc[(arc < nearest * (1.0 - 1e-6)) | (arc > last)].ravel()[0]
+            raise DomainError(f"range = {wrong:.4g} m is outside {first:g}-{last:g} m of {self.name}; look elsewhere or add paths to it")
+        return path_coordinate(slant_range(height, arc), height, self._longest)
+
+    def path(self, height: float, range_m: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] in one go, both (..., n)."""
+        x = self._coordinate(height, range_m)
+        depth = decode_optical_depth(_along(self._depth, x))
+        return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, _along(self._temperature, x))
+
+    def transmittance(self, height: float, range_m: ArrayLike) -> FloatArray:
+        """Transmittance of the path from the sea at arcs ``range_m`` [m, (...)] to the sensor [1, (..., n)]."""
+        return np.asarray(np.exp(-decode_optical_depth(_along(self._depth, self._coordinate(height, range_m)))))
+
+    def path_radiance(self, height: float, range_m: ArrayLike) -> FloatArray:
+        """Thermal radiance of the air between the sea and the sensor [W m-2 sr-1 per cm-1, (..., n)]."""
+        return self.path(height, range_m)[1]
+
+    def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
+        """Direct sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)]; 0 beyond a zenith angle of pi/2."""
+        zenith = np.asarray(solar_zenith, dtype=np.float64)
+        if not np.all((zenith >= 0.0) & (zenith <= np.pi)):
+            raise DomainError("solar_zenith has values outside 0-pi rad; give zenith angles in radians")
+        up = zenith <= 0.5 * np.pi + ANGLE_SLACK
+        first, last = self._zeniths
+        outside = up & ((zenith < first - ANGLE_SLACK) | (np.minimum(zenith, 0.5 * np.pi) > last + ANGLE_SLACK))
+        if outside.any():
+            wrong, covered = np.degrees(zenith[outside].ravel()[0]), f"{np.degrees(first):g}-{np.degrees(last):g} deg"
+            raise DomainError(f"solar zenith = {wrong:.4g} deg is outside {covered} of {self.name}; move the Sun or add sunlight to it")
+        y = elevation_coordinate(np.maximum(0.5 * np.pi - zenith, 0.0), 0.0)
+        sunlight = self._source * np.exp(-decode_optical_depth(np.asarray(self._sun(np.clip(y, self._sun.x[0], self._sun.x[-1])))))
+        return np.asarray(np.where(up[..., np.newaxis], sunlight, 0.0))
+
+    def sky_radiance(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
+        """Thermal radiance of the clear sky at zenith angles ``zenith`` [rad, (...)] seen from ``height`` [W m-2 sr-1 per cm-1, (..., n)].
+
+        ``height`` is 0 or the sensor's; from there the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``.
+        """
+        sky = next((sky for sky in self._skies if abs(sky.height - height) <= HEIGHT_SLACK), None)
+        if sky is None:
+            covered = " and ".join(f"{sky.height:g} m" for sky in self._skies)
+            raise DomainError(
+                f"sky from a height of {height:g} m: {self.name} holds the sky from {covered} only; add it or look at the sea only"
+            )
+        dip = horizon_depression(height) if height > 0.0 else 0.0
+        elevation = 0.5 * np.pi - np.asarray(zenith, dtype=np.float64)
+        if not np.all((elevation >= -dip - ANGLE_SLACK) & (elevation <= 0.5 * np.pi + ANGLE_SLACK)):
+            raise DomainError(
+                f"zenith has values outside 0-{np.degrees(0.5 * np.pi + dip):.4f} deg, where the sky of a sensor at {height:g} m ends; "
+                "directions below the sea horizon see the sea"
+            )
+        if sky.dip > 0.0 and dip > 0.0:
+            elevation = np.where(elevation < 0.0, elevation * (sky.dip / dip), elevation)
+        # A file's lowest row is the user's choice; the last degree of a calculation's own horizon is not.
+        if np.any(elevation < sky.lowest - max(0.01 * sky.dip, 1e-4)) or np.any(elevation > sky.highest + max(ANGLE_SLACK, 1e-4)):
+            low, high = 90.0 - np.degrees(sky.highest), 90.0 - np.degrees(sky.lowest)
+            raise DomainError(f"a zenith angle of the sky is outside {low:g}-{high:g} deg of {self.name}; add the sky there")
+        return radiance_of(self.wavenumber_cm, sky(elevation))
+
+
+def _along(spline: CubicSpline[np.float64], x: FloatArray) -> FloatArray:
+    """Spline between the nodes, the end's tangent beyond the last one, the first value before the first."""
+    inside = np.clip(x, spline.x[0], spline.x[-1])
+    values = np.asarray(spline(inside))
+    beyond = np.maximum(x - spline.x[-1], 0.0)[..., np.newaxis]
+    return values + beyond * spline(spline.x[-1], 1) if np.any(beyond) else values
+
+
+def _solar_source(nu: FloatArray, sun: SunSamples) -> FloatArray:
+    """Sunlight outside the atmosphere, nowhere below what arrives."""
+    largest = FILE_SUN * np.max(sun.irradiance, axis=0)
+    if sun.source is not None:
+        return np.maximum(np.asarray(sun.source, dtype=np.float64), 1e-300)
+    try:
+        known = exoatmospheric_irradiance(nu)
+    except DomainError:
+        known = np.zeros(nu.size)
+    return np.asarray(np.maximum(np.maximum(known, largest), 1e-300))
+
+
+def _ascending(what: str, nodes: FloatArray, least: int) -> None:
+    values = np.asarray(nodes)
+    if values.size < least or not np.all(np.isfinite(values)) or not np.all(np.diff(values) > 0.0):
+        raise DataError(f"{what}: {values.size} nodes; at least {least} are needed, ascending and all different")
