@@ -102,3 +102,23 @@ def test_coarse_maps_are_averages_over_their_rows_as_images_are(wind):
     image = renderer_and_layout(scenario)[0].radiances(0.0).total
     # the bound of the image against the model, with slopes along one direction only (no wind) too
     np.testing.assert_allclose(image[2:], found[2:], rtol=5e-3)
+
+
+@pytest.mark.parametrize("mode", ["spectral", "article"])
+def test_glint_of_coarse_pixels_is_that_of_fine_ones_averaged(mode):
+    """Cells are independent: the variance of a pixel is the mean of its parts' variances over their number."""
+    coarse = scene(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [24, 12], "elevation_deg": -3.6})
+    fine = scene(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [72, 36], "elevation_deg": -3.6})
+    parts = fine["glint_std"].to_numpy().astype(np.float64).reshape(12, 3, 24, 3) ** 2
+    # The rows of both are averages over elevation, the columns middles: 1 % of a glitter pattern some degrees wide.
+    np.testing.assert_allclose(parts.mean(axis=(1, 3)) / 9.0, coarse["glint_std"].to_numpy().astype(np.float64) ** 2, rtol=0.03)
+
+
+def test_glint_varies_with_the_area_of_its_cells():
+    short, long = (scene("spectral", sea={"glint": {"correlation_time_s": t, "dispersion": "article"}}) for t in (0.07, 0.07 * 8.0))
+    # Surface tension alone: the length goes as the time to 2/3, the deviation as the length.
+    below = short["elevation"] < -1.0
+    ratio = long["glint_std"].where(below, drop=True) / short["glint_std"].where(below, drop=True)
+    np.testing.assert_allclose(ratio, 4.0, rtol=4 * FLOAT32)
+    assert short.attrs["glint_correlation_length_m"] == pytest.approx(2.1e-3, rel=1e-3)
+    assert (short["glint_std"].where(short["elevation"] > 0.0, drop=True) == 0.0).all()

@@ -51,6 +51,7 @@ VARIABLES: Final[dict[str, Variable]] = {
         _radiance("emitted_radiance", "in-band radiance emitted by the sea, at the aperture"),
         _radiance("sky_radiance", "in-band sky radiance reflected by the sea, at the aperture"),
         _radiance("glint_radiance", "in-band sunlight reflected by the sea, at the aperture"),
+        _radiance("glint_std", "standard deviation of in-band sunlight reflected by the sea, in a pixel"),
         Variable("apparent_temperature", "K", "apparent temperature", "brightness_temperature"),
         # Not CF's sensor_azimuth_angle, which is measured at the point seen, towards the sensor: the opposite direction.
         Variable("azimuth", "degree", "azimuth of the line of sight at the sensor, clockwise from north", symbol="deg"),

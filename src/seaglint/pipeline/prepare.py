@@ -17,6 +17,7 @@ from seaglint.io.response import read_response
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
+from seaglint.radiance.correlation import capillary_length, correlation_length
 from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
 from seaglint.scenario import model
@@ -95,6 +96,18 @@ def slopes(scenario: model.Scenario) -> SlopeStatistics:
             return cox_munk_anisotropic(speed, to, extrapolate=extrapolate)
         case model.FlatSlopes():
             return flat()
+        case other:
+            assert_never(other)
+
+
+def glint_length(scenario: model.Scenario) -> float:
+    """Correlation length of glint on the sea [m]."""
+    glint = scenario.sea.glint
+    match glint.dispersion:
+        case "full":
+            return correlation_length(glint.correlation_time_s)
+        case "article":
+            return capillary_length(glint.correlation_time_s)
         case other:
             assert_never(other)
 

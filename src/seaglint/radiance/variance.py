@@ -23,9 +23,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.conventions import FloatArray
+from seaglint.atmosphere.base import slant_range as slant_range_of
+from seaglint.conventions import FloatArray, surface_range
+from seaglint.conventions import view_zenith as view_zenith_of
 from seaglint.errors import DomainError
 from seaglint.radiance.glint import visible_sun
+from seaglint.radiance.mean import SeaRadiance, SeaView
 
 
 def point_variance(sun_mean: ArrayLike, chance: ArrayLike) -> FloatArray:
@@ -172,3 +175,48 @@ def glint_variance(
     """
     m = patches(cos_incidence, view_zenith, solar_zenith, slant_range, solid_angle, correlation_length)
     return np.asarray(point_variance(sun_mean, chance) / np.maximum(m, 1.0))
+
+
+def sea_variance(view: SeaView, found: SeaRadiance, elevation: ArrayLike, solid_angle: ArrayLike, correlation_length: float) -> FloatArray:
+    """Variance of glint for the lines of sight of a mean radiance.
+
+    Parameters
+    ----------
+    view : SeaView
+        Sensor, sea, air and Sun that ``found`` was computed with.
+    found : SeaRadiance
+        Mean radiance, from :func:`seaglint.radiance.mean.mean_radiance` or :func:`seaglint.radiance.article.article_radiance`.
+    elevation : array_like
+        Its elevations [rad, (rows,)].
+    solid_angle : array_like
+        Solid angle of a detector [sr, scalar or (rows,)].
+    correlation_length : float
+        Side of a cell of the sea [m].
+
+    Returns
+    -------
+    ndarray
+        Variance [W2 m-4 sr-2, (rows, columns)]; 0 above the horizon.
+
+    Raises
+    ------
+    DomainError
+        As :func:`glint_variance`.
+    """
+    rows = np.atleast_1d(np.asarray(elevation, dtype=np.float64))
+    theta = view_zenith_of(view.sensor_height, -rows)
+    sea = np.isfinite(theta)
+    omega = np.broadcast_to(np.asarray(solid_angle, dtype=np.float64), rows.shape)
+    distance = slant_range_of(view.sensor_height, surface_range(view.sensor_height, -rows[sea]))
+    variance = np.zeros((rows.size, found.sun.shape[1]))
+    variance[sea] = glint_variance(
+        found.sun[sea],
+        found.chance[sea],
+        found.cos_incidence[sea],
+        theta[sea][:, None],
+        view.solar_zenith,
+        distance[:, None],
+        omega[sea][:, None],
+        correlation_length,
+    )
+    return variance

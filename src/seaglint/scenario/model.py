@@ -28,6 +28,9 @@ REVERSED_OBLONG = 1.5
 FIT_MAX_WIND = 20.0
 """U10 [m s-1] up to which the slope models are used without being asked to extrapolate, and to which the air tables reach."""
 
+SLOPE_MAX_WIND = {"cox-munk-slick": 14.0, "breon-henriot": 15.0}
+"""The same for slope models whose data end earlier."""
+
 TABLE_HEIGHTS = (2.0, 10_000.0)
 """Sensor heights [m] that the air tables cover."""
 
@@ -215,6 +218,33 @@ class CoxMunkAnisotropic(Record):
     extrapolate: Annotated[StrictBool, Field(description="allow winds above the range of the fit")] = False
 
 
+class CoxMunkGramCharlier(Record):
+    """Cox and Munk 1954, clean sea, with skewness (steep lee faces) and peakedness."""
+
+    kind: Literal["cox-munk-gram-charlier"] = "cox-munk-gram-charlier"
+    extrapolate: Annotated[StrictBool, Field(description="allow winds above the range of the fit")] = False
+
+
+class CoxMunkSlick(Record):
+    """Cox and Munk 1954, sea under an oil slick; up to 14 m/s."""
+
+    kind: Literal["cox-munk-slick"] = "cox-munk-slick"
+    extrapolate: Annotated[StrictBool, Field(description="allow winds above the range of the fit")] = False
+
+
+class BreonHenriot(Record):
+    """Breon and Henriot 2006, open ocean seen from a satellite, with skewness and peakedness; up to 15 m/s."""
+
+    kind: Literal["breon-henriot"] = "breon-henriot"
+    extrapolate: Annotated[StrictBool, Field(description="allow winds above the range of the fit")] = False
+
+
+class SpectrumSlopes(Record):
+    """Gaussian slopes with the variances of sea.spectrum, all its waves."""
+
+    kind: Literal["spectrum"] = "spectrum"
+
+
 class FlatSlopes(Record):
     """A mirror: no slopes."""
 
@@ -222,7 +252,11 @@ class FlatSlopes(Record):
 
 
 Slopes = Annotated[
-    Annotated[CoxMunkIsotropic | CoxMunkAnisotropic | FlatSlopes, Field(discriminator="kind")], _default_tag("kind", "cox-munk-anisotropic")
+    Annotated[
+        CoxMunkIsotropic | CoxMunkAnisotropic | CoxMunkGramCharlier | CoxMunkSlick | BreonHenriot | SpectrumSlopes | FlatSlopes,
+        Field(discriminator="kind"),
+    ],
+    _default_tag("kind", "cox-munk-anisotropic"),
 ]
 
 
@@ -259,6 +293,18 @@ Spectrum = Annotated[
 ]
 
 
+class Glint(Record):
+    """How the sparkle of the mirrored Sun hangs together: sets the standard deviation of glint in a pixel."""
+
+    correlation_time_s: Annotated[
+        float, Quantity("s", ge=0.001, le=10), Field(description="time after which glint at a point is forgotten (reported: 0.03 to 0.3 s)")
+    ] = 0.07
+    dispersion: Annotated[
+        Literal["full", "article"],
+        Field(description="from that time to a length: full by gravity and surface tension, article by surface tension alone"),
+    ] = "full"
+
+
 class Sea(Record):
     """The water and its shape."""
 
@@ -276,6 +322,7 @@ class Sea(Record):
     ] = 2.0
     slopes: Annotated[Slopes, Field(description="slope statistics of the whole sea")] = CoxMunkAnisotropic()
     spectrum: Annotated[Spectrum, Field(description="spectrum of the waves that are geometry")] = Elfouhaily()
+    glint: Annotated[Glint, Field(description="correlation of glint")] = Glint()
 
 
 class TableAtmosphere(Record):
