@@ -22,12 +22,14 @@ from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
 from seaglint.scenario import model
 from seaglint.scenario.sun import sun_position
-from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.sea.breon_henriot import breon_henriot
+from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.field import WaveField, longest_wave_number, plan_tiles, resolve_limit
 from seaglint.sea.slopes import SlopeStatistics, flat
 from seaglint.sea.spectra.base import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
+from seaglint.sea.spectra.slopes import spectrum_slopes
 
 RESOLVED_SHARE = 0.8
 """Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest."""
@@ -94,6 +96,15 @@ def slopes(scenario: model.Scenario) -> SlopeStatistics:
             return cox_munk_isotropic(speed, extrapolate=extrapolate)
         case model.CoxMunkAnisotropic(extrapolate=extrapolate):
             return cox_munk_anisotropic(speed, to, extrapolate=extrapolate)
+        case model.CoxMunkGramCharlier(extrapolate=extrapolate):
+            return cox_munk_gram_charlier(speed, to, extrapolate=extrapolate)
+        case model.CoxMunkSlick(extrapolate=extrapolate):
+            return cox_munk_slick(speed, to, extrapolate=extrapolate)
+        case model.BreonHenriot(extrapolate=extrapolate):
+            return breon_henriot(speed, to, extrapolate=extrapolate)
+        case model.SpectrumSlopes():
+            waves = spectrum(scenario)
+            return flat() if waves is None else spectrum_slopes(waves)
         case model.FlatSlopes():
             return flat()
         case other:
@@ -161,7 +172,9 @@ def article_view(scenario: model.Scenario) -> SeaView:
     isotropic = (
         flat()
         if isinstance(kind, model.FlatSlopes)
-        else cox_munk_isotropic(scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=kind.extrapolate)
+        else cox_munk_isotropic(
+            scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=not isinstance(kind, model.SpectrumSlopes) and kind.extrapolate
+        )
     )
     return replace(view(scenario), slopes=isotropic, shadowing="viewer", background="blackbody")
 
@@ -188,7 +201,14 @@ def sea(scenario: model.Scenario, statistics: SlopeStatistics) -> Sea:
     DomainError
         If waves are to be resolved on a mirror, or the tiles cannot hold them.
     """
-    none = {"resolved_mss_up": 0.0, "resolved_mss_cross": 0.0, "facet_mss_up": statistics.mss_up, "facet_mss_cross": statistics.mss_cross}
+    density = {"facet_density": facet_density(statistics)}
+    none = {
+        "resolved_mss_up": 0.0,
+        "resolved_mss_cross": 0.0,
+        "facet_mss_up": statistics.mss_up,
+        "facet_mss_cross": statistics.mss_cross,
+        **density,
+    }
     spectral = spectrum(scenario) if scenario.sea.resolve_waves else None
     if spectral is None:
         return Sea(None, {"waves": "none", **none})
@@ -218,8 +238,16 @@ def sea(scenario: model.Scenario, statistics: SlopeStatistics) -> Sea:
             "resolved_mss_cross": cross,
             "facet_mss_up": statistics.mss_up - up,
             "facet_mss_cross": statistics.mss_cross - cross,
+            **density,
         },
     )
+
+
+def facet_density(statistics: SlopeStatistics) -> str:
+    """What the facets of an image are drawn from, in words: Gaussian always, which leaves something out of other slope models."""
+    if statistics.is_gaussian:
+        return "Gaussian"
+    return "Gaussian of the slope model's variances; its skewness and peakedness are in mean maps only"
 
 
 def atmosphere_provenance(air: Atmosphere) -> dict[str, Any]:

@@ -434,16 +434,17 @@ class Scenario(Record):
     @model_validator(mode="after")
     def _wind_is_in_the_fits(self) -> Self:
         slopes, speed = self.sea.slopes, self.wind.speed_m_s
-        if speed <= FIT_MAX_WIND:
+        most = SLOPE_MAX_WIND.get(slopes.kind, FIT_MAX_WIND)
+        if speed <= most:
             return self
-        allowed = f"allowed: 0 to {FIT_MAX_WIND:g} m/s, or set"
         ask = "sea.slopes.extrapolate = true"
-        if self.atmosphere.source == "table":
+        if self.atmosphere.source == "table" and speed > FIT_MAX_WIND:
+            allowed = f"allowed: 0 to {FIT_MAX_WIND:g} m/s, or set"
             # The aerosol of the table has no value to extrapolate from; without air the slopes still can be.
             text = (
                 f"= {speed:g} is above the range of the table atmosphere's maritime aerosol; {allowed} atmosphere.source = 'none' and {ask}"
             )
             raise rule("wind.speed_m_s", text)
-        if not isinstance(slopes, FlatSlopes) and not slopes.extrapolate:
-            raise rule("wind.speed_m_s", f"= {speed:g} is above the {slopes.kind} slope fit; {allowed} {ask}")
+        if not isinstance(slopes, FlatSlopes | SpectrumSlopes) and not slopes.extrapolate:
+            raise rule("wind.speed_m_s", f"= {speed:g} is above the {slopes.kind} slope fit; allowed: 0 to {most:g} m/s, or set {ask}")
         return self

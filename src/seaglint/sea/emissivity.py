@@ -6,7 +6,8 @@ With ``v`` the unit vector to the viewer, a facet of slope ``s`` takes the share
 
 of the visible projected area (:func:`seaglint.sea.shadowing.projected_area`). It mirrors the ray that arrives from
 ``r = 2 (n.v) n - v``; where ``r`` points below the horizontal the ray comes from the sea again. Slopes for which it does lie outside
-a circle of the slope plane, so the quadrature is split on that circle and sees smooth functions only.
+a circle of the slope plane, so the quadrature is split on that circle and sees smooth functions only. A Gram-Charlier density is its
+Gaussian times a polynomial, taken at the nodes of the Gaussian's rule.
 
 References
 ----------
@@ -66,6 +67,14 @@ class FacetNodes:
     meets_sea: NDArray[np.bool_]
 
 
+def _frame_shape(slopes: SlopeStatistics, azimuth: float, along: FloatArray, across: FloatArray) -> FloatArray:
+    """Density over its Gaussian for slopes along ``azimuth`` and 90 degrees clockwise of it."""
+    turn = azimuth - slopes.wind_to_azimuth
+    s, c = float(np.sin(turn)), float(np.cos(turn))
+    downwind, cross = along * c - across * s, along * s + across * c
+    return slopes.shape(cross / np.sqrt(slopes.mss_cross), -downwind / np.sqrt(slopes.mss_up))
+
+
 def _frame_covariance(slopes: SlopeStatistics, azimuth: float) -> tuple[float, float, float]:
     """Slope covariance (along, along-across, across) for axes along ``azimuth`` and 90 degrees clockwise of it."""
     turn = azimuth - slopes.wind_to_azimuth
@@ -85,14 +94,15 @@ def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: f
     view_zenith : array_like
         Zenith angle of the direction from the sea to the viewer [rad, any shape]; 0 to pi/2 and, for a sea with slopes, somewhat beyond.
     slopes : SlopeStatistics
-        Slope variances; a flat sea gives one mirror direction.
+        Slope statistics, Gaussian or not; a flat sea gives one mirror direction.
     view_azimuth : float
         Azimuth of the direction from the sea to the viewer [rad]; matters for a directional sea only.
 
     Returns
     -------
     FacetNodes
-        192 nodes per view, 384 where the sea is directional and seen obliquely to the wind.
+        192 nodes per view, 384 where the two sides of the view differ: a directional sea seen obliquely to the wind, a skewed one
+        from anywhere but up or down the wind.
 
     Raises
     ------
@@ -107,7 +117,10 @@ def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: f
     if along_var <= 0.0:
         along, across, share = _slopes_across_only(cosine, across_var)
     else:
-        along, across, share = _slopes_both(cosine, sine, along_var, covariance, across_var)
+        even = slopes.is_gaussian or float(np.sin(view_azimuth - slopes.wind_to_azimuth)) == 0.0
+        along, across, share = _slopes_both(cosine, sine, along_var, covariance, across_var, even=even)
+        if not slopes.is_gaussian:
+            share = share * _frame_shape(slopes, view_azimuth, along, across)
     projection = cosine - sine * along
     weight = share * np.maximum(projection, 0.0)
     area = weight.sum(axis=-1, keepdims=True)
@@ -137,10 +150,13 @@ def _slopes_across_only(cosine: FloatArray, across_var: float) -> tuple[FloatArr
 
 
 def _slopes_both(
-    cosine: FloatArray, sine: FloatArray, along_var: float, covariance: float, across_var: float
+    cosine: FloatArray, sine: FloatArray, along_var: float, covariance: float, across_var: float, *, even: bool
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Slopes along and across the view azimuth and their (unnormalised) probabilities, split where mirrored rays turn down."""
-    across, across_share = _across_rule(across_var, symmetric=covariance == 0.0)
+    """Slopes along and across the view azimuth and their (unnormalised) probabilities, split where mirrored rays turn down.
+
+    ``even``: the density of standardised slopes is the same on both sides of the view.
+    """
+    across, across_share = _across_rule(across_var, symmetric=even and covariance == 0.0)
     mean = covariance / across_var * across if across_var > 0.0 else np.zeros_like(across)
     sigma = np.sqrt(max(along_var - (covariance**2 / across_var if across_var > 0.0 else 0.0), 1e-12 * along_var))
     with np.errstate(divide="ignore"):
@@ -198,7 +214,7 @@ def emissivity(
     view_zenith : array_like
         Zenith angle of the direction from the sea to the viewer [rad, any shape].
     slopes : SlopeStatistics
-        Slope variances.
+        Slope statistics, Gaussian or not.
     water : RefractiveIndex
         Complex refractive index of the water.
     wavenumber_cm : array_like
