@@ -15,20 +15,25 @@ integral of the visible density over the disc and never above 1.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Final, Literal, Protocol
+import math
+from dataclasses import dataclass, replace
+from typing import Final, Literal, NamedTuple
 
+import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
+from seaglint._jit import njit, njit_parallel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, unit_vector
 from seaglint.errors import DomainError
-from seaglint.sea.shadowing import bistatic, projected_area, smith_lambda, smith_nu
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.sea.nested import BANDS, nested_ratio_kernel, ratio_table
+from seaglint.sea.shadowing import bistatic_kernel, slope_lambda, visible_area, visible_area_kernel
+from seaglint.sea.slopes import SlopeStatistics, series_bracket
 
-Shadowing = Literal["both", "viewer"]
-"""Legs that waves shadow: viewer and Sun, or the viewer's alone (the source article)."""
+Shadowing = Literal["both", "viewer", "nested", "nested-viewer"]
+"""Legs that waves shadow: viewer and Sun by Smith's law, or the viewer's alone (the source article); ``nested`` takes the viewer's leg
+band by band (:mod:`seaglint.sea.nested`) and the Sun's as ``both`` does, ``nested-viewer`` leaves the Sun's out."""
 
 _FLOOR: Final = 1e-3 * SOLAR_ANGULAR_RADIUS
 """Least rms slope of the quadrature [1]: a mirror gets an edge of 0.2 % of the Sun's radius and needs no formula of its own."""
@@ -51,17 +56,7 @@ _HEX_W = np.array([0.25] + 6 * [0.125])
 _NEGLIGIBLE: Final = 9.0
 """Rms slopes beyond which the density is nothing (3e-18 of its peak) and no integral is taken."""
 
-# Pixels taken at a time, so that their points stay near the processor: 7 and 576 points each.
-_WIDE_CHUNK: Final = 8192
-_NARROW_CHUNK: Final = 512
-
-
-class SlopeDensity(Protocol):
-    """A density of slopes, by position."""
-
-    def __call__(self, slope_east: ArrayLike, slope_north: ArrayLike, /) -> FloatArray:
-        """Density [1/slope²] of slopes (east, north), broadcast."""
-        ...
+_series_kernel = njit(series_bracket)
 
 
 @dataclass(frozen=True)
@@ -78,6 +73,45 @@ class Glint:
 
     chance: FloatArray
     cos_incidence: FloatArray
+
+
+class _Sea(NamedTuple):
+    """Slope density as kernels take it."""
+
+    mss_up: float
+    mss_cross: float
+    wind_sine: float
+    wind_cosine: float
+    is_gaussian: bool
+    coefficients: FloatArray
+    """Of the Gram-Charlier series [(5,)]; an array, as parallel launchers take no tuples within tuples."""
+
+
+class _Disc(NamedTuple):
+    """The Sun as kernels take it."""
+
+    zenith: float
+    sin_zenith: float
+    cos_zenith: float
+    sin_azimuth: float
+    cos_azimuth: float
+    is_whole: bool
+    centroid: FloatArray
+    """Direction of the middle of its visible part (east, north, up)."""
+    points: FloatArray
+    """Directions of the seven points (east, north, up) and their weights [sr, (7, 4)]."""
+    rule: FloatArray
+    """Gauss points and weights [(2, 24)]."""
+
+
+class _Legs(NamedTuple):
+    """What waves shadow, as kernels take it."""
+
+    sun: bool
+    lambda_sun: float
+    azimuth: float
+    ratio: FloatArray
+    """Table of the nested law; empty for Smith's."""
 
 
 def visible_sun(solar_zenith: float) -> tuple[float, float]:
@@ -115,7 +149,104 @@ def _floored(slopes: SlopeStatistics) -> SlopeStatistics:
     least = max(_FLOOR**2, _THINNEST**2 * max(slopes.mss_up, slopes.mss_cross))
     if min(slopes.mss_up, slopes.mss_cross) >= least:
         return slopes
-    return SlopeStatistics(max(slopes.mss_up, least), max(slopes.mss_cross, least), slopes.wind_to_azimuth)
+    return replace(slopes, mss_up=max(slopes.mss_up, least), mss_cross=max(slopes.mss_cross, least))
+
+
+@dataclass(frozen=True, eq=False)
+class GlintModel:
+    """The Sun over a sea, prepared for any number of views. Make it with :meth:`prepare`.
+
+    Attributes
+    ----------
+    slopes : SlopeStatistics
+        Slopes of the sea, no variance below the quadrature's floor.
+    """
+
+    slopes: SlopeStatistics
+    _sea: _Sea
+    _disc: _Disc | None
+    _legs: _Legs
+
+    @classmethod
+    def prepare(
+        cls, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics, shadowing: Shadowing = "both", nested_bands: int = BANDS
+    ) -> GlintModel:
+        """Constants of one Sun and one sea; parameters and errors as in :func:`glint`."""
+        require_shadowing(slopes, shadowing)
+        sea = _floored(slopes)
+        share, centroid = visible_sun(solar_zenith)
+        s, c = math.sin(sea.wind_to_azimuth), math.cos(sea.wind_to_azimuth)
+        numbers = _Sea(sea.mss_up, sea.mss_cross, s, c, sea.is_gaussian, np.array(sea.coefficients))
+        nested = shadowing in ("nested", "nested-viewer")
+        with_sun = shadowing in ("both", "nested") and share > 0.0
+        legs = _Legs(
+            with_sun,
+            float(slope_lambda(centroid, solar_azimuth, sea)) if with_sun else 0.0,
+            float(solar_azimuth),
+            ratio_table(nested_bands if nested else 1),
+        )
+        disc = _disc(solar_zenith, solar_azimuth, share, centroid) if share > 0.0 else None
+        return cls(sea, numbers, disc, legs)
+
+    def grid(self, view_zenith: FloatArray, view_azimuth: FloatArray, terms: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Mirrored Sun on rows of view zenith and columns of view azimuth [rad], each result (rows, columns).
+
+        ``terms`` (rows, j) are Chebyshev coefficients in the cosine of incidence of what a mirroring point shows, as
+        :class:`seaglint.optics.fresnel.ReflectanceSeries` orders them; the results are their sum times the chance, the chance, and the
+        cosine of incidence. The same bytes for any number of threads.
+        """
+        out = np.zeros((3, view_zenith.size, view_azimuth.size))
+        if self._disc is not None:
+            area = self._area(view_zenith[:, None], view_azimuth)
+            _fill_grid(view_zenith, view_azimuth, area, self._sea, self._disc, self._legs, terms, out)
+        return out[0], out[1], out[2]
+
+    def at(self, view_zenith: FloatArray, view_azimuth: FloatArray) -> Glint:
+        """Mirrored Sun at a list of views [rad, (n,) each]."""
+        chance, cosine = np.zeros(view_zenith.size), np.zeros(view_zenith.size)
+        if self._disc is not None:
+            area = self._area(view_zenith, view_azimuth)
+            _fill_list(view_zenith, view_azimuth, area, self._sea, self._disc, self._legs, chance, cosine)
+        return Glint(chance, cosine)
+
+    def _area(self, theta: FloatArray, azimuth: FloatArray) -> FloatArray:
+        """A+ where it is no closed form of the kernel's; empty for Gaussian slopes."""
+        if self.slopes.is_gaussian:
+            return np.zeros((0,) * np.broadcast(theta, azimuth).ndim)
+        return visible_area(theta, azimuth, self.slopes)
+
+
+def require_shadowing(slopes: SlopeStatistics, shadowing: Shadowing) -> None:
+    """Refuse what no shadowing law covers."""
+    if shadowing not in ("both", "viewer", "nested", "nested-viewer"):
+        raise DomainError(f"shadowing = {shadowing!r} is unknown; choose 'both', 'viewer', 'nested' or 'nested-viewer'")
+    if shadowing in ("nested", "nested-viewer") and not slopes.is_gaussian:
+        raise DomainError(
+            f"shadowing = {shadowing!r} needs Gaussian slopes and these have Gram-Charlier coefficients; "
+            "choose shadowing = 'both' or a Gaussian slope model such as cox-munk-anisotropic"
+        )
+
+
+def _disc(solar_zenith: float, solar_azimuth: float, share: float, centroid: float) -> _Disc:
+    """Constants of a Sun of which something is above the horizon."""
+    sz, cz, sa, ca = math.sin(solar_zenith), math.cos(solar_zenith), math.sin(solar_azimuth), math.cos(solar_azimuth)
+    x, y = SOLAR_ANGULAR_RADIUS * _HEX_X, SOLAR_ANGULAR_RADIUS * _HEX_Y
+    norm = 1.0 / np.sqrt(1.0 + x * x + y * y)
+    # norm^3: solid angle of the tangent plane, so that a calm sea's whole density adds up to 1 and no more.
+    weight = np.pi * SOLAR_ANGULAR_RADIUS**2 * _HEX_W * norm**3
+    points = [norm * (sz * sa + x * ca - y * cz * sa), norm * (sz * ca - x * sa - y * cz * ca), norm * (cz + y * sz), weight]
+    middle = direction(centroid, solar_azimuth)
+    return _Disc(
+        float(solar_zenith),
+        sz,
+        cz,
+        sa,
+        ca,
+        share == 1.0,
+        np.array([float(c) for c in middle]),
+        np.stack(points, axis=1),
+        np.stack([_GAUSS_X, _GAUSS_W]),
+    )
 
 
 def glint(
@@ -125,6 +256,7 @@ def glint(
     solar_azimuth: float,
     slopes: SlopeStatistics,
     shadowing: Shadowing = "both",
+    nested_bands: int = BANDS,
 ) -> Glint:
     """Share of the viewed sea that mirrors the Sun to the viewer, and the incidence there.
 
@@ -138,8 +270,10 @@ def glint(
         Direction from the sea to the Sun's centre [rad]; below the horizon is valid: no glint.
     slopes : SlopeStatistics
         Slopes of the sea; a flat one mirrors the disc itself.
-    shadowing : {"both", "viewer"}
-        Legs that are shadowed.
+    shadowing : {"both", "viewer", "nested", "nested-viewer"}
+        Legs that are shadowed, and how; see :data:`Shadowing`.
+    nested_bands : int
+        Bands of the nested law; 1 is Smith's.
 
     Returns
     -------
@@ -149,13 +283,14 @@ def glint(
     Raises
     ------
     DomainError
-        View zeniths outside 0..pi/2.
+        View zeniths outside 0..pi/2; the nested law for slopes that are not Gaussian.
 
     Notes
     -----
     Where the disc's image in the slope plane is small against the rms slope, seven points on the disc; elsewhere, and for a Sun cut by
-    the horizon, 24 x 24 Gauss points on that part of the disc where the density is not negligible. Shadowing of the Sun's leg is
-    taken at the middle of the visible part of the disc.
+    the horizon, 24 x 24 Gauss points on that part of the disc where the density is not negligible. Shadowing is taken at the middle of
+    the visible part of the disc. ``viewer`` and ``nested-viewer`` conserve energy over all positions of the Sun; ``both`` is reciprocal
+    in viewer and Sun; ``nested`` is neither where both are low.
 
     References
     ----------
@@ -165,114 +300,155 @@ def glint(
     if not np.all((theta >= 0.0) & (theta <= 0.5 * np.pi)):
         raise DomainError("view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor")
     shape = np.broadcast_shapes(theta.shape, azimuth.shape)
-    share, centroid = visible_sun(solar_zenith)
-    if share == 0.0:
-        return Glint(np.zeros(shape), np.zeros(shape))
-    sea = _floored(slopes)
-    v = tuple(np.broadcast_to(c, shape).ravel() for c in direction(theta, azimuth))
-    sun = direction(centroid, solar_azimuth)
-    # cos(2 w) = v.l; the floor only keeps exact grazing from dividing by zero.
-    cos_incidence = np.sqrt(np.clip(0.5 * (1.0 + v[0] * sun[0] + v[1] * sun[1] + v[2] * sun[2]), 1e-18, 1.0))
-
-    # Image of the Sun's radius in slopes, its long half axis: eps/(2 cos w), over the square of the facet's upward cosine.
-    upward = (v[2] + sun[2]) / (2.0 * cos_incidence)
-    image = SOLAR_ANGULAR_RADIUS / (2.0 * cos_incidence * upward**2)
-    slope = np.sqrt(np.maximum(1.0 / upward**2 - 1.0, 0.0))
-    possible = slope - 2.0 * image < _NEGLIGIBLE * np.sqrt(max(sea.mss_up, sea.mss_cross))
-    broad = (image < _BROAD * np.sqrt(min(sea.mss_up, sea.mss_cross))) & (share == 1.0)
-    integral = np.zeros(cos_incidence.size)
-    for rule, pixels, chunk in ((_wide, broad, _WIDE_CHUNK), (_narrow, ~broad, _NARROW_CHUNK)):
-        wanted = np.flatnonzero(pixels & possible)
-        for start in range(0, wanted.size, chunk):
-            pick = wanted[start : start + chunk]
-            integral[pick] = rule(tuple(c[pick] for c in v), cos_incidence[pick], solar_zenith, solar_azimuth, sea)
-    chance = integral.reshape(shape) * _visibility(theta, azimuth, centroid, solar_azimuth, sea, shadowing)
-    return Glint(chance, cos_incidence.reshape(shape))
+    views = [np.array(np.broadcast_to(a, shape), order="C").ravel() for a in (theta, azimuth)]
+    found = GlintModel.prepare(solar_zenith, solar_azimuth, slopes, shadowing, nested_bands).at(*views)
+    return Glint(found.chance.reshape(shape), found.cos_incidence.reshape(shape))
 
 
-def _visibility(
-    theta: FloatArray, azimuth: FloatArray, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics, shadowing: Shadowing
-) -> FloatArray:
-    """``S / cos(theta_v)``, finite to the horizon: 1/A+ for the viewer's leg, less by the Sun's."""
-    # One number for isotropic slopes, so that what depends on the row alone is computed per row.
-    variance = np.float64(slopes.mss_up) if slopes.is_isotropic else slopes.mss_along(azimuth)
-    area = projected_area(theta, variance)
-    if shadowing == "viewer":
-        return np.asarray(1.0 / area)
-    view = smith_lambda(smith_nu(theta, variance))
-    sun = smith_lambda(smith_nu(solar_zenith, slopes.mss_along(solar_azimuth)))
-    # Towards the horizon Lambda_v grows without bound and (1 + Lambda_v) S tends to 1.
-    finite = np.where(np.isfinite(view), view, 0.0)
-    both = np.where(np.isfinite(view), (1.0 + finite) * bistatic(finite, sun, azimuth - solar_azimuth), 1.0)
-    return np.asarray(both / area)
-
-
-def _point_density(
-    v: tuple[FloatArray, ...], x: FloatArray, y: FloatArray, solar_zenith: float, solar_azimuth: float, density: SlopeDensity
-) -> FloatArray:
-    """``p(s) / (4 cos^4(beta))`` for points of the disc ``x`` to the right and ``y`` above the Sun's centre [rad]."""
-    sun = direction(solar_zenith, solar_azimuth)
-    right = (np.cos(solar_azimuth), -np.sin(solar_azimuth), 0.0)
-    above = (-np.cos(solar_zenith) * np.sin(solar_azimuth), -np.cos(solar_zenith) * np.cos(solar_azimuth), np.sin(solar_zenith))
-    norm = 1.0 / np.sqrt(1.0 + x * x + y * y)
-    east, north, up = (v[i][:, None] + norm * (sun[i] + x * right[i] + y * above[i]) for i in range(3))
+@njit
+def _facet_share(east: float, north: float, up: float, sea: _Sea) -> float:
+    """``p(s) / (4 cos^4(beta))`` of the facet that mirrors: ``(east, north, up)`` is the sum of both directions."""
     # A horizontal look at a horizontal ray needs an upright facet: infinitely steep, density zero.
-    rise = np.maximum(up, 1e-12)
+    rise = max(up, 1e-12)
     slope_east, slope_north = -east / rise, -north / rise
-    secant2 = 1.0 + slope_east**2 + slope_north**2
-    p = density(slope_east, slope_north)
-    # norm^3: solid angle of the tangent plane, so that a calm sea's whole density adds up to 1 and no more.
-    return np.asarray(np.where(p > 0.0, 0.25 * p * secant2**2 * norm**3, 0.0))
+    along = slope_east * sea.wind_sine + slope_north * sea.wind_cosine
+    cross = slope_east * sea.wind_cosine - slope_north * sea.wind_sine
+    q = along * along / sea.mss_up + cross * cross / sea.mss_cross
+    if q > 1400.0:
+        return 0.0
+    deviation_up, deviation_cross = math.sqrt(sea.mss_up), math.sqrt(sea.mss_cross)
+    density = math.exp(-0.5 * q) / (2.0 * math.pi * deviation_up * deviation_cross)
+    if not sea.is_gaussian:
+        c = sea.coefficients
+        shape = _series_kernel(cross / deviation_cross, -along / deviation_up, (c[0], c[1], c[2], c[3], c[4]))
+        density *= max(shape, 0.0)
+    secant2 = 1.0 + slope_east * slope_east + slope_north * slope_north
+    return 0.25 * density * secant2 * secant2
 
 
-def _wide(
-    v: tuple[FloatArray, ...], cos_incidence: FloatArray, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics
-) -> FloatArray:
-    """Integral over the whole disc of a density that varies little on it."""
-    x, y = SOLAR_ANGULAR_RADIUS * _HEX_X[None, :], SOLAR_ANGULAR_RADIUS * _HEX_Y[None, :]
-    values = _point_density(v, x, y, solar_zenith, solar_azimuth, slopes.density)
-    return np.asarray(np.pi * SOLAR_ANGULAR_RADIUS**2 * (values @ _HEX_W))
+@njit
+def _wide(east: float, north: float, up: float, disc: _Disc, sea: _Sea) -> float:
+    """Integral over the whole disc of a density that varies little on it; the view's direction comes first."""
+    total = 0.0
+    for i in range(disc.points.shape[0]):
+        p = disc.points[i]
+        total += p[3] * _facet_share(east + p[0], north + p[1], up + p[2], sea)
+    return total
 
 
-def _narrow(
-    v: tuple[FloatArray, ...], cos_incidence: FloatArray, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics
-) -> FloatArray:
+@njit
+def _narrow(east: float, north: float, up: float, disc: _Disc, sea: _Sea) -> float:
     """Integral over the part of the disc that is above the horizon and where the density is not negligible.
 
     Along a line of the disc parallel to the horizon the mirroring slope moves in proportion to the distance, towards one azimuth, so the
     window of a Gaussian density on that line is exact, however grazing the light.
     """
     radius = SOLAR_ANGULAR_RADIUS
-    right_east, right_north = np.cos(solar_azimuth), -np.sin(solar_azimuth)
+    s, c, sz, cz = disc.sin_azimuth, disc.cos_azimuth, disc.sin_zenith, disc.cos_zenith
     # Up and down the disc: the slope towards the Sun's azimuth decides; a slope of sigma turns the mirrored ray by 2 sigma.
-    turn = np.arctan2(v[0], v[1]) + np.pi - solar_azimuth
-    sine = np.hypot(v[0], v[1])
-    mirror_y = v[2] * np.sin(solar_zenith) - sine * np.cos(turn) * np.cos(solar_zenith)
-    reach = 2.0 * _WINDOW * np.sqrt(float(slopes.mss_along(solar_azimuth)))
-    horizon = -1.0 / np.tan(solar_zenith) if solar_zenith > 0.0 else -np.inf
-    low = np.maximum(mirror_y - reach, max(-radius, horizon))
-    high = np.minimum(mirror_y + reach, radius)
-    half = 0.5 * np.maximum(high - low, 0.0)
-    y = (0.5 * (high + low))[:, None] + half[:, None] * _GAUSS_X
+    mirror_y = up * sz + (east * s + north * c) * cz
+    to_wind, off_wind = s * sea.wind_sine + c * sea.wind_cosine, s * sea.wind_cosine - c * sea.wind_sine
+    reach = 2.0 * _WINDOW * math.sqrt(sea.mss_up * to_wind**2 + sea.mss_cross * off_wind**2)
+    bottom = max(-radius, -cz / sz) if disc.zenith > 0.0 else -radius
+    low, high = max(mirror_y - reach, bottom), min(mirror_y + reach, radius)
+    half = 0.5 * max(high - low, 0.0)
+    total = 0.0
     # Across it: slope(x) = at_centre + x step, whose Gaussian has its centre and width where Q(x) = slope.C^-1.slope is least.
-    level = np.sin(solar_zenith) - y * np.cos(solar_zenith)
-    rise = np.maximum(v[2][:, None] + np.cos(solar_zenith) + y * np.sin(solar_zenith), 1e-12)
-    centre_east = -(v[0][:, None] + level * np.sin(solar_azimuth)) / rise
-    centre_north = -(v[1][:, None] + level * np.cos(solar_azimuth)) / rise
-    ee, en, nn = slopes.covariance()
-    norm = ee * nn - en * en
-    inverse = (nn / norm, -en / norm, ee / norm)
-    step_q = (inverse[0] * right_east**2 + 2.0 * inverse[1] * right_east * right_north + inverse[2] * right_north**2) / rise**2
-    cross_q = (
-        centre_east * (inverse[0] * right_east + inverse[1] * right_north)
-        + centre_north * (inverse[1] * right_east + inverse[2] * right_north)
-    ) / rise
-    middle, across = cross_q / step_q, _WINDOW / np.sqrt(step_q)
-    chord = np.sqrt(np.maximum(radius**2 - y**2, 0.0))
-    left, right = np.maximum(middle - across, -chord), np.minimum(middle + across, chord)
-    width = 0.5 * np.maximum(right - left, 0.0)
-    x = (0.5 * (left + right))[..., None] + width[..., None] * _GAUSS_X
-    points = (v[0].size, -1)
-    yy = np.broadcast_to(y[..., None], x.shape)
-    values = _point_density(v, x.reshape(points), yy.reshape(points), solar_zenith, solar_azimuth, slopes.density).reshape(x.shape)
-    return np.asarray(np.einsum("pij,pi,i,j->p", values, width * half[:, None], _GAUSS_W, _GAUSS_W))
+    # (c, -s) is the disc's right, along and across the wind:
+    step_up, step_cross = c * sea.wind_sine - s * sea.wind_cosine, c * sea.wind_cosine + s * sea.wind_sine
+    step_q = step_up**2 / sea.mss_up + step_cross**2 / sea.mss_cross
+    for j in range(disc.rule.shape[1]):
+        y = 0.5 * (high + low) + half * disc.rule[0, j]
+        level = sz - y * cz
+        rise = max(up + cz + y * sz, 1e-12)
+        centre_east, centre_north = east + level * s, north + level * c
+        centre_up = centre_east * sea.wind_sine + centre_north * sea.wind_cosine
+        centre_cross = centre_east * sea.wind_cosine - centre_north * sea.wind_sine
+        middle = -(centre_up * step_up / sea.mss_up + centre_cross * step_cross / sea.mss_cross) / step_q
+        across = _WINDOW * rise / math.sqrt(step_q)
+        chord = math.sqrt(max(radius * radius - y * y, 0.0))
+        left, right = max(middle - across, -chord), min(middle + across, chord)
+        width = 0.5 * max(right - left, 0.0)
+        if width == 0.0:
+            continue
+        line = 0.0
+        for i in range(disc.rule.shape[1]):
+            x = 0.5 * (left + right) + width * disc.rule[0, i]
+            norm = 1.0 / math.sqrt(1.0 + x * x + y * y)
+            share = _facet_share(east + norm * (level * s + x * c), north + norm * (level * c - x * s), up + norm * (cz + y * sz), sea)
+            line += disc.rule[1, i] * share * norm**3
+        total += disc.rule[1, j] * width * line
+    return half * total
+
+
+@njit
+def _chance(
+    view: tuple[float, float, float, float], azimuth: float, area: float, sea: _Sea, disc: _Disc, legs: _Legs
+) -> tuple[float, float]:
+    """Chance and cosine of incidence for one view: sine and cosine of its zenith, then of its azimuth.
+
+    A negative ``area`` asks for the A+ of a Gaussian sea.
+    """
+    sine, cosine, azimuth_sine, azimuth_cosine = view
+    east, north = sine * azimuth_sine, sine * azimuth_cosine
+    sun = disc.centroid
+    # cos(2 w) = v.l; the floor only keeps exact grazing from dividing by zero.
+    cos_incidence = math.sqrt(min(max(0.5 * (1.0 + east * sun[0] + north * sun[1] + cosine * sun[2]), 1e-18), 1.0))
+    # Image of the Sun's radius in slopes, its long half axis: eps/(2 cos w), over the square of the facet's upward cosine.
+    rise = max(cosine + sun[2], 1e-12)
+    upward = rise / (2.0 * cos_incidence)
+    image = SOLAR_ANGULAR_RADIUS / (2.0 * cos_incidence * upward**2)
+    slope = math.sqrt(max(1.0 / upward**2 - 1.0, 0.0))
+    least, most = math.sqrt(min(sea.mss_up, sea.mss_cross)), math.sqrt(max(sea.mss_up, sea.mss_cross))
+    if slope - 2.0 * image >= _NEGLIGIBLE * most:
+        return 0.0, cos_incidence
+    wide = disc.is_whole and image < _BROAD * least
+    share = _wide(east, north, cosine, disc, sea) if wide else _narrow(east, north, cosine, disc, sea)
+    to_wind = azimuth_sine * sea.wind_sine + azimuth_cosine * sea.wind_cosine
+    off_wind = azimuth_sine * sea.wind_cosine - azimuth_cosine * sea.wind_sine
+    deviation = math.sqrt(sea.mss_up * to_wind**2 + sea.mss_cross * off_wind**2)
+    if area < 0.0:
+        area = visible_area_kernel(cosine, sine * deviation)
+    if legs.sun and cosine > 1e-15:
+        # 1/A+ times (1 + Lambda_v) S; towards the horizon Lambda_v grows without bound and the latter tends to 1.
+        lambda_view = max(area / cosine - 1.0, 0.0)
+        share *= (1.0 + lambda_view) * bistatic_kernel(lambda_view, legs.lambda_sun, azimuth - legs.azimuth)
+    if legs.ratio.size > 0 and sine > 0.0:
+        along = -((east + sun[0]) * azimuth_sine + (north + sun[1]) * azimuth_cosine) / rise
+        share *= nested_ratio_kernel(along, cosine / sine, deviation, legs.ratio)
+    return share / area, cos_incidence
+
+
+@njit_parallel
+def _fill_grid(
+    zenith: FloatArray,
+    azimuth: FloatArray,
+    area: FloatArray,
+    sea: _Sea,
+    disc: _Disc,
+    legs: _Legs,
+    terms: FloatArray,
+    out: FloatArray,
+) -> None:
+    sines, cosines = np.sin(azimuth), np.cos(azimuth)
+    for row in numba.prange(zenith.size):
+        sine, cosine = math.sin(zenith[row]), math.cos(zenith[row])
+        for column in range(azimuth.size):
+            a = area[row, column] if area.size > 0 else -1.0
+            chance, cos_incidence = _chance((sine, cosine, sines[column], cosines[column]), azimuth[column], a, sea, disc, legs)
+            # Clenshaw's sum of the series in 2 c - 1
+            x, b1, b2 = 2.0 * cos_incidence - 1.0, 0.0, 0.0
+            for j in range(terms.shape[1] - 1, 0, -1):
+                b1, b2 = terms[row, j] + 2.0 * x * b1 - b2, b1
+            out[0, row, column] = chance * (terms[row, 0] + x * b1 - b2)
+            out[1, row, column] = chance
+            out[2, row, column] = cos_incidence
+
+
+@njit_parallel
+def _fill_list(
+    zenith: FloatArray, azimuth: FloatArray, area: FloatArray, sea: _Sea, disc: _Disc, legs: _Legs, chance: FloatArray, cosine: FloatArray
+) -> None:
+    for i in numba.prange(zenith.size):
+        view = (math.sin(zenith[i]), math.cos(zenith[i]), math.sin(azimuth[i]), math.cos(azimuth[i]))
+        chance[i], cosine[i] = _chance(view, azimuth[i], area[i] if area.size > 0 else -1.0, sea, disc, legs)

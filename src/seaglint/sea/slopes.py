@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -152,12 +153,16 @@ class SlopeStatistics:
 
 def gram_charlier(xi: ArrayLike, eta: ArrayLike, coefficients: tuple[float, float, float, float, float]) -> FloatArray:
     """Bracket of :meth:`SlopeStatistics.density`, negative values and all [1]; ``coefficients`` are (c21, c03, c40, c22, c04)."""
+    return np.asarray(series_bracket(np.asarray(xi, dtype=np.float64), np.asarray(eta, dtype=np.float64), coefficients))
+
+
+def series_bracket(x: Any, y: Any, coefficients: tuple[float, float, float, float, float]) -> Any:
+    """The same for arrays or floats: arithmetic alone, so that kernels compile it."""
     c21, c03, c40, c22, c04 = coefficients
-    x, y = np.asarray(xi, dtype=np.float64), np.asarray(eta, dtype=np.float64)
     xx, yy = x * x, y * y
     skewness = -y * (0.5 * c21 * (xx - 1.0) + c03 / 6.0 * (yy - 3.0))
     peakedness = c40 / 24.0 * (xx * xx - 6.0 * xx + 3.0) + 0.25 * c22 * (xx - 1.0) * (yy - 1.0) + c04 / 24.0 * (yy * yy - 6.0 * yy + 3.0)
-    return np.asarray(1.0 + skewness + peakedness)
+    return 1.0 + skewness + peakedness
 
 
 def flat() -> SlopeStatistics:

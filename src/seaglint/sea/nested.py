@@ -1,0 +1,182 @@
+r"""Shadowing of a sea whose waves are nested: Smith's law applied band by band, longest waves first.
+
+Smith's function takes heights and slopes for independent. On a sea of many scales the facets that are seen sit on the visible flanks of
+longer waves, so that visible slopes are steeper towards the viewer than Smith's. With the slope variance parted into N bands, and
+:math:`p_0` the level sea,
+
+.. math::
+
+    p_n(s) = \int p_{n-1}(s_0)\, q(s - s_0)\, \frac{\max(0, v_z - v_h \cdot s)}{A_{n+}(s_0)}\, ds_0, \qquad
+    A_{n+}(s_0) = \int q(s - s_0) \max(0, v_z - v_h \cdot s)\, ds
+
+is the density of the slopes on the visible projected area; its integral stays 1. One band is Smith's (Saunders') law exactly.
+
+Only the slope along the view decides what is hidden; across it the density is broadened as if nothing were. With bands of equal
+variance, the visible density over Smith's is therefore a function of two numbers, :math:`t = s/\sigma_1` and
+:math:`\mu = \cot\theta_v/\sigma_1`, :math:`\sigma_1` the rms slope along the view: one small table per number of bands, for any sea.
+
+Without end the bands make a Brownian motion that never meets the slope seen edge on, and the ratio becomes
+:math:`(1 + \Lambda)(1 - e^{-2\mu(\mu - t)})`: at most :math:`1 + \Lambda`. Real waves are not infinitely far apart in scale. Against
+brute-force visibility on a surface of :math:`k^{-4}` elevation density five bands are within 0.04 (four 0.05, six 0.06, eight 0.09), so
+:data:`BANDS` is five: a number fitted to that surface, not a limit.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import erf
+
+from seaglint._jit import njit
+from seaglint.conventions import FloatArray
+from seaglint.errors import DomainError
+
+BANDS: Final = 5
+"""Bands of equal slope variance; see the module's text."""
+
+_MOST_BANDS: Final = 64
+"""At 64 bands the ratio is within 10 % of the limit without end, and the quadrature still resolves one band."""
+
+_STEP: Final = 0.05
+_REACH: Final = 6.5
+_HIGHEST: Final = 6.0
+"""Elevation of the view, in rms slopes, from which nothing is hidden (1e-9 of the sea)."""
+
+_ROWS: Final = round(_HIGHEST / _STEP) + 4
+_COLUMNS: Final = round(2.0 * _REACH / _STEP) + 3
+_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(200)
+
+
+def _density(x: FloatArray) -> FloatArray:
+    return np.asarray(np.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi))
+
+
+def _area(x: FloatArray) -> FloatArray:
+    """``x Phi(x) + phi(x)``: the area A+ over the rms slope, for an edge x rms slopes away."""
+    return np.asarray(0.5 * x * (1.0 + erf(x / math.sqrt(2.0))) + _density(x))
+
+
+def _log_ratio(t: FloatArray, mu: float, bands: int) -> FloatArray:
+    """Logarithm of visible density over Smith's, by quadrature, at slopes ``t`` and one view ``mu`` (both in rms slopes)."""
+    high = min(mu, _REACH + 0.5)
+    half = 0.5 * (high + _REACH + 0.5)
+    slope, weight = high - half * (1.0 - _GAUSS_X), half * _GAUSS_W
+    width = 1.0 / math.sqrt(bands)
+    projection = mu - slope
+    # Areas of one band over its rms slope; the widths cancel against that of the next factor but for the first.
+    seen = _density(slope / width) * projection / (width * width * _area(np.asarray(mu / width)))
+    onward = weight / (width * _area(projection / width))
+    step = _density((slope[:, None] - slope) / width) / width * onward
+    for _ in range(bands - 2):
+        seen = (step @ seen) * projection
+    last = (_density((t[:, None] - slope) / width) / width * onward) @ seen
+    # far beyond the edge, where nothing is seen anyway, many narrow bands leave 0
+    return np.asarray(np.log(np.maximum(last * _area(np.asarray(mu)), 1e-300)) - np.log(_density(t)))
+
+
+@lru_cache(maxsize=8)
+def ratio_table(bands: int = BANDS) -> FloatArray:
+    """Table for :func:`nested_ratio_kernel` [(rows, columns)]: logarithms; one band has none, an empty table.
+
+    Raises
+    ------
+    DomainError
+        For less than one band or more than 64.
+    """
+    if not 1 <= bands <= _MOST_BANDS:
+        raise DomainError(f"nested_bands = {bands} is outside 1-{_MOST_BANDS}; give 4 to 8 (1 is Saunders' law)")
+    if bands == 1:
+        return np.zeros((0, 0))
+    t = _STEP * (np.arange(_COLUMNS) - 1.0) - _REACH
+    return np.stack([_log_ratio(t, _STEP * (row - 1.0), bands) for row in range(_ROWS)])
+
+
+@njit
+def _cubic(f: float, a: float, b: float, c: float, d: float) -> float:
+    """Cubic through four even points, at ``f`` of the way between the middle two."""
+    return (
+        -f * (f - 1.0) * (f - 2.0) / 6.0 * a
+        + (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0 * b
+        - (f + 1.0) * f * (f - 2.0) / 2.0 * c
+        + (f + 1.0) * f * (f - 1.0) / 6.0 * d
+    )
+
+
+@njit
+def nested_ratio_kernel(slope: float, edge: float, deviation: float, table: FloatArray) -> float:
+    """Visible density of a nested sea over Smith's; see :func:`nested_ratio`.
+
+    ``slope`` along the view, ``edge`` the cotangent of the view zenith, at least 0, ``deviation`` the rms slope along the view.
+    """
+    if table.size == 0 or edge >= _HIGHEST * deviation:
+        return 1.0
+    column = (min(max(slope / deviation, -_REACH), _REACH) + _REACH) / _STEP + 1.0
+    row = max(edge, 0.0) / deviation / _STEP + 1.0
+    i, j = min(int(row), table.shape[0] - 3), min(int(column), table.shape[1] - 3)
+    f, g = row - i, column - j
+    a = _cubic(g, table[i - 1, j - 1], table[i - 1, j], table[i - 1, j + 1], table[i - 1, j + 2])
+    b = _cubic(g, table[i, j - 1], table[i, j], table[i, j + 1], table[i, j + 2])
+    c = _cubic(g, table[i + 1, j - 1], table[i + 1, j], table[i + 1, j + 1], table[i + 1, j + 2])
+    d = _cubic(g, table[i + 2, j - 1], table[i + 2, j], table[i + 2, j + 1], table[i + 2, j + 2])
+    return math.exp(_cubic(f, a, b, c, d))
+
+
+@njit
+def _map_ratio(slope: FloatArray, edge: FloatArray, deviation: FloatArray, table: FloatArray, out: FloatArray) -> None:
+    for i in range(out.size):
+        out[i] = nested_ratio_kernel(slope[i], edge[i], deviation[i], table)
+
+
+def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: ArrayLike, bands: int = BANDS) -> FloatArray:
+    """Visible slope density of a nested sea over that of Smith's law.
+
+    ``p_N(s) = ratio * p(s) max(0, v_z - v_h . s) / A+``
+
+    Parameters
+    ----------
+    slope_along : array_like
+        Slope along the view azimuth, positive where the sea rises towards the viewer [1]; facets seen have ``v_z > |v_h| s``.
+    view_zenith : array_like
+        Zenith angle of the direction to the viewer [rad], 0..pi/2.
+    mss_along : array_like
+        Slope variance along the view azimuth [1]; broadcast with the others.
+    bands : int
+        Bands of equal variance; 1 gives 1 everywhere.
+
+    Returns
+    -------
+    ndarray
+        Ratio [1], broadcast shape; between 0 and 1 + Lambda. 1 for a flat sea.
+
+    Raises
+    ------
+    DomainError
+        View zeniths outside 0..pi/2, negative variances, bands outside 1-64.
+
+    Notes
+    -----
+    For Gaussian slopes. Interpolated within 3e-4. Against brute force the law holds within 0.04 for mirroring slopes up to two rms slopes;
+    beyond, for slopes towards the viewer, it is low by a tenth.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> round(float(nested_ratio(-0.0788, np.radians(89.0), 0.0271)), 2)
+    0.58
+    """
+    theta, variance = np.asarray(view_zenith, dtype=np.float64), np.asarray(mss_along, dtype=np.float64)
+    if not np.all((theta >= 0.0) & (theta <= 0.5 * np.pi)):
+        raise DomainError("view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor")
+    if np.any(variance < 0.0):
+        raise DomainError(f"slope variance = {float(np.min(variance)):g} is below 0; give variances of at least 0")
+    with np.errstate(divide="ignore"):
+        edge = np.cos(theta) / np.sin(theta)
+    parts = np.broadcast_arrays(np.asarray(slope_along, dtype=np.float64), edge, np.sqrt(variance))
+    slope, edge, deviation = (np.array(part, order="C").ravel() for part in parts)
+    out = np.empty(slope.size)
+    _map_ratio(slope, edge, deviation, ratio_table(bands), out)
+    return out.reshape(parts[0].shape)
