@@ -1,0 +1,352 @@
+"""Threshold exceedances in time: their joint probability, how long they last, and the events they form.
+
+Accumulators take blocks of z (:mod:`seaglint.clutter.thresholds`) in order of time and keep nothing that grows with the number of frames but
+the list of events. The result does not depend on how the sequence is cut into blocks.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seaglint._jit import njit
+from seaglint.clutter.filters import as_frames
+from seaglint.errors import DataError, DomainError
+
+MAX_LAG: Final = 255
+"""Standard number of lags [frames]: with the present frame four words of 64 bits per pixel."""
+
+
+@njit
+def above(z: np.ndarray, threshold: float, index: np.ndarray) -> int:
+    """Flat indices of the pixels of one frame with z > threshold, in order; their number."""
+    n = 0
+    for i in range(z.size):
+        if z[i] > threshold:
+            index[n] = i
+            n += 1
+    return n
+
+
+@njit
+def _joint(index: np.ndarray, t: int, last: np.ndarray, history: np.ndarray, joint: np.ndarray) -> None:
+    """Count, for every exceedance at frame t, the lags at which the same pixel exceeded before; then remember it.
+
+    Bit b of a pixel's history means an exceedance b frames before ``last``; it is shifted only when the pixel is met again.
+    """
+    words = history.shape[1]
+    one = np.uint64(1)
+    for i in index:
+        age = t - last[i]
+        if last[i] >= 0 and age < 64 * words:
+            jump, bits = age // 64, np.uint64(age % 64)
+            for w in range(words - 1, -1, -1):
+                value = np.uint64(0)
+                if w >= jump:
+                    value = history[i, w - jump] << bits
+                    if bits > 0 and w > jump:
+                        value |= history[i, w - jump - 1] >> (np.uint64(64) - bits)
+                history[i, w] = value
+                lag = 64 * w
+                while value != 0:
+                    if value & one:
+                        joint[lag] += 1
+                    value >>= one
+                    lag += 1
+        else:
+            for w in range(words):
+                history[i, w] = 0
+        history[i, 0] |= one
+        joint[0] += 1
+        last[i] = t
+
+
+@dataclass(frozen=True)
+class JointProbability:
+    """Autocorrelation of exceedances as the source article has it (Fig. 6): probability that a pixel exceeds now and ``lag`` frames later.
+
+    Attributes
+    ----------
+    lag : ndarray of int
+        0 ... L [frames].
+    joint : ndarray
+        R(lag) = P(b(t) = 1 and b(t + lag) = 1) [1]; R(0) is the rate p. NaN where no pair of frames exists.
+    rate : float
+        p [1].
+    """
+
+    lag: NDArray[np.int64]
+    joint: NDArray[np.float64]
+    rate: float
+
+    @property
+    def correlation(self) -> NDArray[np.float64]:
+        """(R(lag) - p²) / (p - p²) [1]: 1 at lag 0, 0 where exceedances have forgotten each other."""
+        p = self.rate
+        if not 0 < p < 1:
+            return np.full(self.joint.shape, np.nan)
+        return (self.joint - p * p) / (p - p * p)
+
+    def correlation_time(self) -> tuple[float | None, str | None]:
+        """Lag at which :attr:`correlation` first falls to 1/e, by linear interpolation [frames], or None and why.
+
+        The reasons: fewer than two frames, no exceedances, forgotten within one frame (the true time is below the frame interval), or not
+        forgotten within the lags at hand.
+        """
+        c = self.correlation
+        if np.isfinite(self.joint).sum() < 2:
+            return None, "a single frame has no correlation time"
+        if not np.isfinite(c[0]):
+            return None, "no exceedances"
+        below = np.flatnonzero(c <= math.exp(-1))
+        if below.size == 0:
+            return None, f"exceedances stay correlated over {int(np.isfinite(c).sum()) - 1} frames"
+        k = int(below[0])
+        if k == 1 and c[1] < 0.1:
+            return None, "exceedances are forgotten within one frame interval"
+        return float(k - 1 + (c[k - 1] - math.exp(-1)) / (c[k - 1] - c[k])), None
+
+
+class JointExceedances:
+    """Accumulator of the joint probability of exceedances of one threshold.
+
+    Pixels that are missing (NaN) in a frame take no part in it. The number of pairs of frames is that of the smaller frame, which is exact for
+    fixed masks and for frames that are missing as a whole.
+
+    Parameters
+    ----------
+    threshold : float
+        In standard deviations [1].
+    max_lag : int
+        Largest lag kept [frames].
+    """
+
+    def __init__(self, threshold: float, max_lag: int = MAX_LAG) -> None:
+        if max_lag < 1:
+            raise DomainError(f"max_lag = {max_lag} frames; give at least 1")
+        self.threshold = float(threshold)
+        self.max_lag = max_lag
+        self._words = max_lag // 64 + 1
+        self._counts = np.zeros(64 * self._words, np.int64)
+        self._recent = np.zeros(max_lag + 1, np.int64)
+        self._pairs = np.zeros(max_lag + 1, np.int64)
+        self._frame = 0
+
+    def add(self, z: ArrayLike) -> None:
+        """Take the next frames, shape (k, rows, columns) or (rows, columns) [standard deviations]."""
+        frames = as_frames(z)
+        index = np.empty(frames[0].size, np.int64)
+        for frame in frames.reshape(frames.shape[0], -1):
+            self._add(index[: above(frame, self.threshold, index)], frame.size, int(np.isfinite(frame).sum()))
+
+    def _add(self, index: NDArray[np.int64], pixels: int, valid: int) -> None:
+        if self._frame == 0:
+            self._last = np.full(pixels, -1, np.int64)
+            self._history = np.zeros((pixels, self._words), np.uint64)
+        _joint(index, self._frame, self._last, self._history, self._counts)
+        self._recent = np.roll(self._recent, 1)
+        self._recent[0] = valid
+        self._pairs += np.minimum(self._recent, valid)
+        self._frame += 1
+
+    def result(self) -> JointProbability:
+        """Joint probability at the lags that occurred."""
+        lags = min(self.max_lag, max(self._frame - 1, 0)) + 1
+        pairs = self._pairs[:lags]
+        joint = np.where(pairs > 0, self._counts[:lags] / np.maximum(pairs, 1), np.nan)
+        return JointProbability(np.arange(lags), joint, float(joint[0]))
+
+
+@dataclass(frozen=True)
+class Events:
+    """Exceedances that touch in space (eight neighbours) or from one frame to the next (same or neighbouring pixel), one entry each.
+
+    Attributes
+    ----------
+    first, duration : ndarray of int
+        First frame, and number of frames from first to last [frames].
+    size : ndarray of int
+        Exceeding pixels over all its frames [px].
+    peak : ndarray
+        Largest z [standard deviations]; ``row`` and ``column`` are where it occurred [px].
+    cut : ndarray of bool
+        Seen in the first or the last frame: the true duration is longer or equal.
+    frames, pixels : int
+        Frames looked at, and valid pixels over all frames.
+    threshold : float
+        In standard deviations [1].
+    """
+
+    first: NDArray[np.int64]
+    duration: NDArray[np.int64]
+    size: NDArray[np.int64]
+    peak: NDArray[np.float64]
+    row: NDArray[np.int64]
+    column: NDArray[np.int64]
+    cut: NDArray[np.bool_]
+    frames: int
+    pixels: int
+    threshold: float
+
+    def __len__(self) -> int:
+        """Number of events."""
+        return int(self.first.size)
+
+    @property
+    def per_frame(self) -> float:
+        """Events that begin per frame [1]; those of the first frame, which began before, count as well."""
+        return len(self) / self.frames if self.frames else math.nan
+
+    @property
+    def mean_duration(self) -> float | None:
+        """Mean duration, allowing for events cut by the ends of the record [frames]; None without a complete event.
+
+        Frames lived that have a next frame, over ends seen: the maximum-likelihood estimate for durations without memory.
+        """
+        ends = int((self.first + self.duration < self.frames).sum())
+        return float((self.duration.sum() - (len(self) - ends)) / ends) if ends else None
+
+
+@njit
+def _root(parent: np.ndarray, i: int) -> int:
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
+
+
+@njit
+def _label(index: np.ndarray, columns: int, before: np.ndarray, now: np.ndarray, parent: np.ndarray, active: int) -> int:
+    """Label the exceedances of a frame in ``now`` with 1 + an entry of ``parent``; entries below ``active`` are events of the frame before."""
+    rows = now.size // columns
+    used = active
+    for i in index:
+        r, q = i // columns, i % columns
+        label = -1
+        for dr in range(-1, 2):
+            for dq in range(-1, 2):
+                if r + dr < 0 or r + dr >= rows or q + dq < 0 or q + dq >= columns:
+                    continue
+                j = i + dr * columns + dq
+                # In the present frame only what has been labelled already is seen; the other half sees this pixel in its turn.
+                for found in (before[j], now[j]):
+                    if found > 0:
+                        other = _root(parent, found - 1)
+                        if label < 0:
+                            label = other
+                        elif other != label:
+                            low, high = min(label, other), max(label, other)
+                            parent[high] = low
+                            label = low
+        if label < 0:
+            label = used
+            parent[used] = used
+            used += 1
+        now[i] = label + 1
+    return used
+
+
+@njit
+def _merge(
+    index: np.ndarray, z: np.ndarray, t: int, now: np.ndarray, parent: np.ndarray, table: np.ndarray, peak: np.ndarray, number: np.ndarray
+) -> int:
+    """Gather events of one root, add this frame's pixels, renumber those that live on in order of their roots; how many do.
+
+    ``table``: first, last, size, index of the peak per entry. ``number``: the new number, -1 for an event that ended, -2 for one merged away.
+    """
+    used = number.size
+    for i in range(used):
+        root = _root(parent, i)
+        number[i] = -1
+        if root != i:
+            number[i] = -2
+            table[root, 0] = min(table[root, 0], table[i, 0])
+            table[root, 1] = max(table[root, 1], table[i, 1])
+            table[root, 2] += table[i, 2]
+            if peak[i] > peak[root]:
+                peak[root] = peak[i]
+                table[root, 3] = table[i, 3]
+    for i in index:
+        root = _root(parent, now[i] - 1)
+        table[root, 0] = min(table[root, 0], t)
+        table[root, 1] = t
+        table[root, 2] += 1
+        if z[i] > peak[root]:
+            peak[root] = z[i]
+            table[root, 3] = i
+    alive = 0
+    for i in range(used):
+        if number[i] == -1 and table[i, 1] == t:
+            number[i] = alive
+            alive += 1
+    for i in index:
+        now[i] = number[_root(parent, now[i] - 1)] + 1
+    return alive
+
+
+class EventTracker:
+    """Accumulator of events of one threshold.
+
+    Parameters
+    ----------
+    threshold : float
+        In standard deviations [1].
+    """
+
+    def __init__(self, threshold: float) -> None:
+        self.threshold = float(threshold)
+        self._frame = 0
+        self._pixels = 0
+        self._columns = 0
+        self._table = np.empty((0, 4), np.int64)
+        self._peak = np.empty(0)
+        self._done: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
+
+    def add(self, z: ArrayLike) -> None:
+        """Take the next frames, shape (k, rows, columns) or (rows, columns) [standard deviations]."""
+        frames = as_frames(z)
+        index = np.empty(frames[0].size, np.int64)
+        for frame in frames.reshape(frames.shape[0], -1):
+            self._add(index[: above(frame, self.threshold, index)], frame, frames.shape[2], int(np.isfinite(frame).sum()))
+
+    def _add(self, index: NDArray[np.int64], frame: NDArray[np.float32], columns: int, valid: int) -> None:
+        if self._frame == 0:
+            self._columns = columns
+            self._before, self._now = np.zeros(frame.size, np.int32), np.zeros(frame.size, np.int32)
+            self._index = np.empty(0, np.int64)
+        elif frame.size != self._now.size:
+            raise DataError(f"a frame of {frame.size} pixels follows frames of {self._now.size}; all frames of a sequence have one size")
+        active = self._peak.size
+        parent = np.arange(active + index.size)
+        used = _label(index, columns, self._before, self._now, parent, active)
+        table = np.concatenate([self._table, np.tile(np.array([self._frame, -1, 0, 0], np.int64), (used - active, 1))])
+        peak = np.concatenate([self._peak, np.full(used - active, -np.inf)])
+        number = np.empty(used, np.int64)
+        alive = _merge(index, frame, self._frame, self._now, parent, table, peak, number)
+        ended = number == -1
+        if ended.any():
+            self._done.append((table[ended], peak[ended]))
+        living = number >= 0
+        self._table, self._peak = table[living], peak[living]
+        assert self._peak.size == alive
+        self._before[self._index] = 0
+        self._before, self._now = self._now, self._before
+        self._index = index.copy()
+        self._frame += 1
+        self._pixels += valid
+
+    def result(self) -> Events:
+        """Events so far; those alive in the last frame are among them."""
+        table = np.concatenate([*(d[0] for d in self._done), self._table])
+        peak = np.concatenate([*(d[1] for d in self._done), self._peak])
+        order = np.lexsort((table[:, 3], table[:, 0]))
+        first, last, size, where = table[order].T
+        columns = max(self._columns, 1)
+        cut = (first == 0) | (last == self._frame - 1)
+        return Events(
+            *(first, last - first + 1, size, peak[order], where // columns, where % columns, cut, self._frame, self._pixels, self.threshold)
+        )

@@ -1,0 +1,307 @@
+"""False-alarm rates per pixel against the Gaussian tail, with intervals that hold for correlated pixels, and the whole rate curve.
+
+::
+
+    alarms = FalseAlarms((3.0, 3.5))
+    for block in blocks:                       # in order of time
+        alarms.add(standardise(laplacian.apply(block), mask))
+    for r in alarms.rates():
+        print(r.threshold_sigma, r.rate, r.rate_low, r.rate_high, r.ratio)
+
+One accumulator per region and filter; it holds no frames.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seaglint._jit import njit
+from seaglint.clutter.cluster_variance import ClusterVariance, rate_variance, score_interval
+from seaglint.clutter.exceedances import MAX_LAG, Events, EventTracker, JointExceedances, JointProbability
+from seaglint.clutter.filters import as_frames
+from seaglint.clutter.thresholds import gaussian_rate
+from seaglint.errors import DataError, DomainError
+
+BIN: Final = 0.02
+"""Width of a bin of the histogram of z [standard deviations]."""
+
+LOWEST: Final = -10.0
+"""Lower end of the histogram [standard deviations]; what is below is in the first bin."""
+
+HIGHEST: Final = 150.0
+"""Upper end of the histogram [standard deviations]: a single bright pixel among 22 500. What is above is in the last bin."""
+
+_LOWEST, _PER_SIGMA = -10.0, 50.0
+_BINS = round((HIGHEST - LOWEST) / BIN)
+
+SEGMENTS: Final = 256
+"""Largest number of time segments whose counts are kept; when full, neighbours are joined."""
+
+
+@njit
+def _scan(z: np.ndarray, columns: int, tile: int, least: float, histogram: np.ndarray, valid: np.ndarray, index: np.ndarray) -> int:
+    """Histogram of a frame, its valid pixels per tile, and the indices of pixels above ``least``."""
+    n = 0
+    rows = z.size // columns
+    for r in range(rows):
+        up = r // tile
+        for c0 in range(0, columns, tile):
+            number = 0
+            for c in range(c0, min(c0 + tile, columns)):
+                value = z[r * columns + c]
+                if np.isnan(value):
+                    continue
+                number += 1
+                place = (value - _LOWEST) * _PER_SIGMA
+                if place < 0.0:
+                    histogram[0] += 1
+                elif place >= _BINS:
+                    histogram[_BINS - 1] += 1
+                else:
+                    histogram[int(place)] += 1
+            valid[up, c0 // tile] += number
+        for i in range(r * columns, (r + 1) * columns):
+            if z[i] > least:
+                index[n] = i
+                n += 1
+    return n
+
+
+@njit
+def _tally(index: np.ndarray, columns: int, tile: int, cells: np.ndarray) -> None:
+    for i in index:
+        cells[i // columns // tile, i % columns // tile] += 1
+
+
+@dataclass(frozen=True)
+class FalseAlarmRate:
+    """Rate of exceedances of one threshold.
+
+    Attributes
+    ----------
+    threshold_sigma : float
+        Threshold [standard deviations].
+    exceedances, pixels : int
+        Pixels above it and pixels looked at, over all frames.
+    rate : float
+        Exceedances per pixel and frame [1].
+    rate_low, rate_high : float or None
+        Ends of the confidence interval [1]; None where none can be given, see ``note``.
+    level : float
+        Level of the interval [1].
+    gaussian_rate : float
+        One-sided Gaussian tail [1].
+    inflation : float or None
+        Variance of the rate over that of independent pixels [1]; pixels / inflation is the effective number.
+    correlation_time : float or None
+        1/e time of the exceedances [frames]; None with the reason in ``correlation_note``.
+    note, correlation_note : str or None
+        Why something is absent, or what the interval rests on.
+    """
+
+    threshold_sigma: float
+    exceedances: int
+    pixels: int
+    rate: float
+    rate_low: float | None
+    rate_high: float | None
+    level: float
+    gaussian_rate: float
+    inflation: float | None
+    correlation_time: float | None
+    note: str | None = None
+    correlation_note: str | None = None
+
+    @property
+    def ratio(self) -> float:
+        """Rate over the Gaussian tail [1]."""
+        return self.rate / self.gaussian_rate
+
+
+@dataclass(frozen=True)
+class RateCurve:
+    """Rate of exceedances at every threshold, from the histogram.
+
+    Attributes
+    ----------
+    threshold : ndarray
+        Lower edges of the bins [standard deviations].
+    exceedances : ndarray of int
+        Pixels at or above each.
+    pixels : int
+        Pixels looked at.
+    """
+
+    threshold: NDArray[np.float64]
+    exceedances: NDArray[np.int64]
+    pixels: int
+
+    @property
+    def rate(self) -> NDArray[np.float64]:
+        """Exceedances per pixel and frame [1]."""
+        return self.exceedances / max(self.pixels, 1)
+
+    @property
+    def gaussian_rate(self) -> NDArray[np.float64]:
+        """One-sided Gaussian tail [1]."""
+        return gaussian_rate(self.threshold)
+
+    def threshold_for(self, rate: float) -> float | None:
+        """Lowest threshold whose measured rate is at most ``rate`` [standard deviations]; None below one exceedance in the data."""
+        if not 0 < rate < 1:
+            raise DomainError(f"rate = {rate:g} is not between 0 and 1")
+        if rate * self.pixels < 1:
+            return None
+        return float(self.threshold[int(np.argmax(self.rate <= rate))])
+
+
+class FalseAlarms:
+    """Accumulator of everything about exceedances of one region's z.
+
+    Parameters
+    ----------
+    thresholds : sequence of float
+        In standard deviations, above 0; duplicates are taken once.
+    max_lag : int
+        Largest lag of the joint probability [frames].
+
+    Raises
+    ------
+    DomainError
+        Thresholds that are missing or not above 0.
+    """
+
+    def __init__(self, thresholds: Sequence[float] = (3.0, 3.5), max_lag: int = MAX_LAG) -> None:
+        self.thresholds = tuple(sorted({float(m) for m in thresholds}))
+        if not self.thresholds or not all(0 < m < HIGHEST for m in self.thresholds):
+            raise DomainError(f"thresholds = {list(thresholds)}: give numbers of standard deviations above 0 and below {HIGHEST:g}")
+        self.frames = 0
+        self.empty_frames = 0
+        self.histogram = np.zeros(_BINS, np.int64)
+        self._joint = {m: JointExceedances(m, max_lag) for m in self.thresholds}
+        self._events = {m: EventTracker(m) for m in self.thresholds}
+        self._per_segment = 1
+        self._shape: tuple[int, ...] = ()
+        self._tile = 0
+        self._variances: dict[float, ClusterVariance] = {}
+
+    def add(self, z: ArrayLike) -> None:
+        """Take the next frames of z, shape (k, rows, columns), NaN outside the region and where missing [standard deviations].
+
+        Frames without any valid pixel (constant ones, for instance) are counted in ``empty_frames``.
+        """
+        frames = as_frames(z)
+        if self.frames == 0:
+            self._shape = frames.shape[1:]
+            # Few enough cells for a transform at the end, small enough to see correlations of a few pixels.
+            self._tile = max(4, -(-max(self._shape) // 32))
+            self._cells = np.zeros((len(self.thresholds), SEGMENTS, *(-(-n // self._tile) for n in self._shape)), np.int64)
+            self._valid = np.zeros(self._cells.shape[1:], np.int64)
+        elif frames.shape[1:] != self._shape:
+            raise DataError(f"frames of {frames.shape[1:]} pixels follow frames of {self._shape}; all frames of a sequence have one size")
+        self._variances.clear()
+        columns = self._shape[1]
+        index = np.empty(frames[0].size, np.int64)
+        for frame in frames.reshape(frames.shape[0], -1):
+            if self.frames == SEGMENTS * self._per_segment:
+                self._join()
+            s = self.frames // self._per_segment
+            before = int(self._valid[s].sum())
+            bright = index[: _scan(frame, columns, self._tile, self.thresholds[0], self.histogram, self._valid[s], index)]
+            valid = int(self._valid[s].sum()) - before
+            for k, m in enumerate(self.thresholds):
+                exceeding = bright if k == 0 else bright[frame[bright] > m]
+                _tally(exceeding, columns, self._tile, self._cells[k, s])
+                self._joint[m]._add(exceeding, frame.size, valid)
+                self._events[m]._add(exceeding, frame, columns, valid)
+            self.frames += 1
+            self.empty_frames += valid == 0
+
+    def _join(self) -> None:
+        half = SEGMENTS // 2
+        self._cells[:, :half] = self._cells[:, 0::2] + self._cells[:, 1::2]
+        self._valid[:half] = self._valid[0::2] + self._valid[1::2]
+        self._cells[:, half:] = 0
+        self._valid[half:] = 0
+        self._per_segment *= 2
+
+    @property
+    def pixels(self) -> int:
+        """Valid pixels over all frames."""
+        return int(self.histogram.sum())
+
+    def _variance(self, k: int) -> ClusterVariance:
+        m = self.thresholds[k]
+        if m not in self._variances:
+            # The last segment may hold fewer frames than the others; its pixels say so.
+            s = -(-self.frames // self._per_segment)
+            self._variances[m] = rate_variance(self._cells[k, :s], self._valid[:s])
+        return self._variances[m]
+
+    def rates(self, level: float = 0.95) -> list[FalseAlarmRate]:
+        """Rate at each threshold with its confidence interval of that level, lowest threshold first.
+
+        The interval is Wilson's with an effective number of pixels from :func:`seaglint.clutter.cluster_variance.rate_variance`. A threshold with
+        fewer than 10 exceedances takes the inflation of the next lower one that has more, or of none (independent pixels): ``note`` says so.
+
+        Raises
+        ------
+        DomainError
+            A level that is not between 0 and 1.
+        """
+        if not 0 < level < 1:
+            raise DomainError(f"level = {level:g} is not between 0 and 1; choose e.g. 0.95")
+        pixels = self.pixels
+        out: list[FalseAlarmRate] = []
+        known: ClusterVariance | None = None
+        for k, m in enumerate(self.thresholds):
+            gaussian = float(gaussian_rate(m))
+            if pixels == 0:
+                note = "no pixel with a standard deviation in the region"
+                out.append(FalseAlarmRate(m, 0, 0, float("nan"), None, None, level, gaussian, None, None, note, note))
+                continue
+            count = int(self._cells[k].sum())
+            time, why = self.joint(m).correlation_time()
+            note = None
+            if count >= 10:
+                spread = known = self._variance(k)
+                note = spread.note
+            elif known is not None:
+                spread, note = known, "fewer than 10 exceedances; clustering taken from a lower threshold"
+            else:
+                spread, note = ClusterVariance(0.0, float("inf"), 1.0), "fewer than 10 exceedances; pixels taken as independent"
+            low = high = inflation = None
+            if spread.variance is not None:
+                inflation = spread.inflation
+                low, high = score_interval(count, pixels, inflation, spread.degrees, level)
+            else:
+                note = spread.note
+            out.append(FalseAlarmRate(m, count, pixels, count / pixels, low, high, level, gaussian, inflation, time, note, why))
+        return out
+
+    def joint(self, threshold: float) -> JointProbability:
+        """Joint probability of exceedances of one of the thresholds."""
+        return self._joint[self._own(threshold)].result()
+
+    def events(self, threshold: float) -> Events:
+        """Events of one of the thresholds, up to now."""
+        return self._events[self._own(threshold)].result()
+
+    def _own(self, threshold: float) -> float:
+        if threshold not in self._joint:
+            raise DomainError(f"threshold {threshold:g} was not counted; choose one of {', '.join(f'{m:g}' for m in self.thresholds)}")
+        return float(threshold)
+
+    def curve(self) -> RateCurve:
+        """Rates at every threshold from the lowest to the first that nothing reaches; empty without pixels."""
+        filled = np.flatnonzero(self.histogram)
+        last = int(filled[-1]) + 2 if filled.size else 0
+        # From the second bin on: the first also holds what lies below it.
+        exceedances = self.histogram[::-1].cumsum()[::-1]
+        exceedances = np.append(exceedances, 0)[1:last]
+        return RateCurve(LOWEST + BIN * np.arange(1, last), exceedances, self.pixels)
