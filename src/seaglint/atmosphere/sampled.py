@@ -6,6 +6,7 @@ effective air temperature of the path, encoded optical depth towards the Sun, br
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -139,7 +140,7 @@ class _Sky:
         temperature = brightness_temperature(wavenumber_cm, samples.radiance)
         edges = [e[0], *(k for k in sorted(samples.kinks) if e[0] < k < e[-1]), e[-1]]
         pieces = []
-        for low, high in zip(edges[:-1], edges[1:], strict=True):
+        for low, high in itertools.pairwise(edges):
             inside = (e >= low) & (e <= high)
             pieces.append(
                 _Piece(float(low), float(high), CubicSpline(_Piece.coordinate(e[inside], low, high), temperature[inside], axis=0))

@@ -101,8 +101,8 @@ class Level:
 
 def _with_point(field: str) -> str:
     """A Fortran E format reads a number without a point as thousandths."""
-    text = field.strip()
-    return f"{text if '.' in text or 'e' in text else text + '.':>10}"
+    digits, e, power = field.strip().partition("e")
+    return f"{digits if '.' in digits else digits + '.'}{e}{power}".rjust(10)
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -15,12 +16,12 @@ from seaglint.atmosphere.sampled import PathSamples, SampledAtmosphere, SkySampl
 from seaglint.conventions import FloatArray
 from seaglint.errors import BackendError, DomainError
 from seaglint.io.lowtran import cache, engine
-from seaglint.io.lowtran.deck import BAND_UM, STEP_CM, Air, Aerosol, Case, Level
+from seaglint.io.lowtran.deck import BAND_UM, STEP_CM, Aerosol, Air, Case, Level
 
-PATH_NODES = 36
-SUN_NODES = 40
-SKY_NODES = 40
-DIP_NODES = 9
+PATH_NODES = 28
+SUN_NODES = 28
+SKY_NODES = 28
+DIP_NODES = 8
 """Nodes between two grazed levels below the horizontal."""
 
 LEAST_SINE = 1e-5
@@ -133,7 +134,7 @@ def _sky_elevations(air: Refraction, height: float) -> tuple[FloatArray, tuple[f
     lowest = -dip * (1.0 - 2e-3)
     edges = [lowest, *(e for e in sorted(_grazing(air, height)) if lowest * (1.0 - 1e-3) < e < 0.002 * lowest), 0.0]
     share = grazing_share(np.linspace(0.0, 1.0, DIP_NODES))[:-1]
-    below = [low + (high - low) * share for low, high in zip(edges[:-1], edges[1:], strict=True)]
+    below = [low + (high - low) * share for low, high in itertools.pairwise(edges)]
     above = elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0)
     return np.concatenate([*below, above]), tuple(edges[1:])
 
