@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +21,13 @@ from seaglint.atmosphere.coordinates import Refraction, decode_optical_depth, el
 from seaglint.atmosphere.table import models, read_table
 from seaglint.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
+
+_REGIONS: Final = ("mwir", "lwir")
+
+
+def table_models() -> tuple[str, ...]:
+    """Names of the model atmospheres whose tables cover every spectral region."""
+    return tuple(sorted(set.intersection(*(set(models(region)) for region in _REGIONS))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +125,8 @@ class BatchAtmosphere:
         Ascending spectral samples [cm-1, (n,)].
     wind_range, height_range : tuple of float
         What the table covers [m s-1], [m].
+    extrapolate : bool
+        Whether winds and heights beyond that are taken.
 
     Notes
     -----
@@ -136,6 +145,7 @@ class BatchAtmosphere:
     wavenumber_cm: FloatArray
     wind_range: tuple[float, float]
     height_range: tuple[float, float]
+    extrapolate: bool
     _winds: FloatArray
     _wind_kink: float
     _heights: FloatArray
@@ -152,8 +162,11 @@ class BatchAtmosphere:
     _sky_temperature: _Spectra
 
     @classmethod
-    def load(cls, model: str, band_um: tuple[float, float]) -> BatchAtmosphere:
+    def load(cls, model: str, band_um: tuple[float, float], *, extrapolate: bool = False) -> BatchAtmosphere:
         """Read the table of ``model`` over a band [um].
+
+        With ``extrapolate`` winds and heights outside the table see the air of its nearest wind and height, on the path that the true
+        height has; they are refused otherwise.
 
         Raises
         ------
@@ -181,6 +194,7 @@ class BatchAtmosphere:
             wavenumber_cm=np.array(file["wavenumber_cm"][keep]),
             wind_range=(float(winds[0]), float(winds[-1])),
             height_range=(float(heights[0]), float(heights[-1])),
+            extrapolate=extrapolate,
             _winds=winds,
             _wind_kink=float(file["wind_kink"]),
             _heights=heights,
@@ -197,15 +211,20 @@ class BatchAtmosphere:
         )
 
     def _wind(self, wind_speed: ArrayLike) -> Stencil:
-        wind = np.asarray(wind_speed, dtype=np.float64)
-        _require(wind, self.wind_range, "wind_speed", "m/s")
+        wind = self._covered(np.asarray(wind_speed, dtype=np.float64), self.wind_range, "wind_speed", "m/s")
         return Stencil.between_kinks(self._winds, (self._wind_kink,), wind)
 
     def _height(self, height: FloatArray) -> Stencil:
-        _require(height, self.height_range, "sensor height", "m")
+        inside = self._covered(height, self.height_range, "sensor height", "m")
         levels = (*self._height_kinks, float(self._heights[-1]))
         kinks = tuple(float(j) for j in range(len(self._height_kinks)))
-        return Stencil.between_kinks(height_coordinate(self._heights, levels), kinks, height_coordinate(height, levels))
+        return Stencil.between_kinks(height_coordinate(self._heights, levels), kinks, height_coordinate(inside, levels))
+
+    def _covered(self, values: FloatArray, allowed: tuple[float, float], name: str, unit: str) -> FloatArray:
+        """Values inside the table; those outside are moved to its edge, or refused."""
+        if not self.extrapolate:
+            _require(values, allowed, name, unit)
+        return np.clip(values, *allowed)
 
     def dip(self, height: ArrayLike) -> FloatArray:
         """Depression of the sea horizon by LOWTRAN7's refraction at heights [m], [rad]."""
@@ -281,11 +300,12 @@ def _read_band(model: str, band_um: tuple[float, float]) -> tuple[Mapping[str, A
     """Content of the file of ``model`` that covers a band [um], and the part of its spectral grid that the band needs."""
     wanted = wavenumber_grid(*band_um)
     region = "mwir" if band_um[0] < 6.5 else "lwir"
-    if model not in models(region):
-        raise DomainError(f"model = {model!r} has no table for {band_um[0]:g}-{band_um[1]:g} um; choose one of {', '.join(models(region))}")
+    if model not in table_models():
+        raise DomainError(f"model = {model!r} has no table; choose one of {', '.join(table_models())}")
     file = read_table(model, region)
     grid = file["wavenumber_cm"]
     if wanted[0] < grid[0] or wanted[-1] > grid[-1]:
-        covered = f"{1e4 / grid[-1]:.3g}-{1e4 / grid[0]:.3g} um"
-        raise DomainError(f"band {band_um[0]:g}-{band_um[1]:g} um reaches beyond the table of {covered}; narrow the band")
+        grids = [read_table(model, name)["wavenumber_cm"] for name in _REGIONS]
+        covered = " and ".join(f"{1e4 / g[-1]:.3g}-{1e4 / g[0]:.3g}" for g in grids)
+        raise DomainError(f"band {band_um[0]:g}-{band_um[1]:g} um reaches beyond the tables of {covered} um; choose a band inside one")
     return file, slice(int(np.searchsorted(grid, wanted[0])), int(np.searchsorted(grid, wanted[-1])) + 1)
