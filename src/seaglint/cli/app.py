@@ -15,6 +15,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from seaglint.cli.evaluate import evaluate
 from seaglint.cli.progress import ProgressMode
 from seaglint.errors import DomainError, ScenarioError, SeaglintError
 
@@ -46,6 +47,7 @@ app = typer.Typer(
 )
 reproduce = typer.Typer(help="Results of the source article, computed anew.", no_args_is_help=True)
 app.add_typer(reproduce, name="reproduce")
+app.add_typer(evaluate, name="evaluate")
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
@@ -134,9 +136,11 @@ def mean(
     preview: Annotated[bool, typer.Option("--preview", help="write a picture beside the file")] = False,
 ) -> None:
     """Map the mean radiance and apparent temperature over the field of view."""
+    from seaglint.cli.logs import show_logs
     from seaglint.io.netcdf import refuse_existing, write_netcdf
     from seaglint.scenario.load import load_scenario
 
+    show_logs()
     loaded = load_scenario(scenario)
     picture = output.with_suffix(".png")
     refuse_existing(output, overwrite=overwrite)
@@ -168,9 +172,11 @@ def render(
 ) -> None:
     """Render the sequence: radiance at the aperture, frame by frame."""
     from seaglint.cli.frames import parse_frames
+    from seaglint.cli.logs import show_logs
     from seaglint.cli.progress import progress
     from seaglint.scenario.load import load_scenario
 
+    show_logs(quiet=show is ProgressMode.NONE)
     loaded = load_scenario(scenario)
     wanted = parse_frames(frames, loaded.sensor.frames)
     # A trailing slash or a bare name would put the previews elsewhere than beside the store.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from enum import StrEnum
 
 
@@ -36,6 +36,26 @@ def progress(mode: ProgressMode, what: str) -> Iterator[Report]:
         yield log_lines(what, lambda line: print(line, file=sys.stderr, flush=True))
     else:
         yield lambda done, total: None
+
+
+PATIENCE = 2.0
+"""Seconds that work may take before its progress is shown where most runs are short."""
+
+
+@contextmanager
+def patient_progress(mode: ProgressMode, what: str, clock: Callable[[], float] = time.monotonic) -> Iterator[Report]:
+    """:func:`progress` that appears only when the work has lasted :data:`PATIENCE` seconds."""
+    began = clock()
+    shown: list[Report] = []
+    with ExitStack() as stack:
+
+        def report(done: int, total: int) -> None:
+            if not shown and clock() - began >= PATIENCE and done < total:
+                shown.append(stack.enter_context(progress(mode, what)))
+            if shown:
+                shown[0](done, total)
+
+        yield report
 
 
 def duration(seconds: float) -> str:

@@ -316,7 +316,7 @@ def _hits_sea(cases: Cases, depression: FloatArray, dip: FloatArray) -> None:
     def say(row: int) -> str:
         seen, horizon = np.degrees(depression[row]), np.degrees(dip[row])
         return (
-            f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg from there; give a depression between that and 90 deg"
+            f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give a depression between that and 90 deg"
         )
 
     cases.check(depression > dip, "depression_deg", say)

@@ -1,0 +1,99 @@
+"""The commands ``seaglint evaluate ...``: a CSV file of cases in, the same rows with results out."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from seaglint.cli.progress import ProgressMode, patient_progress
+
+if TYPE_CHECKING:
+    from seaglint.io.cases import Cases
+    from seaglint.pipeline.evaluate import Columns, Report
+
+evaluate = typer.Typer(
+    help="Results for many cases at once: each row of a CSV file gets its columns; further columns pass through.", no_args_is_help=True
+)
+
+CasesFile = Annotated[Path, typer.Argument(metavar="CASES.csv", help="one case a row; the first line names the columns")]
+Output = Annotated[Path, typer.Option("-o", "--output", help="CSV file to write")]
+Bands = Annotated[list[str] | None, typer.Option("--band", metavar="A-B", help="wavelengths in um, e.g. 3.0-5.0; may be repeated")]
+Extrapolate = Annotated[
+    bool, typer.Option("--extrapolate", help="take winds and heights that are not covered, and name them in the column 'extrapolated'")
+]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")]
+Progress = Annotated[ProgressMode, typer.Option("--progress", help="after 2 s: bar on a terminal, log lines elsewhere; or nothing")]
+
+
+def _run(path: Path, output: Path, overwrite: bool, show: ProgressMode, compute: Callable[[Cases, Report], Columns]) -> None:
+    """Read, compute, write; what can be refused before the work is."""
+    from seaglint.io.cases import read_cases, write_cases
+    from seaglint.io.netcdf import refuse_existing
+
+    refuse_existing(output, overwrite=overwrite)
+    cases = read_cases(path)
+    with patient_progress(show, "rows x bands") as report:
+        columns = compute(cases, report)
+    replaced = write_cases(cases, columns, output, overwrite=overwrite)
+    note = f"; columns of {path} computed anew: {', '.join(replaced)}" if replaced else ""
+    print(f"{output}: {len(cases)} rows written{note}", file=sys.stderr, flush=True)
+
+
+@evaluate.command()
+def atmosphere(
+    cases: CasesFile,
+    output: Output,
+    band: Bands = None,
+    extrapolate: Extrapolate = False,
+    overwrite: Overwrite = False,
+    show: Progress = ProgressMode.AUTO,
+) -> None:
+    """Transmittance, path radiance, sunlight and sky of the LOWTRAN7 tables.
+
+    Columns needed: atmosphere (a model's name), wind_speed_m_s, sensor_height_m, depression_deg (of the refracted ray at the sensor; it
+    must end on the sea), solar_zenith_deg, sky_zenith_deg. Columns made, per band: tau_mean (flat over wavenumber),
+    path_radiance_W_m2_sr, sun_normal_irradiance_W_m2 (at the sea, Sun at 1 au), sun_times_tau_W_m2, sky_radiance_W_m2_sr (from the sea).
+    """
+    from seaglint.pipeline.evaluate import evaluate_atmosphere, parse_bands
+
+    bands = parse_bands(band or [])
+    _run(cases, output, overwrite, show, lambda rows, report: evaluate_atmosphere(rows, bands, extrapolate=extrapolate, progress=report))
+
+
+@evaluate.command()
+def emissivity(
+    cases: CasesFile, output: Output, extrapolate: Extrapolate = False, overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO
+) -> None:
+    """Emissivity of the wind-roughened sea: isotropic Cox-Munk slopes, salt water, sea-to-sea reflection on.
+
+    Columns needed: wavelength_um, wind_speed_m_s (at 12.5 m, as the slope fit has it), zenith_deg. Column made: emissivity.
+    """
+    from seaglint.pipeline.evaluate import evaluate_emissivity
+
+    _run(cases, output, overwrite, show, lambda rows, report: evaluate_emissivity(rows, extrapolate=extrapolate, progress=report))
+
+
+@evaluate.command()
+def mean(
+    cases: CasesFile,
+    output: Output,
+    band: Bands = None,
+    extrapolate: Extrapolate = False,
+    overwrite: Overwrite = False,
+    show: Progress = ProgressMode.AUTO,
+) -> None:
+    """Mean radiance of the sea, apparent temperature, and standard deviation of glint in a pixel.
+
+    Columns needed: atmosphere (a model's name), wind_speed_m_s (at 10 m), sensor_height_m, depression_deg, solar_zenith_deg,
+    relative_azimuth_deg (0 looks towards the Sun), sea_temperature_k, ifov_mrad (side of the square pixel). Columns made, per band:
+    radiance_W_m2_sr, apparent_temperature_K, std_W_m2_sr. The wind has no direction here: isotropic Cox-Munk slopes, shadowed towards
+    viewer and Sun; salt water; Sun at 1 au; glint forgotten after 0.07 s.
+    """
+    from seaglint.pipeline.evaluate import evaluate_mean, parse_bands
+
+    bands = parse_bands(band or [])
+    _run(cases, output, overwrite, show, lambda rows, report: evaluate_mean(rows, bands, extrapolate=extrapolate, progress=report))
