@@ -128,17 +128,14 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64]) -> Clust
         weight = windows[0][:, None, None] * windows[1][:, None] * windows[2]
         value = float((weight * products).sum())
         # What taking the mean off took out of the sums: share of each window in the pairs of cells, by weight of their pixels.
-        if from_tiles:
-            lost = 1.0 / independent[0]
-        else:
-            lost = float((weight * _autocovariance(share)).sum())
+        lost = 1.0 / independent[0] if from_tiles else float((weight * _autocovariance(share)).sum())
         pair_share = occupied / occupied[tuple(s // 2 for s in occupied.shape)]
         degrees = float(round((pixels > 0).sum()) / (weight**2 * pair_share).sum()) - (0.0 if from_tiles else 1.0)
         if lost >= 0.6 or degrees < FEWEST_DEGREES:
             continue
         binomial = rate * (1.0 - rate) / number
         variance = value / (1.0 - lost) / number**2
-        # Below independence only by chance of the estimate, or for filters that push neighbours apart; a quarter is as far as it is believed.
+        # Below independence by chance of the estimate, or for filters that push neighbours apart: believed down to a quarter.
         variance = max(variance, 0.25 * binomial)
         return ClusterVariance(variance, degrees, variance / binomial)
     return used[0]

@@ -1,7 +1,7 @@
 """Threshold exceedances in time: their joint probability, how long they last, and the events they form.
 
-Accumulators take blocks of z (:mod:`seaglint.clutter.thresholds`) in order of time and keep nothing that grows with the number of frames but
-the list of events. The result does not depend on how the sequence is cut into blocks.
+Accumulators take blocks of z (:mod:`seaglint.clutter.thresholds`) in order of time and keep nothing that grows with the number of frames
+but the list of events. The result does not depend on how the sequence is cut into blocks.
 """
 
 from __future__ import annotations
@@ -114,8 +114,8 @@ class JointProbability:
 class JointExceedances:
     """Accumulator of the joint probability of exceedances of one threshold.
 
-    Pixels that are missing (NaN) in a frame take no part in it. The number of pairs of frames is that of the smaller frame, which is exact for
-    fixed masks and for frames that are missing as a whole.
+    Pixels that are missing (NaN) in a frame take no part in it. The number of pairs of frames is that of the smaller frame, which is exact
+    for fixed masks and for frames that are missing as a whole.
 
     Parameters
     ----------
@@ -221,7 +221,7 @@ def _root(parent: np.ndarray, i: int) -> int:
 
 @njit
 def _label(index: np.ndarray, columns: int, before: np.ndarray, now: np.ndarray, parent: np.ndarray, active: int) -> int:
-    """Label the exceedances of a frame in ``now`` with 1 + an entry of ``parent``; entries below ``active`` are events of the frame before."""
+    """Label the exceedances of a frame in ``now`` with 1 + an entry of ``parent``; entries below ``active`` lived in the frame before."""
     rows = now.size // columns
     used = active
     for i in index:
@@ -256,7 +256,7 @@ def _merge(
 ) -> int:
     """Gather events of one root, add this frame's pixels, renumber those that live on in order of their roots; how many do.
 
-    ``table``: first, last, size, index of the peak per entry. ``number``: the new number, -1 for an event that ended, -2 for one merged away.
+    ``table``: first, last, size, index of the peak per entry. ``number``: the new number, -1 where an event ended, -2 where it was merged.
     """
     used = number.size
     for i in range(used):

@@ -246,8 +246,9 @@ class FalseAlarms:
     def rates(self, level: float = 0.95) -> list[FalseAlarmRate]:
         """Rate at each threshold with its confidence interval of that level, lowest threshold first.
 
-        The interval is Wilson's with an effective number of pixels from :func:`seaglint.clutter.cluster_variance.rate_variance`. A threshold with
-        fewer than 10 exceedances takes the inflation of the next lower one that has more, or of none (independent pixels): ``note`` says so.
+        The interval is Wilson's with an effective number of pixels (:func:`seaglint.clutter.cluster_variance.rate_variance`). A threshold
+        with fewer than 10 exceedances takes the inflation of the next lower one that has more, or of none (independent pixels):
+        ``note`` says so.
 
         Raises
         ------

@@ -7,7 +7,6 @@ The gain of a filter is free: false alarms are counted in standard deviations of
 
 from __future__ import annotations
 
-
 from dataclasses import dataclass, field
 from typing import Final, Protocol, runtime_checkable
 
@@ -264,8 +263,8 @@ class MatchedFilter:
     signature : array_like
         Shape (odd, odd), at most 31 on a side; with a frame of background around the target, or there is no contrast to see.
     covariance : array_like, optional
-        Autocovariance of the clutter at lags -reach ... reach, shape (2 reach + 1, 2 reach + 1), from :func:`autocovariance`; reach at least
-        the signature's side less one. Without it the clutter is taken as white.
+        Autocovariance of the clutter at lags -reach ... reach, shape (2 reach + 1, 2 reach + 1), from :func:`autocovariance`; reach at
+        least the signature's side less one. Without it the clutter is taken as white.
 
     Raises
     ------

@@ -86,7 +86,7 @@ def standardise(
     scale : (float, float), optional
         Mean and standard deviation of the sequence [u], for ``scope = "sequence"``.
     window : int
-        Side of the moving square [px], odd, at least 5; a pixel with fewer than 16 valid neighbours in it gets NaN. The pixel itself is in its
+        Side of the moving square [px], odd, at least 5; a pixel with fewer than 16 valid pixels in it gets NaN. The pixel itself is in its
         own square: z cannot exceed ``window``.
 
     Returns

@@ -1,1 +1,1 @@
-"""Detectors to judge by their false alarms: frames in, a statistic per pixel out."""
+"""Detectors to judge: frames in, a statistic per pixel out, all counted by the same false-alarm bookkeeping."""

@@ -1,0 +1,186 @@
+"""The interface of a detector, streams through it, and the door for a user's own function.
+
+A detector is called with frames of shape (k, rows, columns) and returns a statistic for the frames from ``lead`` on, shape
+(k - lead, rows, columns): large where a target is likely, NaN where it cannot say. One that is ``calibrated`` returns equivalent standard
+deviations: the probability of a false alarm above m is the Gaussian tail Q(m) on the clutter it is designed for, so that its
+own promise is what is judged. The statistic of any other is divided by its measured sigma first
+(:func:`seaglint.clutter.thresholds.standardise`).
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.errors import DataError
+
+Frames = NDArray[np.float32]
+
+
+@runtime_checkable
+class Detector(Protocol):
+    """What false-alarm counting needs of a detector."""
+
+    @property
+    def name(self) -> str:
+        """Short name, as in the results."""
+        ...
+
+    @property
+    def lead(self) -> int:
+        """Earlier frames that the statistic of a frame needs [frames]; 0 works on single images."""
+        ...
+
+    @property
+    def calibrated(self) -> bool:
+        """Whether the statistic is in equivalent standard deviations."""
+        ...
+
+    def __call__(self, frames: Frames) -> Frames:
+        """Statistic of the frames from ``lead`` on, shape (k - lead, rows, columns) [1]."""
+        ...
+
+
+def statistics(detector: Detector, blocks: Iterable[Frames]) -> Iterator[Frames]:
+    """Statistic of a sequence that comes in blocks, as if it had come at once; the first ``lead`` frames give none.
+
+    Raises
+    ------
+    DataError
+        The sequence is not longer than the detector's lead.
+    """
+    held: Frames | None = None
+    given, seen = 0, 0
+    for block in blocks:
+        frames = block if held is None else np.concatenate([held, block])
+        seen += block.shape[0]
+        if frames.shape[0] > detector.lead:
+            statistic = detector(frames)
+            given += statistic.shape[0]
+            yield statistic
+        held = frames[frames.shape[0] - min(detector.lead, frames.shape[0]) :] if detector.lead else None
+    if given == 0:
+        raise DataError(f"detector {detector.name} needs {detector.lead + 1} frames; the sequence has {seen}")
+
+
+@dataclass(frozen=True)
+class UserDetector:
+    """A function as a detector; its results are checked at every call.
+
+    Attributes
+    ----------
+    function : callable
+        Frames (k, rows, columns), float32, to an array (k - lead, rows, columns) of numbers.
+    name : str
+        Name in the results.
+    lead : int
+        Earlier frames needed [frames].
+    calibrated : bool
+        Whether the statistic is in equivalent standard deviations.
+    """
+
+    function: Callable[[Frames], Any]
+    name: str
+    lead: int = 0
+    calibrated: bool = False
+
+    def __call__(self, frames: Frames) -> Frames:
+        """Statistic of the frames from ``lead`` on, shape (k - lead, rows, columns) [1].
+
+        Raises
+        ------
+        DataError
+            The function fails, or what it returns is not an array of numbers of that shape.
+        """
+        # A copy: a function that works in place must not change what the next detector sees.
+        try:
+            result = self.function(frames.copy())
+        except Exception as error:
+            raise DataError(f"detector {self.name} failed on frames of shape {frames.shape}: {type(error).__name__}: {error}") from error
+        wanted = (frames.shape[0] - self.lead, *frames.shape[1:])
+        try:
+            out = np.asarray(result, np.float32)
+        except (TypeError, ValueError) as error:
+            raise DataError(
+                f"detector {self.name} returned {type(result).__name__}; an array of numbers of shape {wanted} is needed"
+            ) from error
+        if out.shape != wanted:
+            raise DataError(
+                f"detector {self.name} returned shape {out.shape} for frames of shape {frames.shape}; {wanted} is needed "
+                f"(set the function's attribute lead, now {self.lead}, if it uses earlier frames)"
+            )
+        return out
+
+
+def load(path: str) -> Detector:
+    """Detector behind ``package.module:attribute``; modules in the current folder are found as well.
+
+    The attribute is a function of frames, which may carry attributes ``lead`` and ``calibrated``, or an object with the interface of
+    :class:`Detector`, or a class of such objects that needs no arguments.
+
+    Raises
+    ------
+    DataError
+        A path without the form, a module that cannot be imported, or an attribute that is missing or cannot be called.
+    """
+    module_name, _, attribute = path.partition(":")
+    if not module_name or not attribute:
+        raise DataError(f"detector {path!r} is not of the form package.module:function; give e.g. mine:detector")
+    here = str(Path.cwd())
+    sys.path.insert(0, here)
+    try:
+        module = importlib.import_module(module_name)
+    except Exception as error:
+        raise DataError(f"detector {path!r}: module {module_name} cannot be imported: {type(error).__name__}: {error}") from error
+    finally:
+        if here in sys.path:
+            sys.path.remove(here)
+    if not hasattr(module, attribute):
+        raise DataError(f"detector {path!r}: module {module_name} has no {attribute}; check the name after the colon")
+    found = getattr(module, attribute)
+    if isinstance(found, type):
+        try:
+            found = found()
+        except TypeError as error:
+            raise DataError(f"detector {path!r}: the class needs arguments ({error}); give an instance of it in the module") from error
+    if not callable(found):
+        raise DataError(f"detector {path!r} is a {type(found).__name__}, which cannot be called; name a function of frames")
+    lead = getattr(found, "lead", 0)
+    if not isinstance(lead, int) or lead < 0:
+        raise DataError(f"detector {path!r}: lead = {lead!r} is not a number of frames of 0 or more")
+    # Wrapped also where it has the whole interface: what it returns is checked all the same.
+    return UserDetector(found, str(getattr(found, "name", path)), lead, bool(getattr(found, "calibrated", False)))
+
+
+def named(name: str) -> Detector:
+    """Detector with standard settings: ``ca-cfar``, ``os-cfar``, ``frame-difference``, ``integration``, or ``package.module:function``.
+
+    Raises
+    ------
+    DataError
+        Unknown name.
+    """
+    from seaglint.detection.cfar import CellAveraging, OrderedStatistic
+    from seaglint.detection.moving import FrameDifference, RegisteredIntegration
+
+    match name.strip().lower().replace("_", "-"):
+        case "ca-cfar":
+            return CellAveraging()
+        case "os-cfar":
+            return OrderedStatistic()
+        case "frame-difference":
+            return FrameDifference()
+        case "integration":
+            return RegisteredIntegration()
+    if ":" in name:
+        return load(name)
+    raise DataError(
+        f"detector {name!r} is unknown; choose ca-cfar, os-cfar, frame-difference, integration, or package.module:function of your own"
+    )
