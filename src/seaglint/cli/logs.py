@@ -1,0 +1,23 @@
+"""What the rooms below log, as plain lines on stderr."""
+
+from __future__ import annotations
+
+import logging
+import sys
+
+
+class _Stderr(logging.Handler):
+    """The standard error of the moment: tests and notebooks exchange it."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write one line."""
+        print(record.getMessage(), file=sys.stderr, flush=True)
+
+
+def show_logs(*, quiet: bool = False) -> None:
+    """Print progress and warnings of the package's loggers; ``quiet`` leaves the warnings."""
+    logger = logging.getLogger("seaglint")
+    if not any(isinstance(handler, _Stderr) for handler in logger.handlers):
+        logger.addHandler(_Stderr())
+        logger.propagate = False
+    logger.setLevel(logging.WARNING if quiet else logging.INFO)
