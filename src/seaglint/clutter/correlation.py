@@ -1,0 +1,292 @@
+"""How far and how long clutter remembers: autocorrelation along the picture's axes and in time, and what it leaves of a sample's size.
+
+Lengths and times are where the correlation falls to 1/e, found between samples by a cubic through its logarithm (exact for an
+exponential and nearly so for a Gaussian shape). The estimate is corrected for the mean, which is taken from the same data and
+lowers every lag by the mean's variance: ``rho = (c + v) / (c_0 + v)``, ``v = sum over lags of w (c + v)``, solved by iteration.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seaglint.errors import DataError
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+LEVEL = float(np.exp(-1.0))
+FEWEST_FRAMES = 8
+
+
+@dataclass(frozen=True)
+class SpatialCorrelation:
+    """Autocorrelation along the picture's axes.
+
+    Attributes
+    ----------
+    x, y : ndarray, shape (lags,)
+        Correlation at 0, 1, 2 ... px along columns (x, horizontally) and rows (y, vertically); NaN at lags no two pixels have.
+    length_x, length_y : float
+        Where it falls to 1/e [px]; NaN for constant data or where it does not fall so far. Less than one pixel: the
+        straight line from lag 0 to 1, 0.63 px for white noise.
+    scale_x, scale_y : float
+        Integral scale, ``1 + 2 sum rho`` up to its first value below zero [px].
+    """
+
+    x: FloatArray
+    y: FloatArray
+    length_x: float
+    length_y: float
+    scale_x: float
+    scale_y: float
+
+
+@dataclass(frozen=True)
+class TemporalCorrelation:
+    """Autocorrelation in time, mean over pixels.
+
+    Attributes
+    ----------
+    rho : ndarray, shape (lags,)
+        Correlation at 0, 1, 2 ... frames.
+    time : float
+        Where it falls to 1/e [s]; [frames] where no frame rate was given. NaN as for lengths, and with fewer than 8 frames.
+    scale : float
+        Integral scale, ``1 + 2 sum rho`` up to its first value below zero [frames].
+    reason : str
+        Why there is no time; empty if there is.
+    """
+
+    rho: FloatArray
+    time: float
+    scale: float
+    reason: str = ""
+
+
+def spatial_correlation(
+    frames: ArrayLike, mask: BoolArray | None = None, *, mean: ArrayLike | None = None, longest: int | None = None
+) -> SpatialCorrelation:
+    """Correlate pixels along x and y, frames pooled.
+
+    Parameters
+    ----------
+    frames : array_like, shape (rows, columns) or (frames, rows, columns)
+        NaN are left out. Some ten frames, further apart than the correlation time, tell as much as all.
+    mask : ndarray of bool, shape (rows, columns), optional
+        Pixels of the region.
+    mean : array_like, shape (rows, columns), optional
+        Mean in time of each pixel, subtracted first, so that the shape of the corridor does not count as correlation. From a few
+        frames only it would take clutter with it: leave it out for a single frame. The region's mean is removed in any case.
+    longest : int, optional
+        Largest lag [px]; default a third of each side.
+
+    Returns
+    -------
+    SpatialCorrelation
+
+    Raises
+    ------
+    DataError
+        If shapes do not fit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> white = np.random.default_rng(1).normal(size=(200, 200))
+    >>> bool(spatial_correlation(white).length_x < 1.0)
+    True
+    """
+    data = np.array(frames, dtype=np.float64, ndmin=3)
+    if data.ndim != 3:
+        raise DataError(f"frames of shape {data.shape}; give (rows, columns) or (frames, rows, columns)")
+    for name, other in (("mask", mask), ("mean", mean)):
+        if other is not None and np.shape(other) != data.shape[1:]:
+            raise DataError(f"{name} of shape {np.shape(other)} does not fit frames of {data.shape[1:]}; give one value per pixel")
+    if mean is not None:
+        data -= np.asarray(mean)
+    valid = np.isfinite(data)
+    if mask is not None:
+        valid &= mask
+    if not valid.any():
+        nothing = np.full(1, np.nan)
+        return SpatialCorrelation(nothing, nothing, np.nan, np.nan, np.nan, np.nan)
+    centred = np.where(valid, data - data[valid].mean(), 0.0)
+    sums = []
+    for axis in (2, 1):
+        limit = max(1, data.shape[axis] // 3) if longest is None else min(longest, data.shape[axis] - 1)
+        sums.append(_lagged_sums(centred, valid, axis, limit))
+    variance = float(np.mean(centred[valid] ** 2))
+    lags = [np.divide(total, pairs, out=np.full(total.shape, np.nan), where=pairs > 0) for total, pairs in sums]
+    # The mean of a region n px large varies by variance times integral scales over n; frames count once each, which is what
+    # frames far apart do, and for frames close together the correction is only smaller than it should be.
+    pixels = valid.sum()
+    shift = 0.0
+    for _ in range(8):
+        scale_x, scale_y = (_integral_scale((lag + shift) / (variance + shift)) if variance > 0.0 else 1.0 for lag in lags)
+        shift = variance / max(pixels / (scale_x * scale_y) - 1.0, 1.0)
+    if not variance > 0.0:
+        rho = [np.full(lag.shape, np.nan) for lag in lags]
+    else:
+        rho = [(lag + shift) / (variance + shift) for lag in lags]
+        for r in rho:
+            r[0] = 1.0
+    return SpatialCorrelation(rho[0], rho[1], decay(rho[0]), decay(rho[1]), _integral_scale(rho[0]), _integral_scale(rho[1]))
+
+
+def temporal_correlation(series: ArrayLike, frame_rate: float | None = None, *, longest: int | None = None) -> TemporalCorrelation:
+    """Correlate each pixel with itself later, every pixel about its own mean, and average over pixels.
+
+    Parameters
+    ----------
+    series : array_like, shape (frames, ...)
+        Values of pixels in time; NaN are left out. A few thousand pixels spread over the region tell as much as all.
+    frame_rate : float, optional
+        Frames per second [Hz].
+    longest : int, optional
+        Largest lag [frames]; default half the frames.
+
+    Returns
+    -------
+    TemporalCorrelation
+        The sequence should be several correlation times long: the mean of a shorter one cannot be told from its slow changes,
+        and the time found is too short.
+
+    Raises
+    ------
+    DataError
+        If the frame rate is not positive.
+    """
+    data = np.asarray(series, dtype=np.float64)
+    if frame_rate is not None and not (np.isfinite(frame_rate) and frame_rate > 0.0):
+        raise DataError(f"frame_rate = {frame_rate} Hz must be positive; give the recording's")
+    frames = data.shape[0]
+    data = data.reshape(frames, -1)
+    if frames < FEWEST_FRAMES:
+        return TemporalCorrelation(np.full(1, np.nan), np.nan, np.nan, f"{frames} frames, at least {FEWEST_FRAMES} are needed")
+    valid = np.isfinite(data)
+    enough = valid.sum(axis=0) >= max(FEWEST_FRAMES, frames // 2)
+    data, valid = data[:, enough], valid[:, enough]
+    number = np.maximum(valid.sum(axis=0), 1)
+    centred = np.where(valid, data - np.where(valid, data, 0.0).sum(axis=0) / number, 0.0)
+    variance = float(np.sum(centred**2) / max(valid.sum(), 1))
+    if not variance > 0.0:
+        return TemporalCorrelation(np.full(1, np.nan), np.nan, np.nan, "no pixel changes in time")
+    limit = frames // 2 if longest is None else min(longest, frames - 1)
+    total, pairs = _lagged_sums(centred, valid, 0, limit)
+    lag = total / np.maximum(pairs, 1)
+    shift = 0.0
+    for _ in range(20):
+        rho = (lag + shift) / (variance + shift)
+        positive = _positive_lags(rho)
+        # Variance of a mean of k values, from the lags before the first zero.
+        inner = np.arange(1, len(positive))
+        shift = (variance + shift) / frames * (1.0 + 2.0 * float(np.sum((1.0 - inner / frames) * positive[1:])))
+    rho = (lag + shift) / (variance + shift)
+    rho[0] = 1.0
+    frames_to_fall = decay(rho)
+    reason = "" if np.isfinite(frames_to_fall) else f"correlation does not fall to 1/e within {limit} frames"
+    return TemporalCorrelation(rho, frames_to_fall / (frame_rate or 1.0), _integral_scale(rho), reason)
+
+
+def effective_count(count: float, *scales: float) -> float:
+    """Number of independent values among correlated ones.
+
+    ``m = n / (s_1 s_2 ...)`` with the integral scales along each axis, the separable form of ``n / sum rho``.
+
+    Parameters
+    ----------
+    count : float
+        Values.
+    *scales : float
+        Integral scales [px or frames]; NaN (not known) count as 1.
+
+    Returns
+    -------
+    float
+        At least 1, at most ``count``. For functions of the values that are less correlated than they are, a lower bound.
+    """
+    product = float(np.prod([max(s, 1.0) for s in scales if np.isfinite(s)]))
+    return float(max(count / product, 1.0)) if count else 0.0
+
+
+def block_labels(shape: tuple[int, ...], sides: tuple[float, ...]) -> NDArray[np.int64]:
+    """Label of the block each element of an array lies in, for intervals of fits.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Of the array, e.g. (frames, rows, columns).
+    sides : tuple of float
+        Of a block along each axis; some five correlation lengths or times. Rounded up, and to divide the axis evenly.
+
+    Returns
+    -------
+    ndarray of int, of that shape
+    """
+    label = np.zeros(shape, dtype=np.int64)
+    for axis, (size, side) in enumerate(zip(shape, sides, strict=True)):
+        number = max(int(size // max(np.ceil(side), 1)), 1)
+        along = np.arange(size) * number // size
+        label = label * number + along.reshape([-1 if i == axis else 1 for i in range(len(shape))])
+    return label
+
+
+def decay(rho: FloatArray) -> float:
+    """Lag at which a correlation first falls to 1/e, between samples; NaN where it does not.
+
+    Parameters
+    ----------
+    rho : ndarray, shape (lags,)
+        Correlation at lags 0, 1, 2 ...
+
+    Returns
+    -------
+    float
+        [lags]; the error is below 0.5 % for exponential and Gaussian shapes of a length over one lag.
+    """
+    low = np.flatnonzero(rho <= LEVEL)
+    if not low.size or not np.all(np.isfinite(rho[: low[0] + 1])):
+        return np.nan
+    after = int(low[0])
+    if after == 0:
+        return np.nan
+    if after == 1 and (len(rho) < 3 or rho[2] <= 0.02 or rho[1] <= 0.02):
+        return (1.0 - LEVEL) / (1.0 - float(rho[1]))
+    first = max(after - 2, 0)
+    nodes = np.arange(first, min(after + 2, len(rho)))
+    nodes = nodes[: 1 + int(np.flatnonzero(rho[nodes] > 0.02)[-1])]
+    if len(nodes) < 2 or np.any(rho[nodes] <= 0.02):
+        return after - 1 + float((rho[after - 1] - LEVEL) / (rho[after - 1] - rho[after]))
+    polynomial = np.polynomial.Polynomial.fit(nodes, np.log(rho[nodes]) + 1.0, len(nodes) - 1)
+    low_end, high_end = float(after - 1), float(after)
+    for _ in range(60):
+        middle = 0.5 * (low_end + high_end)
+        low_end, high_end = (middle, high_end) if polynomial(middle) > 0.0 else (low_end, middle)
+    return 0.5 * (low_end + high_end)
+
+
+def _positive_lags(rho: FloatArray) -> FloatArray:
+    """Lags before the first that is not above zero: beyond, an estimate is noise that would sum to anything."""
+    bad = np.flatnonzero(~(rho > 0.0))
+    return rho[: bad[0]] if bad.size else rho
+
+
+def _integral_scale(rho: FloatArray) -> float:
+    positive = _positive_lags(rho)
+    return 1.0 + 2.0 * float(np.sum(positive[1:])) if len(positive) else np.nan
+
+
+def _lagged_sums(centred: FloatArray, valid: BoolArray, axis: int, longest: int) -> tuple[FloatArray, FloatArray]:
+    """Sum of products and number of pairs at lags 0 ... longest along an axis, by zero-padded Fourier transforms."""
+    from scipy.fft import irfft, next_fast_len, rfft
+
+    size = next_fast_len(centred.shape[axis] + longest + 1, real=True)
+    out = []
+    for part in (centred, valid.astype(np.float64)):
+        others = tuple(i for i in range(part.ndim) if i != axis)
+        power = np.sum(np.abs(rfft(part, size, axis=axis)) ** 2, axis=others)
+        out.append(irfft(power, size)[: longest + 1])
+    return np.asarray(out[0]), np.asarray(np.rint(out[1]))

@@ -1,0 +1,379 @@
+"""Distributions of clutter fitted by maximum likelihood, with intervals that stay valid where pixels are correlated.
+
+======== =============================================================== =======================
+family   density (x > 0, location 0; Gaussian: all x)                      parameters
+======== =============================================================== =======================
+gamma    ``x^(a-1) exp(-x/l) / (l^a Gamma(a))``                             shape a, scale l
+lognormal ``exp(-ln(x/m)^2 / (2 s^2)) / (x s sqrt(2 pi))``                  shape s, scale m
+weibull  ``(c/l) (x/l)^(c-1) exp(-(x/l)^c)``                                shape c, scale l
+k        ``2/(b Gamma(v)) (x/b)^((v-1)/2) K_(v-1)(2 sqrt(x/b))``            shape v, scale b
+gaussian ``exp(-(x-loc)^2 / (2 l^2)) / (l sqrt(2 pi))``                     loc, scale l
+======== =============================================================== =======================
+
+The gamma density is that of the source article's Fig. 9, whose printed formula is garbled. The K distribution is that of an
+intensity with one look (Jakeman and Pusey 1976; Ward, Tough and Watts 2006, Eq. 4.5): an exponential whose mean is gamma distributed. Its
+variance over squared mean is ``1 + 2/v``, at least 1, so data of less contrast have no K distribution; the fit says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seaglint.errors import DataError
+
+FloatArray = NDArray[np.float64]
+Family = Literal["gamma", "lognormal", "weibull", "k", "gaussian"]
+FAMILIES: tuple[Family, ...] = get_args(Family)
+
+FEWEST_VALUES = 10
+LARGEST_K_SHAPE = 200.0  # variance over squared mean within 1 % of the exponential's: no sample tells the two apart
+CONDENSED = 4000  # values to which larger samples are reduced for the K distribution's likelihood; moves the shape by 1e-3
+LARGEST_EXCLUDED = 0.005  # share of values at or below loc that may be left out: zeros of integer pictures
+STEP = 1e-4  # of a log parameter, for derivatives: error 1e-8 relative, far below any sampling error
+
+
+@dataclass(frozen=True)
+class Fit:
+    """One family fitted to one set of values.
+
+    Attributes
+    ----------
+    family : str
+        One of :data:`FAMILIES`.
+    shape, loc, scale : float or None
+        Parameters as in the module's table; ``shape`` is None for the Gaussian. All None where there is no fit.
+    shape_interval, loc_interval, scale_interval : (float, float) or None
+        95 % confidence intervals; None for what was given or does not exist.
+    log_likelihood : float or None
+        Sum over the values, as if independent.
+    count : int
+        Values fitted.
+    effective_count : float
+        Number of independent values the intervals are for.
+    reason : str
+        Why there is no fit; empty if there is.
+    excluded : float
+        Share of the values that is not above ``loc`` and was left out, at most 0.005 (zeros of an integer picture).
+    """
+
+    family: Family
+    shape: float | None
+    loc: float | None
+    scale: float | None
+    shape_interval: tuple[float, float] | None
+    loc_interval: tuple[float, float] | None
+    scale_interval: tuple[float, float] | None
+    log_likelihood: float | None
+    count: int
+    effective_count: float
+    reason: str = ""
+    excluded: float = 0.0
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether there are parameters."""
+        return not self.reason
+
+    def cdf(self, x: ArrayLike) -> FloatArray:
+        """Probability of a value up to x, shape of x."""
+        theta, loc = self.parameters()
+        return cdf(self.family, np.asarray(x, dtype=np.float64) - loc, theta)
+
+    def pdf(self, x: ArrayLike) -> FloatArray:
+        """Density at x, per unit of the data, shape of x."""
+        theta, loc = self.parameters()
+        return np.exp(log_density(self.family, np.asarray(x, dtype=np.float64) - loc, theta))
+
+    def parameters(self) -> tuple[tuple[float, float], float]:
+        """Two free parameters as :func:`log_density` takes them, and the location to subtract before."""
+        if self.scale is None or self.loc is None:
+            raise DataError(f"there is no {self.family} fit: {self.reason}")
+        if self.family == "gaussian":
+            return (self.loc, self.scale), 0.0
+        assert self.shape is not None
+        return (self.shape, self.scale), self.loc
+
+
+def fit(
+    values: ArrayLike,
+    family: Family,
+    *,
+    loc: float = 0.0,
+    weights: ArrayLike | None = None,
+    effective_count: float | None = None,
+    blocks: ArrayLike | None = None,
+) -> Fit:
+    """Fit a family by maximum likelihood.
+
+    Parameters
+    ----------
+    values : array_like, any shape
+        Sample, or centres of the cells of a fine histogram; NaN are left out.
+    family : str
+        One of :data:`FAMILIES`.
+    loc : float
+        Location of the positive families, known beforehand, unit of the data.
+    weights : array_like, shape of values, optional
+        Counts of a histogram's cells (cells of 1/50 of the standard deviation shift the scale by 2e-5).
+    effective_count : float, optional
+        Independent values in the sample (:func:`seaglint.clutter.correlation.effective_count`); intervals from the expected curvature
+        of the likelihood widen by ``sqrt(count / effective_count)``. Default: all values independent.
+    blocks : array_like of int, shape of values, optional
+        Label of the block (some correlation lengths and times wide) each value lies in. Intervals then come from the scatter of the
+        blocks' scores (Huber's sandwich, Student's t): valid under any correlation within blocks, and if the family is wrong. Ten
+        blocks or more; wins over ``effective_count``.
+
+    Returns
+    -------
+    Fit
+        Without parameters and with a ``reason`` where the family cannot be fitted: constant data, values not above ``loc`` (filtered
+        images are negative), contrast below that of the K distribution.
+
+    Raises
+    ------
+    DataError
+        If the family is unknown or shapes differ.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> sample = np.random.default_rng(1).gamma(4.0, 0.5, 100_000)
+    >>> found = fit(sample, "gamma")
+    >>> found.shape_interval[0] < 4.0 < found.shape_interval[1]
+    True
+    """
+    if family not in FAMILIES:
+        raise DataError(f"unknown distribution '{family}'; choose from {', '.join(FAMILIES)}")
+    x = np.asarray(values, dtype=np.float64).ravel()
+    w = np.ones_like(x) if weights is None else np.asarray(weights, dtype=np.float64).ravel()
+    label = None if blocks is None else np.asarray(blocks).ravel()
+    if w.shape != x.shape or (label is not None and label.shape != x.shape):
+        raise DataError("values, weights and blocks differ in size; give one weight and one block per value")
+    keep = np.isfinite(x) & (w > 0.0)
+    x, w, label = x[keep], w[keep], None if label is None else label[keep]
+    count = float(w.sum())
+    independent = count if effective_count is None else min(max(float(effective_count), 1.0), count)
+
+    def refused(reason: str) -> Fit:
+        return Fit(family, None, None, None, None, None, None, None, round(count), independent, reason)
+
+    if count < FEWEST_VALUES:
+        return refused(f"{round(count)} values, at least {FEWEST_VALUES} are needed")
+    share = 0.0
+    if family != "gaussian":
+        x = x - loc
+        above = x > 0.0
+        share = float(w[~above].sum() / count)
+        if share <= LARGEST_EXCLUDED:
+            x, w, label = x[above], w[above], None if label is None else label[above]
+            count = float(w.sum())
+        else:
+            return refused(f"{100.0 * share:.3g} % of the values are not above loc = {loc:g}; give a loc below the smallest")
+    mean = float(np.sum(w * x) / count)
+    variance = float(np.sum(w * (x - mean) ** 2) / count)
+    if not variance > (1e-12 * mean) ** 2:
+        return refused("all values are equal")
+    solved = _SOLVERS[family](x, w / count, mean, variance)
+    if isinstance(solved, str):
+        return refused(solved)
+    theta = solved
+
+    error, quantile = _standard_errors(family, x, w, theta, independent, label)
+    intervals = [
+        (value - quantile * error[i], value + quantile * error[i])
+        if family == "gaussian" and i == 0
+        # On the logarithm: positive parameters stay so, and their errors are nearer to a Gaussian.
+        else (value * float(np.exp(-quantile * error[i])), value * float(np.exp(quantile * error[i])))
+        for i, value in enumerate(theta)
+    ]
+    likelihood = float(np.sum(w * log_density(family, x, theta)))
+    if family == "gaussian":
+        return Fit(family, None, theta[0], theta[1], None, intervals[0], intervals[1], likelihood, round(count), independent)
+    return Fit(family, theta[0], loc, theta[1], intervals[0], None, intervals[1], likelihood, round(count), independent, excluded=share)
+
+
+def log_density(family: Family, x: FloatArray, theta: tuple[ArrayLike, ArrayLike]) -> FloatArray:
+    """Logarithm of the density at x (above the location), parameters broadcast against it."""
+    from scipy.special import gammaln, kve, xlogy
+
+    a, b = (np.asarray(t, dtype=np.float64) for t in theta)
+    if family == "gaussian":
+        return np.asarray(-0.5 * ((x - a) / b) ** 2 - np.log(b) - 0.5 * np.log(2.0 * np.pi))
+    if family == "gamma":
+        return np.asarray(xlogy(a - 1.0, x / b) - x / b - np.log(b) - gammaln(a))
+    if family == "lognormal":
+        return np.asarray(-0.5 * (np.log(x / b) / a) ** 2 - np.log(x * a) - 0.5 * np.log(2.0 * np.pi))
+    if family == "weibull":
+        return np.asarray(np.log(a / b) + xlogy(a - 1.0, x / b) - (x / b) ** a)
+    z = 2.0 * np.sqrt(x / b)
+    # kve overflows for z -> 0 at large order; there K_n(z) ~ Gamma(n)/2 (2/z)^n.
+    order = np.abs(a - 1.0)
+    with np.errstate(divide="ignore", over="ignore"):
+        bessel = np.log(kve(order, z)) - z
+        near_zero = gammaln(np.maximum(order, 1e-300)) - np.log(2.0) + order * np.log(2.0 / z)
+    bessel = np.where(np.isfinite(bessel), bessel, near_zero)
+    return np.asarray(np.log(2.0 / b) - gammaln(a) + 0.5 * (a - 1.0) * np.log(x / b) + bessel)
+
+
+def cdf(family: Family, x: FloatArray, theta: tuple[ArrayLike, ArrayLike]) -> FloatArray:
+    """Probability of a value up to x (above the location), parameters broadcast against it."""
+    from scipy.special import gammainc, gammaln, kve, ndtr
+
+    a, b = (np.asarray(t, dtype=np.float64) for t in theta)
+    if family == "gaussian":
+        return np.asarray(ndtr((x - a) / b))
+    y = np.maximum(np.asarray(x, dtype=np.float64), 0.0) / b
+    if family == "gamma":
+        return np.asarray(gammainc(a, y))
+    if family == "lognormal":
+        with np.errstate(divide="ignore"):
+            return np.asarray(ndtr(np.log(y) / a))
+    if family == "weibull":
+        return np.asarray(-np.expm1(-(y**a)))
+    z = 2.0 * np.sqrt(y)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        tail = np.exp(np.log(2.0) - gammaln(a) + a * np.log(0.5 * z) + np.log(kve(a, z)) - z)
+    return np.clip(1.0 - np.where(np.isfinite(tail), tail, 1.0), 0.0, 1.0)
+
+
+def draw(family: Family, theta: tuple[float, float], size: tuple[int, ...], rng: np.random.Generator) -> FloatArray:
+    """Independent values of a family, above the location."""
+    a, b = theta
+    if family == "gaussian":
+        return rng.normal(a, b, size)
+    if family == "gamma":
+        return rng.gamma(a, b, size)
+    if family == "lognormal":
+        return b * np.exp(a * rng.standard_normal(size))
+    if family == "weibull":
+        return b * rng.weibull(a, size)
+    return b * rng.gamma(a, 1.0, size) * rng.standard_exponential(size)
+
+
+def scores(family: Family, x: FloatArray, theta: tuple[float, float]) -> FloatArray:
+    """Derivatives of the log density by the parameters' logarithms (Gaussian mean: by the mean), shape (2, *x.shape)."""
+    out = np.empty((2, *np.shape(x)))
+    for i in range(2):
+        linear = family == "gaussian" and i == 0
+        step = STEP * theta[1] if linear else STEP
+        up, down = list(theta), list(theta)
+        up[i] = theta[i] + step if linear else theta[i] * np.exp(step)
+        down[i] = theta[i] - step if linear else theta[i] * np.exp(-step)
+        out[i] = (log_density(family, x, (up[0], up[1])) - log_density(family, x, (down[0], down[1]))) / (2.0 * step)
+    return out
+
+
+def _standard_errors(
+    family: Family, x: FloatArray, w: FloatArray, theta: tuple[float, float], independent: float, label: NDArray[np.generic] | None
+) -> tuple[FloatArray, float]:
+    """Standard errors of log parameters (Gaussian mean: of itself) and the quantile that makes 95 % of them."""
+    from scipy.special import stdtrit
+
+    score = scores(family, x, theta)
+    if label is None:
+        information = (w * score) @ score.T / w.sum()
+        return np.sqrt(np.diag(np.linalg.inv(information)) / independent), 1.959964
+    group, place = np.unique(label, return_inverse=True)
+    if len(group) < 10:
+        raise DataError(f"{len(group)} blocks are too few for intervals; make 10 or more, or give effective_count")
+    sums = np.stack([np.bincount(place, weights=w * part) for part in score])
+    between = sums @ sums.T * len(group) / (len(group) - 1.0)
+    # Curvature from differences of the mean score, which needs no belief in the family.
+    curvature = np.empty((2, 2))
+    for i in range(2):
+        linear = family == "gaussian" and i == 0
+        step = 1e-3 * theta[1] if linear else 1e-3
+        shifted = []
+        for sign in (1.0, -1.0):
+            moved = list(theta)
+            moved[i] = theta[i] + sign * step if linear else theta[i] * np.exp(sign * step)
+            shifted.append(scores(family, x, (moved[0], moved[1])) @ w)
+        curvature[i] = (shifted[1] - shifted[0]) / (2.0 * step)
+    bread = np.linalg.inv(0.5 * (curvature + curvature.T))
+    return np.sqrt(np.diag(bread @ between @ bread)), float(stdtrit(len(group) - 1, 0.975))
+
+
+def _solve_gaussian(x: FloatArray, p: FloatArray, mean: float, variance: float) -> tuple[float, float] | str:
+    return mean, float(np.sqrt(variance))
+
+
+def _solve_lognormal(x: FloatArray, p: FloatArray, mean: float, variance: float) -> tuple[float, float] | str:
+    logarithm = np.log(x)
+    centre = float(np.sum(p * logarithm))
+    return float(np.sqrt(np.sum(p * (logarithm - centre) ** 2))), float(np.exp(centre))
+
+
+def _solve_gamma(x: FloatArray, p: FloatArray, mean: float, variance: float) -> tuple[float, float] | str:
+    from scipy.optimize import brentq
+    from scipy.special import digamma
+
+    gap = float(np.log(mean) - np.sum(p * np.log(x)))
+    if not gap > 1e-13:
+        return "spread below the rounding of the data"
+    # ln a - digamma(a) lies between 1/(2a) and 1/a, which brackets the root.
+    a = float(brentq(lambda t: np.log(t) - digamma(t) - gap, 0.49 / gap, 1.01 / gap, xtol=1e-300, rtol=1e-14))
+    return a, mean / a
+
+
+def _solve_weibull(x: FloatArray, p: FloatArray, mean: float, variance: float) -> tuple[float, float] | str:
+    from scipy.optimize import brentq
+
+    logarithm = np.log(x)
+    centre = float(np.sum(p * logarithm))
+    relative = logarithm - logarithm.max()
+
+    def equation(c: float) -> float:
+        power = p * np.exp(c * relative)
+        return float(np.sum(power * logarithm) / np.sum(power) - 1.0 / c - centre)
+
+    spread = float(np.sqrt(np.sum(p * (logarithm - centre) ** 2)))
+    low = high = 1.28 / spread  # exact for a Weibull distribution: pi / sqrt(6) over the spread of the logarithms
+    while equation(low) > 0.0:
+        low *= 0.5
+    while equation(high) < 0.0:
+        high *= 2.0
+    c = float(brentq(equation, low, high, xtol=1e-300, rtol=1e-13)) if high > low else low
+    return c, float(np.exp(logarithm.max()) * np.sum(p * np.exp(c * relative)) ** (1.0 / c))
+
+
+def _solve_k(x: FloatArray, p: FloatArray, mean: float, variance: float) -> tuple[float, float] | str:
+    from scipy.optimize import minimize
+
+    contrast = variance / mean**2
+    # Fractions of an exponential's contrast appear by chance; the likelihood decides on them, not the moments.
+    if contrast < 0.8:
+        return f"variance over squared mean is {contrast:.3g}; a K distribution of one look has at least 1"
+    start = (float(np.log(min(2.0 / max(contrast - 1.0, 0.05), 40.0))), float(np.log(mean)))
+    y, q = (x, p) if len(x) <= CONDENSED else _condensed(x, p)
+
+    def cost(t: FloatArray) -> float:
+        v, centre = float(np.exp(np.clip(t[0], -6.0, 8.0))), float(np.exp(t[1]))
+        return -float(np.sum(q * log_density("k", y, (v, centre / v))))
+
+    best = minimize(cost, np.array(start), method="Nelder-Mead", options={"xatol": 1e-5, "fatol": 1e-10, "maxiter": 400})
+    v = float(np.exp(best.x[0]))
+    if not v < LARGEST_K_SHAPE:
+        return "no more contrast than an exponential distribution: the shape of the K distribution has no upper limit"
+    return v, float(np.exp(best.x[1])) / v
+
+
+def _condensed(x: FloatArray, p: FloatArray, cells: int = CONDENSED) -> tuple[FloatArray, FloatArray]:
+    """Many values as few: means of consecutive groups after sorting, where a Bessel function per value would be slow."""
+    order = np.argsort(x)
+    group = np.arange(len(x)) * cells // len(x)
+    weight = np.asarray(np.bincount(group, weights=p[order]), dtype=np.float64)
+    return np.bincount(group, weights=(p * x)[order]) / weight, weight
+
+
+_SOLVERS: dict[Family, Callable[[FloatArray, FloatArray, float, float], tuple[float, float] | str]] = {
+    "gaussian": _solve_gaussian,
+    "gamma": _solve_gamma,
+    "lognormal": _solve_lognormal,
+    "weibull": _solve_weibull,
+    "k": _solve_k,
+}
