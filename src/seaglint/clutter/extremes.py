@@ -194,8 +194,8 @@ class TailFit:
 def fit_tail(events: Events, curve: RateCurve, *, seed: int = 0) -> tuple[TailFit | None, str | None]:
     """Generalised Pareto tail of the peaks of declustered events.
 
-    u is the lowest of ten quantiles of the peaks (0, 10, ... 90 %) from which on the Anderson-Darling test does not reject the fit at 10 %, with at
-    least :data:`FEWEST_PEAKS` peaks above it. Intervals come from a parametric bootstrap of 400 draws, with a number of events that is
+    u is the lowest of ten quantiles of the peaks (0, 10, ... 90 %) above which the Anderson-Darling test does not reject the fit at 10 %,
+    with at least :data:`FEWEST_PEAKS` peaks above it. Intervals come from a parametric bootstrap of 400 draws, with a number of events that is
     Poisson; peaks are taken as independent, so a sea whose brightness changes over the record has wider ones.
 
     Parameters

@@ -263,12 +263,12 @@ class FalseAlarms:
         for k, m in enumerate(self.thresholds):
             gaussian = float(gaussian_rate(m))
             if pixels == 0:
-                note = "no pixel with a standard deviation in the region"
-                out.append(FalseAlarmRate(m, 0, 0, float("nan"), None, None, level, gaussian, None, None, note, note))
+                empty = "no pixel with a standard deviation in the region"
+                out.append(FalseAlarmRate(m, 0, 0, float("nan"), None, None, level, gaussian, None, None, empty, empty))
                 continue
             count = int(self._cells[k].sum())
             time, why = self.joint(m).correlation_time()
-            note = None
+            note: str | None = None
             if count >= 10:
                 spread = known = self._variance(k)
                 note = spread.note
@@ -303,6 +303,6 @@ class FalseAlarms:
         filled = np.flatnonzero(self.histogram)
         last = int(filled[-1]) + 2 if filled.size else 0
         # From the second bin on: the first also holds what lies below it.
-        exceedances = self.histogram[::-1].cumsum()[::-1]
-        exceedances = np.append(exceedances, 0)[1:last]
-        return RateCurve(LOWEST + BIN * np.arange(1, last), exceedances, self.pixels)
+        exceedances = np.append(self.histogram[::-1].cumsum()[::-1], 0)[1:last]
+        threshold = np.asarray(LOWEST + BIN * np.arange(1, last), np.float64)
+        return RateCurve(threshold, exceedances, self.pixels)

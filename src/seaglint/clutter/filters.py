@@ -164,7 +164,7 @@ class Kernel:
     @property
     def margin(self) -> int:
         """Half the larger side [px]."""
-        return max(np.shape(self.weights)) // 2
+        return int(max(np.shape(self.weights))) // 2
 
     def apply(self, frames: Frames) -> Frames:
         """Filtered frames, shape (k, rows, columns), units of the input times those of the weights."""
@@ -319,7 +319,7 @@ class MatchedFilter:
     @property
     def margin(self) -> int:
         """Half the larger side of the signature [px]."""
-        return max(self.weights.shape) // 2
+        return int(max(self.weights.shape)) // 2
 
     def apply(self, frames: Frames) -> Frames:
         """Amplitude of the signature centred on each pixel, shape (k, rows, columns)."""

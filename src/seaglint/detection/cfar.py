@@ -183,22 +183,17 @@ def _ring_quantile(frame: np.ndarray, training: int, guard: int, rank: int, out:
 
 @lru_cache(maxsize=16)
 def _ordered_ratios(cells: int, rank: int) -> FloatArray:
-    """Ratio T with tail Q(z) at the nodes of z: the sum of logarithms of Rohling's product, inverted by Newton steps."""
-    from scipy.special import gammaln, log_ndtr, polygamma
+    """Ratio T with tail Q(z) at the nodes of z: Rohling's product, inverted by Newton steps in log T."""
+    from scipy.special import log_ndtr
 
     wanted = log_ndtr(-_NODES)
-    top, rest = cells + 1.0, cells - rank + 1.0
-
-    def log_tail(c: FloatArray) -> FloatArray:
-        return np.asarray(gammaln(top) - gammaln(rest) + gammaln(rest + c) - gammaln(top + c))
-
-    # log P falls with log c ever faster at first, then linearly; Newton in log c from below is safe with a limit on the step.
+    left = cells - np.arange(rank, dtype=np.float64)[:, None]
     log_c = np.zeros(_NODES.size)
     for _ in range(200):
         c = np.exp(log_c)
-        slope = c * (polygamma(0, rest + c) - polygamma(0, top + c))
-        step = np.clip((wanted - log_tail(c)) / slope, -1.0, 1.0)
-        log_c += step
+        # log P = -sum log(1 + c / (n - i)), i = 0 ... k - 1: terms of one sign, where differences of log Gamma would cancel.
+        step = (np.log1p(c / left).sum(0) + wanted) / (c / (left + c)).sum(0)
+        log_c -= np.clip(step, -2.0, 2.0)
         if np.abs(step).max() < 1e-12:
             break
     return np.asarray(np.exp(log_c))
