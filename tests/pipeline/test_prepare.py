@@ -104,3 +104,40 @@ def test_every_source_of_air_covers_the_band(air, kind):
     made = prepare.atmosphere(scenario, over)
     assert type(made).__name__ == kind
     assert over.weights(made.wavenumber_cm).sum() > 0.0
+
+
+@pytest.mark.parametrize("kind", ["cox-munk-gram-charlier", "cox-munk-slick", "breon-henriot"])
+def test_slope_models_with_skewness_follow_the_wind(kind):
+    slopes = prepare.slopes(_scenario(wind={"speed_m_s": 9.0, "from_deg": 230.0}, sea={"slopes": {"kind": kind}}))
+    assert not slopes.is_gaussian
+    assert np.degrees(slopes.wind_to_azimuth) == pytest.approx(50.0)
+    if kind != "cox-munk-slick":  # lee faces are steep: they fall to where the wind blows
+        east, north = -0.4 * np.sin(np.radians(50.0)), -0.4 * np.cos(np.radians(50.0))
+        assert slopes.density(east, north) > 1.3 * slopes.density(-east, -north)
+
+
+@pytest.mark.parametrize("spectrum", ["elfouhaily", "pierson-moskowitz"])
+def test_slopes_of_the_waves_themselves(spectrum):
+    scenario = _scenario(sea={"slopes": {"kind": "spectrum"}, "spectrum": {"kind": spectrum}})
+    slopes = prepare.slopes(scenario)
+    assert (slopes.mss_up, slopes.mss_cross) == pytest.approx(prepare.spectrum(scenario).mss(), rel=1e-12)
+    assert prepare.slopes(_scenario(sea={"slopes": {"kind": "spectrum"}, "spectrum": {"kind": "flat"}})).is_flat
+    # the source article's mode has a slope model of its own
+    assert prepare.article_view(scenario).slopes.is_isotropic
+
+
+def test_an_image_says_which_density_its_facets_have():
+    gaussian, series = (_scenario(sea={"slopes": {"kind": f"cox-munk-{kind}"}}) for kind in ("anisotropic", "gram-charlier"))
+    told = [prepare.sea(s, prepare.slopes(s)).report["facet_density"] for s in (gaussian, series)]
+    assert told[0] == "Gaussian"
+    assert "skewness" in told[1]
+    assert prepare.slopes(series).gaussian() == prepare.slopes(gaussian)
+
+
+@pytest.mark.parametrize(("kind", "most"), [("cox-munk-slick", 14), ("breon-henriot", 15), ("cox-munk-gram-charlier", 20)])
+def test_winds_above_a_slope_fit_are_told_with_its_range(kind, most):
+    sea, air = {"slopes": {"kind": kind}}, {"source": "none"}
+    with pytest.raises(ScenarioError, match=rf"above the {kind} slope fit; allowed: 0 to {most} m/s"):
+        _scenario(wind={"speed_m_s": most + 0.5}, sea=sea, atmosphere=air)
+    asked = _scenario(wind={"speed_m_s": most + 0.5}, sea={"slopes": {"kind": kind, "extrapolate": True}}, atmosphere=air)
+    assert prepare.slopes(asked).mss > 0.0
