@@ -6,25 +6,33 @@ r"""Mean radiance of the sea at the aperture (Eqs. 1-8 of the source article), i
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
+from scipy.interpolate import CubicSpline
 
 from seaglint.atmosphere.base import Atmosphere
-from seaglint.constants import SOLAR_ANGULAR_RADIUS
-from seaglint.conventions import FloatArray, surface_range, view_zenith
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.conventions import FloatArray, horizon_depression, view_zenith
 from seaglint.errors import DomainError
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.optics.sea_water import WaterIndex
-from seaglint.radiance.glint import Shadowing, glint, visible_sun
-from seaglint.radiance.surface import SeaSurface
+from seaglint.radiance.glint import GlintModel, Shadowing, require_shadowing, visible_sun
+from seaglint.radiance.surface import SeaSurface, azimuth_weights, wind_azimuths
+from seaglint.sea.nested import BANDS
 from seaglint.sea.slopes import SlopeStatistics
 
 Background = Literal["facets", "blackbody"]
 """What the sea shows beside the Sun: facets that emit and mirror the sky, or a blackbody (Eqs. 6-7 of the source article)."""
+
+NODES: Final = 256
+"""Elevations at which a view is tabulated."""
+
+_FINEST: Final = 2e-4
+"""Least scale of the elevations tabulated [rad]: a mirror's grazing light changes over hundredths."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +57,13 @@ class SeaView:
         Direction from the sea to the Sun's centre, apparent [rad]; below the horizon is valid.
     sun_distance_factor : float
         ``1/d^2`` with d the distance of the Sun in au [1].
-    shadowing : {"both", "viewer"}
-        Legs shadowed by waves, for the Sun's light.
+    shadowing : {"both", "viewer", "nested", "nested-viewer"}
+        Legs shadowed by waves, for the Sun's light, and how (:data:`seaglint.radiance.glint.Shadowing`). The nested law also weighs the
+        facets that emit and mirror the sky; their own sky is not hidden by waves in any mode but for the facets that see the sea.
     background : {"facets", "blackbody"}
         See :data:`Background`.
+    nested_bands : int
+        Bands of the nested law (:mod:`seaglint.sea.nested`).
     """
 
     atmosphere: Atmosphere
@@ -66,6 +77,7 @@ class SeaView:
     sun_distance_factor: float = 1.0
     shadowing: Shadowing = "both"
     background: Background = "facets"
+    nested_bands: int = BANDS
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sensor_height) and self.sensor_height > 0.0):
@@ -74,6 +86,7 @@ class SeaView:
             raise DomainError(f"sea_temperature = {self.sea_temperature:g} K; give the temperature of the sea in kelvin, e.g. 288.15")
         if not 0.0 <= self.solar_zenith <= np.pi:
             raise DomainError(f"solar_zenith = {self.solar_zenith:g} rad is outside 0..pi; above pi/2 the Sun is below the horizon")
+        require_shadowing(self.slopes, self.shadowing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +122,7 @@ class SeaRadiance:
         return np.asarray(self.path + self.emission + self.sky + self.sun)
 
 
-def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) -> SeaRadiance:
+def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surface: SeaSurface | None = None) -> SeaRadiance:
     r"""Mean radiance seen at elevations and azimuths.
 
     .. math::
@@ -126,6 +139,9 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) -> Se
         Elevations of the lines of sight [rad, (rows,)]; negative below the horizontal.
     azimuth : array_like
         Azimuths of the lines of sight, clockwise from north [rad, (columns,)].
+    surface : SeaSurface, optional
+        Water, sky and sea temperature of the view, from :meth:`SeaSurface.create` on the band's part of the grid (:func:`band_grid`);
+        saves making it again for views that share them.
 
     Returns
     -------
@@ -141,30 +157,148 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) -> Se
     -----
     Everything is integrated on the atmosphere's spectral samples; structure finer than these (20 cm-1 averages in LOWTRAN7) is not
     resolved, so correlations of absorption between sunlight and path inside them are missed. Rows above the sea horizon show the sky.
+    Up to 256 rows are computed one by one, more are interpolated by :class:`MeanModel`, within 1e-5.
 
     References
     ----------
     Source article Eqs. 1-8 and Fig. 1.
     """
+    rows, columns = _lines(elevation, azimuth)
+    gamma = _sea_elevation(view.sensor_height, rows)
+    sea = np.isfinite(gamma)
+    if np.count_nonzero(sea) > NODES:
+        return MeanModel.prepare(view, surface).map(rows, columns)
+    azimuths, weights = wind_azimuths(view.slopes), azimuth_weights(view.slopes, columns + np.pi)
+    if columns.size < azimuths.size:
+        azimuths, weights = columns + np.pi, np.eye(columns.size)
+    return _assembled(view, rows, columns, sea, gamma[sea], _sea_rows(view, gamma[sea], azimuths, surface), weights, _glint_model(view))
+
+
+@dataclass(frozen=True, eq=False)
+class MeanModel:
+    """Mean radiance of one view, tabulated along elevation and wind azimuth: maps of any size are then quick. Make it with :meth:`prepare`.
+
+    Path, background and the Sun's spectral sums are splined over the elevation of the viewer as seen from the sea, in
+    ``arsinh(elevation / scale)`` with the scale of the sensor's horizon or of the slopes, whichever is finer; the glint's chance is
+    computed pixel by pixel.
+
+    Attributes
+    ----------
+    view : SeaView
+        Who looks at which sea.
+    """
+
+    view: SeaView
+    _scale: float
+    _spline: CubicSpline[np.float64]
+    _glint: GlintModel
+
+    @classmethod
+    def prepare(cls, view: SeaView, surface: SeaSurface | None = None) -> MeanModel:
+        """Tabulate a view; ``surface`` as in :func:`mean_radiance`.
+
+        Raises
+        ------
+        DomainError
+            As :func:`mean_radiance`.
+        """
+        scale = horizon_depression(view.sensor_height)
+        if not view.slopes.is_flat:
+            scale = min(scale, max(np.sqrt(min(view.slopes.mss_up, view.slopes.mss_cross)), _FINEST))
+        x = np.linspace(0.0, np.arcsinh(0.5 * np.pi / scale), NODES)
+        gamma = np.minimum(scale * np.sinh(x), 0.5 * np.pi)
+        return cls(view, scale, CubicSpline(x, _sea_rows(view, gamma, wind_azimuths(view.slopes), surface)), _glint_model(view))
+
+    def map(self, elevation: ArrayLike, azimuth: ArrayLike) -> SeaRadiance:
+        """Mean radiance at elevations and azimuths, as :func:`mean_radiance`; within 1e-5 of it."""
+        rows, columns = _lines(elevation, azimuth)
+        gamma = _sea_elevation(self.view.sensor_height, rows)
+        sea = np.isfinite(gamma)
+        found = self._spline(np.arcsinh(gamma[sea] / self._scale))
+        weights = azimuth_weights(self.view.slopes, columns + np.pi)
+        return _assembled(self.view, rows, columns, sea, gamma[sea], found, weights, self._glint)
+
+
+def _lines(elevation: ArrayLike, azimuth: ArrayLike) -> tuple[FloatArray, FloatArray]:
     rows = np.atleast_1d(np.asarray(elevation, dtype=np.float64))
     columns = np.atleast_1d(np.asarray(azimuth, dtype=np.float64))
     if rows.ndim != 1 or columns.ndim != 1 or rows.size == 0 or columns.size == 0:
         raise DomainError(f"elevation and azimuth must be lists of angles, not of shapes {rows.shape} and {columns.shape}")
+    return rows, columns
+
+
+def _sea_elevation(height: float, elevation: FloatArray) -> FloatArray:
+    """Elevation of the viewer above the horizontal at the sea point looked at [rad]; NaN where the line of sight misses the sea.
+
+    ``cos(gamma) = (1 + h/R') cos(depression)`` by half angles, which keep their digits at the horizon.
+    """
+    excess = height / EFFECTIVE_EARTH_RADIUS
+    square = np.sin(0.5 * elevation) ** 2 * (1.0 + excess) - 0.5 * excess
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.where(np.isfinite(view_zenith(height, -elevation)), 2.0 * np.arcsin(np.sqrt(np.maximum(square, 0.0))), np.nan))
+
+
+def _arc(height: float, gamma: FloatArray) -> FloatArray:
+    """Arc along the sea to the point from which the viewer stands at elevation ``gamma`` [m]: ``R' (depression - gamma)``."""
+    excess = height / EFFECTIVE_EARTH_RADIUS
+    depression = 2.0 * np.arcsin(np.sqrt(np.minimum((0.5 * excess + np.sin(0.5 * gamma) ** 2) / (1.0 + excess), 1.0)))
+    return np.asarray(EFFECTIVE_EARTH_RADIUS * np.maximum(depression - gamma, 0.0))
+
+
+def _glint_model(view: SeaView) -> GlintModel:
+    return GlintModel.prepare(view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, view.nested_bands)
+
+
+def _sea_rows(view: SeaView, gamma: FloatArray, azimuths: FloatArray, surface: SeaSurface | None) -> FloatArray:
+    """What rows of sea need [W m-2 sr-1, (rows, 1 + 2 k + terms)]: path, emission and sky at k view azimuths, terms of the mirrored Sun."""
     weights, grid = band_grid(view.band, view.atmosphere)
-    theta = view_zenith(view.sensor_height, -rows)
-    sea = np.isfinite(theta)
-    path, emission, sky = (np.zeros((rows.size, 1 if view.slopes.is_isotropic else columns.size)) for _ in range(3))
-    sun, chance, cos_incidence = (np.zeros((rows.size, columns.size)) for _ in range(3))
-    if np.any(~sea):
+    nu = view.atmosphere.wavenumber_cm[grid]
+    arc = _arc(view.sensor_height, gamma)
+    seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., grid] * weights
+    path = (view.atmosphere.path_radiance(view.sensor_height, arc)[..., grid] @ weights)[:, None]
+    if view.background == "blackbody":
+        emission = np.repeat((seen @ planck_wavenumber(nu, view.sea_temperature))[:, None], azimuths.size, axis=1)
+        sky = np.zeros_like(emission)
+        series = ReflectanceSeries.of(view.water.index(nu)) if surface is None else surface.reflectance
+    else:
+        if surface is None:
+            surface = SeaSurface.create(view.atmosphere, view.water, view.sea_temperature, grid)
+        bands = view.nested_bands if view.shadowing in ("nested", "nested-viewer") else 1
+        leaving = surface.in_band(0.5 * np.pi - gamma, azimuths, view.slopes, seen, bands)
+        emission, sky, series = leaving.emission, leaving.sky, surface.reflectance
+    share, zenith = visible_sun(view.solar_zenith)
+    irradiance = view.sun_distance_factor * view.atmosphere.solar_irradiance(zenith)[..., grid] if share > 0.0 else np.zeros(nu.size)
+    # The spectral sum over each Chebyshev term is taken per row; the pixels then only need their angle of incidence.
+    per_term = (seen * irradiance) @ series.coefficients.T / (np.pi * SOLAR_ANGULAR_RADIUS**2)
+    return np.concatenate([path, emission, sky, per_term], axis=1)
+
+
+def _assembled(
+    view: SeaView,
+    rows: FloatArray,
+    columns: FloatArray,
+    sea: NDArray[np.bool_],
+    gamma: FloatArray,
+    tables: FloatArray,
+    weights: FloatArray,
+    glint: GlintModel,
+) -> SeaRadiance:
+    """Components on rows and columns, from what the rows of sea need and the weights of its azimuths (k, columns)."""
+    k = weights.shape[0]
+    path = np.zeros((rows.size, 1))
+    path[sea] = tables[:, :1]
+    wide = weights[:, :1] if view.slopes.is_isotropic else weights
+    emission, sky = tables[:, 1 : 1 + k] @ wide, tables[:, 1 + k : 1 + 2 * k] @ wide
+    parts = [emission, sky, *glint.grid(0.5 * np.pi - gamma, columns + np.pi, np.ascontiguousarray(tables[:, 1 + 2 * k :]))]
+    if not np.all(sea):
+        filled = [np.zeros((rows.size, part.shape[1])) for part in parts]
+        for whole, part in zip(filled, parts, strict=True):
+            whole[sea] = part
+        parts = filled
+        spectral_weights, grid = band_grid(view.band, view.atmosphere)
         above = view.atmosphere.sky_radiance(0.5 * np.pi - rows[~sea], view.sensor_height)
-        sky[~sea] = (above[..., grid] @ weights)[:, None]
-    if np.any(sea):
-        arc = surface_range(view.sensor_height, -rows[sea])
-        seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., grid] * weights
-        path[sea] = (view.atmosphere.path_radiance(view.sensor_height, arc)[..., grid] @ weights)[:, None]
-        emission[sea], sky[sea] = _background(view, theta[sea], columns, seen, grid)
-        sun[sea], chance[sea], cos_incidence[sea] = _sun(view, theta[sea], columns, seen, grid)
-    return SeaRadiance(path, emission, sky, sun, chance, cos_incidence)
+        parts[1][~sea] = (above[..., grid] @ spectral_weights)[:, None]
+    return SeaRadiance(path, *parts)
 
 
 def band_grid(band: Band, atmosphere: Atmosphere) -> tuple[FloatArray, slice]:
@@ -173,32 +307,3 @@ def band_grid(band: Band, atmosphere: Atmosphere) -> tuple[FloatArray, slice]:
     used = np.flatnonzero(weights)
     grid = slice(int(used[0]), int(used[-1]) + 1)
     return weights[grid], grid
-
-
-def _series(view: SeaView, grid: slice) -> ReflectanceSeries:
-    return ReflectanceSeries.of(view.water.index(view.atmosphere.wavenumber_cm[grid]))
-
-
-def _background(view: SeaView, theta: FloatArray, columns: FloatArray, seen: FloatArray, grid: slice) -> tuple[FloatArray, FloatArray]:
-    """Emission and mirrored sky behind the air [W m-2 sr-1, (rows, 1 or columns)]."""
-    if view.background == "blackbody":
-        blackbody = (seen @ planck_wavenumber(view.atmosphere.wavenumber_cm[grid], view.sea_temperature))[:, None]
-        return blackbody, np.zeros_like(blackbody)
-    surface = SeaSurface.create(view.atmosphere, view.water, view.sea_temperature, grid)
-    leaving = surface.leaving_map(theta, columns + np.pi, view.slopes, seen)
-    return leaving.emission, leaving.sky
-
-
-def _sun(view: SeaView, theta: FloatArray, columns: FloatArray, seen: FloatArray, grid: slice) -> tuple[FloatArray, ...]:
-    """Mirrored Sun behind the air [W m-2 sr-1], its chance [1] and the cosine of its incidence [1], each (rows, columns)."""
-    share, zenith = visible_sun(view.solar_zenith)
-    if share == 0.0:
-        none = np.zeros((theta.size, columns.size))
-        return none, none, none
-    mirrored = glint(theta[:, None], columns + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing)
-    irradiance = view.sun_distance_factor * view.atmosphere.solar_irradiance(zenith)[..., grid]
-    series = _series(view, grid)
-    # The spectral sum over each Chebyshev term is taken per row; the pixels then only need their angle of incidence.
-    per_term = (seen * irradiance) @ series.coefficients.T / (np.pi * SOLAR_ANGULAR_RADIUS**2)
-    mirrored_sun = mirrored.chance * np.einsum("rcj,rj->rc", series.basis(mirrored.cos_incidence), per_term)
-    return mirrored_sun, mirrored.chance, mirrored.cos_incidence

@@ -26,6 +26,9 @@ _SKY_RANK: Final = 1e-7
 _AZIMUTHS: Final = 6
 """View azimuths from along to across the wind: even harmonics up to the tenth leave 2e-8 of the background (Cox-Munk, 1-14 m/s)."""
 
+_SKEWED_AZIMUTHS: Final = 13
+"""View azimuths from down to up the wind for slopes that are skewed: all harmonics up to the twelfth."""
+
 _CHUNK: Final = 64
 """View zeniths summed at a time: 64 x 384 facets x 30 numbers are 6 MB."""
 
@@ -84,7 +87,7 @@ class SeaSurface:
         nu = atmosphere.wavenumber_cm[grid]
         return cls(ReflectanceSeries.of(water.index(nu)), planck_wavenumber(nu, sea_temperature), SkyTable.of(atmosphere, grid))
 
-    def leaving(self, view_zenith: ArrayLike, view_azimuth: float, slopes: SlopeStatistics) -> SeaLeaving:
+    def leaving(self, view_zenith: ArrayLike, view_azimuth: float, slopes: SlopeStatistics, nested_bands: int = 1) -> SeaLeaving:
         r"""Emission and mirrored sky, facet by facet.
 
         .. math::
@@ -102,6 +105,8 @@ class SeaSurface:
             Its azimuth [rad]; matters for directional slopes only.
         slopes : SlopeStatistics
             Slopes of the sea.
+        nested_bands : int
+            Bands of nested shadowing; 1 is Smith's law.
 
         Returns
         -------
@@ -110,12 +115,12 @@ class SeaSurface:
         """
         theta = np.asarray(view_zenith, dtype=np.float64)
         flat = theta.ravel()
-        parts = [self._chunk(flat[i : i + _CHUNK], view_azimuth, slopes) for i in range(0, flat.size, _CHUNK)]
+        parts = [self._chunk(flat[i : i + _CHUNK], view_azimuth, slopes, nested_bands) for i in range(0, flat.size, _CHUNK)]
         emission, sky = (np.concatenate([part[i] for part in parts]).reshape(*theta.shape, -1) for i in (0, 1))
         return SeaLeaving(emission, sky)
 
-    def _chunk(self, theta: FloatArray, azimuth: float, slopes: SlopeStatistics) -> tuple[FloatArray, FloatArray]:
-        nodes = facet_nodes(theta, slopes, azimuth)
+    def _chunk(self, theta: FloatArray, azimuth: float, slopes: SlopeStatistics, nested_bands: int) -> tuple[FloatArray, FloatArray]:
+        nodes = facet_nodes(theta, slopes, azimuth, nested_bands)
         weight = np.where(nodes.meets_sea, 0.0, nodes.weight)
         # Moments of the facets: incidence (Chebyshev term j) by part of the sky (r). The first column, a sky of 1, gives the emission.
         incidence = self.reflectance.basis(nodes.cos_incidence)
@@ -124,22 +129,35 @@ class SeaSurface:
         reflected = np.swapaxes(moments, -1, -2) @ self.reflectance.coefficients
         return (1.0 - reflected[:, 0]) * self.blackbody, np.einsum("irn,rn->in", reflected[:, 1:], self.sky.spectral)
 
-    def leaving_map(self, view_zenith: FloatArray, view_azimuth: FloatArray, slopes: SlopeStatistics, seen: FloatArray) -> SeaLeaving:
-        """Band radiance behind the air on rows of view zenith and columns of view azimuth [W m-2 sr-1].
+    def in_band(
+        self, view_zenith: FloatArray, view_azimuth: FloatArray, slopes: SlopeStatistics, seen: FloatArray, nested_bands: int = 1
+    ) -> SeaLeaving:
+        """Band radiance behind the air on rows of view zenith and columns of view azimuth [W m-2 sr-1, (rows, columns)].
 
-        ``seen`` (rows, n) is transmittance times quadrature weight [cm-1]. Isotropic slopes give one column for all azimuths;
-        others are interpolated in azimuth by even harmonics of the angle to the wind.
+        ``seen`` (rows, n) is transmittance times quadrature weight [cm-1]. One sum over facets for each: for many azimuths take
+        :func:`wind_azimuths` and multiply by :func:`azimuth_weights`.
         """
-        if slopes.is_isotropic:
-            leaving = self.leaving(view_zenith, float(view_azimuth[0]), slopes)
-            emission, sky = (np.einsum("rn,rn->r", seen, part)[:, None] for part in (leaving.emission, leaving.sky))
-            return SeaLeaving(emission, sky)
-        harmonic = np.arange(_AZIMUTHS)
-        angle = 0.5 * np.pi * harmonic / (_AZIMUTHS - 1)
-        share = np.cos(2.0 * np.outer(view_azimuth - slopes.wind_to_azimuth, harmonic)) @ np.linalg.inv(
-            np.cos(2.0 * np.outer(angle, harmonic))
-        )
-        parts = [self.leaving(view_zenith, slopes.wind_to_azimuth + float(a), slopes) for a in angle]
-        emission = np.stack([np.einsum("rn,rn->r", seen, part.emission) for part in parts], axis=-1)
-        sky = np.stack([np.einsum("rn,rn->r", seen, part.sky) for part in parts], axis=-1)
-        return SeaLeaving(emission @ share.T, sky @ share.T)
+        parts = [self.leaving(view_zenith, float(a), slopes, nested_bands) for a in view_azimuth]
+        emission, sky = (np.stack([np.einsum("rn,rn->r", seen, getattr(p, name)) for p in parts], axis=-1) for name in ("emission", "sky"))
+        return SeaLeaving(emission, sky)
+
+
+def wind_azimuths(slopes: SlopeStatistics) -> FloatArray:
+    """View azimuths from which all others follow [rad, (k,)]: one for isotropic slopes, a quarter of the compass for Gaussian ones."""
+    if slopes.is_isotropic:
+        return np.zeros(1)
+    turn = np.linspace(0.0, 0.5 * np.pi, _AZIMUTHS) if slopes.is_gaussian else np.linspace(0.0, np.pi, _SKEWED_AZIMUTHS)
+    return np.asarray(slopes.wind_to_azimuth + turn)
+
+
+def azimuth_weights(slopes: SlopeStatistics, view_azimuth: FloatArray) -> FloatArray:
+    """Weights [1, (k, columns)] of the values at :func:`wind_azimuths` for view azimuths [rad, (columns,)].
+
+    Interpolation by cosines of the angle to the wind: even multiples for Gaussian slopes, which look the same from up and down the wind.
+    """
+    known = wind_azimuths(slopes)
+    if slopes.is_isotropic:
+        return np.ones((1, view_azimuth.size))
+    order = np.arange(known.size) * (2.0 if slopes.is_gaussian else 1.0)
+    basis, wanted = (np.cos(np.outer(order, a - slopes.wind_to_azimuth)) for a in (known, view_azimuth))
+    return np.asarray(np.linalg.solve(basis, wanted))

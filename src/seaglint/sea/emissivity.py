@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.errors import DomainError
 from seaglint.optics.fresnel import ReflectanceSeries
+from seaglint.sea.nested import nested_ratio
 from seaglint.sea.slopes import SlopeStatistics
 
 FloatArray = NDArray[np.float64]
@@ -86,7 +87,7 @@ def _frame_covariance(slopes: SlopeStatistics, azimuth: float) -> tuple[float, f
     )
 
 
-def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: float = 0.0) -> FacetNodes:
+def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: float = 0.0, nested_bands: int = 1) -> FacetNodes:
     """Nodes and weights of the average over visible facets.
 
     Parameters
@@ -97,6 +98,8 @@ def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: f
         Slope statistics, Gaussian or not; a flat sea gives one mirror direction.
     view_azimuth : float
         Azimuth of the direction from the sea to the viewer [rad]; matters for a directional sea only.
+    nested_bands : int
+        Bands of nested shadowing (:mod:`seaglint.sea.nested`), for Gaussian slopes and views to the horizon; 1 is Smith's law.
 
     Returns
     -------
@@ -123,6 +126,8 @@ def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: f
             share = share * _frame_shape(slopes, view_azimuth, along, across)
     projection = cosine - sine * along
     weight = share * np.maximum(projection, 0.0)
+    if nested_bands > 1:
+        weight = weight * nested_ratio(along, theta, along_var, nested_bands)
     area = weight.sum(axis=-1, keepdims=True)
     if np.any(area <= 1e-300):
         raise DomainError("no facet of this sea is visible from past its horizon; give a view zenith below 90 deg or a rougher sea")

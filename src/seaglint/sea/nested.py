@@ -91,7 +91,7 @@ def ratio_table(bands: int = BANDS) -> FloatArray:
         raise DomainError(f"nested_bands = {bands} is outside 1-{_MOST_BANDS}; give 4 to 8 (1 is Saunders' law)")
     if bands == 1:
         return np.zeros((0, 0))
-    t = _STEP * (np.arange(_COLUMNS) - 1.0) - _REACH
+    t = np.asarray(_STEP * (np.arange(_COLUMNS, dtype=np.float64) - 1.0) - _REACH, dtype=np.float64)
     return np.stack([_log_ratio(t, _STEP * (row - 1.0), bands) for row in range(_ROWS)])
 
 
