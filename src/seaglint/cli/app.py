@@ -17,6 +17,7 @@ from typer.core import TyperGroup
 
 from seaglint.cli.evaluate import evaluate
 from seaglint.cli.progress import ProgressMode
+from seaglint.cli.reproduce import reproduce
 from seaglint.errors import DomainError, ScenarioError, SeaglintError
 
 
@@ -45,7 +46,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
-reproduce = typer.Typer(help="Results of the source article, computed anew.", no_args_is_help=True)
 app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
 
@@ -91,7 +91,8 @@ def _naming(scenario: Path, height: float) -> Iterator[None]:
         raise ScenarioError(f"{scenario}: {key}{what}; sea.resolve_waves = false leaves the waves out") from error
 
 
-def _print_json(value: Any) -> None:
+def print_json(value: Any) -> None:
+    """A result for a program, on stdout."""
     import json
 
     typer.echo(json.dumps(value, indent=2, ensure_ascii=False))
@@ -125,7 +126,7 @@ def schema() -> None:
     """Print the JSON Schema of scenario files."""
     from seaglint.scenario.template import json_schema
 
-    _print_json(json_schema())
+    print_json(json_schema())
 
 
 @app.command()
@@ -232,7 +233,7 @@ def info(
 
     found = describe(path)
     if as_json:
-        _print_json(found)
+        print_json(found)
     else:
         typer.echo("\n".join(lines(found)))
 
@@ -244,27 +245,13 @@ def doctor(as_json: AsJson = False) -> None:
 
     report = examine()
     if as_json:
-        _print_json(report.as_dict())
+        print_json(report.as_dict())
     else:
         typer.echo("\n".join(report.lines))
     if report.problems:
         for problem in report.problems:
             log(f"seaglint: {problem}")
         raise typer.Exit(2)
-
-
-@reproduce.command()
-def headline(as_json: AsJson = False) -> None:
-    """Print the article's headline numbers beside ours."""
-    from seaglint.pipeline.headline import headline as rows
-
-    found = rows()
-    if as_json:
-        _print_json(found)
-        return
-    from seaglint.cli.table import table
-
-    typer.echo("\n".join(table(found)))
 
 
 def main() -> None:

@@ -1,0 +1,69 @@
+"""``seaglint reproduce``: results of the source article, computed anew."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from seaglint.cli.progress import ProgressMode
+
+reproduce = typer.Typer(help="Results of the source article, computed anew.", no_args_is_help=True)
+
+Folder = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder for the picture and the numbers; the current one")]
+Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")]
+Progress = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]
+
+
+@reproduce.command()
+def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False) -> None:
+    """Print the article's headline numbers beside ours."""
+    from seaglint.cli.app import print_json
+    from seaglint.pipeline.headline import headline as rows
+
+    found = rows()
+    if as_json:
+        print_json(found)
+        return
+    from seaglint.cli.table import table
+
+    typer.echo("\n".join(table(found)))
+
+
+@reproduce.command()
+def fig2(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
+    """Path and boundary properties against range and wind: DIR/fig2.png and fig2.csv."""
+    _figure("fig2", output, overwrite, show)
+
+
+@reproduce.command()
+def fig3(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
+    """Mirrored Sun and apparent temperature against both zenith angles, three winds: DIR/fig3.png and fig3.csv."""
+    _figure("fig3", output, overwrite, show)
+
+
+@reproduce.command()
+def fig4(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
+    """Glint images, mean and standard deviation, for winds and their directions: DIR/fig4.png and fig4.csv."""
+    _figure("fig4", output, overwrite, show)
+
+
+def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> None:
+    """Compute a figure, write its numbers and draw it; existing files are refused before the work."""
+    from seaglint.cli.app import log
+    from seaglint.cli.progress import progress
+    from seaglint.io.columns import write_columns
+    from seaglint.io.netcdf import refuse_existing
+
+    picture, numbers = (refuse_existing(folder / f"{name}.{kind}", overwrite=overwrite) for kind in ("png", "csv"))
+    from seaglint.pipeline import figures
+
+    with progress(show, "winds") as report:
+        dataset = figures.FIGURES[name](report)
+    write_columns(figures.table(name, dataset), numbers, overwrite=overwrite)
+    log(f"{numbers} written")
+    from seaglint.plot.article import write_figure
+
+    write_figure(name, dataset, picture)
+    log(f"{picture} written")
