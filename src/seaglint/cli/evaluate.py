@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -29,6 +30,15 @@ Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stand
 Progress = Annotated[ProgressMode, typer.Option("--progress", help="after 2 s: bar on a terminal, log lines elsewhere; or nothing")]
 
 
+def _one_thread() -> None:
+    """Keep matrix products to one thread where NumPy is still to be loaded and nobody has chosen.
+
+    They are small here: threads that wait for each other take twice the processor time, and with other work beside them more time too.
+    """
+    if "numpy" not in sys.modules:
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
 def _run(path: Path, output: Path, overwrite: bool, show: ProgressMode, compute: Callable[[Cases, Report], Columns]) -> None:
     """Read, compute, write; what can be refused before the work is."""
     from seaglint.io.cases import read_cases, write_cases
@@ -39,7 +49,8 @@ def _run(path: Path, output: Path, overwrite: bool, show: ProgressMode, compute:
     with patient_progress(show, "rows x bands") as report:
         columns = compute(cases, report)
     replaced = write_cases(cases, columns, output, overwrite=overwrite)
-    note = f"; columns of {path} computed anew: {', '.join(replaced)}" if replaced else ""
+    more = ", ..." if len(replaced) > 3 else ""
+    note = f"; {len(replaced)} columns of {path} computed anew: {', '.join(replaced[:3])}{more}" if replaced else ""
     print(f"{output}: {len(cases)} rows written{note}", file=sys.stderr, flush=True)
 
 
@@ -58,6 +69,7 @@ def atmosphere(
     must end on the sea), solar_zenith_deg, sky_zenith_deg. Columns made, per band: tau_mean (flat over wavenumber),
     path_radiance_W_m2_sr, sun_normal_irradiance_W_m2 (at the sea, Sun at 1 au), sun_times_tau_W_m2, sky_radiance_W_m2_sr (from the sea).
     """
+    _one_thread()
     from seaglint.pipeline.evaluate import evaluate_atmosphere, parse_bands
 
     bands = parse_bands(band or [])
@@ -72,6 +84,7 @@ def emissivity(
 
     Columns needed: wavelength_um, wind_speed_m_s (at 12.5 m, as the slope fit has it), zenith_deg. Column made: emissivity.
     """
+    _one_thread()
     from seaglint.pipeline.evaluate import evaluate_emissivity
 
     _run(cases, output, overwrite, show, lambda rows, report: evaluate_emissivity(rows, extrapolate=extrapolate, progress=report))
@@ -93,6 +106,7 @@ def mean(
     radiance_W_m2_sr, apparent_temperature_K, std_W_m2_sr. The wind has no direction here: isotropic Cox-Munk slopes, shadowed towards
     viewer and Sun; salt water; Sun at 1 au; glint forgotten after 0.07 s.
     """
+    _one_thread()
     from seaglint.pipeline.evaluate import evaluate_mean, parse_bands
 
     bands = parse_bands(band or [])

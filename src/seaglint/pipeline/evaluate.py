@@ -20,7 +20,6 @@ from seaglint.io.cases import Cases, Column
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.sea.cox_munk import VALID_WIND, WIND_HEIGHT, cox_munk_isotropic
-from seaglint.sea.emissivity import emissivity
 from seaglint.sea.wind import WIND_RANGE
 
 Columns = dict[str, FloatArray | list[str]]
@@ -166,6 +165,9 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Re
     DataError
         A column missing, or a value that cannot be used; names row and column.
     """
+    # Numba comes with it: the command for the air starts without.
+    from seaglint.sea.emissivity import emissivity
+
     cases.require(EMISSIVITY_INPUTS)
     water = hale_querry_sea()
     low, high = float(water.wavelength_um[0]), float(water.wavelength_um[-1])
@@ -216,7 +218,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     DomainError
         A band outside the tables.
     """
-    # Numba comes with these: the commands beside this one start without it.
+    # Numba comes with these, as above.
     from seaglint.atmosphere.table import TableAtmosphere
     from seaglint.radiance.correlation import correlation_length
     from seaglint.radiance.mean import SeaView, mean_radiance
