@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Hashable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -18,6 +18,7 @@ from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.errors import DomainError
 from seaglint.io.cases import Cases, Column
 from seaglint.optics.band import Band, apparent_temperature
+from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.sea.cox_munk import VALID_WIND, WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.wind import WIND_RANGE
@@ -221,7 +222,8 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     # Numba comes with these, as above.
     from seaglint.atmosphere.table import TableAtmosphere
     from seaglint.radiance.correlation import correlation_length
-    from seaglint.radiance.mean import SeaView, mean_radiance
+    from seaglint.radiance.mean import SeaView, band_grid, mean_radiance
+    from seaglint.radiance.surface import SeaSurface
     from seaglint.radiance.variance import sea_variance
 
     cases.require(MEAN_INPUTS)
@@ -245,12 +247,17 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
             model, speed = key if isinstance(key, tuple) else ("", 0.0)
             air = TableAtmosphere.load(model, speed, band.edges)
             slopes = cox_munk_isotropic(speed, extrapolate=extrapolate)
+            _, grid = band_grid(band.band, air)
+            wavenumber = air.wavenumber_cm[grid]
+            surface = SeaSurface.create(air, water, float(temperature[same_air[0]]), grid)
             views = zip(*(values[same_air].tolist() for values in (height, sun, temperature, azimuth)), strict=True)
             for (at, solar_zenith, kelvin, towards), of_air in ((k, r) for k, r in groups_of(views) if isinstance(k, tuple)):
                 _tell(progress, done, total)
                 rows = same_air[of_air]
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith)
-                seen = mean_radiance(view, -depression[rows], [towards])
+                # What costs most, the table of the sky, is that of the air alone.
+                of_kelvin = replace(surface, blackbody=planck_wavenumber(wavenumber, kelvin))
+                seen = mean_radiance(view, -depression[rows], [towards], of_kelvin)
                 variance = sea_variance(view, seen, -depression[rows], ifov[rows] ** 2, length)
                 columns[f"radiance_W_m2_sr[{band.label}]"][rows] = seen.total[:, 0]
                 columns[f"apparent_temperature_K[{band.label}]"][rows] = apparent_temperature(
@@ -317,8 +324,6 @@ def _hits_sea(cases: Cases, depression: FloatArray, dip: FloatArray) -> None:
 
     def say(row: int) -> str:
         seen, horizon = np.degrees(depression[row]), np.degrees(dip[row])
-        return (
-            f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give a depression between that and 90 deg"
-        )
+        return f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give a depression between that and 90 deg"
 
     cases.check(depression > dip, "depression_deg", say)
