@@ -245,12 +245,12 @@ class SampledAtmosphere:
         depth = np.clip(-np.log(np.maximum(path.transmittance, 1e-300)), CLEAR, OPAQUE)
         temperature = brightness_temperature(nu, path.radiance / -np.expm1(-depth))
         longest = float(slant_range(height, path.range_m[-1]))
-        x = path_coordinate(slant_range(height, path.range_m), height, longest)
-        keep = np.concatenate([[True], np.diff(x) > 1e-9])  # arcs much shorter than the height are all straight down
-        if keep.sum() < 2:
+        if longest < height * (1.0 + 1e-6):
             raise DataError(
                 f"{name}: its ranges up to {path.range_m[-1]:g} m are all straight below a sensor at {height:g} m; add longer ones"
             )
+        x = path_coordinate(slant_range(height, path.range_m), height, longest)
+        keep = np.concatenate([[True], np.diff(x) > 1e-9])  # arcs much shorter than the height are all straight down
         source = _solar_source(nu, sun)
         toward = np.clip(-np.log(np.maximum(sun.irradiance, 1e-300) / source), 0.0, OPAQUE)
         elevation = np.maximum(0.5 * np.pi - np.asarray(sun.zenith)[::-1], 0.0)

