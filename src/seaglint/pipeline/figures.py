@@ -42,6 +42,12 @@ GLINT_HEIGHT: Final = 100.0
 SURFACE_WINDS: Final = (0.5, 5.0, 10.0)
 """Winds of Fig. 3: its calm, whose 526 K is the peak near 0.5 m/s; the 10 m/s of its text; and one between."""
 
+SURFACE_SUNS: Final = np.concatenate([np.arange(70.0, 80.0, 1.0), np.arange(80.0, 90.01, 0.5)])
+"""Zenith angles of the Sun in Fig. 3 [deg]."""
+
+SURFACE_DEPRESSIONS: Final = 140
+"""Depressions of the sensor in Fig. 3, from the horizon to 12 deg."""
+
 IMAGE_WINDS: Final = (2.0, 5.0, 10.0)
 IMAGE_WIND_DIRECTIONS: Final = (0.0, 45.0, 90.0)
 """Where the wind of Fig. 4 comes from, clockwise from the Sun [deg]."""
@@ -52,8 +58,8 @@ IMAGE_SUN: Final = 65.0
 IMAGE_IFOV: Final = 1e-3
 """Side of the article's detector [rad]."""
 
-IMAGE_FIELD: Final = ((-25.0, 25.0), (-35.0, 0.0))
-"""Azimuths from the Sun's and elevations of Fig. 4 [deg]."""
+IMAGE_FIELD: Final = (50.0, 35.0)
+"""Azimuths, centred on the Sun's, and depressions from the horizontal down in Fig. 4 [deg]."""
 
 
 Report = Callable[[int, int], None]
@@ -155,8 +161,8 @@ def figure_3(report: Report = _silent) -> xr.Dataset:
 
     band = Band.rectangular(*GLINT_BAND)
     # Evenly spaced in the logarithm of depression: the brightest points of low Suns lie within a degree of the horizon.
-    depression = np.geomspace(1.01 * horizon_depression(GLINT_HEIGHT), np.radians(12.0), 140)[::-1]
-    sun = np.concatenate([np.arange(70.0, 80.0, 1.0), np.arange(80.0, 90.01, 0.5)])
+    depression = np.geomspace(1.01 * horizon_depression(GLINT_HEIGHT), np.radians(12.0), SURFACE_DEPRESSIONS)[::-1]
+    sun = SURFACE_SUNS
     ways: tuple[tuple[str, Callable[[SeaView, FloatArray, FloatArray], SeaRadiance]], ...]
     ways = (("", mean_radiance), ("_band_means", article_radiance))
     shape = (len(SURFACE_WINDS), sun.size, depression.size)
@@ -201,10 +207,10 @@ def figure_4(report: Report = _silent) -> xr.Dataset:
     import xarray as xr
 
     band = Band.rectangular(*GLINT_BAND)
-    (left, right), (bottom, top) = IMAGE_FIELD
     step = np.degrees(IMAGE_IFOV)
-    azimuth = np.arange(left + 0.5 * step, right, step)
-    elevation = np.arange(top - 0.5 * step, bottom, -step)
+    columns, rows_down = (int(size / step) for size in IMAGE_FIELD)
+    azimuth = step * (np.arange(columns) - 0.5 * (columns - 1))
+    elevation = -step * (np.arange(rows_down) + 0.5)
     rows = np.radians(elevation)
     solid_angle = IMAGE_IFOV**2 * np.cos(rows)
     length = capillary_length(0.07)

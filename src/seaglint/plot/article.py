@@ -113,7 +113,7 @@ def draw_figure_3(dataset: xr.Dataset) -> Figure:
 
     figure = _figure(13.0, 8.0)
     winds = dataset["wind_speed_m_s"].to_numpy()
-    panels = figure.subplots(2, winds.size, sharex=True, sharey=True)
+    panels = figure.subplots(2, winds.size, sharex=True, sharey=True, squeeze=False)
     sensor, sun = dataset["sensor_zenith_deg"].to_numpy(), dataset["solar_zenith_deg"].to_numpy()
     solar, temperature = dataset["solar_radiance_W_m2_sr"].to_numpy(), dataset["apparent_temperature_k"].to_numpy()
     brightest = float(np.nanmax(solar))
@@ -165,7 +165,7 @@ def draw_figure_4(dataset: xr.Dataset) -> Figure:
         highest = float(values.max())
         lowest = highest * 10.0**-_DECADES
         scale = LogNorm(lowest, highest)
-        panels = half.subplots(winds.size, directions.size, sharex=True, sharey=True)
+        panels = half.subplots(winds.size, directions.size, sharex=True, sharey=True, squeeze=False)
         for (i, j), axes in np.ndenumerate(panels):
             seen = np.maximum(values[i, j], lowest)
             image = axes.imshow(seen, norm=scale, cmap="inferno", extent=extent, origin="upper", aspect="equal", interpolation="nearest")
