@@ -69,6 +69,7 @@ def mean(scenario: Scenario) -> xr.Dataset:
             scenario.model_dump_json(exclude_none=True),
             scenario.seed,
             mean_mode=scenario.mean.mode,
+            mean_shadowing=view.shadowing,
             glint_correlation_length_m=prepare.glint_length(scenario),
             mss_up=view.slopes.mss_up,
             mss_cross=view.slopes.mss_cross,
@@ -115,7 +116,11 @@ class RowAverage:
 
     def __call__(self, values: FloatArray) -> FloatArray:
         """Mean of (elevations, columns) over the elevations of each row (rows, columns)."""
-        return np.asarray(np.add.reduceat(values, self.starts, axis=0) / self.points[:, None])
+        found = values[self.starts]
+        several = np.flatnonzero(self.points > 1)
+        for row in several:  # few: those next to the horizon
+            found[row] = values[self.starts[row] : self.starts[row] + self.points[row]].mean(axis=0)
+        return found
 
     def radiance(self, found: SeaRadiance) -> SeaRadiance:
         """Components averaged [W m-2 sr-1]."""

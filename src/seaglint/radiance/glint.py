@@ -80,6 +80,10 @@ class _Sea(NamedTuple):
 
     mss_up: float
     mss_cross: float
+    deviation_up: float
+    deviation_cross: float
+    peak: float
+    """Gaussian density of no slope, over 4 [1/slope²]."""
     wind_sine: float
     wind_cosine: float
     is_gaussian: bool
@@ -176,7 +180,9 @@ class GlintModel:
         sea = _floored(slopes)
         share, centroid = visible_sun(solar_zenith)
         s, c = math.sin(sea.wind_to_azimuth), math.cos(sea.wind_to_azimuth)
-        numbers = _Sea(sea.mss_up, sea.mss_cross, s, c, sea.is_gaussian, np.array(sea.coefficients))
+        up, cross = math.sqrt(sea.mss_up), math.sqrt(sea.mss_cross)
+        peak = 1.0 / (8.0 * math.pi * up * cross)
+        numbers = _Sea(sea.mss_up, sea.mss_cross, up, cross, peak, s, c, sea.is_gaussian, np.array(sea.coefficients))
         nested = shadowing in ("nested", "nested-viewer")
         with_sun = shadowing in ("both", "nested") and share > 0.0
         legs = _Legs(
@@ -189,7 +195,7 @@ class GlintModel:
         return cls(sea, numbers, disc, legs)
 
     def grid(self, view_zenith: FloatArray, view_azimuth: FloatArray, terms: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Mirrored Sun on rows of view zenith and columns of view azimuth [rad], each result (rows, columns).
+        """Mirrored Sun on rows of view zenith and columns of view azimuth [rad], each result (rows, columns); 0 in rows that are NaN.
 
         ``terms`` (rows, j) are Chebyshev coefficients in the cosine of incidence of what a mirroring point shows, as
         :class:`seaglint.optics.fresnel.ReflectanceSeries` orders them; the results are their sum times the chance, the chance, and the
@@ -309,21 +315,19 @@ def glint(
 def _facet_share(east: float, north: float, up: float, sea: _Sea) -> float:
     """``p(s) / (4 cos^4(beta))`` of the facet that mirrors: ``(east, north, up)`` is the sum of both directions."""
     # A horizontal look at a horizontal ray needs an upright facet: infinitely steep, density zero.
-    rise = max(up, 1e-12)
-    slope_east, slope_north = -east / rise, -north / rise
-    along = slope_east * sea.wind_sine + slope_north * sea.wind_cosine
-    cross = slope_east * sea.wind_cosine - slope_north * sea.wind_sine
-    q = along * along / sea.mss_up + cross * cross / sea.mss_cross
+    fall = -1.0 / max(up, 1e-12)
+    slope_east, slope_north = fall * east, fall * north
+    along = (slope_east * sea.wind_sine + slope_north * sea.wind_cosine) / sea.deviation_up
+    cross = (slope_east * sea.wind_cosine - slope_north * sea.wind_sine) / sea.deviation_cross
+    q = along * along + cross * cross
     if q > 1400.0:
         return 0.0
-    deviation_up, deviation_cross = math.sqrt(sea.mss_up), math.sqrt(sea.mss_cross)
-    density = math.exp(-0.5 * q) / (2.0 * math.pi * deviation_up * deviation_cross)
+    share = sea.peak * math.exp(-0.5 * q)
     if not sea.is_gaussian:
         c = sea.coefficients
-        shape = _series_kernel(cross / deviation_cross, -along / deviation_up, (c[0], c[1], c[2], c[3], c[4]))
-        density *= max(shape, 0.0)
+        share *= max(_series_kernel(cross, -along, (c[0], c[1], c[2], c[3], c[4])), 0.0)
     secant2 = 1.0 + slope_east * slope_east + slope_north * slope_north
-    return 0.25 * density * secant2 * secant2
+    return share * secant2 * secant2
 
 
 @njit
@@ -399,7 +403,7 @@ def _chance(
     upward = rise / (2.0 * cos_incidence)
     image = SOLAR_ANGULAR_RADIUS / (2.0 * cos_incidence * upward**2)
     slope = math.sqrt(max(1.0 / upward**2 - 1.0, 0.0))
-    least, most = math.sqrt(min(sea.mss_up, sea.mss_cross)), math.sqrt(max(sea.mss_up, sea.mss_cross))
+    least, most = min(sea.deviation_up, sea.deviation_cross), max(sea.deviation_up, sea.deviation_cross)
     if slope - 2.0 * image >= _NEGLIGIBLE * most:
         return 0.0, cos_incidence
     wide = disc.is_whole and image < _BROAD * least
@@ -432,6 +436,8 @@ def _fill_grid(
 ) -> None:
     sines, cosines = np.sin(azimuth), np.cos(azimuth)
     for row in numba.prange(zenith.size):
+        if not zenith[row] <= 0.5 * math.pi:  # NaN: not of the sea
+            continue
         sine, cosine = math.sin(zenith[row]), math.cos(zenith[row])
         for column in range(azimuth.size):
             a = area[row, column] if area.size > 0 else -1.0

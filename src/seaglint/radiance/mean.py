@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from seaglint.atmosphere.base import Atmosphere
@@ -28,7 +28,7 @@ from seaglint.sea.slopes import SlopeStatistics
 Background = Literal["facets", "blackbody"]
 """What the sea shows beside the Sun: facets that emit and mirror the sky, or a blackbody (Eqs. 6-7 of the source article)."""
 
-NODES: Final = 256
+NODES: Final = 160
 """Elevations at which a view is tabulated."""
 
 _FINEST: Final = 2e-4
@@ -157,7 +157,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     -----
     Everything is integrated on the atmosphere's spectral samples; structure finer than these (20 cm-1 averages in LOWTRAN7) is not
     resolved, so correlations of absorption between sunlight and path inside them are missed. Rows above the sea horizon show the sky.
-    Up to 256 rows are computed one by one, more are interpolated by :class:`MeanModel`, within 1e-5.
+    Up to 160 rows are computed one by one, more are interpolated by :class:`MeanModel`, within 1e-5.
 
     References
     ----------
@@ -171,7 +171,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     azimuths, weights = wind_azimuths(view.slopes), azimuth_weights(view.slopes, columns + np.pi)
     if columns.size < azimuths.size:
         azimuths, weights = columns + np.pi, np.eye(columns.size)
-    return _assembled(view, rows, columns, sea, gamma[sea], _sea_rows(view, gamma[sea], azimuths, surface), weights, _glint_model(view))
+    return _assembled(view, rows, columns, gamma, _sea_rows(view, gamma[sea], azimuths, surface), weights, _glint_model(view))
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,10 +213,9 @@ class MeanModel:
         """Mean radiance at elevations and azimuths, as :func:`mean_radiance`; within 1e-5 of it."""
         rows, columns = _lines(elevation, azimuth)
         gamma = _sea_elevation(self.view.sensor_height, rows)
-        sea = np.isfinite(gamma)
-        found = self._spline(np.arcsinh(gamma[sea] / self._scale))
+        found = self._spline(np.arcsinh(gamma[np.isfinite(gamma)] / self._scale))
         weights = azimuth_weights(self.view.slopes, columns + np.pi)
-        return _assembled(self.view, rows, columns, sea, gamma[sea], found, weights, self._glint)
+        return _assembled(self.view, rows, columns, gamma, found, weights, self._glint)
 
 
 def _lines(elevation: ArrayLike, azimuth: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -274,31 +273,21 @@ def _sea_rows(view: SeaView, gamma: FloatArray, azimuths: FloatArray, surface: S
 
 
 def _assembled(
-    view: SeaView,
-    rows: FloatArray,
-    columns: FloatArray,
-    sea: NDArray[np.bool_],
-    gamma: FloatArray,
-    tables: FloatArray,
-    weights: FloatArray,
-    glint: GlintModel,
+    view: SeaView, rows: FloatArray, columns: FloatArray, gamma: FloatArray, found: FloatArray, weights: FloatArray, glint: GlintModel
 ) -> SeaRadiance:
     """Components on rows and columns, from what the rows of sea need and the weights of its azimuths (k, columns)."""
+    sea = np.isfinite(gamma)
     k = weights.shape[0]
-    path = np.zeros((rows.size, 1))
-    path[sea] = tables[:, :1]
+    table = np.zeros((rows.size, found.shape[1]))
+    table[sea] = found
     wide = weights[:, :1] if view.slopes.is_isotropic else weights
-    emission, sky = tables[:, 1 : 1 + k] @ wide, tables[:, 1 + k : 1 + 2 * k] @ wide
-    parts = [emission, sky, *glint.grid(0.5 * np.pi - gamma, columns + np.pi, np.ascontiguousarray(tables[:, 1 + 2 * k :]))]
+    path, emission, sky = table[:, :1], table[:, 1 : 1 + k] @ wide, table[:, 1 + k : 1 + 2 * k] @ wide
+    mirrored = glint.grid(0.5 * np.pi - gamma, columns + np.pi, table[:, 1 + 2 * k :])
     if not np.all(sea):
-        filled = [np.zeros((rows.size, part.shape[1])) for part in parts]
-        for whole, part in zip(filled, parts, strict=True):
-            whole[sea] = part
-        parts = filled
-        spectral_weights, grid = band_grid(view.band, view.atmosphere)
+        spectral, grid = band_grid(view.band, view.atmosphere)
         above = view.atmosphere.sky_radiance(0.5 * np.pi - rows[~sea], view.sensor_height)
-        parts[1][~sea] = (above[..., grid] @ spectral_weights)[:, None]
-    return SeaRadiance(path, *parts)
+        sky[~sea] = (above[..., grid] @ spectral)[:, None]
+    return SeaRadiance(path, emission, sky, *mirrored)
 
 
 def band_grid(band: Band, atmosphere: Atmosphere) -> tuple[FloatArray, slice]:

@@ -426,6 +426,20 @@ class Mean(Record):
             "sky and sea one blackbody, as in the source article"
         ),
     ] = "spectral"
+    shadowing: Annotated[
+        Literal["both", "viewer", "nested"] | None,
+        Field(
+            description="legs that waves shadow: both (viewer and Sun, Smith's law), viewer alone, or nested (the viewer's leg wave band "
+            "by wave band, for Gaussian slopes; the Sun's by Smith); both where nothing is said, viewer in the mode article"
+        ),
+    ] = None
+
+    @model_validator(mode="after")
+    def _article_shadows_the_viewer(self) -> Self:
+        if self.mode == "article" and self.shadowing not in (None, "viewer"):
+            text = "shadows the viewer's leg alone; leave it out or set mean.mode = 'spectral'"
+            raise rule("mean.shadowing", f"= '{self.shadowing}' with mean.mode = 'article', which {text}")
+        return self
 
 
 class Render(Record):
@@ -510,6 +524,14 @@ class Scenario(Record):
             # LOWTRAN7 itself would silently take 20 m/s.
             text = f"= {self.wind.speed_m_s:g} is above the range of the Navy maritime aerosol; allowed: 0 to {FIT_MAX_WIND:g} m/s"
             raise rule("wind.speed_m_s", f"{text}, or set another atmosphere.haze")
+        return self
+
+    @model_validator(mode="after")
+    def _nested_shadowing_is_for_gaussian_slopes(self) -> Self:
+        kind = self.sea.slopes.kind
+        if self.mean.shadowing == "nested" and kind in ("cox-munk-gram-charlier", "cox-munk-slick", "breon-henriot"):
+            text = f"= 'nested' needs Gaussian slopes and sea.slopes.kind = '{kind}' is none; set mean.shadowing = 'both' or another kind"
+            raise rule("mean.shadowing", f"{text}, e.g. 'cox-munk-anisotropic'")
         return self
 
     @model_validator(mode="after")
