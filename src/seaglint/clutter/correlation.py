@@ -78,8 +78,9 @@ def spatial_correlation(
     mask : ndarray of bool, shape (rows, columns), optional
         Pixels of the region.
     mean : array_like, shape (rows, columns), optional
-        Mean in time of each pixel, subtracted first, so that the shape of the corridor does not count as correlation. From a few
-        frames only it would take clutter with it: leave it out for a single frame. The region's mean is removed in any case.
+        What does not count as clutter, subtracted first: :func:`trend_surface`, for one frame and for many, keeps the shape of the
+        corridor from being taken for correlation. (The mean in time of each pixel serves for a long sequence only: that of a
+        few frames takes clutter with it.) The region's mean is removed in any case.
     longest : int, optional
         Largest lag [px]; default a third of each side.
 
@@ -134,6 +135,33 @@ def spatial_correlation(
         for r in rho:
             r[0] = 1.0
     return SpatialCorrelation(rho[0], rho[1], decay(rho[0]), decay(rho[1]), _integral_scale(rho[0]), _integral_scale(rho[1]))
+
+
+def trend_surface(image: ArrayLike, mask: BoolArray | None = None, degree: int = 4) -> FloatArray:
+    """Polynomial surface in row and column through a region, by least squares: its slow change of brightness.
+
+    Parameters
+    ----------
+    image : array_like, shape (rows, columns)
+        Mean over time, or a single frame; NaN are left out.
+    mask : ndarray of bool, shape (rows, columns), optional
+        Pixels of the region.
+    degree : int
+        Of the polynomial; 4 has fifteen coefficients, which take fifteen of the region's independent values.
+
+    Returns
+    -------
+    ndarray, shape (rows, columns)
+        Also outside the region, where it means nothing. Of degree 0 if the region has too few pixels.
+    """
+    data = np.asarray(image, dtype=np.float64)
+    used = np.isfinite(data) if mask is None else np.isfinite(data) & mask
+    v, u = (2.0 * index / max(size - 1, 1) - 1.0 for index, size in zip(np.indices(data.shape), data.shape, strict=True))
+    if np.count_nonzero(used) < 10 * (degree + 1) * (degree + 2):
+        return np.full(data.shape, np.mean(data[used]) if used.any() else np.nan)
+    terms = np.stack([u**i * v**j for i in range(degree + 1) for j in range(degree + 1 - i)])
+    coefficients = np.linalg.lstsq(terms[:, used].T, data[used], rcond=None)[0]
+    return np.asarray(np.tensordot(coefficients, terms, axes=1))
 
 
 def temporal_correlation(series: ArrayLike, frame_rate: float | None = None, *, longest: int | None = None) -> TemporalCorrelation:

@@ -33,7 +33,7 @@ FAMILIES: tuple[Family, ...] = get_args(Family)
 FEWEST_VALUES = 10
 LARGEST_K_SHAPE = 200.0  # variance over squared mean within 1 % of the exponential's: no sample tells the two apart
 CONDENSED = 4000  # values to which larger samples are reduced for the K distribution's likelihood; moves the shape by 1e-3
-LARGEST_EXCLUDED = 0.005  # share of values at or below loc that may be left out: zeros of integer pictures
+LARGEST_EXCLUDED = 0.02  # share of values at or below loc that may be left out: zeros of integer pictures
 STEP = 1e-4  # of a log parameter, for derivatives: error 1e-8 relative, far below any sampling error
 
 
@@ -58,7 +58,7 @@ class Fit:
     reason : str
         Why there is no fit; empty if there is.
     excluded : float
-        Share of the values that is not above ``loc`` and was left out, at most 0.005 (zeros of an integer picture).
+        Share of the values that is not above ``loc`` and was left out, at most 0.02 (zeros of an integer picture).
     """
 
     family: Family

@@ -1,0 +1,116 @@
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter
+
+from seaglint.clutter.segmentation import otsu_threshold, segment
+from seaglint.errors import DataError
+
+ROWS, COLUMNS = 192, 256
+Y, X = np.mgrid[:ROWS, :COLUMNS]
+
+
+def noise(seed, sigma=0.0):
+    values = np.random.default_rng(seed).standard_normal((ROWS, COLUMNS))
+    return gaussian_filter(values, sigma) * (2.0 * np.sqrt(np.pi) * sigma if sigma else 1.0)
+
+
+def corridor(seed, centre=120.0, width=30.0):
+    """Sky of 30 rows, sea brighter downwards, glints whose rate is Gaussian in azimuth."""
+    sea = 8.0 + Y / 100.0 + 0.5 * noise(seed, 1.0)
+    glints = 10.0 * np.exp(-(((X - centre) / width) ** 2)) * np.random.default_rng(seed + 1).exponential(size=sea.shape)
+    picture = sea + gaussian_filter(glints, (0.5, 1.5))
+    picture[:30] = 5.0 + 0.02 * noise(seed)[:30]
+    return picture
+
+
+@pytest.mark.parametrize("offset", [0.0, -200.0])
+@pytest.mark.parametrize("gain", [1.0, 1e-3])
+def test_corridor_is_found_in_any_unit(gain, offset):
+    found = segment(gain * corridor(1) + offset)
+    assert found.found, found.reason
+    truth = (np.abs(X - 120.0) < 30.0) & (Y >= 30)  # half to a third of the peak
+    assert np.sum(found.glint & truth) / np.sum(found.glint | truth) > 0.75
+    assert not found.glint[:30].any()
+    assert 28 <= found.sky.any(axis=1).sum() <= 34
+    assert not (found.glint & found.background).any()
+
+
+def test_corridor_cut_by_the_edge():
+    found = segment(corridor(2, centre=250.0))
+    assert found.found, found.reason
+    assert found.glint[100, 245]
+    assert not found.glint[:, :150].any()
+
+
+def scenes():
+    sky_and_sea = np.where(Y < 50, 5.0, 8.0 + Y / 50.0)
+    rolled = np.where(Y - 0.05 * X < 50, 5.0, 8.0 + Y / 50.0)
+    return {
+        "white noise": noise(1),
+        "waves": noise(2, 3.0),
+        "long waves": noise(3, 10.0),
+        "skewed waves": noise(4, 4.0) ** 2,
+        "horizon": sky_and_sea + 0.5 * noise(5),
+        "horizon without noise in the sky": sky_and_sea + np.where(Y < 50, 0.0, 0.5) * noise(5),
+        "rolled horizon": rolled + 0.5 * noise(6),
+        "brighter to one side": X / 50.0 + 0.5 * noise(7),
+        "vignetting": -10.0 * (((X - 128) / 128) ** 2 + ((Y - 96) / 96) ** 2) + 0.5 * noise(8),
+        "concave sea": np.where(Y < 20, 5.0, 8.0 + 4.0 * np.sqrt(np.maximum(Y - 20, 0) / 172.0)) + 0.5 * noise(9, 1.0),
+    }
+
+
+@pytest.mark.parametrize("name", scenes())
+def test_no_corridor_is_an_answer(name):
+    found = segment(scenes()[name])
+    assert not found.found
+    assert found.reason
+    assert not found.glint.any()
+
+
+def test_missing_pixels_are_in_no_region():
+    picture = corridor(3)
+    picture[:, 118] = np.nan
+    picture[100] = np.nan
+    found = segment(picture)
+    assert found.found, found.reason
+    assert not (found.glint | found.background | found.sky)[~np.isfinite(picture)].any()
+    assert (found.glint | found.background | found.sky)[np.isfinite(picture)].all()
+
+
+@pytest.mark.parametrize("picture", [np.ones((64, 64)), np.full((64, 64), np.nan), noise(1)[:20]], ids=["constant", "empty", "small"])
+def test_not_decidable(picture):
+    found = segment(picture)
+    assert not found.found
+    assert np.isnan(found.separability)
+    assert found.reason
+
+
+def test_spread_in_time_must_fit():
+    with pytest.raises(DataError, match="differ in shape"):
+        segment(np.ones((64, 64)), np.ones((64, 65)))
+    with pytest.raises(DataError, match="rows, columns"):
+        segment(np.ones((2, 64, 64)))
+
+
+def test_otsu():
+    values = np.repeat([1.0, 3.0], [300, 100])
+    threshold, separability = otsu_threshold(values)
+    assert 1.0 < threshold <= 3.0
+    assert separability == pytest.approx(1.0)
+    # Split in the middle: 2/pi of a Gaussian's variance lies between the halves, 3/4 of a uniform density's.
+    assert otsu_threshold(np.random.default_rng(1).normal(size=100_000))[1] == pytest.approx(2 / np.pi, abs=0.005)
+    assert otsu_threshold(np.linspace(0.0, 1.0, 100_000))[1] == pytest.approx(0.75, abs=0.001)
+
+
+def test_measured_corridor(data_dir):
+    """The bright patch below the middle of the picture, and neither sky, ship on the horizon, nor the dark foreground."""
+    import matplotlib.image
+
+    picture = matplotlib.image.imread(data_dir / "imagery" / "Misc_66.png")[..., 0].astype(float)
+    found = segment(picture)
+    assert found.found, found.reason
+    assert found.glint[175, 200]
+    assert not found.glint[:90].any()
+    assert not found.glint[:, :50].any()
+    assert not found.glint[245:].any()
+    assert 0.2 < found.glint.mean() < 0.5
