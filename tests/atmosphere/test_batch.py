@@ -77,9 +77,15 @@ def test_outside_the_table_is_refused_or_sees_the_air_of_its_edge():
     with pytest.raises(DomainError, match="zenith"):
         air.sky_radiance([5.0], [1.6])
     np.testing.assert_array_equal(wide.path([25.0], [10.0], [0.1])[0], air.path([20.0], [10.0], [0.1])[0])
-    # Seen steeply a metre of air less makes a little clearer, and half the height half the optical depth.
-    (near, far) = (-np.log(wide.path([5.0], [h], [1.0])[0]) for h in (1.0, 2.0))
-    assert np.all(near <= far * (1.0 + 1e-6))
+    # Near the sea the air is the same at every height: paths of 25 m from 1 m and from 2 m, and 1 m straight down as half of 2 m.
+    near, far = (wide.path([5.0], [h], [np.arcsin(h / 25.0)]) for h in (1.0, 2.0))
+    np.testing.assert_allclose(np.log(near[0]), np.log(far[0]), rtol=1e-3)  # the sphere's curvature: 0.05 mm in 25 m
+    np.testing.assert_allclose(near[1], far[1], rtol=1e-3)
+    near, far = (wide.path([5.0], [h], [0.5 * np.pi])[0] for h in (1.0, 2.0))
+    np.testing.assert_allclose(2.0 * np.log(near), np.log(far), rtol=1e-12)
+    # Above 10 km there is hardly any air left in this band: a look straight down loses nothing more.
+    above, top = (wide.path([5.0], [h], [0.5 * np.pi])[0] for h in (12e3, 10e3))
+    np.testing.assert_allclose(above, top, rtol=1e-12)
 
 
 def test_bands_and_models_outside_are_refused_with_what_there_is():

@@ -165,8 +165,9 @@ class BatchAtmosphere:
     def load(cls, model: str, band_um: tuple[float, float], *, extrapolate: bool = False) -> BatchAtmosphere:
         """Read the table of ``model`` over a band [um].
 
-        With ``extrapolate`` winds and heights outside the table see the air of its nearest wind and height, on the path that the true
-        height has; they are refused otherwise.
+        With ``extrapolate`` winds outside the table see the air of its nearest wind. Sensors above it have the optical depth of its highest
+        one for a ray that is as far on the way from straight down to the horizon; below its lowest one a path has the depth of
+        one of equal length from there: the air is the same. Outside winds and heights are refused otherwise.
 
         Raises
         ------
@@ -257,14 +258,28 @@ class BatchAtmosphere:
         nodes = np.linspace(0.0, 1.0, self._ray.shape[-1] // 2)
         # The ray's spline says how far along LOWTRAN7's own path the sea lies: the coordinate of the path nodes.
         x = np.maximum(at_height.times(Stencil.hermite(nodes, straight)).of(self._ray.reshape(-1)), 0.0)
+        x, share = self._of_length(h, x)
         path_nodes = np.linspace(0.0, 1.0, self._path_scores.shape[2] // 2)
         stencil = self._wind(wind_speed).times(at_height).times(Stencil.hermite(path_nodes, x))
         scores = stencil.of(self._path_scores.reshape(stencil.size, -1))
         rank = self._path_depth.components.shape[0]
         optical_depth = decode_optical_depth(self._path_depth.spectra(scores[:, :rank]))
+        optical_depth *= share[:, None]
         air = self._path_temperature.spectra(scores[:, rank:])
         transmittance = np.exp(-optical_depth)
         return transmittance, -np.expm1(-optical_depth) * planck_wavenumber(self.wavenumber_cm, air)
+
+    def _of_length(self, height: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """For heights below the table the path of equal length from its lowest height, and the share of it where that is too long."""
+        lowest, share = self.height_range[0], np.ones_like(x)
+        low = height < lowest
+        if low.any():
+            excess = np.exp(self._horizon_excess[0])
+            length = height[low] ** (1.0 - x[low]) * (straight_slant(height[low], 0.0) * excess) ** x[low]
+            x = x.copy()
+            x[low] = np.maximum(np.log(length / lowest) / np.log(straight_slant(lowest, 0.0) * excess / lowest), 0.0)
+            share[low] = np.minimum(length / lowest, 1.0)
+        return x, share
 
     def solar_irradiance(self, wind_speed: ArrayLike, solar_zenith: ArrayLike) -> FloatArray:
         """Direct sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (cases, n)]; 0 beyond a zenith angle of pi/2."""

@@ -1,0 +1,265 @@
+"""The evaluate commands: columns, order, refusals, and the numbers against LOWTRAN7, Wu and Smith, and the command 'mean'."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from seaglint.atmosphere.batch import table_models
+from seaglint.pipeline.evaluate import evaluate_mean, groups_of, parse_bands
+
+QUANTITIES = ("tau_mean", "path_radiance_W_m2_sr", "sun_normal_irradiance_W_m2", "sun_times_tau_W_m2", "sky_radiance_W_m2_sr")
+AIR = "atmosphere,wind_speed_m_s,sensor_height_m,depression_deg,solar_zenith_deg,sky_zenith_deg"
+MEAN = "atmosphere,wind_speed_m_s,sensor_height_m,depression_deg,solar_zenith_deg,relative_azimuth_deg,sea_temperature_k,ifov_mrad"
+
+# LOWTRAN7 revision 4.2 in double precision (MODEL 2 and 6, IHAZE=3, ICSTL=3, VIS=0, WSS=WHH=wind, day 93), rows of the reference
+# table: inputs, then the five quantities of 3-5 um and of 8-12 um.
+LOWTRAN = [
+    (
+        "us-standard-1976,8.6,7,4.58,17.8,80.68",
+        (0.831048, 0.238603, 10.2005, 9.55496, 0.852088),
+        (0.97278, 0.748186, 0.788937, 0.76674, 16.145),
+    ),
+    (
+        "midlatitude-summer,9.67,40.5,2.808,20.71,71.8",
+        (0.533876, 0.742354, 7.92999, 5.85065, 1.12475),
+        (0.759967, 8.07096, 0.616108, 0.470711, 22.5977),
+    ),
+]
+
+
+def one_line(text):
+    return text.count("\n") == 1 and "Traceback" not in text
+
+
+def table(path):
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+@pytest.fixture
+def cases(tmp_path):
+    def write(*lines):
+        path = tmp_path / "cases.csv"
+        path.write_text("\n".join(lines) + "\n")
+        return path
+
+    return write
+
+
+def test_atmosphere_against_lowtran_in_order_with_other_columns_kept(seaglint, cases, tmp_path):
+    source = cases(f"id,{AIR},sun_times_tau_W_m2[3.0-5.0],tau_mean[3-4]", *(f"{i:03d},{LOWTRAN[i % 2][0]},9,x" for i in range(5)))
+    output = tmp_path / "out.csv"
+    answer = seaglint("evaluate", "atmosphere", source, "--band", "3.0-5.0", "--band", "8-12.00", "-o", output)
+    assert (answer.code, answer.out) == (0, "")
+    assert "5 rows" in answer.err
+    assert "sun_times_tau_W_m2[3.0-5.0]" in answer.err
+    rows = table(output)
+    new = [f"{q}[{b}]" for b in ("3.0-5.0", "8-12.00") for q in QUANTITIES if (q, b) != ("sun_times_tau_W_m2", "3.0-5.0")]
+    assert list(rows[0]) == ["id", *AIR.split(","), "sun_times_tau_W_m2[3.0-5.0]", "tau_mean[3-4]", *new]
+    assert [row["id"] for row in rows] == ["000", "001", "002", "003", "004"]
+    for i, row in enumerate(rows):
+        given, *expected = LOWTRAN[i % 2]
+        assert ",".join(row[name] for name in AIR.split(",")) == given
+        assert row["tau_mean[3-4]"] == "x"
+        for band, values in zip(("3.0-5.0", "8-12.00"), expected, strict=True):
+            # 0.2 % is the table's median error, 1 % its 95th percentile; the rows at hand are ordinary ones.
+            np.testing.assert_allclose([float(row[f"{q}[{band}]"]) for q in QUANTITIES], values, rtol=2e-3)
+
+
+@pytest.mark.validation
+def test_all_reference_cases(seaglint, reference_dir, tmp_path):
+    """Median error at most 0.2 %, 95th percentile 1 % of the value or 5e-4 of the column's maximum, each quantity and band."""
+    theirs = [row for row in table(reference_dir / "lowtran7_slant_paths.csv") if row["atmosphere"] in table_models()]
+    assert len(theirs) >= 50
+    source, output = tmp_path / "cases.csv", tmp_path / "out.csv"
+    with source.open("w", newline="") as file:
+        writer = csv.DictWriter(file, AIR.split(","), extrasaction="ignore")
+        writer.writeheader()
+        writer.writerows(theirs)
+    bands = ("3.0-5.0", "3.5-5.0", "8.0-12.0")
+    assert seaglint("evaluate", "atmosphere", source, *(part for b in bands for part in ("--band", b)), "-o", output).code == 0
+    names = [f"{q}[{b}]" for b in bands for q in QUANTITIES]
+    ours, known = (np.array([[float(row[name]) for name in names] for row in rows]) for rows in (table(output), theirs))
+    absolute = np.abs(ours - known)
+    error = np.where(absolute < 5e-4 * known.max(axis=0), 0.0, absolute / known)
+    assert np.all(np.median(absolute / known, axis=0) < 2e-3)
+    assert np.all(np.percentile(error, 95.0, axis=0) < 1e-2)
+
+
+# Wu and Smith 1997 (CRTM's Wu-Smith coefficients): wavelength, wind, zenith, emissivity.
+WU_SMITH = [(3.4, 1, 15, 0.96898), (3.4, 3, 45, 0.95848), (3.4, 0, 60, 0.92269), (3.4, 3, 65, 0.89198)]
+
+
+def test_emissivity_against_wu_and_smith(seaglint, cases, tmp_path):
+    source = cases("zenith_deg;wavelength_um;wind_speed_m_s", *(f"{z};{um};{w}" for um, w, z, _ in WU_SMITH))
+    assert seaglint("evaluate", "emissivity", source, "-o", tmp_path / "out.csv").code == 0
+    found = [float(line.split(";")[-1]) for line in (tmp_path / "out.csv").read_text().splitlines()[1:]]
+    np.testing.assert_allclose(found, [row[-1] for row in WU_SMITH], atol=1e-3)  # what the table is good for
+
+
+@pytest.mark.validation
+def test_emissivity_against_all_of_wu_and_smith(seaglint, reference_dir, tmp_path):
+    """Within 0.001 to 65 degrees, every wavelength and wind of the table."""
+    with (reference_dir / "emissivity_wu_smith.csv").open() as file:
+        rows = list(csv.DictReader(line for line in file if not line.startswith("#")))
+    known = [
+        (row["wavelength_um"], row["wind_m/s"], zenith, float(row[f"e_{zenith}"]))
+        for row in rows
+        for zenith in (15, 30, 40, 45, 50, 55, 60, 65)
+        if row["table"] == "WuSmith_CM_HQS" and row[f"e_{zenith}"]
+    ]
+    assert len(known) >= 200
+    source, output = tmp_path / "cases.csv", tmp_path / "out.csv"
+    source.write_text("\n".join(["wavelength_um,wind_speed_m_s,zenith_deg", *(f"{um},{w},{z}" for um, w, z, _ in known)]))
+    assert seaglint("evaluate", "emissivity", source, "-o", output).code == 0
+    np.testing.assert_allclose([float(row["emissivity"]) for row in table(output)], [row[-1] for row in known], atol=1e-3)
+
+
+def test_emissivity_reaches_the_horizon_and_marks_winds_beyond_the_fit(seaglint, cases, tmp_path):
+    source, output = cases("wavelength_um,wind_speed_m_s,zenith_deg", "4,5,90", "11,25,60", "4,5,0"), tmp_path / "out.csv"
+    assert "row 2 (line 3), column wind_speed_m_s: 25" in seaglint("evaluate", "emissivity", source, "-o", output).err
+    assert seaglint("evaluate", "emissivity", source, "-o", output, "--extrapolate").code == 0
+    rows = table(output)
+    assert [row["extrapolated"] for row in rows] == ["", "wind_speed_m_s", ""]
+    horizon, _, nadir = (float(row["emissivity"]) for row in rows)
+    assert 0.3 < horizon < nadir < 1.0
+
+
+def test_mean_is_that_of_the_command_mean(cases):
+    """Another way through the program: a map of one pixel, with directions from north and a wind that has one."""
+    from seaglint.io.cases import read_cases
+    from seaglint.pipeline.mean import mean
+    from seaglint.scenario.load import parse_scenario
+
+    degrees = 0.03
+    scenario = parse_scenario(
+        {
+            "band": {"min_um": 3.5, "max_um": 5.0},
+            "wind": {"speed_m_s": 7.0},
+            "sun": {"zenith_deg": 76, "azimuth_deg": 240},
+            "sensor": {"height_m": 30, "azimuth_deg": 243, "elevation_deg": -2.5, "fov_deg": [degrees, degrees], "pixels": [1, 1]},
+            "sea": {"temperature_k": 289.0, "slopes": {"kind": "cox-munk-isotropic"}},
+        }
+    )
+    expected = mean(scenario)
+    rows = read_cases(cases(MEAN, f"{scenario.atmosphere.model},7,30,2.5,76,3,289,{1e3 * np.radians(degrees)}"))
+    found = evaluate_mean(rows, parse_bands(["3.5-5"]))
+    # The pixel averages over its height; its middle is within 1e-4 of that. Maps are single precision.
+    for name, quantity in (
+        ("radiance", "radiance_W_m2_sr"),
+        ("apparent_temperature", "apparent_temperature_K"),
+        ("glint_std", "std_W_m2_sr"),
+    ):
+        assert found[f"{quantity}[3.5-5]"] == pytest.approx(float(expected[name][0, 0]), rel=5e-4)
+
+
+def test_mean_rows_stand_for_themselves(seaglint, cases, tmp_path):
+    """Rows that share air or view give what each gives alone; left and right of the Sun are the same; away from it there is no glint."""
+    lines = [
+        "midlatitude-summer,7,30,2,76,5,290,1",
+        "us-standard-1976,3,1000,10,50,10,285,0.3",
+        "midlatitude-summer,7,30,2,76,-5,290,1",
+        "midlatitude-summer,7,30,4,76,5,292,2",
+        "midlatitude-summer,7,30,2,76,180,290,1",
+        "midlatitude-summer,7,30,2,120,5,290,1",
+    ]
+    output = tmp_path / "out.csv"
+    names = [f"{q}[3.5-5.0]" for q in ("radiance_W_m2_sr", "apparent_temperature_K", "std_W_m2_sr")]
+
+    def run(*rows):
+        assert seaglint("evaluate", "mean", cases(MEAN, *rows), "--band", "3.5-5.0", "-o", output, "--overwrite").code == 0
+        return np.array([[float(row[name]) for name in names] for row in table(output)])
+
+    together = run(*lines)
+    alone = np.concatenate([run(lines[i]) for i in (0, 3)])
+    np.testing.assert_allclose(together[[0, 3]], alone, rtol=2e-6)  # six digits are written
+    np.testing.assert_array_equal(together[0], together[2])
+    assert together[0, 0] > together[4, 0] > 0.0
+    assert together[0, 2] > 0.0
+    assert together[4, 2] < 1e-6 * together[0, 2]
+    assert together[5, 2] == 0.0
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("mars,5,10,5,40,40", "row 2 (line 3), column atmosphere: 'mars' is not one of "),
+        ("us-standard-1976,25,10,5,40,40", "row 2 (line 3), column wind_speed_m_s: 25 is outside the range allowed: 0 to 20 m/s"),
+        ("us-standard-1976,5,20000,15,40,40", "column sensor_height_m: 20000 is outside the range allowed: 2 to 10000 m"),
+        ("us-standard-1976,5,100,0.1,40,40", "column depression_deg: 0.1 deg misses the sea, whose horizon lies at 0."),
+        ("us-standard-1976,5,100,-3,40,40", "column depression_deg: -3 deg misses the sea"),
+        ("us-standard-1976,5,100,3,181,40", "column solar_zenith_deg: 181"),
+        ("us-standard-1976,5,100,3,40,91", "column sky_zenith_deg: 91"),
+        ("us-standard-1976,five,100,3,40,40", "column wind_speed_m_s: 'five' is not a number"),
+        ("us-standard-1976,5,100,3,40", "line 3: 5 cells under 6 headings"),
+    ],
+)
+def test_bad_rows_are_one_line_and_leave_nothing(seaglint, cases, tmp_path, line, told):
+    source = cases(AIR, LOWTRAN[0][0], line)
+    answer = seaglint("evaluate", "atmosphere", source, "--band", "3.0-5.0", "-o", tmp_path / "out.csv")
+    assert answer.code == 2
+    assert one_line(answer.err)
+    assert str(source) in answer.err
+    assert told in answer.err
+    assert [path.name for path in tmp_path.iterdir()] == ["cases.csv"]
+
+
+@pytest.mark.parametrize(
+    ("bands", "told"),
+    [
+        ([], "say --band 3.0-5.0"),
+        (["5-3"], "'5-3'"),
+        (["3.0um-5.0um"], "write it as 3.0-5.0"),
+        (["3-5", "3-5"], "twice"),
+        (["5-8"], "beyond the tables of"),
+        (["20-25"], "beyond the tables of"),
+    ],
+)
+@pytest.mark.parametrize("command", ["atmosphere", "mean"])
+def test_bands_that_are_refused(seaglint, cases, tmp_path, command, bands, told):
+    row = {"atmosphere": LOWTRAN[0][0], "mean": "us-standard-1976,5,10,5,40,0,290,1"}[command]
+    source = cases({"atmosphere": AIR, "mean": MEAN}[command], row)
+    options = [part for band in bands for part in ("--band", band)]
+    answer = seaglint("evaluate", command, source, *options, "-o", tmp_path / "out.csv")
+    assert (answer.code, one_line(answer.err)) == (2, True)
+    assert told in answer.err
+    assert [path.name for path in tmp_path.iterdir()] == ["cases.csv"]
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("", "line 1: the file is empty"),
+        (AIR, "holds no cases"),
+        ("atmosphere,depression_deg\na,1", "columns wind_speed_m_s, sensor_height_m"),
+    ],
+)
+def test_files_without_cases_or_columns(seaglint, cases, tmp_path, content, told):
+    answer = seaglint("evaluate", "atmosphere", cases(content), "--band", "3-5", "-o", tmp_path / "out.csv")
+    assert (answer.code, one_line(answer.err)) == (2, True)
+    assert told in answer.err
+
+
+def test_extrapolated_rows_are_marked(seaglint, cases, tmp_path):
+    source = cases(
+        AIR, LOWTRAN[0][0], "us-standard-1976,25,10,5,40,40", "us-standard-1976,20,10,5,40,40", "us-standard-1976,25,12000,15,40,40"
+    )
+    output = tmp_path / "out.csv"
+    assert seaglint("evaluate", "atmosphere", source, "--band", "3-5", "-o", output, "--extrapolate").code == 0
+    rows = table(output)
+    assert [row["extrapolated"] for row in rows] == ["", "wind_speed_m_s", "", "wind_speed_m_s sensor_height_m"]
+    assert all(0.0 < float(row["tau_mean[3-5]"]) < 1.0 for row in rows)
+
+
+def test_an_output_that_is_there_is_kept_without_overwrite(seaglint, cases, tmp_path):
+    source, output = cases(AIR, LOWTRAN[0][0]), tmp_path / "out.csv"
+    output.write_text("mine")
+    answer = seaglint("evaluate", "atmosphere", source, "--band", "3-5", "-o", output)
+    assert (answer.code, one_line(answer.err), output.read_text()) == (2, True, "mine")
+    assert seaglint("evaluate", "atmosphere", source, "--band", "3-5", "-o", source, "--overwrite").code == 0
+    assert "tau_mean[3-5]" in source.read_text()
+
+
+def test_groups_keep_rows_apart():
+    assert [(key, rows.tolist()) for key, rows in groups_of([(1, 2), (1, 3), (1, 2)])] == [((1, 2), [0, 2]), ((1, 3), [1])]
