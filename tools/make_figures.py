@@ -2,7 +2,8 @@
 
     python tools/make_figures.py
 
-``demo.png`` is the picture of ``./run demo`` (its first frame), ``mean.png`` that of ``seaglint mean examples/demo.toml --preview``.
+``demo.png`` is the picture of ``./run demo`` (its first frame), ``mean.png`` that of ``seaglint mean examples/demo.toml --preview``,
+``fig2.png`` to ``fig4.png`` those of ``seaglint reproduce``. Names after the script draw only these: ``make_figures.py fig2 fig3``.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -23,18 +25,37 @@ def seaglint(*arguments: str | Path) -> None:
     subprocess.run([sys.executable, "-m", "seaglint.cli.app", *map(str, arguments)], check=True)
 
 
-def main() -> None:
-    """Draw both."""
+def render(folder: Path) -> Path:
+    """First frame of the demo."""
+    run = folder / "run.zarr"
+    seaglint("render", SCENARIO, "-o", run, "--frames", "0:1", "--preview")
+    return run.with_suffix(".png")
+
+
+def mean(folder: Path) -> Path:
+    """Mean map of the demo."""
+    seaglint("mean", SCENARIO, "-o", folder / "mean.nc", "--preview")
+    return folder / "mean.png"
+
+
+def figure(name: str, folder: Path) -> Path:
+    """A figure of the article."""
+    seaglint("reproduce", name, "-o", folder)
+    return folder / f"{name}.png"
+
+
+def main(names: list[str]) -> None:
+    """Draw those named, or all."""
+    pictures = {"demo": render, "mean": mean} | {name: partial(figure, name) for name in ("fig2", "fig3", "fig4")}
+    if unknown := set(names) - set(pictures):
+        sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(pictures)}")
     IMAGES.mkdir(exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
-        run, mean = Path(folder) / "run.zarr", Path(folder) / "mean.nc"
-        seaglint("render", SCENARIO, "-o", run, "--frames", "0:1", "--preview")
-        seaglint("mean", SCENARIO, "-o", mean, "--preview")
-        shutil.copy(run.with_suffix(".png"), IMAGES / "demo.png")
-        shutil.copy(mean.with_suffix(".png"), IMAGES / "mean.png")
+        for name in names or pictures:
+            shutil.copy(pictures[name](Path(folder)), IMAGES / f"{name}.png")
     for picture in sorted(IMAGES.glob("*.png")):
         print(f"{picture.relative_to(ROOT)}  {picture.stat().st_size / 1e3:.0f} kB")
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])
