@@ -5,7 +5,7 @@ Occurrences are counted in cells (time segment x tile of the image). With residu
     V = sum over lags l of w(l) sum over cells i of e_i e_(i+l),
 
 an estimate of the spectral density of the residuals at frequency 0 with a flat-top lag window w = w_t w_y w_x: 1 up to a lag m, falling to
-0 at 2 m, where m is, for each axis by itself, the lag from which on the residuals are uncorrelated. Nothing is assumed of the shape of the
+0 at 2 m, where m is, for each axis by itself, the first lag from which on the residuals are uncorrelated. Nothing is assumed of the shape of the
 correlation. With many decorrelated times the residuals are taken from each tile's own rate, so that a rate that varies over the image
 (a corridor) is no uncertainty; with few, tiles are what the rate varies over, and it is.
 
@@ -84,7 +84,7 @@ def _cutoff(covariance: FloatArray, cells: float) -> int | None:
 def _window(m: int, n: int) -> FloatArray:
     """Flat-top window at lags -(n-1) ... n-1; reaches one lag further than the last that is correlated, which costs little."""
     lag = np.abs(np.arange(-(n - 1), n))
-    flat = max(m, 1)
+    flat = m + 1
     return np.asarray(np.clip(2.0 - lag / flat, 0.0, 1.0) if m > 0 else (lag <= 1) * 1.0)
 
 
@@ -123,7 +123,9 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64]) -> Clust
             window = np.ones(2 * n - 1) if m is None else _window(m, n)
             windows.append(window)
             independent.append(1.0 if m is None else n / window.sum())
-        if from_tiles and independent[0] < FEWEST_TIMES:
+        # A frozen pattern has no residuals from its own mean, which says nothing of the next pattern.
+        frozen = from_tiles and float((e * e).sum()) < 0.3 * total * (1.0 - rate)
+        if frozen or (from_tiles and independent[0] < FEWEST_TIMES):
             continue
         weight = windows[0][:, None, None] * windows[1][:, None] * windows[2]
         value = float((weight * products).sum())

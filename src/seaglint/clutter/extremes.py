@@ -39,7 +39,7 @@ TRUSTED_SPAN: Final = 10.0
 TRUSTED_SETS: Final = 10.0
 """Nor is it trusted below one exceedance in this many data sets: nothing in the data speaks of the form of the tail there."""
 
-_DRAWS = 2000
+_DRAWS = 1000
 _TEST_SIZE = 300  # from about 100 on, the null distribution of the distance no longer depends on the number of values
 
 
@@ -108,7 +108,7 @@ def fit_pareto(excess: ArrayLike, number: ArrayLike | None = None) -> ParetoFit:
             return -math.inf
         return -math.log(xi / theta) - xi - 1.0
 
-    grid = np.concatenate([(-1.0 + np.geomspace(1e-4, 1.0, 30)) / most, np.geomspace(1e-3, 50.0, 50)])
+    grid = np.concatenate([(-1.0 + np.geomspace(1e-4, 0.99, 30)) / most, np.geomspace(1e-3, 50.0, 50)])
     # In one go, for the sake of the many fits of a bootstrap; samples of millions go through profile() one by one.
     if y.size <= 10_000:
         xis = np.log1p(grid[:, None] * y) @ share
@@ -183,7 +183,7 @@ class TailFit:
     goodness_p: float
     trusted_to_sigma: float
     trusted_to_rate: float
-    _draws: tuple[tuple[float, ParetoFit], ...]
+    _draws: tuple[FloatArray, FloatArray, FloatArray]
 
     def rates(self, threshold_sigma: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Extrapolated rate and the ends of its 95 % interval [1], at thresholds of u or more [standard deviations].
@@ -197,7 +197,10 @@ class TailFit:
         if (m < self.threshold).any():
             raise DomainError(f"threshold {m.min():g} is below u = {self.threshold:g}; take the measured rate there")
         rate = self.rate * self.fit.survival(m - self.threshold)
-        drawn = np.stack([r * f.survival(m - self.threshold) for r, f in self._draws])
+        rates, shapes, scales = self._draws
+        inside = np.maximum(1.0 + (shapes / scales)[:, None] * (m - self.threshold), 0.0)
+        with np.errstate(divide="ignore"):
+            drawn = rates[:, None] * np.exp(-np.log(inside) / np.abs(shapes)[:, None] * np.sign(shapes)[:, None])
         low, high = np.quantile(drawn, [0.025, 0.975], axis=0)
         return rate, low, high
 
@@ -275,10 +278,9 @@ def _with_limits(
     normal = generator.standard_normal((_DRAWS, 3))
     shapes, scales = root @ normal[:, :2].T + np.array([[fit.shape], [math.log(fit.scale)]])
     rates = rate * np.exp(normal[:, 2] / math.sqrt(number))
-    draws = tuple((float(r), ParetoFit(float(x), math.exp(b), math.nan)) for r, x, b in zip(rates, shapes, scales, strict=True))
     low, high = np.quantile(shapes, [0.025, 0.975])
-    tail = TailFit(u, number, rate, fit, (float(low), float(high)), p, u, rate, draws)
-    m = u + np.linspace(0.0, 10.0, 501) * reached
+    tail = TailFit(u, number, rate, fit, (float(low), float(high)), p, u, rate, (rates, shapes, np.exp(scales)))
+    m = u + np.linspace(0.0, 10.0, 301) * reached
     value, least, most = tail.rates(m)
     wide = ~(most < TRUSTED_SPAN * least) | (value * curve.pixels < 1.0 / TRUSTED_SETS)
     last = max(int(np.argmax(wide)) - 1, 0) if wide.any() else m.size - 1

@@ -1,0 +1,210 @@
+"""False alarms: reference counts on measured images, the Gaussian tail, intervals that hold for clusters, the curve."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter
+from scipy.signal import lfilter
+from scipy.stats import binom, norm
+
+from seaglint.clutter.cluster_variance import rate_variance, score_interval
+from seaglint.clutter.false_alarms import SEGMENTS, FalseAlarms
+from seaglint.clutter.filters import Laplacian
+from seaglint.clutter.thresholds import frame_scale, gaussian_rate, standardise
+from seaglint.errors import DataError, DomainError
+
+
+def count(z: np.ndarray, *thresholds: float) -> FalseAlarms:
+    alarms = FalseAlarms(thresholds or (3.0, 3.5))
+    alarms.add(z)
+    return alarms
+
+
+@pytest.mark.parametrize(
+    ("name", "rates", "ratios"),
+    [
+        ("Misc_66", ("0.0069", "0.0050"), (5.1, 21)),
+        ("Misc_107", ("0.0072", "0.0035"), (5.4, 15)),
+        ("Misc_26", ("0.0051", "0.0037"), (3.8, 16)),
+    ],
+)
+def test_measured_images_give_the_known_rates(data_dir: Path, name: str, rates: tuple[str, str], ratios: tuple[float, float]) -> None:
+    """The whole image filtered, rows from 0.45 of the height down, sigma of that crop: known to the last digit."""
+    from matplotlib.image import imread
+
+    image = (imread(data_dir / "imagery" / f"{name}.png")[..., :3] * 255).round().mean(-1)
+    mask = np.arange(image.shape[0])[:, None] >= int(0.45 * image.shape[0])
+    found = count(standardise(Laplacian().apply(image), np.broadcast_to(mask, image.shape))).rates()
+    assert tuple(f"{r.rate:.4f}" for r in found) == rates
+    # Two digits are known.
+    assert [r.ratio for r in found] == pytest.approx(ratios, rel=0.03)
+
+
+@pytest.mark.parametrize("scope", ["frame", "local"])
+def test_white_gaussian_gives_back_the_tail(scope) -> None:
+    """2e6 pixels; within the 99.9 % interval at both thresholds, and with the inflation of independent pixels."""
+    x = np.random.default_rng(21).standard_normal((32, 256, 256)).astype(np.float32)
+    # A pixel is in its own window: with 63 x 63 pixels that shortens 3.5 sigma by 0.1 %.
+    for r in count(standardise(x, scope=scope, window=63)).rates(level=0.999):
+        assert r.rate_low < gaussian_rate(r.threshold_sigma) < r.rate_high
+        assert r.inflation == pytest.approx(1.0, abs=0.4)
+        assert r.correlation_time is None
+
+
+def test_filtered_gaussian_gives_back_the_tail() -> None:
+    x = np.random.default_rng(22).standard_normal((32, 256, 256)).astype(np.float32)
+    for r in count(standardise(Laplacian().apply(x))).rates(level=0.999):
+        assert r.rate_low < gaussian_rate(r.threshold_sigma) < r.rate_high
+
+
+def test_tail_is_known() -> None:
+    assert gaussian_rate([3.0, 3.5]) == pytest.approx([1.349898e-3, 2.326291e-4], rel=1e-6)
+
+
+def test_standardised_has_mean_0_and_sigma_1_in_the_region_and_nothing_outside() -> None:
+    x = 300 + 5 * np.random.default_rng(3).standard_normal((2, 30, 40)).astype(np.float32)
+    mask = np.zeros((30, 40), bool)
+    mask[5:20, 8:30] = True
+    x[0, 6, 9] = np.nan
+    z = standardise(x, mask)
+    assert np.isnan(z[:, ~mask]).all()
+    assert np.isnan(z[0, 6, 9])
+    mean, std = frame_scale(z, mask)
+    assert mean == pytest.approx(0, abs=1e-5)
+    assert std == pytest.approx(1, abs=1e-6)
+    whole = standardise(x, mask, scope="sequence", scale=(300.0, 5.0))
+    assert whole[1, 10, 10] == pytest.approx((x[1, 10, 10] - 300) / 5, rel=1e-5)
+
+
+def test_local_sigma_follows_the_image() -> None:
+    gain = np.where(np.arange(200) < 100, 1.0, 10.0)
+    x = (gain * np.random.default_rng(4).standard_normal((1, 200, 200))).astype(np.float32)
+    z = standardise(x, scope="local", window=21)
+    assert [z[..., :85].std(), z[..., 115:].std()] == pytest.approx([1, 1], rel=0.03)
+
+
+@pytest.mark.parametrize("scope", ["frame", "local"])
+def test_constant_image_has_no_rate(scope) -> None:
+    alarms = count(standardise(Laplacian().apply(np.full((3, 40, 40), 291.3)), scope=scope))
+    assert alarms.empty_frames == 3
+    assert all(np.isnan(r.rate) and r.rate_low is None and r.note for r in alarms.rates())
+    assert alarms.curve().threshold.size == 0
+
+
+def test_result_does_not_depend_on_blocks() -> None:
+    z = np.random.default_rng(8).standard_normal((SEGMENTS + 44, 20, 24)).astype(np.float32)
+    z[7] = np.nan
+    whole, parts = count(z, 2.0), FalseAlarms((2.0,))
+    for block in np.array_split(z, [1, 2, 50, 257]):
+        parts.add(block)
+    assert parts.rates() == whole.rates()
+    assert np.array_equal(parts.histogram, whole.histogram)
+    assert np.array_equal(parts.events(2.0).size, whole.events(2.0).size)
+    r = whole.rates()[0]
+    assert (r.exceedances, r.pixels) == (int((z > 2).sum()), int(np.isfinite(z).sum()))
+    assert whole.empty_frames == 1
+
+
+def test_curve_is_the_survival_function() -> None:
+    z = np.random.default_rng(9).standard_exponential((4, 100, 100)).astype(np.float32)
+    curve = count(z, 3.0).curve()
+    for m in (0.0, 1.0, 3.0):
+        k = int(np.argmin(np.abs(curve.threshold - m)))
+        assert curve.exceedances[k] == (z >= m).sum()
+    assert curve.threshold[-1] > z.max()
+    assert curve.exceedances[-1] == 0
+    assert curve.threshold_for(np.exp(-3)) == pytest.approx(3.0, abs=0.15)  # 2000 exceedances, 5 sigma
+    assert curve.threshold_for(1e-9) is None
+
+
+def test_interval_of_few_exceedances_says_what_it_rests_on() -> None:
+    z = np.zeros((1, 64, 64), np.float32)
+    z[0, 5, 5] = 4.0
+    low, high = count(z, 3.0, 5.0).rates()
+    assert "fewer than 10" in str(low.note)
+    assert low.rate_low < 1 / 4096 < low.rate_high
+    assert high.rate_low == 0.0
+    assert 1 / 4096 < high.rate_high < 6 / 4096  # rule of three and its relatives: 3 to 4 in n
+
+
+@pytest.mark.parametrize("rate", [0.001, 0.01, 0.1])
+def test_score_interval_covers_independent_counts(rate: float) -> None:
+    """Exact coverage by summing the binomial distribution, n = 5000."""
+    k = np.arange(0, 1000)
+    ends = np.array([score_interval(int(i), 5000, 1.0, np.inf, 0.95) for i in k])
+    covered = binom.pmf(k, 5000, rate)[(ends[:, 0] <= rate) & (rate <= ends[:, 1])].sum()
+    assert covered == pytest.approx(0.95, abs=0.02)
+
+
+def test_inflation_is_the_size_of_the_clusters() -> None:
+    """Squares of 3 x 3 exceed together: nine pixels count as one."""
+    seeds = np.random.default_rng(10).random((60, 96, 96)) < 0.01
+    z = np.where(np.kron(seeds, np.ones((1, 3, 3))) > 0, 5.0, 0.0)
+    assert count(z, 3.0).rates()[0].inflation == pytest.approx(9 * 0.99 / (1 - 0.01), rel=0.25)
+
+
+def test_rate_that_varies_over_the_image_is_not_uncertainty() -> None:
+    """A corridor: half the image has all exceedances, each frame anew."""
+    rate = np.where(np.arange(128) < 64, 0.02, 0.0)
+    z = np.where(np.random.default_rng(12).random((200, 128, 128)) < rate, 5.0, 0.0)
+    assert count(z, 3.0).rates()[0].inflation == pytest.approx(1.0, abs=0.5)
+
+
+def test_one_everlasting_pattern_has_no_interval() -> None:
+    counts = np.zeros((50, 8, 8), np.int64)
+    counts[:, :4] = 9
+    found = rate_variance(counts, np.full_like(counts, 64))
+    assert found.variance is None
+    assert "correlated" in str(found.note)
+
+
+def correlated_field(generator: np.random.Generator, frames: int, side: int, time: float, length: float) -> np.ndarray:
+    """Gaussian field of unit variance, exponential in time (1/e after ``time`` frames), a Gaussian blur of ``length`` pixels in space."""
+    x = generator.standard_normal((frames, side, side))
+    if time:
+        a = np.exp(-1 / time)
+        x[0] /= np.sqrt(1 - a * a)
+        x = lfilter([np.sqrt(1 - a * a)], [1, -a], x, axis=0)
+    return gaussian_filter(x, (0, length, length), mode="wrap") * 2 * length * np.sqrt(np.pi) if length else x
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize(("frames", "side", "time", "length"), [(1, 256, 0, 1.5), (1, 128, 0, 0), (60, 64, 4, 1.5), (256, 32, 6, 1.5)])
+def test_intervals_cover_the_truth(frames: int, side: int, time: float, length: float) -> None:
+    """1000 simulations of a correlated field: 95 % intervals hold the true rate in 93 to 97 %.
+
+    Thresholds at which a gamma field of shape 0.7, made of the Gaussian one point by point, stands 3 and 3.5 sigma above its mean.
+    """
+    generator = np.random.default_rng(5)
+    thresholds = (1.846, 2.031)
+    covered = np.zeros(2)
+    for _ in range(1000):
+        rates = count(correlated_field(generator, frames, side, time, length), *thresholds).rates()
+        covered += [r.rate_low is not None and r.rate_low <= norm.sf(r.threshold_sigma) <= r.rate_high for r in rates]
+    assert ((covered >= 930) & (covered <= 970)).all(), covered
+
+
+@pytest.mark.parametrize(
+    ("make", "says"),
+    [
+        (lambda: FalseAlarms(()), "above 0"),
+        (lambda: FalseAlarms((-1.0,)), "above 0"),
+        (lambda: count(np.ones((1, 4, 4))).rates(level=95), "0.95"),
+        (lambda: count(np.ones((1, 4, 4))).joint(4.0), "3, 3.5"),
+        (lambda: standardise(np.ones((1, 4, 4)), np.ones((3, 4), bool)), "does not fit"),
+        (lambda: standardise(np.ones((1, 4, 4)), scope="sequence"), "whole sequence"),
+        (lambda: standardise(np.ones((1, 4, 4)), scope="local", window=4), "odd"),
+    ],
+)
+def test_unusable_input_is_said(make, says: str) -> None:
+    with pytest.raises((DataError, DomainError), match=says):
+        make()
+
+
+def test_frames_of_another_size_are_refused() -> None:
+    alarms = count(np.zeros((1, 5, 5)))
+    with pytest.raises(DataError, match="one size"):
+        alarms.add(np.zeros((1, 5, 6)))
