@@ -17,7 +17,14 @@ from scipy.interpolate import CubicSpline
 from scipy.sparse import csr_array
 
 from seaglint.atmosphere.base import FloatArray, wavenumber_grid
-from seaglint.atmosphere.coordinates import Refraction, decode_optical_depth, elevation_coordinate, height_coordinate, straight_slant
+from seaglint.atmosphere.coordinates import (
+    Refraction,
+    decode_optical_depth,
+    elevation_coordinate,
+    height_coordinate,
+    path_coordinate,
+    straight_slant,
+)
 from seaglint.atmosphere.table import models, read_table
 from seaglint.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
@@ -165,9 +172,10 @@ class BatchAtmosphere:
     def load(cls, model: str, band_um: tuple[float, float], *, extrapolate: bool = False) -> BatchAtmosphere:
         """Read the table of ``model`` over a band [um].
 
-        With ``extrapolate`` winds outside the table see the air of its nearest wind. Sensors above it have the optical depth of its highest
-        one for a ray that is as far on the way from straight down to the horizon; below its lowest one a path has the depth of
-        one of equal length from there: the air is the same. Outside winds and heights are refused otherwise.
+        With ``extrapolate`` winds above the table see the air of its highest wind, as in LOWTRAN7 itself. Below the table's lowest height a
+        path is one of equal length from there: the air is the same (transmittance within 0.02 %, path radiance 0.1 %, 0.5 m). The path to
+        a sensor above it ends where the ray passes the highest one and lacks the air above: at 15 km and 30 deg down 1-3 % of
+        transmittance and 3-9 % of path radiance, more towards the horizon. Outside winds and heights are refused otherwise.
 
         Raises
         ------
@@ -253,8 +261,8 @@ class BatchAtmosphere:
         cosine = self._refraction.sea_cosine(h, depression)
         if np.any(np.isnan(cosine)):
             raise DomainError("a line of sight misses the sea; give depressions below the sea horizon, see dip()")
-        horizon = straight_slant(h, 0.0)
-        straight = np.log(np.maximum(straight_slant(h, cosine) / h, 1.0)) / np.log(horizon / h)
+        h = np.minimum(h, self.height_range[1])
+        straight = path_coordinate(straight_slant(h, cosine), h, straight_slant(h, 0.0))
         nodes = np.linspace(0.0, 1.0, self._ray.shape[-1] // 2)
         # The ray's spline says how far along LOWTRAN7's own path the sea lies: the coordinate of the path nodes.
         x = np.maximum(at_height.times(Stencil.hermite(nodes, straight)).of(self._ray.reshape(-1)), 0.0)
