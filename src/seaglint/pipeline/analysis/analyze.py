@@ -1,0 +1,311 @@
+"""A recording becomes its clutter statistics and false-alarm rates, in two passes over the file and one more per detector."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.clutter.false_alarms import FalseAlarms
+from seaglint.clutter.filters import Filter, Laplacian
+from seaglint.clutter.segmentation import Segmentation, segment
+from seaglint.clutter.thresholds import Scope, frame_scale, standardise
+from seaglint.detection.base import Detector, statistics
+from seaglint.errors import DataError, DomainError
+from seaglint.io.recording import Recording
+from seaglint.pipeline.analysis.region import Gatherer, Region, region
+from seaglint.pipeline.analysis.survey import Progress, Survey, ahead, survey
+
+BoolArray = NDArray[np.bool_]
+FrameArray = NDArray[np.float32]
+
+ALWAYS: Final = (3.0, 3.5)
+"""Thresholds that are always counted: those of the source article's Table 1 [standard deviations]."""
+
+REGIONS: Final = ("all", "glint", "background")
+RegionName = Literal["all", "glint", "background"]
+
+KEPT_FRAMES: Final = 24
+"""Frames kept for statistics in space, evenly spaced over the recording."""
+
+SLICED_FRAMES: Final = 2000
+"""Frames of which a row and a column are kept for the picture of them in time."""
+
+FEWEST_PIXELS: Final = 100
+"""A region with fewer pixels is not analysed."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to analyse.
+
+    Attributes
+    ----------
+    filter : Filter
+        Before thresholds; the article's Laplacian by default.
+    thresholds : tuple of float
+        Beside 3.0 and 3.5 [standard deviations].
+    scope : {"frame", "sequence", "local"}
+        Whose standard deviation: of the region in each frame, in the whole sequence, or around each pixel.
+    rows : (float, float)
+        Part of the rows to analyse, as shares of the height from the top; filters see the whole picture.
+    mask : ndarray of bool, optional
+        The glinting pixels, instead of the segmentation.
+    detectors : tuple of Detector
+        Judged by the same counting.
+    seed : int
+        Of everything that is sampled.
+    """
+
+    filter: Filter = field(default_factory=Laplacian)
+    thresholds: tuple[float, ...] = ()
+    scope: Scope = "frame"
+    rows: tuple[float, float] = (0.0, 1.0)
+    mask: BoolArray | None = None
+    detectors: tuple[Detector, ...] = ()
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Slices:
+    """A row and a column in time: raw, filtered, and above the lowest threshold [(frames, columns or rows)]."""
+
+    row: int
+    column: int
+    along_row: tuple[FrameArray, FrameArray, BoolArray]
+    along_column: tuple[FrameArray, FrameArray, BoolArray]
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """Everything that JSON, plots and report are made of."""
+
+    recording: Recording
+    options: Options
+    segmentation: Segmentation | None
+    image: NDArray[np.float64]
+    regions: dict[str, Region]
+    slices: Slices
+    notes: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain numbers and text of all results; absent regions are None."""
+        found = self.segmentation
+        rate = self.recording.frame_rate
+        return {
+            "source": self.recording.source,
+            "frames": self.recording.frames,
+            "rows": self.recording.rows,
+            "columns": self.recording.columns,
+            "units": self.recording.units,
+            "frame_rate_hz": rate,
+            "filter": self.options.filter.name,
+            "sigma_of": self.options.scope,
+            "segmentation": {
+                "found": "glint" in self.regions,
+                "method": "mask given" if found is None else found.method,
+                "separability": None if found is None or not np.isfinite(found.separability) else found.separability,
+                "contrast": None if found is None or not np.isfinite(found.contrast) else found.contrast,
+                "reason": None if found is None else found.reason or None,
+                "sky_pixels": 0 if found is None else int(found.sky.sum()),
+            },
+            "regions": {name: self.regions[name].as_dict(rate) if name in self.regions else None for name in REGIONS},
+            "notes": list(self.notes),
+        }
+
+
+def analyze(recording: Recording, options: Options | None = None, progress: Progress = lambda done, total: None) -> Analysis:
+    """Analyse a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+        From :func:`seaglint.io.recording.open_recording`.
+    options : Options, optional
+        Filter, thresholds, mask, detectors.
+    progress : callable
+        Called with (frames read, frames to read in all).
+
+    Returns
+    -------
+    Analysis
+
+    Raises
+    ------
+    DataError
+        Nothing finite in the recording, or a mask that does not fit.
+
+    Notes
+    -----
+    Memory does not grow with the recording: blocks of some thirty megabytes, and maps of the size of a frame.
+    """
+    wanted = options if options is not None else Options()
+    rows = _row_mask(recording, wanted.rows)
+    if wanted.mask is not None and wanted.mask.shape != rows.shape:
+        raise DataError(
+            f"the mask has {wanted.mask.shape[0]} x {wanted.mask.shape[1]} pixels, the frames have {recording.rows} x {recording.columns}; "
+            "give one value per pixel"
+        )
+    first = survey(recording, progress)
+    found, masks, notes = _regions(first, rows, wanted.mask)
+    thresholds = tuple(sorted({*ALWAYS, *wanted.thresholds}))
+    results, slices = _count(recording, wanted, first, masks, thresholds, progress)
+    for detector in wanted.detectors:
+        _judge(recording, detector, first.dead, results, thresholds)
+    return Analysis(recording, wanted, found, first.moments.image, results, slices, (*recording.notes, *first.notes, *notes))
+
+
+def _row_mask(recording: Recording, part: tuple[float, float]) -> BoolArray:
+    low, high = part
+    if not 0.0 <= low < high <= 1.0:
+        raise DomainError(f"rows = {low:g}:{high:g}; give shares of the height from the top, 0 <= first < last <= 1")
+    mask = np.zeros((recording.rows, recording.columns), np.bool_)
+    mask[int(np.floor(low * recording.rows + 1e-9)) : max(int(np.floor(high * recording.rows + 1e-9)), 1)] = True
+    return mask
+
+
+def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Segmentation | None, dict[str, BoolArray], list[str]]:
+    """Masks by name; a region that is too small is absent and noted."""
+    good = (first.moments.count > 0) & ~first.dead & rows
+    notes: list[str] = []
+    found: Segmentation | None = None
+    if mask is not None:
+        glint, background = mask & good, good & ~mask
+    else:
+        several = int(first.moments.count.max()) > 1
+        # The segmentation looks at the whole picture, whatever rows are analysed: it needs the sky to know it.
+        image = np.where(first.dead, np.nan, first.moments.image)
+        found = segment(image, np.where(first.dead, np.nan, first.moments.std) if several else None)
+        glint, background = found.glint & good, found.background & good
+        if not found.found:
+            notes.append(f"no glint corridor found: {found.reason}")
+    masks = {"all": good}
+    for name, pixels in (("glint", glint), ("background", background)):
+        count = int(pixels.sum())
+        if count >= FEWEST_PIXELS:
+            masks[name] = pixels
+        elif count or (mask is not None):
+            notes.append(f"the {name} region has {count} pixels, too few for statistics (at least {FEWEST_PIXELS})")
+    return found, masks, notes
+
+
+def _filtered(recording: Recording, options: Options, dead: BoolArray) -> Iterator[tuple[FrameArray, FrameArray]]:
+    """Blocks, raw and filtered; dead pixels are missing in both."""
+    for block in ahead(recording):
+        if dead.any():
+            block[:, dead] = np.nan
+        yield block, options.filter.apply(block)
+
+
+def _count(
+    recording: Recording,
+    options: Options,
+    first: Survey,
+    masks: dict[str, BoolArray],
+    thresholds: tuple[float, ...],
+    progress: Progress,
+) -> tuple[dict[str, Region], Slices]:
+    """Second pass: false alarms of the filter, and what statistics in space and time need."""
+    kept_numbers = np.unique(np.linspace(0, recording.frames - 1, min(KEPT_FRAMES, recording.frames)).astype(np.int64))
+    kept = np.empty((kept_numbers.size, recording.rows, recording.columns), np.float32)
+    gatherers = {name: Gatherer(mask, recording.frames, kept_numbers, options.seed) for name, mask in masks.items()}
+    alarms = {name: FalseAlarms(thresholds) for name in masks}
+    scales = _sequence_scales(recording, options, first.dead, masks) if options.scope == "sequence" else {}
+    slicer = _Slicer(masks.get("glint", masks["all"]), recording, options, masks["all"])
+    done = 0
+    for block, filtered in _filtered(recording, options, first.dead):
+        for name, mask in masks.items():
+            z = standardise(filtered, mask, scope=options.scope, scale=scales.get(name))
+            alarms[name].add(z)
+            if name == "all":
+                slicer.add(block, filtered, z)
+            gatherers[name].add(block, done)
+        inside = (kept_numbers >= done) & (kept_numbers < done + block.shape[0])
+        kept[inside] = block[kept_numbers[inside] - done]
+        done += block.shape[0]
+        progress(recording.frames + done, 2 * recording.frames)
+    spacing = float(recording.frames - 1) / max(kept_numbers.size - 1, 1)
+    results = {}
+    for name, gathered in gatherers.items():
+        moments = first.moments.region(masks[name])
+        made = region(name, gathered, moments, first.moments.image, kept, max(spacing, 1.0), recording.frame_rate, options.seed)
+        results[name] = replace(
+            made, alarms={options.filter.name: alarms[name]}, notes=(*made.notes, *_own_notes(first, masks[name], recording))
+        )
+    return results, slicer.result()
+
+
+def _own_notes(first: Survey, mask: BoolArray, recording: Recording) -> tuple[str, ...]:
+    share = float(first.saturated[mask].sum()) / max(float(first.moments.count[mask].sum()), 1.0)
+    return (f"{100 * share:.3g} % saturated",) if share > 0.0 else ()
+
+
+def _sequence_scales(
+    recording: Recording, options: Options, dead: BoolArray, masks: dict[str, BoolArray]
+) -> dict[str, tuple[float, float]]:
+    """Mean and deviation of the filtered sequence in each region: a pass of its own."""
+    sums = {name: np.zeros(3) for name in masks}
+    for _, filtered in _filtered(recording, options, dead):
+        for name, mask in masks.items():
+            mean, std = frame_scale(filtered, mask)
+            count = np.isfinite(filtered[:, mask]).sum(axis=1)
+            with np.errstate(invalid="ignore"):
+                sums[name] += np.nansum([count, count * mean, count * (std**2 + mean**2)], axis=1)
+    scales = {}
+    for name, parts in sums.items():
+        count, total, squares = (float(v) for v in parts)
+        mean = total / count if count else 0.0
+        variance = squares / count - mean**2 if count else 0.0
+        scales[name] = (mean, float(np.sqrt(max(variance, 0.0))))
+    return scales
+
+
+def _judge(recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...]) -> None:
+    """One pass of a detector through the same counting."""
+
+    def blocks() -> Iterator[FrameArray]:
+        for block in ahead(recording):
+            if dead.any():
+                block[:, dead] = np.nan
+            yield block
+
+    alarms = {name: FalseAlarms(thresholds) for name in results}
+    for statistic in statistics(detector, blocks()):
+        for name, result in results.items():
+            z = np.where(result.mask, statistic, np.nan).astype(np.float32) if detector.calibrated else standardise(statistic, result.mask)
+            alarms[name].add(z)
+    for name, result in results.items():
+        result.alarms[detector.name] = alarms[name]
+
+
+class _Slicer:
+    """Keeps the row and the column through the middle of a region."""
+
+    def __init__(self, mask: BoolArray, recording: Recording, options: Options, valid: BoolArray) -> None:
+        rows, columns = np.nonzero(mask)
+        self._row = int(np.median(rows)) if rows.size else recording.rows // 2
+        self._column = int(np.median(columns[rows == self._row])) if (rows == self._row).any() else recording.columns // 2
+        self._threshold = min(ALWAYS)
+        self._parts: list[tuple[FrameArray, ...]] = []
+        self._room = SLICED_FRAMES
+
+    def add(self, block: FrameArray, filtered: FrameArray, z: FrameArray) -> None:
+        """Take a block."""
+        if self._room > 0:
+            n = min(self._room, block.shape[0])
+            cuts = (a[:n, self._row].copy() for a in (block, filtered, z)), (a[:n, :, self._column].copy() for a in (block, filtered, z))
+            self._parts.append((*cuts[0], *cuts[1]))
+            self._room -= n
+
+    def result(self) -> Slices:
+        """Joined."""
+        joined = [np.concatenate(parts) for parts in zip(*self._parts, strict=True)]
+        return Slices(
+            self._row,
+            self._column,
+            (joined[0], joined[1], joined[2] > self._threshold),
+            (joined[3], joined[4], joined[5] > self._threshold),
+        )

@@ -1,0 +1,254 @@
+"""Statistics of one region of a recording, as they go into the JSON."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint import random
+from seaglint.clutter.correlation import (
+    SpatialCorrelation,
+    TemporalCorrelation,
+    block_labels,
+    effective_count,
+    spatial_correlation,
+    temporal_correlation,
+    trend_surface,
+)
+from seaglint.clutter.extremes import TailFit, fit_tail
+from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
+from seaglint.clutter.fits import FAMILIES, Fit, fit
+from seaglint.clutter.goodness import Goodness, goodness
+from seaglint.clutter.moments import Moments
+from seaglint.clutter.spectrum import Spectrum, power_spectrum
+from seaglint.clutter.stationarity import Stationarity, stationarity
+from seaglint.errors import DataError
+
+BoolArray = NDArray[np.bool_]
+FrameArray = NDArray[np.float32]
+
+SAMPLE: Final = 120_000
+"""Values fitted: errors of the fit are then those of the independent values in the recording, not of the sample."""
+
+BLOCK_LENGTHS: Final = 5.0
+"""Sides of the blocks of the fits' intervals, in correlation lengths."""
+
+SERIES_VALUES: Final = 4_000_000
+"""Values of pixels in time that are kept for the correlation time."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """One region's results; see :meth:`as_dict` for what of them is written."""
+
+    name: str
+    mask: BoolArray
+    moments: Moments
+    fits: dict[str, Fit]
+    goodness: dict[str, Goodness]
+    sample: NDArray[np.float64]
+    spatial: SpatialCorrelation
+    temporal: TemporalCorrelation
+    stationarity: Stationarity
+    spectrum: Spectrum | None
+    alarms: dict[str, FalseAlarms] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    def as_dict(self, frame_rate: float | None) -> dict[str, Any]:
+        """Plain numbers and text; what does not exist is None."""
+        m = self.moments
+        return {
+            "pixels": int(self.mask.sum()),
+            "values": m.count,
+            "mean": number(m.mean),
+            "std": number(m.std),
+            "skewness": number(m.skewness),
+            "excess_kurtosis": number(m.excess_kurtosis),
+            "minimum": number(m.minimum),
+            "maximum": number(m.maximum),
+            "fits": {family: self._fit(family) for family in FAMILIES},
+            "false_alarms": [entry for name, alarms in self.alarms.items() for entry in _alarm_entries(name, alarms, frame_rate)],
+            "correlation_length_px": {"x": number(self.spatial.length_x), "y": number(self.spatial.length_y)},
+            "correlation_time_s": number(self.temporal.time) if frame_rate is not None else None,
+            "correlation_time_frames": number(self.temporal.time * (frame_rate or 1.0)),
+            "stationary": self.stationarity.stationary,
+            "stationarity": {
+                "p_mean": number(self.stationarity.p_mean),
+                "p_variance": number(self.stationarity.p_variance),
+                "block_px": list(self.stationarity.block),
+                "reason": self.stationarity.reason or None,
+                "method": self.stationarity.method,
+            },
+            "spectrum": self._spectrum(),
+            "notes": list(self.notes),
+        }
+
+    def _fit(self, family: str) -> dict[str, Any]:
+        found, good = self.fits.get(family), self.goodness.get(family)
+        if found is None:
+            found = fit(np.empty(0), family)  # type: ignore[arg-type]
+        return {
+            "shape": found.shape,
+            "scale": found.scale,
+            "loc": found.loc,
+            "shape_interval": _pair(found.shape_interval),
+            "scale_interval": _pair(found.scale_interval),
+            "loc_interval": _pair(found.loc_interval),
+            "log_likelihood_per_value": None if found.log_likelihood is None else number(found.log_likelihood / max(found.count, 1)),
+            "effective_count": number(found.effective_count),
+            "excluded": found.excluded,
+            "ks": None if good is None else number(good.ks),
+            "ks_p": None if good is None else number(good.ks_p),
+            "ad": None if good is None else number(good.ad),
+            "ad_p": None if good is None else number(good.ad_p),
+            "reason": found.reason or None,
+        }
+
+    def _spectrum(self) -> dict[str, Any] | None:
+        if self.spectrum is None or self.spectrum.segments == 0:
+            return None
+        frequency, density = self.spectrum.radial()
+        return {"frequency_cycles_px": [number(f) for f in frequency], "density": [number(d) for d in density]}
+
+
+def number(value: float) -> float | None:
+    """A finite number, or None: JSON has no NaN."""
+    return float(value) if math.isfinite(value) else None
+
+
+def _pair(interval: tuple[float, float] | None) -> list[float | None] | None:
+    return None if interval is None else [number(v) for v in interval]
+
+
+def _alarm_entries(name: str, alarms: FalseAlarms, frame_rate: float | None) -> list[dict[str, Any]]:
+    tail, tail_reason = tail_of(alarms)
+    return [_alarm_entry(name, alarms, rate, tail, tail_reason, frame_rate) for rate in alarms.rates()]
+
+
+def tail_of(alarms: FalseAlarms) -> tuple[TailFit | None, str | None]:
+    """Extreme-value tail of an accumulator, from the events of its lowest threshold."""
+    if alarms.pixels == 0:
+        return None, "no pixels"
+    return fit_tail(alarms.curve(), alarms.events(alarms.thresholds[0]))
+
+
+def _alarm_entry(
+    name: str, alarms: FalseAlarms, rate: FalseAlarmRate, tail: TailFit | None, tail_reason: str | None, frame_rate: float | None
+) -> dict[str, Any]:
+    events = alarms.events(rate.threshold_sigma) if alarms.pixels else None
+    duration = events.mean_duration if events is not None else None
+    seconds = None if frame_rate is None else 1.0 / frame_rate
+    return {
+        "filter": name,
+        "threshold_sigma": rate.threshold_sigma,
+        "rate": number(rate.rate),
+        "rate_low": rate.rate_low,
+        "rate_high": rate.rate_high,
+        "gaussian_rate": rate.gaussian_rate,
+        "ratio": number(rate.ratio),
+        "exceedances": rate.exceedances,
+        "inflation": rate.inflation,
+        "correlation_time_s": rate.correlation_time * seconds if rate.correlation_time is not None and seconds is not None else None,
+        "correlation_time_frames": rate.correlation_time,
+        "correlation_note": rate.correlation_note,
+        "note": rate.note,
+        "events": None if events is None else len(events),
+        "events_per_frame": None if events is None else number(events.per_frame),
+        "event_duration_s": duration * seconds if duration is not None and seconds is not None and alarms.frames > 1 else None,
+        "tail": _tail(tail, tail_reason) if rate.threshold_sigma == alarms.thresholds[0] else None,
+    }
+
+
+def _tail(tail: TailFit | None, reason: str | None) -> dict[str, Any]:
+    if tail is None:
+        return {"reason": reason}
+    return {
+        "from_sigma": tail.threshold,
+        "events": tail.events,
+        "shape": tail.fit.shape,
+        "shape_interval": _pair(tail.shape_interval),
+        "scale_sigma": tail.fit.scale,
+        "goodness_p": number(tail.goodness_p),
+        "trusted_to_sigma": number(tail.trusted_to_sigma),
+        "trusted_to_rate": number(tail.trusted_to_rate),
+        "reason": None,
+    }
+
+
+class Gatherer:
+    """What the second pass keeps of a region's raw values: a sample, some frames, some pixels in time."""
+
+    def __init__(self, mask: BoolArray, frames: int, kept_frames: NDArray[np.int64], seed: int) -> None:
+        self.mask = mask
+        inside = np.flatnonzero(mask)
+        rng = random.stream(seed, "pixels of a region")
+        per_frame = min(max(SAMPLE // max(kept_frames.size, 1), 1), inside.size)
+        self._sampled = [np.sort(rng.choice(inside, per_frame, replace=False)) for _ in kept_frames]
+        count = min(inside.size, max(SERIES_VALUES // max(frames, 1), 1), 4000)
+        self._pixels = np.sort(rng.choice(inside, count, replace=False)) if frames > 1 else np.empty(0, np.int64)
+        self._series = np.empty((frames if self._pixels.size else 0, self._pixels.size), np.float32)
+
+    def add(self, block: FrameArray, start: int) -> None:
+        """Take the frames from ``start`` on."""
+        if self._pixels.size:
+            self._series[start : start + block.shape[0]] = block.reshape(block.shape[0], -1)[:, self._pixels]
+
+    def sample(self, kept: FrameArray, sides: tuple[float, float]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Values from the frames kept, and the block that each lies in."""
+        labels = block_labels(self.mask.shape, sides).ravel()
+        most = int(labels.max()) + 1
+        values = np.concatenate([frame.ravel()[p] for frame, p in zip(kept, self._sampled, strict=True)]).astype(np.float64)
+        blocks = np.concatenate([i * most + labels[p] for i, p in enumerate(self._sampled)])
+        good = np.isfinite(values)
+        return values[good], blocks[good]
+
+    def temporal(self, frame_rate: float | None) -> TemporalCorrelation:
+        """Correlation in time of the pixels kept."""
+        if not self._pixels.size:
+            return TemporalCorrelation(np.full(1, np.nan), np.nan, np.nan, "a single frame")
+        return temporal_correlation(self._series, frame_rate)
+
+
+def region(
+    name: str,
+    gathered: Gatherer,
+    moments: Moments,
+    image: NDArray[np.float64],
+    kept: FrameArray,
+    kept_spacing: float,
+    frame_rate: float | None,
+    seed: int,
+) -> Region:
+    """Statistics of the values that the second pass gathered; ``kept`` are frames ``kept_spacing`` frames apart."""
+    mask = gathered.mask
+    notes: list[str] = []
+    trend = trend_surface(image, mask)
+    spatial = spatial_correlation(kept, mask, mean=trend)
+    temporal = gathered.temporal(frame_rate)
+    if temporal.reason and gathered._pixels.size:
+        notes.append(f"correlation time: {temporal.reason}")
+    lengths = [BLOCK_LENGTHS * (length if math.isfinite(length) else 10.0) for length in (spatial.length_y, spatial.length_x)]
+    values, blocks = gathered.sample(kept, (lengths[0], lengths[1]))
+    in_frames = temporal.scale / kept_spacing if math.isfinite(temporal.scale) else 1.0
+    independent = effective_count(float(kept.shape[0] * mask.sum()), spatial.scale_x, spatial.scale_y, max(in_frames, 1.0))
+    independent = min(independent, float(values.size))
+    enough_blocks = np.unique(blocks).size >= 20 and in_frames <= 1.0
+    fits: dict[str, Fit] = {}
+    tests: dict[str, Goodness] = {}
+    for family in FAMILIES:
+        found = fit(values, family, effective_count=independent, blocks=blocks if enough_blocks else None)
+        fits[family] = found
+        if found.is_valid:
+            tests[family] = goodness(values, found, effective_count=independent, seed=seed)
+    still = stationarity(kept, mask, length_x=spatial.length_x, length_y=spatial.length_y, seed=seed)
+    try:
+        spectrum = power_spectrum(kept, mask, mean=trend)
+    except DataError:
+        spectrum = None  # pictures of fewer than 8 pixels a side
+    if moments.is_constant:
+        notes.append("all values are equal")
+    return Region(name, mask, moments, fits, tests, values, spatial, temporal, still, spectrum, {}, tuple(notes))

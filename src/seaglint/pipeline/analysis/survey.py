@@ -1,0 +1,149 @@
+"""First pass over a recording: moments of every pixel in time, and what is wrong with the data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.clutter.moments import PixelMoments
+from seaglint.errors import DataError
+from seaglint.io.recording import Recording
+
+BoolArray = NDArray[np.bool_]
+Progress = Callable[[int, int], None]
+
+SATURATED_SHARE = 1e-4
+"""Share of saturated pixels from which it is told: a tail of one in 10 000 is cut."""
+
+FEWEST_FOR_DEAD = 8
+"""Frames from which a pixel that never changes is called dead rather than calm."""
+
+MOST_DEAD = 0.25
+"""Above this share of never-changing pixels the scene or the recording is still, not the pixels dead."""
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What the first pass found.
+
+    Attributes
+    ----------
+    moments : PixelMoments
+        In time, of every pixel.
+    dead : ndarray of bool, shape (rows, columns)
+        Rows and pixels that carry no picture; they are left out of everything.
+    saturated : ndarray, shape (rows, columns)
+        Frames in which each pixel reaches full scale.
+    notes : tuple of str
+        Sentences for the report.
+    """
+
+    moments: PixelMoments
+    dead: BoolArray
+    saturated: NDArray[np.int64]
+    notes: tuple[str, ...]
+
+
+def ahead(recording: Recording, memory: float = 32e6) -> Iterator[NDArray[np.float32]]:
+    """Blocks of a recording, the next one read while the present one is worked on."""
+    step = max(int(memory / (4.0 * recording.rows * recording.columns)), 1)
+    starts = range(0, recording.frames, step)
+    with ThreadPoolExecutor(1) as reader:
+        waiting = reader.submit(recording.read, 0, min(step, recording.frames))
+        for start in starts:
+            block = waiting.result()
+            if start + step < recording.frames:
+                waiting = reader.submit(recording.read, start + step, min(start + 2 * step, recording.frames))
+            yield block
+
+
+def survey(recording: Recording, progress: Progress) -> Survey:
+    """Read everything once.
+
+    Raises
+    ------
+    DataError
+        No pixel has a finite value.
+    """
+    shape = recording.rows, recording.columns
+    moments = PixelMoments.empty(*shape)
+    saturated = np.zeros(shape, np.int64)
+    flat_rows = np.ones(recording.rows, dtype=np.bool_)
+    missing, repeats, done = 0, 0, 0
+    last: NDArray[np.float32] | None = None
+    for block in ahead(recording):
+        moments.add(block)
+        if recording.saturation is not None:
+            saturated += (block >= recording.saturation).sum(axis=0)
+        with np.errstate(invalid="ignore"):
+            flat_rows &= ~(block.max(axis=2) > block.min(axis=2)).any(axis=0)
+        missing += int(block.size - np.count_nonzero(np.isfinite(block)))
+        # Repeats tell a wrong frame rate; a few lines of a frame are enough to see one.
+        lines = block[:, :: max(recording.rows // 8, 1)]
+        before = lines[:1] if last is None else last[np.newaxis]
+        pairs = np.concatenate([before, lines])
+        same = (pairs[1:] == pairs[:-1]).all(axis=(1, 2))
+        repeats += int(same[1 if last is None else 0 :].sum())
+        last = lines[-1].copy()
+        done += block.shape[0]
+        progress(done, 2 * recording.frames)
+    if not (moments.count > 0).any():
+        raise DataError(f"{recording.source}: no pixel has a finite value; nothing can be said of it")
+    dead, dead_notes = _dead(recording, moments, flat_rows)
+    return Survey(moments, dead, saturated, (*dead_notes, *_notes(recording, moments, saturated, missing, repeats)))
+
+
+def _dead(recording: Recording, moments: PixelMoments, flat_rows: BoolArray) -> tuple[BoolArray, list[str]]:
+    """Rows without any variation, pixels that never change or never have a value."""
+    notes: list[str] = []
+    dead = moments.count == 0
+    whole = (moments.minimum == moments.maximum).all() and np.ptp(moments.mean[~dead]) == 0.0
+    if whole:
+        return dead, ["all pixels of all frames are equal: there are no statistics of a constant"]
+    if recording.columns > 1 and flat_rows.any() and not flat_rows.all():
+        where = np.flatnonzero(flat_rows)
+        dead[where] = True
+        notes.append(f"{where.size} dead rows left out ({_listed(where)}): all their pixels are equal in every frame")
+    if recording.frames >= FEWEST_FOR_DEAD:
+        still = ~dead & (moments.minimum == moments.maximum)
+        share = still.sum() / max((~dead).sum(), 1)
+        if share > MOST_DEAD:
+            notes.append(
+                f"{100 * share:.3g} % of the pixels never change: a still scene or repeated frames, statistics in time mean little"
+            )
+        elif still.any():
+            dead |= still
+            notes.append(f"{int(still.sum())} dead pixels left out: they never change")
+    return dead, notes
+
+
+def _listed(numbers: NDArray[np.int64], most: int = 6) -> str:
+    return ", ".join(map(str, numbers[:most])) + (", ..." if numbers.size > most else "")
+
+
+def _notes(recording: Recording, moments: PixelMoments, saturated: NDArray[np.int64], missing: int, repeats: int) -> list[str]:
+    notes = []
+    total = recording.frames * recording.rows * recording.columns
+    if missing:
+        notes.append(
+            f"{missing} values ({100 * missing / total:.3g} %) are missing (NaN or infinite) and left out, with what filters make of them"
+        )
+    share = float(saturated.sum()) / total
+    if share > SATURATED_SHARE:
+        notes.append(
+            f"{100 * share:.3g} % of the values are saturated at {recording.saturation:g}: the bright tail is cut, "
+            "moments, fits and rates above it are lower bounds"
+        )
+    if repeats:
+        notes.append(f"{repeats} frames repeat the one before: frames were dropped or the frame rate is wrong; times are not to be trusted")
+    if recording.frames > 1 and recording.frame_rate is None:
+        notes.append("the frame rate is not known: correlation times are null in seconds; give --frame-rate")
+    if recording.frames == 1:
+        notes.append("a single frame: nothing can be said of time")
+    if recording.units is None:
+        notes.append("the units are not known; give --units")
+    return notes
