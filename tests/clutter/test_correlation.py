@@ -131,7 +131,7 @@ def test_gamma_field_gives_back_what_it_was_made_of():
     rng = np.random.default_rng(9)
     tau, sigma = 8.0, 2.0
     a = np.exp(-1.0 / tau)
-    frames = np.zeros((300, 256, 256))
+    frames = np.zeros((360, 256, 256))
     for _ in range(2):
         state = gaussian_filter(rng.standard_normal((256, 256)), sigma, mode="wrap") * 2.0 * np.sqrt(np.pi) * sigma
         for frame in frames:
@@ -140,7 +140,7 @@ def test_gamma_field_gives_back_what_it_was_made_of():
                 a * state
                 + np.sqrt(1 - a * a) * gaussian_filter(rng.standard_normal((256, 256)), sigma, mode="wrap") * 2.0 * np.sqrt(np.pi) * sigma
             )
-    space = spatial_correlation(frames[::30])
+    space = spatial_correlation(frames[::36])
     time = temporal_correlation(frames[:, ::4, ::4], 1.0)
     found = fit(frames[::4], "gamma")
     assert effective_count(frames.size, space.scale_x, space.scale_y, time.scale) > 1e5

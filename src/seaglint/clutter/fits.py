@@ -1,14 +1,14 @@
 """Distributions of clutter fitted by maximum likelihood, with intervals that stay valid where pixels are correlated.
 
-======== =============================================================== =======================
-family   density (x > 0, location 0; Gaussian: all x)                      parameters
-======== =============================================================== =======================
-gamma    ``x^(a-1) exp(-x/l) / (l^a Gamma(a))``                             shape a, scale l
-lognormal ``exp(-ln(x/m)^2 / (2 s^2)) / (x s sqrt(2 pi))``                  shape s, scale m
-weibull  ``(c/l) (x/l)^(c-1) exp(-(x/l)^c)``                                shape c, scale l
-k        ``2/(b Gamma(v)) (x/b)^((v-1)/2) K_(v-1)(2 sqrt(x/b))``            shape v, scale b
-gaussian ``exp(-(x-loc)^2 / (2 l^2)) / (l sqrt(2 pi))``                     loc, scale l
-======== =============================================================== =======================
+========= ======================================================= ================
+family    density (x > 0, location 0; Gaussian: all x)            parameters
+========= ======================================================= ================
+gamma     ``x^(a-1) exp(-x/l) / (l^a Gamma(a))``                  shape a, scale l
+lognormal ``exp(-ln(x/m)^2 / (2 s^2)) / (x s sqrt(2 pi))``        shape s, scale m
+weibull   ``(c/l) (x/l)^(c-1) exp(-(x/l)^c)``                     shape c, scale l
+k         ``2/(b Gamma(v)) (x/b)^((v-1)/2) K_(v-1)(2 sqrt(x/b))`` shape v, scale b
+gaussian  ``exp(-(x-loc)^2 / (2 l^2)) / (l sqrt(2 pi))``          loc, scale l
+========= ======================================================= ================
 
 The gamma density is that of the source article's Fig. 9, whose printed formula is garbled. The K distribution is that of an
 intensity with one look (Jakeman and Pusey 1976; Ward, Tough and Watts 2006, Eq. 4.5): an exponential whose mean is gamma distributed. Its

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.errors import DataError
 
 FloatArray = NDArray[np.float64]
-SMALLEST = 8
+SMALLEST = 8  # px; a smaller square has no frequency between its first and the Nyquist one that a window leaves apart
 
 
 @dataclass(frozen=True)
