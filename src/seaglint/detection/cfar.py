@@ -47,25 +47,26 @@ def _ring_sums(frame: np.ndarray, training: int, guard: int, level: float, total
     """Sum and sum of squares of (x - level) over the ring of every pixel, from columns' running sums; NaN near the border."""
     rows, columns = frame.shape
     for i in range(training, rows - training):
-        # Column sums over the rows of the outer and of the inner square, then running sums along the row.
-        outer1, outer2, inner1, inner2 = np.zeros(columns), np.zeros(columns), np.zeros(columns), np.zeros(columns)
+        # Column sums over the rows beside and above or below the guard: nothing is subtracted, so a value missing in the guard stays there.
+        far1, far2, near1, near2 = np.zeros(columns), np.zeros(columns), np.zeros(columns), np.zeros(columns)
         for r in range(i - training, i + training + 1):
             near = abs(r - i) <= guard
             for j in range(columns):
                 x = frame[r, j] - level
-                outer1[j] += x
-                outer2[j] += x * x
                 if near:
-                    inner1[j] += x
-                    inner2[j] += x * x
+                    near1[j] += x
+                    near2[j] += x * x
+                else:
+                    far1[j] += x
+                    far2[j] += x * x
         for j in range(training, columns - training):
             a, b = 0.0, 0.0
             for c in range(j - training, j + training + 1):
-                a += outer1[c]
-                b += outer2[c]
-            for c in range(j - guard, j + guard + 1):
-                a -= inner1[c]
-                b -= inner2[c]
+                a += far1[c]
+                b += far2[c]
+                if abs(c - j) > guard:
+                    a += near1[c]
+                    b += near2[c]
             total[i, j] = a
             squares[i, j] = b
 

@@ -41,6 +41,19 @@ def displacement(earlier: ArrayLike, later: ArrayLike) -> tuple[float, float]:
     """
     if np.shape(earlier) != np.shape(later):
         raise DataError(f"images of shapes {np.shape(earlier)} and {np.shape(later)} cannot be registered; give equal shapes")
+    first = _displacement(np.asarray(earlier), np.asarray(later))
+    # Once more on what both images show: what left and what entered pulls the estimate towards 0 under the window.
+    whole = [round(d) for d in first]
+    shape = np.shape(earlier)
+    if not any(whole) or any(n - abs(d) < 16 for n, d in zip(shape, whole, strict=True)):
+        return first
+    before = tuple(slice(max(-d, 0), n - max(d, 0)) for d, n in zip(whole, shape, strict=True))
+    after = tuple(slice(max(d, 0), n - max(-d, 0)) for d, n in zip(whole, shape, strict=True))
+    rest = _displacement(np.asarray(earlier)[before], np.asarray(later)[after])
+    return (whole[0] + rest[0], whole[1] + rest[1]) if max(abs(rest[0]), abs(rest[1])) < 1.5 else first
+
+
+def _displacement(earlier: NDArray[np.floating], later: NDArray[np.floating]) -> tuple[float, float]:
     a, b = np.fft.fft2(_prepared(earlier)), np.fft.fft2(_prepared(later))
     cross = b * a.conj()
     size = np.abs(cross)
