@@ -5,8 +5,10 @@ Each function takes the cases of a CSV file (:mod:`seaglint.io.cases`) and retur
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Callable, Hashable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -43,6 +45,8 @@ MEAN_INPUTS: Final = (
 
 _CHUNK: Final = 1024
 """Rows at a time: their spectra (2 MB each) stay near the processor."""
+
+_THREADS: Final = min(os.cpu_count() or 1, 4)
 
 _HIGHEST: Final = 1e5
 """Top of LOWTRAN7's air [m], beyond which not even extrapolation goes."""
@@ -129,9 +133,9 @@ def evaluate_atmosphere(cases: Cases, bands: Sequence[NamedBand], *, extrapolate
     parts = [(name, band, rows[i : i + _CHUNK]) for name, rows in groups for band in bands for i in range(0, rows.size, _CHUNK)]
     quantities = ("tau_mean", "path_radiance_W_m2_sr", "sun_normal_irradiance_W_m2", "sun_times_tau_W_m2", "sky_radiance_W_m2_sr")
     columns: dict[str, FloatArray] = {f"{quantity}[{band.label}]": np.empty(len(cases)) for band in bands for quantity in quantities}
-    done, total = 0, len(cases) * len(bands)
-    for model, band, rows in parts:
-        _tell(progress, done, total)
+
+    def fill(part: tuple[Hashable, NamedBand, NDArray[np.intp]]) -> int:
+        model, band, rows = part
         air = airs[band.label][str(model)]
         weights = band.band.weights(air.wavenumber_cm)
         tau, path = air.path(wind[rows], height[rows], depression[rows])
@@ -139,8 +143,13 @@ def evaluate_atmosphere(cases: Cases, bands: Sequence[NamedBand], *, extrapolate
         values = (tau @ weights / weights.sum(), path @ weights, light @ weights, (light * tau) @ weights)
         for quantity, value in zip(quantities, (*values, air.sky_radiance(wind[rows], sky[rows]) @ weights), strict=True):
             columns[f"{quantity}[{band.label}]"][rows] = value
-        done += rows.size
-    _tell(progress, done, total)
+        return int(rows.size)
+
+    done, total = 0, len(cases) * len(bands)
+    with ThreadPoolExecutor(_THREADS) as pool:  # NumPy lets go of the interpreter; each part has rows of its own
+        for count in pool.map(fill, parts):
+            done += count
+            _tell(progress, done, total)
     return {**columns, **marks}
 
 
@@ -292,7 +301,12 @@ def _tell(progress: Report | None, done: int, total: int) -> None:
 def _airs(cases: Cases, bands: Sequence[NamedBand], extrapolate: bool) -> dict[str, dict[str, BatchAtmosphere]]:
     """Tables by band and model; bands and names are refused here, before any work."""
     names = sorted(set(cases.choice("atmosphere", table_models())))
-    return {band.label: {name: BatchAtmosphere.load(name, band.edges, extrapolate=extrapolate) for name in names} for band in bands}
+    found: dict[str, dict[str, BatchAtmosphere]] = {}
+    with ThreadPoolExecutor(_THREADS) as pool:  # unpacking takes most of it, several at a time
+        for band in bands:
+            loaded = pool.map(lambda name, band=band: BatchAtmosphere.load(name, band.edges, extrapolate=extrapolate), names)
+            found[band.label] = dict(zip(names, loaded, strict=True))
+    return found
 
 
 def _wind_and_height(cases: Cases, air: BatchAtmosphere, extrapolate: bool) -> tuple[FloatArray, FloatArray, Columns]:
