@@ -15,6 +15,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from seaglint.cli.analyze import analyze
 from seaglint.cli.evaluate import evaluate
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
@@ -48,6 +49,7 @@ app = typer.Typer(
 )
 app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
+app.command()(analyze)
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]

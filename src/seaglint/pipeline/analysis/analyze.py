@@ -257,9 +257,9 @@ def _sequence_scales(
     scales = {}
     for name, parts in sums.items():
         count, total, squares = (float(v) for v in parts)
-        mean = total / count if count else 0.0
-        variance = squares / count - mean**2 if count else 0.0
-        scales[name] = (mean, float(np.sqrt(max(variance, 0.0))))
+        middle = total / count if count else 0.0
+        variance = squares / count - middle**2 if count else 0.0
+        scales[name] = (middle, float(np.sqrt(max(variance, 0.0))))
     return scales
 
 

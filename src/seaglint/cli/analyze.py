@@ -1,0 +1,229 @@
+"""``seaglint analyze``: a recording's clutter statistics and false alarms, as text, JSON or a report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from seaglint.cli.progress import ProgressMode
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from seaglint.clutter.filters import Filter
+    from seaglint.pipeline.analysis import Options
+
+RAW_NAMES = ("rows", "columns", "dtype", "byte_order", "offset", "frame_header")
+
+
+def analyze(
+    recording: Annotated[
+        str, typer.Argument(metavar="INPUT", help="sequence or image: Zarr, NetCDF, PNG, TIFF, FITS, NumPy, HDF5, video, raw")
+    ],
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
+    report: Annotated[Path | None, typer.Option("--report", metavar="OUT.html", help="write a report, one file")] = None,
+    frame_rate: Annotated[float | None, typer.Option("--frame-rate", help="frames per second, where the file does not say [Hz]")] = None,
+    units: Annotated[str | None, typer.Option("--units", help="units of the values, where the file does not say")] = None,
+    mask: Annotated[
+        Path | None, typer.Option("--mask", help="image or .npy, not zero where the sea glints; instead of the segmentation")
+    ] = None,
+    rows: Annotated[str, typer.Option("--rows", help="part of the rows to analyse, as shares from the top: 0.45: or 0.2:0.8")] = ":",
+    filter_name: Annotated[
+        str, typer.Option("--filter", help="laplacian, difference-of-gaussians, median-subtraction, top-hat, matched, none")
+    ] = "laplacian",
+    kernel: Annotated[Path | None, typer.Option("--kernel", help="CSV or .npy of filter weights of your own, instead of --filter")] = None,
+    signature: Annotated[Path | None, typer.Option("--signature", help="CSV or .npy of the target for --filter matched")] = None,
+    threshold: Annotated[
+        list[float] | None, typer.Option("--threshold", help="thresholds beside 3.0 and 3.5, in standard deviations; repeatable")
+    ] = None,
+    sigma: Annotated[
+        str, typer.Option("--sigma", help="standard deviation of each 'frame', of the whole 'sequence', or 'local'")
+    ] = "frame",
+    detector: Annotated[
+        list[str] | None,
+        typer.Option("--detector", help="ca-cfar, os-cfar, frame-difference, integration, or package.module:function; repeatable"),
+    ] = None,
+    variable: Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")] = None,
+    channel: Annotated[str | None, typer.Option("--channel", help="mean, red, green or blue of true colour images")] = None,
+    raw: Annotated[
+        str | None, typer.Option("--raw", help="layout of a raw file, e.g. rows=512,columns=640,dtype=uint16,offset=0,frame_header=0")
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="of the samples that are drawn")] = 0,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the report that is there")] = False,
+    show: Annotated[
+        ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")
+    ] = ProgressMode.AUTO,
+) -> None:
+    """Clutter statistics and false alarms of a recording, by region."""
+    from seaglint.cli.progress import patient_progress
+    from seaglint.io.netcdf import refuse_existing
+    from seaglint.io.recording import open_recording
+    from seaglint.pipeline.analysis import analyze as run
+
+    if report is not None:
+        refuse_existing(report, overwrite=overwrite)
+    opened = open_recording(recording, frame_rate=frame_rate, units=units, raw=_raw_layout(raw), variable=variable, channel=channel)
+    options = _options(filter_name, kernel, signature, threshold or [], sigma, rows, mask, detector or [], seed)
+    with patient_progress(show, "frames") as progress:
+        found = run(opened, options, progress)
+    if report is not None:
+        from seaglint.plot.report import write_report
+
+        write_report(found, report, overwrite=overwrite)
+        typer.echo(f"{report} written", err=True)
+    if as_json:
+        import json
+
+        typer.echo(json.dumps(found.as_dict(), indent=2, ensure_ascii=False, allow_nan=False))
+    else:
+        typer.echo("\n".join(lines(found.as_dict())))
+
+
+def _options(
+    filter_name: str,
+    kernel: Path | None,
+    signature: Path | None,
+    thresholds: list[float],
+    sigma: str,
+    rows: str,
+    mask: Path | None,
+    detectors: list[str],
+    seed: int,
+) -> Options:
+    from seaglint.detection.base import named
+    from seaglint.errors import DataError
+    from seaglint.pipeline.analysis import Options
+
+    for value in thresholds:
+        if not 0.0 < value < 100.0:
+            raise DataError(f"--threshold {value:g}: give standard deviations above 0 and below 100")
+    if sigma not in ("frame", "sequence", "local"):
+        raise DataError(f"--sigma {sigma}: allowed are frame, sequence, local")
+    return Options(
+        filter=_filter(filter_name, kernel, signature),
+        thresholds=tuple(thresholds),
+        scope=sigma,  # type: ignore[arg-type]
+        rows=_part(rows),
+        mask=None if mask is None else read_mask(mask),
+        detectors=tuple(named(name) for name in detectors),
+        seed=seed,
+    )
+
+
+def _filter(name: str, kernel: Path | None, signature: Path | None) -> Filter:
+    from seaglint.clutter.filters import Kernel, MatchedFilter, named
+    from seaglint.errors import DataError
+
+    if kernel is not None:
+        return Kernel(_weights(kernel), name=kernel.stem)
+    if name == "matched":
+        if signature is None:
+            raise DataError("--filter matched needs the target's signature: --signature FILE (CSV or .npy)")
+        return MatchedFilter(_weights(signature))
+    return named(name)
+
+
+def _weights(path: Path) -> NDArray[np.float64]:
+    """Numbers of a small CSV or NumPy file."""
+    import numpy as np
+
+    from seaglint.errors import DataError
+
+    try:
+        if path.suffix == ".npy":
+            return np.asarray(np.load(path, allow_pickle=False), dtype=np.float64)
+        text = path.read_text(encoding="utf-8-sig").replace(";", " ").replace(",", " ")
+        return np.loadtxt(text.splitlines(), dtype=np.float64, ndmin=2)
+    except (OSError, ValueError) as error:
+        raise DataError(f"{path}: cannot be read as rows of numbers ({str(error).splitlines()[0]}); give a CSV or .npy file") from error
+
+
+def read_mask(path: Path) -> NDArray[np.bool_]:
+    """Mask from an image or a NumPy file: true where it is not zero."""
+    import numpy as np
+
+    from seaglint.errors import DataError
+    from seaglint.io.recording import open_recording
+
+    opened = open_recording(path, channel=None)
+    if opened.frames != 1:
+        raise DataError(f"{path}: a mask is one image, this has {opened.frames} frames")
+    return np.asarray(np.nan_to_num(opened.read(0, 1)[0]) != 0.0)
+
+
+def _part(text: str) -> tuple[float, float]:
+    from seaglint.errors import DataError
+
+    first, colon, last = text.partition(":")
+    try:
+        if not colon:
+            raise ValueError
+        return float(first or 0.0), float(last or 1.0)
+    except ValueError:
+        raise DataError(f"--rows {text}: give FIRST:LAST as shares of the height from the top, e.g. 0.45: or 0.2:0.8") from None
+
+
+def _raw_layout(text: str | None) -> Any:
+    if text is None:
+        return None
+    from seaglint.errors import DataError
+    from seaglint.io.recording import RawLayout
+
+    table: dict[str, Any] = {}
+    for pair in text.split(","):
+        name, sign, value = (part.strip() for part in pair.partition("="))
+        if not sign:
+            raise DataError(f"--raw {text}: give name=value pairs of {', '.join(RAW_NAMES)}, separated by commas")
+        table[name] = int(value) if value.lstrip("-").isdigit() else value
+    return RawLayout.of(table, "--raw")
+
+
+def lines(result: dict[str, Any]) -> list[str]:
+    """The result as a few lines of text."""
+    rate = result["frame_rate_hz"]
+    units = result["units"] or "units not known"
+    out = [
+        f"{result['source']}: {result['frames']} frames of {result['columns']} x {result['rows']}, {units}, "
+        + (f"{rate:g} Hz" if rate else "frame rate not known")
+    ]
+    for name, region in result["regions"].items():
+        if region is None:
+            out.append(f"{name}: none")
+            continue
+        lengths = region["correlation_length_px"]
+        out.append(
+            f"{name}: {region['pixels']} pixels, mean {_short(region['mean'])}, std {_short(region['std'])}, "
+            f"skewness {_short(region['skewness'])}, excess kurtosis {_short(region['excess_kurtosis'])}"
+        )
+        out.append(
+            f"  correlation length {_short(lengths['x'])} x {_short(lengths['y'])} px, time {_short(region['correlation_time_s'])} s; "
+            f"best fit {_best(region['fits'])}"
+        )
+        out.extend(f"  {_alarm(entry)}" for entry in region["false_alarms"])
+    out.extend(f"note: {note}" for note in result["notes"])
+    return out
+
+
+def _alarm(entry: dict[str, Any]) -> str:
+    low, high = _short(entry["rate_low"]), _short(entry["rate_high"])
+    return (
+        f"{entry['filter']} > {entry['threshold_sigma']:g} sigma: {_short(entry['rate'])} per pixel ({low} to {high}), "
+        f"{_short(entry['ratio'])} x Gaussian, correlation time {_short(entry['correlation_time_s'])} s"
+    )
+
+
+def _best(fits: dict[str, Any]) -> str:
+    valid = {name: fit for name, fit in fits.items() if fit["ks"] is not None}
+    if not valid:
+        return "none"
+    name = min(valid, key=lambda n: float(valid[n]["ks"]))
+    fit = valid[name]
+    shape = "" if fit["shape"] is None else f"shape {_short(fit['shape'])}, "
+    return f"{name} ({shape}scale {_short(fit['scale'])}, KS {_short(fit['ks'])}, p {_short(fit['ks_p'])})"
+
+
+def _short(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4g}"
