@@ -4,10 +4,10 @@ Occurrences are counted in cells (time segment x tile of the image). With residu
 
     V = sum over lags l of w(l) sum over cells i of e_i e_(i+l),
 
-an estimate of the spectral density of the residuals at frequency 0 with a flat-top lag window w = w_t w_y w_x: 1 up to a lag m,
-falling to 0 at 2 m, where m is, for each axis by itself, the first lag from which on the residuals are uncorrelated. Nothing is assumed of the shape of the
-correlation. With many decorrelated times the residuals are taken from each tile's own rate, so that a rate that varies over the image
-(a corridor) is no uncertainty; with few, tiles are what the rate varies over, and it is.
+an estimate of the spectral density of the residuals at frequency 0 with a flat-top lag window w = w_t w_y w_x: 1 up to a lag m, falling
+to 0 at 2 m, where m is, for each axis by itself, the first lag from which on the residuals are uncorrelated. Nothing is assumed of the
+shape of the correlation. With many decorrelated times the residuals are taken from each tile's own rate, so that a rate that varies
+over the image (a corridor) is no uncertainty; with few, tiles are what the rate varies over, and it is.
 
 References
 ----------
