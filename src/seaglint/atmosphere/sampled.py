@@ -91,17 +91,17 @@ def brightness_temperature(wavenumber_cm: FloatArray, radiance: FloatArray) -> F
 
 
 def radiance_of(wavenumber_cm: FloatArray, temperature: FloatArray) -> FloatArray:
-    """Planck's law for splined temperatures, which may overshoot."""
+    """Planck's law for splined temperatures, which may overshoot [W m-2 sr-1 per cm-1]."""
     return planck_wavenumber(wavenumber_cm, np.clip(temperature, COLDEST, HOTTEST))
 
 
 def grazing_coordinate(part: ArrayLike) -> FloatArray:
-    """Share of an interval between two kinks to a coordinate 0...1 that spreads square-root corners at both ends: ``arccos(1 - 2s)/pi``."""
+    """Share [1] of an interval between two kinks to a coordinate 0...1 that spreads root-like corners at its ends: ``arccos(1 - 2s)/pi``."""
     return np.asarray(np.arccos(np.clip(1.0 - 2.0 * np.asarray(part, dtype=np.float64), -1.0, 1.0)) / np.pi)
 
 
 def grazing_share(coordinate: ArrayLike) -> FloatArray:
-    """Inverse of :func:`grazing_coordinate`."""
+    """Inverse of :func:`grazing_coordinate` [1]."""
     return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.asarray(coordinate, dtype=np.float64)))
 
 

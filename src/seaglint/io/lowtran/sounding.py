@@ -84,7 +84,7 @@ def saturation_density(temperature: float) -> float:
     """Density of saturated water vapour over water as LOWTRAN7 has it [g m-3]: ``A exp(18.9766 - 14.9595 A - 2.43882 A^2)``, A = 273.15/T.
 
     >>> round(saturation_density(288.15), 2)
-    12.83
+    12.82
     """
     a = 273.15 / temperature
     return a * math.exp(18.9766 - 14.9595 * a - 2.43882 * a * a)
