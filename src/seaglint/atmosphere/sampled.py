@@ -96,7 +96,7 @@ def radiance_of(wavenumber_cm: FloatArray, temperature: FloatArray) -> FloatArra
 
 
 def grazing_coordinate(part: ArrayLike) -> FloatArray:
-    """Share [1] of an interval between two kinks to a coordinate 0...1 that spreads root-like corners at its ends: ``arccos(1 - 2s)/pi``."""
+    """Share [1] of an interval between kinks to a coordinate 0...1 that spreads root-like corners at its ends: ``arccos(1 - 2s)/pi``."""
     return np.asarray(np.arccos(np.clip(1.0 - 2.0 * np.asarray(part, dtype=np.float64), -1.0, 1.0)) / np.pi)
 
 
