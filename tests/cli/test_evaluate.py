@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from seaglint.atmosphere.batch import table_models
+from seaglint.cli.progress import PATIENCE, ProgressMode, patient_progress
 from seaglint.pipeline.evaluate import evaluate_mean, groups_of, parse_bands
 
 QUANTITIES = ("tau_mean", "path_radiance_W_m2_sr", "sun_normal_irradiance_W_m2", "sun_times_tau_W_m2", "sky_radiance_W_m2_sr")
@@ -263,3 +264,22 @@ def test_an_output_that_is_there_is_kept_without_overwrite(seaglint, cases, tmp_
 
 def test_groups_keep_rows_apart():
     assert [(key, rows.tolist()) for key, rows in groups_of([(1, 2), (1, 3), (1, 2)])] == [((1, 2), [0, 2]), ((1, 3), [1])]
+
+
+def test_progress_shows_only_work_that_lasts(capsys):
+    now = [0.0]
+    with patient_progress(ProgressMode.LOG, "rows", lambda: now[0]) as report:
+        report(0, 10)
+        now[0] = 0.9 * PATIENCE
+        report(5, 10)
+        assert capsys.readouterr().err == ""
+        now[0] = 1.1 * PATIENCE
+        report(6, 10)
+        report(10, 10)
+        shown = capsys.readouterr().err
+    assert "4 to do" in shown
+    assert "10/10" in shown
+    with patient_progress(ProgressMode.LOG, "rows", lambda: now[0]) as report:
+        now[0] += 2.0 * PATIENCE
+        report(10, 10)  # done when it would appear
+    assert capsys.readouterr().err == ""
