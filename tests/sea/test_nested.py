@@ -1,0 +1,116 @@
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from seaglint.errors import DomainError
+from seaglint.radiance.glint import glint
+from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.sea.emissivity import facet_nodes
+from seaglint.sea.nested import BANDS, nested_ratio, ratio_table
+from seaglint.sea.shadowing import projected_area, smith_lambda, smith_nu
+from seaglint.sea.slopes import SlopeStatistics, flat
+
+DEPRESSIONS = (1.0, 2.0, 3.0, 4.0, 6.0, 10.0, 15.0)
+# Brute-force visibility on an isotropic Gaussian surface of k^-4 elevation density, 256 m to 5 cm, slope variance 0.0542, no shading of
+# the Sun: mirrored light seen over Saunders' law. Standard errors 0.003-0.015.
+BRUTE_FORCE = {
+    60.0: (1.22, 1.21, 1.19, 1.17, 1.12, 1.05, 1.01),
+    77.0: (0.73, 0.76, 0.81, 0.83, 0.89, 0.97, 1.00),
+    80.0: (0.61, 0.66, 0.69, 0.75, 0.83, 0.94, 0.99),
+    85.0: (0.43, 0.46, 0.52, 0.57, 0.71, 0.88, 0.97),
+}
+SURFACE = SlopeStatistics(0.0271, 0.0271)
+
+
+@pytest.mark.parametrize("sun", BRUTE_FORCE)
+def test_mirrored_light_near_the_horizon_is_that_of_brute_force(sun):
+    theta = np.radians(90.0 - np.array(DEPRESSIONS))
+    nested, smith = (glint(theta, np.pi, np.radians(sun), 0.0, SURFACE, law).chance for law in ("nested-viewer", "viewer"))
+    np.testing.assert_allclose(nested / smith, BRUTE_FORCE[sun], atol=0.06)
+
+
+@pytest.mark.parametrize("slopes", [cox_munk_isotropic(7.0), cox_munk_anisotropic(11.0, 0.7)], ids=["isotropic", "directional"])
+def test_one_band_is_smith_to_the_last_digit(slopes):
+    theta, azimuth = np.radians([[30.0], [85.0], [89.5], [90.0]]), np.radians([150.0, 185.0])
+    one, smith = (glint(theta, azimuth, np.radians(80.0), 0.1, slopes, law, 1).chance for law in ("nested", "both"))
+    np.testing.assert_array_equal(one, smith)
+    assert np.all(smith[:, 1] > 0.0)
+
+
+@pytest.mark.parametrize("bands", [2, BANDS, 8, 32])
+@pytest.mark.parametrize("zenith", [70.0, 85.0, 89.0, 89.9, 90.0])
+def test_visible_slopes_add_up_to_one(bands, zenith):
+    theta, variance = np.radians(zenith), 0.03
+    deviation = np.sqrt(variance)
+    edge = 1.0 / np.tan(theta)
+    low, high = -6.5 * deviation, min(edge, 6.5 * deviation)
+    x, w = np.polynomial.legendre.leggauss(400)
+    s = low + 0.5 * (high - low) * (1.0 + x)
+    visible = norm.pdf(s, scale=deviation) * (np.cos(theta) - np.sin(theta) * s) / projected_area(theta, variance)
+    total = 0.5 * (high - low) * (w @ (visible * nested_ratio(s, theta, variance, bands)))
+    assert total == pytest.approx(1.0, abs=1e-4)  # the table's cubics
+
+
+@pytest.mark.parametrize("zenith", [80.0, 88.0])
+@pytest.mark.parametrize("slope", [-2.0, -0.7, 0.0])
+def test_bands_without_end_are_a_walk_that_never_meets_the_edge(zenith, slope):
+    """Closed form: Brownian slopes conditioned not to cross the slope seen edge on."""
+    theta, variance = np.radians(zenith), 0.03
+    mu = 1.0 / (np.tan(theta) * np.sqrt(variance))
+    limit = (1.0 + smith_lambda(smith_nu(theta, variance))) * -np.expm1(-2.0 * mu * (mu - slope))
+    error = [abs(float(nested_ratio(slope * np.sqrt(variance), theta, variance, n)) / limit - 1.0) for n in (1, 4, 16, 64)]
+    assert np.all(np.diff(error) < 0.0)
+    assert error[-1] < 0.07  # falls as the root of the number of bands
+
+
+def test_never_more_than_all_that_is_visible():
+    """Smith's law hides Lambda/(1 + Lambda) of the facets turned to the viewer; no ensemble can show more than all."""
+    theta = np.radians(np.linspace(75.0, 89.9, 40))[:, None]
+    ratio = nested_ratio(np.linspace(-0.8, 0.2, 60), theta, 0.03)
+    assert np.all(ratio <= (1.0 + smith_lambda(smith_nu(theta, 0.03))) * (1.0 + 1e-3))
+    assert np.all(ratio > 0.0)
+
+
+@pytest.mark.parametrize("zenith", [75.0, 87.0])
+def test_directional_slopes_drawn_band_by_band(zenith):
+    """Independent route: draw two-dimensional slopes of each band, weigh by what is seen of it, average over the last."""
+    slopes, theta, azimuth, n = SlopeStatistics(0.04, 0.012), np.radians(zenith), 0.8, 400_000
+    rng = np.random.default_rng(5)
+    v = np.array([np.sin(theta) * np.cos(azimuth), np.sin(theta) * np.sin(azimuth)])  # along and across the wind
+    s, weight = np.zeros((2, n)), np.ones(n)
+    along = np.sin(theta) ** 2 * float(slopes.mss_along(azimuth)) / BANDS
+    for _ in range(BANDS):
+        edge = (np.cos(theta) - v @ s) / np.sqrt(along)
+        s = s + rng.normal(size=(2, n)) * np.sqrt(np.array([[slopes.mss_up], [slopes.mss_cross]]) / BANDS)
+        projection = np.cos(theta) - v @ s
+        weight *= np.maximum(projection, 0.0) / (np.sqrt(along) * (edge * norm.cdf(edge) + norm.pdf(edge)))
+        keep = rng.choice(n, n, p=weight / weight.sum())  # resampled, or few draws would carry all the weight
+        s, weight = s[:, keep], np.ones(n)
+    projection = np.cos(theta) - v @ s
+    upward2 = 1.0 / (1.0 + (s**2).sum(axis=0))
+    nodes = facet_nodes(theta, slopes, azimuth, BANDS)
+    assert nodes.weight @ nodes.cos_incidence == pytest.approx(np.mean(projection * np.sqrt(upward2)), rel=0.01)  # 4 standard errors
+    assert nodes.weight @ nodes.meets_sea == pytest.approx(np.mean(2.0 * projection * upward2 < np.cos(theta)), abs=0.004)
+    smith = facet_nodes(theta, slopes, azimuth)
+    if zenith > 80.0:
+        assert nodes.weight @ nodes.cos_incidence > 1.05 * (smith.weight @ smith.cos_incidence)
+
+
+def test_steep_views_and_flat_seas_have_nothing_to_nest():
+    assert float(nested_ratio(-0.1, np.radians(20.0), 0.03)) == 1.0
+    assert float(nested_ratio(0.0, np.radians(80.0), 0.0)) == 1.0
+    chance = [float(glint(1.2, np.pi, 1.2, 0.0, flat(), law).chance) for law in ("both", "nested")]
+    assert chance[0] == chance[1]
+
+
+def test_refusals_say_what_to_do():
+    with pytest.raises(DomainError, match="outside 1-64"):
+        ratio_table(0)
+    with pytest.raises(DomainError, match=r"0\.\.pi/2"):
+        nested_ratio(0.0, 1.6, 0.03)
+    with pytest.raises(DomainError, match="below 0"):
+        nested_ratio(0.0, 1.5, -0.03)
+    with pytest.raises(DomainError, match="choose shadowing = 'both' or a Gaussian"):
+        glint(1.0, 0.0, 1.0, 0.0, SlopeStatistics(0.03, 0.02, 0.0, c04=0.2), "nested")
+    with pytest.raises(DomainError, match="choose 'both'"):
+        glint(1.0, 0.0, 1.0, 0.0, SURFACE, "none")
