@@ -1,0 +1,228 @@
+"""A recording through the whole analysis: what is said of good data, and that bad data are never given a number that looks fine."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from seaglint.errors import DataError, DomainError
+from seaglint.io.recording import Recording, open_recording
+from seaglint.pipeline.analysis import Options, analyze
+
+RNG = np.random.default_rng(12)
+WHITE = RNG.normal(100.0, 5.0, (40, 96, 128)).astype(np.float32)
+
+
+def recording(frames: np.ndarray, **more: Any) -> Recording:
+    known = {"frame_rate": 25.0, "units": "counts"} | more
+    return Recording("memory", *frames.shape, lambda a, b: frames[a:b], **known)
+
+
+def result(frames: np.ndarray, options: Options | None = None, **more: Any) -> dict[str, Any]:
+    found = analyze(recording(frames, **more), options).as_dict()
+    json.dumps(found, allow_nan=False)  # JSON has no NaN
+    return found
+
+
+@pytest.fixture(scope="module")
+def white() -> dict[str, Any]:
+    return result(WHITE, Options(thresholds=(2.0,)))
+
+
+def test_the_promised_keys_are_there(white: dict[str, Any]) -> None:
+    assert {"frames", "units", "regions"} <= set(white)
+    assert set(white["regions"]) == {"all", "glint", "background"}
+    region = white["regions"]["all"]
+    assert {
+        "pixels",
+        "mean",
+        "std",
+        "skewness",
+        "excess_kurtosis",
+        "fits",
+        "false_alarms",
+        "correlation_length_px",
+        "correlation_time_s",
+    } <= set(region)
+    assert set(region["fits"]) == {"gamma", "lognormal", "weibull", "k", "gaussian"}
+    assert {"shape", "scale", "loc", "ks", "ks_p"} <= set(region["fits"]["gamma"])
+    entry = {"filter", "threshold_sigma", "rate", "rate_low", "rate_high", "gaussian_rate", "correlation_time_s"}
+    assert all(entry <= set(alarm) for alarm in region["false_alarms"])
+    assert [alarm["threshold_sigma"] for alarm in region["false_alarms"]] == [2.0, 3.0, 3.5]
+    assert region["fits"]["gamma"]["loc"] == 0.0
+
+
+def test_white_noise_is_white(white: dict[str, Any]) -> None:
+    region = white["regions"]["all"]
+    values = WHITE.size
+    assert region["mean"] == pytest.approx(100.0, abs=4 * 5.0 / np.sqrt(values))
+    assert region["std"] == pytest.approx(5.0, abs=4 * 5.0 / np.sqrt(2 * values))
+    assert region["skewness"] == pytest.approx(0.0, abs=4 * np.sqrt(6 / values))
+    assert region["excess_kurtosis"] == pytest.approx(0.0, abs=4 * np.sqrt(24 / values))
+    assert region["fits"]["gaussian"]["ks_p"] > 0.01
+    assert region["correlation_length_px"]["x"] < 1.0
+    assert white["regions"]["glint"] is None
+    for alarm in region["false_alarms"]:
+        # neighbours share a filter's pixels, which widens the interval by less than a factor of two
+        expected = norm.sf(alarm["threshold_sigma"])
+        assert alarm["rate"] == pytest.approx(expected, abs=4 * np.sqrt(2.0 * expected / values))
+        assert alarm["gaussian_rate"] == pytest.approx(expected, rel=1e-9)
+
+
+def test_wrong_families_are_told_apart() -> None:
+    frames = np.random.default_rng(3).gamma(1.5, 2.0, (24, 64, 64)).astype(np.float32)
+    fits = result(frames)["regions"]["all"]["fits"]
+    assert fits["gamma"]["shape"] == pytest.approx(1.5, rel=0.03)
+    assert fits["gamma"]["scale"] == pytest.approx(2.0, rel=0.03)
+    assert fits["gamma"]["ks_p"] > 0.01
+    assert fits["gaussian"]["ks_p"] < 0.01
+    assert fits["gaussian"]["ks"] > 3.0 * fits["gamma"]["ks"]
+
+
+def test_same_input_same_numbers_however_it_is_blocked(white: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    module = sys.modules["seaglint.pipeline.analysis.analyze"]  # the package's function has the same name
+    whole = module.ahead
+    monkeypatch.setattr(module, "ahead", lambda r: whole(r, memory=3 * 4 * 96 * 128))
+    again = result(WHITE, Options(thresholds=(2.0,)))
+    assert again["regions"]["all"]["false_alarms"] == white["regions"]["all"]["false_alarms"]
+    assert again["regions"]["all"]["fits"] == white["regions"]["all"]["fits"]
+
+
+def test_a_mask_makes_the_regions() -> None:
+    mask = np.zeros((96, 128), bool)
+    mask[:, 40:80] = True
+    frames = WHITE.copy()
+    frames[:, mask] += 20.0
+    found = result(frames, Options(mask=mask))
+    assert found["regions"]["glint"]["pixels"] == mask.sum()
+    assert found["regions"]["glint"]["mean"] - found["regions"]["background"]["mean"] == pytest.approx(20.0, abs=0.1)
+    assert found["segmentation"]["method"] == "mask given"
+
+
+def test_a_mask_of_another_size_is_refused() -> None:
+    with pytest.raises(DataError, match="mask has 10 x 10"):
+        result(WHITE, Options(mask=np.ones((10, 10), bool)))
+
+
+def test_rows_are_counted_after_the_filter_saw_all() -> None:
+    frames = WHITE.copy()
+    frames[:, :48] += 1000.0 * np.arange(48)[::-1, None] ** 2  # a steep sky above the rows analysed
+    part = result(frames, Options(rows=(0.6, 1.0)))["regions"]["all"]
+    assert part["pixels"] == (96 - 57) * 128  # from floor(0.6 x 96) down
+    assert part["std"] == pytest.approx(5.0, rel=0.02)
+
+
+@pytest.mark.parametrize("rows", [(0.5, 0.5), (-0.1, 1.0), (0.0, 1.2)])
+def test_impossible_rows(rows: tuple[float, float]) -> None:
+    with pytest.raises(DomainError, match="rows"):
+        result(WHITE, Options(rows=rows))
+
+
+def constant() -> np.ndarray:
+    return np.full((10, 64, 64), 7.0, np.float32)
+
+
+@pytest.mark.parametrize("frames", [1, 10])
+def test_a_constant_has_no_rates(frames: int) -> None:
+    found = result(constant()[:frames])
+    region = found["regions"]["all"]
+    assert any("equal" in note for note in found["notes"])
+    assert region["std"] == 0.0
+    assert region["skewness"] is None
+    assert all(alarm["rate"] is None for alarm in region["false_alarms"])
+    assert all(fit["shape"] is None and fit["ks"] is None for fit in region["fits"].values())
+
+
+def test_dead_rows_and_pixels_are_left_out_and_named() -> None:
+    frames = WHITE.copy()
+    frames[:, [5, 40]] = 0.0
+    frames[:, 60, 17] = 4000.0
+    found = result(frames)
+    assert any("2 dead rows" in note and "5, 40" in note for note in found["notes"])
+    assert any("1 dead pixel" in note for note in found["notes"])
+    region = found["regions"]["all"]
+    assert region["pixels"] == 94 * 128 - 1
+    assert region["mean"] == pytest.approx(100.0, abs=0.1)
+    assert region["false_alarms"][0]["rate"] == pytest.approx(norm.sf(3.0), rel=0.3)
+
+
+def test_missing_values_are_counted_and_do_not_spread() -> None:
+    frames = WHITE.copy()
+    frames[3, 10:20, 10:20] = np.nan
+    frames[7] = np.inf
+    found = result(frames)
+    region = found["regions"]["all"]
+    assert any("missing" in note for note in found["notes"])
+    assert region["values"] == WHITE.size - 100 - 96 * 128
+    assert np.isfinite(region["std"])
+    assert region["false_alarms"][0]["rate"] == pytest.approx(norm.sf(3.0), rel=0.3)
+
+
+def test_nothing_finite_is_an_error() -> None:
+    with pytest.raises(DataError, match="no pixel"):
+        result(np.full((2, 8, 8), np.nan, np.float32))
+
+
+def test_saturation_is_told() -> None:
+    found = result(np.minimum(WHITE, 104.0), saturation=104.0)
+    assert any("saturated at 104" in note for note in found["notes"])
+    assert any("saturated" in note for note in found["regions"]["all"]["notes"])
+
+
+def test_a_single_frame_has_no_times() -> None:
+    found = result(WHITE[:1])
+    region = found["regions"]["all"]
+    assert any("single frame" in note for note in found["notes"])
+    assert region["correlation_time_s"] is None
+    assert all(alarm["correlation_time_s"] is None for alarm in region["false_alarms"])
+
+
+def test_without_a_frame_rate_times_are_in_frames_only() -> None:
+    slow = np.repeat(RNG.normal(size=(12, 64, 64)), 6, axis=0).astype(np.float32) + 0.3 * RNG.normal(size=(72, 64, 64)).astype(np.float32)
+    region = result(slow, frame_rate=None)["regions"]["all"]
+    assert region["correlation_time_s"] is None
+    assert region["correlation_time_frames"] > 1.0
+    seconds = result(slow, frame_rate=50.0)["regions"]["all"]
+    assert seconds["correlation_time_s"] == pytest.approx(region["correlation_time_frames"] / 50.0, rel=1e-9)
+
+
+def test_repeated_frames_betray_a_wrong_rate() -> None:
+    found = result(np.repeat(WHITE[:10], 2, axis=0))
+    assert any("10 frames repeat" in note for note in found["notes"])
+
+
+def test_tiny_pictures_are_answered() -> None:
+    found = result(WHITE[:2, :12, :12])
+    assert found["regions"]["glint"] is None
+    assert found["regions"]["all"]["pixels"] == 144
+
+
+def test_a_detector_is_judged_beside_the_filter() -> None:
+    from seaglint.detection.base import named
+
+    found = result(WHITE, Options(detectors=(named("ca-cfar"), named("frame-difference"))))
+    names = {alarm["filter"] for alarm in found["regions"]["all"]["false_alarms"]}
+    assert names == {"laplacian", "ca-cfar", "frame-difference"}
+    cfar = [a for a in found["regions"]["all"]["false_alarms"] if a["filter"] == "ca-cfar" and a["threshold_sigma"] == 3.0]
+    # exact for white Gaussian clutter; edges give no answer
+    assert cfar[0]["rate"] == pytest.approx(norm.sf(3.0), rel=0.25)
+
+
+@pytest.mark.parametrize("scope", ["sequence", "local"])
+def test_other_standard_deviations(scope: Any) -> None:
+    region = result(WHITE[:12], Options(scope=scope))["regions"]["all"]
+    assert region["false_alarms"][0]["rate"] == pytest.approx(norm.sf(3.0), rel=0.35)
+
+
+@pytest.mark.parametrize(("name", "rates"), [("Misc_66", (0.0069, 0.0050)), ("Misc_107", (0.0072, 0.0035)), ("Misc_26", (0.0051, 0.0037))])
+def test_measured_images_give_their_known_rates(name: str, rates: tuple[float, float], data_dir: Path) -> None:
+    """Counted before by an independent program: Laplacian of the whole image, rows from floor(0.45 H) down, sigma of that crop."""
+    found = analyze(open_recording(data_dir / "imagery" / f"{name}.png"), Options(rows=(0.45, 1.0))).as_dict()
+    alarms = found["regions"]["all"]["false_alarms"]
+    assert tuple(round(alarm["rate"], 4) for alarm in alarms) == rates
