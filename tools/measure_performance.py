@@ -39,6 +39,24 @@ peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 print(json.dumps({"ready": ready, "first": seconds[0], "frame": statistics.median(seconds), "peak": peak}))
 """
 
+MAP = """
+import json, statistics, time
+from seaglint.pipeline import prepare
+from seaglint.radiance.mean import MeanModel
+from seaglint.scenario.load import parse_scenario
+scenario = parse_scenario({"sensor": {"pixels": [1024, 1024], "pixel_shape": "any"}})
+camera = prepare.camera(scenario)
+start = time.perf_counter()
+model = MeanModel.prepare(prepare.view(scenario))
+ready = time.perf_counter() - start
+seconds = []
+for _ in range(6):
+    start = time.perf_counter()
+    model.map(camera.elevations, camera.azimuths)
+    seconds.append(time.perf_counter() - start)
+print(json.dumps({"ready": ready, "map": statistics.median(seconds[1:])}))
+"""
+
 ARTICLE_CASE = (
     '{"sensor": {"height_m": 30, "elevation_deg": -3.6, "fov_deg": [14.3, 7.15], "pixels": [%d, %d], "pixel_shape": "any"},'
     ' "sea": {"shortest_wave_m": 4}, "wind": {"speed_m_s": 10}}'
@@ -51,6 +69,14 @@ def render(scenario: str, frames: int) -> dict[str, float]:
     import json
 
     done = subprocess.run([sys.executable, "-c", FRAME, scenario, str(frames)], capture_output=True, text=True, check=True, cwd=ROOT)
+    return dict(json.loads(done.stdout))
+
+
+def mean_map() -> dict[str, float]:
+    """Seconds to prepare the default view and of one map of 1024 x 1024 pixels."""
+    import json
+
+    done = subprocess.run([sys.executable, "-c", MAP], capture_output=True, text=True, check=True, cwd=ROOT)
     return dict(json.loads(done.stdout))
 
 
@@ -105,6 +131,8 @@ def measured() -> list[str]:
     sequence = render(demo, 12)
     default = render("{}", 4)
     small, large = render(ARTICLE_CASE % (16, 16), 2), render(ARTICLE_CASE % (1024, 512), 2)
+    mean_map()  # compiles
+    mean = mean_map()
     start_python = best_seconds(sys.executable, "-c", "pass")
     start_import = best_seconds(sys.executable, "-c", "import seaglint")
     start_help = best_seconds(sys.executable, "-c", "from seaglint.cli.app import main; main()", "--help")
@@ -119,6 +147,8 @@ def measured() -> list[str]:
         ("the same with 16 x 16 pixels: peak memory", f"{small['peak']:.0f} MB"),
         ("difference (article: 1.1 GB, cut 40-fold; bound here 150 MB)", f"{large['peak'] - small['peak']:.0f} MB"),
         ("`seaglint evaluate atmosphere`, 10,000 rows, one band: whole process", f"{batch_seconds():.1f} s"),
+        ("mean map: scenario to prepared view (tables, facets)", f"{mean['ready']:.2f} s"),
+        ("mean map: 1024 x 1024 pixels of the default scene", f"{mean['map']:.2f} s"),
         ("`import seaglint` (Python alone: " + f"{start_python:.2f} s)", f"{start_import:.2f} s"),
         ("`seaglint --help`", f"{start_help:.2f} s"),
     ]
