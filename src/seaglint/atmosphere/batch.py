@@ -156,6 +156,7 @@ class BatchAtmosphere:
     _winds: FloatArray
     _wind_kink: float
     _heights: FloatArray
+    _height_levels: tuple[float, ...]
     _height_kinks: tuple[float, ...]
     _refraction: Refraction
     _solar: FloatArray
@@ -207,6 +208,7 @@ class BatchAtmosphere:
             _winds=winds,
             _wind_kink=float(file["wind_kink"]),
             _heights=heights,
+            _height_levels=tuple(float(k) for k in file["height_levels"]),
             _height_kinks=tuple(float(k) for k in file["height_kinks"]),
             _refraction=Refraction(file["level_height"], file["refractivity"], float(file["earth_radius"])),
             _solar=np.array(file["solar"][keep]),
@@ -225,8 +227,8 @@ class BatchAtmosphere:
 
     def _height(self, height: FloatArray) -> Stencil:
         inside = self._covered(height, self.height_range, "sensor height", "m")
-        levels = (*self._height_kinks, float(self._heights[-1]))
-        kinks = tuple(float(j) for j in range(len(self._height_kinks)))
+        levels = (*self._height_levels, float(self._heights[-1]))
+        kinks = tuple(height_coordinate(self._height_kinks, levels).tolist())
         return Stencil.between_kinks(height_coordinate(self._heights, levels), kinks, height_coordinate(inside, levels))
 
     def _covered(self, values: FloatArray, allowed: tuple[float, float], name: str, unit: str) -> FloatArray:

@@ -84,20 +84,46 @@ def height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> FloatArra
     return np.asarray(np.where(h <= edges[0], low, layer + np.sqrt(part)))
 
 
+def sky_height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> FloatArray:
+    """Height stretched for splines of the sky [1]: 0 at the sea, ``j`` at the ``j``-th level.
+
+    Seen along the horizontal, a thin layer fills the view within metres of the level below it as well as of the level above:
+    the inverse sine spreads out both ends. Below the first level ``log(1 + h/20 m)`` makes the sea itself a node.
+    """
+    h = np.asarray(height, dtype=np.float64)
+    edges = np.array(levels)
+    layer = np.clip(np.searchsorted(edges, h, side="right") - 1, 0, edges.size - 2)
+    part = np.clip((h - edges[layer]) / (edges[layer + 1] - edges[layer]), 0.0, 1.0)
+    low = np.minimum(np.log1p(h / SKY_HEIGHT_SCALE) / np.log1p(edges[0] / SKY_HEIGHT_SCALE), 1.0)
+    return np.asarray(np.where(h <= edges[0], 1.0 - np.sqrt(1.0 - low), 1.0 + layer + np.arcsin(np.sqrt(part)) / (0.5 * np.pi)))
+
+
+SKY_HEIGHT_SCALE = 20.0
+"""Height at which the spacing of the sky's height nodes turns from even to geometric [m]."""
+
 ELEVATION_SCALE = 0.012
-"""Angle above the horizon at which the spacing of elevation nodes turns from even to geometric [rad]."""
+"""Angle above the horizontal at which the spacing of elevation nodes turns from even to geometric [rad]."""
 
 
 def elevation_coordinate(elevation: ArrayLike, dip: float) -> FloatArray:
-    """Angle above the sea horizon squeezed to 0 (horizon) ... 1 (straight up) [1]: ``asinh(e/e0) / asinh(e_max/e0)``."""
+    """Angle above the horizontal squeezed to 0 (horizontal) ... 1 (straight up) [1]: ``asinh(e/e0) / asinh(pi/2 e0)``."""
     scale = ELEVATION_SCALE + 0.5 * dip
-    return np.asarray(np.arcsinh(np.asarray(elevation) / scale) / np.arcsinh((0.5 * np.pi + dip) / scale))
+    return np.asarray(np.arcsinh(np.asarray(elevation) / scale) / np.arcsinh(0.5 * np.pi / scale))
 
 
 def elevation_of_coordinate(y: ArrayLike, dip: float) -> FloatArray:
-    """Inverse of :func:`elevation_coordinate`: angle above the sea horizon [rad]."""
+    """Inverse of :func:`elevation_coordinate`: angle above the horizontal [rad]."""
     scale = ELEVATION_SCALE + 0.5 * dip
-    return np.asarray(scale * np.sinh(np.asarray(y) * np.arcsinh((0.5 * np.pi + dip) / scale)))
+    return np.asarray(scale * np.sinh(np.asarray(y) * np.arcsinh(0.5 * np.pi / scale)))
+
+
+def dip_coordinate(depression: ArrayLike, dip: float) -> FloatArray:
+    """``sqrt(depression / dip)`` [1] of sky seen below the horizontal: 0 horizontal, 1 at the sea horizon.
+
+    Such a ray dips to a tangent height and leaves through the same air again; within 0.1 dips of the horizontal the
+    air between sensor and tangent height takes over, as the root of the angle (1 K from 2.5 km).
+    """
+    return np.asarray(np.sqrt(np.maximum(np.asarray(depression, dtype=np.float64), 0.0) / dip))
 
 
 OPTICAL_DEPTH_FLOOR, OPTICAL_DEPTH_CEILING = 1e-4, 6.0

@@ -5,7 +5,7 @@ Built by ``tools/build_atmosphere.py``; each file holds, for one model atmospher
 - encoded optical depth and effective air temperature ``T_e`` of the path from the sea to a sensor, against wind, height and
   normalised path length: ``L_path = (1 - tau) B(T_e)``;
 - encoded optical depth of the path to the Sun against wind and zenith angle;
-- brightness temperature of the thermal sky against wind, height and elevation above the sea horizon,
+- brightness temperature of the thermal sky against wind, height and elevation, above and below the horizontal,
 
 each as spectral principal components whose scores are interpolated by cubic splines. These quantities vary slowly where
 transmittance and radiance vary by orders of magnitude, and splines of them show no bands in an image.
@@ -33,10 +33,13 @@ from seaglint.atmosphere.base import FloatArray, require_height, require_range, 
 from seaglint.atmosphere.coordinates import (
     Refraction,
     decode_optical_depth,
+    dip_coordinate,
     elevation_coordinate,
     height_coordinate,
     path_coordinate,
+    sky_height_coordinate,
     spline_weights,
+    straight_sea_cosine,
     straight_slant,
 )
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
@@ -48,8 +51,7 @@ _DATA = resources.files("seaglint.atmosphere").joinpath("data")
 _ANGLE_SLACK = 1e-6
 """Angles this far below the horizon count as on it: rounding of degrees, 2e-3 of the solar radius [rad]."""
 
-_SKY_HEIGHT_SCALE = 20.0
-"""The sky is splined in ``log(1 + h/20 m)``, so that the sky seen from the sea itself is a node [m]."""
+_QUANTITIES = ("path_depth", "path_temperature", "sun_depth", "sky_temperature")
 
 
 def models(region: str = "mwir") -> tuple[str, ...]:
@@ -67,8 +69,8 @@ class _Spectra:
     scores: FloatArray
 
     @classmethod
-    def read(cls, file: Mapping[str, Any], name: str, keep: slice, wind_weights: FloatArray) -> _Spectra:
-        scores = np.tensordot(wind_weights, file[name + "_scores"].astype(np.float64), axes=1)
+    def read(cls, file: Mapping[str, Any], name: str, keep: slice, wind_weights: FloatArray, scores_name: str = "") -> _Spectra:
+        scores = np.tensordot(wind_weights, file[f"{scores_name or name}_scores"].astype(np.float64), axes=1)
         return cls(file[name + "_mean"][keep].astype(np.float64), file[name + "_components"][:, keep].astype(np.float64), scores)
 
     def at_height(self, weights: FloatArray) -> _Spectra:
@@ -115,6 +117,7 @@ class TableAtmosphere:
     wavenumber_cm: FloatArray
     provenance: dict[str, Any]
     _heights: FloatArray
+    _levels: tuple[float, ...]
     _kinks: tuple[float, ...]
     _sky_heights: FloatArray
     _refraction: Refraction
@@ -125,9 +128,15 @@ class TableAtmosphere:
     _path_temperature: _Spectra
     _sun_depth: _Spectra
     _sky_temperature: _Spectra
+    _sky_dip: _Spectra
+    _extrapolate: bool = False
+    extrapolated: tuple[str, ...] = ()
+    """What was taken from the edge of the table whatever the height: ``("wind_speed",)`` or nothing; see :meth:`extrapolated_at`."""
 
     @classmethod
-    def load(cls, model: str, wind_speed: float, band_um: tuple[float, float] = (3.0, 5.0)) -> TableAtmosphere:
+    def load(
+        cls, model: str, wind_speed: float, band_um: tuple[float, float] = (3.0, 5.0), *, extrapolate: bool = False
+    ) -> TableAtmosphere:
         """Read the table of ``model`` and interpolate it to a wind.
 
         Parameters
@@ -137,7 +146,11 @@ class TableAtmosphere:
         wind_speed : float
             U10 of the Navy maritime aerosol [m s-1], 0 to 20.
         band_um : (float, float)
-            Wavelengths that the spectral samples have to cover [um]; inside 2-5.5 um (or 7.5-14 um where a table ships).
+            Wavelengths that the spectral samples have to cover [um]; inside 2-5.5 um or 7.5-14 um.
+        extrapolate : bool
+            Take winds and heights beyond the table instead of refusing them. Winds above 20 m/s are 20 m/s, as in LOWTRAN7
+            itself; from below 2 m a path is the one of equal length that ends at 2 m; from above 10 km it is its part below
+            10 km (the same ray at the sea), and the sky is that of 10 km. Bands and negative values are always refused.
 
         Raises
         ------
@@ -157,16 +170,17 @@ class TableAtmosphere:
         if wanted[0] < grid[0] or wanted[-1] > grid[-1]:
             covered = f"{1e4 / grid[-1]:.3g}-{1e4 / grid[0]:.3g} um"
             raise DomainError(f"band {band_um[0]:g}-{band_um[1]:g} um reaches beyond the table of {covered}; narrow the band")
-        if not winds[0] <= wind_speed <= winds[-1]:
+        if not winds[0] <= wind_speed <= (np.inf if extrapolate else winds[-1]):
             raise DomainError(f"wind_speed = {wind_speed:g} m/s is outside {winds[0]:g}-{winds[-1]:g} m/s of the Navy maritime aerosol")
         keep = slice(int(np.searchsorted(grid, wanted[0])), int(np.searchsorted(grid, wanted[-1])) + 1)
-        wind_weights = spline_weights(winds, (float(file["wind_kink"]),), wind_speed)
+        wind_weights = spline_weights(winds, (float(file["wind_kink"]),), min(wind_speed, float(winds[-1])))
         return cls(
             model=model,
             wind_speed=float(wind_speed),
             wavenumber_cm=grid[keep].copy(),
             provenance=json.loads(str(file["provenance"])) | {"sha256": str(file["sha256"])},
             _heights=file["heights"],
+            _levels=tuple(file["height_levels"]),
             _kinks=tuple(file["height_kinks"]),
             _sky_heights=file["sky_heights"],
             _refraction=Refraction(file["level_height"], file["refractivity"], float(file["earth_radius"])),
@@ -177,35 +191,54 @@ class TableAtmosphere:
             _path_temperature=_Spectra.read(file, "path_temperature", keep, wind_weights),
             _sun_depth=_Spectra.read(file, "sun_depth", keep, wind_weights),
             _sky_temperature=_Spectra.read(file, "sky_temperature", keep, wind_weights),
+            _sky_dip=_Spectra.read(file, "sky_temperature", keep, wind_weights, "sky_dip"),
+            _extrapolate=extrapolate,
+            extrapolated=("wind_speed",) if wind_speed > winds[-1] else (),
         )
 
+    def extrapolated_at(self, height: float) -> tuple[str, ...]:
+        """Names of what is beyond the table for a sensor at ``height`` [m]; empty inside it."""
+        inside = self._heights[0] <= height <= self._heights[-1]
+        return self.extrapolated if inside else (*self.extrapolated, "sensor_height")
+
     def _height_weights(self, height: float) -> FloatArray:
-        require_height(height, self._heights[0], self._heights[-1], "choose a height inside it")
-        levels = (*self._kinks, float(self._heights[-1]))
+        lowest, highest = float(self._heights[0]), float(self._heights[-1])
+        if self._extrapolate and height > 0.0:
+            height = min(max(height, lowest), highest)
+        require_height(height, lowest, highest, "choose a height inside it")
+        levels = (*self._levels, highest)
         u, at = height_coordinate(self._heights, levels), height_coordinate(height, levels)
-        return spline_weights(u, tuple(float(j) for j in range(len(self._kinks))), float(at))
+        return spline_weights(u, tuple(height_coordinate(self._kinks, levels).tolist()), float(at))
 
     def _horizon_slant(self, height: float, weights: FloatArray) -> float:
         """Slant path to the sea horizon that LOWTRAN7's refraction gives, in the table's straight geometry [m]."""
         return float(straight_slant(height, 0.0) * np.exp(weights @ self._horizon_excess))
 
+    def _path_coordinate(self, height: float, range_m: ArrayLike, weights: FloatArray) -> FloatArray:
+        """Where along the table's paths those from arcs ``range_m`` to the sensor lie [1]."""
+        slant, highest = slant_range(height, require_range(range_m)), float(self._heights[-1])
+        if height > highest:
+            slant = straight_slant(highest, straight_sea_cosine(height, slant))
+        inside = min(max(height, float(self._heights[0])), highest)
+        return path_coordinate(slant, inside, self._horizon_slant(inside, weights))
+
+    def _optical_depth(self, x: FloatArray, weights: FloatArray) -> FloatArray:
+        nodes = np.linspace(0.0, 1.0, self._path_depth.scores.shape[1])
+        return decode_optical_depth(self._path_depth.at_height(weights).along(nodes, x))
+
     def path(self, height: float, range_m: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] in one go, both (..., n)."""
-        arc = require_range(range_m)
         weights = self._height_weights(height)
-        x = path_coordinate(slant_range(height, arc), height, self._horizon_slant(height, weights))
-        nodes = np.linspace(0.0, 1.0, self._path_depth.scores.shape[1])
-        optical_depth = decode_optical_depth(self._path_depth.at_height(weights).along(nodes, x))
+        x = self._path_coordinate(height, range_m, weights)
+        optical_depth = self._optical_depth(x, weights)
+        nodes = np.linspace(0.0, 1.0, self._path_temperature.scores.shape[1])
         air = self._path_temperature.at_height(weights).along(nodes, x)
         return np.exp(-optical_depth), -np.expm1(-optical_depth) * planck_wavenumber(self.wavenumber_cm, air)
 
     def transmittance(self, height: float, range_m: ArrayLike) -> FloatArray:
         """Transmittance of the path from the sea at arcs ``range_m`` [m, (...)] to the sensor [1, (..., n)]."""
-        arc = require_range(range_m)
         weights = self._height_weights(height)
-        x = path_coordinate(slant_range(height, arc), height, self._horizon_slant(height, weights))
-        nodes = np.linspace(0.0, 1.0, self._path_depth.scores.shape[1])
-        return np.asarray(np.exp(-decode_optical_depth(self._path_depth.at_height(weights).along(nodes, x))))
+        return np.asarray(np.exp(-self._optical_depth(self._path_coordinate(height, range_m, weights), weights)))
 
     def path_radiance(self, height: float, range_m: ArrayLike) -> FloatArray:
         """Thermal radiance of the air between the sea and the sensor [W m-2 sr-1 per cm-1, (..., n)]."""
@@ -244,20 +277,29 @@ class TableAtmosphere:
         From a height the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``; lower ones see the sea
         and are refused.
         """
-        require_height(height, 0.0, self._sky_heights[-1], "choose a height inside it")
+        highest = float(self._sky_heights[-1])
+        at = min(height, highest) if self._extrapolate else height
+        require_height(at, 0.0, highest, "choose a height inside it")
         dip = horizon_depression(height) if height > 0.0 else 0.0
-        above = 0.5 * np.pi + dip - np.asarray(zenith, dtype=np.float64)
-        if not np.all((above >= -_ANGLE_SLACK) & (above <= 0.5 * np.pi + dip + _ANGLE_SLACK)):
+        elevation = 0.5 * np.pi - np.asarray(zenith, dtype=np.float64)
+        if not np.all((elevation >= -dip - _ANGLE_SLACK) & (elevation <= 0.5 * np.pi + _ANGLE_SLACK)):
             raise DomainError(
                 f"zenith has values outside 0-{np.degrees(0.5 * np.pi + dip):.4f} deg, where the sky of a sensor at {height:g} m ends; "
                 "directions below the sea horizon see the sea"
             )
-        table_dip = self._refraction.dip(height) if height > 0.0 else 0.0
-        y = np.minimum(elevation_coordinate(np.maximum(above, 0.0), table_dip), 1.0)
-        kinks = tuple(float(np.log1p(k / _SKY_HEIGHT_SCALE)) for k in self._kinks if k in self._sky_heights)
-        weights = spline_weights(np.log1p(self._sky_heights / _SKY_HEIGHT_SCALE), kinks, float(np.log1p(height / _SKY_HEIGHT_SCALE)))
+        levels = (*self._levels, highest)
+        u = sky_height_coordinate(self._sky_heights, levels)
+        kinks = tuple(float(j) for j, level in enumerate(self._levels, 1) if level in self._sky_heights)
+        weights = spline_weights(u, kinks, float(sky_height_coordinate(at, levels)))
         sky = self._sky_temperature.at_height(weights)
-        return planck_wavenumber(self.wavenumber_cm, sky.along(np.linspace(0.0, 1.0, sky.scores.shape[0]), y))
+        y = np.minimum(elevation_coordinate(np.maximum(elevation, 0.0), self._refraction.dip(at) if at > 0.0 else 0.0), 1.0)
+        temperature = sky.along(np.linspace(0.0, 1.0, sky.scores.shape[0]), y)
+        below = elevation < 0.0
+        if dip > 0.0 and below.any():
+            seen = self._sky_dip.at_height(weights)
+            x = np.minimum(dip_coordinate(-elevation[below], dip), 1.0)
+            temperature[below] = seen.along(np.linspace(0.0, 1.0, seen.scores.shape[0]), x)
+        return planck_wavenumber(self.wavenumber_cm, temperature)
 
 
 @lru_cache(maxsize=12)
@@ -266,6 +308,8 @@ def read_table(model: str, region: str) -> Mapping[str, Any]:
 
     Per quantity (``path_depth``, ``path_temperature``, ``sun_depth``, ``sky_temperature``) there are ``_mean`` [(n)],
     ``_components`` [(c, n)] and ``_scores`` [(winds, [heights,] nodes, c)]: spectra are ``mean + scores @ components``.
+    ``sky_temperature_scores`` go from the horizontal to the zenith, ``sky_dip_scores`` (of the same components) from the
+    horizontal down to the sea horizon.
 
     Raises
     ------
@@ -277,8 +321,23 @@ def read_table(model: str, region: str) -> Mapping[str, Any]:
         content = _DATA.joinpath(name).read_bytes()
         with np.load(BytesIO(content)) as archive:
             table: dict[str, Any] = dict(archive)
+        for name in _QUANTITIES:
+            table |= _decoded(table, name)
     except (OSError, ValueError, KeyError, BadZipFile, LZMAError) as error:
         raise DataError(f"the atmosphere table {name} in the package is damaged ({error}); install seaglint again") from error
+    sky, up = table["sky_temperature_scores"], int(table["sky_nodes"])
+    table["sky_temperature_scores"], table["sky_dip_scores"] = sky[:, :, :up], np.concatenate([sky[:, :, :1], sky[:, :, up:]], axis=2)
     for array in table.values():
         array.flags.writeable = False
     return MappingProxyType(table | {"sha256": hashlib.sha256(content).hexdigest()})
+
+
+def _decoded(table: Mapping[str, Any], name: str) -> dict[str, FloatArray]:
+    """Components and scores of a quantity from their integers: 16-bit components; scores as byte planes of differences in wind."""
+    planes = table[f"{name}_scores"]
+    differences = np.ascontiguousarray(planes.reshape(4, -1).T).view("<i4").reshape(planes.shape[1:])
+    scores = np.cumsum(np.moveaxis(differences, 0, -1), axis=0) * float(table[f"{name}_step"])
+    return {
+        f"{name}_components": table[f"{name}_components"] * table[f"{name}_scale"][:, np.newaxis].astype(np.float64),
+        f"{name}_scores": np.ascontiguousarray(scores),
+    }

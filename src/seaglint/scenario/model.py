@@ -335,7 +335,10 @@ class TableAtmosphere(Record):
     """LOWTRAN7 with its Navy maritime aerosol at the scenario's wind, from the table in the package."""
 
     source: Literal["table"] = "table"
-    model: Annotated[Literal["midlatitude-summer", "us-standard-1976"], Field(description="model atmosphere")] = "midlatitude-summer"
+    model: Annotated[
+        Literal["tropical", "midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "us-standard-1976"],
+        Field(description="model atmosphere"),
+    ] = "midlatitude-summer"
 
 
 class LowtranAtmosphere(Record):
