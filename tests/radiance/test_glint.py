@@ -4,9 +4,11 @@ import pytest
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.errors import DomainError
 from seaglint.radiance.glint import direction, glint, visible_sun
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.sea.breon_henriot import breon_henriot
+from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.emissivity import facet_nodes
-from seaglint.sea.shadowing import saunders
+from seaglint.sea.nested import BANDS
+from seaglint.sea.shadowing import saunders, visible_area
 from seaglint.sea.slopes import SlopeStatistics, flat
 
 EPS = SOLAR_ANGULAR_RADIUS
@@ -126,18 +128,33 @@ def test_chance_never_exceeds_one_anywhere(wind):
         assert np.all((chance >= 0.0) & (chance <= 1.0))
 
 
-def test_all_suns_together_see_every_facet_once():
+def _round_the_sun(theta, zenith, azimuth, slopes, law):
+    if slopes.is_isotropic:
+        return glint(theta, -azimuth, zenith, 0.0, slopes, law).chance
+    return np.array([float(glint(theta, 0.0, zenith, a, slopes, law).chance) for a in azimuth[::10]]) * 10.0
+
+
+@pytest.mark.parametrize(
+    ("slopes", "law", "view"),
+    [
+        (cox_munk_isotropic(8.0), "viewer", 60.0),
+        (cox_munk_isotropic(8.0), "nested-viewer", 84.0),
+        pytest.param(cox_munk_anisotropic(12.0, 0.6), "nested-viewer", 75.0, marks=pytest.mark.validation),
+        pytest.param(cox_munk_gram_charlier(8.0, 0.6), "viewer", 60.0, marks=pytest.mark.validation),
+    ],
+)
+def test_all_suns_together_see_every_facet_once(slopes, law, view):
     """Energy: over all positions of a small Sun, chance / disc adds up to the share of facets that mirror the sky."""
-    slopes = cox_munk_isotropic(8.0)
-    theta = np.radians(60.0)
-    cosine, weight = np.polynomial.legendre.leggauss(160)
+    theta = np.radians(view)
+    cosine, weight = np.polynomial.legendre.leggauss(160 if slopes.is_isotropic else 32)
     cosine, weight = 0.5 + 0.5 * cosine, 0.5 * weight
     azimuth = np.linspace(-np.pi, np.pi, 720, endpoint=False)
     total = 0.0
     for c, w in zip(cosine, weight, strict=True):
-        p = glint(theta, azimuth, float(np.arccos(c)), 0.0, slopes, "viewer").chance
+        # the view stays where facet_nodes has it, at azimuth 0; the Sun goes round
+        p = _round_the_sun(theta, float(np.arccos(c)), azimuth, slopes, law)
         total += w * p.sum() * (azimuth[1] - azimuth[0]) / (np.pi * EPS**2)
-    nodes = facet_nodes(theta, slopes)
+    nodes = facet_nodes(theta, slopes, 0.0, BANDS if law == "nested-viewer" else 1)
     assert total == pytest.approx(nodes.weight[~nodes.meets_sea].sum(), rel=2e-3)  # Suns cut by the horizon count in part
 
 
@@ -168,13 +185,34 @@ def test_directional_sea_is_brighter_across_a_wind_that_roughens_along():
     assert across > 1.3 * along
 
 
-def test_reciprocal_in_viewer_and_sun():
+SKEWED = [cox_munk_gram_charlier(9.0, 0.7), cox_munk_slick(9.0, 0.7), breon_henriot(9.0, 0.7)]
+
+
+@pytest.mark.parametrize("slopes", [cox_munk_isotropic(9.0), cox_munk_anisotropic(9.0, 0.7), *SKEWED])
+@pytest.mark.parametrize(("view", "sun"), [((75.0, 2.0), (50.0, 0.2)), ((86.0, 3.0), (70.0, 0.2)), ((40.0, 1.0), (82.0, 1.3))])
+def test_reciprocal_in_viewer_and_sun(slopes, view, sun):
     """Helmholtz: p S / (4 cos^4 beta cos cos') is symmetric, so chance x cos(view) is."""
-    slopes = cox_munk_anisotropic(9.0, 0.7)
-    a, b = (np.radians(75.0), 2.0), (np.radians(50.0), 0.2)
+    a, b = (np.radians(view[0]), view[1]), (np.radians(sun[0]), sun[1])
     one = float(glint(*a, *b, slopes).chance) * np.cos(a[0])
     other = float(glint(*b, *a, slopes).chance) * np.cos(b[0])
-    assert one == pytest.approx(other, rel=2e-3)  # the finite disc is on one side only
+    # The finite disc is on one side only, and averages the density's curvature there: up to 1 % where a wing or low light is steep.
+    assert one == pytest.approx(other, rel=0.01)
+
+
+@pytest.mark.parametrize("slopes", SKEWED, ids=["gram-charlier", "slick", "breon-henriot"])
+@pytest.mark.parametrize("view", [(30.0, 0.4), (70.0, 2.0), (85.0, -1.0)])
+@pytest.mark.parametrize("sun", [(35.0, 3.5), (65.0, -1.2)])
+def test_skewed_density_is_the_point_formula(slopes, view, sun):
+    """Kernel against the arrays of the slope model: p / (4 cos^4 beta A+) times the disc."""
+    (theta, azimuth), (zenith, bearing) = (np.radians(view[0]), view[1]), (np.radians(sun[0]), sun[1])
+    v, s = (np.array([float(c) for c in direction(*d)]) for d in ((theta, azimuth), (zenith, bearing)))
+    total = v + s
+    slope = -total[:2] / total[2]
+    density = float(slopes.density(*slope))
+    expected = np.pi * EPS**2 * density * (1.0 + slope @ slope) ** 2 / (4.0 * float(visible_area(theta, azimuth, slopes)))
+    got = float(glint(theta, azimuth, zenith, bearing, slopes, "viewer").chance)
+    peak = float(slopes.density(0.0, 0.0)) * np.pi * EPS**2
+    assert got == pytest.approx(expected, rel=0.01, abs=1e-6 * peak)  # curvature of the density on the disc
 
 
 def test_view_from_below_is_refused():
