@@ -1,0 +1,334 @@
+"""The report of an analysis: one HTML file with its tables and pictures inside, which asks nothing of the network."""
+
+from __future__ import annotations
+
+import base64
+import json
+from collections.abc import Callable, Iterable, Sequence
+from html import escape
+from pathlib import Path
+from typing import Any, Final
+
+from seaglint import __version__
+from seaglint.io.failures import storage_errors
+from seaglint.io.netcdf import refuse_existing
+from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png
+from seaglint.plot.results import Analysis
+
+Progress = Callable[[int, int], None]
+"""Called with pictures drawn and pictures in all."""
+
+_ABSENT: Final = "–"
+
+_STYLE: Final = """
+body { font: 15px/1.5 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c2430; background: #fff;
+  max-width: 1180px; margin: 0 auto; padding: 1.5rem 1.2rem 4rem; }
+h1 { font-size: 1.5rem; line-height: 1.25; margin: 0 0 .3rem; overflow-wrap: anywhere; }
+h2 { font-size: 1.15rem; margin: 2.4rem 0 .5rem; padding-top: .8rem; border-top: 1px solid #d5dbe3; }
+h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
+p { margin: .4rem 0 .8rem; max-width: 78ch; }
+.facts { color: #4a5666; }
+.notes { background: #fff6e0; border-left: 4px solid #e0a100; padding: .6rem 1rem .6rem 2rem; margin: 1rem 0; }
+.none { background: #eef6ee; border-left-color: #4c9a4c; padding-left: 1rem; }
+.table { overflow-x: auto; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .88rem; margin: .4rem 0 .8rem; }
+th, td { padding: .25rem .7rem; text-align: right; border-bottom: 1px solid #e4e8ee; white-space: nowrap; }
+th { background: #f3f5f8; font-weight: 600; vertical-align: bottom; }
+th:first-child, td:first-child, .text { text-align: left; }
+td.text { white-space: normal; min-width: 14rem; color: #4a5666; }
+figure { margin: .8rem 0 1.2rem; }
+figure img { max-width: 100%; height: auto; border: 1px solid #e4e8ee; }
+figcaption, .small { font-size: .85rem; color: #4a5666; max-width: 95ch; }
+pre { background: #f3f5f8; padding: .8rem; overflow-x: auto; font-size: .8rem; }
+@media print { body { max-width: none; padding: 0; } figure, tr { break-inside: avoid; } }
+""".strip()
+
+_SIGMA: Final = {
+    "frame": "the mean and standard deviation of the region in the same frame",
+    "sequence": "the mean and standard deviation of the region over the whole sequence",
+    "local": "the mean and standard deviation around each pixel",
+}
+
+
+def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = False, progress: Progress = lambda done, total: None) -> Path:
+    """Write the report of an analysis; the same analysis gives the same bytes.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        From :func:`seaglint.pipeline.analysis.analyze`.
+    path : path
+        File to write, usually ``.html``.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+    progress : callable
+        Called with (pictures drawn, pictures in all).
+
+    Returns
+    -------
+    Path
+        As given.
+
+    Raises
+    ------
+    DataError
+        The file exists, or its folder does not.
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    output = refuse_existing(path, overwrite=overwrite)
+    text = report(analysis, progress)
+    partial = output.with_name(output.name + ".partial")
+    try:
+        with storage_errors(output, "make room or choose another place; nothing was written"):
+            partial.write_text(text, encoding="utf-8", newline="\n")
+            partial.replace(output)
+    finally:
+        partial.unlink(missing_ok=True)
+    return output
+
+
+def report(analysis: Analysis, progress: Progress = lambda done, total: None) -> str:
+    """The report as text."""
+    results = analysis.as_dict()
+    images: dict[str, str] = {}
+    for done, (name, picture) in enumerate(PICTURES.items(), start=1):
+        images[name] = _picture(png(picture.draw(analysis)), picture.title, picture.caption)
+        progress(done, len(PICTURES))
+    title = f"Clutter and false alarms: {results['source']}"
+    body = [
+        f"<h1>{escape(title)}</h1>",
+        f'<p class="facts">{escape(_facts(results))}</p>',
+        _notes(results),
+        _section("False alarms", _summary(results), images["rates"]),
+        _section("Regions", f"<p>{escape(_segmentation(results))}</p>", images["regions"], _moments(results)),
+        _section("Exceedances and events", images["exceedances"], _events(results), images["slices"]),
+        _section("Beyond the data", _tails(results)),
+        _section("Distributions", images["histograms"], *_fits(results)),
+        _section("Correlation, spectrum, stationarity", _memory(results), images["memory"]),
+        _section("How it was done", *_methods(analysis, results)),
+        "<details><summary>All numbers as JSON</summary><pre>",
+        escape(json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False)),
+        "</pre></details>",
+    ]
+    head = (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        # Names and notes come from files of others: nothing in them may run or load.
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\">\n"
+        f'<meta name="generator" content="seaglint {__version__}">\n<title>{escape(title)}</title>\n<style>\n{_STYLE}\n</style>\n</head>\n'
+    )
+    return head + "<body>\n" + "\n".join(body) + "\n</body>\n</html>\n"
+
+
+def number(value: Any, digits: int = 3) -> str:
+    """A number for a table; what does not exist is a dash."""
+    if value is None:
+        return _ABSENT
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", "\u202f")
+    return f"{value:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e").replace("-", "\u2212")
+
+
+def _interval(ends: Sequence[float | None] | None, digits: int = 3) -> str:
+    return _ABSENT if ends is None or None in ends else f"{number(ends[0], digits)} … {number(ends[1], digits)}"
+
+
+def _table(head: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[int] = ()) -> str:
+    """Cells are text; those of the columns ``words`` are sentences."""
+
+    def cell(tag: str, place: int, text: str) -> str:
+        return f'<{tag} class="text">{escape(text)}</{tag}>' if place in words else f"<{tag}>{escape(text)}</{tag}>"
+
+    lines = ["<tr>" + "".join(cell("td", i, text) for i, text in enumerate(row)) + "</tr>" for row in rows]
+    top = "<tr>" + "".join(cell("th", i, text) for i, text in enumerate(head)) + "</tr>"
+    return '<div class="table"><table>\n<thead>' + top + "</thead>\n<tbody>\n" + "\n".join(lines) + "\n</tbody></table></div>"
+
+
+def _section(title: str, *parts: str) -> str:
+    return "\n".join([f"<h2>{escape(title)}</h2>", *parts])
+
+
+def _picture(content: bytes, title: str, caption: str) -> str:
+    data = base64.b64encode(content).decode("ascii")
+    return f'<figure><img alt="{escape(title)}" src="data:image/png;base64,{data}"><figcaption>{escape(caption)}</figcaption></figure>'
+
+
+def _regions(results: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    return [(name, region) for name, region in results["regions"].items() if region is not None]
+
+
+def _facts(results: dict[str, Any]) -> str:
+    rate = results["frame_rate_hz"]
+    frames = results["frames"]
+    facts = [
+        "1 frame" if frames == 1 else f"{frames} frames",
+        f"{results['columns']} × {results['rows']} pixels",
+        f"{rate:g} Hz" if rate is not None else "frame rate not known",
+        f"units {results['units']}" if results["units"] else "units not known",
+        f"filter {results['filter']}",
+        f"seaglint {__version__}",
+    ]
+    return " · ".join(facts)
+
+
+def _notes(results: dict[str, Any]) -> str:
+    own = [f"{name}: {note}" for name, region in _regions(results) for note in region["notes"]]
+    notes = [*results["notes"], *own]
+    if not notes:
+        return '<div class="notes none">Nothing unusual was found in the data.</div>'
+    return '<ul class="notes">' + "".join(f"<li>{escape(note)}</li>" for note in notes) + "</ul>"
+
+
+def _summary(results: dict[str, Any]) -> str:
+    rows = []
+    for name, region in _regions(results):
+        for entry in region["false_alarms"]:
+            time = entry["correlation_time_s"]
+            frames = entry["correlation_time_frames"]
+            told = [text for text in (entry["note"], entry["correlation_note"]) if text]
+            rows.append(
+                [
+                    name,
+                    entry["filter"],
+                    number(entry["threshold_sigma"]),
+                    number(entry["exceedances"]),
+                    number(entry["rate"]),
+                    _interval([entry["rate_low"], entry["rate_high"]]),
+                    number(entry["gaussian_rate"]),
+                    number(entry["ratio"]),
+                    number(entry["inflation"]),
+                    number(time) if time is not None or results["frame_rate_hz"] is not None else number(frames),
+                    "; ".join(dict.fromkeys(told)),
+                ]
+            )
+    seconds = "s" if results["frame_rate_hz"] is not None else "frames"
+    head = ["region", "filter or detector", "threshold [σ]", "false alarms", "rate per pixel", "95 % interval", "Gaussian tail"]
+    head += ["rate / Gaussian", "variance / independent", f"correlation time [{seconds}]", "remarks"]
+    return _table(head, rows, words=(10,))
+
+
+def _segmentation(results: dict[str, Any]) -> str:
+    found = results["segmentation"]
+    text = f"Method: {found['method']}."
+    if found["separability"] is not None:
+        text += f" Separability {number(found['separability'])} (a corridor has at least 0.69), contrast {number(found['contrast'])}"
+        text += " standard deviations of the background (at least 2)."
+    if found["reason"]:
+        text += f" No corridor: {found['reason']}."
+    if found["sky_pixels"]:
+        text += f" {number(found['sky_pixels'])} pixels are sky and belong to neither region."
+    return text
+
+
+def _moments(results: dict[str, Any]) -> str:
+    unit = results["units"] or "unit"
+    rows = [
+        [name, number(r["pixels"]), number(r["values"]), *(number(r[key], 5) for key in ("mean", "std", "minimum", "maximum"))]
+        + [number(r["skewness"]), number(r["excess_kurtosis"])]
+        for name, r in _regions(results)
+    ]
+    head = ["region", "pixels", "values", f"mean [{unit}]", f"standard deviation [{unit}]", f"minimum [{unit}]", f"maximum [{unit}]"]
+    return _table([*head, "skewness", "excess kurtosis"], rows)
+
+
+def _events(results: dict[str, Any]) -> str:
+    rows = [
+        [name, entry["filter"], number(entry["threshold_sigma"]), number(entry["events"]), number(entry["events_per_frame"])]
+        + [number(entry["event_duration_s"])]
+        for name, region in _regions(results)
+        for entry in region["false_alarms"]
+    ]
+    head = ["region", "filter or detector", "threshold [σ]", "events", "events per frame", "mean duration [s]"]
+    text = "<p>An event is a set of exceeding pixels that touch in a frame or from one frame to the next.</p>"
+    return text + _table(head, rows)
+
+
+def _tails(results: dict[str, Any]) -> str:
+    rows = []
+    for name, region in _regions(results):
+        for entry in region["false_alarms"]:
+            tail = entry["tail"]
+            if tail is None:
+                continue
+            if tail["reason"] is not None:
+                rows.append([name, entry["filter"], *[_ABSENT] * 8, tail["reason"]])
+                continue
+            values = [tail["from_sigma"], tail["events"], tail["shape"]]
+            more = [tail["scale_sigma"], tail["goodness_p"], tail["trusted_to_sigma"], tail["trusted_to_rate"]]
+            rows.append([name, entry["filter"], *map(number, values), _interval(tail["shape_interval"]), *map(number, more), ""])
+    head = ["region", "filter or detector", "from [σ]", "events", "shape ξ", "95 % interval", "scale β [σ]", "goodness p"]
+    head += ["trusted to [σ]", "trusted to rate", "remarks"]
+    text = (
+        "<p>rate(m) = rate(u) (1 + ξ (m − u)/β)<sup>−1/ξ</sup> above u, each event counted as one observation. ξ above 0 is a power law, "
+        "0 an exponential, below 0 a tail that ends. The rate is trusted while its 95 % interval spans less than a factor of ten, "
+        "and not below one exceedance in ten such data sets; both given that the form of the tail holds.</p>"
+    )
+    return text + _table(head, rows, words=(10,))
+
+
+def _fits(results: dict[str, Any]) -> list[str]:
+    unit = results["units"] or "unit"
+    head = ["family", "shape", "95 % interval", f"scale [{unit}]", "95 % interval", f"loc [{unit}]", "KS", "level", "AD", "level"]
+    head += ["log likelihood per value", "independent values", "remarks"]
+    parts = []
+    for name, region in _regions(results):
+        rows = []
+        for family, f in region["fits"].items():
+            remark = f["reason"] or (f"{100 * f['excluded']:.2g} % of the values, not above loc, left out" if f["excluded"] else "")
+            rows.append(
+                [FAMILY_NAMES.get(family, family), number(f["shape"], 4), _interval(f["shape_interval"]), number(f["scale"], 4)]
+                + [_interval(f["scale_interval"]), number(f["loc"], 4), number(f["ks"]), number(f["ks_p"], 2), number(f["ad"])]
+                + [number(f["ad_p"], 2), number(f["log_likelihood_per_value"], 5), number(f["effective_count"], 4), remark]
+            )
+        parts += [f"<h3>{escape(name)}</h3>", _table(head, rows, words=(12,))]
+    return parts
+
+
+def _memory(results: dict[str, Any]) -> str:
+    rows = []
+    for name, r in _regions(results):
+        length, still = r["correlation_length_px"], r["stationarity"]
+        verdict = r["stationary"]
+        rows.append(
+            [name, number(length["x"]), number(length["y"]), number(r["correlation_time_s"]), number(r["correlation_time_frames"])]
+            + ["not decidable" if verdict is None else number(verdict), number(still["p_mean"], 2), number(still["p_variance"], 2)]
+            + [" × ".join(map(str, still["block_px"])), still["reason"] or ""]
+        )
+    head = ["region", "length x [px]", "length y [px]", "time [s]", "time [frames]", "stationary", "p, means", "p, variances"]
+    return _table([*head, "blocks, rows × columns [px]", "remarks"], rows, words=(9,))
+
+
+def _methods(analysis: Analysis, results: dict[str, Any]) -> list[str]:
+    options = analysis.options
+    first, last = options.rows
+    done = [
+        f"Filter: {options.filter.name}, applied to whole frames; the nearest pixel is repeated beyond the border.",
+        f"Thresholds are on the bright side, in standard deviations of the filtered image above its mean: {_SIGMA[options.scope]}.",
+        "A rate is the number of pixels above the threshold over the number of pixels looked at. Its interval is Wilson's with an effective "
+        "number of pixels from the scatter of counts between tiles and times.",
+        "Correlation times of exceedances and of brightness are where the correlation falls to 1/e; lengths likewise.",
+        "Fits are by maximum likelihood with location 0 (Gaussian: fitted); intervals come from blocks some correlation lengths wide where "
+        "there are enough of them, else from the number of independent values. Levels of KS (Kolmogorov-Smirnov) and AD "
+        "(Anderson-Darling) come from a parametric bootstrap with that number, so that neither fitted parameters nor correlated pixels make "
+        "a fit look worse than it is. A small level speaks against the family; a large one does not prove it.",
+        f"Stationarity: {next((r['stationarity']['method'] for _, r in _regions(results)), '')}.",
+        f"Regions: {results['segmentation']['method']}.",
+    ]
+    if options.detectors:
+        names = ", ".join(d.name + (" (promises its own rate)" if d.calibrated else "") for d in options.detectors)
+        done.append(f"Detectors judged by the same counting: {names}.")
+    used = [
+        ["source", results["source"]],
+        ["filter", options.filter.name],
+        ["thresholds beside 3.0 and 3.5", ", ".join(f"{t:g}" for t in options.thresholds) or "none"],
+        ["sigma of", options.scope],
+        ["rows", "all" if (first, last) == (0.0, 1.0) else f"{first:g} to {last:g} of the height"],
+        ["mask", "none, segmented" if options.mask is None else "given"],
+        ["detectors", ", ".join(d.name for d in options.detectors) or "none"],
+        ["seed", str(options.seed)],
+        ["seaglint", __version__],
+    ]
+    return ["<ul>" + "".join(f"<li>{escape(text)}</li>" for text in done) + "</ul>", _table(["option", "value"], used, words=(1,))]
