@@ -11,8 +11,9 @@ from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.glint import glint
-from seaglint.radiance.mean import SeaView, mean_radiance
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.radiance.mean import MeanModel, SeaView, mean_radiance
+from seaglint.sea.breon_henriot import breon_henriot
+from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.emissivity import facet_nodes
 from seaglint.sea.slopes import flat
 
@@ -23,6 +24,9 @@ SEAS = {
     "10 m/s": cox_munk_isotropic(10.0),
     "20 m/s": cox_munk_isotropic(19.0),
     "directional": cox_munk_anisotropic(10.0, 0.4),
+    "skewed": cox_munk_gram_charlier(10.0, 0.4),
+    "slick": cox_munk_slick(6.0, 0.4),
+    "breon-henriot": breon_henriot(10.0, 0.4),
 }
 
 
@@ -172,3 +176,56 @@ def test_chance_and_incidence_come_with_the_sun_and_only_there():
     assert not seen.cos_incidence[0].any()
     dark = mean_radiance(_view(atmosphere, cox_munk_isotropic(6.0), solar_zenith=2.0), elevation, azimuth)
     assert not dark.chance.any()
+
+
+@pytest.mark.parametrize("slopes", [SEAS["10 m/s"], SEAS["directional"], SEAS["calm"]], ids=["10 m/s", "directional", "calm"])
+def test_white_furnace_of_a_nested_sea(slopes):
+    view = _view(IsothermalAtmosphere.for_band(288.15, 3.0, 5.0), slopes, shadowing="nested")
+    total = mean_radiance(view, -np.radians(np.geomspace(0.17, 90.0, 60)), np.radians([-40.0, 0.0, 25.0])).total
+    np.testing.assert_allclose(total, BAND.radiance(288.15, view.atmosphere.wavenumber_cm), rtol=1e-10)
+
+
+@pytest.mark.parametrize("name", ["flat", "10 m/s", "directional", "skewed"])
+def test_white_furnace_of_a_prepared_model(name):
+    view = _view(IsothermalAtmosphere.for_band(288.15, 3.0, 5.0), SEAS[name])
+    total = MeanModel.prepare(view).map(-np.radians(np.geomspace(0.17, 90.0, 60)), np.radians([-40.0, 0.0, 25.0])).total
+    np.testing.assert_allclose(total, BAND.radiance(288.15, view.atmosphere.wavenumber_cm), rtol=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("name", "law"),
+    [("flat", "both"), ("calm", "both"), ("10 m/s", "nested"), ("directional", "both"), ("directional", "nested"), ("skewed", "both")],
+)
+@pytest.mark.parametrize("height", [2.0, 5000.0])
+def test_prepared_maps_are_the_rows_computed_one_by_one(name, law, height):
+    view = _view(WarmSky.for_band(3.0, 5.0), SEAS[name], sensor_height=height, shadowing=law)
+    elevation = 0.1 - horizon_depression(height) - np.concatenate([[0.0], np.geomspace(0.1 + 1e-6, 1.5, 30)])
+    azimuth = np.radians(np.arange(-170.0, 190.0, 17.0))
+    one, model = mean_radiance(view, elevation, azimuth), MeanModel.prepare(view).map(elevation, azimuth)
+    np.testing.assert_allclose(model.total, one.total, rtol=1e-5)
+    np.testing.assert_allclose(model.sun, one.sun, rtol=1e-4, atol=1e-9 * one.sun.max())
+    np.testing.assert_array_equal(model.chance, one.chance)
+
+
+def test_a_map_does_not_depend_on_the_number_of_threads():
+    numba = pytest.importorskip("numba")
+    model = MeanModel.prepare(_view(WarmSky.for_band(3.0, 5.0), SEAS["directional"]))
+    elevation, azimuth = -np.linspace(0.01, 0.3, 50), np.linspace(-0.2, 0.2, 40)
+    before = numba.get_num_threads()
+    try:
+        numba.set_num_threads(1)
+        one = model.map(elevation, azimuth)
+    finally:
+        numba.set_num_threads(before)
+    np.testing.assert_array_equal(one.sun, model.map(elevation, azimuth).sun)
+
+
+def test_nested_waves_darken_a_low_sun_and_change_the_background_near_the_horizon_alone():
+    atmosphere = WarmSky.for_band(3.0, 5.0)
+    both, nested = (
+        mean_radiance(_view(atmosphere, SEAS["10 m/s"], solar_zenith=np.radians(82.0), shadowing=law), -np.radians([1.0, 45.0]), [0.0])
+        for law in ("both", "nested")
+    )
+    assert nested.sun[0, 0] < 0.8 * both.sun[0, 0]
+    assert nested.sky[0, 0] != pytest.approx(both.sky[0, 0], rel=0.01)
+    assert nested.total[1, 0] == pytest.approx(both.total[1, 0], rel=1e-6)
