@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from typing import Any, Final, Literal
 
@@ -29,7 +30,10 @@ REGIONS: Final = ("all", "glint", "background")
 RegionName = Literal["all", "glint", "background"]
 
 KEPT_FRAMES: Final = 24
-"""Frames kept for statistics in space, evenly spaced over the recording."""
+"""Most frames kept for statistics in space, evenly spaced over the recording."""
+
+KEPT_VALUES: Final = 2_500_000
+"""Values in them: ten frames of 512 x 512 tell correlation lengths to a per cent, and their transforms stay below 100 MB."""
 
 SLICED_FRAMES: Final = 2000
 """Frames of which a row and a column are kept for the picture of them in time."""
@@ -209,24 +213,32 @@ def _count(
     progress: Progress,
 ) -> tuple[dict[str, Region], Slices]:
     """Second pass: false alarms of the filter, and what statistics in space and time need."""
-    kept_numbers = np.unique(np.linspace(0, recording.frames - 1, min(KEPT_FRAMES, recording.frames)).astype(np.int64))
+    most = min(max(KEPT_VALUES // (recording.rows * recording.columns), 4), KEPT_FRAMES, recording.frames)
+    kept_numbers = np.unique(np.linspace(0, recording.frames - 1, most).astype(np.int64))
     kept = np.empty((kept_numbers.size, recording.rows, recording.columns), np.float32)
     gatherers = {name: Gatherer(mask, recording.frames, kept_numbers, options.seed) for name, mask in masks.items()}
     alarms = {name: FalseAlarms(thresholds) for name in masks}
     scales = _sequence_scales(recording, options, first.dead, masks) if options.scope == "sequence" else {}
     slicer = _Slicer(masks.get("glint", masks["all"]), recording, options, masks["all"])
     done = 0
+
+    def count(name: str, block: FrameArray, filtered: FrameArray, start: int) -> None:
+        z = standardise(filtered, masks[name], scope=options.scope, scale=scales.get(name))
+        alarms[name].add(z)
+        if name == "all":
+            slicer.add(block, filtered, z)
+        gatherers[name].add(block, start)
+
+    # Regions do not know of each other, and their kernels release the interpreter.
+    workers = ThreadPoolExecutor(len(masks))
     for block, filtered in _filtered(recording, options, first.dead):
-        for name, mask in masks.items():
-            z = standardise(filtered, mask, scope=options.scope, scale=scales.get(name))
-            alarms[name].add(z)
-            if name == "all":
-                slicer.add(block, filtered, z)
-            gatherers[name].add(block, done)
+        for task in [workers.submit(count, name, block, filtered, done) for name in masks]:
+            task.result()
         inside = (kept_numbers >= done) & (kept_numbers < done + block.shape[0])
         kept[inside] = block[kept_numbers[inside] - done]
         done += block.shape[0]
         progress(recording.frames + done, 2 * recording.frames)
+    workers.shutdown()
     spacing = float(recording.frames - 1) / max(kept_numbers.size - 1, 1)
     results = {}
     for name, gathered in gatherers.items():

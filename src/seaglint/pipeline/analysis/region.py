@@ -57,6 +57,14 @@ class Region:
     spectrum: Spectrum | None
     alarms: dict[str, FalseAlarms] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    _tails: dict[str, tuple[TailFit | None, str | None]] = field(default_factory=dict, repr=False, compare=False)
+
+    def tail(self, name: str) -> tuple[TailFit | None, str | None]:
+        """Extreme-value tail of a filter or detector from the events of its lowest threshold, or why there is none; fitted once."""
+        if name not in self._tails:
+            alarms = self.alarms[name]
+            self._tails[name] = fit_tail(alarms.curve(), alarms.events(alarms.thresholds[0])) if alarms.pixels else (None, "no pixels")
+        return self._tails[name]
 
     def as_dict(self, frame_rate: float | None) -> dict[str, Any]:
         """Plain numbers and text; what does not exist is None."""
@@ -71,7 +79,11 @@ class Region:
             "minimum": number(m.minimum),
             "maximum": number(m.maximum),
             "fits": {family: self._fit(family) for family in FAMILIES},
-            "false_alarms": [entry for name, alarms in self.alarms.items() for entry in _alarm_entries(name, alarms, frame_rate)],
+            "false_alarms": [
+                _alarm_entry(name, alarms, rate, *self.tail(name), frame_rate)
+                for name, alarms in self.alarms.items()
+                for rate in alarms.rates()
+            ],
             "correlation_length_px": {"x": number(self.spatial.length_x), "y": number(self.spatial.length_y)},
             "correlation_time_s": number(self.temporal.time) if frame_rate is not None else None,
             "correlation_time_frames": number(self.temporal.time * (frame_rate or 1.0)),
@@ -122,18 +134,6 @@ def number(value: float) -> float | None:
 
 def _pair(interval: tuple[float, float] | None) -> list[float | None] | None:
     return None if interval is None else [number(v) for v in interval]
-
-
-def _alarm_entries(name: str, alarms: FalseAlarms, frame_rate: float | None) -> list[dict[str, Any]]:
-    tail, tail_reason = tail_of(alarms)
-    return [_alarm_entry(name, alarms, rate, tail, tail_reason, frame_rate) for rate in alarms.rates()]
-
-
-def tail_of(alarms: FalseAlarms) -> tuple[TailFit | None, str | None]:
-    """Extreme-value tail of an accumulator, from the events of its lowest threshold."""
-    if alarms.pixels == 0:
-        return None, "no pixels"
-    return fit_tail(alarms.curve(), alarms.events(alarms.thresholds[0]))
 
 
 def _alarm_entry(
