@@ -41,6 +41,14 @@ def test_components_add_up_on_both_sides_of_the_horizon(mode):
     assert (found["glint_radiance"].where(above, drop=True) == 0.0).all()
 
 
+@pytest.mark.parametrize("mode", ["spectral", "article"])
+def test_a_camera_that_looks_up_sees_the_sky_alone(mode):
+    found = scene(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [24, 12], "elevation_deg": 20.0})
+    np.testing.assert_allclose(found.radiance, found.sky_radiance, rtol=FLOAT32)
+    assert float(found.radiance.min()) > 0.0
+    assert float(found.glint_std.max()) == 0.0
+
+
 def test_the_articles_mode_is_the_articles_case():
     """Its sea without Sun is a blackbody behind the path, its slopes take the wind as given, whatever the scenario's directional model."""
     found = scene("article")
