@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import io
 import math
+import re
+import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
@@ -38,7 +40,9 @@ SLICED_ABOVE: Final = 3.0
 """Threshold of the slices, counted in every analysis [standard deviations]."""
 
 _MOST_BINS: Final = 150
+_LEFT_OUT: Final = "#c2a5cf"
 _DOTS_PER_INCH: Final = 100
+_FREQUENCIES: Final = (0.02, 0.05, 0.1, 0.2, 0.5)
 
 
 def png(figure: Figure) -> bytes:
@@ -50,28 +54,30 @@ def png(figure: Figure) -> bytes:
 
 def draw_regions(analysis: Analysis) -> Figure:
     """Mean image with the outlines of the regions, and the row and column of :func:`draw_slices`."""
+    from matplotlib.colors import ListedColormap
     from matplotlib.lines import Line2D
 
     rows, columns = analysis.image.shape
     figure = _figure(10.0, float(np.clip(8.6 * rows / columns, 2.5, 9.0)) + 0.9)
     axes = figure.subplots()
-    low, high = scale_limits(analysis.image)
+    used = analysis.regions["all"].mask
+    low, high = scale_limits(analysis.image[used])
     image = axes.imshow(analysis.image, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
-    image.cmap.set_bad("#7b3294")
     handles = []
     outlines = [("glint", COLOURS["glint"], analysis.regions["glint"].mask)] if "glint" in analysis.regions else []
     if analysis.segmentation is not None and analysis.segmentation.sky.any():
         outlines.append(("sky, left out", "#66c2a5", analysis.segmentation.sky))
-    if analysis.options.rows != (0.0, 1.0):
-        outlines.append(("rows analysed", "#ffff33", analysis.regions["all"].mask))
     for name, colour, mask in outlines:
         # Padded, so that a region that ends at the picture's border is closed there.
         axes.contour(
             np.arange(-1, columns + 1), np.arange(-1, rows + 1), np.pad(mask.astype(float), 1), levels=[0.5], colors=colour, linewidths=1.4
         )
         handles.append(Line2D([], [], color=colour, label=name))
-    if not np.isfinite(analysis.image).all():
-        handles.append(Line2D([], [], color="#7b3294", marker="s", linestyle="none", label="no data"))
+    if not used.all():
+        axes.imshow(np.ma.masked_array(np.ones(used.shape), used), cmap=ListedColormap([_LEFT_OUT]), interpolation="nearest")
+        handles.append(
+            Line2D([], [], color=_LEFT_OUT, marker="s", linestyle="none", label="not analysed: missing, dead or outside the rows")
+        )
     axes.plot([-0.5, columns - 0.5], [analysis.slices.row] * 2, color="c", linewidth=0.7, linestyle=":")
     axes.plot([analysis.slices.column] * 2, [-0.5, rows - 0.5], color="c", linewidth=0.7, linestyle=":")
     handles.append(Line2D([], [], color="c", linestyle=":", label=f"row {analysis.slices.row}, column {analysis.slices.column} (slices)"))
@@ -79,7 +85,7 @@ def draw_regions(analysis: Analysis) -> Figure:
     frames = analysis.recording.frames
     axes.set_title("a single frame" if frames == 1 else f"mean of {frames} frames", fontsize=10)
     axes.legend(handles=handles, fontsize=8, loc="lower right", framealpha=0.85)
-    figure.colorbar(image, ax=axes, pad=0.02, extend="both", shrink=0.9).set_label(_values(analysis))
+    figure.colorbar(image, ax=axes, pad=0.02, extend=_beyond(analysis.image[used], low, high), shrink=0.9).set_label(_values(analysis))
     return figure
 
 
@@ -90,7 +96,7 @@ def draw_slices(analysis: Analysis) -> Figure:
     slices = analysis.slices
     frames = slices.along_row[0].shape[0]
     parts = (slices.along_row, "column [px]", f"row {slices.row}"), (slices.along_column, "row [px]", f"column {slices.column}")
-    unit = analysis.recording.units or "unit not known"
+    unit = unit_of(analysis.recording.units, "unit not known")
     for line, ((raw, filtered, above), label, name) in zip(panels, parts, strict=True):
         titles = f"{name}: raw [{unit}]", f"{name}: filter {analysis.options.filter.name} [{unit}]", f"{name}: above {SLICED_ABOVE:g} σ"
         for axes, title in zip(line, titles, strict=True):
@@ -105,10 +111,11 @@ def draw_slices(analysis: Analysis) -> Figure:
         for axes, values in zip(line, (raw, filtered), strict=False):
             low, high = scale_limits(values)
             image = axes.imshow(values, cmap="gray", vmin=low, vmax=high, aspect="auto", extent=extent, interpolation="nearest")
-            figure.colorbar(image, ax=axes, pad=0.01, extend="both")
+            figure.colorbar(image, ax=axes, pad=0.01, extend=_beyond(values, low, high))
         number, place = np.nonzero(above)
-        # Points rather than an image: resampling would drop single pixels.
-        line[2].plot(place, number * duration / frames, "ks", markersize=1.3, markeredgewidth=0.0)
+        # Strokes rather than an image: resampling would drop single pixels. A column is about 250 points wide.
+        step = duration / frames
+        line[2].vlines(place, (number - 0.5) * step, (number + 0.5) * step, color="k", linewidth=max(0.8, 250.0 / raw.shape[1]))
         line[2].set(xlim=extent[:2], ylim=extent[2:])
         line[2].text(0.99, 1.01, f"{100 * above.mean():.3g} %", transform=line[2].transAxes, ha="right", va="bottom", fontsize=8)
         for axes in line:
@@ -148,7 +155,7 @@ def draw_histograms(analysis: Analysis) -> Figure:
         axes.set(ylim=(lowest, highest * 10), xlim=(edges[0], edges[-1]), xlabel=_values(analysis))
         axes.legend(fontsize=7, loc="upper right", framealpha=0.85)
         axes.grid(alpha=0.25)
-    panels[0][0].set_ylabel(f"probability density [1/({analysis.recording.units or 'unit'})]")
+    panels[0][0].set_ylabel(f"probability density [1/({unit_of(analysis.recording.units)})]")
     return figure
 
 
@@ -167,7 +174,7 @@ def draw_rates(analysis: Analysis) -> Figure:
 
 def draw_exceedances(analysis: Analysis) -> Figure:
     """Exceedances of each pixel in time: joint probability (the article's Fig. 6) and correlation, 1/e marked."""
-    figure = _figure(12.0, 4.6)
+    figure = _figure(12.0, 4.6 if analysis.recording.frames > 1 else 1.6)
     left, right = figure.subplots(1, 2)
     left.set_title("joint probability of exceeding now and later", fontsize=10)
     right.set_title("correlation of exceedances", fontsize=10)
@@ -220,13 +227,13 @@ def draw_memory(analysis: Analysis) -> Figure:
         for axis, rho, length, style in both:
             told = f"{length:.3g} px" if math.isfinite(length) else "no 1/e"
             space.plot(np.arange(rho.size), rho, color=colour, linestyle=style, label=f"{name}, {axis}: {told}")
-            reach = max(reach, 5.0 * length if math.isfinite(length) else 10.0)
+            reach = max(reach, min(5.0 * length, rho.size - 1.0) if math.isfinite(length) else 10.0)
         rho = region.temporal.rho
         if np.isfinite(rho).sum() > 1:
             frames = region.temporal.time * (analysis.recording.frame_rate or 1.0)
             told = f"{frames * seconds:.3g} {label}" if math.isfinite(frames) else "no 1/e"
             time.plot(seconds * np.arange(rho.size), rho, color=colour, label=f"{name}: {told}")
-            last = max(last, 10.0 * frames if math.isfinite(frames) else float(rho.size))
+            last = max(last, min(10.0 * frames if math.isfinite(frames) else math.inf, rho.size - 1.0))
         if region.spectrum is not None and region.spectrum.segments:
             frequency, density = region.spectrum.radial()
             if (density > 0.0).any():
@@ -244,8 +251,10 @@ def draw_memory(analysis: Analysis) -> Figure:
         if axes.lines:
             axes.axhline(math.exp(-1.0), color="k", linewidth=0.8, linestyle=":")
     rings.set_title("spectrum, mean over directions", fontsize=10)
-    unit = analysis.recording.units or "unit"
+    unit = unit_of(analysis.recording.units)
     if rings.lines:
+        rings.set_xticks(_FREQUENCIES, [f"{f:g}" for f in _FREQUENCIES])
+        rings.minorticks_off()
         rings.set(xlabel="spatial frequency [cycles/px]", ylabel=f"density [({unit})² px²]")
     else:
         _say(rings, "no square of at least 8 px lies wholly in a region, or nothing varies")
@@ -276,7 +285,7 @@ def _plane(figure: Figure, axes: Axes, analysis: Analysis) -> None:
         image = axes.imshow(
             np.maximum(density, least), norm=LogNorm(least, most), cmap="viridis", extent=(*ends, ends[1], ends[0]), interpolation="nearest"
         )
-        figure.colorbar(image, ax=axes, pad=0.02).set_label(f"density [({analysis.recording.units or 'unit'})² px²]")
+        figure.colorbar(image, ax=axes, pad=0.02).set_label(f"density [({unit_of(analysis.recording.units)})² px²]")
         axes.set_title(f"spectrum: {name}", fontsize=10)
         axes.set(xlabel="frequency along rows, x [cycles/px]", ylabel="frequency along columns, y [cycles/px]")
         return
@@ -293,37 +302,46 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
         seen = (curve.threshold >= 0.0) & (curve.exceedances > 0)
         own = colour if number == 0 else next(others, "0.5")
         axes.plot(curve.threshold[seen], curve.rate[seen], color=own, linewidth=1.5 if number == 0 else 1.0, label=f"{name}, measured")
-        _counted(axes, alarms, own)
+        _counted(axes, alarms, own, label=number == 0)
         pixels = max(pixels, alarms.pixels)
         reached = float(curve.threshold[seen][-1]) if seen.any() else 0.0
         furthest = max(furthest, reached)
         if number == 0:
             tail, reason = fit_tail(curve, alarms.events(alarms.thresholds[0]))
             if tail is None:
-                axes.text(
-                    0.98, 0.02, f"no extrapolation: {_wrapped(reason or '')}", transform=axes.transAxes, fontsize=7, ha="right", va="bottom"
-                )
+                _remark(axes, f"no extrapolation: {reason}")
             else:
                 furthest = max(furthest, _extrapolated(axes, tail, pixels))
     m = np.linspace(0.0, furthest, 400)
     axes.plot(m, np.maximum(gaussian_rate(m), 1e-300), color="0.3", linestyle="--", linewidth=1.0, label="Gaussian tail")
     axes.axhline(1.0 / pixels, color="0.3", linestyle=":", linewidth=0.9)
-    axes.text(0.01, 1.0 / pixels, f"one exceedance in {pixels:.3g} pixels", fontsize=7, va="bottom", transform=axes.get_yaxis_transform())
+    axes.text(
+        0.01,
+        1.0 / pixels,
+        f"one in {pixels:,} pixels".replace(",", "\u202f"),
+        fontsize=7,
+        va="bottom",
+        transform=axes.get_yaxis_transform(),
+    )
     axes.set_yscale("log")
     axes.set(xlim=(0.0, furthest), ylim=(0.01 / pixels, 1.0), xlabel="threshold [standard deviations σ]")
     axes.grid(alpha=0.25)
     axes.legend(fontsize=7, loc="upper right", framealpha=0.85)
 
 
-def _counted(axes: Axes, alarms: FalseAlarms, colour: str) -> None:
-    """Counted thresholds with their 95 % intervals; without an interval the point alone."""
+def _counted(axes: Axes, alarms: FalseAlarms, colour: str, *, label: bool) -> None:
+    """Counted thresholds with their 95 % intervals; an open circle has none."""
+    told = not label
     for rate in alarms.rates():
         if not rate.rate > 0.0:
             continue
-        axes.plot(rate.threshold_sigma, rate.rate, "o", color=colour, markersize=3.5)
+        known = rate.rate_low is not None and rate.rate_high is not None
+        axes.plot(rate.threshold_sigma, rate.rate, "o", color=colour, markersize=4.5, markerfacecolor=colour if known else "w")
         if rate.rate_low is not None and rate.rate_high is not None:
             ends = [max(rate.rate_low, 1e-300), rate.rate_high]
-            axes.plot([rate.threshold_sigma] * 2, ends, color=colour, linewidth=1.8, marker="_", markersize=7)
+            name = None if told else "95 % intervals"
+            axes.plot([rate.threshold_sigma] * 2, ends, color=colour, linewidth=1.8, marker="_", markersize=7, label=name)
+            told = True
 
 
 def _extrapolated(axes: Axes, tail: TailFit, pixels: int) -> float:
@@ -390,10 +408,23 @@ def _say(axes: Axes, text: str) -> None:
     axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes, fontsize=10, color="0.35", wrap=True)
 
 
-def _wrapped(text: str, width: int = 44) -> str:
-    import textwrap
+def _remark(axes: Axes, text: str) -> None:
+    """Small print in the lower right corner."""
+    box = {"facecolor": "w", "edgecolor": "none", "alpha": 0.8}
+    axes.text(0.98, 0.02, textwrap.fill(text, 44), transform=axes.transAxes, fontsize=7, ha="right", va="bottom", bbox=box)
 
-    return "\n".join(textwrap.wrap(text, width))
+
+def _beyond(values: NDArray[Any], low: float, high: float) -> str:
+    """Ends of a colour bar beyond which there are values."""
+    with np.errstate(invalid="ignore"):
+        above, below = bool((values > high).any()), bool((values < low).any())
+    return {(True, True): "both", (True, False): "max", (False, True): "min", (False, False): "neither"}[above, below]
+
+
+def unit_of(units: str | None, unknown: str = "unit") -> str:
+    """Units for labels: powers raised, ``W m-2 sr-1`` as W m⁻² sr⁻¹."""
+    raised = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+    return re.sub(r"(?<=[A-Za-z])-?\d+(?=\s|$)", lambda power: power[0].translate(raised), units) if units else unknown
 
 
 def _level(p: float, replicates: int) -> str:
@@ -404,7 +435,7 @@ def _level(p: float, replicates: int) -> str:
 
 
 def _values(analysis: Analysis) -> str:
-    return f"values [{analysis.recording.units}]" if analysis.recording.units else "values [unit not known]"
+    return f"values [{unit_of(analysis.recording.units, 'unit not known')}]"
 
 
 def _per_frame(analysis: Analysis) -> tuple[float, str]:
@@ -433,8 +464,9 @@ PICTURES: Final = {
     "rates": Picture(
         draw_rates,
         "False-alarm rate against threshold",
-        "Points with bars: counted thresholds and their 95 % intervals for correlated pixels. The line is counted from a histogram of cells of "
-        "0.02 σ. Pink: generalised Pareto tail with its 95 % band; beyond the dash-dotted line it is not to be trusted.",
+        "Points with bars: counted thresholds and their 95 % intervals for correlated pixels; open circles have none, the table says why. "
+        "Line: counted from a histogram of cells of 0.02 σ. Pink: generalised Pareto tail with its 95 % band; beyond the dash-dotted line "
+        "it is not to be trusted.",
     ),
     "exceedances": Picture(
         draw_exceedances,

@@ -12,7 +12,7 @@ from typing import Any, Final
 from seaglint import __version__
 from seaglint.io.failures import storage_errors
 from seaglint.io.netcdf import refuse_existing
-from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png
+from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
 from seaglint.plot.results import Analysis
 
 Progress = Callable[[int, int], None]
@@ -104,7 +104,7 @@ def report(analysis: Analysis, progress: Progress = lambda done, total: None) ->
         _section("Regions", f"<p>{escape(_segmentation(results))}</p>", images["regions"], _moments(results)),
         _section("Exceedances and events", images["exceedances"], _events(results), images["slices"]),
         _section("Beyond the data", _tails(results)),
-        _section("Distributions", images["histograms"], *_fits(results)),
+        _section("Distributions", images["histograms"], *_fits(analysis, results)),
         _section("Correlation, spectrum, stationarity", _memory(results), images["memory"]),
         _section("How it was done", *_methods(analysis, results)),
         "<details><summary>All numbers as JSON</summary><pre>",
@@ -167,7 +167,7 @@ def _facts(results: dict[str, Any]) -> str:
         "1 frame" if frames == 1 else f"{frames} frames",
         f"{results['columns']} × {results['rows']} pixels",
         f"{rate:g} Hz" if rate is not None else "frame rate not known",
-        f"units {results['units']}" if results["units"] else "units not known",
+        f"units {unit_of(results['units'])}" if results["units"] else "units not known",
         f"filter {results['filter']}",
         f"seaglint {__version__}",
     ]
@@ -224,20 +224,17 @@ def _segmentation(results: dict[str, Any]) -> str:
 
 
 def _moments(results: dict[str, Any]) -> str:
-    unit = results["units"] or "unit"
-    rows = [
-        [name, number(r["pixels"]), number(r["values"]), *(number(r[key], 5) for key in ("mean", "std", "minimum", "maximum"))]
-        + [number(r["skewness"]), number(r["excess_kurtosis"])]
-        for name, r in _regions(results)
-    ]
+    unit = unit_of(results["units"])
+    keys = ("pixels", 3), ("values", 3), ("mean", 5), ("std", 5), ("minimum", 5), ("maximum", 5), ("skewness", 3), ("excess_kurtosis", 3)
+    rows = [[name, *(number(r[key], digits) for key, digits in keys)] for name, r in _regions(results)]
     head = ["region", "pixels", "values", f"mean [{unit}]", f"standard deviation [{unit}]", f"minimum [{unit}]", f"maximum [{unit}]"]
     return _table([*head, "skewness", "excess kurtosis"], rows)
 
 
 def _events(results: dict[str, Any]) -> str:
+    keys = "threshold_sigma", "events", "events_per_frame", "event_duration_s"
     rows = [
-        [name, entry["filter"], number(entry["threshold_sigma"]), number(entry["events"]), number(entry["events_per_frame"])]
-        + [number(entry["event_duration_s"])]
+        [name, entry["filter"], *(number(entry[key]) for key in keys)]
         for name, region in _regions(results)
         for entry in region["false_alarms"]
     ]
@@ -269,8 +266,8 @@ def _tails(results: dict[str, Any]) -> str:
     return text + _table(head, rows, words=(10,))
 
 
-def _fits(results: dict[str, Any]) -> list[str]:
-    unit = results["units"] or "unit"
+def _fits(analysis: Analysis, results: dict[str, Any]) -> list[str]:
+    unit = unit_of(results["units"])
     head = ["family", "shape", "95 % interval", f"scale [{unit}]", "95 % interval", f"loc [{unit}]", "KS", "level", "AD", "level"]
     head += ["log likelihood per value", "independent values", "remarks"]
     parts = []
@@ -278,13 +275,19 @@ def _fits(results: dict[str, Any]) -> list[str]:
         rows = []
         for family, f in region["fits"].items():
             remark = f["reason"] or (f"{100 * f['excluded']:.2g} % of the values, not above loc, left out" if f["excluded"] else "")
-            rows.append(
-                [FAMILY_NAMES.get(family, family), number(f["shape"], 4), _interval(f["shape_interval"]), number(f["scale"], 4)]
-                + [_interval(f["scale_interval"]), number(f["loc"], 4), number(f["ks"]), number(f["ks_p"], 2), number(f["ad"])]
-                + [number(f["ad_p"], 2), number(f["log_likelihood_per_value"], 5), number(f["effective_count"], 4), remark]
-            )
+            good = analysis.regions[name].goodness.get(family)
+            least = None if good is None else 1.0 / (good.replicates + 1)
+            row = [FAMILY_NAMES.get(family, family), number(f["shape"], 4), _interval(f["shape_interval"]), number(f["scale"], 4)]
+            row += [_interval(f["scale_interval"]), number(f["loc"], 4), number(f["ks"]), _level(f["ks_p"], least), number(f["ad"])]
+            row += [_level(f["ad_p"], least), number(f["log_likelihood_per_value"], 5), number(f["effective_count"], 4), remark]
+            rows.append(row)
         parts += [f"<h3>{escape(name)}</h3>", _table(head, rows, words=(12,))]
     return parts
+
+
+def _level(p: float | None, least: float | None) -> str:
+    """A level; the smallest that the bootstrap can give is an upper bound."""
+    return f"≤ {number(p, 2)}" if p is not None and least is not None and p <= 1.001 * least else number(p, 2)
 
 
 def _memory(results: dict[str, Any]) -> str:
@@ -292,11 +295,10 @@ def _memory(results: dict[str, Any]) -> str:
     for name, r in _regions(results):
         length, still = r["correlation_length_px"], r["stationarity"]
         verdict = r["stationary"]
-        rows.append(
-            [name, number(length["x"]), number(length["y"]), number(r["correlation_time_s"]), number(r["correlation_time_frames"])]
-            + ["not decidable" if verdict is None else number(verdict), number(still["p_mean"], 2), number(still["p_variance"], 2)]
-            + [" × ".join(map(str, still["block_px"])), still["reason"] or ""]
-        )
+        block = " × ".join(map(str, still["block_px"])) if min(still["block_px"]) > 0 else _ABSENT
+        row = [name, number(length["x"]), number(length["y"]), number(r["correlation_time_s"]), number(r["correlation_time_frames"])]
+        row += ["not decidable" if verdict is None else number(verdict), number(still["p_mean"], 2), number(still["p_variance"], 2)]
+        rows.append([*row, block, still["reason"] or ""])
     head = ["region", "length x [px]", "length y [px]", "time [s]", "time [frames]", "stationary", "p, means", "p, variances"]
     return _table([*head, "blocks, rows × columns [px]", "remarks"], rows, words=(9,))
 
@@ -307,13 +309,13 @@ def _methods(analysis: Analysis, results: dict[str, Any]) -> list[str]:
     done = [
         f"Filter: {options.filter.name}, applied to whole frames; the nearest pixel is repeated beyond the border.",
         f"Thresholds are on the bright side, in standard deviations of the filtered image above its mean: {_SIGMA[options.scope]}.",
-        "A rate is the number of pixels above the threshold over the number of pixels looked at. Its interval is Wilson's with an effective "
-        "number of pixels from the scatter of counts between tiles and times.",
+        "A rate is the number of pixels above the threshold over the number of pixels looked at. Its interval is Wilson's with an "
+        "effective number of pixels from the scatter of counts between tiles and times.",
         "Correlation times of exceedances and of brightness are where the correlation falls to 1/e; lengths likewise.",
         "Fits are by maximum likelihood with location 0 (Gaussian: fitted); intervals come from blocks some correlation lengths wide where "
         "there are enough of them, else from the number of independent values. Levels of KS (Kolmogorov-Smirnov) and AD "
-        "(Anderson-Darling) come from a parametric bootstrap with that number, so that neither fitted parameters nor correlated pixels make "
-        "a fit look worse than it is. A small level speaks against the family; a large one does not prove it.",
+        "(Anderson-Darling) come from a parametric bootstrap with that number, so that neither fitted parameters nor correlated pixels "
+        "make a fit look worse than it is. A small level speaks against the family; a large one does not prove it.",
         f"Stationarity: {next((r['stationarity']['method'] for _, r in _regions(results)), '')}.",
         f"Regions: {results['segmentation']['method']}.",
     ]
