@@ -212,7 +212,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     bands : sequence of NamedBand
         Inside the tables.
     extrapolate : bool
-        Take winds outside the table and the slope fit (air of the table's nearest wind) and mark them in a column; heights stay refused.
+        Take winds and heights outside the table, and winds outside the slope fit, and mark them in a column.
     progress : callable, optional
         Called with (done, total).
 
@@ -238,9 +238,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     cases.require(MEAN_INPUTS)
     airs = _airs(cases, bands, extrapolate)
     covered = next(iter(airs[bands[0].label].values()))
-    wind, windy = _ranged(cases, "wind_speed_m_s", covered.wind_range, WIND_RANGE, "m/s of the atmosphere tables", extrapolate)
-    height = cases.within(Column("sensor_height_m", *covered.height_range, what="m of the atmosphere tables"))
-    marks: Columns = {EXTRAPOLATED: _marks({"wind_speed_m_s": windy})} if extrapolate else {}
+    wind, height, marks = _wind_and_height(cases, covered, extrapolate)
     depression = _angles(cases, "depression_deg", -90.0, 90.0)
     sun, azimuth = _angles(cases, "solar_zenith_deg", 0.0, 180.0), _angles(cases, "relative_azimuth_deg", -360.0, 360.0)
     temperature = cases.within(Column("sea_temperature_k", 260.0, 320.0, what="K"))
@@ -257,7 +255,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     for band in bands:
         for key, same_air in groups_of(zip(cases.text("atmosphere"), wind.tolist(), strict=True)):
             model, speed = key if isinstance(key, tuple) else ("", 0.0)
-            air = TableAtmosphere.load(model, float(np.clip(speed, *covered.wind_range)), band.edges)
+            air = TableAtmosphere.load(model, speed, band.edges, extrapolate=extrapolate)
             slopes = cox_munk_isotropic(speed, extrapolate=extrapolate)
             _, grid = band_grid(band.band, air)
             wavenumber = air.wavenumber_cm[grid]
