@@ -3,7 +3,8 @@
     python tools/make_figures.py
 
 ``demo.png`` is the picture of ``./run demo`` (its first frame), ``mean.png`` that of ``seaglint mean examples/demo.toml --preview``,
-``fig2.png`` to ``fig4.png`` those of ``seaglint reproduce``. Names after the script draw only these: ``make_figures.py fig2 fig3``.
+``fig2.png`` to ``fig4.png`` those of ``seaglint reproduce``, ``clutter_*.png`` pictures of ``seaglint analyze --report`` of the
+demo's four seconds (which take some minutes to render). Names after the script draw only these: ``make_figures.py fig2 fig3``.
 """
 
 from __future__ import annotations
@@ -12,12 +13,17 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from seaglint.pipeline.analysis import Analysis
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENARIO = ROOT / "examples" / "demo.toml"
 IMAGES = ROOT / "docs" / "images"
+CLUTTER = ("regions", "rates", "exceedances", "slices", "histograms")
 
 
 def seaglint(*arguments: str | Path) -> None:
@@ -44,9 +50,31 @@ def figure(name: str, folder: Path) -> Path:
     return folder / f"{name}.png"
 
 
+@cache
+def demo_analysis(folder: Path) -> Analysis:
+    """Clutter of the demo, rendered once."""
+    from seaglint.io.recording import open_recording
+    from seaglint.pipeline.analysis import analyze
+
+    run = folder / "clutter.zarr"
+    if not run.exists():
+        seaglint("render", SCENARIO, "-o", run)
+    return analyze(open_recording(run))
+
+
+def clutter(name: str, folder: Path) -> Path:
+    """A picture of the report."""
+    from seaglint.plot.clutter import PICTURES, png
+
+    output = folder / f"clutter_{name}.png"
+    output.write_bytes(png(PICTURES[name].draw(demo_analysis(folder))))
+    return output
+
+
 def main(names: list[str]) -> None:
     """Draw those named, or all."""
     pictures = {"demo": render, "mean": mean} | {name: partial(figure, name) for name in ("fig2", "fig3", "fig4")}
+    pictures |= {f"clutter_{name}": partial(clutter, name) for name in CLUTTER}
     if unknown := set(names) - set(pictures):
         sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(pictures)}")
     IMAGES.mkdir(exist_ok=True)

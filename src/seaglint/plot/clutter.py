@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.clutter.extremes import TailFit, fit_tail
+from seaglint.clutter.extremes import TailFit
 from seaglint.clutter.false_alarms import FalseAlarms
 from seaglint.clutter.fits import FAMILIES
 from seaglint.clutter.thresholds import gaussian_rate
@@ -74,7 +74,7 @@ def draw_regions(analysis: Analysis) -> Figure:
         )
         handles.append(Line2D([], [], color=colour, label=name))
     if not used.all():
-        axes.imshow(np.ma.masked_array(np.ones(used.shape), used), cmap=ListedColormap([_LEFT_OUT]), interpolation="nearest")
+        axes.imshow(np.ma.masked_array(np.ones(used.shape), used), cmap=ListedColormap([_LEFT_OUT]), alpha=0.6, interpolation="nearest")
         handles.append(
             Line2D([], [], color=_LEFT_OUT, marker="s", linestyle="none", label="not analysed: missing, dead or outside the rows")
         )
@@ -307,7 +307,7 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
         reached = float(curve.threshold[seen][-1]) if seen.any() else 0.0
         furthest = max(furthest, reached)
         if number == 0:
-            tail, reason = fit_tail(curve, alarms.events(alarms.thresholds[0]))
+            tail, reason = region.tail(name)
             if tail is None:
                 _remark(axes, f"no extrapolation: {reason}")
             else:

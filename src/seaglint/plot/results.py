@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.clutter.correlation import SpatialCorrelation, TemporalCorrelation
+from seaglint.clutter.extremes import TailFit
 from seaglint.clutter.false_alarms import FalseAlarms
 from seaglint.clutter.filters import Filter
 from seaglint.clutter.fits import Fit
@@ -63,6 +64,10 @@ class Region(Protocol):
     @property
     def alarms(self) -> Mapping[str, FalseAlarms]:
         """By filter or detector, the filter first."""
+        ...
+
+    def tail(self, name: str) -> tuple[TailFit | None, str | None]:
+        """Extreme-value tail of a filter or detector, or why there is none."""
         ...
 
 
