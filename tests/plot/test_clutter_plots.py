@@ -26,6 +26,7 @@ from seaglint.plot.clutter import (
     draw_regions,
     draw_slices,
     histogram_edges,
+    png,
     unit_of,
 )
 from seaglint.plot.report import number, report, write_report
@@ -283,7 +284,13 @@ def test_report_is_self_contained_and_complete(sequence):
     assert text.index("How it was done") > text.index("Distributions") > text.index("False alarms")
 
 
-def test_report_has_notes_on_top_and_equal_bytes(single, tmp_path):
+@pytest.mark.parametrize("name", ["rates", "slices"])
+def test_equal_numbers_give_equal_pictures(single, name):
+    assert png(PICTURES[name].draw(single)) == png(PICTURES[name].draw(single))
+
+
+def test_report_has_notes_on_top_and_equal_bytes(single, tmp_path, monkeypatch):
+    monkeypatch.setattr("seaglint.plot.report.png", lambda figure: b"")
     paths = [write_report(single, tmp_path / name) for name in ("a.html", "b.html")]
     first, second = (path.read_bytes() for path in paths)
     assert first == second

@@ -47,8 +47,12 @@ _FREQUENCIES: Final = (0.02, 0.05, 0.1, 0.2, 0.5)
 
 def png(figure: Figure) -> bytes:
     """A figure as PNG, without date or version inside."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     buffer = io.BytesIO()
-    figure.savefig(buffer, format="png", dpi=_DOTS_PER_INCH, metadata={"Software": None})
+    figure.set_dpi(_DOTS_PER_INCH)
+    # Not savefig, which lays everything out twice.
+    FigureCanvasAgg(figure).print_png(buffer, metadata={"Software": None})  # type: ignore[no-untyped-call]
     return buffer.getvalue()
 
 
@@ -136,7 +140,7 @@ def draw_histograms(analysis: Analysis) -> Figure:
         counts, _ = np.histogram(x, edges)
         density = counts / (x.size * np.diff(edges))
         axes.stairs(np.where(counts > 0, density, np.nan), edges, color="0.2", linewidth=1.0, fill=False, label="data")
-        axes.set_yscale("log")
+        axes.set_yscale("log", subs=[])
         lowest, highest = 0.3 / (x.size * float(np.diff(edges).min())), 3.0 * float(density.max())
         grid = np.linspace(edges[0], edges[-1], 800)
         for family in FAMILIES:
@@ -323,7 +327,7 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
         va="bottom",
         transform=axes.get_yaxis_transform(),
     )
-    axes.set_yscale("log")
+    axes.set_yscale("log", subs=[])
     axes.set(xlim=(0.0, furthest), ylim=(0.01 / pixels, 1.0), xlabel="threshold [standard deviations σ]")
     axes.grid(alpha=0.25)
     axes.legend(fontsize=7, loc="upper right", framealpha=0.85)
