@@ -70,7 +70,7 @@ def draw_regions(analysis: Analysis) -> Figure:
     handles = []
     outlines = [("glint", COLOURS["glint"], analysis.regions["glint"].mask)] if "glint" in analysis.regions else []
     if analysis.segmentation is not None and analysis.segmentation.sky.any():
-        outlines.append(("sky, left out", "#66c2a5", analysis.segmentation.sky))
+        outlines.append(("sky, in neither region", "#66c2a5", analysis.segmentation.sky))
     for name, colour, mask in outlines:
         # Padded, so that a region that ends at the picture's border is closed there.
         axes.contour(
@@ -206,7 +206,7 @@ def draw_exceedances(analysis: Analysis) -> Figure:
         left.plot(lag, np.where(probability > 0, probability, np.nan), color=colour, linestyle=style, label=told)
         left.axhline(rate**2, color=colour, linestyle=style, linewidth=0.5)
         right.plot(lag, correlation, color=colour, linestyle=style, label=told)
-    left.set_yscale("log")
+    left.set_yscale("log", subs=[])
     left.set_ylabel("P(above now and later) [1]; thin: by chance")
     right.axhline(math.exp(-1.0), color="k", linewidth=0.8, linestyle=":")
     right.text(0.99, math.exp(-1.0), "1/e ", ha="right", va="bottom", fontsize=8, transform=right.get_yaxis_transform())
