@@ -49,6 +49,36 @@ def fig4(output: Folder = Path(), overwrite: Overwrite = False, show: Progress =
     _figure("fig4", output, overwrite, show)
 
 
+@reproduce.command()
+def table1(
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="folder for table1.csv; not written without")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
+    overwrite: Overwrite = False,
+    show: Progress = ProgressMode.AUTO,
+) -> None:
+    """Render two seconds of glint and print the article's Table 1 of false alarms beside ours (a minute on two cores)."""
+    from seaglint.cli.app import log, print_json
+    from seaglint.cli.progress import progress
+    from seaglint.io.columns import write_columns
+    from seaglint.io.netcdf import refuse_existing
+
+    numbers = None if output is None else refuse_existing(output / "table1.csv", overwrite=overwrite)
+    from seaglint.pipeline.table1 import table1 as compute
+
+    with progress(show, "frames") as report:
+        found = compute(report)
+    if numbers is not None:
+        write_columns(found.columns(), numbers, overwrite=overwrite)
+        log(f"{numbers} written")
+    if as_json:
+        print_json({"rows": found.rows(), "settings": found.settings(), "notes": list(found.analysis.notes)})
+        return
+    from seaglint.cli.table import table
+
+    typer.echo("\n".join(table(found.rows())))
+    typer.echo("; ".join(f"{key} = {value}" for key, value in found.settings().items()))
+
+
 def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> None:
     """Compute a figure, write its numbers and draw it; existing files are refused before the work."""
     from seaglint.cli.app import log

@@ -7,6 +7,8 @@ from typing import Any
 
 
 def _number(value: Any) -> str:
+    if value is None:
+        return "-"
     if isinstance(value, list | tuple):
         return " to ".join(_number(item) for item in value)
     return f"{value:.4g}" if isinstance(value, int | float) else str(value)

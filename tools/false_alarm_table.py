@@ -1,0 +1,107 @@
+"""Recompute the table of false-alarm rates against wind, Sun and range in docs/validation.md, and docs/data/false_alarms.csv.
+
+    python tools/false_alarm_table.py            4 frames of each sea, some minutes on two cores
+    python tools/false_alarm_table.py 12         more frames, narrower intervals
+
+The scene is that of ``seaglint reproduce table1`` at other winds and Suns; its frames lie a second apart. Rates are those of the corridor
+in three bands of rows, each with its own standard deviation.
+"""
+
+from __future__ import annotations
+
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
+from seaglint.clutter.filters import Laplacian
+from seaglint.clutter.thresholds import standardise
+from seaglint.conventions import surface_range
+from seaglint.io.columns import write_columns
+from seaglint.pipeline.analysis.analyze import ALWAYS
+from seaglint.pipeline.render import renderer_and_layout
+from seaglint.pipeline.table1 import corridor, scene, sequence
+from validation_tables import PAGE, replace, table
+
+WINDS = (2.0, 5.0, 10.0)
+SUNS = (50.0, 60.0, 70.0)
+BANDS = 3
+APART = 1.0  # s; waves of half a metre are forgotten within a tenth of it
+OUTPUT = PAGE.parent / "data" / "false_alarms.csv"
+
+Row = dict[str, float]
+
+
+def rates(wind: float, sun: float, frames: int) -> list[Row]:
+    """Rates of one sea, a row for each band and threshold, far to near."""
+    renderer, layout = renderer_and_layout(scene(wind, sun))
+    mask = corridor(renderer)
+    filtered = Laplacian().apply(sequence(renderer, APART * np.arange(frames)))
+    camera = renderer.camera
+    edges = np.linspace(0, camera.rows, BANDS + 1).astype(int)
+    found = []
+    for first, last in pairwise(edges):
+        band = np.zeros_like(mask)
+        band[first:last] = mask[first:last]
+        alarms = FalseAlarms(ALWAYS)
+        alarms.add(standardise(filtered, band))
+        depression = np.array([-camera.top + camera.row_step * row for row in (first, last)])
+        far, near = surface_range(camera.height, depression)
+        shares = {
+            f"resolved_share_{way}": float(layout.attributes[f"resolved_mss_{way}"])
+            / float(layout.attributes[f"resolved_mss_{way}"] + layout.attributes[f"facet_mss_{way}"])
+            for way in ("up", "cross")
+        }
+        for rate in alarms.rates():
+            found.append({"wind_speed_m_s": wind, "solar_zenith_deg": sun, "near_m": near, "far_m": far, **shares, **numbers(rate)})
+    return found
+
+
+def numbers(rate: FalseAlarmRate) -> Row:
+    """What the file keeps of a rate."""
+    low, high = (np.nan if end is None else end for end in (rate.rate_low, rate.rate_high))
+    return {
+        "threshold_sigma": rate.threshold_sigma,
+        "rate": rate.rate,
+        "rate_low": low,
+        "rate_high": high,
+        "gaussian_rate": rate.gaussian_rate,
+        "times_gaussian": rate.ratio,
+    }
+
+
+def cell(rows: list[Row]) -> str:
+    """Times Gaussian at both thresholds."""
+    return " / ".join(f"{row['times_gaussian']:.2g}" for row in rows)
+
+
+def main(frames: int = 4) -> None:
+    """Compute, write the file and the table."""
+    rows: list[Row] = []
+    for wind in WINDS:
+        for sun in SUNS:
+            rows += rates(wind, sun, frames)
+            print(f"{wind:g} m/s, Sun {sun:g} deg:", [round(row["times_gaussian"], 2) for row in rows[-2 * BANDS :]], flush=True)
+    write_columns({key: np.array([row[key] for row in rows]) for key in rows[0]}, OUTPUT, overwrite=True)
+    write_table(rows)
+
+
+def write_table(rows: list[Row]) -> None:
+    """Put the table between its markers."""
+    bands = sorted({(row["near_m"], row["far_m"]) for row in rows})
+    head = ("wind", "Sun's zenith angle", *(f"{near / 1e3:.2g}-{far / 1e3:.2g} km" for near, far in bands))
+    body = []
+    for wind in WINDS:
+        for sun in SUNS:
+            own = [row for row in rows if (row["wind_speed_m_s"], row["solar_zenith_deg"]) == (wind, sun)]
+            cells = (cell([row for row in own if (row["near_m"], row["far_m"]) == band]) for band in bands)
+            body.append((f"{wind:g} m/s", f"{sun:g}°", *cells))
+    lines = list(table(head, body))
+    print(*lines, sep="\n")
+    Path(PAGE).write_text(replace(PAGE.read_text(encoding="utf-8"), "false-alarms", lines), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))
