@@ -57,13 +57,25 @@ SAMPLED = (min(v1 for v1, _ in BANDS.values()), max(v2 for _, v2 in BANDS.values
 WIND_KINK = 2.2 + 0.5 / 5.866
 """LOWTRAN7's MARINE takes A2 = max(5.866 (WHH - 2.2), 0.5): extinction has a corner at this wind [m/s]."""
 
-WINDS = np.array([0.0, 1.2, WIND_KINK, 3.5, 5.0, 8.0, 11.0, 14.0, 17.0, 20.0])
+HAZE_CORNER = {
+    "tropical": 13.2366,
+    "midlatitude-summer": 13.1166,
+    "midlatitude-winter": 12.9386,
+    "subarctic-summer": 13.3138,
+    "subarctic-winter": 12.3298,
+}
+"""Wind at which MARINE's meteorological range, ``3.912 / (extinction + 0.01159)``, falls to 23 km [m/s]. AERPRF interpolates the
+profile of the aerosol between tables for 50, 23, 10 ... km and is bent there: per m/s optical depth from 1.5 km grows by a
+half more from one side to the other. The dry sea level of the US standard atmosphere stays above 24 km."""
 
-SKY_WINDS = np.array([0.0, WIND_KINK, 5.0, 9.0, 13.0, 17.0, 20.0])
-"""The sky changes less with the wind."""
+WINDS = (0.0, 1.2, WIND_KINK, 3.5, 5.0, 8.0, 11.0, 14.0, 17.0, 20.0)
+"""A corner of the haze is added to them [m/s]."""
 
-SKY_WINDS_ALOFT = np.array([0.0, WIND_KINK, 9.0, 17.0, 20.0])
-"""From 3 km and more the sea's own aerosol is seen only in the distance."""
+SKY_WINDS = (0.0, WIND_KINK, 5.0, 9.0, 17.0, 20.0)
+"""The sky changes less with the wind; the corner of the haze, or 13 m/s, is added."""
+
+SKY_WINDS_ALOFT = (0.0, WIND_KINK, 9.0, 17.0, 20.0)
+"""From 3 km and more the sea's own aerosol is seen only in the distance; only the corner is added."""
 
 HEIGHT_LEVELS = tuple(1000.0 * np.arange(1, 10))
 """Levels of the model atmospheres: amounts and layer temperatures have corners there [m]."""
@@ -111,11 +123,13 @@ and falls into the jump within the last 50 m [m]."""
 
 SKY_HEIGHTS = np.array(
     [
-        *(0, 8, 30, 100, 250, 500, 750, 1000, 1150, 1500, 2000, 2150, 2500, 3000, 3500, 4000),
-        *(4400, 5000, 5400, 6000, 6400, 7000, 8000, 10000),
+        *(0, 2, 8, 30, 100, 250, 500, 750, 900, 975, 1000),
+        *(1150, 1500, 1850, 2000, 2150, 2500, 2850, 3000, 3150, 3500, 3850, 4000),
+        *(4400, 5000, 5400, 6000, 6400, 7000, 7400, 8000, 8400, 9000, 9400, 10000),
     ],
     dtype=float,
 )
+"""Each level, and between two of them where the sky near the horizon bends: 24 of these heights left half as much error again [m]."""
 
 RAY_NODES = 36
 PATH_NODES = 28
@@ -180,9 +194,21 @@ def sky_zeniths(air: Refraction, height: float) -> np.ndarray:
     return np.concatenate([up, 0.5 * np.pi + dip * np.minimum(np.linspace(0.0, 1.0, DIP_NODES)[1:] ** 2, 1.0 - 2e-3)])
 
 
-def sky_winds(height: float) -> np.ndarray:
+def wind_kinks(model: str) -> tuple[float, ...]:
+    """Winds at which LOWTRAN7's aerosol has corners [m/s]."""
+    return (WIND_KINK, HAZE_CORNER[model]) if model in HAZE_CORNER else (WIND_KINK,)
+
+
+def winds_of(model: str) -> np.ndarray:
+    """Winds at which paths and sunlight are sampled [m/s]."""
+    return np.array(sorted({*WINDS, *wind_kinks(model)}))
+
+
+def sky_winds(model: str, height: float) -> np.ndarray:
     """Winds at which the sky seen from a height is sampled [m/s]."""
-    return SKY_WINDS_ALOFT if height >= 3000.0 else SKY_WINDS
+    if height >= 3000.0:
+        return np.array(sorted({*SKY_WINDS_ALOFT, *wind_kinks(model)}))
+    return np.array(sorted({*SKY_WINDS, HAZE_CORNER.get(model, 13.0)}))
 
 
 def sun_zeniths() -> np.ndarray:
@@ -227,7 +253,7 @@ def sample(program: Path, model: str, folder: Path, workers: int) -> None:
                     angles = sky_zeniths(air, h)
                 case "sun":
                     angles = sun_zeniths()
-            winds = sky_winds(h) if kind == "sky" else WINDS
+            winds = sky_winds(model, h) if kind == "sky" else winds_of(model)
             cases = [line_of_sight(model, wind, kind, h, zenith) for wind in winds for zenith in angles]
             spectra = list(pool.map(lambda case: run(program, case), cases))
             shape = (winds.size, angles.size, v.size)
@@ -310,7 +336,7 @@ def even_paths(folder: Path, air: Refraction, keep: slice) -> tuple[np.ndarray, 
     """Encoded depths and temperatures at even path coordinates; log excess of the horizon's slant; ray to path coordinate."""
     ray, even = np.linspace(0.0, 1.0, RAY_NODES), np.linspace(0.0, 1.0, PATH_NODES)
     raw_depth, raw_temperature = (stack(folder, "path", q, HEIGHTS, keep) for q in ("depth", "temperature"))
-    depth = np.empty((WINDS.size, HEIGHTS.size, PATH_NODES, keep.stop - keep.start))
+    depth = np.empty((raw_depth[0].shape[0], HEIGHTS.size, PATH_NODES, keep.stop - keep.start))
     temperature = np.empty_like(depth)
     excess, ray_to_path = np.empty(HEIGHTS.size), np.empty((HEIGHTS.size, RAY_NODES))
     for i, h in enumerate(HEIGHTS):
@@ -341,7 +367,7 @@ def pack(model: str, region: str, folder: Path, note: dict[str, str], output: Pa
     sky = stack(folder, "sky", "temperature", SKY_HEIGHTS, keep)
     sky[0] = np.concatenate([sky[0], np.repeat(sky[0][:, :1], DIP_NODES - 1, axis=1)], axis=1)  # from the sea nothing lies below
     for i, h in enumerate(SKY_HEIGHTS):
-        to_winds = np.array([spline_weights(sky_winds(h), (WIND_KINK,), w) for w in WINDS])
+        to_winds = np.array([spline_weights(sky_winds(model, h), wind_kinks(model), w) for w in winds_of(model)])
         sky[i] = np.tensordot(to_winds, sky[i], axes=1)
     report: dict[str, list[float]] = {}
     packed: dict[str, np.ndarray] = {}
@@ -366,8 +392,8 @@ def pack(model: str, region: str, folder: Path, note: dict[str, str], output: Pa
             "provenance": np.array(json.dumps(provenance)),
             "wavenumber_cm": v[keep],
             "solar": profile["solar"][keep],
-            "winds": WINDS,
-            "wind_kink": np.array(WIND_KINK),
+            "winds": winds_of(model),
+            "wind_kinks": np.array(wind_kinks(model)),
             "heights": HEIGHTS,
             "height_levels": np.array(HEIGHT_LEVELS),
             "height_kinks": np.array(sorted((*HEIGHT_LEVELS, HEIGHT_BREAK))),

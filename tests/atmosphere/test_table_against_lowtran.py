@@ -63,6 +63,29 @@ def test_single_cases(row):
     np.testing.assert_allclose(quantities(*row[:6], (3.0, 5.0)), row[6:], rtol=ROW_ERROR, atol=SMALL)
 
 
+# Winds beside the one at which LOWTRAN7's visibility falls to 23 km and its aerosol profile is bent:
+# model, wind [m/s], height [m], depression [deg], mean transmittance in 8-12 um.
+HAZE_ROWS = [
+    ("tropical", 13.1, 2500, 12, 0.103591),
+    ("midlatitude-summer", 13, 1800, 5, 0.0562269),
+    ("midlatitude-winter", 12.8, 1500, 2.5, 0.198471),
+    ("subarctic-summer", 13.2, 1700, 3, 0.0521409),
+    ("subarctic-winter", 12.2, 1500, 2, 0.244075),
+    ("subarctic-winter", 12.5, 1500, 2, 0.2359),
+]
+
+HAZE_ERROR = 5e-4  # a spline across the corner misses these by 1e-3 to 1.5e-2
+
+
+@pytest.mark.parametrize("row", HAZE_ROWS, ids=lambda r: f"{r[0]}-{r[1]:g}")
+def test_the_corner_of_the_haze_between_two_winds(row):
+    model, wind, height, depression, expected = row
+    air = TableAtmosphere.load(model, wind, (8.0, 12.0))
+    weights = Band.rectangular(8.0, 12.0).weights(air.wavenumber_cm)
+    transmittance = air.transmittance(height, air.range_of_depression(height, np.radians(depression)))
+    assert weights @ transmittance / weights.sum() == pytest.approx(expected, rel=HAZE_ERROR)
+
+
 # Sky from a height: model, wind [m/s], height [m], depression of the sea horizon seen as 1 (0 is that horizon, 1 the horizontal),
 # elevation above the horizontal [deg], 3-5 um, 8-12 um [W m-2 sr-1]. Cards as above, ITYPE=3.
 SKY_ROWS = [

@@ -154,7 +154,7 @@ class BatchAtmosphere:
     height_range: tuple[float, float]
     extrapolate: bool
     _winds: FloatArray
-    _wind_kink: float
+    _wind_kinks: tuple[float, ...]
     _heights: FloatArray
     _height_levels: tuple[float, ...]
     _height_kinks: tuple[float, ...]
@@ -206,7 +206,7 @@ class BatchAtmosphere:
             height_range=(float(heights[0]), float(heights[-1])),
             extrapolate=extrapolate,
             _winds=winds,
-            _wind_kink=float(file["wind_kink"]),
+            _wind_kinks=tuple(float(k) for k in file["wind_kinks"]),
             _heights=heights,
             _height_levels=tuple(float(k) for k in file["height_levels"]),
             _height_kinks=tuple(float(k) for k in file["height_kinks"]),
@@ -223,7 +223,7 @@ class BatchAtmosphere:
 
     def _wind(self, wind_speed: ArrayLike) -> Stencil:
         wind = self._covered(np.asarray(wind_speed, dtype=np.float64), self.wind_range, "wind_speed", "m/s")
-        return Stencil.between_kinks(self._winds, (self._wind_kink,), wind)
+        return Stencil.between_kinks(self._winds, self._wind_kinks, wind)
 
     def _height(self, height: FloatArray) -> Stencil:
         inside = self._covered(height, self.height_range, "sensor height", "m")

@@ -172,7 +172,7 @@ class TableAtmosphere:
         if not winds[0] <= wind_speed <= (np.inf if extrapolate else winds[-1]):
             raise DomainError(f"wind_speed = {wind_speed:g} m/s is outside {winds[0]:g}-{winds[-1]:g} m/s of the Navy maritime aerosol")
         keep = slice(int(np.searchsorted(grid, wanted[0])), int(np.searchsorted(grid, wanted[-1])) + 1)
-        wind_weights = spline_weights(winds, (float(file["wind_kink"]),), min(wind_speed, float(winds[-1])))
+        wind_weights = spline_weights(winds, tuple(file["wind_kinks"].tolist()), min(wind_speed, float(winds[-1])))
         return cls(
             model=model,
             wind_speed=float(wind_speed),
