@@ -1,17 +1,17 @@
-"""Recompute the table of false-alarm rates against wind, Sun and range in docs/validation.md, and docs/data/false_alarms.csv.
+"""Recompute the tables of false alarms in rendered seas in docs/validation.md, and docs/data/false_alarms.csv.
 
     python tools/false_alarm_table.py            4 frames of each sea, some minutes on two cores
     python tools/false_alarm_table.py 12         more frames, narrower intervals
 
-The scene is that of ``seaglint reproduce table1`` at other winds and Suns; its frames lie a second apart. Rates are those of the corridor
-in three bands of rows, each with its own standard deviation.
+First Table 1 itself, then the rates against wind, Sun and range. The scene is that of ``seaglint reproduce table1`` at other winds and
+Suns; its frames lie a second apart. Rates are those of the corridor in three bands of rows, each with its own standard deviation.
 """
 
 from __future__ import annotations
 
 import sys
 from itertools import pairwise
-from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +22,8 @@ from seaglint.conventions import surface_range
 from seaglint.io.columns import write_columns
 from seaglint.pipeline.analysis.analyze import ALWAYS
 from seaglint.pipeline.render import renderer_and_layout
-from seaglint.pipeline.table1 import corridor, scene, sequence
+from seaglint.pipeline.table1 import corridor, scene, sequence, table1
+from seaglint.render.renderer import Renderer
 from validation_tables import PAGE, replace, table
 
 WINDS = (2.0, 5.0, 10.0)
@@ -37,7 +38,7 @@ Row = dict[str, float]
 def rates(wind: float, sun: float, frames: int) -> list[Row]:
     """Rates of one sea, a row for each band and threshold, far to near."""
     renderer, layout = renderer_and_layout(scene(wind, sun))
-    mask = corridor(renderer)
+    mask, steep = corridor(renderer), steepness(renderer, sun)
     filtered = Laplacian().apply(sequence(renderer, APART * np.arange(frames)))
     camera = renderer.camera
     edges = np.linspace(0, camera.rows, BANDS + 1).astype(int)
@@ -55,8 +56,18 @@ def rates(wind: float, sun: float, frames: int) -> list[Row]:
             for way in ("up", "cross")
         }
         for rate in alarms.rates():
-            found.append({"wind_speed_m_s": wind, "solar_zenith_deg": sun, "near_m": near, "far_m": far, **shares, **numbers(rate)})
+            place = {"wind_speed_m_s": wind, "solar_zenith_deg": sun, "mirroring_over_rms_slope": steep, "near_m": near, "far_m": far}
+            found.append({**place, **shares, **numbers(rate)})
     return found
+
+
+def steepness(renderer: Renderer, solar_zenith_deg: float) -> float:
+    """Slope that mirrors the Sun into the middle of the image, in rms slopes along the line of sight [1]."""
+    slopes, camera = renderer.view.slopes, renderer.camera
+    tilt = 0.5 * (0.5 * np.pi - np.radians(solar_zenith_deg) + camera.elevation)
+    turn = camera.azimuth - slopes.wind_to_azimuth
+    variance = slopes.mss_up * np.cos(turn) ** 2 + slopes.mss_cross * np.sin(turn) ** 2
+    return float(np.tan(tilt) / np.sqrt(variance))
 
 
 def numbers(rate: FalseAlarmRate) -> Row:
@@ -79,6 +90,7 @@ def cell(rows: list[Row]) -> str:
 
 def main(frames: int = 4) -> None:
     """Compute, write the file and the table."""
+    write_table1(table1().rows())
     rows: list[Row] = []
     for wind in WINDS:
         for sun in SUNS:
@@ -88,19 +100,41 @@ def main(frames: int = 4) -> None:
     write_table(rows)
 
 
+def write_table1(rows: dict[str, dict[str, Any]]) -> None:
+    """Put Table 1 between its markers: the article's number / ours."""
+
+    def both(key: str, style: str) -> str:
+        return " / ".join("-" if rows[key][who] is None else f"{rows[key][who]:{style}}" for who in ("article", "ours"))
+
+    head = ("article / here", "false-alarm rate", "95 % interval", "times Gaussian", "correlation time [s]")
+    body = []
+    for region in ("glint", "background"):
+        for sigma in ("3", "3.5"):
+            name = f"{region}_{sigma}_sigma"
+            ends = rows[f"rate_{name}"]["settings"]["interval_95"]
+            interval = "cannot be told" if ends is None else " to ".join(f"{end:.2g}" for end in ends)
+            cells = both(f"rate_{name}", ".2g"), interval, both(f"times_gaussian_{name}", ".2g"), both(f"correlation_time_{name}", ".2f")
+            body.append((f"{region}, {sigma} sigma", *cells))
+    put("table1", list(table(head, body)))
+
+
+def put(name: str, lines: list[str]) -> None:
+    """Print a table and write it into the page."""
+    print(*lines, sep="\n")
+    PAGE.write_text(replace(PAGE.read_text(encoding="utf-8"), name, lines), encoding="utf-8")
+
+
 def write_table(rows: list[Row]) -> None:
     """Put the table between its markers."""
     bands = sorted({(row["near_m"], row["far_m"]) for row in rows})
-    head = ("wind", "Sun's zenith angle", *(f"{near / 1e3:.2g}-{far / 1e3:.2g} km" for near, far in bands))
+    head = ("wind", "Sun's zenith angle", "mirroring / rms slope", *(f"{near / 1e3:.2g}-{far / 1e3:.2g} km" for near, far in bands))
     body = []
     for wind in WINDS:
         for sun in SUNS:
             own = [row for row in rows if (row["wind_speed_m_s"], row["solar_zenith_deg"]) == (wind, sun)]
             cells = (cell([row for row in own if (row["near_m"], row["far_m"]) == band]) for band in bands)
-            body.append((f"{wind:g} m/s", f"{sun:g}°", *cells))
-    lines = list(table(head, body))
-    print(*lines, sep="\n")
-    Path(PAGE).write_text(replace(PAGE.read_text(encoding="utf-8"), "false-alarms", lines), encoding="utf-8")
+            body.append((f"{wind:g} m/s", f"{sun:g}°", f"{own[0]['mirroring_over_rms_slope']:.1f}", *cells))
+    put("false-alarms", list(table(head, body)))
 
 
 if __name__ == "__main__":

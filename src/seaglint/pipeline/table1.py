@@ -130,7 +130,8 @@ class Table1:
             rate, time = ARTICLE[region][threshold]
             ratio = None if rate is None else rate / alarm["gaussian_rate"]
             name = f"{region}_{threshold:g}_sigma"
-            interval = {"interval_95": [alarm["rate_low"], alarm["rate_high"]]}
+            known = alarm["rate_low"] is not None
+            interval = {"interval_95": [alarm["rate_low"], alarm["rate_high"]] if known else None, "note": alarm["note"]}
             out[f"rate_{name}"] = {"article": rate, "ours": alarm["rate"], "unit": "1", "settings": interval}
             out[f"times_gaussian_{name}"] = {"article": ratio, "ours": alarm["ratio"], "unit": "1", "settings": {}}
             out[f"correlation_time_{name}"] = {"article": time, "ours": alarm["correlation_time_s"], "unit": "s", "settings": {}}
@@ -204,5 +205,14 @@ def table1(report: Report = _silent, frames: int = FRAMES) -> Table1:
     scenario = scene(frames=frames)
     renderer, _ = renderer_and_layout(scenario)
     images = sequence(renderer, np.arange(frames) / FRAME_RATE, report)
-    recording = Recording("rendered glint sequence", *images.shape, lambda a, b: images[a:b], frame_rate=FRAME_RATE, units="W m-2 sr-1")
+    count, rows, columns = images.shape
+    recording = Recording(
+        "rendered glint sequence",
+        count,
+        rows,
+        columns,
+        lambda start, stop: images[start:stop],
+        frame_rate=FRAME_RATE,
+        units="W m-2 sr-1",
+    )
     return Table1(scenario, analyze(recording, Options(mask=corridor(renderer))))
