@@ -171,6 +171,19 @@ def correlated_field(generator: np.random.Generator, frames: int, side: int, tim
     return gaussian_filter(x, (0, length, length), mode="wrap") * 2 * length * np.sqrt(np.pi) if length else x
 
 
+def test_a_slow_scene_of_uneven_brightness_has_an_interval_that_holds() -> None:
+    """Forty frames of a field that remembers nine, brighter downwards and in the middle: few times, many places."""
+    generator = np.random.default_rng(8)
+    y, x = np.linspace(0.0, 1.0, 96)[:, None], np.linspace(-1.0, 1.0, 96)[None]
+    amplitude = (0.6 + 0.6 * y) * (0.7 + 0.7 * np.exp(-((x / 0.3) ** 2)))
+    truth, held = norm.sf(2.2 / amplitude).mean(), 0
+    for _ in range(10):
+        rate = count((correlated_field(generator, 40, 96, 9.0, 1.5) * amplitude).astype(np.float32), 2.2).rates()[0]
+        assert rate.rate_low is not None, rate.note
+        held += rate.rate_low <= truth <= rate.rate_high
+    assert held >= 8  # fewer by chance in 1 of 100 where 95 % of the intervals hold
+
+
 @pytest.mark.validation
 @pytest.mark.parametrize(("frames", "side", "time", "length"), [(1, 256, 0, 1.5), (1, 128, 0, 0), (60, 64, 4, 1.5), (256, 32, 6, 1.5)])
 def test_intervals_cover_the_truth(frames: int, side: int, time: float, length: float) -> None:

@@ -144,12 +144,18 @@ def test_dead_rows_and_pixels_are_left_out_and_named() -> None:
     frames[:, [5, 40]] = 0.0
     frames[:, 60, 17] = 4000.0
     found = result(frames)
-    assert any("2 dead rows" in note and "5, 40" in note for note in found["notes"])
+    assert any("2 rows left out" in note and "5, 40" in note for note in found["notes"])
     assert any("1 dead pixel" in note for note in found["notes"])
     region = found["regions"]["all"]
     assert region["pixels"] == 94 * 128 - 1
     assert region["mean"] == pytest.approx(100.0, abs=0.1)
     assert region["false_alarms"][0]["rate"] == pytest.approx(norm.sf(3.0), rel=0.3)
+
+
+def test_even_columns_are_named() -> None:
+    frames = WHITE.copy()
+    frames[:, :, [1, 2, 3]] = 0.0
+    assert any("3 columns (1, 2, 3)" in note for note in result(frames[:4])["notes"])
 
 
 def test_missing_values_are_counted_and_do_not_spread() -> None:

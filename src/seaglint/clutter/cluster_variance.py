@@ -7,7 +7,9 @@ Occurrences are counted in cells (time segment x tile of the image). With residu
 an estimate of the spectral density of the residuals at frequency 0 with a flat-top lag window w = w_t w_y w_x: 1 up to a lag m, falling
 to 0 at 2 m, where m is, for each axis by itself, the first lag from which on the residuals are uncorrelated. Nothing is assumed of the
 shape of the correlation. With many decorrelated times the residuals are taken from each tile's own rate, so that a rate that varies
-over the image (a corridor) is no uncertainty; with few, tiles are what the rate varies over, and it is.
+over the image (a corridor) is no uncertainty; with few, tiles are what the rate varies over, and it is. Where a rate that varies over the
+whole image then leaves nothing decorrelated, that of rows and of columns (depression, distance from the corridor) is taken as given,
+expected = row rate x column rate / rate, and the note says so.
 
 References
 ----------
@@ -19,12 +21,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
+Reference = Literal["tiles", "region", "margins"]
 
 FEWEST_TIMES: Final = 12.0
 """Independent times from which on tiles are compared with themselves; below, the mean taken off would eat too much of the variance."""
@@ -46,7 +49,7 @@ class ClusterVariance:
     inflation : float
         Variance over that of independent pixels, the design effect [1].
     note : str or None
-        Why there is no variance.
+        Why there is no variance, or what it takes as given.
     """
 
     variance: float | None
@@ -72,7 +75,7 @@ def _cutoff(covariance: FloatArray, cells: float) -> int | None:
     if covariance[0] <= 0:
         return 0
     rho = covariance / covariance[0]
-    bound = max(2.0 * math.sqrt(math.log10(max(cells, 10.0)) / cells), 0.01)
+    bound = max(2.0 * math.sqrt(math.log10(max(cells, 10.0)) / max(cells, 1.0)), 0.01)
     run = max(3, min(5, n // 8))
     for m in range(max(n // 4, 1) + 1):
         ahead = rho[m + 1 : m + 1 + run]
@@ -86,6 +89,28 @@ def _window(m: int, n: int) -> FloatArray:
     lag = np.abs(np.arange(-(n - 1), n))
     flat = m + 1
     return np.asarray(np.clip(2.0 - lag / flat, 0.0, 1.0) if m > 0 else (lag <= 1) * 1.0)
+
+
+def _windows(products: FloatArray, occupied: FloatArray) -> tuple[list[FloatArray], list[float]]:
+    """Lag window and number of independent cells along each axis, from sums of products and numbers of pairs at all lags.
+
+    How much of a correlation is noise depends on how many pairs are independent, along the other axes: times are taken for one at first,
+    and the windows found once more with what the first round found.
+    """
+    sizes = [(n + 1) // 2 for n in products.shape]
+    independent = [1.0, *(float(n) for n in sizes[1:])]
+    windows = [np.ones(n) for n in products.shape]
+    for axis in (1, 2, 0, 1, 2):
+        n = sizes[axis]
+        middle = tuple(s - 1 for s in np.delete(sizes, axis))
+        along = np.moveaxis(products, axis, 0)[n - 1 :, *middle]
+        pairs = np.maximum(np.round(np.moveaxis(occupied, axis, 0)[n - 1 :, *middle]), 1.0)
+        others = math.prod(independent[i] / sizes[i] for i in range(3) if i != axis)
+        m = _cutoff(along / pairs, float(pairs[0]) * others) if n > 3 else None
+        # An axis that never decorrelates is summed over: its cells are one.
+        windows[axis] = np.ones(2 * n - 1) if m is None else _window(m, n)
+        independent[axis] = 1.0 if m is None else n / float(windows[axis].sum())
+    return windows, independent
 
 
 def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64]) -> ClusterVariance:
@@ -108,29 +133,27 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64]) -> Clust
     share = pixels / number
     used = [ClusterVariance(None, 0.0, math.nan, "exceedances stay correlated over the whole region and record; no interval can be given")]
     within_tiles = np.divide(counts.sum(0), pixels.sum(0), out=np.zeros(counts.shape[1:]), where=pixels.sum(0) > 0)
-    plans = ([(within_tiles, True)] if counts.shape[0] >= FEWEST_TIMES else []) + [(np.full(counts.shape[1:], rate), False)]
-    for expected, from_tiles in plans:
+    plans: list[tuple[FloatArray, Reference]] = [(within_tiles, "tiles")] if counts.shape[0] >= FEWEST_TIMES else []
+    plans += [(np.full(counts.shape[1:], rate), "region"), (_margins(counts, pixels, rate), "margins")]
+    for expected, reference in plans:
+        from_tiles = reference == "tiles"
         e = counts - expected * pixels
         products = _autocovariance(e)
         occupied = _autocovariance((pixels > 0).astype(np.float64))
-        windows, independent = [], []
-        for axis in range(3):
-            n = e.shape[axis]
-            along = np.moveaxis(products, axis, 0)[n - 1 :, *(s // 2 for s in np.delete(products.shape, axis))]
-            pairs = np.moveaxis(occupied, axis, 0)[n - 1 :, *(s // 2 for s in np.delete(products.shape, axis))]
-            m = _cutoff(along / np.maximum(np.round(pairs), 1), float(np.round(pairs[0]))) if n > 3 else None
-            # An axis that never decorrelates is summed over: its cells are one.
-            window = np.ones(2 * n - 1) if m is None else _window(m, n)
-            windows.append(window)
-            independent.append(1.0 if m is None else n / window.sum())
+        windows, independent = _windows(products, occupied)
         # A frozen pattern has no residuals from its own mean, which says nothing of the next pattern.
-        frozen = from_tiles and float((e * e).sum()) < 0.3 * total * (1.0 - rate)
+        frozen = reference != "region" and float((e * e).sum()) < 0.3 * total * (1.0 - rate)
         if frozen or (from_tiles and independent[0] < FEWEST_TIMES):
             continue
         weight = windows[0][:, None, None] * windows[1][:, None] * windows[2]
         value = float((weight * products).sum())
         # What taking the mean off took out of the sums: share of each window in the pairs of cells, by weight of their pixels.
-        lost = 1.0 / independent[0] if from_tiles else float((weight * _autocovariance(share)).sum())
+        if reference == "region":
+            lost = float((weight * _autocovariance(share)).sum())
+        elif reference == "tiles":
+            lost = 1.0 / independent[0]
+        else:
+            lost = (1.0 / independent[1] + 1.0 / independent[2]) / independent[0]
         pair_share = occupied / occupied[tuple(s // 2 for s in occupied.shape)]
         degrees = float(round((pixels > 0).sum()) / (weight**2 * pair_share).sum()) - (0.0 if from_tiles else 1.0)
         if lost >= 0.6 or degrees < FEWEST_DEGREES:
@@ -139,8 +162,23 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64]) -> Clust
         variance = value / (1.0 - lost) / number**2
         # Below independence by chance of the estimate, or for filters that push neighbours apart: believed down to a quarter.
         variance = max(variance, 0.25 * binomial)
-        return ClusterVariance(variance, degrees, variance / binomial)
+        note = (
+            "the rates of rows and columns are taken as given: the interval is for what varies beside them"
+            if reference == "margins"
+            else None
+        )
+        return ClusterVariance(variance, degrees, variance / binomial, note)
     return used[0]
+
+
+def _margins(counts: NDArray[np.int64], pixels: NDArray[np.int64], rate: float) -> FloatArray:
+    """Rate of each tile as the product of its row's and its column's over that of the region."""
+
+    def along(axis: int) -> FloatArray:
+        number = pixels.sum(axis=(0, axis))
+        return np.asarray(np.divide(counts.sum(axis=(0, axis)), number, out=np.zeros(number.size), where=number > 0))
+
+    return np.asarray(along(2)[:, None] * along(1)[None, :] / rate)
 
 
 def score_interval(count: int, pixels: int, inflation: float, degrees: float, level: float) -> tuple[float, float]:

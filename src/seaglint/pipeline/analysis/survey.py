@@ -72,7 +72,7 @@ def survey(recording: Recording, progress: Progress) -> Survey:
     shape = recording.rows, recording.columns
     moments = PixelMoments.empty(*shape)
     saturated = np.zeros(shape, np.int64)
-    flat_rows = np.ones(recording.rows, dtype=np.bool_)
+    flat_rows, flat_columns = np.ones(recording.rows, dtype=np.bool_), np.ones(recording.columns, dtype=np.bool_)
     missing, repeats, done = 0, 0, 0
     last: NDArray[np.float32] | None = None
     for block in ahead(recording):
@@ -81,6 +81,7 @@ def survey(recording: Recording, progress: Progress) -> Survey:
             saturated += (block >= recording.saturation).sum(axis=0)
         with np.errstate(invalid="ignore"):
             flat_rows &= ~(block.max(axis=2) > block.min(axis=2)).any(axis=0)
+            flat_columns &= ~(block.max(axis=1) > block.min(axis=1)).any(axis=0)
         missing += int(block.size - np.count_nonzero(np.isfinite(block)))
         # Repeats tell a wrong frame rate; a few lines of a frame are enough to see one.
         lines = block[:, :: max(recording.rows // 8, 1)]
@@ -94,6 +95,12 @@ def survey(recording: Recording, progress: Progress) -> Survey:
     if not (moments.count > 0).any():
         raise DataError(f"{recording.source}: no pixel has a finite value; nothing can be said of it")
     dead, dead_notes = _dead(recording, moments, flat_rows)
+    if flat_columns.any() and not flat_columns.all() and not flat_rows.all():
+        # Told, not left out: a border is part of the picture that a detector sees, and its edge part of the false alarms.
+        where = np.flatnonzero(flat_columns)
+        dead_notes.append(
+            f"{where.size} columns ({_listed(where)}) are even from top to bottom: filters see their edges as clutter; crop or mask them"
+        )
     return Survey(moments, dead, saturated, (*dead_notes, *_notes(recording, moments, saturated, missing, repeats)))
 
 
@@ -107,7 +114,9 @@ def _dead(recording: Recording, moments: PixelMoments, flat_rows: BoolArray) -> 
     if recording.columns > 1 and flat_rows.any() and not flat_rows.all():
         where = np.flatnonzero(flat_rows)
         dead[where] = True
-        notes.append(f"{where.size} dead rows left out ({_listed(where)}): all their pixels are equal in every frame")
+        notes.append(
+            f"{where.size} rows left out ({_listed(where)}): all their pixels are equal in every frame, a dead line or an even sky"
+        )
     if recording.frames >= FEWEST_FOR_DEAD:
         still = ~dead & (moments.minimum == moments.maximum)
         share = still.sum() / max((~dead).sum(), 1)
