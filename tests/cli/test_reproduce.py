@@ -74,3 +74,27 @@ def test_dark_maps_draw_and_equal_numbers_draw_equal_bytes(tmp_path):
     first, second = (article.write_figure("fig3", dataset, tmp_path / f"{i}.png").read_bytes() for i in (1, 2))
     assert first.startswith(b"\x89PNG")
     assert first == second
+
+
+@pytest.fixture
+def small_table1(monkeypatch):
+    """Table 1 from two frames of few pixels."""
+    from seaglint.pipeline import table1
+
+    whole = table1.table1
+    monkeypatch.setattr(table1, "PIXELS", (96, 32))
+    monkeypatch.setattr(table1, "SHORTEST_WAVE", 8.0)
+    monkeypatch.setattr(table1, "table1", lambda report: whole(report, frames=2))
+
+
+def test_table_1_is_printed_and_written_once(seaglint, small_table1, tmp_path):
+    answer = seaglint("reproduce", "table1", "-o", tmp_path)
+    assert answer.code == 0
+    assert "rate_glint_3_sigma " in answer.out
+    assert "solar_zenith_deg = 60" in answer.out
+    assert "frames: 2/2" in answer.err
+    assert (tmp_path / "table1.csv").read_text().startswith("threshold_sigma,gaussian_rate,glint_article_rate")
+    again = seaglint("reproduce", "table1", "-o", tmp_path)
+    assert again.code == 2
+    assert "exists already" in again.err
+    assert "frames" not in again.err  # nothing was rendered
