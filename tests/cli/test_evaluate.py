@@ -1,6 +1,8 @@
 """The evaluate commands: columns, order, refusals, and the numbers against LOWTRAN7, Wu and Smith, and the command 'mean'."""
 
 import csv
+import os
+import stat
 
 import numpy as np
 import pytest
@@ -264,6 +266,17 @@ def test_an_output_that_is_there_is_kept_without_overwrite(seaglint, cases, tmp_
 
 def test_groups_keep_rows_apart():
     assert [(key, rows.tolist()) for key, rows in groups_of([(1, 2), (1, 3), (1, 2)])] == [((1, 2), [0, 2]), ((1, 3), [1])]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="named pipes are a matter of Unix")
+def test_a_pipe_is_no_place_for_the_rows(seaglint, tmp_path):
+    (tmp_path / "angles.csv").write_text("wavelength_um,wind_speed_m_s,zenith_deg\n4,5,60\n")
+    os.mkfifo(tmp_path / "pipe")
+    answer = seaglint("evaluate", "emissivity", tmp_path / "angles.csv", "-o", tmp_path / "pipe", "--overwrite")
+    assert answer.code == 2
+    assert len(answer.err.strip().splitlines()) == 1
+    assert "pipe: is a device, pipe or socket" in answer.err
+    assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
 
 
 def test_progress_shows_only_work_that_lasts(capsys):

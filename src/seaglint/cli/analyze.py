@@ -59,7 +59,7 @@ def analyze(
 ) -> None:
     """Clutter statistics and false alarms of a recording, by region."""
     from seaglint.cli.progress import patient_progress
-    from seaglint.io.netcdf import refuse_existing
+    from seaglint.io.outputs import refuse_existing
     from seaglint.io.recording import open_recording
     from seaglint.pipeline.analysis import analyze as run
 

@@ -140,7 +140,8 @@ def mean(
 ) -> None:
     """Map the mean radiance and apparent temperature over the field of view."""
     from seaglint.cli.logs import show_logs
-    from seaglint.io.netcdf import refuse_existing, write_netcdf
+    from seaglint.io.netcdf import write_netcdf
+    from seaglint.io.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
 
     show_logs()
@@ -202,7 +203,7 @@ class _Pictures:
     """Previews beside a store, refused before the work rather than after it."""
 
     def __init__(self, output: Path, *, replace: bool) -> None:
-        from seaglint.io.netcdf import refuse_existing
+        from seaglint.io.outputs import refuse_existing
         from seaglint.plot.video import video_available
 
         self.picture, self.video = output.with_suffix(".png"), output.with_suffix(".mp4")

@@ -42,7 +42,7 @@ def _one_thread() -> None:
 def _run(path: Path, output: Path, overwrite: bool, show: ProgressMode, compute: Callable[[Cases, Report], Columns]) -> None:
     """Read, compute, write; what can be refused before the work is."""
     from seaglint.io.cases import read_cases, write_cases
-    from seaglint.io.netcdf import refuse_existing
+    from seaglint.io.outputs import refuse_existing
 
     refuse_existing(output, overwrite=overwrite)
     cases = read_cases(path)

@@ -60,7 +60,7 @@ def table1(
     from seaglint.cli.app import log, print_json
     from seaglint.cli.progress import progress
     from seaglint.io.columns import write_columns
-    from seaglint.io.netcdf import refuse_existing
+    from seaglint.io.outputs import refuse_existing
 
     numbers = None if output is None else refuse_existing(output / "table1.csv", overwrite=overwrite)
     from seaglint.pipeline.table1 import table1 as compute
@@ -84,7 +84,7 @@ def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> Non
     from seaglint.cli.app import log
     from seaglint.cli.progress import progress
     from seaglint.io.columns import write_columns
-    from seaglint.io.netcdf import refuse_existing
+    from seaglint.io.outputs import refuse_existing
 
     picture, numbers = (refuse_existing(folder / f"{name}.{kind}", overwrite=overwrite) for kind in ("png", "csv"))
     from seaglint.pipeline import figures

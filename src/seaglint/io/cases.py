@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError
-from seaglint.io.failures import storage_errors
-from seaglint.io.netcdf import refuse_existing
+from seaglint.io.outputs import moved_when_whole, refuse_existing
 
 _SEPARATORS: Final = (",", ";", "\t")
 
@@ -240,13 +239,8 @@ def write_cases(
     writer = csv.writer(text, delimiter=cases.separator, lineterminator=cases.line_end)
     writer.writerow(header)
     writer.writerows(zip(*parts, strict=True))
-    partial = output.with_name(output.name + ".partial")
-    try:
-        with storage_errors(output, "make room or choose another place; nothing was written"):
-            partial.write_bytes(text.getvalue().encode())
-            partial.replace(output)
-    finally:
-        partial.unlink(missing_ok=True)
+    with moved_when_whole(output) as partial:
+        partial.write_bytes(text.getvalue().encode())
     return replaced
 
 

@@ -8,8 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.conventions import FloatArray
-from seaglint.io.failures import storage_errors
-from seaglint.io.netcdf import refuse_existing
+from seaglint.io.outputs import moved_when_whole, refuse_existing
 
 
 def write_columns(columns: Mapping[str, FloatArray], output: str | Path, *, overwrite: bool = False) -> Path:
@@ -25,11 +24,6 @@ def write_columns(columns: Mapping[str, FloatArray], output: str | Path, *, over
     output = refuse_existing(output, overwrite=overwrite)
     cells = [["" if np.isnan(value) else f"{value:.6g}" for value in values.tolist()] for values in columns.values()]
     lines = [",".join(columns), *(",".join(row) for row in zip(*cells, strict=True))]
-    partial = output.with_name(output.name + ".partial")
-    try:
-        with storage_errors(output, "make room or choose another place; nothing was written"):
-            partial.write_bytes(("\n".join(lines) + "\n").encode())
-            partial.replace(output)
-    finally:
-        partial.unlink(missing_ok=True)
+    with moved_when_whole(output) as partial:
+        partial.write_bytes(("\n".join(lines) + "\n").encode())
     return output

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from seaglint.io.failures import storage_errors
+from seaglint.io.outputs import moved_when_whole
 from seaglint.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 
 if TYPE_CHECKING:
@@ -199,11 +199,6 @@ def write_figure(name: str, dataset: xr.Dataset, output: str | Path) -> Path:
         No room or no rights; nothing is left behind.
     """
     output = Path(output)
-    partial = output.with_name(output.name + ".partial")
-    try:
-        with storage_errors(output, "make room or choose another place; nothing was written"):
-            DRAW[name](dataset).savefig(partial, format="png", dpi=110, metadata={"Software": None})
-            partial.replace(output)
-    finally:
-        partial.unlink(missing_ok=True)
+    with moved_when_whole(output) as partial:
+        DRAW[name](dataset).savefig(partial, format="png", dpi=110, metadata={"Software": None})
     return output

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
-from seaglint.io.failures import storage_errors
+from seaglint.io.outputs import moved_when_whole
 from seaglint.io.provenance import stored_band
 from seaglint.plot.summary import images, to_temperature
 from seaglint.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
@@ -108,11 +108,6 @@ def write_picture(dataset: xr.Dataset, output: str | Path) -> Path:
         No room or no rights; nothing is left behind.
     """
     output = Path(output)
-    partial = output.with_name(output.name + ".partial")
-    try:
-        with storage_errors(output, "make room and run the same command with --resume"):
-            draw(dataset).savefig(partial, format="png", dpi=130)
-            partial.replace(output)
-    finally:
-        partial.unlink(missing_ok=True)
+    with moved_when_whole(output, "make room and run the same command with --resume") as partial:
+        draw(dataset).savefig(partial, format="png", dpi=130)
     return output

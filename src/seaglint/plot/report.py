@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint import __version__
-from seaglint.io.failures import storage_errors
-from seaglint.io.netcdf import refuse_existing
+from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
 from seaglint.plot.results import Analysis
 
@@ -78,13 +77,8 @@ def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = Fals
     """
     output = refuse_existing(path, overwrite=overwrite)
     text = report(analysis, progress)
-    partial = output.with_name(output.name + ".partial")
-    try:
-        with storage_errors(output, "make room or choose another place; nothing was written"):
-            partial.write_text(text, encoding="utf-8", newline="\n")
-            partial.replace(output)
-    finally:
-        partial.unlink(missing_ok=True)
+    with moved_when_whole(output) as partial:
+        partial.write_text(text, encoding="utf-8", newline="\n")
     return output
 
 

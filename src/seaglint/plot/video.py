@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.errors import BackendError
-from seaglint.io.failures import storage_errors
+from seaglint.io.outputs import moved_when_whole
 from seaglint.plot.preview import scale_limits
 from seaglint.plot.summary import images
 
@@ -63,21 +63,18 @@ def write_video(dataset: xr.Dataset, output: str | Path) -> Path:
     sampled = np.stack([frames[i] for i in np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).astype(int))])
     low, high = scale_limits(sampled)
     rate = Fraction(float(dataset.attrs.get("frame_rate_hz", 25.0))).limit_denominator(1000)
-    partial = output.with_name(output.name + ".partial")
-    try:
-        with storage_errors(output, "make room and run the same command with --resume"):
-            with av.open(str(partial), mode="w", format="mp4") as container:
-                stream = container.add_stream("libx264", rate=rate, options={"crf": "18", "preset": "veryfast"})
-                stream.pix_fmt = "yuv420p"
-                for index in range(count):
-                    picture = grey(frames[index], low, high)
-                    if index == 0:
-                        stream.height, stream.width = picture.shape
-                    for packet in stream.encode(av.VideoFrame.from_ndarray(picture, format="gray")):
-                        container.mux(packet)
-                for packet in stream.encode(None):
-                    container.mux(packet)
-            partial.replace(output)
-    finally:
-        partial.unlink(missing_ok=True)
+    with (
+        moved_when_whole(output, "make room and run the same command with --resume") as partial,
+        av.open(str(partial), mode="w", format="mp4") as container,
+    ):
+        stream = container.add_stream("libx264", rate=rate, options={"crf": "18", "preset": "veryfast"})
+        stream.pix_fmt = "yuv420p"
+        for index in range(count):
+            picture = grey(frames[index], low, high)
+            if index == 0:
+                stream.height, stream.width = picture.shape
+            for packet in stream.encode(av.VideoFrame.from_ndarray(picture, format="gray")):
+                container.mux(packet)
+        for packet in stream.encode(None):
+            container.mux(packet)
     return output
