@@ -20,7 +20,7 @@ from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
 from seaglint.conventions import surface_range
 from seaglint.io.columns import write_columns
-from seaglint.pipeline.analysis.analyze import ALWAYS
+from seaglint.pipeline.analysis.run import ALWAYS
 from seaglint.pipeline.render import renderer_and_layout
 from seaglint.pipeline.table1 import corridor, scene, sequence, table1
 from seaglint.render.renderer import Renderer

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ from scipy.stats import norm
 
 from seaglint.errors import DataError, DomainError
 from seaglint.io.recording import Recording, open_recording
-from seaglint.pipeline.analysis import Options, analyze
+from seaglint.pipeline.analysis import Options, analyze, run
 
 RNG = np.random.default_rng(12)
 WHITE = RNG.normal(100.0, 5.0, (40, 96, 128)).astype(np.float32)
@@ -86,9 +85,8 @@ def test_wrong_families_are_told_apart() -> None:
 
 
 def test_same_input_same_numbers_however_it_is_blocked(white: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
-    module = sys.modules["seaglint.pipeline.analysis.analyze"]  # the package's function has the same name
-    whole = module.ahead
-    monkeypatch.setattr(module, "ahead", lambda r: whole(r, memory=3 * 4 * 96 * 128))
+    whole = run.ahead
+    monkeypatch.setattr(run, "ahead", lambda r: whole(r, memory=3 * 4 * 96 * 128))
     again = result(WHITE, Options(thresholds=(2.0,)))
     assert again["regions"]["all"]["false_alarms"] == white["regions"]["all"]["false_alarms"]
     assert again["regions"]["all"]["fits"] == white["regions"]["all"]["fits"]

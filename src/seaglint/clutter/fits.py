@@ -256,7 +256,7 @@ def draw(family: Family, theta: tuple[float, float], size: tuple[int, ...], rng:
 
 
 def scores(family: Family, x: FloatArray, theta: tuple[float, float]) -> FloatArray:
-    """Derivatives of the log density by the parameters' logarithms (Gaussian mean: by the mean), shape (2, *x.shape)."""
+    """Derivatives of the log density by the parameters' logarithms (Gaussian mean: by the mean), shape ``(2, *x.shape)``."""
     out = np.empty((2, *np.shape(x)))
     for i in range(2):
         linear = family == "gaussian" and i == 0
