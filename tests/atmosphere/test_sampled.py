@@ -118,7 +118,10 @@ def test_grazing_coordinate_and_its_inverse():
         (lambda air: air.transmittance(HEIGHT, 1.0e5), "outside 5-35000 m"),
         (lambda air: air.transmittance(HEIGHT, -1.0), "range_m holds -1 m"),
         (lambda air: air.solar_irradiance(-0.1), "outside 0-pi rad"),
-        (lambda air: air.sky_radiance(0.1, HEIGHT), "holds the sky from 0 m only"),
+        (
+            lambda air: air.sky_radiance(0.1, HEIGHT),
+            r"holds the sky from 0 m only; .* down to the sea horizon at a zenith angle of 90\.30 deg",
+        ),
         (lambda air: air.sky_radiance(np.radians(90.5)), "directions below the sea horizon see the sea"),
     ],
 )
@@ -135,8 +138,25 @@ def test_angles_outside_the_samples_are_refused():
     )
     with pytest.raises(DomainError, match="solar zenith = 10 deg is outside 30-85 deg"):
         air.solar_irradiance(np.radians(10.0))
-    with pytest.raises(DomainError, match="outside 30-85 deg"):
+    with pytest.raises(DomainError, match=r"seen from the sea: .* outside 30-85 deg of .* down to 90 deg"):
         air.sky_radiance(np.radians(86.0))
+
+
+def test_the_sky_of_a_sensor_that_ends_at_the_horizontal_is_asked_for_down_to_the_sea_horizon():
+    """The angle told, as printed, is enough; from 100 m the horizon is 0.297 deg below the horizontal."""
+
+    def air(lowest):
+        ends = np.radians([90.0 - lowest, 90.0])
+        return grey(
+            skies=[SkySamples(0.0, np.radians([0.0, 90.0]), np.ones((2, NU.size))), SkySamples(HEIGHT, ends, np.ones((2, NU.size)), DIP)]
+        )
+
+    horizon = 0.5 * np.pi + DIP
+    with pytest.raises(DomainError, match=r"sky seen from the sensor at 100 m: zenith angles outside 0-90 deg") as error:
+        air(90.0).sky_radiance(horizon, HEIGHT)
+    told = float(str(error.value).split("sea horizon at ")[1].removesuffix(" deg"))
+    assert np.radians(told) == pytest.approx(horizon, abs=np.radians(0.005))
+    assert np.all(np.isfinite(air(told).sky_radiance(horizon, HEIGHT)))
 
 
 @pytest.mark.parametrize(

@@ -319,12 +319,14 @@ class SampledAtmosphere:
         ``height`` is 0 or the sensor's; from there the angles reach down to the sea horizon, ``pi/2 + horizon_depression(height)``.
         """
         sky = next((sky for sky in self._skies if abs(sky.height - height) <= HEIGHT_SLACK), None)
+        dip = horizon_depression(height) if height > 0.0 else 0.0
+        horizon = f"{90.0 + np.degrees(dip):.2f} deg"
         if sky is None:
             covered = " and ".join(f"{sky.height:g} m" for sky in self._skies)
             raise DomainError(
-                f"sky from a height of {height:g} m: {self.name} holds the sky from {covered} only; add it or look at the sea only"
+                f"sky seen from the sensor at {height:g} m: {self.name} holds the sky from {covered} only; add it, from the zenith down to "
+                f"the sea horizon at a zenith angle of {horizon}, or look at the sea only"
             )
-        dip = horizon_depression(height) if height > 0.0 else 0.0
         elevation = 0.5 * np.pi - np.asarray(zenith, dtype=np.float64)
         if not np.all((elevation >= -dip - ANGLE_SLACK) & (elevation <= 0.5 * np.pi + ANGLE_SLACK)):
             raise DomainError(
@@ -335,8 +337,9 @@ class SampledAtmosphere:
             elevation = np.where(elevation < 0.0, elevation * (sky.dip / dip), elevation)
         # A file's lowest row is the user's choice; the last degree of a calculation's own horizon is not.
         if np.any(elevation < sky.lowest - max(0.01 * sky.dip, 1e-4)) or np.any(elevation > sky.highest + max(ANGLE_SLACK, 1e-4)):
-            low, high = 90.0 - np.degrees(sky.highest), 90.0 - np.degrees(sky.lowest)
-            raise DomainError(f"a zenith angle of the sky is outside {low:g}-{high:g} deg of {self.name}; add the sky there")
+            covered = f"{90.0 - np.degrees(sky.highest):g}-{90.0 - np.degrees(sky.lowest):g} deg of {self.name}"
+            whose, end = (f"sensor at {height:g} m", f"the sea horizon at {horizon}") if dip > 0.0 else ("sea", "90 deg")
+            raise DomainError(f"sky seen from the {whose}: zenith angles outside {covered} are needed; add the sky there, down to {end}")
         return radiance_of(self.wavenumber_cm, sky(elevation))
 
 

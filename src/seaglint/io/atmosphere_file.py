@@ -9,9 +9,9 @@ CSV, one spectral sample of one direction a line::
 
 ``path``: transmittance and thermal path radiance from the sea at the arc ``range_m`` from the sensor's foot to the sensor at ``height_m``;
 ``sky``: thermal radiance at ``zenith_deg`` seen from ``height_m`` (0: from the sea, needed; the sensor's height: for directions above
-the sea horizon); ``sun``: irradiance at the sea, normal to the beam, at 1 au. With a column ``wavenumber_cm``, radiance is in
-W m-2 sr-1 per cm-1 and irradiance in W m-2 per cm-1; with ``wavelength_um`` instead, both are per um. Columns that a kind does not
-use may be empty, or missing where no kind does.
+the sea horizon, down to it, which is below 90 deg); ``sun``: irradiance at the sea, normal to the beam, at 1 au. With a column
+``wavenumber_cm``, radiance is in W m-2 sr-1 per cm-1 and irradiance in W m-2 per cm-1; with ``wavelength_um`` instead, both are per um.
+Columns that a kind does not use may be empty, or missing where no kind does.
 
 NetCDF, the same on the dimensions ``wavenumber_cm``, ``range_m``, ``sun_zenith_deg``, ``sky_zenith_deg`` (coordinates of these names)
 and, where given, ``sensor_sky_zenith_deg``: variables ``path_transmittance``, ``path_radiance`` (range_m, wavenumber_cm),
