@@ -20,20 +20,26 @@ class ProgressMode(StrEnum):
 
 Report = Callable[[int, int], None]
 
+Began = tuple[float, int]
+"""When the work of this run began, by the clock [s], and how much was done then."""
+
 LOG_INTERVAL = 10.0
 """Seconds between two lines of a log: a batch job of hours stays readable."""
 
 
 @contextmanager
-def progress(mode: ProgressMode, what: str) -> Iterator[Report]:
-    """Function to call with (done, total): once at the start, then after each piece of work."""
+def progress(mode: ProgressMode, what: str, began: Began | None = None, clock: Callable[[], float] = time.monotonic) -> Iterator[Report]:
+    """Function to call with (done, total): once at the start, then after each piece of work.
+
+    ``began`` tells of work that had begun before the first call; without it, what is done then counts as done by an earlier run.
+    """
     if mode is ProgressMode.AUTO:
         mode = ProgressMode.BAR if sys.stderr.isatty() else ProgressMode.LOG
     if mode is ProgressMode.BAR:
         with _bar(what) as report:
             yield report
     elif mode is ProgressMode.LOG:
-        yield log_lines(what, lambda line: print(line, file=sys.stderr, flush=True))
+        yield log_lines(what, lambda line: print(line, file=sys.stderr, flush=True), clock, began)
     else:
         yield lambda done, total: None
 
@@ -45,13 +51,16 @@ PATIENCE = 2.0
 @contextmanager
 def patient_progress(mode: ProgressMode, what: str, clock: Callable[[], float] = time.monotonic) -> Iterator[Report]:
     """:func:`progress` that appears only when the work has lasted :data:`PATIENCE` seconds."""
-    began = clock()
+    start = clock()
+    began: list[Began] = []
     shown: list[Report] = []
     with ExitStack() as stack:
 
         def report(done: int, total: int) -> None:
-            if not shown and clock() - began >= PATIENCE and done < total:
-                shown.append(stack.enter_context(progress(mode, what)))
+            if not began:
+                began.append((start, done))
+            if not shown and clock() - start >= PATIENCE and done < total:
+                shown.append(stack.enter_context(progress(mode, what, began[0], clock)))
             if shown:
                 shown[0](done, total)
 
@@ -70,27 +79,29 @@ def duration(seconds: float) -> str:
     return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60:02d} min"
 
 
-def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic) -> Report:
+def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic, began: Began | None = None) -> Report:
     """Report that writes a line at the start, at most every :data:`LOG_INTERVAL` seconds, and at the end."""
-    start: list[tuple[float, int]] = []
+    start: list[Began] = []
     last = [0.0]
 
     def report(done: int, total: int) -> None:
         now = clock()
         if not start:
-            start.append((now, done))
+            start.append(began or (now, done))
             last[0] = now
-            write(f"{what}: {total - done} to do" + (f", {done} of {total} there already" if done else ""))
-            return
-        if done < total and now - last[0] < LOG_INTERVAL:
+            before = start[0][1]
+            if done == before:
+                write(f"{what}: {total - done} to do" + (f", {done} of {total} there already" if done else ""))
+                return
+        elif done < total and now - last[0] < LOG_INTERVAL:
             return
         last[0] = now
-        began, before = start[0]
-        rate = (done - before) / max(now - began, 1e-9)
+        then, before = start[0]
+        rate = (done - before) / max(now - then, 1e-9)
         if done < total:
             write(f"{what}: {done}/{total}, {rate:.3g} per s, {duration((total - done) / max(rate, 1e-9))} left")
         else:
-            write(f"{what}: {done}/{total} in {duration(now - began)}, {rate:.3g} per s")
+            write(f"{what}: {done}/{total} in {duration(now - then)}, {rate:.3g} per s")
 
     return report
 
