@@ -104,7 +104,7 @@ def standardise(
 
     Examples
     --------
-    >>> standardise(np.array([[0.0, 0.0, 0.0, 4.0]]))[0, 0].round(3).tolist()
+    >>> standardise(np.array([[0.0, 0.0, 0.0, 4.0]]))[0, 0].astype(float).round(3).tolist()
     [-0.577, -0.577, -0.577, 1.732]
     """
     frames = as_frames(filtered)
