@@ -11,7 +11,7 @@ import xarray as xr
 from seaglint.io.columns import write_columns
 from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.pipeline import figures
-from seaglint.plot.article import write_figure
+from seaglint.plot.article import smooth_rows, write_figure
 
 
 @pytest.fixture(scope="module")
@@ -132,3 +132,15 @@ def test_equal_numbers_draw_equal_bytes(name, made, request, tmp_path):
     assert first.startswith(b"\x89PNG")
     assert first == second
     assert sorted(path.name for path in tmp_path.iterdir()) == ["1.png", "2.png"]
+
+
+def test_rows_between_the_suns_of_figure_3_bend_everywhere_and_not_at_the_suns():
+    """Rows 1 deg apart of a curve like the mirrored Sun's logarithm: straight lines between them are bent at the nodes, seen as stripes."""
+    sun = np.concatenate([np.arange(70.0, 80.0, 1.0), np.arange(80.0, 90.01, 0.5)])
+    coarse = -0.01 * (sun - 79.0)[:, None] ** 2 * np.ones(3)
+    fine, values = smooth_rows(sun, coarse)
+    np.testing.assert_allclose(values[np.isin(fine, sun)], coarse, atol=1e-12)
+    rising = (fine > 71.0) & (fine < 78.0)
+    bend = np.abs(np.diff(values[rising, 0], 2))
+    straight = np.abs(np.diff(np.interp(fine, sun, coarse[:, 0])[rising], 2))
+    assert bend.max() < 0.25 * straight.max()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from seaglint.conventions import FloatArray
 from seaglint.io.outputs import moved_when_whole
 from seaglint.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 
@@ -24,6 +25,9 @@ _DECADES: Final = 3.0
 
 _ROUND: Final = (0.1, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0)
 """Radiances of the lines in the maps of the mirrored Sun [W m-2 sr-1]."""
+
+_SUN_STEP: Final = 0.125
+"""Rows of the maps of Fig. 3 [deg of the Sun's zenith angle]."""
 
 _SHARES: Final = (0.1, 0.5, 0.9)
 """Shares of its maximum that lines show in each image of glint."""
@@ -107,6 +111,14 @@ def draw_figure_2(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+def smooth_rows(sun: FloatArray, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Rows at even steps of :data:`_SUN_STEP` between the computed ones, by monotone cubics: bent lines between them show as stripes."""
+    from scipy.interpolate import PchipInterpolator
+
+    fine = np.linspace(sun[0], sun[-1], 1 + round(float(sun[-1] - sun[0]) / _SUN_STEP))
+    return fine, np.asarray(PchipInterpolator(sun, values, axis=0)(fine))
+
+
 def draw_figure_3(dataset: xr.Dataset) -> Figure:
     """Mirrored Sun (upper) and apparent temperature (lower) against the zenith angles of sensor and Sun; a column for each wind."""
     from matplotlib.colors import LogNorm
@@ -123,11 +135,15 @@ def draw_figure_3(dataset: xr.Dataset) -> Figure:
     levels = np.concatenate([[295.0, 300.0, 310.0, 320.0, 330.0, 340.0, 350.0], np.arange(360.0, hottest, 20.0)])
     for i, wind in enumerate(winds):
         upper, lower = panels[0, i], panels[1, i]
-        bright = upper.pcolormesh(sensor, sun, np.maximum(solar[i], dimmest), norm=log, cmap="inferno", shading="gouraud")
-        warm = lower.pcolormesh(sensor, sun, temperature[i], vmin=290.0, vmax=hottest, cmap="inferno", shading="gouraud")
-        bright_lines = upper.contour(sensor, sun, solar[i], levels=_ROUND, colors="w", linewidths=0.6)
+        # Logarithms, as the colours; the floor keeps them finite, far below what is shown.
+        rows, logarithm = smooth_rows(sun, np.log(np.maximum(solar[i], 1e-3 * dimmest)))
+        glint, apparent = np.exp(logarithm), smooth_rows(sun, temperature[i])[1]
+        bright = upper.pcolormesh(sensor, rows, np.maximum(glint, dimmest), norm=log, cmap="inferno", shading="gouraud")
+        warm = lower.pcolormesh(sensor, rows, apparent, vmin=290.0, vmax=hottest, cmap="inferno", shading="gouraud")
+        # Labels find no good place on finer lines: they go to the crowded edge at the horizon.
+        bright_lines = upper.contour(sensor, rows[::4], glint[::4], levels=_ROUND, colors="w", linewidths=0.6)
         upper.clabel(bright_lines, fontsize=7, fmt="%g")
-        drawn = lower.contour(sensor, sun, temperature[i], levels=levels, colors="w", linewidths=0.6)
+        drawn = lower.contour(sensor, rows[::4], apparent[::4], levels=levels, colors="w", linewidths=0.6)
         shown = [level for level in levels if level in (300.0, 320.0, 340.0, 360.0, 400.0, 460.0, 520.0)]
         lower.clabel(drawn, levels=shown, fontsize=7, fmt="%g")
         j, k = np.unravel_index(int(np.nanargmax(temperature[i])), temperature[i].shape)
