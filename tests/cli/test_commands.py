@@ -256,7 +256,7 @@ def test_progress_never_touches_stdout(mode, capsys):
 def test_doctor_finds_nothing_wrong_here():
     report = examine()
     assert report.problems == []
-    assert set(report.sections) == {"seaglint", "packages", "machine", "codecs", "tables"}
+    assert set(report.sections) == {"seaglint", "packages", "machine", "codecs", "tables", "live LOWTRAN7"}
 
 
 def test_doctor_tells_a_changed_and_a_missing_table(seaglint, tmp_path, monkeypatch):

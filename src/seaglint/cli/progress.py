@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from enum import StrEnum
+from typing import NamedTuple
 
 
 class ProgressMode(StrEnum):
@@ -20,8 +21,13 @@ class ProgressMode(StrEnum):
 
 Report = Callable[[int, int], None]
 
-Began = tuple[float, int]
-"""When the work of this run began, by the clock [s], and how much was done then."""
+
+class Began(NamedTuple):
+    """When the work of this run began, by the clock [s], and how much was done then."""
+
+    time: float
+    done: int
+
 
 LOG_INTERVAL = 10.0
 """Seconds between two lines of a log: a batch job of hours stays readable."""
@@ -58,7 +64,7 @@ def patient_progress(mode: ProgressMode, what: str, clock: Callable[[], float] =
 
         def report(done: int, total: int) -> None:
             if not began:
-                began.append((start, done))
+                began.append(Began(start, done))
             if not shown and clock() - start >= PATIENCE and done < total:
                 shown.append(stack.enter_context(progress(mode, what, began[0], clock)))
             if shown:
@@ -87,9 +93,9 @@ def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float
     def report(done: int, total: int) -> None:
         now = clock()
         if not start:
-            start.append(began or (now, done))
+            start.append(began or Began(now, done))
             last[0] = now
-            before = start[0][1]
+            before = start[0].done
             if done == before:
                 write(f"{what}: {total - done} to do" + (f", {done} of {total} there already" if done else ""))
                 return

@@ -106,7 +106,8 @@ def _windows(products: FloatArray, occupied: FloatArray) -> tuple[list[FloatArra
         along = np.moveaxis(products, axis, 0)[n - 1 :, *middle]
         pairs = np.maximum(np.round(np.moveaxis(occupied, axis, 0)[n - 1 :, *middle]), 1.0)
         others = math.prod(independent[i] / sizes[i] for i in range(3) if i != axis)
-        m = _cutoff(along / pairs, float(pairs[0]) * others) if n > 3 else None
+        # Between all pairs and the independent ones: a window too short costs more coverage than one too long.
+        m = _cutoff(along / pairs, float(pairs[0]) * others**0.4) if n > 3 else None
         # An axis that never decorrelates is summed over: its cells are one.
         windows[axis] = np.ones(2 * n - 1) if m is None else _window(m, n)
         independent[axis] = 1.0 if m is None else n / float(windows[axis].sum())

@@ -412,9 +412,7 @@ class NoAtmosphere(Record):
 
 
 Atmosphere = Annotated[
-    Annotated[
-        TableAtmosphere | LowtranAtmosphere | FileAtmosphere | IsothermalAtmosphere | NoAtmosphere, Field(discriminator="source")
-    ],
+    Annotated[TableAtmosphere | LowtranAtmosphere | FileAtmosphere | IsothermalAtmosphere | NoAtmosphere, Field(discriminator="source")],
     _default_tag("source", "table"),
 ]
 
