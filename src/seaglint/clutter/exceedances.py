@@ -20,6 +20,11 @@ from seaglint.errors import DataError, DomainError
 MAX_LAG: Final = 255
 """Standard number of lags [frames]: with the present frame four words of 64 bits per pixel."""
 
+_DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
+"""All 64 windows of six bits of this number differ (de Bruijn sequence): its product with 2^n has n written in its top bits."""
+
+_PLACES = np.argsort([((0x03F79D71B4CB0A89 << n) & (2**64 - 1)) >> 58 for n in range(64)])
+
 
 @njit
 def above(z: np.ndarray, threshold: float, index: np.ndarray) -> int:
@@ -51,12 +56,11 @@ def _joint(index: np.ndarray, t: int, last: np.ndarray, history: np.ndarray, joi
                     if bits > 0 and w > jump:
                         value |= history[i, w - jump - 1] >> (np.uint64(64) - bits)
                 history[i, w] = value
-                lag = 64 * w
+                # From one exceedance to the next, not from frame to frame: the lowest bit that is set, and its place.
                 while value != 0:
-                    if value & one:
-                        joint[lag] += 1
-                    value >>= one
-                    lag += 1
+                    rest = value & (value - one)
+                    joint[64 * w + _PLACES[((value ^ rest) * _DE_BRUIJN) >> np.uint64(58)]] += 1
+                    value = rest
         else:
             for w in range(words):
                 history[i, w] = 0
@@ -145,7 +149,7 @@ class JointExceedances:
 
     def _add(self, index: NDArray[np.int64], pixels: int, valid: int) -> None:
         if self._frame == 0:
-            self._last = np.full(pixels, -1, np.int64)
+            self._last = np.full(pixels, -1, np.int32)
             self._history = np.zeros((pixels, self._words), np.uint64)
         _joint(index, self._frame, self._last, self._history, self._counts)
         self._recent = np.roll(self._recent, 1)
@@ -304,7 +308,7 @@ class EventTracker:
         self._columns = 0
         self._table = np.empty((0, 4), np.int64)
         self._peak = np.empty(0)
-        self._done: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
+        self._done: list[tuple[NDArray[np.int32], NDArray[np.float32]]] = []
 
     def add(self, z: ArrayLike) -> None:
         """Take the next frames, shape (k, rows, columns) or (rows, columns) [standard deviations]."""
@@ -329,7 +333,8 @@ class EventTracker:
         alive = _merge(index, frame, self._frame, self._now, parent, table, peak, number)
         ended = number == -1
         if ended.any():
-            self._done.append((table[ended], peak[ended]))
+            # Half the size: the list of events is all that grows with the record, half a million of them in a thousand frames.
+            self._done.append((table[ended].astype(np.int32), peak[ended].astype(np.float32)))
         living = number >= 0
         self._table, self._peak = table[living], peak[living]
         assert self._peak.size == alive
@@ -341,11 +346,14 @@ class EventTracker:
 
     def result(self) -> Events:
         """Events so far; those alive in the last frame are among them."""
+        if len(self._done) > 1:
+            self._done = [(np.concatenate([d[0] for d in self._done]), np.concatenate([d[1] for d in self._done]))]
         table = np.concatenate([*(d[0] for d in self._done), self._table])
         peak = np.concatenate([*(d[1] for d in self._done), self._peak])
-        order = np.lexsort((table[:, 3], table[:, 0]))
-        first, last, size, where = table[order].T
         columns = max(self._columns, 1)
+        # By first frame, then by place.
+        order = np.argsort(table[:, 0].astype(np.int64) * max(self._now.size if self._frame else 1, 1) + table[:, 3], kind="stable")
+        first, last, size, where = table[order].astype(np.int64).T
         cut = (first == 0) | (last == self._frame - 1)
         return Events(
             *(first, last - first + 1, size, peak[order], where // columns, where % columns, cut, self._frame, self._pixels, self.threshold)

@@ -19,20 +19,23 @@ Scope = Literal["frame", "sequence", "local"]
 
 @njit
 def _frame_scale(frame: np.ndarray, mask: np.ndarray, inside: bool) -> tuple[int, float, float]:
-    """Number, mean and standard deviation of the finite pixels of one flat frame; two passes, in double precision."""
-    count, total = 0, 0.0
+    """Number, mean and standard deviation of the finite pixels of one flat frame, in double precision.
+
+    One pass about the first pixel's value: single precision data leave nine digits to lose, and equal values have exactly no spread.
+    """
+    count, total, squares, shift = 0, 0.0, 0.0, 0.0
     for i in range(frame.size):
         if (not inside or mask[i]) and np.isfinite(frame[i]):
+            if count == 0:
+                shift = float(frame[i])
+            d = frame[i] - shift
             count += 1
-            total += frame[i]
+            total += d
+            squares += d * d
     if count == 0:
         return 0, np.nan, np.nan
     mean = total / count
-    squares = 0.0
-    for i in range(frame.size):
-        if (not inside or mask[i]) and np.isfinite(frame[i]):
-            squares += (frame[i] - mean) ** 2
-    return count, mean, np.sqrt(squares / count)
+    return count, shift + mean, np.sqrt(max(squares / count - mean * mean, 0.0))
 
 
 @njit

@@ -144,7 +144,7 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
 
     Notes
     -----
-    Memory does not grow with the recording: blocks of some thirty megabytes, and maps of the size of a frame.
+    Memory does not grow with the recording: blocks of some sixteen megabytes, and maps of the size of a frame.
     """
     wanted = options if options is not None else Options()
     rows = _row_mask(recording, wanted.rows)
@@ -229,24 +229,28 @@ def _count(
             slicer.add(block, filtered, z)
         gatherers[name].add(block, start)
 
-    # Regions do not know of each other, and their kernels release the interpreter.
-    workers = ThreadPoolExecutor(len(masks))
-    for block, filtered in _filtered(recording, options, first.dead):
-        for task in [workers.submit(count, name, block, filtered, done) for name in masks]:
-            task.result()
-        inside = (kept_numbers >= done) & (kept_numbers < done + block.shape[0])
-        kept[inside] = block[kept_numbers[inside] - done]
-        done += block.shape[0]
-        progress(recording.frames + done, 2 * recording.frames)
-    workers.shutdown()
-    spacing = float(recording.frames - 1) / max(kept_numbers.size - 1, 1)
-    results = {}
-    for name, gathered in gatherers.items():
+    def summarise(name: str) -> Region:
         moments = first.moments.region(masks[name])
-        made = region(name, gathered, moments, first.moments.image, kept, max(spacing, 1.0), recording.frame_rate, options.seed)
-        results[name] = replace(
-            made, alarms={options.filter.name: alarms[name]}, notes=(*made.notes, *_own_notes(first, masks[name], recording))
-        )
+        made = region(name, gatherers.pop(name), moments, first.moments.image, kept, max(spacing, 1.0), recording.frame_rate, options.seed)
+        made = replace(made, alarms={options.filter.name: alarms[name]}, notes=(*made.notes, *_own_notes(first, masks[name], recording)))
+        made.tail(options.filter.name)
+        return made
+
+    # Regions do not know of each other, and their kernels release the interpreter.
+    with ThreadPoolExecutor(len(masks)) as workers:
+        for block, filtered in _filtered(recording, options, first.dead):
+            for task in [workers.submit(count, name, block, filtered, done) for name in masks]:
+                task.result()
+            inside = (kept_numbers >= done) & (kept_numbers < done + block.shape[0])
+            kept[inside] = block[kept_numbers[inside] - done]
+            done += block.shape[0]
+            progress(recording.frames + done, 2 * recording.frames)
+    spacing = float(recording.frames - 1) / max(kept_numbers.size - 1, 1)
+    # Two at a time, for the sake of memory.
+    with ThreadPoolExecutor(2) as workers:
+        results = dict(zip(masks, workers.map(summarise, list(masks)), strict=True))
+        # Intervals of the rates are kept by the accumulators.
+        list(workers.map(lambda counted: counted.rates(), alarms.values()))
     return results, slicer.result()
 
 

@@ -48,7 +48,7 @@ class Survey:
     notes: tuple[str, ...]
 
 
-def ahead(recording: Recording, memory: float = 32e6) -> Iterator[NDArray[np.float32]]:
+def ahead(recording: Recording, memory: float = 16e6) -> Iterator[NDArray[np.float32]]:
     """Blocks of a recording, the next one read while the present one is worked on."""
     step = max(int(memory / (4.0 * recording.rows * recording.columns)), 1)
     starts = range(0, recording.frames, step)
@@ -73,16 +73,20 @@ def survey(recording: Recording, progress: Progress) -> Survey:
     moments = PixelMoments.empty(*shape)
     saturated = np.zeros(shape, np.int64)
     flat_rows, flat_columns = np.ones(recording.rows, dtype=np.bool_), np.ones(recording.columns, dtype=np.bool_)
-    missing, repeats, done = 0, 0, 0
+    repeats, done = 0, 0
     last: NDArray[np.float32] | None = None
     for block in ahead(recording):
         moments.add(block)
         if recording.saturation is not None:
             saturated += (block >= recording.saturation).sum(axis=0)
+        # Once seen to vary, a line needs no further look: the first block settles nearly all.
         with np.errstate(invalid="ignore"):
-            flat_rows &= ~(block.max(axis=2) > block.min(axis=2)).any(axis=0)
-            flat_columns &= ~(block.max(axis=1) > block.min(axis=1)).any(axis=0)
-        missing += int(block.size - np.count_nonzero(np.isfinite(block)))
+            if flat_rows.any():
+                lines = block[:, flat_rows]
+                flat_rows[flat_rows] = ~(lines.max(axis=2) > lines.min(axis=2)).any(axis=0)
+            if flat_columns.any():
+                lines = block[:, :, flat_columns]
+                flat_columns[flat_columns] = ~(lines.max(axis=1) > lines.min(axis=1)).any(axis=0)
         # Repeats tell a wrong frame rate; a few lines of a frame are enough to see one.
         lines = block[:, :: max(recording.rows // 8, 1)]
         before = lines[:1] if last is None else last[np.newaxis]
@@ -92,6 +96,7 @@ def survey(recording: Recording, progress: Progress) -> Survey:
         last = lines[-1].copy()
         done += block.shape[0]
         progress(done, 2 * recording.frames)
+    missing = recording.frames * recording.rows * recording.columns - int(moments.count.sum())
     if not (moments.count > 0).any():
         raise DataError(f"{recording.source}: no pixel has a finite value; nothing can be said of it")
     dead, dead_notes = _dead(recording, moments, flat_rows)
