@@ -128,11 +128,9 @@ def power_spectrum(
     step = max(side // 2, 1)
     for frame in data:
         for top in range(0, data.shape[1] - side + 1, step):
-            for left in range(0, data.shape[2] - side + 1, step):
-                square = frame[top : top + side, left : left + side]
-                if not np.all(np.isfinite(square)):
-                    continue
-                total += np.abs(np.fft.fft2(weight * (square - square.mean()))) ** 2
-                segments += 1
+            squares = np.lib.stride_tricks.sliding_window_view(frame[top : top + side], (side, side))[0, ::step]
+            squares = squares[np.isfinite(squares).all(axis=(1, 2))]
+            total += np.sum(np.abs(np.fft.fft2(weight * (squares - squares.mean(axis=(1, 2), keepdims=True)))) ** 2, axis=0)
+            segments += len(squares)
     density = total / (segments * np.sum(weight**2)) if segments else np.full((side, side), np.nan)
     return Spectrum(np.fft.fftshift(np.fft.fftfreq(side)), np.fft.fftshift(density), segments)

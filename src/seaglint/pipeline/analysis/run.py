@@ -144,7 +144,7 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
 
     Notes
     -----
-    Memory does not grow with the recording: blocks of some sixteen megabytes, and maps of the size of a frame.
+    Memory does not grow with the recording: blocks of some eight megabytes, and maps of the size of a frame.
     """
     wanted = options if options is not None else Options()
     rows = _row_mask(recording, wanted.rows)

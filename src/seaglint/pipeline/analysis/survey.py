@@ -48,7 +48,7 @@ class Survey:
     notes: tuple[str, ...]
 
 
-def ahead(recording: Recording, memory: float = 16e6) -> Iterator[NDArray[np.float32]]:
+def ahead(recording: Recording, memory: float = 8e6) -> Iterator[NDArray[np.float32]]:
     """Blocks of a recording, the next one read while the present one is worked on."""
     step = max(int(memory / (4.0 * recording.rows * recording.columns)), 1)
     starts = range(0, recording.frames, step)
