@@ -167,7 +167,7 @@ def trend_surface(image: ArrayLike, mask: BoolArray | None = None, degree: int =
         rows = slice(top, top + 32)
         inside = used[rows]
         equations = np.stack([*(u[rows][inside] ** i * v[rows][inside] ** j for i, j in powers), data[rows][inside]], axis=1)
-        factor = np.linalg.qr(np.concatenate([factor, equations]), mode="r")
+        factor = np.asarray(np.linalg.qr(np.concatenate([factor, equations]), mode="r"))
     rounding = float(np.finfo(np.float64).eps) * np.count_nonzero(used)
     coefficients = np.linalg.lstsq(factor[:, :-1], factor[:, -1], rcond=rounding)[0]
     square = np.zeros((degree + 1, degree + 1))
