@@ -1,0 +1,271 @@
+"""The sea of :mod:`bench.scene` rendered by Mitsuba 3 on the processor (its LLVM variant and Embree).
+
+Mitsuba finds what is seen and what is lit: primary rays through random points of every pixel against a triangle mesh of the tile, repeated as
+instances, and from each hit a ray to a random point of the solar disc. The facet is ours, evaluated at the hit for the sampled point of the
+disc: Gaussian roughness about the lattice's slope, read bilinearly as our renderer reads it, over the visible area A+ and with the
+roughness' own shadowing of both legs. Mitsuba's own microfacet models are other functions.
+
+The Earth is bent as in our renderer: each instance is sheared so that its corners lie on the parabola of the effective Earth, neighbours join
+exactly and a tile's middle is off by less than 2 cm; the shading is done in the local frame of the hit.
+
+Written to Mitsuba 3.9; it needs an LLVM library (Debian: libllvm19; 15 and 16 crash on processors with AVX512-FP16).
+"""
+
+from __future__ import annotations
+
+import ctypes.util
+import math
+import os
+from glob import glob
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from bench.scene import RANGE
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.optics.fresnel import reflectance
+from seaglint.radiance.mean import SeaView, band_grid
+from seaglint.render.camera import Camera
+from seaglint.render.renderer import facet_slopes
+from seaglint.sea.field import WaveField
+
+INCIDENCE_NODES = 1025
+LIFT = 2e-3
+"""Start of the rays to the Sun above the surface [m]: single precision leaves about 1 mm at 14 km."""
+
+RAYS_AT_ONCE = 4 * 1024 * 512
+
+
+def load_mitsuba() -> tuple[Any, Any]:
+    """The modules ``mitsuba`` and ``drjit``, with the LLVM variant set.
+
+    Raises
+    ------
+    RuntimeError
+        With what is missing and how to get it.
+    """
+    if "DRJIT_LIBLLVM_PATH" not in os.environ:
+        found = [path for n in (19, 20, 18, 17) for path in glob(f"/usr/lib/*/libLLVM*{n}*") + glob(f"/usr/lib/llvm-{n}/lib/libLLVM*{n}*")]
+        if found:
+            os.environ["DRJIT_LIBLLVM_PATH"] = found[0]
+        elif ctypes.util.find_library("LLVM") is None:
+            raise RuntimeError("no LLVM library: apt-get install libllvm19, or set DRJIT_LIBLLVM_PATH")
+    try:
+        import drjit as dr
+        import mitsuba as mi
+    except ImportError as error:
+        raise RuntimeError("Mitsuba is not installed: pip install mitsuba==3.9.1") from error
+    mi.set_variant("llvm_ad_mono")
+    return mi, dr
+
+
+class MitsubaSea:
+    """The tile as instances, the camera and the Sun; make it once, :meth:`update` it for each frame, then :meth:`render`.
+
+    Parameters
+    ----------
+    view : SeaView
+        Sea and Sun, without air.
+    camera : Camera
+        Image grid.
+    waves : WaveField
+        One tile without turn.
+    threads : int, optional
+        Threads of Dr.Jit and Embree.
+    """
+
+    def __init__(self, view: SeaView, camera: Camera, waves: WaveField, threads: int | None = None) -> None:
+        self.mi, self.dr = load_mitsuba()
+        if threads is not None:
+            self.dr.set_thread_count(threads)
+        if len(waves.tiles) != 1 or waves.tiles[0].rotation != 0.0:
+            raise ValueError("one tile without turn is wanted")
+        self.camera, self.waves, self.tile = camera, waves, waves.tiles[0]
+        self.roughness = facet_slopes(view.slopes, waves)
+        weights, grid = band_grid(view.band, view.atmosphere)
+        irradiance = view.sun_distance_factor * view.atmosphere.solar_irradiance(view.solar_zenith)[grid] * weights
+        index = view.water.index(view.atmosphere.wavenumber_cm[grid])
+        cosines = np.linspace(0.0, 1.0, INCIDENCE_NODES)
+        self.reflected = self.mi.Float((reflectance(cosines[:, None], index) @ irradiance).astype(np.float32))
+        self.sun_zenith, self.sun_azimuth = view.solar_zenith, view.solar_azimuth
+        self.scene = self._build()
+        self.parameters = self.mi.traverse(self.scene)
+        self.vertices = next(key for key in self.parameters.keys() if key.endswith("vertex_positions"))  # noqa: SIM118: no plain dict
+        self.slope_east = self.slope_north = self.mi.Float(0.0)
+        self.update(0.0)
+
+    def _build(self) -> Any:
+        mi, n = self.mi, self.tile.n
+        mesh = mi.Mesh("tile", (n + 1) ** 2, 2 * n * n, has_vertex_normals=False, has_vertex_texcoords=False)
+        parameters = mi.traverse(mesh)
+        corner = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).astype(np.uint32)
+        faces = np.stack([corner, corner + 1, corner + n + 2, corner, corner + n + 2, corner + n + 1], axis=-1)
+        parameters["vertex_positions"] = mi.Float(self._positions(np.zeros((n, n), np.float32)))
+        parameters["faces"] = mi.UInt32(faces.ravel())
+        parameters.update()
+        scene: dict[str, Any] = {"type": "scene", "sea": {"type": "shapegroup", "tile": mesh}}
+        for i, j in self._cells():
+            scene[f"at_{i}_{j}".replace("-", "m")] = {
+                "type": "instance",
+                "to_world": mi.ScalarTransform4f(self._placed(i, j)),
+                "shapegroup": {"type": "ref", "id": "sea"},
+            }
+        return mi.load_dict(scene)
+
+    def _cells(self) -> list[tuple[int, int]]:
+        """Tiles (east, north) that the field of view touches out to :data:`~bench.scene.RANGE`, and their neighbours, which can shade."""
+        camera, length = self.camera, self.tile.length
+        azimuth = camera.azimuth + np.linspace(-0.5, 0.5, 41) * camera.width
+        arc = np.arange(0.0, RANGE, 0.1 * length)
+        east, north = np.outer(np.sin(azimuth), arc), np.outer(np.cos(azimuth), arc)
+        # a crest of 5 m shades no farther than this under the Suns compared
+        margin = 5.0 * min(math.tan(self.sun_zenith), 50.0)
+        cells = set()
+        for de in (-margin, margin):
+            for dn in (-margin, margin):
+                i, j = np.floor((east + de) / length).astype(int).ravel(), np.floor((north + dn) / length).astype(int).ravel()
+                cells.update(zip(i.tolist(), j.tolist(), strict=True))
+        return sorted(cells)
+
+    def _placed(self, i: int, j: int) -> NDArray[np.float64]:
+        """Tile to world: moved, and sheared onto the chords of the effective Earth's parabola."""
+        length, radius = self.tile.length, EFFECTIVE_EARTH_RADIUS
+        x, y = i * length, j * length
+        matrix = np.eye(4)
+        matrix[:3, 3] = x, y, -(x * x + y * y) / (2.0 * radius)
+        matrix[2, 0], matrix[2, 1] = -(2.0 * x + length) / (2.0 * radius), -(2.0 * y + length) / (2.0 * radius)
+        return matrix
+
+    def _positions(self, height: NDArray[np.float32]) -> NDArray[np.float32]:
+        n = self.tile.n
+        out = np.empty((n + 1, n + 1, 3), np.float32)
+        axis = np.arange(n + 1, dtype=np.float32) * np.float32(self.tile.spacing)
+        out[..., 0], out[..., 1] = axis, axis[:, None]
+        out[:n, :n, 2] = height
+        out[n, :n, 2], out[:n, n, 2], out[n, n, 2] = height[0], height[:, 0], height[0, 0]
+        return out.ravel()
+
+    def update(self, time: float) -> None:
+        """Waves, vertices and acceleration structure of the instant ``time`` [s]."""
+        surface = self.waves.surfaces(time, workers=self.dr.thread_count())[0]
+        self.parameters[self.vertices] = self.mi.Float(self._positions(surface[..., 0]))
+        self.parameters.update()
+        self.slope_east = self.mi.Float(np.ascontiguousarray(surface[..., 1]).ravel())
+        self.slope_north = self.mi.Float(np.ascontiguousarray(surface[..., 2]).ravel())
+        self.dr.eval(self.slope_east, self.slope_north)
+        self.dr.sync_thread()
+
+    def render(self, samples: int, seed: int = 0) -> NDArray[np.float64]:
+        """Reflected sunlight, (rows, columns) [W m-2 sr-1], of ``samples`` rays a pixel, a square number: stratified in the pixel."""
+        side = math.isqrt(samples)
+        if side * side != samples:
+            raise ValueError(f"samples = {samples} is no square")
+        pixels = self.camera.rows * self.camera.columns
+        passes = max(1, math.ceil(pixels * samples / RAYS_AT_ONCE))
+        while samples % passes:
+            passes += 1
+        total = np.zeros(pixels)
+        for i in range(passes):
+            total += np.asarray(self._pass(samples, samples // passes, i * (samples // passes), seed * 1009 + i), dtype=np.float64)
+        return (total / samples).reshape(self.camera.rows, self.camera.columns)
+
+    def _pass(self, samples: int, batch: int, first: int, seed: int) -> Any:
+        """Sum of ``batch`` rays in every pixel, those of the strata from ``first`` on."""
+        mi, dr, camera = self.mi, self.dr, self.camera
+        side = math.isqrt(samples)
+        count = camera.rows * camera.columns * batch
+        ray_number = dr.arange(mi.UInt32, count)
+        pixel = ray_number // batch
+        stratum = ray_number - pixel * batch + first
+        random = mi.PCG32(size=count, initstate=seed, initseq=1)
+        column, row = pixel % camera.columns, pixel // camera.columns
+        x = (mi.Float(stratum % side) + random.next_float32()) / side
+        y = (mi.Float(stratum // side) + random.next_float32()) / side
+        azimuth = (mi.Float(column) + x) * camera.column_step + (camera.azimuth - 0.5 * camera.width)
+        elevation = camera.top - (mi.Float(row) + y) * camera.row_step
+        sin_a, cos_a = dr.sincos(azimuth)
+        sin_e, cos_e = dr.sincos(elevation)
+        ray = mi.Ray3f(mi.Point3f(0.0, 0.0, camera.height), mi.Vector3f(cos_e * sin_a, cos_e * cos_a, sin_e))
+        hit = self.scene.ray_intersect_preliminary(ray)
+        seen = hit.is_valid()
+        p = ray(dr.select(seen, hit.t, 1.0))  # rays into the sky go on with harmless numbers and count for nothing
+        # local frame of the round sea, to first order in range over radius
+        radius = EFFECTIVE_EARTH_RADIUS
+        tilt_e, tilt_n = p.x / radius, p.y / radius
+        d = ray.d
+        view = mi.Vector3f(d.z * tilt_e - d.x, d.z * tilt_n - d.y, -d.z - d.x * tilt_e - d.y * tilt_n)
+        sun = self._sun_sample(random)
+        shadow = mi.Ray3f(
+            mi.Point3f(p.x, p.y, p.z + LIFT),
+            mi.Vector3f(sun.x + sun.z * tilt_e, sun.y + sun.z * tilt_n, sun.z - sun.x * tilt_e - sun.y * tilt_n),
+        )
+        lit = ~self.scene.ray_test(shadow, seen)
+        value = dr.select(seen & lit, self._facet(p, view, sun), 0.0)
+        return dr.block_sum(value, batch)
+
+    def _sun_sample(self, random: Any) -> Any:
+        """A direction to a point of the disc, evenly over it."""
+        mi, dr = self.mi, self.dr
+        z, a = self.sun_zenith, self.sun_azimuth
+        radius = SOLAR_ANGULAR_RADIUS * dr.sqrt(random.next_float32())
+        s, c = dr.sincos(2.0 * math.pi * random.next_float32())
+        centre = mi.Vector3f(math.sin(z) * math.sin(a), math.sin(z) * math.cos(a), math.cos(z))
+        up = mi.Vector3f(-math.cos(z) * math.sin(a), -math.cos(z) * math.cos(a), math.sin(z))
+        side = mi.Vector3f(math.cos(a), -math.sin(a), 0.0)
+        return dr.normalize(centre + radius * (c * up + s * side))
+
+    def _slopes(self, x: Any, y: Any) -> tuple[Any, Any]:
+        """Bilinear slopes of the periodic lattice."""
+        mi, dr, n = self.mi, self.dr, self.tile.n
+        u, v = x * (1.0 / self.tile.spacing), y * (1.0 / self.tile.spacing)
+        floor_u, floor_v = dr.floor(u), dr.floor(v)
+        fu, fv = u - floor_u, v - floor_v
+        # n is a power of two in this scene: two's complement wraps negative indices
+        i, j = mi.UInt32(mi.Int32(floor_u) & (n - 1)), mi.UInt32(mi.Int32(floor_v) & (n - 1))
+        i1, j1 = (i + 1) & (n - 1), (j + 1) & (n - 1)
+
+        def read(lattice: Any) -> Any:
+            low = (1.0 - fu) * dr.gather(mi.Float, lattice, j * n + i) + fu * dr.gather(mi.Float, lattice, j * n + i1)
+            high = (1.0 - fu) * dr.gather(mi.Float, lattice, j1 * n + i) + fu * dr.gather(mi.Float, lattice, j1 * n + i1)
+            return (1.0 - fv) * low + fv * high
+
+        return read(self.slope_east), read(self.slope_north)
+
+    def _facet(self, p: Any, view: Any, sun: Any) -> Any:
+        """Radiance of the facet at ``p`` for one point of the disc, in local directions to the viewer and the Sun."""
+        mi, dr = self.mi, self.dr
+        slope_e, slope_n = self._slopes(p.x, p.y)
+        ee, en, nn = (float(value) for value in self.roughness.covariance())
+        mz = view.z + sun.z
+        de, dn = -(view.x + sun.x) / mz, -(view.y + sun.y) / mz
+        tan2 = de * de + dn * dn
+        de, dn = de - slope_e, dn - slope_n
+        determinant = ee * nn - en * en
+        exponent = 0.5 * (nn * de * de - 2.0 * en * de * dn + ee * dn * dn) / determinant
+        density = dr.exp(-exponent) / (2.0 * math.pi * math.sqrt(determinant))
+
+        def area(to: Any) -> tuple[Any, Any]:
+            """Mean of the projection of the level patch's slopes on a direction, and A+."""
+            mean = to.z - to.x * slope_e - to.y * slope_n
+            deviation = dr.sqrt(to.x * to.x * ee + 2.0 * to.x * to.y * en + to.y * to.y * nn)
+            t = mean / deviation
+            return mean, dr.maximum(
+                0.5 * mean * (1.0 + dr.erf(t * math.sqrt(0.5))) + deviation * (1.0 / math.sqrt(2.0 * math.pi)) * dr.exp(-0.5 * t * t), 1e-9
+            )
+
+        view_mean, view_area = area(view)
+        sun_mean, sun_area = area(sun)
+        # S (1 + Lambda_v)/A+ with the passage between both legs; where the patch itself is turned away one leg's Lambda is infinite
+        lambda_view = view_area / dr.maximum(view_mean, 1e-9) - 1.0
+        lambda_sun = sun_area / dr.maximum(sun_mean, 1e-9) - 1.0
+        between = dr.abs(dr.atan2(view.x * sun.y - view.y * sun.x, view.x * sun.x + view.y * sun.y))
+        passage = between / (4.41 * between + 1.0) * ((4.41 * math.pi + 1.0) / math.pi)
+        both = (1.0 + lambda_view) / (1.0 + dr.maximum(lambda_view, lambda_sun) + passage * dr.minimum(lambda_view, lambda_sun))
+        both = dr.select(sun_mean > 0.0, dr.select(view_mean > 0.0, both, 1.0), 0.0)
+        factor = 0.25 * density * both * (1.0 + tan2) * (1.0 + tan2) / view_area
+        cosine = dr.sqrt(dr.maximum(0.5 * (1.0 + dr.dot(view, sun)), 0.0)) * (INCIDENCE_NODES - 1)
+        i = mi.UInt32(dr.clip(cosine, 0.0, INCIDENCE_NODES - 1.001))
+        f = cosine - mi.Float(i)
+        sunlight = (1.0 - f) * dr.gather(mi.Float, self.reflected, i) + f * dr.gather(mi.Float, self.reflected, i + 1)
+        return factor * sunlight

@@ -1,0 +1,70 @@
+"""The scene of the comparison with a general ray tracer, on our side.
+
+One periodic tile of 1024 m with a 1 m lattice, wind 10 m/s towards the sensor, which stands at 30 m and looks straight at the Sun; 1024 x 512
+pixels of equal angles, 16 x 8 deg. No air: the comparison is about geometry and light. Waves down to 4 m are geometry, the rest is roughness.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from seaglint.atmosphere.vacuum import VacuumAtmosphere
+from seaglint.conventions import FloatArray
+from seaglint.pipeline import prepare
+from seaglint.radiance.mean import SeaView
+from seaglint.render.camera import Camera
+from seaglint.render.renderer import Renderer
+from seaglint.scenario.load import parse_scenario
+from seaglint.sea.field import Tile, WaveField
+
+LENGTH = 1024.0
+POINTS = 1024
+RANGE = 14 * 1024.0
+"""How far the ray tracer's tiles reach [m]; the sweep goes on to the horizon."""
+
+SHORTEST_WAVE = 4.0
+HEIGHT = 30.0
+SUN_ZENITHS = (50.0, 80.0)
+PIXELS = (1024, 512)
+ROWS_UNDER_HORIZON = 3.0
+
+
+def scene(
+    sun_zenith_deg: float, pixels: tuple[int, int] = PIXELS, *, length: float = LENGTH, points: int = POINTS
+) -> tuple[SeaView, Camera, WaveField]:
+    """View, camera and sea of the comparison."""
+    scenario = parse_scenario(
+        {
+            "sun": {"zenith_deg": sun_zenith_deg, "azimuth_deg": 180},
+            "sensor": {"height_m": HEIGHT, "pixels": list(pixels), "fov_deg": [16, 8], "elevation_deg": -3.4, "azimuth_deg": 180},
+            "wind": {"speed_m_s": 10, "from_deg": 180},
+            "atmosphere": {"source": "none"},
+        }
+    )
+    spectrum = prepare.spectrum(scenario)
+    assert spectrum is not None
+    waves = WaveField.create(spectrum, (Tile(length, points, 0.0, 0.0, 2.0 * np.pi * points / (SHORTEST_WAVE * length)),), 1)
+    return prepare.view(scenario), prepare.camera(scenario), waves
+
+
+def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | None = None, lines: int = 1) -> Renderer:
+    """Our renderer of the scene with one setting of its accuracy."""
+    return Renderer(view, camera, waves, step=step, most_lines=lines)
+
+
+def compared_rows(camera: Camera) -> slice:
+    """Rows more than :data:`ROWS_UNDER_HORIZON` pixels under the horizon of the calm sea."""
+    from seaglint.conventions import horizon_depression
+
+    first = (camera.top + horizon_depression(camera.height)) / camera.row_step + ROWS_UNDER_HORIZON
+    return slice(math.ceil(first), camera.rows)
+
+
+def rms_over_mean(image: FloatArray, reference: FloatArray) -> float:
+    """Root mean square difference of two images over the mean of the second [1]."""
+    return float(np.sqrt(np.mean((image - reference) ** 2)) / np.mean(reference))
+
+
+__all__ = ["VacuumAtmosphere", "compared_rows", "renderer", "rms_over_mean", "scene"]
