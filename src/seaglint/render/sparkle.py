@@ -1,0 +1,333 @@
+r"""Sub-pixel glint: the sparkles inside a pixel make its sunlight fluctuate about the mean of its facets.
+
+The sea is a field of independent cells of length ``l`` (:mod:`seaglint.radiance.variance`). A cell mirrors the Sun or does not; to a
+detector that sees many, the sum is gamma-like. So a cell's light is a gamma deviate of mean 1 and variance ``1/P - 1``, a pixel's the
+average over what it sees, and its relative variance
+
+.. math:: v = \frac{1/P - 1}{M}, \qquad M = \frac{\Omega r^2\cos\beta}{l^2\cos\omega}
+
+where it sees many cells, ``1/P - 1`` where it sees part of one, and that of a box laid at random over square cells between.
+
+A cell seen by a detector is ``l`` across the line of sight and ``c l`` along it on the ground, ``c = cos(omega)/(cos(beta)
+cos(theta_v))`` with the mean sea's zenith angle: a tilted mirror hides the water behind it. Pixels of up to :data:`MOST_CELLS` cells in
+a direction are averages over these cells, which they share with their neighbours; in larger ones a cell of the size of the pixel stands
+for all, with their shape. Cells lie on lattices fixed to the water's mean position, turned to the line of sight in :data:`SECTORS`
+steps. In time a cell keeps its value between the events of a Poisson process, which makes its correlation ``exp(-|t|/T_c)`` and lets
+any instant be found alone. Nothing has a state: a factor is a function of (seed, place, time).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from seaglint._jit import njit, njit_parallel
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
+from seaglint.random import stream
+from seaglint.render.camera import Camera
+from seaglint.render.counter import cell_key, gamma_deviate, last_event
+from seaglint.render.facet import Sunlight
+
+MOST_CELLS = 8.0
+"""Cells in one direction up to which a pixel is their average. Beyond, pixels are independent, and a box of 8 x 8 cells has 8 % less
+variance than independent cells: half of that is left to the pixel and half to the average of many."""
+
+BORDER = 1.0 / 6.0
+"""A box laid at random over n cells in a row has the variance of n + 1/3 independent ones (1/n - 1/(3 n^2)); this is the half of it."""
+
+COMPONENTS = 2
+"""Independent parts of a pixel of many cells, on lattices shifted against each other: it changes in steps of half its fluctuation."""
+
+SECTORS = 32
+"""Directions of the lattices in a full circle; a pixel is then at most 5.6 deg from one, and boxes of turned pixels overlap by 0.5 %."""
+
+FILLED = 0.7
+"""A standing cell is at most this much of the pixel in either direction, so that neighbours do not share one."""
+
+
+class Sparkle(NamedTuple):
+    """What all pixels share: two words of the seed, the cell's length [m] and the correlation time [s]."""
+
+    seed_low: int
+    seed_high: int
+    cell: float
+    correlation_time: float
+
+
+class SparkleRows(NamedTuple):
+    """The mean sea in each row of an image.
+
+    ``range_m, along, reach``: arc from the sensor's foot to the row's middle, length of the row on the ground, distance from the axis
+    through the sensor and the Earth's centre [m]. ``grazing``: sine of the mean grazing angle. ``column_step``: width of a pixel [rad].
+    """
+
+    range_m: np.ndarray
+    along: np.ndarray
+    reach: np.ndarray
+    grazing: np.ndarray
+    column_step: float
+
+
+def sparkle_of(seed: int, cell: float, correlation_time: float) -> Sparkle:
+    """The parameters of a sea [m, s].
+
+    Examples
+    --------
+    >>> sparkle_of(1, 0.0026, 0.07).cell
+    0.0026
+    """
+    low, high = stream(seed, "sparkle").integers(0, 2**32, size=2)
+    return Sparkle(int(low), int(high), float(cell), float(correlation_time))
+
+
+def sparkle_rows(camera: Camera) -> SparkleRows:
+    """Footprints of a camera's pixels on the mean sea; rows above its horizon see crests there and take the horizon's."""
+    horizon = horizon_depression(camera.height)
+    far = horizon_range(camera.height)
+    edges = camera.top - np.arange(camera.rows + 1) * camera.row_step
+
+    def arc(elevation: np.ndarray) -> np.ndarray:
+        found = np.asarray(surface_range(camera.height, np.clip(-elevation, horizon, 0.5 * np.pi)))
+        return np.where((-elevation <= horizon) | ~np.isfinite(found), far, found)
+
+    middle = arc(camera.elevations)
+    upper, lower = arc(edges[:-1]), arc(edges[1:])
+    psi = middle / EFFECTIVE_EARTH_RADIUS
+    reach = EFFECTIVE_EARTH_RADIUS * np.sin(psi)
+    slant = np.hypot(reach, camera.height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2)
+    # the horizon's row is seen under half a row at least: what lies above it shows crests
+    floor = slant * camera.row_step
+    along = np.maximum(upper - lower, floor)
+    return SparkleRows(middle, along, reach, np.clip(floor / along, 1e-6, 1.0), camera.column_step)
+
+
+class Heading(NamedTuple):
+    """Lattice direction nearest to a line of sight: its number and its sine and cosine of azimuth."""
+
+    sector: int
+    sine: float
+    cosine: float
+
+
+@njit
+def heading(azimuth: float) -> Heading:
+    """The :class:`Heading` of a line that leaves the sensor at an azimuth [rad]."""
+    turn = 2.0 * math.pi / SECTORS
+    sector = math.floor(azimuth / turn + 0.5) % SECTORS
+    return Heading(sector, math.sin(sector * turn), math.cos(sector * turn))
+
+
+@njit
+def cell_light(sparkle: Sparkle, i: int, j: int, lattice: int, shape: float, time: float) -> float:
+    """Gamma deviate of mean 1 of a cell, as it is since its last change."""
+    key = cell_key((sparkle.seed_low, sparkle.seed_high), i, j, lattice)
+    return gamma_deviate(shape, (key[1], key[0]), last_event(key, time / sparkle.correlation_time))
+
+
+@njit
+def average(
+    sparkle: Sparkle, lattice: int, along: tuple[float, float, float], across: tuple[float, float, float], shape: float, time: float
+) -> float:
+    """Mean over a box of the cells of one lattice, gamma deviates of mean 1; ``along`` and ``across`` are its ends and the cells' side."""
+    first_i, last_i = math.floor(along[0] / along[2]), math.floor(along[1] / along[2])
+    first_j, last_j = math.floor(across[0] / across[2]), math.floor(across[1] / across[2])
+    total, whole = 0.0, 0.0
+    for i in range(first_i, last_i + 1):
+        wide = min(along[1], (i + 1) * along[2]) - max(along[0], i * along[2]) if last_i > first_i else 1.0
+        for j in range(first_j, last_j + 1):
+            share = min(across[1], (j + 1) * across[2]) - max(across[0], j * across[2]) if last_j > first_j else 1.0
+            total += wide * share * cell_light(sparkle, i, j, lattice, shape, time)
+            whole += wide * share
+    return total / whole
+
+
+@njit
+def box(middle: float, length: float, side: float) -> tuple[float, float, float]:
+    """Ends of a box and the side of the cells under it."""
+    return middle - 0.5 * length, middle + 0.5 * length, side
+
+
+@njit
+def power_below(x: float) -> tuple[int, float]:
+    """The largest power of two up to ``x``: its exponent and itself."""
+    fraction, exponent = math.frexp(x)
+    return exponent - 1, 0.5 * x / fraction
+
+
+@njit
+def sparkle_factor(
+    sparkle: Sparkle,
+    place: tuple[float, float],
+    along_sight: Heading,
+    footprint: tuple[float, float],
+    stretch: float,
+    variance: float,
+    time: float,
+) -> float:
+    """Factor of mean 1 on the mirrored Sun of a pixel.
+
+    Parameters
+    ----------
+    sparkle : Sparkle
+        The sea's parameters.
+    place : tuple of float
+        Middle of the footprint, east and north [m]: the water's mean position.
+    along_sight : Heading
+        Direction of the line of sight, from :func:`heading`.
+    footprint : tuple of float
+        Its length along the line of sight and its width [m], on the mean sea.
+    stretch : float
+        Length along the line of sight of a cell that is seen, over ``l`` [1].
+    variance : float
+        ``(1/P - 1)/M``, the relative variance if the pixel saw many cells [1].
+    time : float
+        Instant [s].
+
+    Returns
+    -------
+    float
+        Factor, 0 or more [1].
+    """
+    if not variance > 0.0:
+        return 1.0
+    x = place[0] * along_sight.sine + place[1] * along_sight.cosine
+    y = place[0] * along_sight.cosine - place[1] * along_sight.sine
+    length, width = footprint
+    cell = sparkle.cell
+    cells_along, cells_across = length / (cell * stretch), width / cell
+    shape = 1.0 / (variance * cells_along * cells_across)  # of one cell
+    # what a direction of many cells does to the shape
+    many_along, many_across = cells_along > MOST_CELLS, cells_across > MOST_CELLS
+    level_across, side_across = 0, cell
+    if many_across:
+        shape *= cells_across + BORDER
+        level_across, power = power_below(FILLED * cells_across)
+        side_across = cell * power
+    if many_along:
+        shape *= cells_along + BORDER
+        level_along, power = power_below(FILLED * length / cell)
+    else:
+        level_along, power = power_below(stretch)
+    lattice = ((along_sight.sector * 256 + level_along + 128) * 256 + level_across + 128) * 4
+    side_along = cell * power
+    across = box(y, 0.0 if many_across else width, side_across)
+    if many_along:
+        along = box(x, 0.0, side_along)
+        if not many_across:
+            return average(sparkle, lattice, along, across, shape, time)
+        total = 0.0
+        for part in range(COMPONENTS):
+            shift = part / COMPONENTS
+            i, j = math.floor(x / side_along + shift), math.floor(y / side_across + shift)
+            total += cell_light(sparkle, i, j, lattice + part, shape / COMPONENTS, time)
+        return total / COMPONENTS
+    # two lattices share the shape so that it is the cell's in a point and the integral over the cell is its area
+    near = min(max(2.0 - stretch / power, 1e-6), 1.0)
+    total = near * average(sparkle, lattice, box(x, length, side_along), across, near * shape, time)
+    if near < 1.0:
+        far = 1.0 - near
+        total += far * average(sparkle, lattice + 256 * 256 * 256, box(x, length, 2.0 * side_along), across, far * shape, time)
+    return total
+
+
+@njit
+def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence: float, up: float, across: float) -> float:
+    """Variance of the mirrored Sun in a pixel of many cells, ``L^2 (1/P - 1)/M`` [W2 m-4 sr-2]: one piece's part, to be averaged.
+
+    ``chance`` is P of the facet, ``up`` the sum of the vertical components of the directions to the sensor and to the Sun,
+    ``2 cos(omega) cos(beta)``, and ``across`` the pixel's area across the line of sight [m2]. Weighted by the share of the pixel that
+    each piece fills and divided by the square of its mean sunlight, it is the ``variance`` of :func:`sparkle_factor`.
+    """
+    if chance <= 0.0 or chance >= 1.0:
+        return 0.0
+    patches = across * up / (2.0 * cos_incidence * cos_incidence * sparkle.cell * sparkle.cell)
+    return solar * solar * (1.0 / chance - 1.0) / patches
+
+
+@njit
+def sparkle_column(
+    sparkle: Sparkle, rows: SparkleRows, sun: Sunlight, azimuth: float, origin: tuple[float, float], time: float, images: np.ndarray
+) -> None:
+    """Let the mirrored Sun of a column sparkle: ``images`` (3, rows) are radiance, its solar part and the mean of :func:`piece_variance`.
+
+    ``origin`` is the sensor's foot in the sea's coordinates, east and north [m].
+    """
+    east, north = math.sin(azimuth), math.cos(azimuth)
+    along_sight = heading(azimuth)
+    for row in range(images.shape[1]):
+        solar = images[1, row]
+        if solar > 0.0 and images[2, row] > 0.0:
+            sine = rows.grazing[row]
+            level = math.sqrt(1.0 - sine * sine)
+            twice = 1.0 - level * (east * sun.east + north * sun.north) + sine * sun.up
+            # cos(omega)/cos(beta) over the sine of the grazing angle
+            stretch = twice / ((sine + sun.up) * sine)
+            place = (origin[0] + rows.range_m[row] * east, origin[1] + rows.range_m[row] * north)
+            footprint = (rows.along[row], rows.reach[row] * rows.column_step)
+            factor = sparkle_factor(sparkle, place, along_sight, footprint, stretch, images[2, row] / (solar * solar), time)
+            images[0, row] += solar * (factor - 1.0)
+            images[1, row] = solar * factor
+
+
+@njit_parallel
+def sparkle_columns(
+    sparkle: Sparkle,
+    rows: SparkleRows,
+    sun: Sunlight,
+    azimuths: np.ndarray,
+    origin: tuple[float, float],
+    time: float,
+    images: np.ndarray,
+) -> None:
+    """:func:`sparkle_column` for every column of ``images`` (columns, 3, rows)."""
+    for column in numba.prange(azimuths.shape[0]):
+        sparkle_column(sparkle, rows, sun, azimuths[column], origin, time, images[column])
+
+
+def sparkle_image(
+    sparkle: Sparkle,
+    camera: Camera,
+    sun: Sunlight,
+    variance: FloatArray,
+    time: float,
+    origin: tuple[float, float] = (0.0, 0.0),
+) -> FloatArray:
+    """Factors of mean 1 on the mirrored Sun of an image.
+
+    Parameters
+    ----------
+    sparkle : Sparkle
+        The sea's parameters, from :func:`sparkle_of`.
+    camera : Camera
+        The image's grid.
+    sun : Sunlight
+        Direction of the Sun.
+    variance : ndarray
+        Relative variance ``(1/P - 1)/M`` of pixels that see many cells [1, (rows, columns)]; see :func:`piece_variance`.
+    time : float
+        Instant [s].
+    origin : tuple of float
+        Sensor's foot, east and north [m].
+
+    Returns
+    -------
+    ndarray
+        Factors [1, (rows, columns)].
+
+    Examples
+    --------
+    >>> from seaglint.render.facet import sunlight
+    >>> camera = Camera(20.0, 0.0, -0.1, 0.002, 0.001, 4, 2)
+    >>> factors = sparkle_image(sparkle_of(1, 0.0026, 0.07), camera, sunlight(1.0, 0.0, True), np.full((2, 4), 0.01), 3.2)
+    >>> factors.shape, bool(abs(factors.mean() - 1.0) < 0.3)
+    ((2, 4), True)
+    """
+    images = np.ones((camera.columns, 3, camera.rows))
+    images[:, 2] = np.asarray(variance, dtype=np.float64).T
+    place = (float(origin[0]), float(origin[1]))
+    sparkle_columns(sparkle, sparkle_rows(camera), sun, camera.azimuths, place, float(time), images)
+    return np.ascontiguousarray(images[:, 1].T)
