@@ -51,6 +51,31 @@ def save_png_rgba(folder: Path) -> tuple[Path, np.ndarray]:
     return folder, BYTES
 
 
+def save_png16_colour(folder: Path) -> tuple[Path, np.ndarray]:
+    return save_deep_png(folder, "RGB", 3), COUNTS
+
+
+def save_png16_alpha(folder: Path) -> tuple[Path, np.ndarray]:
+    return save_deep_png(folder, "LA", 2), COUNTS
+
+
+def save_deep_png(folder: Path, mode: str, channels: int) -> Path:
+    import png
+
+    for i, frame in enumerate(COUNTS):
+        lines = np.repeat(frame[..., None], channels, 2).reshape(ROWS, -1)
+        png.from_array(lines.tolist(), f"{mode};16").save(str(folder / f"frame{i}.png"))
+    return folder
+
+
+def save_tiff_folder_of_pages(folder: Path) -> tuple[Path, np.ndarray]:
+    import tifffile
+
+    tifffile.imwrite(folder / "a2.tif", COUNTS[:5], photometric="minisblack")
+    tifffile.imwrite(folder / "a10.tif", COUNTS[5:], photometric="minisblack")
+    return folder, COUNTS
+
+
 def save_tiff_pages(folder: Path) -> tuple[Path, np.ndarray]:
     import tifffile
 
@@ -125,7 +150,19 @@ def save_video(folder: Path) -> tuple[Path, np.ndarray]:
 
 
 SAVERS: tuple[Callable[[Path], tuple[Path, np.ndarray]], ...] = (
-    *(save_npy, save_npz, save_png8, save_png16, save_png_rgba, save_tiff_pages, save_tiff_written_page_by_page, save_tiff_folder),
+    *(
+        save_npy,
+        save_npz,
+        save_png8,
+        save_png16,
+        save_png16_colour,
+        save_png16_alpha,
+        save_png_rgba,
+        save_tiff_folder_of_pages,
+        save_tiff_pages,
+        save_tiff_written_page_by_page,
+        save_tiff_folder,
+    ),
     *(save_hdf5, save_fits, save_raw, save_netcdf, save_video),
 )
 
@@ -240,6 +277,30 @@ def mixed_sizes(folder: Path) -> Path:
     return folder
 
 
+def mixed_types(folder: Path) -> Path:
+    from PIL import Image
+
+    Image.fromarray(COUNTS[0]).save(folder / "f0.png")
+    Image.fromarray(BYTES[1]).save(folder / "f1.png")
+    return folder
+
+
+def cut_npz(folder: Path) -> Path:
+    path, _ = save_npz(folder)
+    path.write_bytes(path.read_bytes()[:300])
+    return path
+
+
+def layout_with_a_word(folder: Path) -> Path:
+    (folder / "x.toml").write_text('rows = 1\ncolumns = 1\nframe_rate = "fast"\n')
+    return no_layout(folder)
+
+
+def beyond_single_precision(folder: Path) -> Path:
+    np.save(folder / "huge.npy", FLOATS.astype(np.float64) * 1e300)
+    return folder / "huge.npy"
+
+
 def no_layout(folder: Path) -> Path:
     (folder / "x.raw").write_bytes(b"1234")
     return folder / "x.raw"
@@ -288,6 +349,10 @@ def five_dimensions(folder: Path) -> Path:
         (broken_png, "cannot be decoded"),
         (cut_npy, "cannot be read|cut"),
         (mixed_sizes, "one size"),
+        (mixed_types, "no common scale"),
+        (cut_npz, "cannot be read"),
+        (layout_with_a_word, "frame_rate = 'fast'"),
+        (beyond_single_precision, "single precision"),
         (no_layout, "need a layout"),
         (wrong_layout, "rows = 0"),
         (too_small, "less than one frame"),
@@ -318,3 +383,47 @@ def test_trailing_bytes_are_noted(tmp_path: Path) -> None:
 def test_impossible_frame_rates(rate: float, tmp_path: Path) -> None:
     with pytest.raises(DataError, match="frame rate"):
         open_recording(save_npy(tmp_path)[0], frame_rate=rate)
+
+
+def test_what_is_read_is_the_callers_own(tmp_path: Path) -> None:
+    """Dead pixels are blanked in it: neither a file's read-only map nor somebody's array may be handed on."""
+    path, frames = save_npy(tmp_path)
+    block = open_recording(path).read(0, 3)
+    block[:] = -1.0
+    held = FLOATS.copy()
+    Recording("memory", *held.shape, lambda a, b: held[a:b]).read(0, 3)[:] = -1.0
+    np.testing.assert_array_equal(held, FLOATS)
+    np.testing.assert_array_equal(open_recording(path).read(0, 3), frames[:3])
+
+
+@pytest.mark.parametrize(("numbers", "noted"), [((0, 1, 2, 6, 7), True), ((0, 10, 20, 30), False), ((3, 4, 5), False)])
+def test_missing_numbers_of_files_are_noted(numbers: tuple[int, ...], noted: bool, tmp_path: Path) -> None:
+    from PIL import Image
+
+    for number in numbers:
+        Image.fromarray(BYTES[0]).save(tmp_path / f"cam2_{number:03d}.png")
+    notes = open_recording(tmp_path).notes
+    assert bool(notes) is noted
+    assert not noted or "cam2_002.png to cam2_006.png" in notes[0]
+
+
+def test_time_as_the_last_axis(tmp_path: Path) -> None:
+    last = np.moveaxis(FLOATS, 0, 2)[:, :, :5]  # (6, 9, 5)
+    np.save(tmp_path / "clip.npy", last)
+    assert "--axes yxt" in open_recording(tmp_path / "clip.npy").notes[0]
+    recording = open_recording(tmp_path / "clip.npy", axes="yxt")
+    assert not recording.notes
+    np.testing.assert_array_equal(recording.read(1, 4), FLOATS[1:4])
+
+
+@pytest.mark.parametrize("dtype", [np.float64, np.int64])
+def test_a_level_that_single_precision_cannot_carry_is_taken_off(dtype: type, tmp_path: Path) -> None:
+    level = 2**40
+    np.save(tmp_path / "clip.npy", COUNTS.astype(dtype) + dtype(level))
+    recording = open_recording(tmp_path / "clip.npy")
+    assert any("taken off" in note for note in recording.notes)
+    np.testing.assert_array_equal(recording.read(0, FRAMES).astype(np.float64) + recording.offset, COUNTS + float(level))
+
+
+def test_the_users_saturation_counts(tmp_path: Path) -> None:
+    assert open_recording(save_npz(tmp_path)[0], saturation=3500.0).saturation == 3500.0

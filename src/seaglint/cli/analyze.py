@@ -177,8 +177,18 @@ def _raw_layout(text: str | None) -> Any:
         name, sign, value = (part.strip() for part in pair.partition("="))
         if not sign:
             raise DataError(f"--raw {text}: give name=value pairs of {', '.join(RAW_NAMES)}, separated by commas")
-        table[name] = int(value) if value.lstrip("-").isdigit() else value
+        table[name] = _typed(value)
     return RawLayout.of(table, "--raw")
+
+
+def _typed(value: str) -> int | float | str:
+    """A whole number, a number, or text."""
+    for kind in (int, float):
+        try:
+            return kind(value)
+        except ValueError:
+            continue
+    return value
 
 
 def lines(result: dict[str, Any]) -> list[str]:

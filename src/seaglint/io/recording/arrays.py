@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+import mmap
+import zipfile
+import zlib
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,15 +16,46 @@ from numpy.typing import NDArray
 from seaglint.errors import BackendError, DataError
 from seaglint.io.recording.base import Recording, full_scale, grey
 
+RESOLVED: Final = 1000.0
+"""Steps of single precision in the spread of the values from which rounding changes nothing; with fewer an offset is taken off."""
+
+AXES: Final = ("tyx", "yxt")
+"""Orders of a three-dimensional array: frames first (how everything is read unless told) or last."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What the user knows of an array better than its file.
+
+    Attributes
+    ----------
+    variable : str or None
+        Which array of a file that holds several.
+    channel : str or None
+        What to take of true colour images.
+    axes : str or None
+        Order of the axes, one of :data:`AXES`.
+    """
+
+    variable: str | None = None
+    channel: str | None = None
+    axes: str | None = None
+
 
 def of_array(
-    array: Any, source: str, *, channel: str | None = None, frame_rate: float | None = None, units: str | None = None
+    array: Any, source: str, how: Reading, *, frame_rate: float | None = None, units: str | None = None, named_axes: bool = False
 ) -> Recording:
     """Frames of anything with ``shape``, ``dtype`` and slices: numbers (r, c), (f, r, c), or colours (r, c, 3|4), (f, r, c, 3|4)."""
     shape, dtype = tuple(int(s) for s in array.shape), np.dtype(array.dtype)
     if dtype.kind not in "uifb":
         raise DataError(f"{source}: holds {dtype}, not real numbers; give radiances or counts")
-    coloured = (len(shape) == 4 and shape[-1] in (1, 2, 3, 4)) or (len(shape) == 3 and shape[-1] in (3, 4) and shape[0] > 4)
+    if how.axes == "yxt":
+        if len(shape) != 3:
+            raise DataError(f"{source}: has shape {shape}; --axes yxt is for (rows, columns, frames)")
+        array, shape = _TimeLast(array), (shape[2], shape[0], shape[1])
+    coloured = how.axes is None and (
+        (len(shape) == 4 and shape[-1] in (1, 2, 3, 4)) or (len(shape) == 3 and shape[-1] in (3, 4) and shape[0] > 4)
+    )
     image = shape[-3:-1] if coloured else shape[-2:]
     single = len(shape) == (3 if coloured else 2)
     if len(shape) not in (2, 3, 4) or (len(shape) == 4 and not coloured) or 0 in shape:
@@ -31,26 +66,79 @@ def of_array(
             block = np.asarray(array[...] if single else array[start:stop])
         except (OSError, ValueError, RuntimeError) as error:
             raise DataError(f"{source}: frames {start}:{stop} cannot be read ({error}); the file is cut") from error
+        block = _released(block)
         block = block[np.newaxis] if single else block
-        return grey(block, source, channel) if coloured else block
+        return grey(block, source, how.channel) if coloured else block
 
     saturation = full_scale(dtype) if dtype.kind in "ui" else None
-    return Recording(source, 1 if single else shape[0], image[0], image[1], read, frame_rate, units, saturation)
+    frames = 1 if single else shape[0]
+    notes: tuple[str, ...] = ()
+    if not (named_axes or single or coloured or how.axes) and shape[2] < min(shape[0], shape[1]):
+        notes = (
+            f"shape {shape} taken as {frames} frames of {shape[1]} rows, {shape[2]} columns; if time is the last axis, give --axes yxt",
+        )
+    recording = Recording(source, frames, image[0], image[1], read, frame_rate, units, saturation, notes)
+    return _resolved(recording) if dtype.itemsize > 2 and dtype != np.float32 else recording
 
 
-def open_numpy(path: Path, variable: str | None, channel: str | None) -> Recording:
+class _TimeLast:
+    """An array (rows, columns, frames), sliced along its frames."""
+
+    def __init__(self, array: Any) -> None:
+        self._array, self.dtype = array, array.dtype
+
+    def __getitem__(self, key: slice) -> NDArray[Any]:
+        return np.moveaxis(np.asarray(self._array[:, :, key]), 2, 0)
+
+
+def _released(block: NDArray[Any]) -> NDArray[Any]:
+    """A copy of what lies in a file's map, whose pages are given back: they count as the process's memory."""
+    base: Any = block
+    while base is not None and not isinstance(base, mmap.mmap):
+        base = base.obj if isinstance(base, memoryview) else getattr(base, "base", None)
+    if base is None:
+        return block
+    block = block.copy()
+    if hasattr(mmap, "MADV_DONTNEED"):
+        base.madvise(mmap.MADV_DONTNEED)
+    return block
+
+
+def _resolved(recording: Recording) -> Recording:
+    """Take the level off numbers whose spread single precision would round away, and refuse those beyond its range."""
+    first = np.asarray(recording.read_block(0, 1), np.float64)
+    first = first[np.isfinite(first)]
+    if not first.size:
+        return recording
+    largest = float(np.abs(first).max())
+    if largest > 1e30 or 0.0 < largest < 1e-30:
+        raise DataError(f"{recording.source}: values of {largest:.3g} are beyond single precision; scale them to 1e-30 to 1e30")
+    level, spread = float(np.median(first)), float(first.std())
+    if not 0.0 < spread < RESOLVED * float(np.finfo(np.float32).eps) * abs(level):
+        return recording
+    level = round(level, -math.floor(math.log10(spread)))  # a number that can be read
+    saturation = None if recording.saturation is None else recording.saturation - level
+    note = f"{level:.9g} taken off the values before they are rounded to single precision, and added to means and fits again"
+    return replace(recording, offset=level, saturation=saturation).with_notes(note)
+
+
+def open_numpy(path: Path, how: Reading) -> Recording:
     """``.npy``, mapped; or one array of an ``.npz``, which is read whole."""
     try:
         loaded = np.load(path, mmap_mode="r" if path.suffix == ".npy" else None, allow_pickle=False)
-    except (OSError, ValueError, EOFError) as error:
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
         raise DataError(f"{path}: cannot be read as NumPy ({error}); save plain numbers with numpy.save") from error
     if isinstance(loaded, np.ndarray):
-        return of_array(loaded, str(path), channel=channel)
-    name = _choose(dict.fromkeys(loaded.files), variable, path)
-    return of_array(loaded[name], f"{path}:{name}", channel=channel)
+        return of_array(loaded, str(path), how)
+    name = _choose(dict.fromkeys(loaded.files), how.variable, path)
+    try:
+        array = loaded[name]
+    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        raise DataError(f"{path}: {name} cannot be read ({error}); the file is cut") from error
+    return of_array(array, f"{path}:{name}", how)
 
 
-def open_hdf5(path: Path, variable: str | None, channel: str | None) -> Recording:
+def open_hdf5(path: Path, how: Reading) -> Recording:
     """A dataset of an HDF5 file (also MATLAB 7.3); its only one of two or three dimensions, or ``variable``."""
     import h5py
 
@@ -65,12 +153,12 @@ def open_hdf5(path: Path, variable: str | None, channel: str | None) -> Recordin
             found[name] = item
 
     file.visititems(visit)
-    name = _choose(found, variable, path)
+    name = _choose(found, how.variable, path)
     array = found[name]
-    return of_array(array, f"{path}:{name}", channel=channel, frame_rate=_rate(dict(array.attrs)), units=_text(array.attrs.get("units")))
+    return of_array(array, f"{path}:{name}", how, frame_rate=_rate(dict(array.attrs)), units=_text(array.attrs.get("units")))
 
 
-def open_fits(path: Path, variable: str | None, channel: str | None) -> Recording:
+def open_fits(path: Path, how: Reading) -> Recording:
     """The first image of a FITS file, or the extension ``variable``; rows stay in the order of the file."""
     try:
         from astropy.io import fits
@@ -81,12 +169,12 @@ def open_fits(path: Path, variable: str | None, channel: str | None) -> Recordin
         images = {(hdu.name or str(i)): hdu for i, hdu in enumerate(file) if hdu.is_image and hdu.header.get("NAXIS", 0) >= 2}
     except Exception as error:
         raise DataError(f"{path}: cannot be read as FITS ({error})") from error
-    name = _choose(images, variable or (next(iter(images)) if images else None), path)
+    name = _choose(images, how.variable or (next(iter(images)) if images else None), path)
     hdu = images[name]
     scaled = hdu.header.get("BSCALE", 1) != 1 or hdu.header.get("BZERO", 0) != 0 or "BLANK" in hdu.header
     try:
         array = _Scaled(hdu) if scaled else hdu.data
-        recording = of_array(array, f"{path}:{name}", channel=channel, units=_text(hdu.header.get("BUNIT")))
+        recording = of_array(array, f"{path}:{name}", how, units=_text(hdu.header.get("BUNIT")))
     except (TypeError, ValueError, OSError) as error:
         raise DataError(f"{path}: is cut ({error}); copy it again") from error
     # FITS has signed integers only: 16 bits of a camera are stored with an offset of half the scale.
@@ -109,7 +197,7 @@ class _Scaled:
         return values if self._blank is None else np.where(stored == self._blank, np.nan, values)
 
 
-def open_labelled(path: Path, variable: str | None, channel: str | None) -> Recording:
+def open_labelled(path: Path, how: Reading) -> Recording:
     """NetCDF and Zarr: ours, or anybody's with a variable of (time, rows, columns)."""
     import xarray as xr
 
@@ -121,10 +209,12 @@ def open_labelled(path: Path, variable: str | None, channel: str | None) -> Reco
         what = "Zarr" if path.is_dir() else "NetCDF 4"
         raise DataError(f"{path}: cannot be read as {what} ({str(error).splitlines()[0]})") from error
     images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
-    name = _choose(images, variable or ("radiance" if "radiance" in images else None), path)
+    name = _choose(images, how.variable or ("radiance" if "radiance" in images else None), path)
     chosen = images[name]
     rate = _rate(dataset.attrs) or _rate(dict(chosen.attrs)) or _spacing(dataset)
-    return of_array(_Lazy(chosen), f"{path}:{name}", channel=channel, frame_rate=rate, units=_text(chosen.attrs.get("units")))
+    return of_array(
+        _Lazy(chosen), f"{path}:{name}", how, frame_rate=rate, units=_text(chosen.attrs.get("units")), named_axes=chosen.dims[0] == "time"
+    )
 
 
 class _Lazy:

@@ -37,7 +37,9 @@ class Recording:
     units : str or None
         Units of the values; None where neither file nor user say.
     saturation : float or None
-        Value at which the format or sensor saturates: full scale of integer formats.
+        Value at which the format or sensor saturates: full scale of integer formats, or what the user said; less ``offset``.
+    offset : float
+        What :meth:`read` takes off the file's numbers, so that single precision resolves their spread.
     notes : tuple of str
         What a reader of results should know: lossy codec, channels averaged, frames missing.
     """
@@ -51,9 +53,10 @@ class Recording:
     units: str | None = None
     saturation: float | None = None
     notes: tuple[str, ...] = ()
+    offset: float = 0.0
 
     def read(self, start: int, stop: int) -> FrameArray:
-        """Frames ``start`` to ``stop`` (not included) as float32 (k, rows, columns); NaN where there is no value.
+        """Frames ``start`` to ``stop`` (not included) as float32 (k, rows, columns), the caller's own; NaN where there is no value.
 
         Raises
         ------
@@ -62,7 +65,13 @@ class Recording:
         """
         if not 0 <= start < stop <= self.frames:
             raise DataError(f"{self.source}: frames {start}:{stop} asked for, but it has 0:{self.frames}")
-        block = np.ascontiguousarray(self.read_block(start, stop), dtype=np.float32)
+        stored = self.read_block(start, stop)
+        if self.offset:
+            stored = np.asarray(stored, np.float64) - self.offset
+        with np.errstate(over="ignore"):
+            block = np.ascontiguousarray(stored, dtype=np.float32)
+        if not (block.flags.writeable and block.flags.owndata):
+            block = block.copy()  # a file's map is read-only, and somebody's array is not ours to blank dead pixels in
         if block.shape != (stop - start, self.rows, self.columns):
             raise DataError(
                 f"{self.source}: frames {start}:{stop} came as {block.shape}, expected {(stop - start, self.rows, self.columns)}; "

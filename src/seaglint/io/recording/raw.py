@@ -7,6 +7,7 @@ The layout comes as options or from a TOML or JSON file beside the data (``clip.
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -76,6 +77,13 @@ class RawLayout:
             value, least = getattr(layout, name), 1 if name in ("rows", "columns") else 0
             if isinstance(value, bool) or not isinstance(value, int) or value < least:
                 raise DataError(f"{source}: {name} = {value!r}; give a whole number of {least} or more")
+        for name in ("frame_rate", "saturation"):
+            value = getattr(layout, name)
+            known_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+            if value is not None and not (known_number and value > 0):
+                raise DataError(f"{source}: {name} = {value!r}; give a number above 0")
+        if layout.units is not None and not isinstance(layout.units, str):
+            raise DataError(f'{source}: units = {layout.units!r}; give text, e.g. "counts"')
         if layout.dtype not in TYPES:
             raise DataError(f"{source}: dtype = {layout.dtype!r}; allowed are {', '.join(TYPES)}")
         if layout.byte_order not in ("little", "big"):
@@ -95,7 +103,7 @@ def _parse(sidecar: Path) -> dict[str, Any]:
 
 
 def open_raw(path: Path, layout: RawLayout) -> Recording:
-    """Map a raw file; what follows the last whole frame is noted."""
+    """Describe a raw file; what follows the last whole frame is noted."""
     dtype = np.dtype(layout.dtype).newbyteorder("<" if layout.byte_order == "little" else ">")
     pixels = layout.rows * layout.columns
     stride = layout.frame_header + pixels * dtype.itemsize
@@ -106,11 +114,14 @@ def open_raw(path: Path, layout: RawLayout) -> Recording:
             f"{path}: holds {max(size, 0)} bytes after the header, less than one frame of {layout.rows} x {layout.columns} {layout.dtype} "
             f"({stride} bytes); check rows, columns, dtype and offset"
         )
-    data = np.memmap(path, dtype=np.uint8, mode="r", offset=layout.offset, shape=(frames, stride))
 
     def read(start: int, stop: int) -> NDArray[Any]:
-        block = np.ascontiguousarray(data[start:stop, layout.frame_header :])
-        return block.view(dtype).reshape(stop - start, layout.rows, layout.columns)
+        # Read, not mapped: pages of a map count as the process's memory.
+        block = np.fromfile(path, np.uint8, (stop - start) * stride, offset=layout.offset + start * stride)
+        if block.size < (stop - start) * stride:
+            raise DataError(f"{path}: ends before frame {stop}; the file is cut")
+        pixels = np.ascontiguousarray(block.reshape(stop - start, stride)[:, layout.frame_header :])
+        return pixels.view(dtype).reshape(stop - start, layout.rows, layout.columns)
 
     notes = (f"{rest} bytes follow the last whole frame; rows, columns, dtype or headers may be wrong",) if rest else ()
     saturation = layout.saturation if layout.saturation is not None else full_scale(np.dtype(layout.dtype))
