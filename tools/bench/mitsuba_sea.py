@@ -27,12 +27,16 @@ from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.mean import SeaView, band_grid
 from seaglint.render.camera import Camera
-from seaglint.render.renderer import facet_slopes
 from seaglint.sea.field import WaveField
+from seaglint.sea.nested import nested_ratio
+from seaglint.sea.slopes import SlopeStatistics
 
 INCIDENCE_NODES = 1025
 LIFT = 2e-3
 """Start of the rays to the Sun above the surface [m]: single precision leaves about 1 mm at 14 km."""
+
+SLOPE_AXIS, EDGE_AXIS = (-6.5, 6.5, 521), (0.0, 6.0, 241)
+"""First, last and number of nodes of the table of nested shadowing; read linearly, within 1e-4."""
 
 RAYS_AT_ONCE = 4 * 1024 * 512
 
@@ -73,16 +77,22 @@ class MitsubaSea:
         One tile without turn.
     threads : int, optional
         Threads of Dr.Jit and Embree.
+    nested_bands : int
+        Bands of the facets' nested shadowing, as the renderer compared has them; 1 for Smith's.
     """
 
-    def __init__(self, view: SeaView, camera: Camera, waves: WaveField, threads: int | None = None) -> None:
+    def __init__(self, view: SeaView, camera: Camera, waves: WaveField, threads: int | None = None, *, nested_bands: int = 1) -> None:
         self.mi, self.dr = load_mitsuba()
         if threads is not None:
             self.dr.set_thread_count(threads)
         if len(waves.tiles) != 1 or waves.tiles[0].rotation != 0.0:
             raise ValueError("one tile without turn is wanted")
         self.camera, self.waves, self.tile = camera, waves, waves.tiles[0]
-        self.roughness = facet_slopes(view.slopes, waves)
+        up, cross = waves.resolved_mss()
+        self.roughness = SlopeStatistics(
+            view.slopes.mss_up - up, view.slopes.mss_cross - cross, wind_to_azimuth=waves.spectrum.wind_to_azimuth
+        )
+        self.nested = self._nested_table(nested_bands)
         weights, grid = band_grid(view.band, view.atmosphere)
         irradiance = view.sun_distance_factor * view.atmosphere.solar_irradiance(view.solar_zenith)[grid] * weights
         index = view.water.index(view.atmosphere.wavenumber_cm[grid])
@@ -94,6 +104,14 @@ class MitsubaSea:
         self.vertices = next(key for key in self.parameters.keys() if key.endswith("vertex_positions"))  # noqa: SIM118: no plain dict
         self.slope_east = self.slope_north = self.mi.Float(0.0)
         self.update(0.0)
+
+    def _nested_table(self, bands: int) -> Any:
+        """Logarithm of the visible density over Smith's, edges (rows) and slopes (columns) in rms slopes; None where they are the same."""
+        if bands == 1:
+            return None
+        slope, edge = np.linspace(*SLOPE_AXIS), np.linspace(*EDGE_AXIS)
+        ratio = nested_ratio(slope, np.arctan2(1.0, edge)[:, None], 1.0, bands)
+        return self.mi.Float(np.log(np.maximum(ratio, 1e-30)).astype(np.float32).ravel())
 
     def _build(self) -> Any:
         mi, n = self.mi, self.tile.n
@@ -156,10 +174,14 @@ class MitsubaSea:
         self.dr.eval(self.slope_east, self.slope_north)
         self.dr.sync_thread()
 
-    def render(self, samples: int, seed: int = 0) -> NDArray[np.float64]:
-        """Reflected sunlight, (rows, columns) [W m-2 sr-1], of ``samples`` rays a pixel, a square number: stratified in the pixel."""
-        side = math.isqrt(samples)
-        if side * side != samples:
+    def render(self, samples: int, seed: int = 0, *, stratified: bool = True) -> NDArray[np.float64]:
+        """Reflected sunlight, (rows, columns) [W m-2 sr-1], of ``samples`` rays a pixel.
+
+        ``stratified`` rays go through one random point in each cell of a square division of the pixel, and their number is a square;
+        others through points independent of each other, as Mitsuba's default sampler has them.
+        """
+        side = math.isqrt(samples) if stratified else 1
+        if stratified and side * side != samples:
             raise ValueError(f"samples = {samples} is no square")
         pixels = self.camera.rows * self.camera.columns
         passes = max(1, math.ceil(pixels * samples / RAYS_AT_ONCE))
@@ -167,13 +189,12 @@ class MitsubaSea:
             passes += 1
         total = np.zeros(pixels)
         for i in range(passes):
-            total += np.asarray(self._pass(samples, samples // passes, i * (samples // passes), seed * 1009 + i), dtype=np.float64)
+            total += np.asarray(self._pass(side, samples // passes, i * (samples // passes), seed * 1009 + i), dtype=np.float64)
         return (total / samples).reshape(self.camera.rows, self.camera.columns)
 
-    def _pass(self, samples: int, batch: int, first: int, seed: int) -> Any:
-        """Sum of ``batch`` rays in every pixel, those of the strata from ``first`` on."""
+    def _pass(self, side: int, batch: int, first: int, seed: int) -> Any:
+        """Sum of ``batch`` rays in every pixel, those of the ``side`` x ``side`` strata from ``first`` on."""
         mi, dr, camera = self.mi, self.dr, self.camera
-        side = math.isqrt(samples)
         count = camera.rows * camera.columns * batch
         ray_number = dr.arange(mi.UInt32, count)
         pixel = ray_number // batch
@@ -181,7 +202,7 @@ class MitsubaSea:
         random = mi.PCG32(size=count, initstate=seed, initseq=1)
         column, row = pixel % camera.columns, pixel // camera.columns
         x = (mi.Float(stratum % side) + random.next_float32()) / side
-        y = (mi.Float(stratum // side) + random.next_float32()) / side
+        y = (mi.Float(stratum // side % side) + random.next_float32()) / side
         azimuth = (mi.Float(column) + x) * camera.column_step + (camera.azimuth - 0.5 * camera.width)
         elevation = camera.top - (mi.Float(row) + y) * camera.row_step
         sin_a, cos_a = dr.sincos(azimuth)
@@ -232,6 +253,24 @@ class MitsubaSea:
 
         return read(self.slope_east), read(self.slope_north)
 
+    def _nested_factor(self, slope: Any, edge: Any, horizontal: Any) -> Any:
+        """Visible density over Smith's for a slope towards the viewer and the edge, both from the facet's tilt and in rms slopes."""
+        mi, dr = self.mi, self.dr
+
+        def place(value: Any, axis: tuple[float, float, int]) -> tuple[Any, Any]:
+            x = (dr.clip(value, axis[0], axis[1]) - axis[0]) * ((axis[2] - 1) / (axis[1] - axis[0]))
+            i = mi.UInt32(dr.minimum(x, axis[2] - 1.001))
+            return i, x - mi.Float(i)
+
+        (j, f), (i, g) = place(slope, SLOPE_AXIS), place(edge, EDGE_AXIS)
+        n = SLOPE_AXIS[2]
+
+        def row(i: Any) -> Any:
+            return (1.0 - f) * dr.gather(mi.Float, self.nested, i * n + j) + f * dr.gather(mi.Float, self.nested, i * n + j + 1)
+
+        ratio = dr.exp((1.0 - g) * row(i) + g * row(i + 1))
+        return dr.select((edge < EDGE_AXIS[1]) & (horizontal > 0.0), ratio, 1.0)
+
     def _facet(self, p: Any, view: Any, sun: Any) -> Any:
         """Radiance of the facet at ``p`` for one point of the disc, in local directions to the viewer and the Sun."""
         mi, dr = self.mi, self.dr
@@ -263,6 +302,10 @@ class MitsubaSea:
         passage = between / (4.41 * between + 1.0) * ((4.41 * math.pi + 1.0) / math.pi)
         both = (1.0 + lambda_view) / (1.0 + dr.maximum(lambda_view, lambda_sun) + passage * dr.minimum(lambda_view, lambda_sun))
         both = dr.select(sun_mean > 0.0, dr.select(view_mean > 0.0, both, 1.0), 0.0)
+        if self.nested is not None:
+            horizontal = dr.sqrt(view.x * view.x + view.y * view.y)
+            along = dr.sqrt(view.x * view.x * ee + 2.0 * view.x * view.y * en + view.y * view.y * nn)
+            density = density * self._nested_factor((view.x * de + view.y * dn) / along, view_mean / along, horizontal)
         factor = 0.25 * density * both * (1.0 + tan2) * (1.0 + tan2) / view_area
         cosine = dr.sqrt(dr.maximum(0.5 * (1.0 + dr.dot(view, sun)), 0.0)) * (INCIDENCE_NODES - 1)
         i = mi.UInt32(dr.clip(cosine, 0.0, INCIDENCE_NODES - 1.001))

@@ -17,6 +17,7 @@ from typer.core import TyperGroup
 
 from seaglint.cli.analyze import analyze
 from seaglint.cli.evaluate import evaluate
+from seaglint.cli.export import export_sea
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
 from seaglint.errors import DomainError, ScenarioError, SeaglintError
@@ -50,6 +51,7 @@ app = typer.Typer(
 app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
 app.command()(analyze)
+app.command("export-sea")(export_sea)
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
@@ -78,7 +80,7 @@ def log(text: str) -> None:
 
 
 @contextmanager
-def _naming(scenario: Path, height: float) -> Iterator[None]:
+def naming_file(scenario: Path, height: float) -> Iterator[None]:
     """Give what only physics refuses the file's name, and the key where it is the sensor's height [m]: physics knows neither."""
     try:
         yield
@@ -152,7 +154,7 @@ def mean(
         refuse_existing(picture, overwrite=overwrite)
     from seaglint.pipeline.mean import mean as mean_map
 
-    with _naming(scenario, loaded.sensor.height_m):
+    with naming_file(scenario, loaded.sensor.height_m):
         dataset = mean_map(loaded)
     write_netcdf(dataset, output, overwrite=overwrite)
     log(f"{output} written")
@@ -188,7 +190,7 @@ def render(
     pictures = _Pictures(output, replace=overwrite or resume) if preview else None
     from seaglint.pipeline.render import render as render_sequence
 
-    with _naming(scenario, loaded.sensor.height_m), progress(show, "frames") as report:
+    with naming_file(scenario, loaded.sensor.height_m), progress(show, "frames") as report:
         render_sequence(loaded, output, frames=wanted, threads=threads, resume=resume, overwrite=overwrite, progress=report)
     from seaglint.io.store import open_sequence
     from seaglint.plot.summary import summarise
