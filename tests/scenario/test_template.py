@@ -28,7 +28,7 @@ def test_presets_say_where_they_come_from(name):
 
 def test_the_commented_keys_are_valid_too():
     # Whoever removes a comment sign must not meet an error, but for the Sun, which is given one way or the other.
-    text = re.sub(r"^# (\[|(utc|latitude_deg|longitude_deg|step_m) =)", r"\1", template(), flags=re.MULTILINE)
+    text = re.sub(r"^# (\[|(utc|latitude_deg|longitude_deg|step_m|keyframes) =)", r"\1", template(), flags=re.MULTILINE)
     values = tomllib.loads(text)
     values.pop("sun")
     parse_scenario(values)

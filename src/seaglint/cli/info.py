@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from seaglint.errors import DataError
+from seaglint.io.directions import directions
 from seaglint.io.store import open_sequence
 from seaglint.plot.summary import images, summarise
 
@@ -43,7 +44,8 @@ def _open_map(path: Path) -> xr.Dataset:
 
 def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
     radiance = dataset["radiance"]
-    azimuth, elevation = dataset["azimuth"].to_numpy(), dataset["elevation"].to_numpy()
+    azimuth, elevation = directions(dataset)
+    upright = azimuth.ndim == 1
     facts: dict[str, Any] = {"path": str(path), "title": dataset.attrs.get("title", ""), "variables": sorted(map(str, dataset.data_vars))}
     if "time" in radiance.dims:
         done = len(images(dataset))
@@ -56,8 +58,8 @@ def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
         }
     facts |= {
         "pixels": [int(radiance.sizes["x"]), int(radiance.sizes["y"])],
-        "azimuth_deg": [float(azimuth[0]), float(azimuth[-1])],
-        "elevation_deg": [float(elevation[0]), float(elevation[-1])],
+        "azimuth_deg": [float(azimuth[0]), float(azimuth[-1])] if upright else [float(azimuth.min()), float(azimuth.max())],
+        "elevation_deg": [float(elevation[0]), float(elevation[-1])] if upright else [float(elevation.max()), float(elevation.min())],
         "band_um": [float(dataset.attrs["band_wavelength_um"][0]), float(dataset.attrs["band_wavelength_um"][-1])],
         "seed": int(dataset.attrs["seed"]) if "seed" in dataset.attrs else None,
         "bytes": sum(file.stat().st_size for file in path.rglob("*") if file.is_file()) if path.is_dir() else path.stat().st_size,

@@ -55,9 +55,9 @@ class Layout:
     """What a sequence holds, known before its first frame."""
 
     azimuth_deg: FloatArray
-    """Azimuth of the pixel columns [deg, (nx,)]."""
+    """Azimuth of the pixel columns [deg, (nx,)], or of all pixels (ny, nx) where the image is no grid of azimuth and elevation."""
     elevation_deg: FloatArray
-    """Elevation of the pixel rows, from the top [deg, (ny,)]."""
+    """Elevation of the pixel rows, from the top [deg, (ny,)], or of all pixels (ny, nx)."""
     frames: range
     """Numbers of the frames, counted in the whole sequence."""
     frame_rate: float
@@ -68,11 +68,15 @@ class Layout:
     """Names of the per-frame variables."""
     attributes: Mapping[str, Any] = field(default_factory=dict)
     """Provenance."""
+    poses: Mapping[str, FloatArray] = field(default_factory=dict)
+    """Place and attitude of a moving sensor in every frame, by variable [(frames,)]."""
+    turning: bool = False
+    """Whether the attitude changes: azimuth and elevation are then those of the first frame and not stored."""
 
     @property
     def shape(self) -> tuple[int, int, int]:
         """Frames, rows, columns."""
-        return len(self.frames), self.elevation_deg.size, self.azimuth_deg.size
+        return len(self.frames), self.elevation_deg.shape[0], self.azimuth_deg.shape[-1]
 
     @property
     def all_attributes(self) -> dict[str, Any]:
@@ -270,7 +274,8 @@ def _create_partial(partial: Path, layout: Layout) -> Any:
     if fresh.exists():
         shutil.rmtree(fresh)
     group: Any = zarr.open_group(fresh, mode="w-", zarr_format=3, attributes=layout.all_attributes)
-    coordinates = " ".join(("azimuth", "elevation", "frame", "wavelength"))
+    directions = () if layout.turning else ("azimuth", "elevation")
+    coordinates = " ".join((*directions, "frame", "wavelength", *layout.poses))
     for name in layout.variables:
         group.create_array(
             name,
@@ -286,8 +291,12 @@ def _create_partial(partial: Path, layout: Layout) -> Any:
     low, high = layout.band.min_um, layout.band.max_um
     _put(group, "time", numbers / layout.frame_rate, ("time",))
     _put(group, "frame", numbers, ("time",))
-    _put(group, "azimuth", layout.azimuth_deg, ("x",))
-    _put(group, "elevation", layout.elevation_deg, ("y",))
+    whole = layout.azimuth_deg.ndim == 2
+    if not layout.turning:
+        _put(group, "azimuth", layout.azimuth_deg, ("y", "x") if whole else ("x",))
+        _put(group, "elevation", layout.elevation_deg, ("y", "x") if whole else ("y",))
+    for name, values in layout.poses.items():
+        _put(group, name, np.asarray(values), ("time",))
     _put(group, "wavelength", np.asarray(0.5 * (low + high)), (), bounds="wavelength_bounds")
     _put(group, "wavelength_bounds", np.array([low, high]), ("bounds",))
     # One chunk per frame here too: two processes that write into one chunk lose each other's entries without a word.

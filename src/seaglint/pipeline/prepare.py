@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, assert_never
 
@@ -11,15 +12,18 @@ from seaglint.atmosphere.base import Atmosphere, wavenumber_grid
 from seaglint.atmosphere.isothermal import IsothermalAtmosphere
 from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.atmosphere.vacuum import VacuumAtmosphere
-from seaglint.conventions import travel_azimuth
+from seaglint.conventions import FloatArray, travel_azimuth
 from seaglint.errors import DomainError, ScenarioError
 from seaglint.io.response import read_response
+from seaglint.io.track import read_track
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.correlation import capillary_length, correlation_length
 from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
+from seaglint.render.platform import Track
+from seaglint.render.view import Attitude, Imager
 from seaglint.scenario import model
 from seaglint.scenario.sun import sun_position
 from seaglint.sea.breon_henriot import breon_henriot
@@ -169,6 +173,80 @@ def spectrum(scenario: model.Scenario) -> DirectionalSpectrum | None:
             assert_never(other)
 
 
+def view_at(scenario: model.Scenario) -> Callable[[float], SeaView]:
+    """Sea, air and Sun as a sensor sees them from any height [m] on the platform's way; what does not depend on it is made once."""
+    first = view(scenario)
+
+    def at(height: float) -> SeaView:
+        if height == first.sensor_height:
+            return first
+        match scenario.atmosphere:
+            case model.LowtranAtmosphere():
+                return view(scenario.model_copy(update={"sensor": scenario.sensor.model_copy(update={"height_m": height})}))
+            case model.FileAtmosphere():
+                raise ScenarioError(
+                    f"platform: the sensor's height changes (sensor.height_m = {first.sensor_height:g}, platform {height:g} m), and "
+                    "atmosphere.source = 'file' is made for one height; keep the height, or use another atmosphere"
+                )
+            case _:
+                return replace(first, sensor_height=height)
+
+    return at
+
+
+def imager(scenario: model.Scenario) -> Imager:
+    """The camera's pixels, whatever its attitude."""
+    sensor = scenario.sensor
+    width, height = (float(np.radians(angle)) for angle in sensor.fov_deg)
+    return Imager(sensor.projection, width, height, *sensor.pixels)
+
+
+def track(scenario: model.Scenario) -> Track:
+    """Where the sensor is and how it is turned, over the time of the scenario's frames.
+
+    Raises
+    ------
+    ScenarioError
+        Keyframes that overlap, jump, are not finite, leave the atmosphere's heights, or do not reach the last frame.
+    """
+    sensor, platform = scenario.sensor, scenario.platform
+    rest = {"east_m": 0.0, "north_m": 0.0, "height_m": sensor.height_m, "azimuth_deg": sensor.azimuth_deg}
+    rest |= {"elevation_deg": sensor.elevation_deg, "roll_deg": sensor.roll_deg}
+    if platform is None:
+        return Track.standing(
+            sensor.height_m, Attitude(*(float(np.radians(rest[name])) for name in ("azimuth_deg", "elevation_deg", "roll_deg")))
+        )
+    columns: dict[str, FloatArray]
+    if platform.track is not None:
+        columns, names = read_track(platform.track)
+        where = f"{platform.track}: "
+    else:
+        keyframes = platform.keyframes or ()
+        given = [name for name in model.Keyframe.model_fields if keyframes and getattr(keyframes[0], name) is not None]
+        columns = {name: np.array([getattr(keyframe, name) for keyframe in keyframes]) for name in given}
+        names, where = [f"keyframes[{i}]" for i in range(len(keyframes))], "platform: "
+    size = len(names)
+    filled = {name: columns.get(name, np.full(size, value)) for name, value in ({"time_s": 0.0} | rest).items()}
+    values = {name.rsplit("_", 1)[0]: np.radians(v) if name.endswith("_deg") else v for name, v in filled.items()}
+    try:
+        found = Track.create(values, names)
+        found.at(0.0)
+        found.at((sensor.frames - 1) / sensor.frame_rate_hz)
+    except DomainError as error:
+        raise ScenarioError(f"{where}{error}") from error
+    _require_heights(scenario, found, where)
+    return found
+
+
+def _require_heights(scenario: model.Scenario, found: Track, where: str) -> None:
+    lowest, highest = {"table": model.TABLE_HEIGHTS, "lowtran": model.LOWTRAN_HEIGHTS}.get(scenario.atmosphere.source, (0.0, 10_000.0))
+    if found.lowest < lowest or found.highest > highest:
+        raise ScenarioError(
+            f"{where}heights of {found.lowest:g} to {found.highest:g} m leave those of atmosphere.source = '{scenario.atmosphere.source}'; "
+            f"allowed: {lowest:g} to {highest:g} m"
+        )
+
+
 def view(scenario: model.Scenario) -> SeaView:
     """Sea, air and Sun as one sensor height sees them."""
     over = band(scenario)
@@ -204,7 +282,18 @@ def article_view(scenario: model.Scenario) -> SeaView:
 
 
 def camera(scenario: model.Scenario) -> Camera:
-    """The image grid."""
+    """The image grid of a standing sensor with equal steps of azimuth and elevation, upright.
+
+    Raises
+    ------
+    ScenarioError
+        For any other sensor.
+    """
+    if scenario.sensor.projection != "equal-angle" or scenario.sensor.roll_deg != 0.0 or scenario.platform is not None:
+        raise ScenarioError(
+            "sensor.projection, sensor.roll_deg and [platform] are for images; mean maps have equal steps of azimuth and elevation: "
+            "leave them out, or use 'seaglint render' with sea.resolve_waves = false"
+        )
     sensor = scenario.sensor
     return Camera(
         height=sensor.height_m,

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
 
+from seaglint.conventions import FloatArray
 from seaglint.errors import BackendError
 from seaglint.io.provenance import provenance
 from seaglint.io.store import Layout, Progress, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
+from seaglint.pipeline.memory import require_memory
+from seaglint.render.platform import Track
 from seaglint.render.renderer import Renderer
 from seaglint.scenario.model import Scenario
+
+if TYPE_CHECKING:
+    from seaglint.render.view_renderer import ViewRenderer
 
 
 def render(
@@ -74,7 +82,7 @@ def render(
         )
 
 
-def renderer_and_layout(scenario: Scenario, frames: range | None = None) -> tuple[Renderer, Layout]:
+def renderer_and_layout(scenario: Scenario, frames: range | None = None) -> tuple[Renderer | ViewRenderer, Layout]:
     """Everything that is made before the first frame; also the way to single frames in Python.
 
     Examples
@@ -85,28 +93,61 @@ def renderer_and_layout(scenario: Scenario, frames: range | None = None) -> tupl
     >>> renderer.radiances(0.0).total.shape
     (4, 8)
     """
-    view, camera = prepare.view(scenario), prepare.camera(scenario)
-    sea = prepare.sea(scenario, view.slopes)
-    renderer = Renderer(view, camera, sea.waves, step=scenario.render.step_m, most_lines=scenario.render.lines_per_column)
+    require_memory(scenario)
+    sensor, track = scenario.sensor, prepare.track(scenario)
+    numbers = frames if frames is not None else range(sensor.frames)
+    options: dict[str, Any] = {"step": scenario.render.step_m, "most_lines": scenario.render.lines_per_column}
+    renderer: Renderer | ViewRenderer
+    poses: dict[str, FloatArray] = {}
+    if scenario.platform is None and sensor.projection == "equal-angle" and sensor.roll_deg == 0.0:
+        view, camera = prepare.view(scenario), prepare.camera(scenario)
+        sea = prepare.sea(scenario, view.slopes)
+        renderer = Renderer(view, camera, sea.waves, **options)
+        azimuth, elevation = camera.azimuths, camera.elevations
+    else:
+        from seaglint.render.view_renderer import ViewRenderer
+
+        sea = prepare.sea(scenario, prepare.slopes(scenario))
+        imager = prepare.imager(scenario)
+        renderer = ViewRenderer(prepare.view_at(scenario), imager, track, sea.waves, **options)
+        view = renderer.view
+        azimuth, elevation = imager.centres(track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0).attitude)
+        poses = _poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
     layout = Layout(
-        azimuth_deg=np.degrees(camera.azimuths),
-        elevation_deg=np.degrees(camera.elevations),
-        frames=frames if frames is not None else range(scenario.sensor.frames),
-        frame_rate=scenario.sensor.frame_rate_hz,
+        azimuth_deg=np.degrees(azimuth),
+        elevation_deg=np.degrees(elevation),
+        frames=numbers,
+        frame_rate=sensor.frame_rate_hz,
         band=view.band,
         variables=("radiance", "apparent_temperature") if scenario.render.apparent_temperature else ("radiance",),
+        poses=poses,
+        turning=track.turns,
         attributes=provenance(
             "Infrared image sequence of the sea",
             scenario.model_dump_json(exclude_none=True),
             scenario.seed,
             **sea.report,
             **renderer.report,
+            **({"platform_track": hashlib.sha256(track.time.tobytes() + track.values.tobytes()).hexdigest()} if track.moves else {}),
             solar_zenith_deg=math.degrees(view.solar_zenith),
             solar_azimuth_deg=math.degrees(view.solar_azimuth),
             atmosphere_table=prepare.atmosphere_provenance(view.atmosphere),
         ),
     )
     return renderer, layout
+
+
+def _poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
+    """Where the sensor is and how it is turned in every frame, by the names of the store's variables."""
+    poses = [track.at(float(t)) for t in times]
+    return {
+        "sensor_east": np.array([p.east for p in poses]),
+        "sensor_north": np.array([p.north for p in poses]),
+        "sensor_height": np.array([p.height for p in poses]),
+        "sensor_azimuth": np.degrees([p.attitude.azimuth for p in poses]),
+        "sensor_elevation": np.degrees([p.attitude.elevation for p in poses]),
+        "sensor_roll": np.degrees([p.attitude.roll for p in poses]),
+    }
 
 
 @contextmanager

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
+from seaglint.io.directions import directions
 from seaglint.io.outputs import moved_when_whole
 from seaglint.io.provenance import stored_band
 from seaglint.plot.summary import images, to_temperature
@@ -71,6 +72,21 @@ def _panel(figure: Figure, axes: Axes, values: NDArray[Any], extent: tuple[float
     return figure.colorbar(image, ax=axes, extend=extend, pad=0.02)
 
 
+def _graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> None:
+    """Pixels on the axes, and lines of equal elevation and azimuth across the image, for a camera that has no grid of them."""
+    from matplotlib.ticker import MaxNLocator
+
+    axes.set_xlabel("column")
+    axes.set_ylabel("row")
+    style: dict[str, Any] = {"colors": "deepskyblue", "linewidths": 0.6, "alpha": 0.8}
+    for values, unit in ((elevation, "°"), (azimuth, "° az")):
+        # round the nadir or the whole compass, azimuth has a seam that lines would bunch on
+        if min(values.shape) < 2 or np.ptp(values) == 0.0 or (values is azimuth and np.ptp(values) > 180.0):
+            continue
+        lines = axes.contour(values, levels=MaxNLocator(6).tick_values(values.min(), values.max()), **style)
+        axes.clabel(lines, fmt=lambda value, unit=unit: f"{value:g}{unit}", fontsize=7)
+
+
 def draw(dataset: xr.Dataset) -> Figure:
     """Figure of the first frame of a sequence, or of a map."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -78,8 +94,12 @@ def draw(dataset: xr.Dataset) -> Figure:
 
     radiance = images(dataset)[0]
     temperature = to_temperature(radiance, stored_band(dataset.attrs))
-    x = _edges(dataset["azimuth"].to_numpy().astype(np.float64))
-    top, bottom = _edges(dataset["elevation"].to_numpy().astype(np.float64))
+    azimuth, elevation = directions(dataset)
+    upright = azimuth.ndim == 1
+    if upright:
+        x, (top, bottom) = _edges(azimuth), _edges(elevation)
+    else:
+        x, (top, bottom) = (-0.5, azimuth.shape[1] - 0.5), (-0.5, azimuth.shape[0] - 0.5)
     extent = (*x, bottom, top)
     wide = abs((x[1] - x[0]) / (top - bottom)) > 1.0
     figure = Figure(figsize=(9.0, 9.0) if wide else (12.0, 6.0), layout="constrained")
@@ -95,6 +115,9 @@ def draw(dataset: xr.Dataset) -> Figure:
     thermal = _panel(figure, lower, temperature, extent, "apparent_temperature", "gray")
     thermal.set_label(VARIABLES["apparent_temperature"].units, fontsize=8)
     thermal.ax.tick_params(labelsize=7)
+    if not upright:
+        for axes in (upper, lower):
+            _graticule(axes, azimuth, elevation)
     figure.suptitle(_title(dataset), fontsize=11)
     return figure
 

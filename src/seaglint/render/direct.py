@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint._jit import njit, njit_inline, njit_parallel
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith_of_range
 from seaglint.radiance.glint import visible_sun
 from seaglint.radiance.mean import SeaView, band_grid
@@ -25,16 +25,18 @@ from seaglint.render.facet import (
     FacetTables,
     Roughness,
     Sunlight,
-    facet_optics,
     facet_radiance,
     line_of_sight,
     node,
+    roughness_of,
     sun_terms,
     sunlight,
     thermal_axes,
     thermal_sources,
+    thermal_table,
 )
 from seaglint.render.path_basis import fewest_terms, path_basis
+from seaglint.render.shade import FARTHEST, disc_share
 from seaglint.sea.slopes import SlopeStatistics
 
 PATH_NODES = 2048
@@ -172,6 +174,20 @@ def meet(sea: Lattices, eye: Eye, heading: tuple[float, float], run: float, rise
 
 
 @njit
+def sun_share(sea: Lattices, east: float, north: float, sun: Sunlight, height: np.ndarray) -> float:
+    """Share of the solar disc seen from a point of the sea over the waves towards it, as the sweep has it, in steps of the spacing."""
+    read(sea, east, north, 0, height)
+    own, low, skyline = height[0], max(sun.lower_tangent, 1e-4), -1.0
+    for n in range(1, int(min((sea.crest - own) / (low * sea.spacing), float(FARTHEST))) + 1):
+        d = n * sea.spacing
+        read(sea, east + d * sun.horizontal_east, north + d * sun.horizontal_north, 0, height)
+        skyline = max(skyline, (height[0] - own) / d)
+        if skyline >= sun.upper_tangent:
+            return 0.0
+    return 1.0 if skyline <= low else disc_share((sun.elevation - math.atan(skyline)) / SOLAR_ANGULAR_RADIUS)
+
+
+@njit
 def ray(
     sea: Lattices, eye: Eye, optics: FacetOptics, thermal: np.ndarray, air: Air, direction: np.ndarray, values: np.ndarray
 ) -> tuple[float, float]:
@@ -204,6 +220,8 @@ def ray(
     if fx > 1e-9:
         other, _ = facet_radiance(optics, thermal[ix + 1], paths, i, sight, grazing, slope)
         warm += fx * (other - warm)
+    if solar > 0.0 and sea.steepest > optics.sunlight.lower_tangent:
+        solar *= sun_share(sea, eye.east - arc * sight.east, eye.north - arc * sight.north, optics.sunlight, values[:1])
     return warm + air.path[i] + solar, solar
 
 
@@ -262,11 +280,12 @@ class DirectWalk:
         crest: float,
         elevation: float,
         azimuths: tuple[float, float],
+        bands: int = 1,
     ) -> DirectWalk:
         """Tables for rays that look down at least as steeply as ``elevation`` and between two azimuths [rad].
 
         ``facets``: slopes left to the facets; ``resolved``: slope variances of the waves, along and across the wind; ``crest``: height of
-        the highest [m].
+        the highest [m]; ``bands`` of nested shadowing of the facets (1: Smith's).
         """
         eye = view.sensor_height
         dip = horizon_depression(eye)
@@ -283,9 +302,10 @@ class DirectWalk:
         share, zenith = visible_sun(view.solar_zenith)
         irradiance = view.sun_distance_factor * share * view.atmosphere.solar_irradiance(zenith)[basis.grid]
         sun = sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0))
-        full = facet_optics(basis, thermal_sources(basis, view), sun, sun_terms(basis, irradiance, view.water), facets, axes, shape)
-        thermal, coefficients = fewest_terms(full.tables.thermal, basis.coefficients)
-        reflected, sun_coefficients = fewest_terms(full.tables.sun, basis.coefficients)
+        rough = roughness_of(facets, sun.azimuth, bands)
+        table = thermal_table(thermal_sources(basis, view), rough, axes, shape, basis.phi.shape[0])
+        thermal, coefficients = fewest_terms(table, basis.coefficients)
+        reflected, sun_coefficients = fewest_terms(sun_terms(basis, irradiance, view.water), basis.coefficients)
         tables = FacetTables(np.zeros((1, 1, 1, 1, 1), np.float32), axes, np.ascontiguousarray(reflected))
         by_azimuth = np.ascontiguousarray(thermal.astype(np.float32).transpose(1, 0, 2, 3, 4))
         above = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_ROWS)
@@ -294,7 +314,7 @@ class DirectWalk:
         air = Air(
             scale, (PATH_NODES - 1) / float(log[-1]), coefficients, sun_coefficients, basis.path_radiance, sky, dip, 1.0 / float(above[1])
         )
-        return cls(full._replace(tables=tables), by_azimuth, air)
+        return cls(FacetOptics(sun, rough, tables), by_azimuth, air)
 
     def __call__(
         self,

@@ -135,7 +135,7 @@ class ViewRenderer:
     def _survey(self, attitudes: list[Attitude], oversampling: int) -> tuple[Camera | None, float, tuple[float, float]]:
         """The azimuth-elevation grid that serves all attitudes; the highest elevation and the azimuths of the pixels that it does not."""
         pitch = np.inf
-        reach, azimuths, walk_from = [], [], -0.5 * np.pi
+        reach, azimuths, walked, walk_from = [], [], [], math.radians(-89.0)
         for attitude in attitudes:
             corner = self.imager.corners(attitude)
             least, median = pixel_pitch(corner)
@@ -149,7 +149,10 @@ class ViewRenderer:
             down = ~swept & (low < 0.0)
             if down.any():
                 walk_from = max(walk_from, float(high[down].max()))
-        walk_azimuths = (-np.pi, np.pi)
+                walked.append(_corners_of(azimuth, down))
+        walk_azimuths = (min(a[0] for a in walked) - 0.1, max(a[1] for a in walked) + 0.1) if walked else (0.0, 0.0)
+        if walk_azimuths[1] - walk_azimuths[0] > np.pi:  # under the sensor there are all azimuths
+            walk_azimuths = (-np.pi, np.pi)
         if not reach:
             return None, walk_from, walk_azimuths
         # a corner on the grid's own edge must not fall out by rounding
@@ -236,7 +239,7 @@ class ViewRenderer:
         view, _, walks = self._prepared(height)
         if not walks:
             resolved = self.waves.resolved_mss() if self.waves is not None else (0.0, 0.0)
-            facets = facet_slopes(view.slopes, self.waves)
+            facets = facet_slopes(view.slopes, resolved)
             walks.append(DirectWalk.create(view, facets, resolved, self._crest, self._walk_from, self._walk_azimuths))
         return walks[0]
 

@@ -68,6 +68,8 @@ def _at(location: tuple[str, ...]) -> tuple[type[BaseModel], ...]:
     """Records that may stand at a location."""
     records: tuple[type[BaseModel], ...] = (Scenario,)
     for part in location:
+        if part.isdecimal():  # a place in a list
+            continue
         records = tuple(found for record in records for key in fields_of(record) if key.path[-1] == part for found in key.records)
     return records
 

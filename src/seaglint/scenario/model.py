@@ -40,6 +40,9 @@ TABLE_BANDS = ((2.0, 5.5), (7.5, 14.0))
 TABLE_BANDS_TEXT = " or ".join(f"{low:g} to {high:g} um" for low, high in TABLE_BANDS) + " (no band across the gap)"
 """The same for error messages."""
 
+WIDEST_PINHOLE = 170.0
+"""Field of view [deg] that a plane image is allowed; at 180 deg it would be infinite."""
+
 LOWTRAN_HEIGHTS = (0.01, 10_000.0)
 """Sensor heights [m] for which LOWTRAN7 is run."""
 
@@ -116,7 +119,7 @@ class Sun(Record):
 
 
 class Sensor(Record):
-    """Where the sensor stands and looks, and its pixels: equal steps of azimuth and elevation."""
+    """Where the sensor stands and looks, and its pixels."""
 
     height_m: Annotated[
         float, Quantity("m", gt=0, le=10_000), Field(description="height above the mean sea; from 2 m with the table atmosphere")
@@ -127,6 +130,15 @@ class Sensor(Record):
     elevation_deg: Annotated[
         float, Quantity("deg", ge=-90, le=90), Field(description="elevation of the image centre; horizontal 0, looking down negative")
     ] = -3.5
+    roll_deg: Annotated[
+        float,
+        Quantity("deg", ge=-360, le=360),
+        Field(description="turn about the line of sight, clockwise as seen from behind the sensor (right side down)"),
+    ] = 0.0
+    projection: Annotated[
+        Literal["equal-angle", "pinhole"],
+        Field(description="equal steps of azimuth and elevation (a scanner, panoramas), or a plane image behind a lens"),
+    ] = "equal-angle"
     fov_deg: Annotated[
         tuple[Annotated[float, Quantity("deg", gt=0, le=360)], Annotated[float, Quantity("deg", gt=0, le=180)]],
         Field(description="field of view [width, height]"),
@@ -154,6 +166,9 @@ class Sensor(Record):
     def _image_is_possible(self) -> Self:
         (width, height), (nx, ny) = self.fov_deg, self.pixels
         dx, dy = self.ifov_deg
+        if self.projection == "pinhole" and max(width, height) > WIDEST_PINHOLE:
+            text = f"= [{width:g}, {height:g}] is too wide for sensor.projection = 'pinhole'; allowed: up to {WIDEST_PINHOLE:g} deg"
+            raise rule("sensor.fov_deg", f"{text}, or 'equal-angle'")
         reverse = (nx - ny) * (width - height) < 0
         most = {"auto": REVERSED_OBLONG if reverse else MOST_OBLONG, "square": 1.0 + SQUARE_PIXEL_TOLERANCE, "any": float("inf")}
         if max(dx, dy) > most[self.pixel_shape] * min(dx, dy):
@@ -163,10 +178,50 @@ class Sensor(Record):
             )
             raise rule("sensor.pixels", text)
         top, bottom = self.elevation_deg + 0.5 * height, self.elevation_deg - 0.5 * height
-        if top > 90.0 or bottom < -90.0:
-            reach = f"reaches from {bottom:g} to {top:g} deg; allowed is -90 to 90 deg"
+        if self.projection == "equal-angle" and (top > 90.0 or bottom < -90.0):
+            reach = f"reaches from {bottom:g} to {top:g} deg; allowed is -90 to 90 deg, or sensor.projection = 'pinhole'"
             text = f"= {self.elevation_deg:g} with a field of view {height:g} deg high {reach}"
             raise rule("sensor.elevation_deg", text)
+        return self
+
+
+class Keyframe(Record):
+    """Where a moving sensor is at one time; what is left out stays as [sensor] says (east and north: 0)."""
+
+    time_s: Annotated[float, Quantity("s"), Field(description="time from the first frame")]
+    east_m: Annotated[Annotated[float, Quantity("m")] | None, Field(description="position towards east")] = None
+    north_m: Annotated[Annotated[float, Quantity("m")] | None, Field(description="position towards north")] = None
+    height_m: Annotated[Annotated[float, Quantity("m", gt=0, le=10_000)] | None, Field(description="height above the mean sea")] = None
+    azimuth_deg: Annotated[Annotated[float, Quantity("deg")] | None, Field(description="azimuth of the image centre")] = None
+    elevation_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=-90, le=90)] | None, Field(description="elevation of the image centre")
+    ] = None
+    roll_deg: Annotated[Annotated[float, Quantity("deg")] | None, Field(description="turn about the line of sight, right side down")] = None
+
+
+class Platform(Record):
+    """A sensor that moves: keyframes, here or in a file, and straight lines between them (angles the short way round)."""
+
+    track: Annotated[
+        InputFile | None,
+        Field(
+            description="CSV file with a column time_s and any of east_m, north_m, height_m, azimuth_deg, elevation_deg, roll_deg; instead "
+            "of keyframes"
+        ),
+    ] = None
+    keyframes: Annotated[tuple[Keyframe, ...] | None, Field(description="list of keyframes, the columns of the file as keys")] = None
+
+    @model_validator(mode="after")
+    def _one_of_both(self) -> Self:
+        if (self.track is None) == (self.keyframes is None):
+            both = "are both given" if self.track is not None else "are both missing"
+            raise rule("platform", f"track and keyframes {both}; give one of the two, or leave [platform] out")
+        for name in Keyframe.model_fields if self.keyframes else ():
+            given = [getattr(keyframe, name) is not None for keyframe in self.keyframes or ()]
+            if any(given) and not all(given):
+                raise rule(
+                    f"platform.keyframes[{given.index(False)}]", f"lacks {name}, which other keyframes have; give it in all or in none"
+                )
         return self
 
 
@@ -468,6 +523,7 @@ class Scenario(Record):
     place: Place | None = None
     sun: Sun | None = None
     sensor: Sensor = Sensor()
+    platform: Annotated[Platform | None, Field(description="how the sensor moves; without it the sensor stands still")] = None
     band: Band = Band()
     wind: Wind = Wind()
     sea: Sea = Sea()

@@ -34,6 +34,9 @@ _EXAMPLES = {
     "sounding": '"sounding.csv"',
     "visibility_km": "20",
     "wind_24h_m_s": "7.0",
+    "track": '"track.csv"',
+    "keyframes": "[{ time_s = 0, east_m = 0, north_m = 0, height_m = 30, azimuth_deg = 180, elevation_deg = -3.5, roll_deg = 5 }, "
+    "{ time_s = 4, east_m = 20, north_m = 0, height_m = 30, azimuth_deg = 180, elevation_deg = -3.5, roll_deg = -5 }]",
 }
 
 

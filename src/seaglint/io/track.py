@@ -1,0 +1,70 @@
+"""A moving sensor's keyframes from a CSV file."""
+
+from __future__ import annotations
+
+import csv
+import difflib
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from seaglint.conventions import FloatArray
+from seaglint.errors import DataError
+
+COLUMNS: Final = ("time_s", "east_m", "north_m", "height_m", "azimuth_deg", "elevation_deg", "roll_deg")
+"""Columns a file may have; the time is needed, and one more."""
+
+_WANTED: Final = f"needed are time_s and one or more of {', '.join(COLUMNS[1:])}"
+
+
+def read_track(path: str | Path) -> tuple[dict[str, FloatArray], list[str]]:
+    """Read keyframes; lines that begin with ``#`` are comments.
+
+    Returns
+    -------
+    (dict, list)
+        Values by column, in the units of their names, and what to call each keyframe (``"line 7"``).
+
+    Raises
+    ------
+    DataError
+        Naming the file and the line that cannot be used: another column, a cell that is no finite number.
+    """
+    path = Path(path)
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise DataError(f"{path}: no such file; give a CSV file, {_WANTED}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"{path}: cannot be read as text: {error}") from None
+    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
+    rows = list(csv.reader(line for _, line in lines))
+    if not rows:
+        raise DataError(f"{path}: is empty; {_WANTED}")
+    header = [name.strip() for name in rows[0]]
+    _check_header(path, lines[0][0], header)
+    table = np.empty((len(rows) - 1, len(header)))
+    for i, ((number, line), row) in enumerate(zip(lines[1:], rows[1:], strict=True)):
+        if len(row) != len(header):
+            raise DataError(f"{path}: line {number}: '{line.strip()}' has {len(row)} cells, the header {len(header)}; is the file whole?")
+        for j, cell in enumerate(row):
+            try:
+                table[i, j] = float(cell)
+            except ValueError:
+                raise DataError(f"{path}: line {number}: {header[j]} = '{cell.strip()}' is not a number; correct it") from None
+            if not np.isfinite(table[i, j]):
+                raise DataError(f"{path}: line {number}: {header[j]} = {cell.strip()} is not finite; correct or remove the line")
+    return dict(zip(header, table.T, strict=True)), [f"line {number}" for number, _ in lines[1:]]
+
+
+def _check_header(path: Path, number: int, header: list[str]) -> None:
+    for name in header:
+        if name not in COLUMNS:
+            near = difflib.get_close_matches(name, COLUMNS, n=1, cutoff=0.5)
+            meant = f"did you mean {near[0]}?" if near else _WANTED
+            raise DataError(f"{path}: line {number}: '{name}' is an unknown column; {meant}")
+    if len(set(header)) != len(header):
+        raise DataError(f"{path}: line {number}: a column is named twice; {_WANTED}")
+    if "time_s" not in header or len(header) < 2:
+        raise DataError(f"{path}: line {number}: columns are {', '.join(header)}; {_WANTED}")

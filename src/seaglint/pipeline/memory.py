@@ -1,0 +1,69 @@
+"""How much memory a scenario's images need and how much there is: refused before anything is made."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from seaglint.errors import ScenarioError
+from seaglint.scenario.model import Scenario
+
+BYTES_PER_PIXEL = 80
+"""Images of one frame on the sweep's own grid: two of doubles by column, two of floats by row, and what is written."""
+
+BYTES_PER_RESAMPLED_PIXEL = 1000
+"""The same for a turned camera: corners (50), nine or more cells of the sweep (9 x 40), weights of about 25 cells (25 x 16)."""
+
+BYTES_PER_LATTICE_POINT = 200
+"""Amplitudes, transforms and surface of a wave tile, for each of three tiles."""
+
+TILES = 3
+
+BASE = 250 << 20
+"""Program, atmosphere and tables of facets."""
+
+
+def memory_needed(scenario: Scenario) -> int:
+    """Estimate of the largest memory that rendering a frame takes [bytes]."""
+    columns, rows = scenario.sensor.pixels
+    turned = scenario.sensor.projection != "equal-angle" or scenario.sensor.roll_deg != 0.0 or scenario.platform is not None
+    pixels = columns * rows * (BYTES_PER_RESAMPLED_PIXEL if turned else BYTES_PER_PIXEL)
+    waves = TILES * scenario.render.tile_size**2 * BYTES_PER_LATTICE_POINT if scenario.sea.resolve_waves else 0
+    return BASE + pixels + waves
+
+
+def memory_available() -> int | None:
+    """Memory that can be had now [bytes]: the system's, or a container's limit where that is less; None where it cannot be told."""
+    found = []
+    try:
+        for line in Path("/proc/meminfo").read_text().splitlines():
+            if line.startswith("MemAvailable:"):
+                found.append(1024 * int(line.split()[1]))
+    except (OSError, ValueError):
+        pass
+    try:
+        limit = Path("/sys/fs/cgroup/memory.max").read_text().strip()
+        if limit != "max":
+            found.append(int(limit) - int(Path("/sys/fs/cgroup/memory.current").read_text()))
+    except (OSError, ValueError):
+        pass
+    if not found and hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
+        found.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    return max(min(found), 0) if found else None
+
+
+def require_memory(scenario: Scenario) -> None:
+    """Refuse a scenario whose images cannot fit.
+
+    Raises
+    ------
+    ScenarioError
+        Saying how much is needed and how much there is.
+    """
+    need, there = memory_needed(scenario), memory_available()
+    if there is not None and need > there:
+        (columns, rows), tile = scenario.sensor.pixels, scenario.render.tile_size
+        raise ScenarioError(
+            f"sensor.pixels = [{columns}, {rows}] with render.tile_size = {tile} needs about {need / 1e9:.1f} GB of memory, and "
+            f"{there / 1e9:.1f} GB are free; give fewer pixels or a smaller render.tile_size"
+        )
