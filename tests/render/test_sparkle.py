@@ -16,20 +16,25 @@ from scipy import stats
 
 from seaglint._jit import njit
 from seaglint.conventions import FloatArray
-from seaglint.radiance.variance import glint_variance
+from seaglint.pipeline import prepare
+from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.variance import glint_variance, sea_variance
 from seaglint.render.camera import Camera
 from seaglint.render.counter import SPACING, cell_key, gamma_deviate, last_event, uniform
 from seaglint.render.facet import sunlight
 from seaglint.render.sparkle import (
     MOST_CELLS,
+    NO_SPARKLE,
     heading,
     piece_variance,
+    relative_variance,
     sparkle_column,
     sparkle_factor,
     sparkle_image,
     sparkle_of,
     sparkle_rows,
 )
+from seaglint.scenario.load import parse_scenario
 
 CELL, TIME = 0.01, 0.07
 ROOT = Path(__file__).resolve().parents[2]
@@ -275,3 +280,36 @@ def test_the_kernel_runs_unchanged_on_a_simulated_gpu(jit: str) -> None:
     # logarithms and exponentials of different libraries may differ in the last bit
     assert values == pytest.approx(here, rel=1e-12)
     assert len(set(values)) > 20
+
+
+@pytest.mark.parametrize(
+    ("scene", "word"),
+    [
+        ({}, "gamma field"),
+        ({"render": {"subpixel_glint": "off"}}, "off"),
+        ({"sun": {"zenith_deg": 95.0}}, "no mirrored Sun"),
+        ({"sea": {"glint": {"cell_m": 1e-4}}}, "left out"),
+        ({"sea": {"glint": {"cell_m": 1e-4}}, "render": {"subpixel_glint": "on"}}, "gamma field"),
+    ],
+    ids=["default", "off", "night", "fine cells", "fine cells, asked for"],
+)
+def test_scenarios_choose_sparkles(scene: dict, word: str) -> None:
+    scenario = parse_scenario(scene)
+    view = prepare.view(scenario)
+    sparkle, report = prepare.sparkles(scenario).of(view, prepare.camera(scenario))
+    assert word in report["subpixel_glint"]
+    assert (sparkle == NO_SPARKLE) == (word != "gamma field")
+    if word == "gamma field":
+        assert sparkle.cell == prepare.glint_length(scenario) == report["subpixel_glint_cell_m"]
+
+
+def test_survey_of_an_image_is_the_mean_models() -> None:
+    scenario = parse_scenario({"atmosphere": {"source": "none"}})
+    view, camera = prepare.view(scenario), prepare.camera(scenario)
+    elevations = camera.elevations[::4]
+    found = mean_radiance(view, elevations, camera.azimuths[::4])
+    variance = sea_variance(view, found, elevations, camera.row_step * camera.column_step * np.cos(elevations), 0.0026)
+    # weighted by the square of P, not of the radiance: the reflectance, 0.75 of it here, is left out; other rows and columns
+    relative = np.divide(variance, found.sun**2, out=np.zeros(variance.shape), where=found.sun > 0.0)
+    expected = (relative * found.chance**2).sum() / (found.chance**2).sum()
+    assert relative_variance(view, camera, 0.0026) == pytest.approx(expected, rel=0.06)

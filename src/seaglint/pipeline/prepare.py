@@ -23,6 +23,7 @@ from seaglint.radiance.correlation import capillary_length, correlation_length
 from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
 from seaglint.render.platform import Track
+from seaglint.render.sparkle import Sparkles
 from seaglint.render.view import Attitude, Imager
 from seaglint.scenario import model
 from seaglint.scenario.sun import sun_position
@@ -141,6 +142,8 @@ def slopes(scenario: model.Scenario) -> SlopeStatistics:
 def glint_length(scenario: model.Scenario) -> float:
     """Correlation length of glint on the sea [m]."""
     glint = scenario.sea.glint
+    if glint.cell_m is not None:
+        return glint.cell_m
     match glint.dispersion:
         case "full":
             return correlation_length(glint.correlation_time_s)
@@ -148,6 +151,11 @@ def glint_length(scenario: model.Scenario) -> float:
             return capillary_length(glint.correlation_time_s)
         case other:
             assert_never(other)
+
+
+def sparkles(scenario: model.Scenario) -> Sparkles:
+    """Sparkles below a pixel, as the scenario wants them."""
+    return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, scenario.render.subpixel_glint)
 
 
 def spectrum(scenario: model.Scenario) -> DirectionalSpectrum | None:

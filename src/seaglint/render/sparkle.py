@@ -19,21 +19,25 @@ any instant be found alone. Nothing has a state: a factor is a function of (seed
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
 
 import numba
 import numpy as np
 
 from seaglint._jit import njit, njit_parallel
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
+from seaglint.radiance.glint import glint
+from seaglint.radiance.mean import SeaView
+from seaglint.radiance.variance import patches
 from seaglint.random import stream
 from seaglint.render.camera import Camera
 from seaglint.render.counter import cell_key, gamma_deviate, last_event
-from seaglint.render.facet import Sunlight
+from seaglint.render.facet import Sight, Sunlight
 
-MOST_CELLS = 8.0
-"""Cells in one direction up to which a pixel is their average. Beyond, pixels are independent, and a box of 8 x 8 cells has 8 % less
+MOST_CELLS = 10.0
+"""Cells in one direction up to which a pixel is their average. Beyond, pixels are independent, and a box of 10 x 10 cells has 7 % less
 variance than independent cells: half of that is left to the pixel and half to the average of many."""
 
 BORDER = 1.0 / 6.0
@@ -42,20 +46,30 @@ BORDER = 1.0 / 6.0
 COMPONENTS = 2
 """Independent parts of a pixel of many cells, on lattices shifted against each other: it changes in steps of half its fluctuation."""
 
-SECTORS = 32
-"""Directions of the lattices in a full circle; a pixel is then at most 5.6 deg from one, and boxes of turned pixels overlap by 0.5 %."""
+SECTORS = 64
+"""Directions of the lattices in a full circle; a pixel is then at most 2.8 deg from one."""
 
 FILLED = 0.7
 """A standing cell is at most this much of the pixel in either direction, so that neighbours do not share one."""
 
+NEGLIGIBLE = 1e-4
+"""Relative variance of the mirrored Sun, weighted by its square, below which sparkles are left out: 1 % of the glint."""
+
+SURVEYED = 24
+"""Rows and columns at which it is looked up."""
+
 
 class Sparkle(NamedTuple):
-    """What all pixels share: two words of the seed, the cell's length [m] and the correlation time [s]."""
+    """What all pixels share: two words of the seed, the cell's length [m] (0: no sparkles) and the correlation time [s]."""
 
     seed_low: int
     seed_high: int
     cell: float
     correlation_time: float
+
+
+NO_SPARKLE = Sparkle(0, 0, 0.0, 1.0)
+"""Images that hold the mean over the facets of a pixel."""
 
 
 class SparkleRows(NamedTuple):
@@ -82,6 +96,75 @@ def sparkle_of(seed: int, cell: float, correlation_time: float) -> Sparkle:
     """
     low, high = stream(seed, "sparkle").integers(0, 2**32, size=2)
     return Sparkle(int(low), int(high), float(cell), float(correlation_time))
+
+
+def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
+    """Relative variance of the mirrored Sun in a camera's pixels by the mean model, weighted by the square of its mean [1].
+
+    Parameters
+    ----------
+    view : SeaView
+        Sea and Sun.
+    camera : Camera
+        Its pixels.
+    cell : float
+        Length of a cell of the sea [m].
+
+    Returns
+    -------
+    float
+        0 where no Sun is mirrored.
+    """
+    rows, columns = (np.unique(np.linspace(0, n - 1, SURVEYED).astype(int)) for n in (camera.rows, camera.columns))
+    rows = rows[-camera.elevations[rows] > horizon_depression(camera.height)]
+    ground = sparkle_rows(camera)
+    slant = (ground.along * ground.grazing / camera.row_step)[rows][:, None]
+    solid = (ground.reach * camera.column_step * camera.row_step)[rows][:, None] / slant
+    theta = np.arccos(ground.grazing[rows])[:, None]
+    found = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes)
+    shown = found.chance > 0.0
+    if not shown.any():
+        return 0.0
+    many = patches(np.where(shown, found.cos_incidence, 1.0), theta, view.solar_zenith, slant, solid, cell)
+    return float(np.sum(found.chance * (1.0 - found.chance) / np.maximum(many, 1.0)) / np.sum(found.chance**2))
+
+
+@dataclass(frozen=True)
+class Sparkles:
+    """What a scene says of its sparkles; ``use = "auto"`` leaves them out where they are negligible.
+
+    Parameters
+    ----------
+    seed : int
+        The sea's seed.
+    cell : float
+        Length of its cells [m].
+    correlation_time : float
+        Time after which glint at a point is forgotten [s].
+    use : {"auto", "on", "off"}
+        Whether images have them.
+    """
+
+    seed: int
+    cell: float
+    correlation_time: float
+    use: Literal["auto", "on", "off"] = "auto"
+
+    def of(self, view: SeaView, camera: Camera) -> tuple[Sparkle, dict[str, Any]]:
+        """Parameters for the kernels, :data:`NO_SPARKLE` where images have none, and a word on it for the provenance."""
+        if self.use == "off":
+            return NO_SPARKLE, {"subpixel_glint": "off: the mean over the facets of a pixel"}
+        variance = relative_variance(view, camera, self.cell)
+        if variance == 0.0:
+            return NO_SPARKLE, {"subpixel_glint": "none: no mirrored Sun in the image"}
+        if self.use == "auto" and variance < NEGLIGIBLE:
+            return NO_SPARKLE, {"subpixel_glint": f"left out: its relative variance, {variance:.1e}, is below {NEGLIGIBLE:g}"}
+        return sparkle_of(self.seed, self.cell, self.correlation_time), {
+            "subpixel_glint": "gamma field on the water's mean position",
+            "subpixel_glint_relative_variance": float(f"{variance:.3g}"),
+            "subpixel_glint_cell_m": self.cell,
+            "subpixel_glint_correlation_time_s": self.correlation_time,
+        }
 
 
 def sparkle_rows(camera: Camera) -> SparkleRows:
@@ -249,6 +332,23 @@ def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence:
 
 
 @njit
+def facet_spread(
+    sparkle: Sparkle, sun: Sunlight, sight: Sight, grazing: tuple[float, float], solar: float, factor: float, across: float
+) -> float:
+    """:func:`piece_variance` of a facet; 0 without sparkles.
+
+    ``factor`` [1/sr] is :func:`~seaglint.render.facet.sun_factor`, times the share of the Sun that waves leave; times the solid angle of
+    the Sun it is P. ``grazing``: sine and cosine of the grazing angle.
+    """
+    if sparkle.cell <= 0.0 or factor <= 0.0:
+        return 0.0
+    chance = factor * math.pi * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS
+    sine, level = grazing
+    twice = 1.0 + level * (sight.east * sun.east + sight.north * sun.north) + sine * sun.up
+    return piece_variance(sparkle, solar, chance, math.sqrt(max(0.5 * twice, 1e-12)), sine + sun.up, across)
+
+
+@njit
 def sparkle_column(
     sparkle: Sparkle, rows: SparkleRows, sun: Sunlight, azimuth: float, origin: tuple[float, float], time: float, images: np.ndarray
 ) -> None:
@@ -256,6 +356,8 @@ def sparkle_column(
 
     ``origin`` is the sensor's foot in the sea's coordinates, east and north [m].
     """
+    if sparkle.cell <= 0.0:
+        return
     east, north = math.sin(azimuth), math.cos(azimuth)
     along_sight = heading(azimuth)
     for row in range(images.shape[1]):

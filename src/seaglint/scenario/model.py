@@ -355,7 +355,7 @@ Spectrum = Annotated[
 
 
 class Glint(Record):
-    """How the sparkle of the mirrored Sun hangs together: sets the standard deviation of glint in a pixel."""
+    """How the sparkle of the mirrored Sun hangs together: sets the fluctuation of glint in a pixel."""
 
     correlation_time_s: Annotated[
         float, Quantity("s", ge=0.001, le=10), Field(description="time after which glint at a point is forgotten (reported: 0.03 to 0.3 s)")
@@ -364,6 +364,10 @@ class Glint(Record):
         Literal["full", "article"],
         Field(description="from that time to a length: full by gravity and surface tension, article by surface tension alone"),
     ] = "full"
+    cell_m: Annotated[
+        Annotated[float, Quantity("m", ge=1e-4, le=100)] | None,
+        Field(description="length of the sea's independent cells; from the correlation time where nothing is said"),
+    ] = None
 
 
 class Sea(Record):
@@ -510,6 +514,10 @@ class Render(Record):
         Field(description="outward step of the sweep; chosen from the shortest wave where nothing is said"),
     ] = None
     tile_size: Annotated[Literal[64, 128, 256, 512, 1024, 2048, 4096], Field(description="points along each side of a wave tile")] = 512
+    subpixel_glint: Annotated[
+        Literal["auto", "on", "off"],
+        Field(description="sparkles that are smaller than a pixel make its sunlight fluctuate; auto: where that is not negligible"),
+    ] = "auto"
     apparent_temperature: Annotated[StrictBool, Field(description="write apparent temperature beside radiance")] = False
 
 
