@@ -1,12 +1,13 @@
 """The sea of :mod:`bench.scene` rendered by Mitsuba 3 on the processor (its LLVM variant and Embree).
 
-Mitsuba finds what is seen and what is lit: primary rays through random points of every pixel against a triangle mesh of the tile, repeated as
-instances, and from each hit a ray to a random point of the solar disc. The facet is ours, evaluated at the hit for the sampled point of the
-disc: Gaussian roughness about the lattice's slope, read bilinearly as our renderer reads it, over the visible area A+ and with the
+Mitsuba finds what is seen and what is lit: primary rays through random points of every pixel against a triangle mesh of the tile, repeated
+as instances, and from each hit a ray to a random point of the solar disc. The facet is ours, evaluated at the hit for the sampled point of
+the disc: Gaussian roughness about the lattice's slope, read bilinearly as our renderer reads it, over the visible area A+ and with the
 roughness' own shadowing of both legs. Mitsuba's own microfacet models are other functions.
 
-The Earth is bent as in our renderer: each instance is sheared so that its corners lie on the parabola of the effective Earth, neighbours join
-exactly and a tile's middle is off by less than 2 cm; the shading is done in the local frame of the hit.
+The Earth is bent as in our renderer: each instance is sheared so that its corners lie on the parabola of the effective Earth, and the mesh
+has the parabola over its chord, which is the same for all tiles, so that neighbours join exactly; the shading is done in the local frame
+of the hit.
 
 Written to Mitsuba 3.9; it needs an LLVM library (Debian: libllvm19; 15 and 16 crash on processors with AVX512-FP16).
 """
@@ -79,15 +80,21 @@ class MitsubaSea:
         Threads of Dr.Jit and Embree.
     nested_bands : int
         Bands of the facets' nested shadowing, as the renderer compared has them; 1 for Smith's.
+    subdivision : int
+        Parts of a lattice cell's side in the mesh. A cell is a curved bilinear patch to the sweep; two flat triangles in its place move what
+        is seen at a grazing view, and more of them come closer to the patch.
     """
 
-    def __init__(self, view: SeaView, camera: Camera, waves: WaveField, threads: int | None = None, *, nested_bands: int = 1) -> None:
+    def __init__(
+        self, view: SeaView, camera: Camera, waves: WaveField, threads: int | None = None, *, nested_bands: int = 1, subdivision: int = 1
+    ) -> None:
         self.mi, self.dr = load_mitsuba()
         if threads is not None:
             self.dr.set_thread_count(threads)
         if len(waves.tiles) != 1 or waves.tiles[0].rotation != 0.0:
             raise ValueError("one tile without turn is wanted")
         self.camera, self.waves, self.tile = camera, waves, waves.tiles[0]
+        self.parts = subdivision
         up, cross = waves.resolved_mss()
         self.roughness = SlopeStatistics(
             view.slopes.mss_up - up, view.slopes.mss_cross - cross, wind_to_azimuth=waves.spectrum.wind_to_azimuth
@@ -101,7 +108,7 @@ class MitsubaSea:
         self.sun_zenith, self.sun_azimuth = view.solar_zenith, view.solar_azimuth
         self.scene = self._build()
         self.parameters = self.mi.traverse(self.scene)
-        self.vertices = next(key for key in self.parameters.keys() if key.endswith("vertex_positions"))  # noqa: SIM118: no plain dict
+        self.vertices = next(key for key in self.parameters.keys() if key.endswith("vertex_positions"))  # noqa: SIM118
         self.slope_east = self.slope_north = self.mi.Float(0.0)
         self.update(0.0)
 
@@ -114,12 +121,12 @@ class MitsubaSea:
         return self.mi.Float(np.log(np.maximum(ratio, 1e-30)).astype(np.float32).ravel())
 
     def _build(self) -> Any:
-        mi, n = self.mi, self.tile.n
+        mi, n = self.mi, self.tile.n * self.parts
         mesh = mi.Mesh("tile", (n + 1) ** 2, 2 * n * n, has_vertex_normals=False, has_vertex_texcoords=False)
         parameters = mi.traverse(mesh)
         corner = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).astype(np.uint32)
         faces = np.stack([corner, corner + 1, corner + n + 2, corner, corner + n + 2, corner + n + 1], axis=-1)
-        parameters["vertex_positions"] = mi.Float(self._positions(np.zeros((n, n), np.float32)))
+        parameters["vertex_positions"] = mi.Float(self._positions(np.zeros((self.tile.n, self.tile.n), np.float32)))
         parameters["faces"] = mi.UInt32(faces.ravel())
         parameters.update()
         scene: dict[str, Any] = {"type": "scene", "sea": {"type": "shapegroup", "tile": mesh}}
@@ -156,12 +163,22 @@ class MitsubaSea:
         return matrix
 
     def _positions(self, height: NDArray[np.float32]) -> NDArray[np.float32]:
-        n = self.tile.n
+        n, parts = self.tile.n * self.parts, self.parts
+        if parts > 1:
+            for axis in (0, 1):
+                share = (np.arange(parts, dtype=np.float32) / parts)[(None, slice(None), None) if axis == 0 else (None, None, slice(None))]
+                following = np.roll(height, -1, axis)
+                low, high = np.expand_dims(height, axis + 1), np.expand_dims(following, axis + 1)
+                height = (
+                    ((1.0 - share) * low + share * high).reshape(n, -1) if axis == 0 else ((1.0 - share) * low + share * high).reshape(n, n)
+                )
         out = np.empty((n + 1, n + 1, 3), np.float32)
-        axis = np.arange(n + 1, dtype=np.float32) * np.float32(self.tile.spacing)
+        axis = np.arange(n + 1, dtype=np.float32) * np.float32(self.tile.spacing / parts)
         out[..., 0], out[..., 1] = axis, axis[:, None]
         out[:n, :n, 2] = height
         out[n, :n, 2], out[:n, n, 2], out[n, n, 2] = height[0], height[:, 0], height[0, 0]
+        bulge = axis * (np.float32(self.tile.length) - axis) / np.float32(2.0 * EFFECTIVE_EARTH_RADIUS)
+        out[..., 2] += bulge + bulge[:, None]
         return out.ravel()
 
     def update(self, time: float) -> None:

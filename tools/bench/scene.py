@@ -1,7 +1,8 @@
 """The scene of the comparison with a general ray tracer, on our side.
 
-One periodic tile of 1024 m with a 1 m lattice, wind 10 m/s towards the sensor, which stands at 30 m and looks straight at the Sun; 1024 x 512
-pixels of equal angles, 16 x 8 deg. No air: the comparison is about geometry and light. Waves down to 4 m are geometry, the rest is roughness.
+One periodic tile of 1024 m with a 1 m lattice, wind 10 m/s towards the sensor, which stands at 30 m and looks straight at the Sun; 1024 x
+512 pixels of equal angles, 16 x 8 deg. No air: the comparison is about geometry and light. Waves down to 4 m are geometry, the rest is
+roughness.
 """
 
 from __future__ import annotations
@@ -10,8 +11,7 @@ import math
 
 import numpy as np
 
-from seaglint.atmosphere.vacuum import VacuumAtmosphere
-from seaglint.conventions import FloatArray
+from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.pipeline import prepare
 from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
@@ -56,8 +56,6 @@ def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | N
 
 def compared_rows(camera: Camera) -> slice:
     """Rows more than :data:`ROWS_UNDER_HORIZON` pixels under the horizon of the calm sea."""
-    from seaglint.conventions import horizon_depression
-
     first = (camera.top + horizon_depression(camera.height)) / camera.row_step + ROWS_UNDER_HORIZON
     return slice(math.ceil(first), camera.rows)
 
@@ -65,6 +63,3 @@ def compared_rows(camera: Camera) -> slice:
 def rms_over_mean(image: FloatArray, reference: FloatArray) -> float:
     """Root mean square difference of two images over the mean of the second [1]."""
     return float(np.sqrt(np.mean((image - reference) ** 2)) / np.mean(reference))
-
-
-__all__ = ["VacuumAtmosphere", "compared_rows", "renderer", "rms_over_mean", "scene"]
