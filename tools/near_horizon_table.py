@@ -74,14 +74,15 @@ def ratios(
     frames: range,
     *,
     step: float | None = None,
+    shortest_wave_columns: float = 0.0,
 ) -> list[Ratio]:
     """Ratio of the mean over realisations to the model in ``bands`` of (name, lowest, highest depression) [deg]."""
-    renderer = Renderer(view, camera, waves, step=step)
+    renderer = Renderer(view, camera, waves, step=step, shortest_wave_columns=shortest_wave_columns)
     depression = -np.degrees(camera.elevations)
     rows = [np.flatnonzero((depression >= low) & (depression <= high)) for _, low, high in bands]
     samples = np.empty((len(frames), 2, len(bands)))
     for i, seed in enumerate(frames):
-        renderer.waves = waves.reseeded(seed)
+        renderer.reseed(seed)
         image = renderer.radiances(0.0)
         for j, part in enumerate(rows):
             samples[i, :, j] = float(image.total[part].mean(dtype=float)), float(image.sun[part].mean(dtype=float))

@@ -11,10 +11,10 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.glint import visible_sun
 from seaglint.render import facet
 from seaglint.render.facet import (
-    Roughness,
     Sight,
     SlopeQuadrature,
     facet_optics,
+    roughness_of,
     sun_factor,
     sun_terms,
     sunlight,
@@ -30,7 +30,7 @@ SMALL = SlopeStatistics(0.004, 0.006, wind_to_azimuth=-0.4)
 
 
 def _roughness(slopes, sun_azimuth):
-    return Roughness(*slopes.covariance(), float(np.sqrt(slopes.mss_along(sun_azimuth))))
+    return roughness_of(slopes, sun_azimuth, 1)
 
 
 def _sight(slopes, azimuth, sun_azimuth):

@@ -32,7 +32,7 @@ def _renderer(air, eye, *, wind=WIND, travel=30.0, sun=(70.0, 0.0), seed=1, **op
 def test_half_the_step_changes_column_means_by_less_than_half_a_percent(air, top, bottom, height):
     eye = camera(height, top, bottom, 100, width=20.0, columns=3)
     coarse = _renderer(air, eye)
-    fine = _renderer(air, eye, step=0.5 * coarse.report["sweep_step_m"])
+    fine = _renderer(air, eye, step=0.5 * coarse.report["sweep_step_m"][0])
     one, other = coarse.radiances(2.0).total.mean(axis=0), fine.radiances(2.0).total.mean(axis=0)
     np.testing.assert_allclose(one, other, rtol=5e-3)  # the bound
 
@@ -137,7 +137,7 @@ def test_resolved_and_facet_variances_add_up_to_the_model(wind, slopes_of):
     waves = elfouhaily(wind, 40.0)
     to = waves.spectrum.wind_to_azimuth
     total = cox_munk_isotropic(wind) if slopes_of == "isotropic" else cox_munk_anisotropic(wind, to)
-    rest, resolved = facet_slopes(total, waves), waves.resolved_mss()
+    rest, resolved = facet_slopes(total, waves.resolved_mss(), to), waves.resolved_mss()
     for angle, expected in ((to, total.mss_up), (to + 0.5 * np.pi, total.mss_cross)):
         along = resolved[0] * np.cos(angle - to) ** 2 + resolved[1] * np.sin(angle - to) ** 2
         assert rest.mss_along(angle) + along == pytest.approx(expected, rel=1e-9)  # rounding of the sum alone
@@ -146,7 +146,7 @@ def test_resolved_and_facet_variances_add_up_to_the_model(wind, slopes_of):
 def test_waves_steeper_than_the_model_are_refused(air):
     waves = elfouhaily(7.0)
     with pytest.raises(DomainError, match="resolve longer waves"):
-        facet_slopes(SlopeStatistics(1e-3, 1e-3), waves)
+        facet_slopes(SlopeStatistics(1e-3, 1e-3), waves.resolved_mss(), 0.0)
     eye = camera(30.0, -1.0, -5.0, 8)
     with pytest.raises(DomainError, match="more than the slope model"):
         Renderer(sea_view(air, SlopeStatistics(1e-3, 1e-3), 30.0), eye, waves)
@@ -167,7 +167,7 @@ def test_a_crest_over_the_sensor_is_refused(air):
     scene = Renderer(sea_view(air, slopes, height), camera(height, 0.0, -4.0, 8), waves)
     calm = scene.surface(0.0)
     flooded = calm._replace(height=calm.height + np.float32(10.0))
-    scene.surface = lambda time: flooded
+    scene.surface = lambda time, origin: flooded
     with pytest.raises(DomainError, match="under the sensor"):
         scene.radiances(0.0)
 

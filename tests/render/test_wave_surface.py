@@ -16,7 +16,16 @@ SPACING, TURN = np.array([2.0, 0.7]), np.array([0.4, 1.9])
 def _reach(sea, x, y):
     """The line through a point and its distance along it."""
     r = math.hypot(x, y) or 1.0
-    return surface_module.lattice_line(sea, x / r, y / r), math.hypot(x, y)
+    return surface_module.course(sea, 0, x / r, y / r), math.hypot(x, y)
+
+
+def _height(sea, x, y):
+    line, r = _reach(sea, x, y)
+    return surface_module.height(sea, line, 0, line.part.shape[0], r)
+
+
+def _slopes(sea, x, y):
+    return surface_module.slopes(sea, *_reach(sea, x, y))
 
 
 def _tiles(n=16):
@@ -31,8 +40,8 @@ def test_points_are_bilinear_sums_over_tiles(point):
     sea = surface_of(tiles, SPACING, TURN)
     z, east, north = sum(bilinear(t, d, a, *map(np.asarray, point)) for t, d, a in zip(tiles, SPACING, TURN, strict=True))
     # lattices are float32; at 1e5 m the fractions keep 10 digits
-    assert surface_module.height(sea, 0, 2, *_reach(sea, *point)) == pytest.approx(z, abs=2e-6)
-    assert surface_module.slopes(sea, *point) == pytest.approx((east, north), abs=2e-6)
+    assert _height(sea, *point) == pytest.approx(z, abs=2e-6)
+    assert _slopes(sea, *point) == pytest.approx((east, north), abs=2e-6)
 
 
 @pytest.mark.kernel
@@ -42,7 +51,7 @@ def test_lattice_points_are_met_exactly_and_tiles_are_periodic():
     for row, column in ((0, 0), (3, 9), (15, 15), (4, 3)):
         for wrap in (0.0, 32.0, -64.0):
             x, y = 2.0 * column + wrap, 2.0 * row - wrap
-            assert surface_module.height(sea, 0, 1, *_reach(sea, x, y)) == pytest.approx(float(tiles[0][row, column, 0]), abs=1e-9)
+            assert _height(sea, x, y) == pytest.approx(float(tiles[0][row, column, 0]), abs=1e-9)
 
 
 @pytest.mark.kernel
@@ -57,8 +66,29 @@ def test_addresses_of_the_squares_are_a_permutation():
 
 @pytest.mark.kernel
 def test_calm_sea_is_level():
-    assert surface_module.height(calm_surface(), 0, 0, *_reach(calm_surface(), 3.0, 4.0)) == 0.0
-    assert surface_module.slopes(calm_surface(), 3.0, 4.0) == (0.0, 0.0)
+    assert _height(calm_surface(), 3.0, 4.0) == 0.0
+    assert _slopes(calm_surface(), 3.0, 4.0) == (0.0, 0.0)
+
+
+@pytest.mark.kernel
+def test_the_sensor_stands_over_its_origin():
+    tiles, origin = _tiles(), (37.3, -412.8)
+    there, moved = surface_of(tiles, SPACING, TURN), surface_of(tiles, SPACING, TURN, origin=origin)
+    for x, y in ((0.0, 0.0), (5.2, 1.4), (-80.0, 33.0)):
+        assert _height(moved, x, y) == pytest.approx(_height(there, x + origin[0], y + origin[1]), abs=2e-6)
+
+
+@pytest.mark.parametrize("step", [0.3, 2.0, 40.0])
+def test_nothing_of_a_stretch_stands_above_its_roof(step):
+    """Lattices of noise, the worst case: every point of every stretch of every leap, in any direction."""
+    sea = surface_of(_tiles(32), SPACING, TURN, steps=np.array([step]))
+    for angle in np.linspace(0.0, 6.0, 7):
+        line = surface_module.course(sea, 0, np.sin(angle), np.cos(angle))
+        for leap, samples in enumerate(surface_module.LEAPS):
+            for middle in np.linspace(3.0, 300.0, 40):
+                along = middle + np.linspace(-0.5, 0.5, 31) * samples * step
+                top = max(surface_module.height(sea, line, 0, 2, r) for r in along)
+                assert top <= surface_module.roof(sea, line, 0, leap, middle) + 1e-6
 
 
 @pytest.mark.parametrize("n", [2, 12, 100])

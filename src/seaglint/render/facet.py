@@ -7,8 +7,10 @@ A facet of resolved slope ``s0`` carries the Gaussian density ``q`` of the slope
 with ``A+``, both ``Lambda`` and the two-leg factor ``S`` taken about the facet's own tilt (``S (1 + Lambda_v)/A+`` is ``1/A+`` under a
 high Sun). ``q`` is convolved with the solar disc: its covariance, ``eps^2/4`` in every direction, is carried to slopes by the mirror's
 Jacobian.
-Emission and reflected sky are averages over the same visible density, tabulated once per image. Rays reflected downwards meet the sea
-again and see a blackbody at its temperature.
+Where the sensor is low the unresolved waves hide each other: ``q`` is weighted by the law of nested bands (:mod:`seaglint.sea.nested`)
+about the facet's tilt, with as many bands as the facets' share of the slope variance is worth.
+Emission and reflected sky are averages over the same visible density, tabulated once per image and level of detail. Rays
+reflected downwards meet the sea again and see a blackbody at its temperature.
 
 Everything is kept per term of :class:`~seaglint.render.path_basis.PathBasis`, so that products with the path are integrated per wavenumber.
 """
@@ -21,6 +23,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
+from numpy.typing import NDArray
 
 from seaglint._jit import njit, njit_inline, njit_parallel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
@@ -30,7 +33,8 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.mean import SeaView
 from seaglint.render.path_basis import PathBasis
-from seaglint.sea.shadowing import bistatic_kernel, visible_area_kernel
+from seaglint.sea.nested import nested_exponent_kernel, ratio_table
+from seaglint.sea.shadowing import bistatic_kernel, quick_visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
 INCIDENCE_NODES = 513
@@ -53,7 +57,9 @@ FARTHEST_TURNED_AWAY = -3.0
 
 
 class Sunlight(NamedTuple):
-    """The Sun as kernels see it: the unit vector to it, the tangent ``t_*`` in its vertical plane and the horizontal one ``c_*``."""
+    """The Sun as kernels see it: the unit vector to it, the tangent ``t_*`` in its vertical plane and the horizontal one ``c_*``, the
+    horizontal unit vector towards it, its centre's elevation, and the tangents of its limbs' elevations.
+    """
 
     shining: bool
     azimuth: float
@@ -65,15 +71,23 @@ class Sunlight(NamedTuple):
     t_up: float
     c_east: float
     c_north: float
+    horizontal_east: float
+    horizontal_north: float
+    elevation: float
+    lower_tangent: float
+    upper_tangent: float
 
 
 class Roughness(NamedTuple):
-    """Covariance of unresolved slopes towards east and north (zero means mirror facets), and the deviation along the Sun's azimuth."""
+    """Covariance of unresolved slopes towards east and north (zero means mirror facets), the deviation along the Sun's azimuth, and the
+    table of their nested shadowing (:func:`seaglint.sea.nested.ratio_table`; empty for Smith's).
+    """
 
     east_east: float
     east_north: float
     north_north: float
     towards_sun: float
+    nested: np.ndarray
 
 
 class FacetTables(NamedTuple):
@@ -94,6 +108,40 @@ class FacetOptics(NamedTuple):
     sunlight: Sunlight
     roughness: Roughness
     tables: FacetTables
+
+
+class FacetLevels(NamedTuple):
+    """The facets of every level of detail, in arrays.
+
+    ``roughness[l] = (ee, en, nn, towards the Sun)``; ``nested`` (tables, rows, columns) and the level's number in ``nested_of[l]``, -1 for
+    Smith's; ``thermal`` all tables one after another with ``shape[l] = (first, nu, nchi, na, nc)`` and ``axes[l]``; ``sun`` as in
+    :class:`FacetTables`.
+    """
+
+    roughness: np.ndarray
+    nested: np.ndarray
+    nested_of: np.ndarray
+    thermal: np.ndarray
+    shape: np.ndarray
+    axes: np.ndarray
+    sun: np.ndarray
+
+
+@njit
+def level_optics(sunlight: Sunlight, levels: FacetLevels, level: int) -> FacetOptics:
+    """The facets of one level."""
+    first, nu, nx, na, nc = (
+        levels.shape[level, 0],
+        levels.shape[level, 1],
+        levels.shape[level, 2],
+        levels.shape[level, 3],
+        levels.shape[level, 4],
+    )
+    thermal = levels.thermal[first : first + nu * nx * na * nc].reshape((nu, nx, na, nc, levels.thermal.shape[1]))
+    k = levels.nested_of[level]
+    nested = levels.nested[max(k, 0), : levels.nested.shape[1] if k >= 0 else 0]
+    q = levels.roughness[level]
+    return FacetOptics(sunlight, Roughness(q[0], q[1], q[2], q[3], nested), FacetTables(thermal, levels.axes[level], levels.sun))
 
 
 class Sight(NamedTuple):
@@ -132,9 +180,16 @@ def sun_factor(
     mz = vz + sun.up
     if not sun.shining or mz <= 1e-9:
         return 0.0, 0.0
-    cos_incidence = math.sqrt(max(0.5 * (1.0 + ve * sun.east + vn * sun.north + vz * sun.up), 0.0))
     if rough.east_east + rough.north_north <= 0.0:
-        return mirror_factor(sun, ve, vn, vz, slope_east, slope_north), cos_incidence
+        mirror = mirror_factor(sun, ve, vn, vz, slope_east, slope_north)
+        return mirror, math.sqrt(max(0.5 * (1.0 + ve * sun.east + vn * sun.north + vz * sun.up), 0.0))
+    sun_mean = sun.up - sun.east * slope_east - sun.north * slope_north
+    tilt = sight.east * slope_east + sight.north * slope_north
+    mean = vz - horizontal * tilt
+    deviation = horizontal * sight.deviation
+    area = quick_visible_area_kernel(mean, deviation)
+    if area <= 0.0 or sun_mean <= 0.0:
+        return 0.0, 0.0
     se, sn = -(ve + sun.east) / mz, -(vn + sun.north) / mz
     tan2 = se * se + sn * sn
     ee, en, nn, shift_e, shift_n = disc_in_slopes(sun, mz, se, sn)
@@ -147,23 +202,21 @@ def sun_factor(
     det = ee * nn - en * en
     exponent = 0.5 * (nn * de * de - 2.0 * en * de * dn + ee * dn * dn) / det
     if exponent > NEGLIGIBLE_EXPONENT:
-        return 0.0, cos_incidence
+        return 0.0, 0.0
     if disc[0] + disc[2] > SHARP_DISC * (ee + nn):
         exponent += disc_edge(disc, (ee, en, nn), (de, dn), det)
-    sun_mean = sun.up - sun.east * slope_east - sun.north * slope_north
-    mean = vz - horizontal * (sight.east * slope_east + sight.north * slope_north)
-    deviation = horizontal * sight.deviation
-    area = visible_area_kernel(mean, deviation)
-    if area <= 0.0 or sun_mean <= 0.0:
-        return 0.0, cos_incidence
+    if rough.nested.shape[0] > 0:
+        mirroring = sight.east * se + sight.north * sn - tilt
+        exponent -= nested_exponent_kernel(mirroring, mean / max(horizontal, 1e-12), sight.deviation, rough.nested)
     lit = 1.0
     sun_deviation = sun.t_up * rough.towards_sun
     # above 4.5 deviations Smith's Lambda, the visible area over the mean less one, is below 1e-6
     if sun_mean < 4.5 * sun_deviation and mean > 0.0:
-        lambda_sun = visible_area_kernel(sun_mean, sun_deviation) / sun_mean - 1.0
+        lambda_sun = quick_visible_area_kernel(sun_mean, sun_deviation) / sun_mean - 1.0
         lambda_view = area / mean - 1.0
         lit = bistatic_kernel(lambda_view, lambda_sun, sight.from_sun) * (1.0 + lambda_view)
     density = math.exp(-exponent) / (2.0 * math.pi * math.sqrt(det))
+    cos_incidence = math.sqrt(max(0.5 * (1.0 + ve * sun.east + vn * sun.north + vz * sun.up), 0.0))
     return 0.25 * density * lit * (1.0 + tan2) * (1.0 + tan2) / area, cos_incidence
 
 
@@ -255,16 +308,21 @@ def facet_radiance(
             solar += sun_path[i_path, k] * ((1.0 - f) * sun[i, k] + f * sun[i + 1, k])
         solar *= factor
 
+    nc, terms = thermal.shape[2], thermal.shape[3]
     iu, fu = node(axes, 0, thermal.shape[0], grazing[0])
     ia, fa = node(axes, 2, thermal.shape[1], slope_east * sight.east + slope_north * sight.north)
-    ic, fc = node(axes, 3, thermal.shape[2], slope_east * sight.north - slope_north * sight.east)
-    a, b, c, d = (1.0 - fa) * (1.0 - fc), (1.0 - fa) * fc, fa * (1.0 - fc), fa * fc
+    ic, fc = node(axes, 3, nc, slope_east * sight.north - slope_north * sight.east)
+    flat = thermal.ravel()
+    row, plane = nc * terms, thermal.shape[1] * nc * terms
+    first = iu * plane + ia * row + ic * terms
     warm = 0.0
-    for k in range(thermal.shape[3]):
-        low = a * thermal[iu, ia, ic, k] + b * thermal[iu, ia, ic + 1, k]
-        low += c * thermal[iu, ia + 1, ic, k] + d * thermal[iu, ia + 1, ic + 1, k]
-        high = a * thermal[iu + 1, ia, ic, k] + b * thermal[iu + 1, ia, ic + 1, k]
-        high += c * thermal[iu + 1, ia + 1, ic, k] + d * thermal[iu + 1, ia + 1, ic + 1, k]
+    for k in range(terms):
+        p = first + k
+        q = p + plane
+        low = flat[p] + fc * (flat[p + terms] - flat[p])
+        low += fa * (flat[p + row] + fc * (flat[p + row + terms] - flat[p + row]) - low)
+        high = flat[q] + fc * (flat[q + terms] - flat[q])
+        high += fa * (flat[q + row] + fc * (flat[q + row + terms] - flat[q + row]) - high)
         warm += warm_path[i_path, k] * (low + fu * (high - low))
     return warm, solar
 
@@ -364,6 +422,8 @@ def mean_facet(
                 # proportional to the visible density of slopes; constants cancel in the normalisation
                 w = q.along_weight[i] * (end - start) * math.exp(-0.5 * z * z) * max(sine - cosine * a, 0.0) * q.cross_weight[j]
                 if w > 0.0:
+                    if rough.nested.shape[0] > 0:
+                        w *= math.exp(nested_exponent_kernel(a - a0, tangent - a0, sigma, rough.nested))
                     add_mirror(sources, sine, a, c, w, out)
                     total += w
     for k in range(out.shape[0]):
@@ -436,10 +496,30 @@ def thermal_sources(basis: PathBasis, view: SeaView) -> ThermalSources:
 
 
 def sunlight(zenith: float, azimuth: float, shining: bool) -> Sunlight:
-    """The Sun's direction and the tangents to it, in its vertical plane and horizontal."""
+    """The Sun's direction, the tangents to it, in its vertical plane and horizontal, and its limbs."""
     sz, cz, sa, ca = np.sin(zenith), np.cos(zenith), np.sin(azimuth), np.cos(azimuth)
-    values = (azimuth, sz * sa, sz * ca, cz, -cz * sa, -cz * ca, sz, ca, -sa)
+    elevation = 0.5 * np.pi - zenith
+    limbs = np.tan(np.clip(elevation + np.array([-1.0, 1.0]) * SOLAR_ANGULAR_RADIUS, -1.5, 0.5 * np.pi - 1e-6))
+    values = (azimuth, sz * sa, sz * ca, cz, -cz * sa, -cz * ca, sz, ca, -sa, sa, ca, elevation, *limbs)
     return Sunlight(shining, *(float(v) for v in values))
+
+
+def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: int) -> Roughness:
+    """Facet slopes as kernels take them, with nested shadowing in so many bands (1: Smith's)."""
+    towards = float(np.sqrt(slopes.mss_along(solar_azimuth)))
+    return Roughness(*slopes.covariance(), towards, ratio_table(bands).astype(np.float32))
+
+
+def thermal_table(
+    sources: ThermalSources, rough: Roughness, axes: FloatArray, shape: tuple[int, int, int, int], terms: int
+) -> NDArray[np.float32]:
+    """Emission and reflected sky of facets, (*shape, terms); see :func:`thermal_axes` for ``axes`` and ``shape``."""
+    nodes, weights = np.polynomial.legendre.leggauss(ALONG_NODES)
+    cross, cross_weights = hermegauss(CROSS_NODES)
+    quadrature = SlopeQuadrature(nodes, weights, cross, cross_weights / cross_weights.sum())
+    thermal = np.empty((*shape, terms), dtype=np.float32)
+    fill_thermal(sources, quadrature, rough, axes, thermal)
+    return thermal
 
 
 def facet_optics(
@@ -447,20 +527,14 @@ def facet_optics(
     sources: ThermalSources,
     sun: Sunlight,
     reflected_sun: FloatArray,
-    roughness: SlopeStatistics,
+    slopes: SlopeStatistics,
     axes: FloatArray,
     shape: tuple[int, int, int, int],
+    bands: int = 1,
 ) -> FacetOptics:
-    """Tabulate the facet averages; see :func:`thermal_axes` for ``axes`` and ``shape``.
-
-    ``reflected_sun`` (incidence nodes, k) are band terms of reflectance times solar irradiance [W m-2].
-    """
-    rough = Roughness(*roughness.covariance(), float(np.sqrt(roughness.mss_along(sun.azimuth))))
-    nodes, weights = np.polynomial.legendre.leggauss(ALONG_NODES)
-    cross, cross_weights = hermegauss(CROSS_NODES)
-    quadrature = SlopeQuadrature(nodes, weights, cross, cross_weights / cross_weights.sum())
-    thermal = np.empty((*shape, basis.phi.shape[0]), dtype=np.float32)
-    fill_thermal(sources, quadrature, rough, axes, thermal)
+    """Facets of one level of detail; ``reflected_sun`` (incidence nodes, k) are :func:`sun_terms` [W m-2]."""
+    rough = roughness_of(slopes, sun.azimuth, bands)
+    thermal = thermal_table(sources, rough, axes, shape, basis.phi.shape[0])
     return FacetOptics(sun, rough, FacetTables(thermal, axes, np.ascontiguousarray(reflected_sun)))
 
 

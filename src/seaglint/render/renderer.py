@@ -15,11 +15,22 @@ from seaglint.errors import DomainError
 from seaglint.radiance.glint import visible_sun
 from seaglint.radiance.mean import SeaView, band_grid
 from seaglint.render.camera import Camera
-from seaglint.render.facet import FacetOptics, FacetTables, facet_optics, sun_terms, sunlight, thermal_axes, thermal_sources
-from seaglint.render.path_basis import fewest_terms, path_basis
-from seaglint.render.surface import Surface, calm_surface, height, lattice_line, surface_of
+from seaglint.render.facet import (
+    FacetLevels,
+    Sunlight,
+    roughness_of,
+    sun_terms,
+    sunlight,
+    thermal_axes,
+    thermal_sources,
+    thermal_table,
+)
+from seaglint.render.path_basis import PathBasis, fewest_terms, path_basis
+from seaglint.render.surface import Surface, calm_surface, course, height, surface_of
 from seaglint.render.sweep import Frame, Walk, calm_ranges, graded_ranges, sea_limits, sweep_columns
+from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
+from seaglint.sea.nested import ratio_table
 from seaglint.sea.slopes import SlopeStatistics
 
 CREST = 1.25
@@ -34,6 +45,9 @@ MOST_LINES = 2
 SUBMERGED = 0.75
 """A sensor below this many significant heights (three standard deviations) would be under water now and then."""
 
+SHORTEST_WAVE_COLUMNS = 1.0
+"""Columns that a band's longest waves must span to stay geometry, by default."""
+
 
 @dataclass(frozen=True)
 class Radiances:
@@ -43,31 +57,38 @@ class Radiances:
     sun: NDArray[np.float32]
 
 
-def facet_slopes(slopes: SlopeStatistics, waves: WaveField | None) -> SlopeStatistics:
-    """Statistics left to the facets: the model's variances minus what the interpolated lattices carry, per direction.
+def facet_slopes(slopes: SlopeStatistics, resolved: tuple[float, float], wind_to_azimuth: float) -> SlopeStatistics:
+    """Statistics left to the facets: the model's variances minus what the interpolated lattices carry, along and across the wind of
+    the waves.
 
     Raises
     ------
     DomainError
         If resolved waves carry more than the model has.
     """
-    if waves is None:
-        return slopes
-    up, cross = waves.resolved_mss()
+    up, cross = resolved
     rest = (slopes.mss_up - up, slopes.mss_cross - cross)
-    if min(rest) <= 0.0:
+    if min(rest) < 0.0 or (min(rest) == 0.0 and max(resolved) > 0.0):
         raise DomainError(
             f"resolved waves carry slope variances {up:.4g} up and {cross:.4g} across the wind, more than the slope model's "
             f"{slopes.mss_up:.4g} and {slopes.mss_cross:.4g}; resolve longer waves only"
         )
-    return SlopeStatistics(*rest, wind_to_azimuth=waves.spectrum.wind_to_azimuth)
+    return SlopeStatistics(*rest, wind_to_azimuth=wind_to_azimuth) if max(resolved) > 0.0 else slopes
 
 
-def parting_samples(arcs: FloatArray, column_step: float, shortest_wave: float, most_lines: int) -> NDArray[np.int64]:
-    """Samples [1] between which the number of lines in a column stays the same, doubling where they are a shortest wave apart."""
-    stages = int(np.log2(most_lines))
-    ranges = shortest_wave / column_step * 2.0 ** np.arange(stages)
-    return np.concatenate([[0], np.searchsorted(arcs, ranges), [arcs.size]]).astype(np.int64)
+def stages(arcs: FloatArray, column_step: float, begins: FloatArray, shortest_waves: FloatArray, most_lines: int) -> NDArray[np.int64]:
+    """Rows of :attr:`~seaglint.render.sweep.Walk.stage` for samples at ``arcs`` [m].
+
+    Level ``l`` begins at the arc ``begins[l]``. A column has lines a shortest wave apart or closer, up to ``most_lines``, a power of two;
+    they never join again, as each has its own horizon.
+    """
+    level = np.searchsorted(begins, arcs, side="right") - 1
+    apart = arcs * column_step / shortest_waves[level]
+    parted = np.clip(np.floor(np.log2(np.maximum(apart, 0.5))) + 1.0, 0.0, np.log2(most_lines)).astype(np.int64)
+    parted = np.maximum.accumulate(parted)
+    starts = np.flatnonzero(np.concatenate([[True], (np.diff(level) != 0) | (np.diff(parted) != 0)]))
+    doublings = np.diff(parted[starts], prepend=0)
+    return np.concatenate([np.stack([starts, level[starts], doublings], axis=1), [[arcs.size, 0, 0]]]).astype(np.int64)
 
 
 class Renderer:
@@ -76,30 +97,38 @@ class Renderer:
     Parameters
     ----------
     view : SeaView
-        Sea, air and Sun; its slopes are the total statistics.
+        Sea, air and Sun; its slopes are the total statistics. Without resolved waves its ``shadowing`` says how facets hide each other.
     camera : Camera
         The image grid; stands at the view's sensor height.
     waves : WaveField, optional
         The part of the slopes that is geometry; the rest goes to the facets. Without it the image is the mean.
     step : float, optional
-        Largest step of the sweep [m]; a quarter of the shortest resolved wave by default.
+        Largest step of the sweep at the finest level of detail [m]; a quarter of the shortest resolved wave by default.
     most_lines : int, optional
         Most lines swept in each column, a power of two. Waves shorter than twice their spacing are sampled, not averaged, across a column.
+    shortest_wave_columns : float, optional
+        Where a column is wider than a band's longest waves over this number, the band goes to the facets; 0 keeps all waves at any range.
     """
 
     def __init__(
-        self, view: SeaView, camera: Camera, waves: WaveField | None = None, *, step: float | None = None, most_lines: int = MOST_LINES
+        self,
+        view: SeaView,
+        camera: Camera,
+        waves: WaveField | None = None,
+        *,
+        step: float | None = None,
+        most_lines: int = MOST_LINES,
+        shortest_wave_columns: float = SHORTEST_WAVE_COLUMNS,
     ) -> None:
         if camera.height != view.sensor_height:
             raise DomainError(
                 f"camera at {camera.height:g} m, but the view is made for {view.sensor_height:g} m; give both the same height"
             )
         self.view, self.camera, self.waves = view, camera, waves
-        self.shortest_wave = 2.0 * np.pi / waves.tiles[-1].k_max if waves is not None else np.inf
-        self._step = step if step is not None else self.shortest_wave / STEPS_PER_WAVE
         self._most_lines = most_lines if waves is not None else 1
         self._frame = self._sky_rows()
-        resolved = (0.0, 0.0)
+        self._detail: Detail | None = None
+        self._begins, self._steps, shortest = np.zeros(1), np.zeros(1), np.full(1, np.inf)
         arcs = np.empty(0)
         if waves is None:
             arcs = calm_ranges(camera)
@@ -110,54 +139,103 @@ class Renderer:
                     f"{waves.significant_height:.2f} m); place it above {SUBMERGED * waves.significant_height:.2f} m "
                     "or do not resolve waves"
                 )
-            resolved = waves.resolved_mss()
             limits = sea_limits(camera, CREST * waves.significant_height)
+            detail = Detail.of(waves, None if shortest_wave_columns > 0.0 else 1)
+            shortest = np.array([level.shortest_wave for level in detail.levels])
+            begins = np.zeros(shortest.size)
+            if shortest.size > 1:
+                begins[1:] = shortest[1:] / (shortest_wave_columns * camera.column_step)
+            used = int(np.count_nonzero(begins < (limits[1] if limits is not None else 0.0)))
+            self._detail = detail.first(max(used, 1))
+            self._begins, shortest = begins[: max(used, 1)], shortest[: max(used, 1)]
+            self._steps = shortest / STEPS_PER_WAVE if step is None else shortest * (step / shortest[0])
             if limits is not None:
-                arcs = graded_ranges(*limits, self._step, camera.height, camera.row_step)
+                arcs = graded_ranges(*limits, self._begins, self._steps, camera.height, camera.row_step)
         self._walk: Walk | None = None
-        self._optics: FacetOptics | None = None
+        self._sun: Sunlight | None = None
+        self._facets: FacetLevels | None = None
         if arcs.size > 1:
-            self._prepare(arcs, resolved)
+            self._prepare(arcs, stages(arcs, camera.column_step, self._begins, shortest, self._most_lines))
+
+    def reseed(self, seed: int) -> None:
+        """Go on with another realisation of the same sea, without preparing anything again."""
+        if self.waves is not None and self._detail is not None:
+            self.waves = self.waves.reseeded(seed)
+            self._detail = Detail.of(self.waves).first(len(self._detail.levels))
 
     @property
     def report(self) -> dict[str, Any]:
         """Settings of the sweep, for the provenance."""
-        walk = self._walk
+        walk, detail = self._walk, self._detail
         return {
-            "sweep_step_m": self._step if self.waves is not None else None,
+            "sweep_step_m": [float(step) for step in self._steps] if detail is not None else None,
             "sweep_samples": 0 if walk is None else int(walk.range_m.size),
             "sweep_range_m": [] if walk is None else [float(walk.range_m[0]), float(walk.range_m[-1])],
+            "level_begins_m": [float(r) for r in self._begins] if detail is not None else None,
+            "level_shortest_wave_m": [level.shortest_wave for level in detail.levels] if detail is not None else None,
             "most_lines_per_column": self._most_lines,
             "spectral_terms": [] if walk is None else [int(walk.coefficients.shape[1]), int(walk.sun_coefficients.shape[1])],
         }
 
-    def _prepare(self, arcs: FloatArray, resolved: tuple[float, float]) -> None:
+    def _prepare(self, arcs: FloatArray, stage: NDArray[np.int64]) -> None:
         view, camera = self.view, self.camera
         middle = np.concatenate([arcs[:1], 0.5 * (arcs[1:] + arcs[:-1])])
         basis = path_basis(view.atmosphere, view.band, camera.height, middle)
-        facets = facet_slopes(view.slopes, self.waves)
-        sines = np.cos(view_zenith_of_range(camera.height, arcs[[-1, 0]]))
-        half = 0.5 * camera.width
-        axes, shape = thermal_axes(facets, resolved, (float(sines[0]), float(sines[1])), (camera.azimuth - half, camera.azimuth + half))
         share, zenith = visible_sun(view.solar_zenith)
         irradiance = view.sun_distance_factor * share * view.atmosphere.solar_irradiance(zenith)[basis.grid]
-        sun = sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0))
-        full = facet_optics(basis, thermal_sources(basis, view), sun, sun_terms(basis, irradiance, view.water), facets, axes, shape)
-        thermal, coefficients = fewest_terms(full.tables.thermal, basis.coefficients)
-        reflected, sun_coefficients = fewest_terms(full.tables.sun, basis.coefficients)
-        self._optics = full._replace(tables=FacetTables(thermal.astype(np.float32), axes, np.ascontiguousarray(reflected)))
+        self._sun = sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0))
+        self._facets, coefficients, sun_coefficients = self._level_facets(basis, arcs, sun_terms(basis, irradiance, view.water))
         psi = arcs / EFFECTIVE_EARTH_RADIUS
         self._walk = Walk(
             arcs,
             np.cos(psi),
             EFFECTIVE_EARTH_RADIUS * np.sin(psi),
             camera.height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2,
-            float(np.diff(arcs).max()),
             coefficients,
             sun_coefficients,
             basis.path_radiance,
-            parting_samples(arcs, camera.column_step, self.shortest_wave, self._most_lines),
+            stage,
+            self._steps,
         )
+
+    def _level_facets(self, basis: PathBasis, arcs: FloatArray, reflected_sun: FloatArray) -> tuple[FacetLevels, FloatArray, FloatArray]:
+        """Facets of every level, and the path's coefficients for their thermal and solar tables."""
+        view, camera = self.view, self.camera
+        sources, half = thermal_sources(basis, view), 0.5 * camera.width
+        resolved = [(0.0, 0.0)] if self._detail is None else [level.mss for level in self._detail.levels]
+        crest = 0.0 if self.waves is None else self.waves.significant_height
+        bands = view.nested_bands if self.waves is not None or view.shadowing in ("nested", "nested-viewer") else 1
+        rough, tables, shapes, axes = [], [], [], []
+        for i, mss in enumerate(resolved):
+            facets = facet_slopes(
+                view.slopes, mss, view.slopes.wind_to_azimuth if self.waves is None else self.waves.spectrum.wind_to_azimuth
+            )
+            share = facets.mss / view.slopes.mss if view.slopes.mss > 0.0 else 1.0
+            rough.append((max(round(bands * share), 1), facets))
+            ends = np.clip([self._begins[i], self._begins[i + 1] if i + 1 < len(resolved) else arcs[-1]], arcs[0], arcs[-1])
+            high, low = np.cos(view_zenith_of_range(camera.height, ends)) + np.array([1.0, -1.0]) * crest / np.maximum(ends, camera.height)
+            floor = float(np.cos(view_zenith_of_range(camera.height, arcs[-1:]))[0])
+            sines = (max(float(low), floor), min(float(high), 1.0))
+            nodes, shape = thermal_axes(facets, mss, sines, (camera.azimuth - half, camera.azimuth + half))
+            tables.append(thermal_table(sources, roughness_of(facets, view.solar_azimuth, rough[-1][0]), nodes, shape, basis.phi.shape[0]))
+            shapes.append(shape)
+            axes.append(nodes)
+        flat = [table.reshape(-1, table.shape[-1]) for table in tables]
+        thermal, coefficients = fewest_terms(np.concatenate(flat), basis.coefficients)
+        reflected, sun_coefficients = fewest_terms(reflected_sun, basis.coefficients)
+        first = np.concatenate([[0], np.cumsum([len(part) for part in flat])[:-1]])
+        kept = sorted({count for count, _ in rough} - {1})
+        ratios = [ratio_table(count) for count in kept] or [np.zeros((1, 1))]
+        levels = FacetLevels(
+            np.array([roughness_of(facets, view.solar_azimuth, 1)[:4] for _, facets in rough]),
+            np.stack(ratios).astype(np.float32),
+            np.array([kept.index(count) if count > 1 else -1 for count, _ in rough]),
+            thermal.astype(np.float32),
+            np.concatenate([first[:, None], np.array(shapes)], axis=1),
+            np.stack(axes),
+            np.ascontiguousarray(reflected),
+        )
+        return levels, coefficients, sun_coefficients
 
     def _sky_rows(self) -> Frame:
         camera, view = self.camera, self.view
@@ -172,16 +250,23 @@ class Renderer:
         top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
         return Frame(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky)
 
-    def surface(self, time: float) -> Surface:
-        """The sea at a time [s]."""
-        if self.waves is None:
+    def surface(self, time: float, origin: tuple[float, float] = (0.0, 0.0)) -> Surface:
+        """The sea at a time [s], with the sensor above ``origin``, east and north [m]."""
+        if self._detail is None:
             return calm_surface()
-        tiles = self.waves.tiles
-        lattices = self.waves.surfaces(time, workers=numba.get_num_threads())
-        return surface_of(lattices, np.array([t.spacing for t in tiles]), np.array([t.rotation for t in tiles]))
+        tiles = [part.tiles[0] for part in self._detail.parts]
+        return surface_of(
+            self._detail.surfaces(time, workers=numba.get_num_threads()),
+            np.array([t.spacing for t in tiles]),
+            np.array([t.rotation for t in tiles]),
+            tuple(level.parts for level in self._detail.levels),
+            self._steps,
+            origin,
+        )
 
-    def radiances(self, time: float) -> Radiances:
-        """Render the instant ``time`` [s] from the start: a function of the scene and the time alone.
+    def radiances(self, time: float, origin: tuple[float, float] = (0.0, 0.0)) -> Radiances:
+        """Render the instant ``time`` [s] from the start, the sensor above ``origin``, east and north [m]: a function of the scene, the
+        place and the time alone.
 
         Raises
         ------
@@ -190,15 +275,16 @@ class Renderer:
         """
         camera = self.camera
         images = np.empty((camera.columns, 2, camera.rows))
-        if self._walk is None or self._optics is None:
+        if self._walk is None or self._sun is None or self._facets is None:
             images[:, 0], images[:, 1] = self._frame.sky, 0.0
         else:
-            surface = self.surface(time)
-            foot = height(surface, 0, surface.height.shape[0], lattice_line(surface, 1.0, 0.0), 0.0)
+            surface = self.surface(time, origin)
+            line = course(surface, 0, 1.0, 0.0)
+            foot = height(surface, line, 0, line.part.shape[0], 0.0)
             if foot >= camera.height:
                 raise DomainError(
                     f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {camera.height:g} m above the mean sea"
                 )
-            sweep_columns(self._walk, self._frame, surface, *self._optics, camera.azimuths, camera.column_step, images)
+            sweep_columns(self._walk, self._frame, surface, self._sun, self._facets, camera.azimuths, camera.column_step, images)
         total, sun = np.ascontiguousarray(images.transpose(1, 2, 0), dtype=np.float32)
         return Radiances(total, sun)

@@ -4,8 +4,9 @@ Every surface piece above the running horizon is visible and covers a known inte
 that interval, is added to the pixels in proportion to the overlap. So a column has no sampling noise in elevation, its own horizon, and any
 width of panorama.
 
-Most samples are hidden at grazing views. A few are passed over at once where the long waves, bounded by a chord and their curvature,
-and the highest crest of the shortest ones stay below the line of sight; the image is that of the full walk.
+Detail falls with range: where a column has grown wider than the waves of a level's last band (:mod:`seaglint.sea.detail`), the band goes to
+the facets and steps grow. Most samples are hidden at grazing views; many are passed over at once where the roofs of the lattices
+(:mod:`seaglint.render.surface`) stay below the line of sight, and the image is that of the full walk.
 Across a column, lines part as the column widens: one line near the sensor, two where the column is wider than a shortest wave, and so
 on up to a limit. From there on the sea is sampled, not averaged, across a column.
 """
@@ -22,8 +23,9 @@ from seaglint._jit import njit, njit_inline, njit_parallel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
 from seaglint.render.camera import Camera
-from seaglint.render.facet import FacetOptics, FacetTables, Roughness, Sight, Sunlight, facet_radiance, line_of_sight, thermal_along
-from seaglint.render.surface import Surface, height, lattice_line, slopes
+from seaglint.render.facet import FacetLevels, FacetOptics, Sight, Sunlight, facet_radiance, level_optics, line_of_sight, thermal_along
+from seaglint.render.shade import sun_share
+from seaglint.render.surface import LEAPS, Course, Surface, course, height, roof, slopes
 
 RANGE_PARTS = 0.5
 """Largest step as a share of the ground seen by one pixel row, so that near pixels are made of several pieces."""
@@ -31,9 +33,8 @@ RANGE_PARTS = 0.5
 CALM_PARTS = 4
 """Pieces per pixel row where no waves are resolved."""
 
-
-STRIDE = 4
-"""Samples that are passed over at once where the long waves and the highest crest of the shortest ones stay below the line of sight."""
+PATIENCE = 4
+"""Samples looked at one by one after a leap has failed."""
 
 BUFFER = 1024
 """Visible pieces that are found before they are shaded; 24 kB stay in the first cache."""
@@ -42,20 +43,20 @@ BUFFER = 1024
 class Walk(NamedTuple):
     """Samples along every line: arcs from the sensor's foot and what depends on them alone.
 
-    ``range_m, cosine, sine_arc, drop``: arc r, cos(r/R'), R' sin(r/R') and h + R' (1 - cos(r/R')) at the samples, at most ``step`` [m]
-    apart. ``coefficients, sun_coefficients, path`` belong to the middle of the piece that ends at a sample. ``parting``: first sample,
-    those at which every line of a column becomes two, and the number of samples.
+    ``range_m, cosine, sine_arc, drop``: arc r, cos(r/R'), R' sin(r/R') and h + R' (1 - cos(r/R')) at the samples. ``coefficients,
+    sun_coefficients, path`` belong to the middle of the piece that ends at a sample. ``stage[s] = (first sample, level of detail, how
+    often every line parts in two at its beginning)``, and the number of samples in a last row. ``step``: that of every level [m].
     """
 
     range_m: np.ndarray
     cosine: np.ndarray
     sine_arc: np.ndarray
     drop: np.ndarray
-    step: float
     coefficients: np.ndarray
     sun_coefficients: np.ndarray
     path: np.ndarray
-    parting: np.ndarray
+    stage: np.ndarray
+    step: np.ndarray
 
 
 class Frame(NamedTuple):
@@ -70,18 +71,22 @@ class Frame(NamedTuple):
 
 
 @njit
-def graded_ranges(first: float, last: float, step: float, height: float, row_step: float) -> np.ndarray:
-    """Arcs from ``first`` to ``last`` in steps of at most ``step`` and of :data:`RANGE_PARTS` of a pixel row's ground [m]."""
+def graded_ranges(first: float, last: float, begins: np.ndarray, steps: np.ndarray, height: float, row_step: float) -> np.ndarray:
+    """Arcs from ``first`` to ``last`` in steps of at most ``steps[l]``, from ``begins[l]`` on, and of :data:`RANGE_PARTS` of a pixel row's
+    ground [m].
+    """
     size = 1
     for fill in range(2):
         out = np.empty(size)
-        r, i = first, 0
+        r, i, level = first, 0, 0
         while True:
             if fill:
                 out[i] = r
             if r >= last:
                 break
-            r += min(step, max(RANGE_PARTS * row_step * (r * r + height * height) / height, 1e-3 * height))
+            while level + 1 < begins.shape[0] and r >= begins[level + 1]:
+                level += 1
+            r += min(steps[level], max(RANGE_PARTS * row_step * (r * r + height * height) / height, 1e-3 * height))
             i += 1
         size = i + 1
     return out
@@ -149,7 +154,8 @@ def add_rows(images: np.ndarray, frame: Frame, low: float, high: float, total: f
 def walk_line(
     walk: Walk,
     surface: Surface,
-    sight: Sight,
+    level: int,
+    line: Course,
     part: tuple[int, int],
     horizon: tuple[float, float],
     sample: np.ndarray,
@@ -163,30 +169,31 @@ def walk_line(
     """
     i, end = part
     tangent, top = horizon
-    count, last_above, patience = 0, -1, 0
-    tiles = surface.height.shape[0]
-    line = lattice_line(surface, -sight.east, -sight.north)
-    long = max(tiles - 1, 0)  # tiles before the last
-    # a chord of the long waves misses their highest point by at most this, and the shortest waves add their crest
-    slack = surface.crest + 0.125 * surface.curvature * (STRIDE * walk.step) ** 2
+    count, last_above, patience = 0, -1, PATIENCE
+    tiles = line.part.shape[0]
+    long = max(tiles - 1, 0)  # parts before the last
+    crest = surface.crest[level, 0]
     while i < end and tangent < top and count < sample.shape[0]:
+        if patience <= 0:
+            patience = PATIENCE
+            for leap in range(len(LEAPS)):
+                # over the round sea the line of sight sags between two samples by 10 um at most: both ends tell
+                over = i + LEAPS[leap] - 1
+                while over < end:
+                    z = roof(surface, line, level, leap, 0.5 * (walk.range_m[i] + walk.range_m[over])) + 1e-5
+                    if clearance(walk, i, tangent, z) >= 0.0 or clearance(walk, over, tangent, z) >= 0.0:
+                        break
+                    i = over + 1
+                    over = i + LEAPS[leap] - 1
+            if i >= end:
+                break
         r = walk.range_m[i]
-        z = height(surface, 0, long, line, r)
-        if tiles > 1 and clearance(walk, i, tangent, z + surface.crest) < 0.0:
+        z = height(surface, line, 0, long, r)
+        if tiles > 1 and clearance(walk, i, tangent, z + crest) < 0.0:
             i += 1
             patience -= 1
-            while patience <= 0 and i + STRIDE <= end:
-                ahead = walk.range_m[i + STRIDE - 1]
-                z_ahead = height(surface, 0, long, line, ahead)
-                # the line of sight is convex over the round sea, so it is lowest at an end or stays above its tangent at the near one
-                fall = max(-tangent - r / EFFECTIVE_EARTH_RADIUS, 0.0) * (ahead - r)
-                if clearance(walk, i - 1, tangent, max(z, z_ahead) + slack + fall) >= 0.0:
-                    patience = STRIDE
-                else:
-                    i += STRIDE
-                    r, z = ahead, z_ahead
             continue
-        z += height(surface, long, tiles, line, r)
+        z += height(surface, line, long, tiles, r)
         above = clearance(walk, i, tangent, z)
         if above < 0.0:
             i += 1
@@ -196,13 +203,13 @@ def walk_line(
         risen = tangent_of(walk, i, z)
         if i > 0 and last_above != i - 1:
             before = walk.range_m[i - 1]
-            below = max(-clearance(walk, i - 1, tangent, height(surface, 0, tiles, line, before)), 0.0)
+            below = max(-clearance(walk, i - 1, tangent, height(surface, line, 0, tiles, before)), 0.0)
             length *= above / (below + above + 1e-30)
         if risen > tangent:
             sample[count], piece[count, 0], piece[count, 1] = i, length, risen
             count += 1
             tangent = risen
-        last_above, patience = i, 0
+        last_above, patience = i, PATIENCE
         i += 1
     return count, (i if tangent < top else end), tangent
 
@@ -215,6 +222,9 @@ def shade_line(
     optics: FacetOptics,
     sight: Sight,
     thermal: np.ndarray,
+    level: int,
+    line: Course,
+    sunward: Course,
     weight: float,
     lowest: float,
     pieces: tuple[int, np.ndarray, np.ndarray],
@@ -222,24 +232,28 @@ def shade_line(
 ) -> None:
     """Add the radiance of a line's visible pieces, times its weight, to the rows of ``images`` (total, solar part).
 
-    ``thermal`` is the line's table of :func:`~seaglint.render.facet.thermal_along`.
+    ``thermal`` is the line's table of :func:`~seaglint.render.facet.thermal_along`; ``sunward`` the course
+    from the sensor's foot to the Sun.
     """
     count, sample, piece = pieces
     paths = (walk.coefficients, walk.sun_coefficients)
     below = lowest
     low = math.atan(below)
+    shaded = optics.sunlight.shining and surface.steepest[level] > optics.sunlight.lower_tangent
     for j in range(count):
         i, above = sample[j], piece[j, 1]
         high = math.atan(above)
         if i > 0:
             r = walk.range_m[i] - 0.5 * piece[j, 0]
-            slope = slopes(surface, -r * sight.east, -r * sight.north)
+            slope = slopes(surface, line, r)
             # the grazing angle is the depression less the arc's angle
             tangent = 0.5 * (max(below, -1e3) + above)
             cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
             sine_arc = walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
             grazing = (-cosine * (tangent * walk.cosine[i] + sine_arc), cosine * (walk.cosine[i] - tangent * sine_arc))
             warm, solar = facet_radiance(optics, thermal, paths, i, sight, grazing, slope)
+            if shaded and solar > 0.0:
+                solar *= sun_share(surface, level, line, sunward, r, walk.step[level], optics.sunlight)
             add_rows(images, frame, low, high, weight * (warm + walk.path[i] + solar), weight * solar)
         below, low = above, high
 
@@ -253,27 +267,31 @@ def add_sky(frame: Frame, tangent: float, weight: float, images: np.ndarray) -> 
 
 
 @njit
-def sweep_column(walk: Walk, frame: Frame, surface: Surface, optics: FacetOptics, centre: float, width: float) -> np.ndarray:
+def sweep_column(
+    walk: Walk, frame: Frame, surface: Surface, sunlight: Sunlight, levels: FacetLevels, centre: float, width: float
+) -> np.ndarray:
     """Radiance and its solar part, (2, rows), of one column of azimuth ``centre`` and ``width`` [rad]."""
     images = np.zeros((2, frame.rows))
     sample, piece = np.empty(BUFFER, np.int64), np.empty((BUFFER, 2))
-    stages = walk.parting.shape[0] - 1
     tangents = np.full(1, frame.bottom_tangent)
-    for stage in range(stages):
+    for stage in range(walk.stage.shape[0] - 1):
+        tangents = np.repeat(tangents, 1 << walk.stage[stage, 2])
+        first, end, level = walk.stage[stage, 0], walk.stage[stage + 1, 0], walk.stage[stage, 1]
+        optics = level_optics(sunlight, levels, level)
+        sunward = course(surface, level, sunlight.horizontal_east, sunlight.horizontal_north)
         lines = tangents.shape[0]
-        part = (walk.parting[stage], walk.parting[stage + 1])
         for j in range(lines):
             sight = line_of_sight(optics, centre + width * ((j + 0.5) / lines - 0.5))
+            line = course(surface, level, -sight.east, -sight.north)
             thermal = thermal_along(optics.tables, sight)
-            i = part[0]
-            while i < part[1]:
+            i = first
+            while i < end:
                 horizon = (tangents[j], frame.top_tangent)
-                count, i, tangent = walk_line(walk, surface, sight, (i, part[1]), horizon, sample, piece)
+                count, i, tangent = walk_line(walk, surface, level, line, (i, end), horizon, sample, piece)
                 # apart from the walk, so that the look-ups of one piece can overlap with those of the next
-                shade_line(walk, frame, surface, optics, sight, thermal, 1.0 / lines, tangents[j], (count, sample, piece), images)
+                pieces = (count, sample, piece)
+                shade_line(walk, frame, surface, optics, sight, thermal, level, line, sunward, 1.0 / lines, tangents[j], pieces, images)
                 tangents[j] = tangent
-        if stage + 1 < stages:
-            tangents = np.repeat(tangents, 2)
     for tangent in tangents:
         add_sky(frame, tangent, 1.0 / tangents.shape[0], images)
     return images
@@ -285,15 +303,14 @@ def sweep_columns(
     frame: Frame,
     surface: Surface,
     sunlight: Sunlight,
-    roughness: Roughness,
-    tables: FacetTables,
+    levels: FacetLevels,
     azimuths: np.ndarray,
     width: float,
     images: np.ndarray,
 ) -> None:
     """Fill ``images``, (columns, 2, rows): radiance and its solar part, for columns at ``azimuths`` of a ``width`` [rad].
 
-    Columns do not depend on each other. Numba's parallel loops take no nested tuples, so the facet's parts come one by one.
+    Columns do not depend on each other.
     """
     for column in numba.prange(azimuths.shape[0]):
-        images[column] = sweep_column(walk, frame, surface, FacetOptics(sunlight, roughness, tables), azimuths[column], width)
+        images[column] = sweep_column(walk, frame, surface, sunlight, levels, azimuths[column], width)

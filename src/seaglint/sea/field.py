@@ -244,6 +244,16 @@ class WaveField:
         """Another realisation of the same sea, as :meth:`create` would make it, without integrating the spectrum again."""
         return replace(self, seed=seed, _amplitudes=_draw(self._lattices, seed))
 
+    def only(self, tile: int) -> WaveField:
+        """The waves of one tile alone."""
+        return replace(self, tiles=(self.tiles[tile],), _lattices=(self._lattices[tile],), _amplitudes=(self._amplitudes[tile],))
+
+    def halved(self) -> WaveField:
+        """The same waves but for those of the upper half of each tile's wavenumbers, on half as many points a side."""
+        tiles = tuple(replace(tile, n=tile.n // 2, k_max=0.5 * tile.k_max) for tile in self.tiles)
+        cut = [_low_pass(*parts) for parts in zip(tiles, self._lattices, self._amplitudes, strict=True)]
+        return replace(self, tiles=tiles, _lattices=tuple(c[0] for c in cut), _amplitudes=tuple(c[1] for c in cut))
+
     def surfaces(self, time: float, workers: int = 1) -> tuple[SurfaceArray, ...]:
         """Height and slopes of every tile at one time.
 
@@ -381,6 +391,17 @@ def _lattice_waves(spectrum: DirectionalSpectrum, tile: Tile) -> _Lattice:
     repeated = slice(p.shape[1], None)
     variance[repeated, 0] = opposite[repeated, 0] = 0.0
     return _Lattice(k_east, k_north, angular_frequency(np.hypot(k_east, k_north)), variance, opposite)
+
+
+def _low_pass(tile: Tile, lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_Lattice, _Amplitudes]:
+    """The waves of a lattice that belong to a tile with fewer points."""
+    top = int(np.ceil(tile.k_max / tile.step)) + 1
+    rows = np.concatenate([np.arange(top + 1), np.arange(-top, 0)])
+    kept = np.ix_(rows, np.arange(top + 1))
+    k_east, k_north = lattice.k_east[kept], lattice.k_north[kept]
+    held = np.hypot(k_east, k_north) < tile.k_max
+    waves = _Lattice(k_east, k_north, lattice.frequency[kept], lattice.variance[kept] * held, lattice.opposite[kept] * held)
+    return waves, _Amplitudes(amplitudes.forward[kept] * held, amplitudes.backward[kept] * held)
 
 
 def _draw(lattices: Sequence[_Lattice], seed: int) -> tuple[_Amplitudes, ...]:

@@ -126,6 +126,20 @@ def nested_ratio_kernel(slope: float, edge: float, deviation: float, table: Floa
 
 
 @njit
+def nested_exponent_kernel(slope: float, edge: float, deviation: float, table: FloatArray) -> float:
+    """Logarithm of :func:`nested_ratio_kernel`, interpolated linearly: within 1e-3, for hot loops."""
+    if table.shape[0] == 0 or edge >= _HIGHEST * deviation:
+        return 0.0
+    column = (min(max(slope / deviation, -_REACH), _REACH) + _REACH) / _STEP + 1.0
+    row = max(edge, 0.0) / deviation / _STEP + 1.0
+    i, j = min(int(row), table.shape[0] - 2), min(int(column), table.shape[1] - 2)
+    f, g = row - i, column - j
+    low = table[i, j] + g * (table[i, j + 1] - table[i, j])
+    high = table[i + 1, j] + g * (table[i + 1, j + 1] - table[i + 1, j])
+    return float(low + f * (high - low))
+
+
+@njit
 def _map_ratio(slope: FloatArray, edge: FloatArray, deviation: FloatArray, table: FloatArray, out: FloatArray) -> None:
     for i in range(out.size):
         out[i] = nested_ratio_kernel(slope[i], edge[i], deviation[i], table)

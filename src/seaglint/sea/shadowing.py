@@ -71,6 +71,33 @@ def visible_area_kernel(mean: float, deviation: float) -> float:
     return max(area, 0.0)
 
 
+def _area_series() -> FloatArray:
+    """``G = x Phi + phi`` and its derivatives ``Phi, phi/2, -x phi/6`` at even nodes from -6 to 4 [(nodes, 4)]."""
+    from scipy.special import ndtr
+
+    x = np.linspace(-6.0, 4.0, 10 * _NODES_PER_DEVIATION + 1)
+    phi = np.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi)
+    return np.stack([x * ndtr(x) + phi, ndtr(x), 0.5 * phi, -x * phi / 6.0], axis=1)
+
+
+_NODES_PER_DEVIATION: Final = 16
+_AREA_SERIES: Final = _area_series()
+
+
+@njit
+def quick_visible_area_kernel(mean: float, deviation: float) -> float:
+    """:func:`visible_area_kernel` for hot loops: within 1e-5 of it from 4 deviations below the edge up, 0 from 6 below."""
+    if mean >= 4.0 * deviation:
+        return mean
+    x = (mean / deviation + 6.0) * _NODES_PER_DEVIATION
+    if x <= 0.0:
+        return 0.0
+    i = int(x + 0.5)
+    h = (x - i) / _NODES_PER_DEVIATION
+    g, slope, bend, twist = _AREA_SERIES[i, 0], _AREA_SERIES[i, 1], _AREA_SERIES[i, 2], _AREA_SERIES[i, 3]
+    return float(deviation * (g + h * (slope + h * (bend + h * twist))))
+
+
 @njit
 def smith_lambda_kernel(nu: float) -> float:
     """Smith's Lambda for ``nu > 0``; infinite at and past the horizon (``nu <= 0``)."""

@@ -1,0 +1,91 @@
+"""Levels of detail: the same sea with its shortest waves left out, one band of about an octave after another.
+
+Each tile of a :class:`~seaglint.sea.field.WaveField` comes as it is and low-passed on lattices of half, a quarter, ... of its points,
+as long as waves are left. A level is a choice of one version of every tile that still has waves. What a level leaves out belongs to
+the facets.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.sea.field import WaveField, longest_wave_number
+
+NARROWEST: Final = 1.5
+"""A low-passed tile reaches at least this far above its longest waves, in wavenumber; else the whole tile is left out."""
+
+SMALLEST: Final = 16
+"""Fewest lattice points a side."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """One level of detail.
+
+    Attributes
+    ----------
+    parts : tuple of int
+        Versions of tiles, by their place in :attr:`Detail.parts`, longest waves first.
+    shortest_wave : float
+        Length of the shortest wave kept [m].
+    mss : (float, float)
+        Slope variance (up, cross) that a sampler of the lattices gets [1].
+    """
+
+    parts: tuple[int, ...]
+    shortest_wave: float
+    mss: tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Detail:
+    """All versions of all tiles of a sea, and the levels made of them, finest first. The coarsest still has the energetic waves."""
+
+    parts: tuple[WaveField, ...]
+    levels: tuple[Level, ...]
+
+    @classmethod
+    def of(cls, waves: WaveField, levels: int | None = None) -> Detail:
+        """Levels of a sea; ``levels`` limits their number (1: the sea as it is)."""
+        longest = longest_wave_number(waves.spectrum)
+        parts: list[WaveField] = []
+        versions: list[list[int]] = []
+        for i, tile in enumerate(waves.tiles):
+            part, chain = waves.only(i), []
+            least = NARROWEST * max(tile.k_min, longest)
+            while True:
+                chain.append(len(parts))
+                parts.append(part)
+                held = part.tiles[0]
+                if 0.5 * held.k_max < least or held.n // 2 < SMALLEST or (held.n // 2) % 4:
+                    break
+                part = part.halved()
+            versions.append(chain)
+        chosen = [[chain[0] for chain in versions[: i + 1]] for i in range(len(versions))]
+        found = [
+            (*first[:-1], version)  # whole longer tiles, and the last one's versions
+            for first, chain in zip(reversed(chosen), reversed(versions), strict=True)
+            for version in chain
+        ]
+        every = cls(tuple(parts), tuple(_level(parts, level) for level in found[:levels]))
+        return every.first(len(every.levels))
+
+    def first(self, levels: int) -> Detail:
+        """The finest levels alone, and the parts that they need."""
+        used = self.levels[:levels]
+        kept = sorted({p for level in used for p in level.parts})
+        place = {p: i for i, p in enumerate(kept)}
+        return Detail(tuple(self.parts[p] for p in kept), tuple(replace(v, parts=tuple(place[p] for p in v.parts)) for v in used))
+
+    def surfaces(self, time: float, workers: int = 1) -> tuple[NDArray[np.float32], ...]:
+        """Height and slopes of every part at one time, as :meth:`WaveField.surfaces`."""
+        return tuple(part.surfaces(time, workers)[0] for part in self.parts)
+
+
+def _level(parts: list[WaveField], level: tuple[int, ...]) -> Level:
+    mss = np.sum([parts[p].resolved_mss() for p in level], axis=0)
+    return Level(level, 2.0 * np.pi / parts[level[-1]].tiles[0].k_max, (float(mss[0]), float(mss[1])))
