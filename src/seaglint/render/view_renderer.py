@@ -239,7 +239,9 @@ class ViewRenderer:
         view, _, walks = self._prepared(height)
         if not walks:
             resolved = self.waves.resolved_mss() if self.waves is not None else (0.0, 0.0)
-            facets = facet_slopes(view.slopes, resolved)
+            wind = self.waves.spectrum.wind_to_azimuth if self.waves is not None else view.slopes.wind_to_azimuth
+            facets = facet_slopes(view.slopes, resolved, wind)
+            # steep rays: the facets' shadows on each other are few, Smith's law serves
             walks.append(DirectWalk.create(view, facets, resolved, self._crest, self._walk_from, self._walk_azimuths))
         return walks[0]
 

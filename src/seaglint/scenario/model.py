@@ -188,15 +188,19 @@ class Sensor(Record):
 class Keyframe(Record):
     """Where a moving sensor is at one time; what is left out stays as [sensor] says (east and north: 0)."""
 
-    time_s: Annotated[float, Quantity("s"), Field(description="time from the first frame")]
-    east_m: Annotated[Annotated[float, Quantity("m")] | None, Field(description="position towards east")] = None
-    north_m: Annotated[Annotated[float, Quantity("m")] | None, Field(description="position towards north")] = None
+    time_s: Annotated[float, Quantity("s", ge=-1e7, le=1e7), Field(description="time from the first frame")]
+    east_m: Annotated[Annotated[float, Quantity("m", ge=-1e6, le=1e6)] | None, Field(description="position towards east")] = None
+    north_m: Annotated[Annotated[float, Quantity("m", ge=-1e6, le=1e6)] | None, Field(description="position towards north")] = None
     height_m: Annotated[Annotated[float, Quantity("m", gt=0, le=10_000)] | None, Field(description="height above the mean sea")] = None
-    azimuth_deg: Annotated[Annotated[float, Quantity("deg")] | None, Field(description="azimuth of the image centre")] = None
+    azimuth_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=-36_000, le=36_000)] | None, Field(description="azimuth of the image centre")
+    ] = None
     elevation_deg: Annotated[
         Annotated[float, Quantity("deg", ge=-90, le=90)] | None, Field(description="elevation of the image centre")
     ] = None
-    roll_deg: Annotated[Annotated[float, Quantity("deg")] | None, Field(description="turn about the line of sight, right side down")] = None
+    roll_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=-36_000, le=36_000)] | None, Field(description="turn about the line of sight, right side down")
+    ] = None
 
 
 class Platform(Record):
