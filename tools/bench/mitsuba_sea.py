@@ -81,8 +81,8 @@ class MitsubaSea:
     nested_bands : int
         Bands of the facets' nested shadowing, as the renderer compared has them; 1 for Smith's.
     subdivision : int
-        Parts of a lattice cell's side in the mesh. A cell is a curved bilinear patch to the sweep; two flat triangles in its place move what
-        is seen at a grazing view, and more of them come closer to the patch.
+        Parts of a lattice cell's side in the mesh. A cell is a curved bilinear patch to the sweep; two flat triangles in its place
+        move what is seen at a grazing view, and more of them come closer to the patch.
     """
 
     def __init__(
