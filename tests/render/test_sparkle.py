@@ -93,7 +93,6 @@ def fill_gamma(shape, out):
         out[i] = gamma_deviate(shape, cell_key((7, 8), i, -3, 5), 11)
 
 
-@pytest.mark.kernel
 @pytest.mark.parametrize("shape", [0.02, 0.5, 1.0, 3.9, 4.1, 50.0])
 def test_gamma_deviates(shape: float) -> None:
     sample = np.empty(100_000)
@@ -123,7 +122,6 @@ def fill_shared(lag, out):
         out[i] = 1.0 if last_event(key, 100.3) == last_event(key, 100.3 + lag) else 0.0
 
 
-@pytest.mark.kernel
 @pytest.mark.parametrize("lag", [0.02, 0.3, 1.0, 2.5, 6.0])
 def test_last_events_are_shared_exponentially(lag: float) -> None:
     same = np.empty(100_000)
@@ -134,7 +132,6 @@ def test_last_events_are_shared_exponentially(lag: float) -> None:
     assert abs(shared - true) < 4.0 * math.sqrt(true * (1.0 - true) / same.size) + SPACING**2 / 8.0
 
 
-@pytest.mark.kernel
 @pytest.mark.parametrize("stretch", [1.0, 1.6, 7.0])
 @pytest.mark.parametrize("cells", [(0.07, 0.09), (0.6, 0.5), (2.3, 1.7), (6.1, 7.2), (9.0, 11.0), (40.0, 30.0), (300.0, 0.4), (500.0, 3.3)])
 def test_mean_and_variance(cells: tuple[float, float], stretch: float) -> None:
@@ -149,7 +146,6 @@ def test_mean_and_variance(cells: tuple[float, float], stretch: float) -> None:
     assert factor.var() == pytest.approx(expected, rel=4.0 * math.sqrt((2.0 + 6.0 * expected) / factor.size))
 
 
-@pytest.mark.kernel
 @pytest.mark.parametrize("stretch", [1.0, 3.0])
 @pytest.mark.parametrize("cells", [0.23, 0.9, 2.2, 3.5, 9.0, 40.0])
 def test_averaging_down_is_rendering_coarse(cells: float, stretch: float) -> None:
@@ -161,7 +157,6 @@ def test_averaging_down_is_rendering_coarse(cells: float, stretch: float) -> Non
     assert down.var() == pytest.approx(coarse.var(), rel=0.05 + 0.05)
 
 
-@pytest.mark.kernel
 @pytest.mark.parametrize("cells", [0.5, 3.0, 50.0])
 def test_correlation_time(cells: float) -> None:
     lags = np.array([0.0, 0.02, 0.05, 0.07, 0.14])
@@ -172,14 +167,12 @@ def test_correlation_time(cells: float) -> None:
     assert fitted == pytest.approx(TIME, rel=0.1)
 
 
-@pytest.mark.kernel
 def test_tail_is_that_of_a_gamma_density() -> None:
     factor = ground((30.0, 30.0), (200, 200), point=900.0).ravel()  # relative variance 1
     assert stats.skew(factor) == pytest.approx(2.0 * factor.std(), rel=0.1)
     assert stats.kstest(factor, "gamma", args=(1.0 / factor.var(), 0.0, factor.var())).statistic < 0.012
 
 
-@pytest.mark.kernel
 @pytest.mark.parametrize("cells", [0.5, 3.0, 50.0])
 def test_seeds_and_neighbours_are_independent(cells: float) -> None:
     one, two = (ground((cells, cells), (150, 150), point=0.5, seed=seed) for seed in (1, 2))
@@ -214,7 +207,6 @@ def test_a_piece_has_the_variance_of_the_mean_model() -> None:
     assert found == pytest.approx(float(glint_variance(mean, chance, cosine, theta, sun, slant, solid, 0.0026)), rel=1e-12)
 
 
-@pytest.mark.kernel
 @pytest.mark.parametrize("cell", [0.002, 0.02])
 def test_images_of_a_camera(cell: float) -> None:
     fine_camera = Camera(25.0, 1.1, -0.09, 0.012, 0.006, 8 * 48, 4 * 24)
@@ -251,7 +243,6 @@ def test_order_and_threads_do_not_matter() -> None:
     assert len(set(images)) == 1
 
 
-@pytest.mark.kernel
 @pytest.mark.parametrize("cells", [3.0, 41.7])
 def test_sparkles_stay_with_the_water(cells: float) -> None:
     here = ground((cells, cells), (60, 60), point=0.5 * cells**2, azimuth=0.0)
