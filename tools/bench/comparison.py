@@ -19,7 +19,7 @@ import numba
 import numpy as np
 
 from bench.mitsuba_sea import MitsubaSea
-from bench.scene import SUN_ZENITHS, compared_rows, renderer, rms_over_mean, scene
+from bench.scene import SUN_ZENITHS, compared_rows, facet_bands, renderer, rms_over_mean, scene
 from seaglint.conventions import FloatArray
 from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
@@ -29,10 +29,10 @@ from seaglint.sea.field import WaveField
 WANTED = 0.015
 """Error at which times are compared [1]."""
 
-OURS = ((2.0, 1), (1.0, 1), (0.5, 1), (0.25, 1), (0.5, 2))
-"""Steps [m], and columns swept for one of the image."""
+OURS = ((2.0, 1, 1.0), (1.0, 1, 1.0), (0.5, 1, 1.0), (0.25, 1, 1.0), (1.0, 1, 0.0), (0.5, 1, 0.0), (0.25, 1, 0.0))
+"""Step [m], columns swept for one of the image, and the renderer's ``shortest_wave_columns`` (0: all waves at any range)."""
 
-CONVERGED = (0.125, 4)
+CONVERGED = (0.125, 4, 0.0)
 FRAMES = 3
 HALF_SAMPLES = 100
 TIMED_SAMPLES = 16
@@ -79,17 +79,20 @@ def shortest(work: Callable[[int], object], times: int = FRAMES) -> float:
 
 @dataclass(frozen=True)
 class Sweep:
-    """Our renderer with one setting of its accuracy: step [m], and columns swept for each of the image."""
+    """Our renderer with one setting of its accuracy, see :data:`OURS`."""
 
     view: SeaView
     camera: Camera
     waves: WaveField
     step: float
     across: int
+    detail: float
 
     def prepared(self) -> Renderer:
         """The renderer, compiled and with its tables made."""
-        made = renderer(self.view, replace(self.camera, columns=self.camera.columns * self.across), self.waves, step=self.step)
+        made = renderer(
+            self.view, replace(self.camera, columns=self.camera.columns * self.across), self.waves, step=self.step, detail=self.detail
+        )
         made.radiances(0.0)
         return made
 
@@ -109,18 +112,20 @@ def compare(sun_zenith: float, nested_bands: int | None = None, log: Callable[[s
     converged = fine.image(fine.prepared(), last)[rows]
     log(f"Sun {sun_zenith:g} deg: sweep converged")
     ours = []
-    for step, across in OURS:
-        sweep = Sweep(view, camera, waves, step, across)
+    for step, across, detail in OURS:
+        sweep = Sweep(view, camera, waves, step, across, detail)
         made = sweep.prepared()
         frame = shortest(lambda i, s=sweep, m=made: s.image(m, (i + 1) / 25.0))  # type: ignore[misc]
         surface = shortest(lambda i, m=made: m.surface((i + 1) / 25.0))  # type: ignore[misc]
         error = rms_over_mean(sweep.image(made, last)[rows], converged)
-        ours.append(Run(f"sweep, step {step:g} m, {across} a column", surface, max(frame - surface, 0.0), error))
+        ours.append(
+            Run(f"sweep, step {step:g} m{'' if detail > 0.0 else ', all waves at any range'}", surface, max(frame - surface, 0.0), error)
+        )
         log(f"  {ours[-1].name}: {frame:.3f} s, {100 * error:.2f} %")
     good = [run for run in ours if run.error <= WANTED]
     chosen = min(good or ours, key=lambda run: run.frame if good else run.error)
 
-    bands = int(made.report.get("nested_bands") or 1) if nested_bands is None else nested_bands
+    bands = facet_bands(view, waves) if nested_bands is None else nested_bands
     theirs = MitsubaSea(view, camera, waves, threads=numba.get_num_threads(), nested_bands=bands)
     theirs.render(TIMED_SAMPLES)
     update = shortest(lambda i: theirs.update((i + 1) / 25.0))

@@ -49,9 +49,14 @@ def scene(
     return prepare.view(scenario), prepare.camera(scenario), waves
 
 
-def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | None = None, lines: int = 1) -> Renderer:
-    """Our renderer of the scene with one setting of its accuracy."""
-    return Renderer(view, camera, waves, step=step, most_lines=lines)
+def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | None = None, detail: float = 1.0) -> Renderer:
+    """Our renderer of the scene with one setting of its accuracy, one line a column; ``detail`` is its ``shortest_wave_columns``."""
+    return Renderer(view, camera, waves, step=step, most_lines=1, shortest_wave_columns=detail)
+
+
+def facet_bands(view: SeaView, waves: WaveField) -> int:
+    """Bands of the facets' nested shadowing where all waves of the tile are geometry, as the renderer has them."""
+    return max(round(view.nested_bands * (1.0 - sum(waves.resolved_mss()) / view.slopes.mss)), 1)
 
 
 def compared_rows(camera: Camera) -> slice:
