@@ -26,8 +26,10 @@ CASES = [
     (CellAveraging(8, 2), "gaussian"),
     (CellAveraging(2, 1, "exponential"), "exponential"),
     (CellAveraging(6, 0, "exponential"), "exponential"),
-    (OrderedStatistic(2, 1, 0.5), "exponential"),
-    (OrderedStatistic(4, 2, 0.75), "exponential"),
+    (OrderedStatistic(2, 1, 0.5, "exponential"), "exponential"),
+    (OrderedStatistic(4, 2, 0.75, "exponential"), "exponential"),
+    (OrderedStatistic(2, 1, 0.8), "gaussian"),
+    (OrderedStatistic(4, 2), "gaussian"),
 ]
 
 
@@ -46,7 +48,9 @@ def test_false_alarms_are_those_of_the_design(detector: Detector, kind: str) -> 
 
 
 @pytest.mark.parametrize(
-    "detector", [CellAveraging(3, 1), CellAveraging(3, 1, "exponential"), OrderedStatistic(3, 1)], ids=lambda d: d.name
+    "detector",
+    [CellAveraging(3, 1), CellAveraging(3, 1, "exponential"), OrderedStatistic(3, 1), OrderedStatistic(3, 1, clutter="exponential")],
+    ids=lambda d: d.name,
 )
 def test_borders_and_missing_rings_are_nan_and_nothing_else(detector) -> None:
     x = np.random.default_rng(1).standard_exponential((1, 30, 31)).astype(np.float32)
@@ -63,9 +67,9 @@ def test_ordered_statistic_is_not_lifted_by_a_bright_neighbour() -> None:
     """Two targets in one ring: the second lifts the mean, not the quantile."""
     x = np.random.default_rng(2).standard_exponential((1, 41, 41)).astype(np.float32)
     x[0, 20, 20] = 30.0
-    alone = [CellAveraging(5, 2, "exponential")(x)[0, 20, 20], OrderedStatistic(5, 2)(x)[0, 20, 20]]
+    alone = [CellAveraging(5, 2, "exponential")(x)[0, 20, 20], OrderedStatistic(5, 2, clutter="exponential")(x)[0, 20, 20]]
     x[0, 16, 20:24] = 100.0
-    both = [CellAveraging(5, 2, "exponential")(x)[0, 20, 20], OrderedStatistic(5, 2)(x)[0, 20, 20]]
+    both = [CellAveraging(5, 2, "exponential")(x)[0, 20, 20], OrderedStatistic(5, 2, clutter="exponential")(x)[0, 20, 20]]
     assert both[0] < 0.7 * alone[0]
     assert both[1] > 0.9 * alone[1]
 
@@ -80,10 +84,24 @@ def test_guard_keeps_a_target_out_of_its_background() -> None:
 def test_flat_image_says_nothing() -> None:
     x = np.full((1, 30, 30), 290.7, np.float32)
     assert np.isnan(CellAveraging()(x)).all()
-    assert np.isnan(OrderedStatistic()(np.zeros((1, 30, 30), np.float32))).all()
+    assert np.isnan(OrderedStatistic()(x)).all()
+    assert np.isnan(OrderedStatistic(clutter="exponential")(np.zeros((1, 30, 30), np.float32))).all()
 
 
-@pytest.mark.parametrize("make", [lambda: CellAveraging(2, 2), lambda: OrderedStatistic(3, -1), lambda: OrderedStatistic(quantile=1.0)])
+def test_ordered_statistic_does_not_feel_level_and_gain() -> None:
+    x = np.random.default_rng(5).standard_normal((1, 40, 40)).astype(np.float32)
+    np.testing.assert_allclose(OrderedStatistic()(50.0 + 4.0 * x), OrderedStatistic()(x), rtol=1e-3, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: CellAveraging(2, 2),
+        lambda: OrderedStatistic(3, -1),
+        lambda: OrderedStatistic(quantile=1.0),
+        lambda: OrderedStatistic(quantile=0.5),
+    ],
+)
 def test_unusable_settings_are_refused(make) -> None:
     with pytest.raises(DomainError):
         make()

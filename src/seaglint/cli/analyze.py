@@ -44,10 +44,23 @@ def analyze(
     ] = "frame",
     detector: Annotated[
         list[str] | None,
-        typer.Option("--detector", help="ca-cfar, os-cfar, frame-difference, integration, or package.module:function; repeatable"),
+        typer.Option(
+            "--detector",
+            help="ca-cfar, os-cfar, os-cfar-exponential, frame-difference, integration, or package.module:function; repeatable",
+        ),
     ] = None,
     variable: Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")] = None,
     channel: Annotated[str | None, typer.Option("--channel", help="mean, red, green or blue of true colour images")] = None,
+    axes: Annotated[
+        str | None, typer.Option("--axes", help="order of an array of three axes: tyx (time first, the default) or yxt (time last)")
+    ] = None,
+    saturation: Annotated[float | None, typer.Option("--saturation", help="value from which on the sensor is saturated")] = None,
+    border: Annotated[
+        str,
+        typer.Option(
+            "--border", help="'keep' or 'drop' filtered pixels that see repeated ones beyond the border; 'auto': keep in one image"
+        ),
+    ] = "auto",
     raw: Annotated[
         str | None, typer.Option("--raw", help="layout of a raw file, e.g. rows=512,columns=640,dtype=uint16,offset=0,frame_header=0")
     ] = None,
@@ -59,14 +72,26 @@ def analyze(
 ) -> None:
     """Clutter statistics and false alarms of a recording, by region."""
     from seaglint.cli.progress import patient_progress
+    from seaglint.errors import DataError
     from seaglint.io.outputs import refuse_existing
     from seaglint.io.recording import open_recording
     from seaglint.pipeline.analysis import analyze as run
 
     if report is not None:
+        if report.suffix.lower() not in (".html", ".htm"):
+            raise DataError(f"--report {report}: a report is an HTML file; give a name that ends in .html")
         refuse_existing(report, overwrite=overwrite)
-    opened = open_recording(recording, frame_rate=frame_rate, units=units, raw=_raw_layout(raw), variable=variable, channel=channel)
-    options = _options(filter_name, kernel, signature, threshold or [], sigma, rows, mask, detector or [], seed)
+    opened = open_recording(
+        recording,
+        frame_rate=frame_rate,
+        units=units,
+        raw=_raw_layout(raw),
+        variable=variable,
+        channel=channel,
+        axes=axes,
+        saturation=saturation,
+    )
+    options = _options(filter_name, kernel, signature, threshold or [], sigma, rows, mask, detector or [], seed, border)
     with patient_progress(show, "frames") as progress:
         found = run(opened, options, progress)
     if report is not None:
@@ -92,6 +117,7 @@ def _options(
     mask: Path | None,
     detectors: list[str],
     seed: int,
+    border: str,
 ) -> Options:
     from seaglint.detection.base import named
     from seaglint.errors import DataError
@@ -102,6 +128,8 @@ def _options(
             raise DataError(f"--threshold {value:g}: give standard deviations above 0 and below 100")
     if sigma not in ("frame", "sequence", "local"):
         raise DataError(f"--sigma {sigma}: allowed are frame, sequence, local")
+    if border not in ("auto", "keep", "drop"):
+        raise DataError(f"--border {border}: allowed are auto, keep, drop")
     return Options(
         filter=_filter(filter_name, kernel, signature),
         thresholds=tuple(thresholds),
@@ -110,6 +138,7 @@ def _options(
         mask=None if mask is None else read_mask(mask),
         detectors=tuple(named(name) for name in detectors),
         seed=seed,
+        border=border,  # type: ignore[arg-type]
     )
 
 
@@ -199,40 +228,58 @@ def lines(result: dict[str, Any]) -> list[str]:
         f"{result['source']}: {result['frames']} frames of {result['columns']} x {result['rows']}, {units}, "
         + (f"{rate:g} Hz" if rate else "frame rate not known")
     ]
-    for name, region in result["regions"].items():
+    regions = result["regions"]
+    for name, region in regions.items():
         if region is None:
             out.append(f"{name}: none")
             continue
-        lengths = region["correlation_length_px"]
+        if name == "background" and regions["glint"] is None and region["pixels"] == regions["all"]["pixels"]:
+            out.append("background: the same as all")
+            continue
         out.append(
             f"{name}: {region['pixels']} pixels, mean {_short(region['mean'])}, std {_short(region['std'])}, "
             f"skewness {_short(region['skewness'])}, excess kurtosis {_short(region['excess_kurtosis'])}"
         )
+        lengths, reason = region["correlation_length_px"], region["correlation_length_reason"]
         out.append(
-            f"  correlation length {_short(lengths['x'])} x {_short(lengths['y'])} px, time {_short(region['correlation_time_s'])} s; "
-            f"best fit {_best(region['fits'])}"
+            f"  correlation length {_short(lengths['x'])} x {_short(lengths['y'])} px{f' ({reason})' if reason else ''}, "
+            f"time {_short(region['correlation_time_s'])} s; {_best(region['fits'])}"
         )
         out.extend(f"  {_alarm(entry)}" for entry in region["false_alarms"])
+        out.extend(f"  note: {note}" for note in region["notes"])
     out.extend(f"note: {note}" for note in result["notes"])
     return out
 
 
 def _alarm(entry: dict[str, Any]) -> str:
-    low, high = _short(entry["rate_low"]), _short(entry["rate_high"])
+    known = entry["rate_low"] is not None
+    interval = f"{_short(entry['rate_low'])} to {_short(entry['rate_high'])}" if known else "no interval"
+    note = f": {entry['note']}" if entry["note"] and not known else f"; {entry['note']}" if entry["note"] else ""
     return (
-        f"{entry['filter']} > {entry['threshold_sigma']:g} sigma: {_short(entry['rate'])} per pixel ({low} to {high}), "
+        f"{entry['filter']} > {entry['threshold_sigma']:g} sigma: {_short(entry['rate'])} per pixel ({interval}{note}), "
         f"{_short(entry['ratio'])} x Gaussian, correlation time {_short(entry['correlation_time_s'])} s"
     )
+
+
+FLOOR = 0.0051
+"""Level of the goodness bootstrap's smallest answer, 1 in 200: not one of its draws was as far from the fit."""
 
 
 def _best(fits: dict[str, Any]) -> str:
     valid = {name: fit for name, fit in fits.items() if fit["ks"] is not None}
     if not valid:
-        return "none"
+        return "best fit none"
     name = min(valid, key=lambda n: float(valid[n]["ks"]))
     fit = valid[name]
     shape = "" if fit["shape"] is None else f"shape {_short(fit['shape'])}, "
-    return f"{name} ({shape}scale {_short(fit['scale'])}, KS {_short(fit['ks'])}, p {_short(fit['ks_p'])})"
+    judged = [f["ks_p"] for f in valid.values() if f["ks_p"] is not None]
+    what = "best fit"
+    if judged and max(judged) <= FLOOR:
+        what = "none of the families fits; nearest:"
+    elif not judged:
+        what = "too few independent values to judge fits; nearest:"
+    level = "p not known" if fit["ks_p"] is None else f"p <= {FLOOR:.1g}" if fit["ks_p"] <= FLOOR else f"p {_short(fit['ks_p'])}"
+    return f"{what} {name} ({shape}scale {_short(fit['scale'])}, KS {_short(fit['ks'])}, {level})"
 
 
 def _short(value: float | None) -> str:

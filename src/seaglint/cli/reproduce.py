@@ -62,7 +62,7 @@ def table1(
     from seaglint.io.columns import write_columns
     from seaglint.io.outputs import refuse_existing
 
-    numbers = None if output is None else refuse_existing(output / "table1.csv", overwrite=overwrite)
+    numbers = None if output is None else refuse_existing(_made(output) / "table1.csv", overwrite=overwrite)
     from seaglint.pipeline.table1 import table1 as compute
 
     with progress(show, "frames") as report:
@@ -79,6 +79,15 @@ def table1(
     typer.echo("; ".join(f"{key} = {value}" for key, value in found.settings().items()))
 
 
+def _made(folder: Path) -> Path:
+    """The folder, made where it is missing."""
+    from seaglint.io.failures import storage_errors
+
+    with storage_errors(folder, "choose another folder with -o"):
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
 def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> None:
     """Compute a figure, write its numbers and draw it; existing files are refused before the work."""
     from seaglint.cli.app import log
@@ -86,6 +95,7 @@ def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> Non
     from seaglint.io.columns import write_columns
     from seaglint.io.outputs import refuse_existing
 
+    _made(folder)
     picture, numbers = (refuse_existing(folder / f"{name}.{kind}", overwrite=overwrite) for kind in ("png", "csv"))
     from seaglint.pipeline import figures
 

@@ -106,9 +106,11 @@ def spatial_correlation(
     for name, other in (("mask", mask), ("mean", mean)):
         if other is not None and np.shape(other) != data.shape[1:]:
             raise DataError(f"{name} of shape {np.shape(other)} does not fit frames of {data.shape[1:]}; give one value per pixel")
+    valid = np.isfinite(data)
+    level = max(float(data.max(where=valid, initial=0.0)), -float(data.min(where=valid, initial=0.0)))
     if mean is not None:
         data -= np.asarray(mean)
-    valid = np.isfinite(data)
+        valid = np.isfinite(data)
     if mask is not None:
         valid &= mask
     if not valid.any():
@@ -121,6 +123,9 @@ def spatial_correlation(
         limit = max(1, centred.shape[axis] // 3) if longest is None else min(longest, centred.shape[axis] - 1)
         sums.append(_lagged_sums(centred, valid, axis, limit))
     variance = float(np.mean(centred[valid] ** 2))
+    # What a surface leaves of a constant is rounding, which has a correlation like anything else.
+    if variance <= (1e-12 * level) ** 2:
+        variance = 0.0
     lags = [np.divide(total, pairs, out=np.full(total.shape, np.nan), where=pairs > 0) for total, pairs in sums]
     # The mean of a region n px large varies by variance times integral scales over n; frames count once each, which is what
     # frames far apart do, and for frames close together the correction is only smaller than it should be.
@@ -132,7 +137,8 @@ def spatial_correlation(
     if not variance > 0.0:
         rho = [np.full(lag.shape, np.nan) for lag in lags]
     else:
-        rho = [(lag + shift) / (variance + shift) for lag in lags]
+        # A mean over the pairs of one lag can exceed that over all pixels where the variance is uneven; a correlation cannot exceed 1.
+        rho = [np.clip((lag + shift) / (variance + shift), -1.0, 1.0) for lag in lags]
         for r in rho:
             r[0] = 1.0
     return SpatialCorrelation(rho[0], rho[1], decay(rho[0]), decay(rho[1]), _integral_scale(rho[0]), _integral_scale(rho[1]))
@@ -224,7 +230,7 @@ def temporal_correlation(series: ArrayLike, frame_rate: float | None = None, *, 
         # Variance of a mean of k values, from the lags before the first zero.
         inner = np.arange(1, len(positive))
         shift = (variance + shift) / frames * (1.0 + 2.0 * float(np.sum((1.0 - inner / frames) * positive[1:])))
-    rho = (lag + shift) / (variance + shift)
+    rho = np.clip((lag + shift) / (variance + shift), -1.0, 1.0)
     rho[0] = 1.0
     frames_to_fall = decay(rho)
     reason = "" if np.isfinite(frames_to_fall) else f"correlation does not fall to 1/e within {limit} frames"

@@ -42,6 +42,12 @@ _BINS = round((HIGHEST - LOWEST) / BIN)
 SEGMENTS: Final = 256
 """Largest number of time segments whose counts are kept; when full, neighbours are joined."""
 
+LONE_SHARE: Final = 0.15
+"""Share of a region's exceedances from which a single row or column is looked at."""
+
+LONE_TIMES: Final = 4.0
+"""Times as many exceedances as beside it that a row or column has to hold to be named."""
+
 
 @njit
 def _scan(z: np.ndarray, columns: int, tile: int, least: float, histogram: np.ndarray, valid: np.ndarray, index: np.ndarray) -> int:
@@ -160,6 +166,35 @@ class RateCurve:
         return float(self.threshold[int(np.argmax(self.rate <= rate))])
 
 
+def lone_lines(counts: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Rows (or columns) that hold far more exceedances than those beside them: bad lines of a sensor, edges of a picture.
+
+    A line counts if it has at least :data:`LONE_SHARE` of all exceedances and 10 of them, and :data:`LONE_TIMES` as many as the lines two
+    away (a filter of three pixels carries it into the next ones) and as the mean line.
+
+    Parameters
+    ----------
+    counts : ndarray of int, shape (lines,)
+        From :meth:`FalseAlarms.lines`.
+
+    Returns
+    -------
+    ndarray of int
+        Numbers of the lines, in rising order.
+
+    Examples
+    --------
+    >>> lone_lines(np.array([2, 1, 3, 4, 90, 6, 2, 1, 2, 3])).tolist()
+    [4]
+    """
+    total = int(counts.sum())
+    if counts.size < 5 or total == 0:
+        return np.empty(0, np.int64)
+    wide = np.pad(counts, 2, mode="constant")
+    beside = np.maximum(np.maximum(wide[:-4], wide[4:]), total / counts.size)
+    return np.flatnonzero((counts >= 10) & (counts >= LONE_SHARE * total) & (counts > LONE_TIMES * beside))
+
+
 class FalseAlarms:
     """Accumulator of everything about exceedances of one region's z.
 
@@ -185,6 +220,8 @@ class FalseAlarms:
         self.histogram = np.zeros(_BINS, np.int64)
         self._joint = {m: JointExceedances(m, max_lag) for m in self.thresholds}
         self._events = {m: EventTracker(m) for m in self.thresholds}
+        self._rows: NDArray[np.int64] = np.zeros((len(self.thresholds), 0), np.int64)
+        self._columns: NDArray[np.int64] = self._rows
         self._per_segment = 1
         self._shape: tuple[int, ...] = ()
         self._tile = 0
@@ -202,6 +239,7 @@ class FalseAlarms:
             self._tile = max(4, -(-max(self._shape) // 32))
             self._cells = np.zeros((len(self.thresholds), SEGMENTS, *(-(-n // self._tile) for n in self._shape)), np.int64)
             self._valid = np.zeros(self._cells.shape[1:], np.int64)
+            self._rows, self._columns = (np.zeros((len(self.thresholds), n), np.int64) for n in self._shape)
         elif frames.shape[1:] != self._shape:
             raise DataError(f"frames of {frames.shape[1:]} pixels follow frames of {self._shape}; all frames of a sequence have one size")
         self._variances.clear()
@@ -217,6 +255,8 @@ class FalseAlarms:
             for k, m in enumerate(self.thresholds):
                 exceeding = bright if k == 0 else bright[frame[bright] > m]
                 _tally(exceeding, columns, self._tile, self._cells[k, s])
+                self._rows[k] += np.bincount(exceeding // columns, minlength=self._shape[0])
+                self._columns[k] += np.bincount(exceeding % columns, minlength=columns)
                 self._joint[m]._add(exceeding, frame.size, valid)
                 self._events[m]._add(exceeding, frame, columns, valid)
             self.frames += 1
@@ -284,6 +324,11 @@ class FalseAlarms:
                 note = spread.note
             out.append(FalseAlarmRate(m, count, pixels, count / pixels, low, high, level, gaussian, inflation, time, note, why))
         return out
+
+    def lines(self, threshold: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Exceedances of one of the thresholds in each row and in each column, over all frames."""
+        k = self.thresholds.index(self._own(threshold))
+        return self._rows[k], self._columns[k]
 
     def joint(self, threshold: float) -> JointProbability:
         """Joint probability of exceedances of one of the thresholds."""

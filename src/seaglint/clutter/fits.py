@@ -178,12 +178,18 @@ def fit(
     variance = float(np.sum(w * (x - mean) ** 2) / count)
     if not variance > (1e-12 * mean) ** 2:
         return refused("all values are equal")
-    solved = _SOLVERS[family](x, w / count, mean, variance)
-    if isinstance(solved, str):
-        return refused(solved)
-    theta = solved
-
-    error, quantile = _standard_errors(family, x, w, theta, independent, label)
+    # Values of nearly no spread or huge range overflow on the way; what comes of it is looked at.
+    with np.errstate(all="ignore"):
+        try:
+            solved = _SOLVERS[family](x, w / count, mean, variance)
+            if isinstance(solved, str):
+                return refused(solved)
+            theta = solved
+            error, quantile = _standard_errors(family, x, w, theta, independent, label)
+        except (ValueError, np.linalg.LinAlgError):
+            return refused("the likelihood has no maximum that floating point resolves (too little spread, or too much)")
+        if not (np.isfinite(theta).all() and np.isfinite(error).all()):
+            return refused("the likelihood has no maximum that floating point resolves (too little spread, or too much)")
     intervals = [
         (value - quantile * error[i], value + quantile * error[i])
         if family == "gaussian" and i == 0

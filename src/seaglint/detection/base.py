@@ -160,7 +160,8 @@ def load(path: str) -> Detector:
 
 
 def named(name: str) -> Detector:
-    """Detector with standard settings: ``ca-cfar``, ``os-cfar``, ``frame-difference``, ``integration``, or ``package.module:function``.
+    """Detector with standard settings: ``ca-cfar``, ``os-cfar``, ``os-cfar-exponential``, ``frame-difference``, ``integration``, or
+    ``package.module:function``.
 
     Raises
     ------
@@ -175,6 +176,8 @@ def named(name: str) -> Detector:
             return CellAveraging()
         case "os-cfar":
             return OrderedStatistic()
+        case "os-cfar-exponential":
+            return OrderedStatistic(clutter="exponential")
         case "frame-difference":
             return FrameDifference()
         case "integration":
@@ -182,5 +185,6 @@ def named(name: str) -> Detector:
     if ":" in name:
         return load(name)
     raise DataError(
-        f"detector {name!r} is unknown; choose ca-cfar, os-cfar, frame-difference, integration, or package.module:function of your own"
+        f"detector {name!r} is unknown; choose ca-cfar, os-cfar, os-cfar-exponential, frame-difference, integration, or "
+        "package.module:function of your own"
     )

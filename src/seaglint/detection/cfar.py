@@ -85,8 +85,8 @@ def _averaging_ratios(clutter: Clutter, cells: int) -> FloatArray:
     return np.asarray(np.sign(_NODES) * small)
 
 
-def _equivalent(ratio: FloatArray, nodes: FloatArray) -> Frames:
-    z = np.interp(ratio, nodes, _NODES)
+def _equivalent(ratio: FloatArray, nodes: FloatArray, z_nodes: FloatArray = _NODES) -> Frames:
+    z = np.interp(ratio, nodes, z_nodes)
     return np.where(np.isnan(ratio), np.nan, z).astype(np.float32)
 
 
@@ -141,8 +141,35 @@ class CellAveraging:
 
 
 @njit
-def _ring_quantile(frame: np.ndarray, training: int, guard: int, rank: int, out: np.ndarray) -> None:
-    """The value of the given rank (1 is the smallest) in the ring of every pixel; NaN near the border and where one is missing."""
+def _select(ring: np.ndarray, low: int, high: int, k: int) -> float:
+    """The value of rank k (0 is the smallest) among ``ring[low:high + 1]``, in place (Hoare): smaller ones end up before it."""
+    while low < high:
+        pivot = ring[(low + high) // 2]
+        a, b = low, high
+        while a <= b:
+            while ring[a] < pivot:
+                a += 1
+            while ring[b] > pivot:
+                b -= 1
+            if a <= b:
+                ring[a], ring[b] = ring[b], ring[a]
+                a += 1
+                b -= 1
+        if k <= b:
+            high = b
+        elif k >= a:
+            low = a
+        else:
+            break
+    return float(ring[k])
+
+
+@njit
+def _ring_quantiles(frame: np.ndarray, training: int, guard: int, ranks: tuple[int, int], lower: np.ndarray, upper: np.ndarray) -> None:
+    """Values of two ranks (1 is the smallest), the first not above the second, in the ring of every pixel.
+
+    NaN near the border and where one is missing.
+    """
     rows, columns = frame.shape
     ring = np.empty((2 * training + 1) ** 2 - (2 * guard + 1) ** 2, frame.dtype)
     for i in range(training, rows - training):
@@ -159,27 +186,8 @@ def _ring_quantile(frame: np.ndarray, training: int, guard: int, rank: int, out:
                     n += 1
             if missing:
                 continue
-            # Selection in place (Hoare): the part that holds the rank gets smaller until it is one value.
-            low, high, k = 0, n - 1, rank - 1
-            while low < high:
-                pivot = ring[(low + high) // 2]
-                a, b = low, high
-                while a <= b:
-                    while ring[a] < pivot:
-                        a += 1
-                    while ring[b] > pivot:
-                        b -= 1
-                    if a <= b:
-                        ring[a], ring[b] = ring[b], ring[a]
-                        a += 1
-                        b -= 1
-                if k <= b:
-                    high = b
-                elif k >= a:
-                    low = a
-                else:
-                    break
-            out[i, j] = ring[k]
+            upper[i, j] = _select(ring, 0, n - 1, ranks[1] - 1)
+            lower[i, j] = upper[i, j] if ranks[0] == ranks[1] else _select(ring, 0, ranks[1] - 1, ranks[0] - 1)
 
 
 @lru_cache(maxsize=16)
@@ -200,45 +208,102 @@ def _ordered_ratios(cells: int, rank: int) -> FloatArray:
     return np.asarray(np.exp(log_c))
 
 
+@lru_cache(maxsize=16)
+def _symmetric_ratios(cells: int, rank: int) -> tuple[FloatArray, FloatArray]:
+    """Ratios T of Gaussian clutter and the z with their tail Q(z), for the quantiles of ranks ``cells + 1 - rank`` and ``rank``.
+
+    P(T > c) is Q((a + b) / 2 + c (b - a)) averaged over the joint density of the two quantiles a < b, by the trapezoidal rule on a grid of
+    a fraction of their standard deviation, in logarithms. Beyond a ratio of 30 the ring's spread would have to be small by a chance that
+    the grid does not resolve: there z ends.
+    """
+    from scipy.special import log_ndtr, logsumexp
+
+    grid = np.linspace(-7.0, 7.0, 401)
+    a, b = grid[:, None], grid[None, :]
+    below, density = log_ndtr(grid), -0.5 * grid**2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        between = below[None, :] + np.log1p(-np.exp(below[:, None] - below[None, :]))
+    joint = (cells - rank) * (below[:, None] + log_ndtr(-grid)[None, :]) + density[:, None] + density[None, :]
+    inner = 2 * rank - cells - 2  # values between the two
+    joint = np.where(b > a, joint + (inner * between if inner else 0.0), -np.inf)
+    joint -= logsumexp(joint)
+    used = joint > -150.0
+    middle, spread, weight = ((a + b) / 2)[used], (b - a)[used], joint[used]
+    ratio = np.concatenate([np.linspace(0.0, 4.0, 81), np.geomspace(4.2, 30.0, 40)])
+    tail = np.array([logsumexp(weight + log_ndtr(-(middle + c * spread))) for c in ratio])
+    z = np.interp(tail, log_ndtr(-_NODES[::-1]), _NODES[::-1])
+    z[0] = 0.0
+    from scipy.interpolate import PchipInterpolator
+
+    fine = np.linspace(0.0, 30.0, 6001)
+    fine_z = np.asarray(PchipInterpolator(ratio, z)(fine))
+    # Odd about 0: the two ranks are mirror images.
+    return np.concatenate([-fine[:0:-1], fine]), np.concatenate([-fine_z[:0:-1], fine_z])
+
+
 @dataclass(frozen=True)
 class OrderedStatistic:
-    """Ordered-statistic detector for exponential clutter: the pixel over the ``quantile`` of its ring, which bright neighbours do not lift.
+    """Ordered-statistic detector: the pixel against quantiles of its ring, which bright neighbours do not lift.
 
-        T = x / x_(k),  P(T > c) = n! Gamma(n - k + 1 + c) / ((n - k)! Gamma(n + 1 + c))
+        gaussian:     T = (x - (x_(l) + x_(k)) / 2) / (x_(k) - x_(l)),  l = n + 1 - k
+        exponential:  T = x / x_(k),  P(T > c) = n! Gamma(n - k + 1 + c) / ((n - k)! Gamma(n + 1 + c))
 
-    with n training pixels and rank k = round(quantile n).
+    with n training pixels and rank k = round(quantile n). The first does not feel level and gain of the clutter; its tail on independent
+    Gaussian values is an integral over the two quantiles' joint density. The second is for intensities of one look above a level of 0: any
+    offset makes it deaf.
 
     Parameters
     ----------
     training, guard : int
         Half sides of the two squares [px], 0 <= guard < training.
     quantile : float
-        Share of the ring below the value taken, between 0 and 1 [1].
+        Share of the ring below the value taken, between 0 and 1, for Gaussian clutter above 0.5 [1].
+    clutter : {"gaussian", "exponential"}
+        The clutter it is exact for.
     """
 
     training: int = 5
     guard: int = 2
     quantile: float = 0.75
-    name: str = field(default="os-cfar", init=False)
+    clutter: Clutter = "gaussian"
     lead: int = field(default=0, init=False)
     calibrated: bool = field(default=True, init=False)
 
     def __post_init__(self) -> None:
         _check(self.training, self.guard)
-        if not 0 < self.quantile < 1:
-            raise DomainError(f"quantile = {self.quantile:g} is not between 0 and 1; choose e.g. 0.75")
+        least = 0.5 if self.clutter == "gaussian" else 0.0
+        if not least < self.quantile < 1:
+            raise DomainError(f"quantile = {self.quantile:g} is not between {least:g} and 1; choose e.g. 0.75")
+
+    @property
+    def name(self) -> str:
+        """Name in the results."""
+        return "os-cfar" if self.clutter == "gaussian" else "os-cfar-exponential"
 
     def __call__(self, frames: Frames) -> Frames:
-        """Equivalent standard deviations, -8 to :data:`HIGHEST`, shape (k, rows, columns) [1]; NaN where the quantile is not above 0."""
+        """Equivalent standard deviations, shape (k, rows, columns) [1]: -8 to :data:`HIGHEST`, to some 13 for Gaussian clutter.
+
+        NaN where the ring's quantiles are equal, or in the exponential case not above 0.
+        """
         n = _cells(self.training, self.guard)
         rank = min(max(round(self.quantile * n), 1), n)
-        nodes = _ordered_ratios(n, rank)
+        gaussian = self.clutter == "gaussian"
+        if gaussian:
+            rank = max(rank, n // 2 + 1)  # rings have an even number of pixels
+            ratios, z = _symmetric_ratios(n, rank)
+        else:
+            ratios, z = _ordered_ratios(n, rank), _NODES
+        ranks = (n + 1 - rank, rank) if gaussian else (rank, rank)
         out = np.empty_like(frames, np.float32)
         for k, frame in enumerate(frames):
             x = np.ascontiguousarray(frame, np.float32)
-            level = np.full(x.shape, np.nan, np.float32)
-            _ring_quantile(x, self.training, self.guard, rank, level)
+            lower, upper = np.full(x.shape, np.nan, np.float32), np.full(x.shape, np.nan, np.float32)
+            _ring_quantiles(x, self.training, self.guard, ranks, lower, upper)
+            low, high = lower.astype(np.float64), upper.astype(np.float64)
             with np.errstate(invalid="ignore", divide="ignore"):
-                ratio = np.where(level > 0, x.astype(np.float64) / level, np.nan)
-            out[k] = _equivalent(ratio, nodes)
+                if gaussian:
+                    ratio = np.where(high > low, (x - 0.5 * (high + low)) / (high - low), np.nan)
+                else:
+                    ratio = np.where(high > 0, x / high, np.nan)
+            out[k] = _equivalent(ratio, ratios, z)
         return out

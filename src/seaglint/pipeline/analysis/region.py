@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -57,6 +57,8 @@ class Region:
     spectrum: Spectrum | None
     alarms: dict[str, FalseAlarms] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    offset: float = 0.0
+    saturated: float = 0.0
     _tails: dict[str, tuple[TailFit | None, str | None]] = field(default_factory=dict, repr=False, compare=False)
 
     def tail(self, name: str) -> tuple[TailFit | None, str | None]:
@@ -72,21 +74,24 @@ class Region:
         return {
             "pixels": int(self.mask.sum()),
             "values": m.count,
-            "mean": number(m.mean),
+            "mean": number(m.mean + self.offset),
             "std": number(m.std),
             "skewness": number(m.skewness),
             "excess_kurtosis": number(m.excess_kurtosis),
-            "minimum": number(m.minimum),
-            "maximum": number(m.maximum),
+            "minimum": number(m.minimum + self.offset),
+            "maximum": number(m.maximum + self.offset),
+            "saturated": self.saturated,
             "fits": {family: self._fit(family) for family in FAMILIES},
             "false_alarms": [
-                _alarm_entry(name, alarms, rate, *self.tail(name), frame_rate)
+                _alarm_entry(name, alarms, rate, *self.tail(name), frame_rate, self.saturated)
                 for name, alarms in self.alarms.items()
                 for rate in alarms.rates()
             ],
             "correlation_length_px": {"x": number(self.spatial.length_x), "y": number(self.spatial.length_y)},
+            "correlation_length_reason": self._no_length(),
             "correlation_time_s": number(self.temporal.time) if frame_rate is not None else None,
             "correlation_time_frames": number(self.temporal.time * (frame_rate or 1.0)),
+            "correlation_time_reason": self.temporal.reason or None,
             "stationary": self.stationarity.stationary,
             "stationarity": {
                 "p_mean": number(self.stationarity.p_mean),
@@ -98,6 +103,16 @@ class Region:
             "spectrum": self._spectrum(),
             "notes": list(self.notes),
         }
+
+    def _no_length(self) -> str | None:
+        """Why a correlation length does not exist."""
+        if math.isfinite(self.spatial.length_x) and math.isfinite(self.spatial.length_y):
+            return None
+        if self.moments.is_constant:
+            return "all values are equal"
+        if not np.isfinite(self.spatial.x).any():
+            return "no change of brightness but the slowly varying surface that is taken off"
+        return "correlation does not fall to 1/e within a third of the picture"
 
     def _fit(self, family: str) -> dict[str, Any]:
         found, good = self.fits.get(family), self.goodness.get(family)
@@ -137,8 +152,15 @@ def _pair(interval: tuple[float, float] | None) -> list[float | None] | None:
 
 
 def _alarm_entry(
-    name: str, alarms: FalseAlarms, rate: FalseAlarmRate, tail: TailFit | None, tail_reason: str | None, frame_rate: float | None
+    name: str,
+    alarms: FalseAlarms,
+    rate: FalseAlarmRate,
+    tail: TailFit | None,
+    tail_reason: str | None,
+    frame_rate: float | None,
+    saturated: float,
 ) -> dict[str, Any]:
+    cut = f"{100 * saturated:.3g} % of the values saturated" if saturated > 0.0 else None
     events = alarms.events(rate.threshold_sigma) if alarms.pixels else None
     duration = events.mean_duration if events is not None else None
     seconds = None if frame_rate is None else 1.0 / frame_rate
@@ -155,7 +177,7 @@ def _alarm_entry(
         "correlation_time_s": rate.correlation_time * seconds if rate.correlation_time is not None and seconds is not None else None,
         "correlation_time_frames": rate.correlation_time,
         "correlation_note": rate.correlation_note,
-        "note": rate.note,
+        "note": "; ".join(text for text in (rate.note, cut) if text) or None,
         "events": None if events is None else len(events),
         "events_per_frame": None if events is None else number(events.per_frame),
         "event_duration_s": duration * seconds if duration is not None and seconds is not None and alarms.frames > 1 else None,
@@ -182,8 +204,8 @@ def _tail(tail: TailFit | None, reason: str | None) -> dict[str, Any]:
 class Gatherer:
     """What the second pass keeps of a region's raw values: a sample, some frames, some pixels in time."""
 
-    def __init__(self, mask: BoolArray, frames: int, kept_frames: NDArray[np.int64], seed: int) -> None:
-        self.mask = mask
+    def __init__(self, mask: BoolArray, frames: int, kept_frames: NDArray[np.int64], seed: int, offset: float = 0.0) -> None:
+        self.mask, self.offset = mask, offset
         inside = np.flatnonzero(mask)
         rng = random.stream(seed, "pixels of a region")
         per_frame = min(max(SAMPLE // max(kept_frames.size, 1), 1), inside.size)
@@ -197,20 +219,21 @@ class Gatherer:
         if self._pixels.size:
             self._series[start : start + block.shape[0]] = block.reshape(block.shape[0], -1)[:, self._pixels]
 
-    def sample(self, kept: FrameArray, sides: tuple[float, float]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Values from the frames kept, and the block that each lies in."""
+    def sample(self, kept: FrameArray, sides: tuple[float, float], used: BoolArray) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Values of the pixels used, from the frames kept, in the file's numbers, and the block that each lies in."""
         labels = block_labels(self.mask.shape, sides).ravel()
         most = int(labels.max()) + 1
         values = np.concatenate([frame.ravel()[p] for frame, p in zip(kept, self._sampled, strict=True)]).astype(np.float64)
         blocks = np.concatenate([i * most + labels[p] for i, p in enumerate(self._sampled)])
-        good = np.isfinite(values)
-        return values[good], blocks[good]
+        good = np.isfinite(values) & used.ravel()[np.concatenate(self._sampled)]
+        return values[good] + self.offset, blocks[good]
 
-    def temporal(self, frame_rate: float | None) -> TemporalCorrelation:
-        """Correlation in time of the pixels kept."""
+    def temporal(self, frame_rate: float | None, used: BoolArray) -> TemporalCorrelation:
+        """Correlation in time of the pixels kept and used."""
         if not self._pixels.size:
             return TemporalCorrelation(np.full(1, np.nan), np.nan, np.nan, "a single frame")
-        return temporal_correlation(self._series, frame_rate)
+        inside = used.ravel()[self._pixels]
+        return temporal_correlation(self._series if inside.all() else self._series[:, inside], frame_rate)
 
 
 def region(
@@ -222,17 +245,21 @@ def region(
     kept_spacing: float,
     frame_rate: float | None,
     seed: int,
+    bad: BoolArray | None = None,
 ) -> Region:
-    """Statistics of the values that the second pass gathered; ``kept`` are frames ``kept_spacing`` frames apart."""
-    mask = gathered.mask
+    """Statistics of the values that the second pass gathered; ``kept`` are frames ``kept_spacing`` frames apart.
+
+    Pixels of ``bad`` lines are in the moments, in nothing else: one line that is not sea would pass for correlation and for a family.
+    """
+    mask = gathered.mask if bad is None else gathered.mask & ~bad
     notes: list[str] = []
     trend = trend_surface(image, mask)
     spatial = spatial_correlation(kept, mask, mean=trend)
-    temporal = gathered.temporal(frame_rate)
+    temporal = gathered.temporal(frame_rate, mask)
     if temporal.reason and gathered._pixels.size:
         notes.append(f"correlation time: {temporal.reason}")
     lengths = [BLOCK_LENGTHS * (length if math.isfinite(length) else 10.0) for length in (spatial.length_y, spatial.length_x)]
-    values, blocks = gathered.sample(kept, (lengths[0], lengths[1]))
+    values, blocks = gathered.sample(kept, (lengths[0], lengths[1]), mask)
     in_frames = temporal.scale / kept_spacing if math.isfinite(temporal.scale) else 1.0
     independent = effective_count(float(kept.shape[0] * mask.sum()), spatial.scale_x, spatial.scale_y, max(in_frames, 1.0))
     independent = min(independent, float(values.size))
@@ -251,4 +278,5 @@ def region(
         spectrum = None  # pictures of fewer than 8 pixels a side
     if moments.is_constant:
         notes.append("all values are equal")
-    return Region(name, mask, moments, fits, tests, values, spatial, temporal, still, spectrum, {}, tuple(notes))
+    made = Region(name, gathered.mask, moments, fits, tests, values, spatial, temporal, still, spectrum, {}, tuple(notes))
+    return replace(made, offset=gathered.offset)

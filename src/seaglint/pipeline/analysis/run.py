@@ -10,7 +10,7 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.clutter.false_alarms import FalseAlarms
+from seaglint.clutter.false_alarms import FalseAlarms, lone_lines
 from seaglint.clutter.filters import Filter, Laplacian
 from seaglint.clutter.segmentation import Segmentation, segment
 from seaglint.clutter.thresholds import Scope, frame_scale, standardise
@@ -26,8 +26,16 @@ FrameArray = NDArray[np.float32]
 ALWAYS: Final = (3.0, 3.5)
 """Thresholds that are always counted: those of the source article's Table 1 [standard deviations]."""
 
+Border = Literal["auto", "keep", "drop"]
+
 REGIONS: Final = ("all", "glint", "background")
 RegionName = Literal["all", "glint", "background"]
+
+_HAZARD: Final = {3.0: 3.2831, 3.5: 3.7513}
+"""Density of a Gaussian over its tail."""
+
+_BORDER_TAIL: Final = {3.0: 0.0398, 3.5: 0.0134}
+"""Tail of a Gaussian of 12/20 of the variance over that of the whole one."""
 
 KEPT_FRAMES: Final = 24
 """Most frames kept for statistics in space, evenly spaced over the recording."""
@@ -58,6 +66,9 @@ class Options:
         Part of the rows to analyse, as shares of the height from the top; filters see the whole picture.
     mask : ndarray of bool, optional
         The glinting pixels, instead of the segmentation.
+    border : {"auto", "keep", "drop"}
+        Whether the pixels that the filter gives from repeated ones beyond the border are in sigma and rates: in a single image as in
+        the published figures, not in a sequence, which is long enough to show their bias. Dropped only where half of the pixels are left.
     detectors : tuple of Detector
         Judged by the same counting.
     seed : int
@@ -71,6 +82,7 @@ class Options:
     mask: BoolArray | None = None
     detectors: tuple[Detector, ...] = ()
     seed: int = 0
+    border: Border = "auto"
 
 
 @dataclass(frozen=True)
@@ -94,6 +106,7 @@ class Analysis:
     regions: dict[str, Region]
     slices: Slices
     notes: tuple[str, ...]
+    border_kept: bool = True
 
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers and text of all results; absent regions are None."""
@@ -108,6 +121,7 @@ class Analysis:
             "frame_rate_hz": rate,
             "filter": self.options.filter.name,
             "sigma_of": self.options.scope,
+            "border": "kept" if self.border_kept else "dropped",
             "segmentation": {
                 "found": "glint" in self.regions,
                 "method": "mask given" if found is None else found.method,
@@ -153,13 +167,64 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
             f"the mask has {wanted.mask.shape[0]} x {wanted.mask.shape[1]} pixels, the frames have {recording.rows} x {recording.columns}; "
             "give one value per pixel"
         )
+    progress(0, 2 * recording.frames)
     first = survey(recording, progress)
     found, masks, notes = _regions(first, rows, wanted.mask)
     thresholds = tuple(sorted({*ALWAYS, *wanted.thresholds}))
-    results, slices = _count(recording, wanted, first, masks, thresholds, progress)
+    counted, border_notes = _interior(recording, wanted, masks["all"])
+    results, slices = _count(recording, wanted, first, masks, counted, thresholds, progress)
     for detector in wanted.detectors:
         _judge(recording, detector, first.dead, results, thresholds)
-    return Analysis(recording, wanted, found, first.moments.image, results, slices, (*recording.notes, *first.notes, *notes))
+    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, wanted.filter.name)]
+    image = first.moments.image + recording.offset
+    return Analysis(recording, wanted, found, image, results, slices, tuple(notes), bool(counted.all()))
+
+
+def _interior(recording: Recording, options: Options, used: BoolArray) -> tuple[BoolArray, list[str]]:
+    """Pixels whose filtered values count, and what is to be said of the border."""
+    margin = options.filter.margin
+    inner = np.zeros(used.shape, np.bool_)
+    inner[margin : max(used.shape[0] - margin, 0), margin : max(used.shape[1] - margin, 0)] = True
+    share = 1.0 - float((used & inner).sum()) / max(int(used.sum()), 1)
+    everything = np.ones(used.shape, np.bool_)
+    if margin == 0 or share == 0.0 or options.scope == "local":
+        return everything, []
+    wide = share > 0.5
+    if options.border == "drop" and wide:
+        raise DataError(
+            f"the border of {margin} px holds {100 * share:.3g} % of the pixels: too little is left; take a smaller filter or --border keep"
+        )
+    if options.border == "keep" or (options.border == "auto" and (recording.frames == 1 or wide)):
+        return everything, [_border_bias(options.filter, share)]
+    return inner, []
+
+
+def _border_bias(used: Filter, share: float) -> str:
+    """What white noise would read where the border's repeated pixels count."""
+    where = f"{100 * share:.3g} % of the pixels lie within {used.margin} px of the border"
+    text = f"{where}, where the filter sees repeated pixels; they are counted"
+    if not isinstance(used, Laplacian):
+        return text
+    # Variance 12 instead of 20 of the input's: sigma is too small by 0.2 of the share, and the border itself hardly exceeds.
+    bias = [share * (0.2 * m * _HAZARD[m] - 1.0 + _BORDER_TAIL[m]) for m in ALWAYS]
+    return (
+        text
+        + f": white noise would read {100 * bias[0]:.2g} % high at 3 sigma, {100 * bias[1]:.2g} % at 3.5 (--border drop leaves them out)"
+    )
+
+
+def _line_notes(results: dict[str, Region], filter_name: str) -> list[str]:
+    """Rows and columns that hold far more of the exceedances than those beside them."""
+    notes = []
+    for name, result in results.items():
+        for what, counts in zip(("row", "column"), result.alarms[filter_name].lines(ALWAYS[0]), strict=True):
+            for line in lone_lines(counts)[:3]:
+                share = f"{100 * counts[line] / counts.sum():.3g} %"
+                notes.append(
+                    f"{name}: {share} of the exceedances of {ALWAYS[0]:g} sigma lie in {what} {line} alone, a bad line or an edge of the "
+                    "picture: the rates hold them, fits, correlation and effective counts leave it out; crop or mask it"
+                )
+    return notes
 
 
 def _row_mask(recording: Recording, part: tuple[float, float]) -> BoolArray:
@@ -209,6 +274,7 @@ def _count(
     options: Options,
     first: Survey,
     masks: dict[str, BoolArray],
+    interior: BoolArray,
     thresholds: tuple[float, ...],
     progress: Progress,
 ) -> tuple[dict[str, Region], Slices]:
@@ -216,14 +282,15 @@ def _count(
     most = min(max(KEPT_VALUES // (recording.rows * recording.columns), 4), KEPT_FRAMES, recording.frames)
     kept_numbers = np.unique(np.linspace(0, recording.frames - 1, most).astype(np.int64))
     kept = np.empty((kept_numbers.size, recording.rows, recording.columns), np.float32)
-    gatherers = {name: Gatherer(mask, recording.frames, kept_numbers, options.seed) for name, mask in masks.items()}
+    gatherers = {name: Gatherer(mask, recording.frames, kept_numbers, options.seed, recording.offset) for name, mask in masks.items()}
     alarms = {name: FalseAlarms(thresholds) for name in masks}
-    scales = _sequence_scales(recording, options, first.dead, masks) if options.scope == "sequence" else {}
+    counted = {name: mask & interior for name, mask in masks.items()}
+    scales = _sequence_scales(recording, options, first.dead, counted) if options.scope == "sequence" else {}
     slicer = _Slicer(masks.get("glint", masks["all"]), recording, options, masks["all"])
     done = 0
 
     def count(name: str, block: FrameArray, filtered: FrameArray, start: int) -> None:
-        z = standardise(filtered, masks[name], scope=options.scope, scale=scales.get(name))
+        z = standardise(filtered, counted[name], scope=options.scope, scale=scales.get(name))
         alarms[name].add(z)
         if name == "all":
             slicer.add(block, filtered, z)
@@ -231,8 +298,12 @@ def _count(
 
     def summarise(name: str) -> Region:
         moments = first.moments.region(masks[name])
-        made = region(name, gatherers.pop(name), moments, first.moments.image, kept, max(spacing, 1.0), recording.frame_rate, options.seed)
-        made = replace(made, alarms={options.filter.name: alarms[name]}, notes=(*made.notes, *_own_notes(first, masks[name], recording)))
+        image, apart = first.moments.image, max(spacing, 1.0)
+        bad = _bad_lines(alarms[name], masks[name])
+        made = region(name, gatherers.pop(name), moments, image, kept, apart, recording.frame_rate, options.seed, bad)
+        share = _saturated_share(first, masks[name])
+        cut = (f"{100 * share:.3g} % saturated at {first.ceiling:.7g}",) if share > 0.0 else ()
+        made = replace(made, alarms={options.filter.name: alarms[name]}, notes=(*made.notes, *cut), saturated=share)
         made.tail(options.filter.name)
         return made
 
@@ -254,9 +325,21 @@ def _count(
     return results, slicer.result()
 
 
-def _own_notes(first: Survey, mask: BoolArray, recording: Recording) -> tuple[str, ...]:
-    share = float(first.saturated[mask].sum()) / max(float(first.moments.count[mask].sum()), 1.0)
-    return (f"{100 * share:.3g} % saturated",) if share > 0.0 else ()
+def _bad_lines(alarms: FalseAlarms, mask: BoolArray) -> BoolArray | None:
+    """Pixels of rows and columns that hold far more exceedances than those beside them; None without, or where nothing would be left."""
+    rows, columns = (lone_lines(counts) for counts in alarms.lines(ALWAYS[0])) if alarms.pixels else (np.empty(0, np.int64),) * 2
+    if not rows.size and not columns.size:
+        return None
+    bad = np.zeros(mask.shape, np.bool_)
+    bad[rows] = True
+    bad[:, columns] = True
+    return bad if 2 * int((mask & ~bad).sum()) > int(mask.sum()) else None
+
+
+def _saturated_share(first: Survey, mask: BoolArray) -> float:
+    if first.ceiling is None:
+        return 0.0
+    return float(first.saturated[mask].sum()) / max(float(first.moments.count[mask].sum()), 1.0)
 
 
 def _sequence_scales(

@@ -19,6 +19,15 @@ Progress = Callable[[int, int], None]
 SATURATED_SHARE = 1e-4
 """Share of saturated pixels from which it is told: a tail of one in 10 000 is cut."""
 
+FEWEST_IN_SPIKE = 30
+"""Values equal to the largest one from which it can be a spike."""
+
+SPIKE = 1.3
+"""A spike has at least this many times the values of the next lower level: a tail that is not cut has fewer at its end, not more."""
+
+FEWEST_STEPS = 8.0
+"""Steps of single precision within a standard deviation below which it is told that the values are rounded."""
+
 FEWEST_FOR_DEAD = 8
 """Frames from which a pixel that never changes is called dead rather than calm."""
 
@@ -37,7 +46,9 @@ class Survey:
     dead : ndarray of bool, shape (rows, columns)
         Rows and pixels that carry no picture; they are left out of everything.
     saturated : ndarray, shape (rows, columns)
-        Frames in which each pixel reaches full scale.
+        Frames in which each pixel reaches full scale, or the largest value where that is a spike.
+    ceiling : float or None
+        The value they reach, in the file's numbers; None where nothing is saturated.
     notes : tuple of str
         Sentences for the report.
     """
@@ -45,6 +56,7 @@ class Survey:
     moments: PixelMoments
     dead: BoolArray
     saturated: NDArray[np.int64]
+    ceiling: float | None
     notes: tuple[str, ...]
 
 
@@ -61,6 +73,45 @@ def ahead(recording: Recording, memory: float = 8e6) -> Iterator[NDArray[np.floa
             yield block
 
 
+class _Top:
+    """The largest value, the next lower one, how often each occurs, and where the largest does."""
+
+    def __init__(self, rows: int, columns: int) -> None:
+        self.highest, self.second = -np.inf, -np.inf
+        self.count = self.below = 0
+        self.where = np.zeros(rows * columns, np.int64)
+
+    def add(self, block: NDArray[np.float32]) -> None:
+        """Take a block."""
+        flat = block.reshape(-1)
+        # Of most blocks only a handful is not below what is known already.
+        place = np.flatnonzero(flat >= self.second)
+        values = flat[place]
+        finite = np.isfinite(values)
+        place, values = place[finite], values[finite]
+        if not values.size:
+            return
+        levels, counts = np.unique(values, return_counts=True)
+        known = {self.highest: self.count, self.second: self.below}
+        for level, count in zip(levels[-2:].tolist(), counts[-2:].tolist(), strict=True):
+            known[level] = known.get(level, 0) + count
+        first, second = sorted({*known, -np.inf}, reverse=True)[:2]
+        if first > self.highest:
+            self.where[:] = 0
+        self.where += np.bincount(place[values == first] % self.where.size, minlength=self.where.size)
+        self.highest, self.second = first, second
+        self.count, self.below = known[first], known.get(second, 0) if np.isfinite(second) else 0
+
+    def spike(self, dead: BoolArray) -> NDArray[np.int64] | None:
+        """How often each pixel has the largest value if that is a spike, dead pixels apart; else None."""
+        where = np.where(dead.ravel(), 0, self.where)
+        count = int(where.sum())
+        # Some pixel that is stuck is not a ceiling; neither is a constant.
+        enough = count >= FEWEST_IN_SPIKE and np.count_nonzero(where) >= FEWEST_IN_SPIKE // 3 and self.below > 0
+        more = count - self.below
+        return where.reshape(dead.shape) if enough and count > SPIKE * self.below and more > 5.0 * np.sqrt(count + self.below) else None
+
+
 def survey(recording: Recording, progress: Progress) -> Survey:
     """Read everything once.
 
@@ -73,10 +124,12 @@ def survey(recording: Recording, progress: Progress) -> Survey:
     moments = PixelMoments.empty(*shape)
     saturated = np.zeros(shape, np.int64)
     flat_rows, flat_columns = np.ones(recording.rows, dtype=np.bool_), np.ones(recording.columns, dtype=np.bool_)
+    top = _Top(*shape)
     repeats, done = 0, 0
     last: NDArray[np.float32] | None = None
     for block in ahead(recording):
         moments.add(block)
+        top.add(block)
         if recording.saturation is not None:
             saturated += (block >= recording.saturation).sum(axis=0)
         # Once seen to vary, a line needs no further look: the first block settles nearly all.
@@ -100,13 +153,48 @@ def survey(recording: Recording, progress: Progress) -> Survey:
     if not (moments.count > 0).any():
         raise DataError(f"{recording.source}: no pixel has a finite value; nothing can be said of it")
     dead, dead_notes = _dead(recording, moments, flat_rows)
-    if flat_columns.any() and not flat_columns.all() and not flat_rows.all():
+    even = flat_columns & ~dead.all(axis=0)
+    if even.any() and not flat_columns.all() and not flat_rows.all():
         # Told, not left out: a border is part of the picture that a detector sees, and its edge part of the false alarms.
-        where = np.flatnonzero(flat_columns)
+        where = np.flatnonzero(even)
         dead_notes.append(
             f"{where.size} columns ({_listed(where)}) are even from top to bottom: filters see their edges as clutter; crop or mask them"
         )
-    return Survey(moments, dead, saturated, (*dead_notes, *_notes(recording, moments, saturated, missing, repeats)))
+    ceiling = recording.saturation
+    full = recording.frames * recording.rows * recording.columns * SATURATED_SHARE
+    found = None if saturated.sum() > full else top.spike(dead)
+    if found is not None:
+        saturated, ceiling = found, top.highest
+    ceiling = ceiling + recording.offset if ceiling is not None and saturated.any() else None
+    notes = _notes(recording, missing, repeats)
+    cut = _saturation_note(recording, saturated, ceiling, top if found is not None else None)
+    return Survey(moments, dead, saturated, ceiling, (*dead_notes, *cut, *_resolution_note(recording, moments, dead), *notes))
+
+
+def _saturation_note(recording: Recording, saturated: NDArray[np.int64], ceiling: float | None, spike: _Top | None) -> list[str]:
+    """What share is saturated, and how that is known."""
+    share = float(saturated.sum()) / (recording.frames * recording.rows * recording.columns)
+    if ceiling is None or (spike is None and share <= SATURATED_SHARE):
+        return []
+    known = ""
+    if spike is not None:
+        known = f" (the largest value; {spike.count / spike.below:.3g} times as often as the next lower one; --saturation tells better)"
+    return [
+        f"{100 * share:.3g} % of the values are saturated at {ceiling:.7g}{known}: the bright tail is cut, mean and deviation are "
+        "too small, and fits, thresholds in standard deviations and rates are those of the cut values"
+    ]
+
+
+def _resolution_note(recording: Recording, moments: PixelMoments, dead: BoolArray) -> list[str]:
+    """Whether values in single precision are rounded to steps that matter."""
+    whole = moments.region(~dead)
+    step = float(np.finfo(np.float32).eps) * abs(whole.mean)
+    if whole.is_constant or not 0.0 < whole.std < FEWEST_STEPS * step:
+        return []
+    return [
+        f"the values are rounded: their standard deviation is {whole.std:.3g}, single precision at {whole.mean + recording.offset:.7g} "
+        f"has steps of {step:.2g}; save them less an offset, or in double precision"
+    ]
 
 
 def _dead(recording: Recording, moments: PixelMoments, flat_rows: BoolArray) -> tuple[BoolArray, list[str]]:
@@ -139,18 +227,12 @@ def _listed(numbers: NDArray[np.int64], most: int = 6) -> str:
     return ", ".join(map(str, numbers[:most])) + (", ..." if numbers.size > most else "")
 
 
-def _notes(recording: Recording, moments: PixelMoments, saturated: NDArray[np.int64], missing: int, repeats: int) -> list[str]:
+def _notes(recording: Recording, missing: int, repeats: int) -> list[str]:
     notes = []
     total = recording.frames * recording.rows * recording.columns
     if missing:
         notes.append(
             f"{missing} values ({100 * missing / total:.3g} %) are missing (NaN or infinite) and left out, with what filters make of them"
-        )
-    share = float(saturated.sum()) / total
-    if share > SATURATED_SHARE:
-        notes.append(
-            f"{100 * share:.3g} % of the values are saturated at {recording.saturation:g}: the bright tail is cut, "
-            "moments, fits and rates above it are lower bounds"
         )
     if repeats:
         notes.append(f"{repeats} frames repeat the one before: frames were dropped or the frame rate is wrong; times are not to be trusted")
