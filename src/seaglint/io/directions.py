@@ -32,7 +32,8 @@ def directions(dataset: xr.Dataset, frame: int = 0) -> tuple[FloatArray, FloatAr
     if "azimuth" in dataset.variables:
         return tuple(dataset[name].to_numpy().astype(np.float64) for name in ("azimuth", "elevation"))  # type: ignore[return-value]
     sensor = json.loads(dataset.attrs["scenario"])["sensor"]
-    imager = Imager(sensor["projection"], *(float(np.radians(angle)) for angle in sensor["fov_deg"]), *sensor["pixels"])
+    width, height = (float(np.radians(angle)) for angle in sensor["fov_deg"])
+    imager = Imager(sensor["projection"], width, height, *sensor["pixels"])
     pose = (float(np.radians(dataset[f"sensor_{name}"][frame])) for name in ("azimuth", "elevation", "roll"))
     azimuth, elevation = imager.centres(Attitude(*pose))
     return np.degrees(azimuth), np.degrees(elevation)

@@ -304,7 +304,7 @@ class DirectWalk:
         sun = sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0))
         rough = roughness_of(facets, sun.azimuth, bands)
         table = thermal_table(thermal_sources(basis, view), rough, axes, shape, basis.phi.shape[0])
-        thermal, coefficients = fewest_terms(table, basis.coefficients)
+        thermal, coefficients = fewest_terms(table.astype(np.float64), basis.coefficients)
         reflected, sun_coefficients = fewest_terms(sun_terms(basis, irradiance, view.water), basis.coefficients)
         tables = FacetTables(np.zeros((1, 1, 1, 1, 1), np.float32), axes, np.ascontiguousarray(reflected))
         by_azimuth = np.ascontiguousarray(thermal.astype(np.float32).transpose(1, 0, 2, 3, 4))

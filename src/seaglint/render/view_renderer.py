@@ -182,7 +182,8 @@ class ViewRenderer:
         corner = self.imager.corners(attitude)
         swept = self._serves(*pixel_elevations(corner)).ravel()
         pixels = np.flatnonzero(swept)
-        found, cells, eyes, resampling = None, None, (), None
+        eyes: tuple[Camera, ...] = ()
+        found, cells, resampling = None, None, None
         if self.camera is not None and pixels.size:
             grid = cells_of(self.camera)
             every = quads(corner, pixels, grid, attitude.azimuth)
