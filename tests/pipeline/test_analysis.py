@@ -230,3 +230,119 @@ def test_measured_images_give_their_known_rates(name: str, rates: tuple[float, f
     found = analyze(open_recording(data_dir / "imagery" / f"{name}.png"), Options(rows=(0.45, 1.0))).as_dict()
     alarms = found["regions"]["all"]["false_alarms"]
     assert tuple(round(alarm["rate"], 4) for alarm in alarms) == rates
+
+
+def clipped(kind: str) -> np.ndarray:
+    noise = np.random.default_rng(17).normal(8000.0, 1000.0, (24, 96, 128))
+    match kind:
+        case "14 bits in 16":
+            return np.clip(np.round(noise * 1.4), 0, 16383).astype(np.uint16)
+        case "float":
+            return np.minimum(noise, 10500.0).astype(np.float32)
+        case "8 bits":
+            return np.clip(np.round(noise / 80.0), 0, 128).astype(np.uint8)
+    raise ValueError(kind)
+
+
+@pytest.mark.parametrize(("kind", "ceiling"), [("14 bits in 16", 16383), ("float", 10500), ("8 bits", 128)])
+def test_a_spike_at_the_largest_value_is_saturation(kind: str, ceiling: float) -> None:
+    frames = clipped(kind)
+    found = result(frames, saturation=None)
+    share = (frames == ceiling).mean()
+    assert any(f"saturated at {ceiling}" in note for note in found["notes"])
+    region = found["regions"]["all"]
+    assert region["saturated"] == pytest.approx(share, rel=1e-6)
+    assert all("saturated" in alarm["note"] for alarm in region["false_alarms"])
+
+
+@pytest.mark.parametrize("step", [0.0, 1.0, 5.0])
+def test_noise_in_steps_has_no_spike(step: float) -> None:
+    frames = np.round(WHITE / step) * step if step else WHITE
+    found = result(frames)
+    assert not any("saturated" in note for note in found["notes"])
+    assert found["regions"]["all"]["saturated"] == 0.0
+
+
+def test_a_stuck_bright_pixel_is_no_ceiling() -> None:
+    frames = np.repeat(WHITE, 2, axis=0) + np.float32(0.01) * np.arange(80, dtype=np.float32)[:, None, None]
+    frames[:, 5, 5] = 4095.0
+    assert not any("saturated" in note for note in result(frames)["notes"])
+
+
+@pytest.mark.parametrize(("line", "where"), [("row 40", np.s_[:, 40]), ("column 0", np.s_[:, :, 0])])
+def test_a_bad_line_is_named_and_left_out_of_correlation_and_fits(line: str, where: tuple[slice | int, ...]) -> None:
+    frames = WHITE.copy()
+    frames[where] += 100.0
+    found = result(frames, Options(border="keep"))
+    assert any(f"{line} alone" in note for note in found["notes"])
+    region = found["regions"]["all"]
+    assert region["false_alarms"][0]["rate"] > 4 * norm.sf(3.0)  # as the picture has it
+    assert region["fits"]["gaussian"]["scale"] == pytest.approx(5.0, rel=0.02)
+    assert region["correlation_length_px"]["x"] < 1.0
+    assert region["correlation_length_px"]["y"] < 1.0
+
+
+def test_a_dead_column_is_told_once() -> None:
+    frames = WHITE.copy()
+    frames[:, :, 30] = 0.0
+    notes = result(frames)["notes"]
+    assert any("96 dead pixels left out" in note for note in notes)
+    assert not any("even from top to bottom" in note for note in notes)
+
+
+def test_repeated_border_pixels_are_left_out_of_sequences_and_told_of_images() -> None:
+    """White noise of small pictures: kept borders lower sigma by 0.2 of their share, 3 % at 128 px; without, the tail comes back."""
+    frames = np.random.default_rng(33).normal(0.0, 1.0, (200, 64, 64)).astype(np.float32)
+    dropped, kept = (result(frames, Options(border=b)) for b in ("auto", "keep"))
+    assert (dropped["border"], kept["border"]) == ("dropped", "kept")
+    rate, biased = (r["regions"]["all"]["false_alarms"][0]["rate"] for r in (dropped, kept))
+    # 8e5 pixels, 1080 expected: 99.9 % is 10 %
+    assert rate == pytest.approx(norm.sf(3.0), rel=0.10)
+    assert biased > rate
+    single = result(frames[:1])
+    assert single["border"] == "kept"
+    assert any("within 1 px of the border" in note and "6.2 % high" in note for note in single["notes"])
+
+
+@pytest.mark.validation
+def test_long_white_sequence_of_small_pictures_gives_back_the_tail() -> None:
+    from scipy.stats import binom
+
+    frames = np.random.default_rng(6).normal(50.0, 2.0, (600, 128, 128)).astype(np.float32)
+    count = 600 * 126 * 126
+    for alarm in result(frames)["regions"]["all"]["false_alarms"]:
+        low, high = binom.ppf([0.0005, 0.9995], count, norm.sf(alarm["threshold_sigma"])) / count
+        assert low <= alarm["rate"] <= high
+
+
+def test_a_constant_has_no_correlation_length() -> None:
+    region = result(constant())["regions"]["all"]
+    assert region["correlation_length_px"] == {"x": None, "y": None}
+    assert region["correlation_length_reason"] == "all values are equal"
+
+
+def test_values_rounded_to_single_precision_are_told() -> None:
+    noise = np.random.default_rng(2).normal(1e6, 0.1, (6, 64, 64)).astype(np.float32)
+    assert any("rounded" in note for note in result(noise)["notes"])
+
+
+def test_a_level_taken_off_when_reading_is_in_means_and_fits(tmp_path: Path) -> None:
+    noise = np.random.default_rng(2).normal(1e6, 1e-3, (6, 64, 64))
+    np.save(tmp_path / "clip.npy", noise)
+    region = analyze(open_recording(tmp_path / "clip.npy")).as_dict()["regions"]["all"]
+    assert region["mean"] == pytest.approx(noise.mean(), abs=1e-7)
+    assert region["std"] == pytest.approx(1e-3, rel=0.03)
+    assert region["fits"]["gaussian"]["loc"] == pytest.approx(1e6, abs=1e-4)
+    assert region["fits"]["gaussian"]["ks_p"] > 0.01
+
+
+def test_dead_rows_of_a_file_that_is_mapped(tmp_path: Path) -> None:
+    frames = WHITE[:10].copy()
+    frames[:, 7] = 0.0
+    frames[2, 3, 4] = np.nan
+    np.save(tmp_path / "clip.npy", frames)
+    from seaglint.detection.base import named
+
+    found = analyze(open_recording(tmp_path / "clip.npy"), Options(detectors=(named("ca-cfar"),))).as_dict()
+    assert any("1 rows left out (7)" in note for note in found["notes"])
+    assert found["regions"]["all"]["pixels"] == 95 * 128

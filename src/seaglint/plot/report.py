@@ -301,7 +301,8 @@ def _methods(analysis: Analysis, results: dict[str, Any]) -> list[str]:
     options = analysis.options
     first, last = options.rows
     done = [
-        f"Filter: {options.filter.name}, applied to whole frames; the nearest pixel is repeated beyond the border.",
+        f"Filter: {options.filter.name}, applied to whole frames; the nearest pixel is repeated beyond the border, and the pixels that see "
+        f"it are {'counted' if results['border'] == 'kept' else 'left out of sigma and rates'}.",
         f"Thresholds are on the bright side, in standard deviations of the filtered image above its mean: {_SIGMA[options.scope]}.",
         "A rate is the number of pixels above the threshold over the number of pixels looked at. Its interval is Wilson's with an "
         "effective number of pixels from the scatter of counts between tiles and times.",

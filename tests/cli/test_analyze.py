@@ -1,0 +1,73 @@
+"""``seaglint analyze``: what the text says, and what is refused in one line."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from seaglint.cli.analyze import lines
+
+
+@pytest.fixture
+def clip(tmp_path: Path) -> Path:
+    np.save(tmp_path / "clip.npy", np.random.default_rng(1).normal(100.0, 5.0, (9, 24, 32)).astype(np.float32))
+    return tmp_path / "clip.npy"
+
+
+@pytest.fixture
+def raw(tmp_path: Path) -> Path:
+    np.random.default_rng(1).integers(100, 140, (9, 24, 32)).astype("<u2").tofile(tmp_path / "clip.raw")
+    return tmp_path / "clip.raw"
+
+
+def test_text_gives_reasons_and_repeats_nothing(seaglint, clip):
+    answer = seaglint("analyze", clip)
+    assert answer.code == 0
+    assert "9 frames of 32 x 24" in answer.out
+    assert "background: the same as all" in answer.out
+    assert "(- to -)" not in answer.out
+
+
+def test_a_layout_on_the_command_line_takes_a_broken_frame_rate(seaglint, raw):
+    answer = seaglint("analyze", raw, "--raw", "rows=24,columns=32,frame_rate=29.97,units=counts")
+    assert answer.code == 0
+    assert "29.97 Hz" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("--raw", "rows=24,columns=32,frame_rate=fast"), "frame_rate = 'fast'"),
+        (("--raw", "rows=24,columns=32", "--report", "out.txt"), "ends in .html"),
+        (("--raw", "rows=24,columns=32", "--border", "left"), "auto, keep, drop"),
+        (("--raw", "rows=24,columns=32", "--axes", "xyt"), "tyx, yxt"),
+        (("--raw", "rows=24,columns=32", "--axes", "yxt"), "for arrays"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_one_line(seaglint, raw, arguments, says):
+    answer = seaglint("analyze", raw, *arguments)
+    assert answer.code == 2
+    assert says in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def fit(ks: float, level: float | None) -> dict[str, object]:
+    return {"ks": ks, "ks_p": level, "shape": 2.0, "scale": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("levels", "says"),
+    [((0.3, 0.005), "best fit gamma"), ((0.005, 0.005), "none of the families fits; nearest: gamma"), ((None, None), "too few")],
+)
+def test_a_fit_at_the_floor_is_not_called_the_best(levels, says):
+    region = {
+        "pixels": 10,
+        **dict.fromkeys(("mean", "std", "skewness", "excess_kurtosis", "correlation_time_s"), 1.0),
+        "correlation_length_px": {"x": 1.0, "y": 1.0},
+        "correlation_length_reason": None,
+        "fits": {"gamma": fit(0.01, levels[0]), "weibull": fit(0.2, levels[1])},
+        "false_alarms": [],
+        "notes": [],
+    }
+    result = {"source": "a", "frames": 1, "rows": 1, "columns": 1, "units": "K", "frame_rate_hz": None, "notes": []}
+    assert says in "\n".join(lines({**result, "regions": {"all": region, "glint": None, "background": None}}))
