@@ -56,7 +56,7 @@ def table1(
     overwrite: Overwrite = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
-    """Render two seconds of glint and print the article's Table 1 of false alarms beside ours (a minute on two cores)."""
+    """Render two seconds of glint and print the article's Table 1 of false alarms beside ours (some five minutes on two cores)."""
     from seaglint.cli.app import log, print_json
     from seaglint.cli.progress import progress
     from seaglint.io.columns import write_columns

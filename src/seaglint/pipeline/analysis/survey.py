@@ -162,7 +162,8 @@ def survey(recording: Recording, progress: Progress) -> Survey:
         )
     ceiling = recording.saturation
     full = recording.frames * recording.rows * recording.columns * SATURATED_SHARE
-    found = None if saturated.sum() > full else top.spike(dead)
+    # An even line is a border or a dead one, not a ceiling.
+    found = None if saturated.sum() > full else top.spike(dead | flat_columns | flat_rows[:, np.newaxis])
     if found is not None:
         saturated, ceiling = found, top.highest
     ceiling = ceiling + recording.offset if ceiling is not None and saturated.any() else None
