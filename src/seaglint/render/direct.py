@@ -216,9 +216,9 @@ def ray(
     i = min(int(math.log(1.0 + arc / air.scale) * air.parts + 0.5), air.path.shape[0] - 1)
     paths = (air.coefficients, air.sun_coefficients)
     ix, fx = node(optics.tables.axes, 1, thermal.shape[0], azimuth)
-    warm, solar = facet_radiance(optics, thermal[ix], paths, i, sight, grazing, slope)
+    warm, solar, _ = facet_radiance(optics, thermal[ix], paths, i, sight, grazing, slope)
     if fx > 1e-9:
-        other, _ = facet_radiance(optics, thermal[ix + 1], paths, i, sight, grazing, slope)
+        other, _, _ = facet_radiance(optics, thermal[ix + 1], paths, i, sight, grazing, slope)
         warm += fx * (other - warm)
     if solar > 0.0 and sea.steepest > optics.sunlight.lower_tangent:
         solar *= sun_share(sea, eye.east - arc * sight.east, eye.north - arc * sight.north, optics.sunlight, values[:1])
@@ -330,7 +330,7 @@ class DirectWalk:
 
 
 def rays_per_side(corner: FloatArray, pixels: NDArray[np.int64], height: float, shortest_wave: float) -> NDArray[np.int64]:
-    """Rays along each side of a pixel: enough to put four on the shortest wave that its ground footprint holds, within :data:`SAMPLES`."""
+    """Rays along each side of a pixel [1]: enough to put four on the shortest wave that its ground footprint holds, within :data:`SAMPLES`."""
     if not np.isfinite(shortest_wave):
         return np.full(pixels.size, CALM_SAMPLES, np.int64)
     row, column = np.divmod(pixels, corner.shape[1] - 1)

@@ -46,7 +46,7 @@ class Attitude:
 
     @property
     def axes(self) -> FloatArray:
-        """Unit vectors to the right of the image, to its top and into it, each (east, north, up): (3, 3)."""
+        """Unit vectors to the right of the image, to its top and into it, each (east, north, up) [1, (3, 3)]."""
         sa, ca, se, ce = math.sin(self.azimuth), math.cos(self.azimuth), math.sin(self.elevation), math.cos(self.elevation)
         right, up, forward = np.array([ca, -sa, 0.0]), np.array([-se * sa, -se * ca, ce]), np.array([ce * sa, ce * ca, se])
         s, c = math.sin(self.roll), math.cos(self.roll)
@@ -97,7 +97,7 @@ class Imager:
         Returns
         -------
         ndarray
-            (..., 3).
+            Unit vectors [1, (..., 3)].
 
         Examples
         --------
@@ -119,7 +119,7 @@ class Imager:
         return np.asarray(level @ (Attitude(attitude.azimuth, attitude.elevation).axes.T @ axes))
 
     def corners(self, attitude: Attitude) -> FloatArray:
-        """Lines of sight through the corners of all pixels, (rows + 1, columns + 1, 3)."""
+        """Lines of sight through the corners of all pixels, unit vectors [1, (rows + 1, columns + 1, 3)]."""
         return self.directions(attitude, np.arange(self.columns + 1.0), np.arange(self.rows + 1.0)[:, None])
 
     def centres(self, attitude: Attitude) -> tuple[FloatArray, FloatArray]:
@@ -201,7 +201,7 @@ def quads(corners: FloatArray, pixels: NDArray[np.int64], cells: Cells, azimuth_
 
 
 def inside(found: Quads, cells: Cells) -> NDArray[np.bool_]:
-    """Whether the cells cover each quadrilateral."""
+    """Whether the cells cover each quadrilateral [(pixels,)]."""
     rows = (found.sine.max(axis=1) <= cells.edges[0]) & (found.sine.min(axis=1) >= cells.edges[-1])
     if cells.circle:
         return np.asarray(rows)

@@ -174,7 +174,7 @@ class ViewRenderer:
         return grid, walk_from + margin, walk_azimuths
 
     def _serves(self, low: FloatArray, high: FloatArray) -> NDArray[np.bool_]:
-        """Whether the sweep serves pixels between two elevations: where it may see the sea, and not too steeply."""
+        """Whether the sweep serves pixels between two elevations [rad]: where it may see the sea, and not too steeply."""
         # a little above the horizontal, so that a pixel cut by it is one of the sweep's
         return np.asarray((low >= self._lowest) & (low < self._highest) & (high <= self._highest + math.radians(20.0)))
 
@@ -286,7 +286,7 @@ class ViewRenderer:
 
 
 def _corners_of(azimuth: FloatArray, swept: NDArray[np.bool_]) -> tuple[float, float]:
-    """Least and greatest azimuth of the corners of some pixels."""
+    """Least and greatest azimuth of the corners of some pixels [rad]."""
     touched = np.zeros(azimuth.shape, bool)
     for rows in (slice(None, -1), slice(1, None)):
         for columns in (slice(None, -1), slice(1, None)):
