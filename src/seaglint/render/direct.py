@@ -330,7 +330,7 @@ class DirectWalk:
 
 
 def rays_per_side(corner: FloatArray, pixels: NDArray[np.int64], height: float, shortest_wave: float) -> NDArray[np.int64]:
-    """Rays along each side of a pixel [1]: enough to put four on the shortest wave that its ground footprint holds, within :data:`SAMPLES`."""
+    """Rays along each side of a pixel [1]: enough to put four on the shortest wave in its footprint, within :data:`SAMPLES`."""
     if not np.isfinite(shortest_wave):
         return np.full(pixels.size, CALM_SAMPLES, np.int64)
     row, column = np.divmod(pixels, corner.shape[1] - 1)
