@@ -237,7 +237,7 @@ def lines(result: dict[str, Any]) -> list[str]:
             out.append("background: the same as all")
             continue
         out.append(
-            f"{name}: {region['pixels']} pixels, mean {_short(region['mean'])}, std {_short(region['std'])}, "
+            f"{name}: {region['pixels']} pixels, mean {_resolved(region['mean'], region['std'])}, std {_short(region['std'])}, "
             f"skewness {_short(region['skewness'])}, excess kurtosis {_short(region['excess_kurtosis'])}"
         )
         lengths, reason = region["correlation_length_px"], region["correlation_length_reason"]
@@ -280,6 +280,13 @@ def _best(fits: dict[str, Any]) -> str:
         what = "too few independent values to judge fits; nearest:"
     level = "p not known" if fit["ks_p"] is None else f"p <= {FLOOR:.1g}" if fit["ks_p"] <= FLOOR else f"p {_short(fit['ks_p'])}"
     return f"{what} {name} ({shape}scale {_short(fit['scale'])}, KS {_short(fit['ks'])}, {level})"
+
+
+def _resolved(mean: float | None, std: float | None) -> str:
+    """A mean with as many digits as its spread asks for: counts on a high level differ in the last ones."""
+    if mean is None or not std or abs(mean) < 100.0 * std:
+        return _short(mean)
+    return f"{mean:.{min(len(str(int(abs(mean) / std))) + 3, 15)}g}"
 
 
 def _short(value: float | None) -> str:

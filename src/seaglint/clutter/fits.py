@@ -190,13 +190,14 @@ def fit(
             return refused("the likelihood has no maximum that floating point resolves (too little spread, or too much)")
         if not (np.isfinite(theta).all() and np.isfinite(error).all()):
             return refused("the likelihood has no maximum that floating point resolves (too little spread, or too much)")
-    intervals = [
-        (value - quantile * error[i], value + quantile * error[i])
-        if family == "gaussian" and i == 0
-        # On the logarithm: positive parameters stay so, and their errors are nearer to a Gaussian.
-        else (value * float(np.exp(-quantile * error[i])), value * float(np.exp(quantile * error[i])))
-        for i, value in enumerate(theta)
-    ]
+    with np.errstate(over="ignore"):  # an interval without end is one
+        intervals = [
+            (value - quantile * error[i], value + quantile * error[i])
+            if family == "gaussian" and i == 0
+            # On the logarithm: positive parameters stay so, and their errors are nearer to a Gaussian.
+            else (value * float(np.exp(-quantile * error[i])), value * float(np.exp(quantile * error[i])))
+            for i, value in enumerate(theta)
+        ]
     likelihood = float(np.sum(w * log_density(family, x, theta)))
     if family == "gaussian":
         return Fit(family, None, theta[0], theta[1], None, intervals[0], intervals[1], likelihood, round(count), independent)

@@ -203,7 +203,7 @@ def _border_bias(used: Filter, share: float) -> str:
     """What white noise would read where the border's repeated pixels count."""
     where = f"{100 * share:.3g} % of the pixels lie within {used.margin} px of the border"
     text = f"{where}, where the filter sees repeated pixels; they are counted"
-    if not isinstance(used, Laplacian):
+    if not isinstance(used, Laplacian) or share > 0.5:
         return text
     # Variance 12 instead of 20 of the input's: sigma is too small by 0.2 of the share, and the border itself hardly exceeds.
     bias = [share * (0.2 * m * _HAZARD[m] - 1.0 + _BORDER_TAIL[m]) for m in ALWAYS]
