@@ -51,11 +51,17 @@ def test_one_file_that_stands_is_enough_to_refuse(seaglint, small, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["fig3.csv"]
 
 
-def test_a_folder_that_is_not_there_is_named(seaglint, small, tmp_path):
-    answer = seaglint("reproduce", "fig3", "-o", tmp_path / "none")
-    assert answer.code == 2
+def test_a_folder_that_is_not_there_is_made(seaglint, small, tmp_path):
+    assert seaglint("reproduce", "fig3", "-o", tmp_path / "new" / "one").code == 0
+    assert (tmp_path / "new" / "one" / "fig3.csv").is_file()
+
+
+def test_a_file_in_the_folders_place_is_named(seaglint, small, tmp_path):
+    (tmp_path / "taken").write_text("")
+    answer = seaglint("reproduce", "fig3", "-o", tmp_path / "taken")
+    assert answer.code != 0
     assert len(answer.err.strip().splitlines()) == 1
-    assert "none does not exist" in answer.err
+    assert "taken" in answer.err
 
 
 def test_dark_maps_draw_and_equal_numbers_draw_equal_bytes(tmp_path):

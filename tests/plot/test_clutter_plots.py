@@ -55,7 +55,7 @@ def sequence() -> Analysis:
     frames = np.random.default_rng(3).gamma(SHAPE, 0.5, (FRAMES, SIDE, SIDE)).astype(np.float32)
     detector = UserDetector(lambda block: block, "the <picture> itself")
     given = recording(frames, frame_rate=RATE, units="W m-2 sr-1")
-    return analyze(given, Options(mask=MASK, detectors=(detector,)))
+    return analyze(given, Options(mask=MASK, detectors=(detector,), border="keep"))
 
 
 @pytest.fixture(scope="module")
