@@ -228,7 +228,7 @@ def test_thermal_radiance_of_a_facet_is_the_sum_over_its_slopes(air, slopes, til
     optics = facet_optics(basis, thermal_sources(basis, view), sun, reflected, slopes, axes, shape)
     sight = facet.line_of_sight(optics, azimuth)
     where = 30
-    thermal, solar = facet.facet_radiance(
+    thermal, solar, _ = facet.facet_radiance(
         optics,
         facet.thermal_along(optics.tables, sight),
         (basis.coefficients, basis.coefficients),

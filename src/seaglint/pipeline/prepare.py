@@ -154,8 +154,10 @@ def glint_length(scenario: model.Scenario) -> float:
 
 
 def sparkles(scenario: model.Scenario) -> Sparkles:
-    """Sparkles below a pixel, as the scenario wants them."""
-    return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, scenario.render.subpixel_glint)
+    """Sparkles below a pixel, as the scenario wants them; none by themselves in the mean picture, without resolved waves."""
+    wanted = scenario.render.subpixel_glint
+    wanted = "off" if wanted == "auto" and not scenario.sea.resolve_waves else wanted
+    return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, wanted)
 
 
 def spectrum(scenario: model.Scenario) -> DirectionalSpectrum | None:

@@ -96,7 +96,12 @@ def renderer_and_layout(scenario: Scenario, frames: range | None = None) -> tupl
     require_memory(scenario)
     sensor, track = scenario.sensor, prepare.track(scenario)
     numbers = frames if frames is not None else range(sensor.frames)
-    options: dict[str, Any] = {"step": scenario.render.step_m, "most_lines": scenario.render.lines_per_column}
+    options: dict[str, Any] = {
+        "step": scenario.render.step_m,
+        "most_lines": scenario.render.lines_per_column,
+        "shortest_wave_columns": scenario.render.shortest_wave_columns,
+        "sparkles": prepare.sparkles(scenario),
+    }
     renderer: Renderer | ViewRenderer
     poses: dict[str, FloatArray] = {}
     if scenario.platform is None and sensor.projection == "equal-angle" and sensor.roll_deg == 0.0:

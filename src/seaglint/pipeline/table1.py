@@ -204,6 +204,7 @@ def table1(report: Report = _silent, frames: int = FRAMES) -> Table1:
     """
     scenario = scene(frames=frames)
     renderer, _ = renderer_and_layout(scenario)
+    assert isinstance(renderer, Renderer)  # a camera at rest, not tilted
     images = sequence(renderer, np.arange(frames) / FRAME_RATE, report)
     count, rows, columns = images.shape
     recording = Recording(

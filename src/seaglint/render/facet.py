@@ -8,7 +8,8 @@ with ``A+``, both ``Lambda`` and the two-leg factor ``S`` taken about the facet'
 high Sun). ``q`` is convolved with the solar disc: its covariance, ``eps^2/4`` in every direction, is carried to slopes by the mirror's
 Jacobian.
 Where the sensor is low the unresolved waves hide each other: ``q`` is weighted by the law of nested bands (:mod:`seaglint.sea.nested`)
-about the facet's tilt, with as many bands as the facets' share of the slope variance is worth.
+about the facet's tilt, with as many bands as the facets' share of the slope variance is worth; with a low Sun, by that of facets both
+seen and lit.
 Emission and reflected sky are averages over the same visible density, tabulated once per image and level of detail. Rays
 reflected downwards meet the sea again and see a blackbody at its temperature.
 
@@ -33,8 +34,8 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.mean import SeaView
 from seaglint.render.path_basis import PathBasis
-from seaglint.sea.nested import nested_exponent_kernel, ratio_table
-from seaglint.sea.shadowing import bistatic_kernel, quick_visible_area_kernel
+from seaglint.sea.nested import HIGHEST, nested_exponent_kernel, pair_exponent_kernel, pair_table, ratio_table
+from seaglint.sea.shadowing import bistatic_kernel, leg_passage_kernel, quick_visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
 INCIDENCE_NODES = 513
@@ -80,7 +81,8 @@ class Sunlight(NamedTuple):
 
 class Roughness(NamedTuple):
     """Covariance of unresolved slopes towards east and north (zero means mirror facets), the deviation along the Sun's azimuth, and the
-    table of their nested shadowing (:func:`seaglint.sea.nested.ratio_table`; empty for Smith's).
+    tables of their nested shadowing, from the viewer and from viewer and Sun (:func:`seaglint.sea.nested.ratio_table`,
+    :func:`seaglint.sea.nested.pair_table`; empty for Smith's).
     """
 
     east_east: float
@@ -88,6 +90,7 @@ class Roughness(NamedTuple):
     north_north: float
     towards_sun: float
     nested: np.ndarray
+    pairs: np.ndarray
 
 
 class FacetTables(NamedTuple):
@@ -113,14 +116,15 @@ class FacetOptics(NamedTuple):
 class FacetLevels(NamedTuple):
     """The facets of every level of detail, in arrays.
 
-    ``roughness[l] = (ee, en, nn, towards the Sun)``; ``nested`` (tables, rows, columns) and the level's number in ``nested_of[l]``, -1 for
-    Smith's; ``thermal`` all tables one after another with ``shape[l] = (first, nu, nchi, na, nc)`` and ``axes[l]``; ``sun`` as in
+    ``roughness[l] = (ee, en, nn, towards the Sun)``; ``nested[l]`` and ``pairs[l]`` its tables, unless all are Smith's and ``smith`` is
+    set; ``thermal`` all tables one after another with ``shape[l] = (first, nu, nchi, na, nc)`` and ``axes[l]``; ``sun`` as in
     :class:`FacetTables`.
     """
 
     roughness: np.ndarray
     nested: np.ndarray
-    nested_of: np.ndarray
+    pairs: np.ndarray
+    smith: bool
     thermal: np.ndarray
     shape: np.ndarray
     axes: np.ndarray
@@ -138,10 +142,9 @@ def level_optics(sunlight: Sunlight, levels: FacetLevels, level: int) -> FacetOp
         levels.shape[level, 4],
     )
     thermal = levels.thermal[first : first + nu * nx * na * nc].reshape((nu, nx, na, nc, levels.thermal.shape[1]))
-    k = levels.nested_of[level]
-    nested = levels.nested[max(k, 0), : levels.nested.shape[1] if k >= 0 else 0]
+    nested, pairs = levels.nested[level, : 0 if levels.smith else levels.nested.shape[1]], levels.pairs[level]
     q = levels.roughness[level]
-    return FacetOptics(sunlight, Roughness(q[0], q[1], q[2], q[3], nested), FacetTables(thermal, levels.axes[level], levels.sun))
+    return FacetOptics(sunlight, Roughness(q[0], q[1], q[2], q[3], nested, pairs), FacetTables(thermal, levels.axes[level], levels.sun))
 
 
 class Sight(NamedTuple):
@@ -205,11 +208,15 @@ def sun_factor(
         return 0.0, 0.0
     if disc[0] + disc[2] > SHARP_DISC * (ee + nn):
         exponent += disc_edge(disc, (ee, en, nn), (de, dn), det)
-    if rough.nested.shape[0] > 0:
-        mirroring = sight.east * se + sight.north * sn - tilt
-        exponent -= nested_exponent_kernel(mirroring, mean / max(horizontal, 1e-12), sight.deviation, rough.nested)
     lit = 1.0
     sun_deviation = sun.t_up * rough.towards_sun
+    if rough.nested.shape[0] > 0:
+        mirroring = sight.east * se + sight.north * sn - tilt
+        alone = nested_exponent_kernel(mirroring, mean / max(horizontal, 1e-12), sight.deviation, rough.nested)
+        exponent -= alone
+        if sun_mean < HIGHEST * sun_deviation:
+            both = pair_exponent_kernel(mirroring / sight.deviation, mean / deviation, sun_mean / sun_deviation, rough.pairs)
+            exponent -= leg_passage_kernel(sight.from_sun) * (both - alone)
     # above 4.5 deviations Smith's Lambda, the visible area over the mean less one, is below 1e-6
     if sun_mean < 4.5 * sun_deviation and mean > 0.0:
         lambda_sun = quick_visible_area_kernel(sun_mean, sun_deviation) / sun_mean - 1.0
@@ -289,8 +296,8 @@ def facet_radiance(
     sight: Sight,
     grazing: tuple[float, float],
     slope: tuple[float, float],
-) -> tuple[float, float]:
-    """Thermal (emission and reflected sky) and solar radiance of a facet, both attenuated [W m-2 sr-1].
+) -> tuple[float, float, float]:
+    """Thermal (emission and reflected sky) and solar radiance of a facet, both attenuated [W m-2 sr-1], and its glint factor [1/sr].
 
     ``thermal`` is :func:`thermal_along` the line of sight; ``paths`` are the coefficients of the thermal and of the solar table, of which
     row ``i_path`` counts.
@@ -324,7 +331,7 @@ def facet_radiance(
         high = flat[q] + fc * (flat[q + terms] - flat[q])
         high += fa * (flat[q + row] + fc * (flat[q + row + terms] - flat[q + row]) - high)
         warm += warm_path[i_path, k] * (low + fu * (high - low))
-    return warm, solar
+    return warm, solar, factor
 
 
 @njit
@@ -504,16 +511,25 @@ def sunlight(zenith: float, azimuth: float, shining: bool) -> Sunlight:
     return Sunlight(shining, *(float(v) for v in values))
 
 
-def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: int) -> Roughness:
-    """Facet slopes as kernels take them, with nested shadowing in so many bands (1: Smith's)."""
+def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float) -> Roughness:
+    """Facet slopes as kernels take them, with nested shadowing in so many bands (1: Smith's).
+
+    Between whole numbers of bands the logarithms of the laws are interpolated, so that facets change evenly with their share of the slopes.
+    """
     towards = float(np.sqrt(slopes.mss_along(solar_azimuth)))
-    return Roughness(*slopes.covariance(), towards, ratio_table(bands).astype(np.float32))
+    whole = max(int(bands), 1)
+    more = max(bands, 1.0) - whole
+    ratio, pairs = ratio_table(whole), pair_table(whole)
+    if more > 0.0:
+        ratio = more * ratio_table(whole + 1) + ((1.0 - more) * ratio if whole > 1 else 0.0)
+        pairs = more * pair_table(whole + 1) + ((1.0 - more) * pairs if whole > 1 else 0.0)
+    return Roughness(*slopes.covariance(), towards, ratio.astype(np.float32), pairs.astype(np.float32))
 
 
 def thermal_table(
     sources: ThermalSources, rough: Roughness, axes: FloatArray, shape: tuple[int, int, int, int], terms: int
 ) -> NDArray[np.float32]:
-    """Emission and reflected sky of facets, (*shape, terms); see :func:`thermal_axes` for ``axes`` and ``shape``."""
+    """Band terms of the emission and reflected sky of facets [W m-2 sr-1, (*shape, terms)]; see :func:`thermal_axes` for ``axes`` and ``shape``."""
     nodes, weights = np.polynomial.legendre.leggauss(ALONG_NODES)
     cross, cross_weights = hermegauss(CROSS_NODES)
     quadrature = SlopeQuadrature(nodes, weights, cross, cross_weights / cross_weights.sum())

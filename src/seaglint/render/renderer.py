@@ -26,11 +26,11 @@ from seaglint.render.facet import (
     thermal_table,
 )
 from seaglint.render.path_basis import PathBasis, fewest_terms, path_basis
+from seaglint.render.sparkle import Sparkles, sparkle_columns, sparkle_rows
 from seaglint.render.surface import Surface, calm_surface, course, height, surface_of
 from seaglint.render.sweep import Frame, Walk, calm_ranges, graded_ranges, sea_limits, sweep_columns
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
-from seaglint.sea.nested import ratio_table
 from seaglint.sea.slopes import SlopeStatistics
 
 CREST = 1.25
@@ -91,6 +91,13 @@ def stages(arcs: FloatArray, column_step: float, begins: FloatArray, shortest_wa
     return np.concatenate([np.stack([starts, level[starts], doublings], axis=1), [[arcs.size, 0, 0]]]).astype(np.int64)
 
 
+def _stacked(tables: list[NDArray[np.float32]]) -> NDArray[np.float32]:
+    """Tables of one shape together; empty ones, of logarithms, as zeros."""
+    shape = max((table.shape for table in tables), key=lambda shape: shape[0])
+    full = tuple(max(n, 1) for n in shape)
+    return np.stack([table if table.size else np.zeros(full, np.float32) for table in tables])
+
+
 class Renderer:
     """Renders frames of one sea through one camera.
 
@@ -118,6 +125,7 @@ class Renderer:
         *,
         step: float | None = None,
         most_lines: int = MOST_LINES,
+        sparkles: Sparkles | None = None,
         shortest_wave_columns: float = SHORTEST_WAVE_COLUMNS,
     ) -> None:
         if camera.height != view.sensor_height:
@@ -127,6 +135,8 @@ class Renderer:
         self.view, self.camera, self.waves = view, camera, waves
         self._most_lines = most_lines if waves is not None else 1
         self._frame = self._sky_rows()
+        self._sparkle, self._sparkle_report = (sparkles or Sparkles(0, 1.0, 1.0, "off")).of(view, camera)
+        self._sparkle_rows = sparkle_rows(camera)
         self._detail: Detail | None = None
         self._begins, self._steps, shortest = np.zeros(1), np.zeros(1), np.full(1, np.inf)
         arcs = np.empty(0)
@@ -174,6 +184,7 @@ class Renderer:
             "level_begins_m": [float(r) for r in self._begins] if detail is not None else None,
             "level_shortest_wave_m": [level.shortest_wave for level in detail.levels] if detail is not None else None,
             "most_lines_per_column": self._most_lines,
+            **self._sparkle_report,
             "spectral_terms": [] if walk is None else [int(walk.coefficients.shape[1]), int(walk.sun_coefficients.shape[1])],
         }
 
@@ -205,31 +216,30 @@ class Renderer:
         resolved = [(0.0, 0.0)] if self._detail is None else [level.mss for level in self._detail.levels]
         crest = 0.0 if self.waves is None else self.waves.significant_height
         bands = view.nested_bands if self.waves is not None or view.shadowing in ("nested", "nested-viewer") else 1
-        rough, tables, shapes, axes = [], [], [], []
+        towards = view.slopes.wind_to_azimuth if self.waves is None else self.waves.spectrum.wind_to_azimuth
+        floor = float(np.cos(view_zenith_of_range(camera.height, arcs[-1:]))[0])
+        roughs, tables, shapes, axes = [], [], [], []
         for i, mss in enumerate(resolved):
-            facets = facet_slopes(
-                view.slopes, mss, view.slopes.wind_to_azimuth if self.waves is None else self.waves.spectrum.wind_to_azimuth
-            )
+            facets = facet_slopes(view.slopes, mss, towards)
             share = facets.mss / view.slopes.mss if view.slopes.mss > 0.0 else 1.0
-            rough.append((max(round(bands * share), 1), facets))
+            roughs.append(roughness_of(facets, view.solar_azimuth, bands * share))
+            # grazing angles of the level, with the crests' own
             ends = np.clip([self._begins[i], self._begins[i + 1] if i + 1 < len(resolved) else arcs[-1]], arcs[0], arcs[-1])
             high, low = np.cos(view_zenith_of_range(camera.height, ends)) + np.array([1.0, -1.0]) * crest / np.maximum(ends, camera.height)
-            floor = float(np.cos(view_zenith_of_range(camera.height, arcs[-1:]))[0])
             sines = (max(float(low), floor), min(float(high), 1.0))
             nodes, shape = thermal_axes(facets, mss, sines, (camera.azimuth - half, camera.azimuth + half))
-            tables.append(thermal_table(sources, roughness_of(facets, view.solar_azimuth, rough[-1][0]), nodes, shape, basis.phi.shape[0]))
+            tables.append(thermal_table(sources, roughs[-1], nodes, shape, basis.phi.shape[0]))
             shapes.append(shape)
             axes.append(nodes)
         flat = [table.reshape(-1, table.shape[-1]) for table in tables]
         thermal, coefficients = fewest_terms(np.concatenate(flat), basis.coefficients)
         reflected, sun_coefficients = fewest_terms(reflected_sun, basis.coefficients)
         first = np.concatenate([[0], np.cumsum([len(part) for part in flat])[:-1]])
-        kept = sorted({count for count, _ in rough} - {1})
-        ratios = [ratio_table(count) for count in kept] or [np.zeros((1, 1))]
         levels = FacetLevels(
-            np.array([roughness_of(facets, view.solar_azimuth, 1)[:4] for _, facets in rough]),
-            np.stack(ratios).astype(np.float32),
-            np.array([kept.index(count) if count > 1 else -1 for count, _ in rough]),
+            np.array([rough[:4] for rough in roughs]),
+            _stacked([rough.nested for rough in roughs]),
+            _stacked([rough.pairs for rough in roughs]),
+            all(rough.nested.size == 0 for rough in roughs),
             thermal.astype(np.float32),
             np.concatenate([first[:, None], np.array(shapes)], axis=1),
             np.stack(axes),
@@ -274,7 +284,7 @@ class Renderer:
             If a crest at the sensor's foot stands above the sensor.
         """
         camera = self.camera
-        images = np.empty((camera.columns, 2, camera.rows))
+        images = np.zeros((camera.columns, 3, camera.rows))
         if self._walk is None or self._sun is None or self._facets is None:
             images[:, 0], images[:, 1] = self._frame.sky, 0.0
         else:
@@ -285,6 +295,10 @@ class Renderer:
                 raise DomainError(
                     f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {camera.height:g} m above the mean sea"
                 )
-            sweep_columns(self._walk, self._frame, surface, self._sun, self._facets, camera.azimuths, camera.column_step, images)
-        total, sun = np.ascontiguousarray(images.transpose(1, 2, 0), dtype=np.float32)
+            sweep_columns(
+                self._walk, self._frame, surface, self._sun, self._facets, self._sparkle, camera.azimuths, camera.column_step, images
+            )
+            place = (float(origin[0]), float(origin[1]))
+            sparkle_columns(self._sparkle, self._sparkle_rows, self._sun, camera.azimuths, place, float(time), images)
+        total, sun = np.ascontiguousarray(images[:, :2].transpose(1, 2, 0), dtype=np.float32)
         return Radiances(total, sun)

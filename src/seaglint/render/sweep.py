@@ -25,6 +25,7 @@ from seaglint.conventions import FloatArray, horizon_depression, horizon_range, 
 from seaglint.render.camera import Camera
 from seaglint.render.facet import FacetLevels, FacetOptics, Sight, Sunlight, facet_radiance, level_optics, line_of_sight, thermal_along
 from seaglint.render.shade import sun_share
+from seaglint.render.sparkle import Sparkle, facet_spread
 from seaglint.render.surface import LEAPS, Course, Surface, course, height, roof, slopes
 
 RANGE_PARTS = 0.5
@@ -138,7 +139,7 @@ def tangent_of(walk: Walk, i: int, z: float) -> float:
 
 
 @njit_inline
-def add_rows(images: np.ndarray, frame: Frame, low: float, high: float, total: float, solar: float) -> None:
+def add_rows(images: np.ndarray, frame: Frame, low: float, high: float, total: float, solar: float, spread: float) -> None:
     """Add radiances to the rows between two elevations, in proportion to the overlap."""
     upper = max((frame.top - high) * frame.per_radian, 0.0)
     lower = min((frame.top - low) * frame.per_radian, float(frame.rows))
@@ -147,6 +148,7 @@ def add_rows(images: np.ndarray, frame: Frame, low: float, high: float, total: f
         overlap = min(lower, row + 1.0) - max(upper, float(row))
         images[0, row] += total * overlap
         images[1, row] += solar * overlap
+        images[2, row] += spread * overlap
         row += 1
 
 
@@ -228,6 +230,8 @@ def shade_line(
     weight: float,
     lowest: float,
     pieces: tuple[int, np.ndarray, np.ndarray],
+    sparkle: Sparkle,
+    pixel: float,
     images: np.ndarray,
 ) -> None:
     """Add the radiance of a line's visible pieces, times its weight, to the rows of ``images`` (total, solar part).
@@ -251,10 +255,14 @@ def shade_line(
             cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
             sine_arc = walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
             grazing = (-cosine * (tangent * walk.cosine[i] + sine_arc), cosine * (walk.cosine[i] - tangent * sine_arc))
-            warm, solar = facet_radiance(optics, thermal, paths, i, sight, grazing, slope)
+            warm, solar, factor = facet_radiance(optics, thermal, paths, i, sight, grazing, slope)
             if shaded and solar > 0.0:
-                solar *= sun_share(surface, level, line, sunward, r, walk.step[level], optics.sunlight)
-            add_rows(images, frame, low, high, weight * (warm + walk.path[i] + solar), weight * solar)
+                share = sun_share(surface, level, line, sunward, r, walk.step[level], optics.sunlight)
+                solar *= share
+                factor *= share
+            across = pixel * walk.sine_arc[i] * walk.sine_arc[i] / cosine
+            spread = facet_spread(sparkle, optics.sunlight, sight, grazing, solar, factor, across)
+            add_rows(images, frame, low, high, weight * (warm + walk.path[i] + solar), weight * solar, weight * spread)
         below, low = above, high
 
 
@@ -268,10 +276,10 @@ def add_sky(frame: Frame, tangent: float, weight: float, images: np.ndarray) -> 
 
 @njit
 def sweep_column(
-    walk: Walk, frame: Frame, surface: Surface, sunlight: Sunlight, levels: FacetLevels, centre: float, width: float
+    walk: Walk, frame: Frame, surface: Surface, sunlight: Sunlight, levels: FacetLevels, sparkle: Sparkle, centre: float, width: float
 ) -> np.ndarray:
     """Radiance and its solar part, (2, rows), of one column of azimuth ``centre`` and ``width`` [rad]."""
-    images = np.zeros((2, frame.rows))
+    images = np.zeros((3, frame.rows))
     sample, piece = np.empty(BUFFER, np.int64), np.empty((BUFFER, 2))
     tangents = np.full(1, frame.bottom_tangent)
     for stage in range(walk.stage.shape[0] - 1):
@@ -290,7 +298,23 @@ def sweep_column(
                 count, i, tangent = walk_line(walk, surface, level, line, (i, end), horizon, sample, piece)
                 # apart from the walk, so that the look-ups of one piece can overlap with those of the next
                 pieces = (count, sample, piece)
-                shade_line(walk, frame, surface, optics, sight, thermal, level, line, sunward, 1.0 / lines, tangents[j], pieces, images)
+                shade_line(
+                    walk,
+                    frame,
+                    surface,
+                    optics,
+                    sight,
+                    thermal,
+                    level,
+                    line,
+                    sunward,
+                    1.0 / lines,
+                    tangents[j],
+                    pieces,
+                    sparkle,
+                    width / frame.per_radian,
+                    images,
+                )
                 tangents[j] = tangent
     for tangent in tangents:
         add_sky(frame, tangent, 1.0 / tangents.shape[0], images)
@@ -304,6 +328,7 @@ def sweep_columns(
     surface: Surface,
     sunlight: Sunlight,
     levels: FacetLevels,
+    sparkle: Sparkle,
     azimuths: np.ndarray,
     width: float,
     images: np.ndarray,
@@ -313,4 +338,4 @@ def sweep_columns(
     Columns do not depend on each other.
     """
     for column in numba.prange(azimuths.shape[0]):
-        images[column] = sweep_column(walk, frame, surface, sunlight, levels, azimuths[column], width)
+        images[column] = sweep_column(walk, frame, surface, sunlight, levels, sparkle, azimuths[column], width)

@@ -19,7 +19,8 @@ from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
 from seaglint.render.direct import DirectWalk, Eye, lattices_of, rays_per_side
 from seaglint.render.platform import Pose, Track
-from seaglint.render.renderer import CREST, SUBMERGED, Radiances, Renderer, facet_slopes
+from seaglint.render.renderer import CREST, SHORTEST_WAVE_COLUMNS, SUBMERGED, Radiances, Renderer, facet_slopes
+from seaglint.render.sparkle import Sparkles
 from seaglint.render.view import (
     Attitude,
     Cells,
@@ -81,7 +82,7 @@ class ViewRenderer:
         Where the camera is and how it is turned.
     waves : WaveField, optional
         The part of the slopes that is geometry.
-    step, most_lines
+    step, most_lines, shortest_wave_columns, sparkles
         As of :class:`~seaglint.render.renderer.Renderer`.
     oversampling : int
         Cells of the sweep across a pixel.
@@ -102,13 +103,20 @@ class ViewRenderer:
         *,
         step: float | None = None,
         most_lines: int = 2,
+        shortest_wave_columns: float = SHORTEST_WAVE_COLUMNS,
+        sparkles: Sparkles | None = None,
         oversampling: int = OVERSAMPLING,
         lowest: float = SWEEP_LOWEST,
     ) -> None:
         self.imager, self.track, self.waves = imager, track, waves
-        self._view_at, self._step, self._lowest = view_at, step, lowest
+        self._view_at, self._lowest = view_at, lowest
         # as many lines in a pixel of the camera, whatever the cells
-        self._lines = max(most_lines >> (oversampling.bit_length() - 1), 1)
+        self._options: dict[str, Any] = {
+            "step": step,
+            "most_lines": max(most_lines >> (oversampling.bit_length() - 1), 1),
+            "shortest_wave_columns": shortest_wave_columns * oversampling,
+            "sparkles": sparkles,
+        }
         self._crest = CREST * waves.significant_height if waves is not None else 0.0
         if waves is not None and track.lowest < SUBMERGED * waves.significant_height:
             raise DomainError(
@@ -230,7 +238,7 @@ class ViewRenderer:
         view = self._view_at(node)
         renderer = None
         if self.camera is not None:
-            renderer = Renderer(view, replace(self.camera, height=node), self.waves, step=self._step, most_lines=self._lines)
+            renderer = Renderer(view, replace(self.camera, height=node), self.waves, **self._options)
         self._heights[node] = (view, renderer, [])
         while len(self._heights) > KEPT_HEIGHTS:
             self._heights.popitem(last=False)

@@ -513,6 +513,11 @@ class Render(Record):
         Literal[1, 2, 4, 8, 16],
         Field(description="most lines of sight across a pixel column; one begins and parts in two as the column widens with range"),
     ] = 2
+    shortest_wave_columns: Annotated[
+        float,
+        Quantity(ge=0, le=100),
+        Field(description="columns that waves must span to be geometry: far away, shorter ones go to the facets; 0 keeps all at any range"),
+    ] = 1.0
     step_m: Annotated[
         Annotated[float, Quantity("m", gt=0, le=100)] | None,
         Field(description="outward step of the sweep; chosen from the shortest wave where nothing is said"),

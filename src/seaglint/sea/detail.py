@@ -82,7 +82,7 @@ class Detail:
         return Detail(tuple(self.parts[p] for p in kept), tuple(replace(v, parts=tuple(place[p] for p in v.parts)) for v in used))
 
     def surfaces(self, time: float, workers: int = 1) -> tuple[NDArray[np.float32], ...]:
-        """Height and slopes of every part at one time, as :meth:`WaveField.surfaces`."""
+        """Height [m] and slopes [1] of every part at one time [s], as :meth:`WaveField.surfaces`."""
         return tuple(part.surfaces(time, workers)[0] for part in self.parts)
 
 

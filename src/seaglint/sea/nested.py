@@ -43,10 +43,10 @@ _MOST_BANDS: Final = 64
 
 _STEP: Final = 0.05
 _REACH: Final = 6.5
-_HIGHEST: Final = 6.0
+HIGHEST: Final = 6.0
 """Elevation of the view, in rms slopes, from which nothing is hidden (1e-9 of the sea)."""
 
-_ROWS: Final = round(_HIGHEST / _STEP) + 4
+_ROWS: Final = round(HIGHEST / _STEP) + 4
 _COLUMNS: Final = round(2.0 * _REACH / _STEP) + 3
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(200)
 
@@ -112,7 +112,7 @@ def nested_ratio_kernel(slope: float, edge: float, deviation: float, table: Floa
 
     ``slope`` along the view, ``edge`` the cotangent of the view zenith, at least 0, ``deviation`` the rms slope along the view.
     """
-    if table.size == 0 or edge >= _HIGHEST * deviation:
+    if table.size == 0 or edge >= HIGHEST * deviation:
         return 1.0
     column = (min(max(slope / deviation, -_REACH), _REACH) + _REACH) / _STEP + 1.0
     row = max(edge, 0.0) / deviation / _STEP + 1.0
@@ -128,7 +128,7 @@ def nested_ratio_kernel(slope: float, edge: float, deviation: float, table: Floa
 @njit
 def nested_exponent_kernel(slope: float, edge: float, deviation: float, table: FloatArray) -> float:
     """Logarithm of :func:`nested_ratio_kernel`, interpolated linearly: within 1e-3, for hot loops."""
-    if table.shape[0] == 0 or edge >= _HIGHEST * deviation:
+    if table.shape[0] == 0 or edge >= HIGHEST * deviation:
         return 0.0
     column = (min(max(slope / deviation, -_REACH), _REACH) + _REACH) / _STEP + 1.0
     row = max(edge, 0.0) / deviation / _STEP + 1.0
@@ -194,3 +194,115 @@ def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: Arra
     out = np.empty(slope.size)
     _map_ratio(slope, edge, deviation, ratio_table(bands), out)
     return out.reshape(parts[0].shape)
+
+
+_PAIR_NODES: Final = 31
+_PAIR_TOP: Final = HIGHEST
+_PAIR_SHARES: Final = 33
+"""Table of :func:`pair_table`: elevations of viewer and Sun in rms slopes, and the slope's place between the two edges."""
+
+
+@njit
+def _area_kernel(x: float) -> float:
+    return float(0.5 * x * math.erfc(-x / math.sqrt(2.0)) + math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi))
+
+
+@njit
+def _onward(view: float, sun: float, width: float) -> float:
+    """Seen and lit share of a band's facets per projected area, ``1/[(1 + Lambda_v + Lambda_s) (v_z - v_h . s_0)]``, about a tilt from
+    which viewer and Sun stand ``view`` and ``sun`` above the facet (cotangents).
+    """
+    return float(1.0 / (width * _area_kernel(view / width) + view * (width * _area_kernel(sun / width) / sun - 1.0)))
+
+
+@njit
+def _pair_ratios(view: float, sun: float, bands: int, x: FloatArray, w: FloatArray, slopes: FloatArray, out: FloatArray) -> None:
+    """Logarithms of the joint density over Smith's at ``slopes``, viewer and Sun ``view`` and ``sun`` rms slopes high, oppositely."""
+    width = 1.0 / math.sqrt(bands)
+    low, high = -min(sun, _REACH), min(view, _REACH)
+    half = 0.5 * (high - low)
+    n = x.size
+    s, onward, seen, other = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    start = _onward(view, sun, width)
+    scale = 1.0 / (width * math.sqrt(2.0 * math.pi))
+    for i in range(n):
+        s[i] = low + half * (1.0 + x[i])
+        onward[i] = half * w[i] * (view - s[i]) * _onward(view - s[i], sun + s[i], width)
+        seen[i] = start * scale * math.exp(-0.5 * (s[i] / width) ** 2)
+    step = np.empty((n, n))
+    for i in range(n):
+        for j in range(n):
+            step[i, j] = scale * math.exp(-0.5 * ((s[i] - s[j]) / width) ** 2) * onward[j]
+    for _ in range(bands - 2):
+        for i in range(n):
+            total = 0.0
+            for j in range(n):
+                total += step[i, j] * seen[j]
+            other[i] = total
+        seen, other = other, seen
+    base = math.log(_onward(view, sun, 1.0) / math.sqrt(2.0 * math.pi))
+    for k in range(slopes.size):
+        total = 0.0
+        for j in range(n):
+            total += scale * math.exp(-0.5 * ((slopes[k] - s[j]) / width) ** 2) * onward[j] * seen[j]
+        out[k] = math.log(max(total, 1e-300)) - base + 0.5 * slopes[k] ** 2
+
+
+@njit
+def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, out: FloatArray) -> None:
+    nodes, shares = out.shape[0], out.shape[2]
+    slopes = np.empty(shares)
+    for i in range(nodes):
+        for j in range(nodes):
+            # at an edge itself nothing is left: the least elevation stands for none
+            view, sun = max(_PAIR_TOP * i / (nodes - 1), 1e-3), max(_PAIR_TOP * j / (nodes - 1), 1e-3)
+            for k in range(shares):
+                slopes[k] = (view + sun) * k / (shares - 1) - sun
+            _pair_ratios(view, sun, bands, x, w, slopes, out[i, j])
+
+
+@lru_cache(maxsize=8)
+def pair_table(bands: int = BANDS) -> FloatArray:
+    r"""Table for :func:`pair_exponent_kernel` [(view, Sun, slope)]: facets both seen and lit, band by band.
+
+    .. math::
+
+        p_n(s) = \int p_{n-1}(s_0)\, q(s - s_0)\, \frac{\max(0, v_z - v_h \cdot s)}{A_{n+}(s_0)}\,
+        \frac{1 + \Lambda_v(s_0)}{1 + \Lambda_v(s_0) + \Lambda_s(s_0)}\, ds_0
+
+    for a Sun opposite to the viewer: every band hides facets from both, by Smith's law for two legs about the tilt of the longer waves.
+    Logarithms of its ratio to Smith's law in one band; one band has an empty table.
+
+    Raises
+    ------
+    DomainError
+        As :func:`ratio_table`.
+    """
+    if not 1 <= bands <= _MOST_BANDS:
+        raise DomainError(f"nested_bands = {bands} is outside 1-{_MOST_BANDS}; give 4 to 8 (1 is Saunders' law)")
+    if bands == 1:
+        return np.zeros((0, 0, 0))
+    x, w = np.polynomial.legendre.leggauss(48 + 16 * math.isqrt(bands))
+    out = np.empty((_PAIR_NODES, _PAIR_NODES, _PAIR_SHARES))
+    _fill_pairs(bands, x, w, out)
+    return out
+
+
+@njit
+def pair_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray) -> float:
+    """Logarithm of the density of facets seen and lit over that of Smith's law for two legs; linear in the table.
+
+    ``slope`` along the view, ``view`` and ``sun`` the elevations of viewer and Sun over the facet (cotangents of their zenith angles), all
+    in rms slopes; both elevations at least 0, the Sun opposite to the viewer.
+    """
+    a, b = min(max(view, 0.0), _PAIR_TOP), min(max(sun, 0.0), _PAIR_TOP)
+    x, y = a * ((_PAIR_NODES - 1) / _PAIR_TOP), b * ((_PAIR_NODES - 1) / _PAIR_TOP)
+    z = min(max((slope + b) / max(a + b, 2e-3), 0.0), 1.0) * (_PAIR_SHARES - 1)
+    i, j, k = min(int(x), _PAIR_NODES - 2), min(int(y), _PAIR_NODES - 2), min(int(z), _PAIR_SHARES - 2)
+    f, g, h = x - i, y - j, z - k
+    p = table[i, j, k] + h * (table[i, j, k + 1] - table[i, j, k])
+    q = table[i, j + 1, k] + h * (table[i, j + 1, k + 1] - table[i, j + 1, k])
+    r = table[i + 1, j, k] + h * (table[i + 1, j, k + 1] - table[i + 1, j, k])
+    t = table[i + 1, j + 1, k] + h * (table[i + 1, j + 1, k + 1] - table[i + 1, j + 1, k])
+    low, high = p + g * (q - p), r + g * (t - r)
+    return float(low + f * (high - low))

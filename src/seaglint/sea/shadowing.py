@@ -109,11 +109,17 @@ def smith_lambda_kernel(nu: float) -> float:
 
 
 @njit
-def bistatic_kernel(lambda_view: float, lambda_sun: float, relative_azimuth: float) -> float:
-    """Share of facets both seen and lit; see :func:`bistatic`."""
+def leg_passage_kernel(relative_azimuth: float) -> float:
+    """Weight of the second leg's own shadows, 0 for legs on one side to 1 on opposite sides; see :func:`bistatic`."""
     turn = 2.0 * math.pi
     angle = abs(relative_azimuth - turn * math.floor(relative_azimuth / turn + 0.5))
-    passage = angle / (4.41 * angle + 1.0) * (4.41 * math.pi + 1.0) / math.pi
+    return angle / (4.41 * angle + 1.0) * (4.41 * math.pi + 1.0) / math.pi
+
+
+@njit
+def bistatic_kernel(lambda_view: float, lambda_sun: float, relative_azimuth: float) -> float:
+    """Share of facets both seen and lit; see :func:`bistatic`."""
+    passage = leg_passage_kernel(relative_azimuth)
     small, large = min(lambda_view, lambda_sun), max(lambda_view, lambda_sun)
     if large == math.inf:
         return 0.0
