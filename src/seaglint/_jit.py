@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar, cast
 
 import numba
@@ -26,3 +27,21 @@ def njit_inline(function: F) -> F:
 def njit_parallel(function: F) -> F:
     """Compile a launcher whose outer loop is ``numba.prange``; iterations must be independent of each other."""
     return cast(F, numba.njit(cache=True, error_model="numpy", parallel=True, nogil=True)(function))
+
+
+SHARES_PER_THREAD = 8
+"""Pieces of work for each thread: a slow one does not hold up the others."""
+
+
+def in_threads(work: Callable[[tuple[int, int]], None], count: int) -> None:
+    """Share ``range(count)`` out as parts ``(first, end)`` to as many threads as Numba is to use.
+
+    For compiled kernels, which release the interpreter, too large for Numba's own parallel loops: those compile all that they call once
+    more. ``work`` must not depend on the order or size of the parts.
+    """
+    threads = int(numba.get_num_threads())
+    size = max(-(-count // (threads * SHARES_PER_THREAD)), 1)
+    parts = [(first, min(first + size, count)) for first in range(0, count, size)]
+    work(parts[0])  # compiles, if need be, in one thread
+    with ThreadPoolExecutor(threads) as pool:
+        list(pool.map(work, parts[1:]))

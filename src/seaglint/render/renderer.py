@@ -9,6 +9,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint._jit import in_threads
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, view_zenith_of_range
 from seaglint.errors import DomainError
@@ -295,9 +296,8 @@ class Renderer:
                 raise DomainError(
                     f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {camera.height:g} m above the mean sea"
                 )
-            sweep_columns(
-                self._walk, self._frame, surface, self._sun, self._facets, self._sparkle, camera.azimuths, camera.column_step, images
-            )
+            scene = (self._walk, self._frame, surface, self._sun, self._facets, self._sparkle)
+            in_threads(lambda part: sweep_columns(*scene, camera.azimuths, camera.column_step, images, part), camera.columns)
             place = (float(origin[0]), float(origin[1]))
             sparkle_columns(self._sparkle, self._sparkle_rows, self._sun, camera.azimuths, place, float(time), images)
         total, sun = np.ascontiguousarray(images[:, :2].transpose(1, 2, 0), dtype=np.float32)

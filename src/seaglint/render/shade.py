@@ -7,13 +7,10 @@ import math
 from seaglint._jit import njit, njit_inline
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.render.facet import Sunlight
-from seaglint.render.surface import LEAPS, Course, Surface, bilinear
+from seaglint.render.surface import Course, Surface, bilinear
 
 FARTHEST = 4000
 """Steps after which a Sun at the very horizon is taken as seen."""
-
-PATIENCE = 4
-"""Steps taken one by one after a leap has failed."""
 
 
 @njit_inline
@@ -30,8 +27,8 @@ def disc_share(distance: float) -> float:
 def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: float, step: float, sun: Sunlight) -> float:
     """Share of the solar disc seen from the sea ``r`` metres along a line, over the waves of a level between it and the Sun.
 
-    The skyline is looked for in the Sun's own azimuth, in steps of ``step`` [m], as far as the highest crest could reach over the lower
-    limb; the round sea's drop over that distance is left out.
+    The skyline is looked for in the Sun's own azimuth, in steps of ``step`` [m] or as many as the steepest slope allows, as far as the
+    highest crest could reach over the lower limb; the round sea's drop over that distance is left out.
     """
     tiles = line.part.shape[0]
     own = 0.0
@@ -40,25 +37,8 @@ def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: fl
         own += bilinear(surface, line.part[j, 0], line.part[j, 1], u, v)
     low = max(sun.lower_tangent, 1e-4)
     steps = min((surface.crest[level, 1] - own) / (low * step), float(FARTHEST))
-    skyline, n, patience = -1.0, 1, PATIENCE
+    skyline, n = -1.0, 1
     while n <= steps:
-        if patience <= 0:
-            patience = PATIENCE
-            for leap in range(len(LEAPS)):
-                while n <= steps:
-                    middle, top = (n + 0.5 * (LEAPS[leap] - 1)) * step, 0.0
-                    for j in range(tiles):
-                        first, shift = surface.roofs[level, leap, j, 0], surface.roofs[level, leap, j, 1]
-                        mask = surface.roofs[level, leap, j, 2]
-                        u = line.start[j, 0] + r * line.step[j, 0] + middle * sunward.step[j, 0]
-                        v = line.start[j, 1] + r * line.step[j, 1] + middle * sunward.step[j, 1]
-                        x, y = (math.floor(u) >> shift) & mask, (math.floor(v) >> shift) & mask
-                        top += surface.roof[first + y * (mask + 1) + x]
-                    if top >= own + n * step * max(low, skyline):
-                        break
-                    n += LEAPS[leap]
-            if n > steps:
-                break
         d, z = n * step, 0.0
         for j in range(tiles):
             u = line.start[j, 0] + r * line.step[j, 0] + d * sunward.step[j, 0]
@@ -67,8 +47,9 @@ def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: fl
         skyline = max(skyline, (z - own) / d)
         if skyline >= sun.upper_tangent:
             return 0.0
-        n += 1
-        patience -= 1
+        # the sea cannot rise to the ray before it has made up for the gap with its steepest slope
+        ray = max(low, skyline)
+        n += max(int((own + d * ray - z) / (max(surface.steepest[level] - ray, 1e-6) * step)), 1)
     if skyline <= low:
         return 1.0
     return disc_share((sun.elevation - math.atan(skyline)) / SOLAR_ANGULAR_RADIUS)

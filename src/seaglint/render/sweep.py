@@ -16,10 +16,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numba
 import numpy as np
 
-from seaglint._jit import njit, njit_inline, njit_parallel
+from seaglint._jit import njit, njit_inline
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
 from seaglint.render.camera import Camera
@@ -36,6 +35,9 @@ CALM_PARTS = 4
 
 PATIENCE = 4
 """Samples looked at one by one after a leap has failed."""
+
+NEGLIGIBLE_SUN = 3e-4
+"""Share of a facet's thermal radiance below which its sunlight is not asked for shadows."""
 
 BUFFER = 1024
 """Visible pieces that are found before they are shaded; 24 kB stay in the first cache."""
@@ -256,7 +258,7 @@ def shade_line(
             sine_arc = walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
             grazing = (-cosine * (tangent * walk.cosine[i] + sine_arc), cosine * (walk.cosine[i] - tangent * sine_arc))
             warm, solar, factor = facet_radiance(optics, thermal, paths, i, sight, grazing, slope)
-            if shaded and solar > 0.0:
+            if shaded and solar > NEGLIGIBLE_SUN * warm:
                 share = sun_share(surface, level, line, sunward, r, walk.step[level], optics.sunlight)
                 solar *= share
                 factor *= share
@@ -321,7 +323,7 @@ def sweep_column(
     return images
 
 
-@njit_parallel
+@njit
 def sweep_columns(
     walk: Walk,
     frame: Frame,
@@ -332,10 +334,11 @@ def sweep_columns(
     azimuths: np.ndarray,
     width: float,
     images: np.ndarray,
+    part: tuple[int, int],
 ) -> None:
-    """Fill ``images``, (columns, 2, rows): radiance and its solar part, for columns at ``azimuths`` of a ``width`` [rad].
+    """Fill ``images[first:end]`` for ``part = (first, end)``: columns at ``azimuths`` of a ``width`` [rad], (columns, 3, rows).
 
-    Columns do not depend on each other.
+    Columns do not depend on each other; :func:`seaglint._jit.in_threads` shares them out.
     """
-    for column in numba.prange(azimuths.shape[0]):
+    for column in range(part[0], part[1]):
         images[column] = sweep_column(walk, frame, surface, sunlight, levels, sparkle, azimuths[column], width)
