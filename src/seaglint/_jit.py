@@ -19,11 +19,6 @@ def njit(function: F) -> F:
     return cast(F, numba.njit(cache=True, error_model="numpy", nogil=True)(function))
 
 
-def njit_inline(function: F) -> F:
-    """Compile a scalar kernel into its callers: records of arrays are costly to hand over in hot loops."""
-    return cast(F, numba.njit(cache=True, error_model="numpy", nogil=True, inline="always")(function))
-
-
 def njit_parallel(function: F) -> F:
     """Compile a launcher whose outer loop is ``numba.prange``; iterations must be independent of each other."""
     return cast(F, numba.njit(cache=True, error_model="numpy", parallel=True, nogil=True)(function))

@@ -15,7 +15,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint._jit import njit, njit_inline, njit_parallel
+from seaglint._jit import njit, njit_parallel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith_of_range
 from seaglint.radiance.glint import visible_sun
@@ -133,7 +133,7 @@ def read(sea: Lattices, x: float, y: float, first: int, values: np.ndarray) -> N
             values[k] += low + fv * (high - low)
 
 
-@njit_inline
+@njit
 def above_sphere(height: float, run: float, rise: float, s: float) -> tuple[float, float, float]:
     """Height over the mean sea, arc [m] and rise per metre of a ray at a distance ``s``; ``run`` and ``rise`` make its unit vector."""
     up, out = height + s * rise, s * run

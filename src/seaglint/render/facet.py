@@ -26,7 +26,7 @@ import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
 from numpy.typing import NDArray
 
-from seaglint._jit import njit, njit_inline, njit_parallel
+from seaglint._jit import njit, njit_parallel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray
 from seaglint.optics.blackbody import planck_wavenumber
@@ -278,7 +278,7 @@ def mirror_factor(sun: Sunlight, ve: float, vn: float, vz: float, slope_east: fl
     return 1.0 / (math.pi * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS)
 
 
-@njit_inline
+@njit
 def node(axes: np.ndarray, axis: int, size: int, value: float) -> tuple[int, float]:
     """Lower node and fraction of a value on a uniform axis; values outside take the nearest cell's end."""
     x = (value - axes[axis, 0]) * axes[axis, 1]
@@ -287,7 +287,7 @@ def node(axes: np.ndarray, axis: int, size: int, value: float) -> tuple[int, flo
     return lower, x - lower
 
 
-@njit_inline
+@njit
 def facet_radiance(
     optics: FacetOptics,
     thermal: np.ndarray,
@@ -529,7 +529,7 @@ def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float) ->
 def thermal_table(
     sources: ThermalSources, rough: Roughness, axes: FloatArray, shape: tuple[int, int, int, int], terms: int
 ) -> NDArray[np.float32]:
-    """Band terms of the emission and reflected sky of facets [W m-2 sr-1, (*shape, terms)]; see :func:`thermal_axes` for ``axes`` and ``shape``."""
+    """Band terms of the emission and reflected sky of facets [W m-2 sr-1, (*shape, terms)]; ``axes, shape`` of :func:`thermal_axes`."""
     nodes, weights = np.polynomial.legendre.leggauss(ALONG_NODES)
     cross, cross_weights = hermegauss(CROSS_NODES)
     quadrature = SlopeQuadrature(nodes, weights, cross, cross_weights / cross_weights.sum())

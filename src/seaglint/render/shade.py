@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from seaglint._jit import njit, njit_inline
+from seaglint._jit import njit
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.render.facet import Sunlight
 from seaglint.render.surface import Course, Surface, bilinear
@@ -13,7 +13,7 @@ FARTHEST = 4000
 """Steps after which a Sun at the very horizon is taken as seen."""
 
 
-@njit_inline
+@njit
 def disc_share(distance: float) -> float:
     """Share of a disc above a straight edge, by the height of its centre over the edge in radii."""
     if distance >= 1.0:

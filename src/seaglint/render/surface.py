@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint._jit import njit, njit_inline
+from seaglint._jit import njit
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 
@@ -71,7 +71,7 @@ def course(surface: Surface, level: int, east: float, north: float) -> Course:
     return Course(start, step, part)
 
 
-@njit_inline
+@njit
 def corners(size: int, u: float, v: float) -> tuple[int, int, int, int, float, float]:
     """Address parts of the rows and columns around a lattice position (row, next row, column, next column), and its fractions (v, u).
 
@@ -84,7 +84,7 @@ def corners(size: int, u: float, v: float) -> tuple[int, int, int, int, float, f
     return row0, row1, (x0 >> 2) * 16 + (x0 & 3), (x1 >> 2) * 16 + (x1 & 3), v - lower_v, u - lower_u
 
 
-@njit_inline
+@njit
 def bilinear(surface: Surface, first: int, size: int, u: float, v: float) -> float:
     """Height of one lattice [m] between the four points around a position."""
     y0, y1, x0, x1, fy, fx = corners(size, u, v)
@@ -95,7 +95,7 @@ def bilinear(surface: Surface, first: int, size: int, u: float, v: float) -> flo
     return float(low + fy * (high - low))
 
 
-@njit_inline
+@njit
 def height(surface: Surface, line: Course, first: int, last: int, r: float) -> float:
     """Height of a level's parts ``first`` to ``last`` (not included) together [m], ``r`` metres along a line."""
     total = 0.0
@@ -105,7 +105,7 @@ def height(surface: Surface, line: Course, first: int, last: int, r: float) -> f
     return total
 
 
-@njit_inline
+@njit
 def slopes(surface: Surface, line: Course, r: float) -> tuple[float, float]:
     """Slopes of a level towards east and north [1], ``r`` metres along a line."""
     east, north = 0.0, 0.0
@@ -122,7 +122,7 @@ def slopes(surface: Surface, line: Course, r: float) -> tuple[float, float]:
     return east, north
 
 
-@njit_inline
+@njit
 def roof(surface: Surface, line: Course, level: int, leap: int, r: float) -> float:
     """Height that no stretch of a leap's length around ``r`` metres along a line exceeds [m]."""
     total = 0.0

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from seaglint._jit import njit, njit_inline
+from seaglint._jit import njit
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
 from seaglint.render.camera import Camera
@@ -127,20 +127,20 @@ def calm_ranges(camera: Camera) -> FloatArray:
     return np.asarray(np.maximum.accumulate(np.nan_to_num(arcs, nan=horizon_range(camera.height))))
 
 
-@njit_inline
+@njit
 def clearance(walk: Walk, i: int, tangent: float, z: float) -> float:
     """Height above the line of sight of this tangent at sample ``i`` [m], to first order in the arc's angle; what is above is visible."""
     scale = walk.cosine[i] - tangent * walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
     return float(z * scale - tangent * walk.sine_arc[i] - walk.drop[i])
 
 
-@njit_inline
+@njit
 def tangent_of(walk: Walk, i: int, z: float) -> float:
     """Tangent of the elevation at which a height is seen."""
     return float((z * walk.cosine[i] - walk.drop[i]) / (walk.sine_arc[i] * (1.0 + z / EFFECTIVE_EARTH_RADIUS) + 1e-300))
 
 
-@njit_inline
+@njit
 def add_rows(images: np.ndarray, frame: Frame, low: float, high: float, total: float, solar: float, spread: float) -> None:
     """Add radiances to the rows between two elevations, in proportion to the overlap."""
     upper = max((frame.top - high) * frame.per_radian, 0.0)
@@ -277,53 +277,6 @@ def add_sky(frame: Frame, tangent: float, weight: float, images: np.ndarray) -> 
 
 
 @njit
-def sweep_column(
-    walk: Walk, frame: Frame, surface: Surface, sunlight: Sunlight, levels: FacetLevels, sparkle: Sparkle, centre: float, width: float
-) -> np.ndarray:
-    """Radiance and its solar part, (2, rows), of one column of azimuth ``centre`` and ``width`` [rad]."""
-    images = np.zeros((3, frame.rows))
-    sample, piece = np.empty(BUFFER, np.int64), np.empty((BUFFER, 2))
-    tangents = np.full(1, frame.bottom_tangent)
-    for stage in range(walk.stage.shape[0] - 1):
-        tangents = np.repeat(tangents, 1 << walk.stage[stage, 2])
-        first, end, level = walk.stage[stage, 0], walk.stage[stage + 1, 0], walk.stage[stage, 1]
-        optics = level_optics(sunlight, levels, level)
-        sunward = course(surface, level, sunlight.horizontal_east, sunlight.horizontal_north)
-        lines = tangents.shape[0]
-        for j in range(lines):
-            sight = line_of_sight(optics, centre + width * ((j + 0.5) / lines - 0.5))
-            line = course(surface, level, -sight.east, -sight.north)
-            thermal = thermal_along(optics.tables, sight)
-            i = first
-            while i < end:
-                horizon = (tangents[j], frame.top_tangent)
-                count, i, tangent = walk_line(walk, surface, level, line, (i, end), horizon, sample, piece)
-                # apart from the walk, so that the look-ups of one piece can overlap with those of the next
-                pieces = (count, sample, piece)
-                shade_line(
-                    walk,
-                    frame,
-                    surface,
-                    optics,
-                    sight,
-                    thermal,
-                    level,
-                    line,
-                    sunward,
-                    1.0 / lines,
-                    tangents[j],
-                    pieces,
-                    sparkle,
-                    width / frame.per_radian,
-                    images,
-                )
-                tangents[j] = tangent
-    for tangent in tangents:
-        add_sky(frame, tangent, 1.0 / tangents.shape[0], images)
-    return images
-
-
-@njit
 def sweep_columns(
     walk: Walk,
     frame: Frame,
@@ -340,5 +293,44 @@ def sweep_columns(
 
     Columns do not depend on each other; :func:`seaglint._jit.in_threads` shares them out.
     """
+    sample, piece = np.empty(BUFFER, np.int64), np.empty((BUFFER, 2))
     for column in range(part[0], part[1]):
-        images[column] = sweep_column(walk, frame, surface, sunlight, levels, sparkle, azimuths[column], width)
+        image = images[column]
+        image[:] = 0.0
+        tangents = np.full(1, frame.bottom_tangent)
+        for stage in range(walk.stage.shape[0] - 1):
+            tangents = np.repeat(tangents, 1 << walk.stage[stage, 2])
+            first, end, level = walk.stage[stage, 0], walk.stage[stage + 1, 0], walk.stage[stage, 1]
+            optics = level_optics(sunlight, levels, level)
+            sunward = course(surface, level, sunlight.horizontal_east, sunlight.horizontal_north)
+            lines = tangents.shape[0]
+            for j in range(lines):
+                sight = line_of_sight(optics, azimuths[column] + width * ((j + 0.5) / lines - 0.5))
+                line = course(surface, level, -sight.east, -sight.north)
+                thermal = thermal_along(optics.tables, sight)
+                i = first
+                while i < end:
+                    horizon = (tangents[j], frame.top_tangent)
+                    count, i, tangent = walk_line(walk, surface, level, line, (i, end), horizon, sample, piece)
+                    # apart from the walk, so that the look-ups of one piece can overlap with those of the next
+                    pieces = (count, sample, piece)
+                    shade_line(
+                        walk,
+                        frame,
+                        surface,
+                        optics,
+                        sight,
+                        thermal,
+                        level,
+                        line,
+                        sunward,
+                        1.0 / lines,
+                        tangents[j],
+                        pieces,
+                        sparkle,
+                        width / frame.per_radian,
+                        image,
+                    )
+                    tangents[j] = tangent
+        for tangent in tangents:
+            add_sky(frame, tangent, 1.0 / tangents.shape[0], image)
