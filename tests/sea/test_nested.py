@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
+from scipy.integrate import quad
 from scipy.stats import norm
 
 from seaglint.errors import DomainError
 from seaglint.radiance.glint import glint
 from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.emissivity import facet_nodes
-from seaglint.sea.nested import BANDS, nested_ratio, ratio_table
+from seaglint.sea.nested import BANDS, lit_exponent_kernel, lit_table, nested_exponent_kernel, nested_ratio, ratio_table
 from seaglint.sea.shadowing import projected_area, smith_lambda, smith_nu
 from seaglint.sea.slopes import SlopeStatistics, flat
 
@@ -114,3 +115,70 @@ def test_refusals_say_what_to_do():
         glint(1.0, 0.0, 1.0, 0.0, SlopeStatistics(0.03, 0.02, 0.0, c04=0.2), "nested")
     with pytest.raises(DomainError, match="choose 'both'"):
         glint(1.0, 0.0, 1.0, 0.0, SURFACE, "none")
+
+
+def _two_bands_by_hand(slope, view, sun):
+    """The joint law of two bands by adaptive quadrature over the first band's slope."""
+    width = np.sqrt(0.5)
+
+    def density(x):
+        return np.exp(-0.5 * x * x) / np.sqrt(2.0 * np.pi)
+
+    def area(x, scale):
+        return scale * (x / scale * norm.cdf(x / scale) + density(x / scale))
+
+    def seen_and_lit(tilt, scale):
+        v, s = view - tilt, sun + tilt
+        lambda_v, lambda_s = area(v, scale) / v - 1.0, area(s, scale) / s - 1.0
+        return (1.0 + lambda_v) / (1.0 + lambda_v + lambda_s) / area(v, scale)
+
+    def first(s):
+        onward = density((slope - s) / width) / width * seen_and_lit(s, width) * (view - s)
+        return density(s / width) / width * seen_and_lit(0.0, width) * onward
+
+    found = quad(first, max(-sun, -8.0), min(view, 8.0), epsabs=1e-12, limit=200)[0]
+    return found / (density(slope) * seen_and_lit(0.0, 1.0))
+
+
+@pytest.mark.parametrize(("slope", "view", "sun"), [(0.0, 0.4, 0.4), (-0.6, 0.4, 1.6), (0.3, 1.4, 0.8), (-1.0, 0.2, 3.0), (-0.2, 2.0, 2.4)])
+def test_facets_seen_and_lit_of_two_bands_by_quadrature(slope, view, sun):
+    seen = float(nested_ratio(slope, np.arctan(1.0 / view), 1.0, 2))
+    found = seen * np.exp(lit_exponent_kernel(slope, view, sun, lit_table(2)))
+    assert found == pytest.approx(_two_bands_by_hand(slope, view, sun), rel=5e-3)
+
+
+@pytest.mark.parametrize("bands", [2, 3, 5])
+def test_under_a_high_sun_all_that_is_seen_is_lit(bands):
+    for slope, view in ((-1.0, 0.4), (0.0, 1.0), (0.1, 0.6)):
+        assert np.exp(lit_exponent_kernel(slope, view, 6.0, lit_table(bands))) == pytest.approx(1.0, abs=0.01)
+
+
+# Share of the mirroring facets seen that a Sun ahead lights, by rays on the same surface, flat Earth: eight seas, 1500 rays each, once.
+# Standard error 0.02-0.03 of the value for 60-80 deg, 0.1 for 85 deg.
+LIT = {1.0: (1.000, 0.823, 0.618, 0.187), 4.0: (1.000, 0.901, 0.745, 0.288), 10.0: (1.000, 0.955, 0.890, 0.556)}
+
+
+@pytest.mark.parametrize("depression", LIT)
+def test_facets_lit_of_those_seen_are_those_of_brute_force(depression):
+    sigma, low = np.sqrt(SURFACE.mss_up), np.radians(depression)
+    view = np.tan(low) / sigma
+    lambda_view = float(smith_lambda(view / np.sqrt(2.0)))
+    for zenith, expected in zip((60.0, 77.0, 80.0, 85.0), LIT[depression], strict=True):
+        sun = np.tan(np.radians(90.0 - zenith)) / sigma
+        lambda_sun = float(smith_lambda(sun / np.sqrt(2.0)))
+        slope = (np.sin(np.radians(zenith)) - np.cos(low)) / (np.sin(low) + np.cos(np.radians(zenith))) / sigma
+        smith = (1.0 + lambda_view) / (1.0 + lambda_view + lambda_sun)
+        # the mirror tilts to the viewer where the Sun is higher
+        share = smith * np.exp(lit_exponent_kernel(slope, view, sun, lit_table()))
+        assert share == pytest.approx(expected, abs=0.06)
+
+
+def test_one_band_is_smiths():
+    assert lit_table(1).size == 0
+
+
+@pytest.mark.parametrize(("mu", "t"), [(0.3, -0.5), (1.0, 0.2), (2.5, -1.0)])
+def test_the_quick_exponent_is_the_ratios(mu, t):
+    assert np.exp(nested_exponent_kernel(t, mu, 1.0, ratio_table(5))) == pytest.approx(
+        float(nested_ratio(t, np.arctan(1.0 / mu), 1.0)), abs=1e-3
+    )

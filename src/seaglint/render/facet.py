@@ -19,6 +19,7 @@ Everything is kept per term of :class:`~seaglint.render.path_basis.PathBasis`, s
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numba
@@ -34,7 +35,7 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.mean import SeaView
 from seaglint.render.path_basis import PathBasis
-from seaglint.sea.nested import HIGHEST, nested_exponent_kernel, pair_exponent_kernel, pair_table, ratio_table
+from seaglint.sea.nested import BANDS, HIGHEST, LIT_BANDS, lit_exponent_kernel, lit_table, nested_exponent_kernel, ratio_table
 from seaglint.sea.shadowing import bistatic_kernel, leg_passage_kernel, quick_visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
@@ -82,7 +83,7 @@ class Sunlight(NamedTuple):
 class Roughness(NamedTuple):
     """Covariance of unresolved slopes towards east and north (zero means mirror facets), the deviation along the Sun's azimuth, and the
     tables of their nested shadowing, from the viewer and from viewer and Sun (:func:`seaglint.sea.nested.ratio_table`,
-    :func:`seaglint.sea.nested.pair_table`; empty for Smith's).
+    :func:`seaglint.sea.nested.lit_table`; empty for Smith's).
     """
 
     east_east: float
@@ -90,7 +91,7 @@ class Roughness(NamedTuple):
     north_north: float
     towards_sun: float
     nested: np.ndarray
-    pairs: np.ndarray
+    lit: np.ndarray
 
 
 class FacetTables(NamedTuple):
@@ -116,14 +117,14 @@ class FacetOptics(NamedTuple):
 class FacetLevels(NamedTuple):
     """The facets of every level of detail, in arrays.
 
-    ``roughness[l] = (ee, en, nn, towards the Sun)``; ``nested[l]`` and ``pairs[l]`` its tables, unless all are Smith's and ``smith`` is
+    ``roughness[l] = (ee, en, nn, towards the Sun)``; ``nested[l]`` and ``lit[l]`` its tables, unless all are Smith's and ``smith`` is
     set; ``thermal`` all tables one after another with ``shape[l] = (first, nu, nchi, na, nc)`` and ``axes[l]``; ``sun`` as in
     :class:`FacetTables`.
     """
 
     roughness: np.ndarray
     nested: np.ndarray
-    pairs: np.ndarray
+    lit: np.ndarray
     smith: bool
     thermal: np.ndarray
     shape: np.ndarray
@@ -142,9 +143,9 @@ def level_optics(sunlight: Sunlight, levels: FacetLevels, level: int) -> FacetOp
         levels.shape[level, 4],
     )
     thermal = levels.thermal[first : first + nu * nx * na * nc].reshape((nu, nx, na, nc, levels.thermal.shape[1]))
-    nested, pairs = levels.nested[level, : 0 if levels.smith else levels.nested.shape[1]], levels.pairs[level]
+    nested, lit = levels.nested[level, : 0 if levels.smith else levels.nested.shape[1]], levels.lit[level]
     q = levels.roughness[level]
-    return FacetOptics(sunlight, Roughness(q[0], q[1], q[2], q[3], nested, pairs), FacetTables(thermal, levels.axes[level], levels.sun))
+    return FacetOptics(sunlight, Roughness(q[0], q[1], q[2], q[3], nested, lit), FacetTables(thermal, levels.axes[level], levels.sun))
 
 
 class Sight(NamedTuple):
@@ -212,11 +213,10 @@ def sun_factor(
     sun_deviation = sun.t_up * rough.towards_sun
     if rough.nested.shape[0] > 0:
         mirroring = sight.east * se + sight.north * sn - tilt
-        alone = nested_exponent_kernel(mirroring, mean / max(horizontal, 1e-12), sight.deviation, rough.nested)
-        exponent -= alone
-        if sun_mean < HIGHEST * sun_deviation:
-            both = pair_exponent_kernel(mirroring / sight.deviation, mean / deviation, sun_mean / sun_deviation, rough.pairs)
-            exponent -= leg_passage_kernel(sight.from_sun) * (both - alone)
+        exponent -= nested_exponent_kernel(mirroring, mean / max(horizontal, 1e-12), sight.deviation, rough.nested)
+        if sun_mean < HIGHEST * sun_deviation and rough.lit.shape[0] > 0:
+            also = lit_exponent_kernel(mirroring / sight.deviation, mean / deviation, sun_mean / sun_deviation, rough.lit)
+            exponent -= leg_passage_kernel(sight.from_sun) * also
     # above 4.5 deviations Smith's Lambda, the visible area over the mean less one, is below 1e-6
     if sun_mean < 4.5 * sun_deviation and mean > 0.0:
         lambda_sun = quick_visible_area_kernel(sun_mean, sun_deviation) / sun_mean - 1.0
@@ -517,19 +517,23 @@ def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float) ->
     Between whole numbers of bands the logarithms of the laws are interpolated, so that facets change evenly with their share of the slopes.
     """
     towards = float(np.sqrt(slopes.mss_along(solar_azimuth)))
+    return Roughness(*slopes.covariance(), towards, _between(ratio_table, bands), _between(lit_table, bands * LIT_BANDS / BANDS))
+
+
+def _between(table: Callable[[int], FloatArray], bands: float) -> NDArray[np.float32]:
+    """A table of logarithms for a number of bands that need not be whole; empty for one."""
     whole = max(int(bands), 1)
     more = max(bands, 1.0) - whole
-    ratio, pairs = ratio_table(whole), pair_table(whole)
+    found = table(whole)
     if more > 0.0:
-        ratio = more * ratio_table(whole + 1) + ((1.0 - more) * ratio if whole > 1 else 0.0)
-        pairs = more * pair_table(whole + 1) + ((1.0 - more) * pairs if whole > 1 else 0.0)
-    return Roughness(*slopes.covariance(), towards, ratio.astype(np.float32), pairs.astype(np.float32))
+        found = more * table(whole + 1) + ((1.0 - more) * found if whole > 1 else 0.0)
+    return found.astype(np.float32)
 
 
 def thermal_table(
     sources: ThermalSources, rough: Roughness, axes: FloatArray, shape: tuple[int, int, int, int], terms: int
 ) -> NDArray[np.float32]:
-    """Band terms of the emission and reflected sky of facets [W m-2 sr-1, (*shape, terms)]; ``axes, shape`` of :func:`thermal_axes`."""
+    """Band terms of the emission and reflected sky of facets [W m-2 sr-1]: ``shape`` of :func:`thermal_axes`, and ``terms``."""
     nodes, weights = np.polynomial.legendre.leggauss(ALONG_NODES)
     cross, cross_weights = hermegauss(CROSS_NODES)
     quadrature = SlopeQuadrature(nodes, weights, cross, cross_weights / cross_weights.sum())

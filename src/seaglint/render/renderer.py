@@ -239,7 +239,7 @@ class Renderer:
         levels = FacetLevels(
             np.array([rough[:4] for rough in roughs]),
             _stacked([rough.nested for rough in roughs]),
-            _stacked([rough.pairs for rough in roughs]),
+            _stacked([rough.lit for rough in roughs]),
             all(rough.nested.size == 0 for rough in roughs),
             thermal.astype(np.float32),
             np.concatenate([first[:, None], np.array(shapes)], axis=1),

@@ -38,6 +38,9 @@ from seaglint.errors import DomainError
 BANDS: Final = 5
 """Bands of equal slope variance; see the module's text."""
 
+LIT_BANDS: Final = 3
+"""The same for facets that are both seen and lit; see :func:`lit_table`."""
+
 _MOST_BANDS: Final = 64
 """At 64 bands the ratio is within 10 % of the limit without end, and the quadrature still resolves one band."""
 
@@ -199,7 +202,7 @@ def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: Arra
 _PAIR_NODES: Final = 31
 _PAIR_TOP: Final = HIGHEST
 _PAIR_SHARES: Final = 33
-"""Table of :func:`pair_table`: elevations of viewer and Sun in rms slopes, and the slope's place between the two edges."""
+"""Table of :func:`lit_table`: elevations of viewer and Sun in rms slopes, and the slope's place between the two edges."""
 
 
 @njit
@@ -249,7 +252,7 @@ def _pair_ratios(view: float, sun: float, bands: int, x: FloatArray, w: FloatArr
 
 
 @njit
-def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, out: FloatArray) -> None:
+def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, alone: FloatArray, out: FloatArray) -> None:
     nodes, shares = out.shape[0], out.shape[2]
     slopes = np.empty(shares)
     for i in range(nodes):
@@ -259,11 +262,13 @@ def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, out: FloatArray) -> No
             for k in range(shares):
                 slopes[k] = (view + sun) * k / (shares - 1) - sun
             _pair_ratios(view, sun, bands, x, w, slopes, out[i, j])
+            for k in range(shares):
+                out[i, j, k] -= math.log(nested_ratio_kernel(slopes[k], view, 1.0, alone))
 
 
 @lru_cache(maxsize=8)
-def pair_table(bands: int = BANDS) -> FloatArray:
-    r"""Table for :func:`pair_exponent_kernel` [(view, Sun, slope)]: facets both seen and lit, band by band.
+def lit_table(bands: int = LIT_BANDS) -> FloatArray:
+    r"""Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: facets lit too, of those seen, band by band.
 
     .. math::
 
@@ -271,7 +276,11 @@ def pair_table(bands: int = BANDS) -> FloatArray:
         \frac{1 + \Lambda_v(s_0)}{1 + \Lambda_v(s_0) + \Lambda_s(s_0)}\, ds_0
 
     for a Sun opposite to the viewer: every band hides facets from both, by Smith's law for two legs about the tilt of the longer waves.
-    Logarithms of its ratio to Smith's law in one band; one band has an empty table.
+    Logarithms of its ratio to the law of facets seen, over what Smith's law in one band has for it; one band has an empty table.
+
+    On a Gaussian surface of :math:`k^{-4}` elevation density the share of seen facets that are lit, found by brute force (depressions of
+    1, 4 and 10 degrees, Suns 60 to 85 degrees from the zenith), is met within 0.03 by three bands, but for 0.13 where it is 0.19
+    (1 and 85 degrees); five bands have 0.03 there. So :data:`LIT_BANDS` is three, fitted to that surface as :data:`BANDS` is.
 
     Raises
     ------
@@ -284,13 +293,13 @@ def pair_table(bands: int = BANDS) -> FloatArray:
         return np.zeros((0, 0, 0))
     x, w = np.polynomial.legendre.leggauss(48 + 16 * math.isqrt(bands))
     out = np.empty((_PAIR_NODES, _PAIR_NODES, _PAIR_SHARES))
-    _fill_pairs(bands, x, w, out)
+    _fill_pairs(bands, x, w, ratio_table(bands), out)
     return out
 
 
 @njit
-def pair_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray) -> float:
-    """Logarithm of the density of facets seen and lit over that of Smith's law for two legs; linear in the table.
+def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray) -> float:
+    """Logarithm of the share of seen facets that are lit, over that of Smith's law for two legs; linear in the table.
 
     ``slope`` along the view, ``view`` and ``sun`` the elevations of viewer and Sun over the facet (cotangents of their zenith angles), all
     in rms slopes; both elevations at least 0, the Sun opposite to the viewer.

@@ -1,0 +1,49 @@
+"""Shadows of waves on waves against a plain search along the ray towards the Sun."""
+
+import numpy as np
+import pytest
+from render_scenes import bilinear, one_tile
+
+from seaglint.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.render.facet import sunlight
+from seaglint.render.shade import disc_share, sun_share
+from seaglint.render.surface import course, surface_of
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize(("height", "share"), [(-1.5, 0.0), (-1.0, 0.0), (0.0, 0.5), (1.0, 1.0), (2.0, 1.0)])
+def test_disc_over_an_edge(height, share):
+    assert disc_share(height) == pytest.approx(share)
+
+
+@pytest.mark.kernel
+def test_share_of_a_disc_is_its_area():
+    """Points spread over a disc."""
+    n = 200_000
+    y = np.sqrt((np.arange(n) + 0.5) / n) * np.sin(np.arange(n) * np.pi * (3.0 - np.sqrt(5.0)))
+    for height in (-0.7, -0.2, 0.4, 0.9):
+        assert disc_share(height) == pytest.approx(np.mean(y > -height), abs=2e-3)
+
+
+@pytest.mark.parametrize("sun_zenith_deg", [84.0, 86.0, 88.0])
+def test_share_of_the_sun_is_that_above_the_skyline(sun_zenith_deg):
+    waves = one_tile(wind=12.0)
+    lattices, tile = waves.surfaces(0.0), waves.tiles[0]
+    sea = surface_of(lattices, np.array([tile.spacing]), np.array([tile.rotation]))
+    azimuth, step = 0.8, 0.25 * tile.spacing
+    sun = sunlight(np.radians(sun_zenith_deg), azimuth, True)
+    view = (np.sin(0.3), np.cos(0.3))
+    line, sunward = course(sea, 0, *view), course(sea, 0, np.sin(azimuth), np.cos(azimuth))
+    found, expected = [], []
+    for r in np.linspace(5.0, 400.0, 150):
+        found.append(sun_share(sea, 0, line, sunward, float(r), step, sun))
+        d = np.arange(1, 4000) * step
+        x, y = r * view[0] + d * np.sin(azimuth), r * view[1] + d * np.cos(azimuth)
+        z = bilinear(lattices[0], tile.spacing, tile.rotation, x, y)[..., 0]
+        own = bilinear(lattices[0], tile.spacing, tile.rotation, np.array([r * view[0]]), np.array([r * view[1]]))[0, 0]
+        skyline = np.arctan(((z - own) / d).max())
+        height = (np.radians(90.0 - sun_zenith_deg) - skyline) / SOLAR_ANGULAR_RADIUS
+        expected.append(disc_share(float(height)))
+    assert 0.05 < np.mean(expected) < 0.98  # some of both
+    # skipped samples cannot reach the ray; where they graze it the skyline is that of the samples looked at
+    np.testing.assert_allclose(found, expected, atol=0.02)
