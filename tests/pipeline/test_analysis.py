@@ -86,7 +86,7 @@ def test_wrong_families_are_told_apart() -> None:
 
 def test_same_input_same_numbers_however_it_is_blocked(white: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
     whole = run.ahead
-    monkeypatch.setattr(run, "ahead", lambda r: whole(r, memory=3 * 4 * 96 * 128))
+    monkeypatch.setattr(run, "ahead", lambda recording, prepare: whole(recording, prepare, memory=3 * 4 * 96 * 128))
     again = result(WHITE, Options(thresholds=(2.0,)))
     assert again["regions"]["all"]["false_alarms"] == white["regions"]["all"]["false_alarms"]
     assert again["regions"]["all"]["fits"] == white["regions"]["all"]["fits"]

@@ -60,12 +60,11 @@ class ClusterVariance:
 
 def _autocovariance(e: FloatArray) -> FloatArray:
     """Sums of products at every lag, centred (zero lag in the middle), full range."""
-    from scipy.fft import fftn, ifftn, next_fast_len
+    from scipy.fft import irfftn, next_fast_len, rfftn
 
-    full = [2 * n - 1 for n in e.shape]
-    size = [next_fast_len(n) for n in full]
-    power = np.abs(fftn(e, size)) ** 2
-    products = ifftn(power).real
+    size = [next_fast_len(2 * n - 1, real=True) for n in e.shape]
+    wave = rfftn(e, size)
+    products = irfftn(wave.real**2 + wave.imag**2, size)
     return np.asarray(products[np.ix_(*(np.arange(-(n - 1), n) for n in e.shape))], np.float64)
 
 
@@ -136,11 +135,11 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64]) -> Clust
     within_tiles = np.divide(counts.sum(0), pixels.sum(0), out=np.zeros(counts.shape[1:]), where=pixels.sum(0) > 0)
     plans: list[tuple[FloatArray, Reference]] = [(within_tiles, "tiles")] if counts.shape[0] >= FEWEST_TIMES else []
     plans += [(np.full(counts.shape[1:], rate), "region"), (_margins(counts, pixels, rate), "margins")]
+    occupied = _autocovariance((pixels > 0).astype(np.float64))
     for expected, reference in plans:
         from_tiles = reference == "tiles"
         e = counts - expected * pixels
         products = _autocovariance(e)
-        occupied = _autocovariance((pixels > 0).astype(np.float64))
         windows, independent = _windows(products, occupied)
         # A frozen pattern has no residuals from its own mean, which says nothing of the next pattern.
         frozen = reference != "region" and float((e * e).sum()) < 0.3 * total * (1.0 - rate)

@@ -230,15 +230,17 @@ def _label(index: np.ndarray, columns: int, before: np.ndarray, now: np.ndarray,
     used = active
     for i in index:
         r, q = i // columns, i % columns
-        label = -1
+        label, known = -1, 0
         for dr in range(-1, 2):
             for dq in range(-1, 2):
                 if r + dr < 0 or r + dr >= rows or q + dq < 0 or q + dq >= columns:
                     continue
                 j = i + dr * columns + dq
-                # In the present frame only what has been labelled already is seen; the other half sees this pixel in its turn.
-                for found in (before[j], now[j]):
-                    if found > 0:
+                # In the present frame only what has been labelled already counts; the other half sees this pixel in its turn.
+                for present in range(2 if j < i else 1):
+                    found = now[j] if present else before[j]
+                    if found > 0 and found != known:
+                        known = found
                         other = _root(parent, found - 1)
                         if label < 0:
                             label = other

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint._jit import njit
+from seaglint._jit import in_threads, njit
 from seaglint.errors import DataError
 
 FloatArray = NDArray[np.float64]
@@ -134,7 +134,8 @@ class PixelMoments:
         """
         if frames.ndim != 3 or frames.shape[1:] != self.mean.shape:
             raise DataError(f"block of shape {frames.shape} does not fit frames of {self.mean.shape}")
-        _add_frames(np.ascontiguousarray(frames), self.count, self.mean, self.sum2, self.sum3, self.sum4, (self.minimum, self.maximum))
+        arrays = np.ascontiguousarray(frames), self.count, self.mean, self.sum2, self.sum3, self.sum4, (self.minimum, self.maximum)
+        in_threads(lambda part: _add_frames(*arrays, part), frames.shape[1])
         return self
 
     @property
@@ -193,17 +194,18 @@ def _add_frames(
     sum3: FloatArray,
     sum4: FloatArray,
     extremes: tuple[FloatArray, FloatArray],
+    part: tuple[int, int],
 ) -> None:
-    """Merge a block, row by row: the six sums of a row stay in cache while the frames pass."""
+    """Merge rows ``part = (first, end)`` of a block, row by row: the six sums of a row stay in cache while the frames pass."""
     low, high = extremes
-    k, rows, columns = frames.shape
+    k, _, columns = frames.shape
     shift = np.empty(columns)
     number = np.empty(columns)
     p1 = np.empty(columns)
     p2 = np.empty(columns)
     p3 = np.empty(columns)
     p4 = np.empty(columns)
-    for row in range(rows):
+    for row in range(part[0], part[1]):
         # Power sums about the pixel's first good value, which is as good as its mean for the digits of a block.
         for column in range(columns):
             number[column] = 0.0

@@ -263,10 +263,13 @@ def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Se
 
 def _filtered(recording: Recording, options: Options, dead: BoolArray) -> Iterator[tuple[FrameArray, FrameArray]]:
     """Blocks, raw and filtered; dead pixels are missing in both."""
-    for block in ahead(recording):
+
+    def prepare(block: FrameArray) -> tuple[FrameArray, FrameArray]:
         if dead.any():
             block[:, dead] = np.nan
-        yield block, options.filter.apply(block)
+        return block, options.filter.apply(block)
+
+    return ahead(recording, prepare)
 
 
 def _count(
@@ -365,14 +368,13 @@ def _sequence_scales(
 def _judge(recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...]) -> None:
     """One pass of a detector through the same counting."""
 
-    def blocks() -> Iterator[FrameArray]:
-        for block in ahead(recording):
-            if dead.any():
-                block[:, dead] = np.nan
-            yield block
+    def prepare(block: FrameArray) -> FrameArray:
+        if dead.any():
+            block[:, dead] = np.nan
+        return block
 
     alarms = {name: FalseAlarms(thresholds) for name in results}
-    for statistic in statistics(detector, blocks()):
+    for statistic in statistics(detector, ahead(recording, prepare)):
         for name, result in results.items():
             z = np.where(result.mask, statistic, np.nan).astype(np.float32) if detector.calibrated else standardise(statistic, result.mask)
             alarms[name].add(z)

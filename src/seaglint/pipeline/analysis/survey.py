@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from seaglint.errors import DataError
 from seaglint.io.recording import Recording
 
 BoolArray = NDArray[np.bool_]
+FrameArray = NDArray[np.float32]
+Prepared = TypeVar("Prepared")
 Progress = Callable[[int, int], None]
 
 SATURATED_SHARE = 1e-4
@@ -60,16 +63,20 @@ class Survey:
     notes: tuple[str, ...]
 
 
-def ahead(recording: Recording, memory: float = 8e6) -> Iterator[NDArray[np.float32]]:
-    """Blocks of a recording, the next one read while the present one is worked on."""
+def ahead(recording: Recording, prepare: Callable[[FrameArray], Prepared], memory: float = 8e6) -> Iterator[Prepared]:
+    """Blocks of a recording, the next one read and prepared while the present one is worked on."""
+
+    def made(start: int) -> Prepared:
+        return prepare(recording.read(start, min(start + step, recording.frames)))
+
     step = max(int(memory / (4.0 * recording.rows * recording.columns)), 1)
     starts = range(0, recording.frames, step)
     with ThreadPoolExecutor(1) as reader:
-        waiting = reader.submit(recording.read, 0, min(step, recording.frames))
+        waiting = reader.submit(made, 0)
         for start in starts:
             block = waiting.result()
             if start + step < recording.frames:
-                waiting = reader.submit(recording.read, start + step, min(start + 2 * step, recording.frames))
+                waiting = reader.submit(made, start + step)
             yield block
 
 
@@ -81,7 +88,7 @@ class _Top:
         self.count = self.below = 0
         self.where = np.zeros(rows * columns, np.int64)
 
-    def add(self, block: NDArray[np.float32]) -> None:
+    def add(self, block: FrameArray) -> None:
         """Take a block."""
         flat = block.reshape(-1)
         # Of most blocks only a handful is not below what is known already.
@@ -126,8 +133,8 @@ def survey(recording: Recording, progress: Progress) -> Survey:
     flat_rows, flat_columns = np.ones(recording.rows, dtype=np.bool_), np.ones(recording.columns, dtype=np.bool_)
     top = _Top(*shape)
     repeats, done = 0, 0
-    last: NDArray[np.float32] | None = None
-    for block in ahead(recording):
+    last: FrameArray | None = None
+    for block in ahead(recording, lambda block: block):
         moments.add(block)
         top.add(block)
         if recording.saturation is not None:
