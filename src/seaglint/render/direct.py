@@ -32,10 +32,11 @@ from seaglint.render.facet import (
     sun_terms,
     sunlight,
     thermal_axes,
+    thermal_line,
     thermal_sources,
     thermal_table,
 )
-from seaglint.render.path_basis import fewest_terms, path_basis
+from seaglint.render.path_basis import TOGETHER, fewest_terms, path_basis
 from seaglint.render.shade import FARTHEST, disc_share
 from seaglint.sea.slopes import SlopeStatistics
 
@@ -216,9 +217,9 @@ def ray(
     i = min(int(math.log(1.0 + arc / air.scale) * air.parts + 0.5), air.path.shape[0] - 1)
     paths = (air.coefficients, air.sun_coefficients)
     ix, fx = node(optics.tables.axes, 1, thermal.shape[0], azimuth)
-    warm, solar, _ = facet_radiance(optics, thermal[ix], paths, i, sight, grazing, slope)
+    warm, solar, _ = facet_radiance(optics, thermal_line(thermal[ix]), paths, (i, 0.0), sight, grazing, slope)
     if fx > 1e-9:
-        other, _, _ = facet_radiance(optics, thermal[ix + 1], paths, i, sight, grazing, slope)
+        other, _, _ = facet_radiance(optics, thermal_line(thermal[ix + 1]), paths, (i, 0.0), sight, grazing, slope)
         warm += fx * (other - warm)
     if solar > 0.0 and sea.steepest > optics.sunlight.lower_tangent:
         solar *= sun_share(sea, eye.east - arc * sight.east, eye.north - arc * sight.north, optics.sunlight, values[:1])
@@ -304,7 +305,7 @@ class DirectWalk:
         sun = sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0))
         rough = roughness_of(facets, sun.azimuth, bands)
         table = thermal_table(thermal_sources(basis, view), rough, axes, shape, basis.phi.shape[0])
-        thermal, coefficients = fewest_terms(table.astype(np.float64), basis.coefficients)
+        thermal, coefficients = fewest_terms(table.astype(np.float64), basis.coefficients, TOGETHER)
         reflected, sun_coefficients = fewest_terms(sun_terms(basis, irradiance, view.water), basis.coefficients)
         tables = FacetTables(np.zeros((1, 1, 1, 1, 1), np.float32), axes, np.ascontiguousarray(reflected))
         by_azimuth = np.ascontiguousarray(thermal.astype(np.float32).transpose(1, 0, 2, 3, 4))

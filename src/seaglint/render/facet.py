@@ -106,6 +106,16 @@ class FacetTables(NamedTuple):
     sun: np.ndarray
 
 
+class ThermalLine(NamedTuple):
+    """A thermal table (u, a, c, k) of one line of sight: its values and its sizes."""
+
+    values: np.ndarray
+    sines: int
+    along: int
+    across: int
+    terms: int
+
+
 class FacetOptics(NamedTuple):
     """All that :func:`facet_radiance` looks up."""
 
@@ -290,21 +300,22 @@ def node(axes: np.ndarray, axis: int, size: int, value: float) -> tuple[int, flo
 @njit
 def facet_radiance(
     optics: FacetOptics,
-    thermal: np.ndarray,
+    thermal: ThermalLine,
     paths: tuple[np.ndarray, np.ndarray],
-    i_path: int,
+    at: tuple[int, float],
     sight: Sight,
     grazing: tuple[float, float],
     slope: tuple[float, float],
 ) -> tuple[float, float, float]:
     """Thermal (emission and reflected sky) and solar radiance of a facet, both attenuated [W m-2 sr-1], and its glint factor [1/sr].
 
-    ``thermal`` is :func:`thermal_along` the line of sight; ``paths`` are the coefficients of the thermal and of the solar table, of which
-    row ``i_path`` counts.
+    ``thermal`` is :func:`thermal_along` the line of sight; ``paths`` are the coefficients of the thermal and of the solar table, and
+    ``at`` the row that counts and the fraction of the way to the next.
     """
     slope_east, slope_north = slope
     factor, cos_incidence = sun_factor(optics.sunlight, optics.roughness, sight, grazing, slope_east, slope_north)
     warm_path, sun_path = paths
+    i_path, f_path = at
     axes, sun = optics.tables.axes, optics.tables.sun
     solar = 0.0
     if factor > 0.0:
@@ -312,33 +323,72 @@ def facet_radiance(
         i = min(int(x), sun.shape[0] - 2)
         f = x - i
         for k in range(sun.shape[1]):
-            solar += sun_path[i_path, k] * ((1.0 - f) * sun[i, k] + f * sun[i + 1, k])
+            solar += between(sun_path, i_path, f_path, k) * ((1.0 - f) * sun[i, k] + f * sun[i + 1, k])
         solar *= factor
 
-    nc, terms = thermal.shape[2], thermal.shape[3]
-    iu, fu = node(axes, 0, thermal.shape[0], grazing[0])
-    ia, fa = node(axes, 2, thermal.shape[1], slope_east * sight.east + slope_north * sight.north)
-    ic, fc = node(axes, 3, nc, slope_east * sight.north - slope_north * sight.east)
-    flat = thermal.ravel()
-    row, plane = nc * terms, thermal.shape[1] * nc * terms
-    first = iu * plane + ia * row + ic * terms
-    warm = 0.0
-    for k in range(terms):
-        p = first + k
-        q = p + plane
-        low = flat[p] + fc * (flat[p + terms] - flat[p])
-        low += fa * (flat[p + row] + fc * (flat[p + row + terms] - flat[p + row]) - low)
-        high = flat[q] + fc * (flat[q + terms] - flat[q])
-        high += fa * (flat[q + row] + fc * (flat[q + row + terms] - flat[q + row]) - high)
-        warm += warm_path[i_path, k] * (low + fu * (high - low))
+    iu, fu = node(axes, 0, thermal.sines, grazing[0])
+    ia, fa = node(axes, 2, thermal.along, slope_east * sight.east + slope_north * sight.north)
+    ic, fc = node(axes, 3, thermal.across, slope_east * sight.north - slope_north * sight.east)
+    row = thermal.across * thermal.terms
+    first = (iu * thermal.along + ia) * row + ic * thermal.terms
+    weights = ((1.0 - fu) * (1.0 - fa), (1.0 - fu) * fa, fu * (1.0 - fa), fu * fa)
+    corner = (first, first + row, first + thermal.along * row, first + thermal.along * row + row)
+    warm, k = 0.0, 0
+    while k + 4 <= thermal.terms:
+        w, x, y, z = four_terms(thermal.values, corner, k, weights)
+        w2, x2, y2, z2 = four_terms(thermal.values, corner, k + thermal.terms, weights)
+        warm += between(warm_path, i_path, f_path, k) * (w + fc * (w2 - w))
+        warm += between(warm_path, i_path, f_path, k + 1) * (x + fc * (x2 - x))
+        warm += between(warm_path, i_path, f_path, k + 2) * (y + fc * (y2 - y))
+        warm += between(warm_path, i_path, f_path, k + 3) * (z + fc * (z2 - z))
+        k += 4
+    while k < thermal.terms:
+        near, beside = one_term(thermal.values, corner, k, weights), one_term(thermal.values, corner, k + thermal.terms, weights)
+        warm += between(warm_path, i_path, f_path, k) * (near + fc * (beside - near))
+        k += 1
     return warm, solar, factor
 
 
 @njit
-def thermal_along(tables: FacetTables, sight: Sight) -> np.ndarray:
-    """The thermal table (u, a, c, k) of one line of sight: interpolated to its azimuth once, as all its facets share it."""
+def between(rows: np.ndarray, i: int, f: float, k: int) -> float:
+    """An entry between row ``i`` and, where ``f`` is not 0, the next one."""
+    if f == 0.0:
+        return float(rows[i, k])
+    return float(rows[i, k] + f * (rows[i + 1, k] - rows[i, k]))
+
+
+@njit
+def one_term(values: np.ndarray, corner: tuple[int, int, int, int], k: int, weights: tuple[float, float, float, float]) -> float:
+    """One term of a thermal table between four corners."""
+    # addresses are never negative: spared the compiler's care for those that count from the end
+    a, b, c, d = np.uint64(corner[0] + k), np.uint64(corner[1] + k), np.uint64(corner[2] + k), np.uint64(corner[3] + k)
+    return float(weights[0] * values[a] + weights[1] * values[b] + weights[2] * values[c] + weights[3] * values[d])
+
+
+@njit
+def four_terms(
+    values: np.ndarray, corner: tuple[int, int, int, int], k: int, weights: tuple[float, float, float, float]
+) -> tuple[float, float, float, float]:
+    """Four terms that lie together, which the processor takes at once."""
+    return (
+        one_term(values, corner, k, weights),
+        one_term(values, corner, k + 1, weights),
+        one_term(values, corner, k + 2, weights),
+        one_term(values, corner, k + 3, weights),
+    )
+
+
+@njit
+def thermal_line(table: np.ndarray) -> ThermalLine:
+    """A table (u, a, c, k) that belongs to one azimuth."""
+    return ThermalLine(table.reshape(table.size), table.shape[0], table.shape[1], table.shape[2], table.shape[3])
+
+
+@njit
+def thermal_along(tables: FacetTables, sight: Sight) -> ThermalLine:
+    """The thermal table of one line of sight: interpolated to its azimuth once, as all its facets share it."""
     ix, fx = node(tables.axes, 1, tables.thermal.shape[1], sight.chi)
-    return (1.0 - np.float32(fx)) * tables.thermal[:, ix] + np.float32(fx) * tables.thermal[:, ix + 1]
+    return thermal_line((1.0 - np.float32(fx)) * tables.thermal[:, ix] + np.float32(fx) * tables.thermal[:, ix + 1])
 
 
 class ThermalSources(NamedTuple):

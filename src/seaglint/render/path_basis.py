@@ -23,6 +23,9 @@ spectrum, are then within 5e-5 of all terms, for seven terms in 3.5-5 um."""
 PRODUCT_ERROR = 1e-4
 """RMS error relative to the products, over facets and ranges, that :func:`fewest_terms` leaves."""
 
+TOGETHER = 4
+"""Terms of the thermal tables come in fours: kernels take four at once."""
+
 NODES = 320
 """Ranges at which the atmosphere is asked; the coefficients between them are splined in log range."""
 
@@ -84,11 +87,11 @@ def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: Float
     return PathBasis(nu, grid, phi, weights, np.ascontiguousarray(coefficients), np.asarray(CubicSpline(log_nodes, path)(at)))
 
 
-def fewest_terms(tables: FloatArray, coefficients: FloatArray) -> tuple[FloatArray, FloatArray]:
+def fewest_terms(tables: FloatArray, coefficients: FloatArray, together: int = 1) -> tuple[FloatArray, FloatArray]:
     """Tables (..., k) and coefficients (m, k) with the same products ``tables @ coefficients.T`` [any unit], in as few terms as serve.
 
     What facets send varies less from one to the next than spectra can: two or three terms do the work of seven. Facets and ranges count
-    alike, whatever their radiance.
+    alike, whatever their radiance. Their number is a multiple of ``together``.
     """
     facets = tables.reshape(-1, tables.shape[-1]).astype(np.float64)
     size = np.linalg.norm(facets @ coefficients.T[:, :: max(coefficients.shape[0] // 16, 1)], axis=1, keepdims=True)
@@ -99,7 +102,9 @@ def fewest_terms(tables: FloatArray, coefficients: FloatArray) -> tuple[FloatArr
     energy, vectors = np.maximum(energy[::-1], 0.0), vectors[:, ::-1]
     left = energy.sum() - np.cumsum(energy)
     terms = int(np.argmax(left <= PRODUCT_ERROR**2 * energy.sum())) + 1
-    kept = vectors[:, :terms]
+    terms = -(-terms // together) * together
+    kept = np.zeros((vectors.shape[0], terms))
+    kept[:, : min(terms, vectors.shape[1])] = vectors[:, :terms]
     # product = facets r^T kept kept^T, so with coefficients = q r the pair (facets r^T kept, q kept) stands for it
     mixed = np.linalg.solve(r, kept) if np.linalg.matrix_rank(r) == r.shape[0] else np.linalg.pinv(r) @ kept
     return (facets @ (r.T @ kept)).reshape(*tables.shape[:-1], terms), np.ascontiguousarray(coefficients @ mixed)

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint._jit import in_threads
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, view_zenith_of_range
 from seaglint.errors import DomainError
 from seaglint.radiance.glint import visible_sun
@@ -26,12 +25,13 @@ from seaglint.render.facet import (
     thermal_sources,
     thermal_table,
 )
-from seaglint.render.path_basis import PathBasis, fewest_terms, path_basis
+from seaglint.render.path_basis import TOGETHER, PathBasis, fewest_terms, path_basis
 from seaglint.render.sparkle import Sparkles, sparkle_columns, sparkle_rows
 from seaglint.render.surface import Surface, calm_surface, course, height, surface_of
-from seaglint.render.sweep import Frame, Walk, calm_ranges, graded_ranges, sea_limits, sweep_columns
+from seaglint.render.sweep import PATH_EVERY, Frame, Walk, calm_ranges, graded_ranges, sea_limits, sweep_columns
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
+from seaglint.sea.shadowing import smith_lambda
 from seaglint.sea.slopes import SlopeStatistics
 
 CREST = 1.25
@@ -42,6 +42,12 @@ STEPS_PER_WAVE = 4.0
 
 MOST_LINES = 2
 """Most lines per column by default; where the columns are wider, the sea is sampled across them."""
+
+NEGLIGIBLE_SHADOW = 1e-4
+"""Share of the sea in the shadow of resolved waves below which none is drawn."""
+
+STEEPEST_RISE = 4.0
+"""Rise of the sea along a shadow ray that is reckoned with, in rms slopes: one place in 30 000 is steeper."""
 
 SUBMERGED = 0.75
 """A sensor below this many significant heights (three standard deviations) would be under water now and then."""
@@ -191,24 +197,26 @@ class Renderer:
 
     def _prepare(self, arcs: FloatArray, stage: NDArray[np.int64]) -> None:
         view, camera = self.view, self.camera
+        every = 1 if self.waves is None else PATH_EVERY
+        # of the middle of the piece that ends at a sample
         middle = np.concatenate([arcs[:1], 0.5 * (arcs[1:] + arcs[:-1])])
-        basis = path_basis(view.atmosphere, view.band, camera.height, middle)
+        basis = path_basis(view.atmosphere, view.band, camera.height, np.append(middle[::every], middle[-1:]))
         share, zenith = visible_sun(view.solar_zenith)
         irradiance = view.sun_distance_factor * share * view.atmosphere.solar_irradiance(zenith)[basis.grid]
         self._sun = sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0))
         self._facets, coefficients, sun_coefficients = self._level_facets(basis, arcs, sun_terms(basis, irradiance, view.water))
-        psi = arcs / EFFECTIVE_EARTH_RADIUS
-        self._walk = Walk(
-            arcs,
-            np.cos(psi),
-            EFFECTIVE_EARTH_RADIUS * np.sin(psi),
-            camera.height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2,
-            coefficients,
-            sun_coefficients,
-            basis.path_radiance,
-            stage,
-            self._steps,
-        )
+        self._walk = Walk(arcs, camera.height, coefficients, sun_coefficients, basis.path_radiance, every, stage, self._shadows())
+
+    def _shadows(self) -> FloatArray:
+        """Step [m] and steepest rise of shadow rays at every level; 0 where next to nothing is in shadow by Smith's law."""
+        sun, detail = self._sun, self._detail
+        if sun is None or detail is None or self.waves is None or not sun.shining:
+            return np.zeros((self._steps.size, 2))
+        towards = self.waves.spectrum.wind_to_azimuth
+        rms = np.sqrt([SlopeStatistics(*level.mss, wind_to_azimuth=towards).mss_along(sun.azimuth) for level in detail.levels])
+        shadow = smith_lambda(max(sun.lower_tangent, 0.0) / (np.sqrt(2.0) * np.maximum(rms, 1e-9)))
+        steps = np.array([level.shortest_wave / STEPS_PER_WAVE for level in detail.levels])
+        return np.stack([np.where(shadow > NEGLIGIBLE_SHADOW, steps, 0.0), STEEPEST_RISE * rms], axis=1)
 
     def _level_facets(self, basis: PathBasis, arcs: FloatArray, reflected_sun: FloatArray) -> tuple[FacetLevels, FloatArray, FloatArray]:
         """Facets of every level, and the path's coefficients for their thermal and solar tables."""
@@ -233,7 +241,7 @@ class Renderer:
             shapes.append(shape)
             axes.append(nodes)
         flat = [table.reshape(-1, table.shape[-1]) for table in tables]
-        thermal, coefficients = fewest_terms(np.concatenate(flat), basis.coefficients)
+        thermal, coefficients = fewest_terms(np.concatenate(flat), basis.coefficients, TOGETHER)
         reflected, sun_coefficients = fewest_terms(reflected_sun, basis.coefficients)
         first = np.concatenate([[0], np.cumsum([len(part) for part in flat])[:-1]])
         levels = FacetLevels(

@@ -7,7 +7,7 @@ import math
 from seaglint._jit import njit
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.render.facet import Sunlight
-from seaglint.render.surface import Course, Surface, bilinear
+from seaglint.render.surface import Course, Surface, bilinear, height
 
 FARTHEST = 4000
 """Steps after which a Sun at the very horizon is taken as seen."""
@@ -24,19 +24,19 @@ def disc_share(distance: float) -> float:
 
 
 @njit
-def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: float, step: float, sun: Sunlight) -> float:
+def sun_share(
+    surface: Surface, level: int, line: Course, sunward: Course, r: float, march: tuple[float, float], crest: float, sun: Sunlight
+) -> float:
     """Share of the solar disc seen from the sea ``r`` metres along a line, over the waves of a level between it and the Sun.
 
-    The skyline is looked for in the Sun's own azimuth, in steps of ``step`` [m] or as many as the steepest slope allows, as far as the
-    highest crest could reach over the lower limb; the round sea's drop over that distance is left out.
+    The skyline is looked for in the Sun's own azimuth, in steps [m] of ``march[0]`` or as many as a sea that rises by ``march[1]`` at
+    most allows, as far as the highest ``crest`` could reach over the lower limb; the round sea's drop over that distance is left out.
     """
+    step, rise = march
     tiles = line.part.shape[0]
-    own = 0.0
-    for j in range(tiles):
-        u, v = line.start[j, 0] + r * line.step[j, 0], line.start[j, 1] + r * line.step[j, 1]
-        own += bilinear(surface, line.part[j, 0], line.part[j, 1], u, v)
+    own = height(surface, line, 0, tiles, r)
     low = max(sun.lower_tangent, 1e-4)
-    steps = min((surface.crest[level, 1] - own) / (low * step), float(FARTHEST))
+    steps = min((crest - own) / (low * step), float(FARTHEST))
     skyline, n = -1.0, 1
     while n <= steps:
         d, z = n * step, 0.0
@@ -47,9 +47,9 @@ def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: fl
         skyline = max(skyline, (z - own) / d)
         if skyline >= sun.upper_tangent:
             return 0.0
-        # the sea cannot rise to the ray before it has made up for the gap with its steepest slope
+        # the sea cannot rise to the ray before it has made up for the gap
         ray = max(low, skyline)
-        n += max(int((own + d * ray - z) / (max(surface.steepest[level] - ray, 1e-6) * step)), 1)
+        n += max(int((own + d * ray - z) / (max(rise - ray, 1e-6) * step)), 1)
     if skyline <= low:
         return 1.0
     return disc_share((sun.elevation - math.atan(skyline)) / SOLAR_ANGULAR_RADIUS)

@@ -29,8 +29,8 @@ class Surface(NamedTuple):
     ``height`` [m] and ``slope[:, (east, north)]`` are all lattices one after another: ``part[i] = (first address, points along a side)``.
     Within a lattice squares of 4 x 4 points lie together in memory, because lines cross it in any direction; see :func:`bilinear`.
     ``grid[i] = (1/spacing, cos, sin of the lattice's turn, u, v under the sensor)``. ``level[l]``: parts of the level, -1 where there are
-    no more; ``crest[l]``: largest height that the last part of the level adds, and that all of them add [m]; ``steepest[l]`` a bound of the
-    slope. ``roofs[l, leap, j] = (first address in roof, shift, mask)`` of the level's part ``j``.
+    no more; ``crest[l]``: largest height that the last part of the level adds, and that all of them add [m].
+    ``roofs[l, leap, j] = (first address in roof, shift, mask)`` of the level's part ``j``.
     """
 
     height: np.ndarray
@@ -39,7 +39,6 @@ class Surface(NamedTuple):
     grid: np.ndarray
     level: np.ndarray
     crest: np.ndarray
-    steepest: np.ndarray
     roof: np.ndarray
     roofs: np.ndarray
 
@@ -161,7 +160,7 @@ def calm_surface() -> Surface:
     """A sea without resolved waves."""
     flat, none = np.zeros(0, np.float32), np.zeros((0, 2), np.int64)
     level, roofs = np.full((1, 1), -1, np.int64), np.zeros((1, len(LEAPS), 1, 3), np.int64)
-    return Surface(flat, np.zeros((0, 2), np.float32), none, np.zeros((0, 5)), level, np.zeros((1, 2)), np.zeros(1), flat.copy(), roofs)
+    return Surface(flat, np.zeros((0, 2), np.float32), none, np.zeros((0, 5)), level, np.zeros((1, 2)), flat.copy(), roofs)
 
 
 def surface_of(
@@ -199,7 +198,6 @@ def surface_of(
     # positions are periodic: small numbers keep their digits
     u, v = (np.mod(p / spacing, sizes) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
     highest = [float(z[..., 0].max()) for z in lattices]
-    steepest = [float(np.sqrt((z[..., 1] ** 2 + z[..., 2] ** 2).max())) for z in lattices]
     level = np.full((len(chosen), max(map(len, chosen))), -1, np.int64)
     for row, parts in zip(level, chosen, strict=True):
         row[: len(parts)] = parts
@@ -210,7 +208,6 @@ def surface_of(
         np.stack([1.0 / spacing, c, s, u, v], axis=1),
         level,
         np.array([[highest[parts[-1]], sum(highest[p] for p in parts)] for parts in chosen]),
-        np.array([sum(steepest[p] for p in parts) for parts in chosen]),
         *_roofs(lattices, sizes, spacing, level, moves),
     )
 

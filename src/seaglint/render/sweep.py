@@ -22,13 +22,26 @@ from seaglint._jit import njit
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
 from seaglint.render.camera import Camera
-from seaglint.render.facet import FacetLevels, FacetOptics, Sight, Sunlight, facet_radiance, level_optics, line_of_sight, thermal_along
+from seaglint.render.facet import (
+    FacetLevels,
+    FacetOptics,
+    Sight,
+    Sunlight,
+    ThermalLine,
+    facet_radiance,
+    level_optics,
+    line_of_sight,
+    thermal_along,
+)
 from seaglint.render.shade import sun_share
 from seaglint.render.sparkle import Sparkle, facet_spread
 from seaglint.render.surface import LEAPS, Course, Surface, course, height, roof, slopes
 
 RANGE_PARTS = 0.5
 """Largest step as a share of the ground seen by one pixel row, so that near pixels are made of several pieces."""
+
+PATH_EVERY = 16
+"""Samples between two at which the path of sight is known, where waves are resolved."""
 
 CALM_PARTS = 4
 """Pieces per pixel row where no waves are resolved."""
@@ -46,20 +59,20 @@ BUFFER = 1024
 class Walk(NamedTuple):
     """Samples along every line: arcs from the sensor's foot and what depends on them alone.
 
-    ``range_m, cosine, sine_arc, drop``: arc r, cos(r/R'), R' sin(r/R') and h + R' (1 - cos(r/R')) at the samples. ``coefficients,
-    sun_coefficients, path`` belong to the middle of the piece that ends at a sample. ``stage[s] = (first sample, level of detail, how
-    often every line parts in two at its beginning)``, and the number of samples in a last row. ``step``: that of every level [m].
+    ``range_m``: the arcs; ``height``: the sensor's [m]. ``coefficients, sun_coefficients, path`` stand at every ``every``-th sample, from
+    the first to one past the last; linear between. ``stage[s] = (first sample, level of detail, how often every line parts in two at
+    its beginning)``, and the number of samples in a last row. ``shadow[l]``: step [m] and steepest rise of shadow rays at every level; a
+    step of 0 where waves cast none.
     """
 
     range_m: np.ndarray
-    cosine: np.ndarray
-    sine_arc: np.ndarray
-    drop: np.ndarray
+    height: float
     coefficients: np.ndarray
     sun_coefficients: np.ndarray
     path: np.ndarray
+    every: int
     stage: np.ndarray
-    step: np.ndarray
+    shadow: np.ndarray
 
 
 class Frame(NamedTuple):
@@ -128,30 +141,81 @@ def calm_ranges(camera: Camera) -> FloatArray:
 
 
 @njit
-def clearance(walk: Walk, i: int, tangent: float, z: float) -> float:
-    """Height above the line of sight of this tangent at sample ``i`` [m], to first order in the arc's angle; what is above is visible."""
-    scale = walk.cosine[i] - tangent * walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
-    return float(z * scale - tangent * walk.sine_arc[i] - walk.drop[i])
+def bend(range_m: float) -> tuple[float, float, float]:
+    """Cosine of an arc's angle on the effective sphere, ``R' sin`` of it and ``R' (1 - cos)`` [m].
+
+    Series to the third term: within 1e-10 of the arc up to 500 km.
+    """
+    psi = range_m * (1.0 / EFFECTIVE_EARTH_RADIUS)
+    square = psi * psi
+    sagitta = 0.5 * psi * (1.0 - square * (1.0 / 12.0) * (1.0 - square * (1.0 / 30.0)))
+    return 1.0 - psi * sagitta, range_m * (1.0 - square * (1.0 / 6.0) * (1.0 - square * (1.0 / 20.0))), range_m * sagitta
 
 
 @njit
-def tangent_of(walk: Walk, i: int, z: float) -> float:
+def clearance(walk: Walk, range_m: float, tangent: float, z: float) -> float:
+    """Height above the line of sight of this tangent at an arc [m], to first order in the arc's angle; what is above is visible."""
+    cosine, reach, drop = bend(range_m)
+    scale = cosine - tangent * reach * (1.0 / EFFECTIVE_EARTH_RADIUS)
+    return float(z * scale - tangent * reach - walk.height - drop)
+
+
+@njit
+def tangent_of(walk: Walk, range_m: float, z: float) -> float:
     """Tangent of the elevation at which a height is seen."""
-    return float((z * walk.cosine[i] - walk.drop[i]) / (walk.sine_arc[i] * (1.0 + z / EFFECTIVE_EARTH_RADIUS) + 1e-300))
+    cosine, reach, drop = bend(range_m)
+    return float((z * cosine - walk.height - drop) / (reach * (1.0 + z * (1.0 / EFFECTIVE_EARTH_RADIUS)) + 1e-300))
 
 
 @njit
-def add_rows(images: np.ndarray, frame: Frame, low: float, high: float, total: float, solar: float, spread: float) -> None:
-    """Add radiances to the rows between two elevations, in proportion to the overlap."""
+def elevation(tangent: float) -> float:
+    """Arc tangent; a series, within 1e-12, where it is small."""
+    if abs(tangent) > 0.1:
+        return math.atan(tangent)
+    t = tangent * tangent
+    return tangent * (1.0 - t * (1.0 / 3.0 - t * (0.2 - t * (1.0 / 7.0 - t * (1.0 / 9.0 - t / 11.0)))))
+
+
+@njit
+def add_rows(
+    images: np.ndarray,
+    frame: Frame,
+    edges: tuple[float, float],
+    weight: float,
+    light: tuple[float, float, float],
+    lean: tuple[float, float],
+) -> None:
+    """Add a piece to the rows between the elevations ``edges = (low, high)``, in proportion to the overlap.
+
+    ``light``: its mean radiance, the solar part and the spread of sparkles; ``lean``: how the first two change per radian.
+    """
+    low, high = edges
     upper = max((frame.top - high) * frame.per_radian, 0.0)
     lower = min((frame.top - low) * frame.per_radian, float(frame.rows))
+    centre = (frame.top - 0.5 * (low + high)) * frame.per_radian
+    total, solar = -lean[0] / frame.per_radian, -lean[1] / frame.per_radian
     row = int(upper)
     while row < lower:
-        overlap = min(lower, row + 1.0) - max(upper, float(row))
-        images[0, row] += total * overlap
-        images[1, row] += solar * overlap
-        images[2, row] += spread * overlap
+        first, last = max(upper, float(row)), min(lower, row + 1.0)
+        overlap = weight * (last - first)
+        off = 0.5 * (first + last) - centre
+        images[0, row] += (light[0] + total * off) * overlap
+        images[1, row] += (light[1] + solar * off) * overlap
+        images[2, row] += light[2] * overlap
         row += 1
+
+
+@njit
+def leaning(light: np.ndarray, j: int, k: int, before: float, here: float, after: float, width: float) -> float:
+    """Change of a radiance per radian over piece ``j``, from its neighbours: centres ``before, here, after``, its own where none is.
+
+    Its ends stay within what separates it from its neighbours, and above 0.
+    """
+    fall, rise = light[j, k] - light[j - 1 if before != here else j, k], light[j + 1 if after != here else j, k] - light[j, k]
+    if before == after:
+        return 0.0
+    most = 2.0 * min(max(abs(fall), abs(rise)), light[j, k]) / width
+    return float(min(max((fall + rise) / (after - before), -most), most))
 
 
 @njit
@@ -185,7 +249,7 @@ def walk_line(
                 over = i + LEAPS[leap] - 1
                 while over < end:
                     z = roof(surface, line, level, leap, 0.5 * (walk.range_m[i] + walk.range_m[over])) + 1e-5
-                    if clearance(walk, i, tangent, z) >= 0.0 or clearance(walk, over, tangent, z) >= 0.0:
+                    if clearance(walk, walk.range_m[i], tangent, z) >= 0.0 or clearance(walk, walk.range_m[over], tangent, z) >= 0.0:
                         break
                     i = over + 1
                     over = i + LEAPS[leap] - 1
@@ -193,21 +257,21 @@ def walk_line(
                 break
         r = walk.range_m[i]
         z = height(surface, line, 0, long, r)
-        if tiles > 1 and clearance(walk, i, tangent, z + crest) < 0.0:
+        if tiles > 1 and clearance(walk, r, tangent, z + crest) < 0.0:
             i += 1
             patience -= 1
             continue
         z += height(surface, line, long, tiles, r)
-        above = clearance(walk, i, tangent, z)
+        above = clearance(walk, r, tangent, z)
         if above < 0.0:
             i += 1
             patience -= 1
             continue
         length = r - walk.range_m[i - 1] if i > 0 else 0.0
-        risen = tangent_of(walk, i, z)
+        risen = tangent_of(walk, r, z)
         if i > 0 and last_above != i - 1:
             before = walk.range_m[i - 1]
-            below = max(-clearance(walk, i - 1, tangent, height(surface, line, 0, tiles, before)), 0.0)
+            below = max(-clearance(walk, before, tangent, height(surface, line, 0, tiles, before)), 0.0)
             length *= above / (below + above + 1e-30)
         if risen > tangent:
             sample[count], piece[count, 0], piece[count, 1] = i, length, risen
@@ -225,53 +289,68 @@ def shade_line(
     surface: Surface,
     optics: FacetOptics,
     sight: Sight,
-    thermal: np.ndarray,
+    thermal: ThermalLine,
     level: int,
     line: Course,
     sunward: Course,
     weight: float,
     lowest: float,
-    pieces: tuple[int, np.ndarray, np.ndarray],
+    pieces: tuple[int, np.ndarray, np.ndarray, np.ndarray],
     sparkle: Sparkle,
     pixel: float,
     images: np.ndarray,
 ) -> None:
-    """Add the radiance of a line's visible pieces, times its weight, to the rows of ``images`` (total, solar part).
+    """Add the radiance of a line's visible pieces, times its weight, to the rows of ``images`` (total, solar part, spread of sparkles).
+
+    ``pieces``: their number, samples and extents as :func:`walk_line` found them, and room for what they send.
 
     ``thermal`` is the line's table of :func:`~seaglint.render.facet.thermal_along`; ``sunward`` the course
     from the sensor's foot to the Sun.
     """
-    count, sample, piece = pieces
+    count, sample, piece, light = pieces
     paths = (walk.coefficients, walk.sun_coefficients)
     below = lowest
-    low = math.atan(below)
-    shaded = optics.sunlight.shining and surface.steepest[level] > optics.sunlight.lower_tangent
+    march = (walk.shadow[level, 0], walk.shadow[level, 1])
     for j in range(count):
         i, above = sample[j], piece[j, 1]
-        high = math.atan(above)
+        light[j, 0], light[j, 1], light[j, 2] = 0.0, 0.0, 0.0
         if i > 0:
             r = walk.range_m[i] - 0.5 * piece[j, 0]
+            p, f = i // walk.every, (i % walk.every) / walk.every
             slope = slopes(surface, line, r)
             # the grazing angle is the depression less the arc's angle
             tangent = 0.5 * (max(below, -1e3) + above)
             cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
-            sine_arc = walk.sine_arc[i] / EFFECTIVE_EARTH_RADIUS
-            grazing = (-cosine * (tangent * walk.cosine[i] + sine_arc), cosine * (walk.cosine[i] - tangent * sine_arc))
-            warm, solar, factor = facet_radiance(optics, thermal, paths, i, sight, grazing, slope)
-            if shaded and solar > NEGLIGIBLE_SUN * warm:
-                share = sun_share(surface, level, line, sunward, r, walk.step[level], optics.sunlight)
+            cosine_arc, reach, _ = bend(r)
+            sine_arc = reach * (1.0 / EFFECTIVE_EARTH_RADIUS)
+            grazing = (-cosine * (tangent * cosine_arc + sine_arc), cosine * (cosine_arc - tangent * sine_arc))
+            warm, solar, factor = facet_radiance(optics, thermal, paths, (p, f), sight, grazing, slope)
+            if march[0] > 0.0 and solar > NEGLIGIBLE_SUN * warm:
+                share = sun_share(surface, level, line, sunward, r, march, surface.crest[level, 1], optics.sunlight)
                 solar *= share
                 factor *= share
-            across = pixel * walk.sine_arc[i] * walk.sine_arc[i] / cosine
-            spread = facet_spread(sparkle, optics.sunlight, sight, grazing, solar, factor, across)
-            add_rows(images, frame, low, high, weight * (warm + walk.path[i] + solar), weight * solar, weight * spread)
-        below, low = above, high
+            across = pixel * reach * reach / cosine
+            light[j, 0], light[j, 1] = warm + walk.path[p] + f * (walk.path[p + 1] - walk.path[p]) + solar, solar
+            light[j, 2] = facet_spread(sparkle, optics.sunlight, sight, grazing, solar, factor, across)
+        below = above
+    # Radiance changes linearly over a piece; beside a gap it is that of the neighbour on the other side.
+    low = elevation(lowest)
+    high = elevation(piece[0, 1]) if count > 0 else low
+    before = here = 0.5 * (low + high)
+    for j in range(count):
+        beyond = elevation(piece[j + 1, 1]) if j + 1 < count else high
+        after = 0.5 * (high + beyond) if j + 1 < count and sample[j + 1] == sample[j] + 1 else here
+        width = max(high - low, 1e-15)
+        lean = (leaning(light, j, 0, before, here, after, width), leaning(light, j, 1, before, here, after, width))
+        add_rows(images, frame, (low, high), weight, (light[j, 0], light[j, 1], light[j, 2]), lean)
+        low, high = high, beyond
+        before, here = (here, after) if after != here else (0.5 * (low + high), 0.5 * (low + high))
 
 
 @njit
 def add_sky(frame: Frame, tangent: float, weight: float, images: np.ndarray) -> None:
     """Fill the rows above the horizon that a line ended with."""
-    upper = (frame.top - math.atan(tangent)) * frame.per_radian
+    upper = (frame.top - elevation(tangent)) * frame.per_radian
     for row in range(min(frame.rows, math.ceil(max(upper, 0.0)))):
         images[0, row] += weight * frame.sky[row] * (min(upper, row + 1.0) - row)
 
@@ -293,7 +372,7 @@ def sweep_columns(
 
     Columns do not depend on each other; :func:`seaglint._jit.in_threads` shares them out.
     """
-    sample, piece = np.empty(BUFFER, np.int64), np.empty((BUFFER, 2))
+    sample, piece, light = np.empty(BUFFER, np.int64), np.empty((BUFFER, 2)), np.empty((BUFFER, 3))
     for column in range(part[0], part[1]):
         image = images[column]
         image[:] = 0.0
@@ -313,7 +392,7 @@ def sweep_columns(
                     horizon = (tangents[j], frame.top_tangent)
                     count, i, tangent = walk_line(walk, surface, level, line, (i, end), horizon, sample, piece)
                     # apart from the walk, so that the look-ups of one piece can overlap with those of the next
-                    pieces = (count, sample, piece)
+                    pieces = (count, sample, piece, light)
                     shade_line(
                         walk,
                         frame,

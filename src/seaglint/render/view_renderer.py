@@ -318,7 +318,7 @@ def adapted(renderer: Renderer, eye: Camera) -> Renderer:
     out.camera = eye
     walk = out._walk
     if walk is not None and eye.height != renderer.camera.height:
-        out._walk = walk._replace(drop=walk.drop + (eye.height - renderer.camera.height))
+        out._walk = walk._replace(height=eye.height)
     return out
 
 
