@@ -3,8 +3,9 @@
     python tools/make_figures.py
 
 ``demo.png`` is the picture of ``./run demo`` (its first frame), ``mean.png`` that of ``seaglint mean examples/demo.toml --preview``,
-``fig2.png`` to ``fig4.png`` those of ``seaglint reproduce``, ``clutter_*.png`` pictures of ``seaglint analyze --report`` of the
-demo's four seconds (which take some minutes to render). Names after the script draw only these: ``make_figures.py fig2 fig3``.
+``fig2.png`` to ``fig4.png`` those of ``seaglint reproduce``, ``near_horizon.png`` that of ``docs/data/near_horizon.csv``,
+``clutter_*.png`` pictures of ``seaglint analyze --report`` of the demo's four seconds (which take some minutes to render). Names
+after the script draw only these: ``make_figures.py fig2 fig3``.
 """
 
 from __future__ import annotations
@@ -62,6 +63,28 @@ def demo_analysis(folder: Path) -> Analysis:
     return analyze(open_recording(run))
 
 
+def near_horizon(folder: Path) -> Path:
+    """Ratio of resolved waves to the mean model, from the table of ``tools/near_horizon_table.py``."""
+    import numpy as np
+    from matplotlib.figure import Figure
+
+    rows = np.genfromtxt(ROOT / "docs" / "data" / "near_horizon.csv", delimiter=",", names=True)
+    picture = Figure(figsize=(6.4, 4.0), layout="constrained")
+    axes = picture.subplots()
+    for zenith in np.unique(rows["solar_zenith_deg"]):
+        row = rows[rows["solar_zenith_deg"] == zenith]
+        axes.errorbar(row["depression_deg"], row["glint_ratio"], row["glint_standard_error"], marker="o", ms=3, label=f"Sun at {zenith:g}°")
+    axes.plot(row["depression_deg"], row["bound"], "k--", label="bound 1 + Λ")
+    axes.axhline(1.0, color="0.7", lw=0.8)
+    axes.set(xscale="log", ylim=(0.0, 2.0), xlabel="depression [deg]", ylabel="glint of resolved waves / mean model [1]")
+    axes.set_xticks(row["depression_deg"], [f"{d:g}" for d in row["depression_deg"]], minor=False)
+    axes.set_xticks([], minor=True)
+    axes.legend(fontsize=8)
+    path = folder / "near_horizon.png"
+    picture.savefig(path, dpi=110, metadata={"Software": None})
+    return path
+
+
 def clutter(name: str, folder: Path) -> Path:
     """A picture of the report."""
     from seaglint.plot.clutter import PICTURES, png
@@ -73,7 +96,9 @@ def clutter(name: str, folder: Path) -> Path:
 
 def main(names: list[str]) -> None:
     """Draw those named, or all."""
-    pictures = {"demo": render, "mean": mean} | {name: partial(figure, name) for name in ("fig2", "fig3", "fig4")}
+    pictures = {"demo": render, "mean": mean, "near_horizon": near_horizon} | {
+        name: partial(figure, name) for name in ("fig2", "fig3", "fig4")
+    }
     pictures |= {f"clutter_{name}": partial(clutter, name) for name in CLUTTER}
     if unknown := set(names) - set(pictures):
         sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(pictures)}")

@@ -279,8 +279,8 @@ def lit_table(bands: int = LIT_BANDS) -> FloatArray:
     Logarithms of its ratio to the law of facets seen, over what Smith's law in one band has for it; one band has an empty table.
 
     On a Gaussian surface of :math:`k^{-4}` elevation density the share of seen facets that are lit, found by brute force (depressions of
-    1, 4 and 10 degrees, Suns 60 to 85 degrees from the zenith), is met within 0.03 by three bands, but for 0.13 where it is 0.19
-    (1 and 85 degrees); five bands have 0.03 there. So :data:`LIT_BANDS` is three, fitted to that surface as :data:`BANDS` is.
+    1, 4 and 10 degrees, Suns 60 to 85 degrees from the zenith), is met within 0.03 by three bands, but for 0.05 where it is 0.19
+    (1 and 85 degrees). So :data:`LIT_BANDS` is three, fitted to that surface as :data:`BANDS` is.
 
     Raises
     ------
