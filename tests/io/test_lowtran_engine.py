@@ -67,7 +67,7 @@ def test_single_runs_are_the_reference_runs(live, row):
     np.testing.assert_allclose([*ours, weights @ sky], expected, rtol=1e-3)
 
 
-@pytest.mark.parametrize("height", [1.0, 3300.0])
+@pytest.mark.parametrize("height", [1.0, pytest.param(3300.0, marks=pytest.mark.validation)])
 def test_between_the_nodes_it_is_lowtran7(live, height):
     """Paths, Sun and sky at random angles against runs of their own; 5e-4 is a quarter of the median error wanted, nodes leave 1e-5."""
     rng = np.random.default_rng(7)

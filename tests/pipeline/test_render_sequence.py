@@ -62,7 +62,7 @@ def test_a_sensor_under_the_waves_leaves_no_store(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("zenith", [95.0, 180.0])
+@pytest.mark.parametrize("zenith", [95.0, pytest.param(180.0, marks=pytest.mark.validation)])
 def test_night_is_a_valid_scenario(tmp_path, zenith):
     scenario = parse_scenario(SMALL | {"sun": {"zenith_deg": zenith}})
     image = open_sequence(render(scenario, tmp_path / "run.zarr", frames=range(1))).radiance.values

@@ -52,7 +52,7 @@ def _view(atmosphere, slopes, **changes):
 
 
 @pytest.mark.parametrize("slopes", SEAS.values(), ids=SEAS.keys())
-@pytest.mark.parametrize("height", [2.0, 100.0, 3000.0])
+@pytest.mark.parametrize("height", [2.0, 3000.0, pytest.param(100.0, marks=pytest.mark.validation)])
 def test_white_furnace_is_flat_from_sky_to_nadir(slopes, height):
     view = _view(IsothermalAtmosphere.for_band(288.15, 3.0, 5.0), slopes, sensor_height=height)
     horizon = horizon_depression(height)
@@ -194,9 +194,15 @@ def test_white_furnace_of_a_prepared_model(name):
 
 @pytest.mark.parametrize(
     ("name", "law"),
-    [("flat", "both"), ("calm", "both"), ("10 m/s", "nested"), ("directional", "both"), ("directional", "nested"), ("skewed", "both")],
+    [
+        ("flat", "both"),
+        ("10 m/s", "nested"),
+        ("directional", "nested"),
+        ("skewed", "both"),
+        *(pytest.param(n, "both", marks=pytest.mark.validation) for n in ("calm", "directional")),
+    ],
 )
-@pytest.mark.parametrize("height", [2.0, 5000.0])
+@pytest.mark.parametrize("height", [5000.0, pytest.param(2.0, marks=pytest.mark.validation)])
 def test_prepared_maps_are_the_rows_computed_one_by_one(name, law, height):
     view = _view(WarmSky.for_band(3.0, 5.0), SEAS[name], sensor_height=height, shadowing=law)
     elevation = 0.1 - horizon_depression(height) - np.concatenate([[0.0], np.geomspace(0.1 + 1e-6, 1.5, 30)])

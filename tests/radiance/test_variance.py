@@ -52,7 +52,7 @@ def _share_below(starts, ends, x):
     return done[index] - inside
 
 
-@pytest.mark.parametrize("solar_zenith_deg", [50.0, 60.0, 75.0])
+@pytest.mark.parametrize("solar_zenith_deg", [50.0, 75.0, pytest.param(60.0, marks=pytest.mark.validation)])
 @pytest.mark.parametrize(("width", "tolerance"), [(0.002, 0.04), (100.0, 0.05)])
 def test_tilted_cells_seen_at_a_slant_simulated_along_a_line(solar_zenith_deg, width, tolerance):
     # The one-dimensional case of the formula: M is a length over a length. Windows laid at random over simulated facets; ``width`` is

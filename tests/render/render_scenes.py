@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from seaglint.atmosphere.base import slant_range
@@ -91,12 +93,14 @@ def camera(height, top, bottom, rows, *, azimuth=0.0, width=1.0, columns=1) -> C
     )
 
 
+@cache
 def elfouhaily(wind, travel_deg=30.0, shortest_wave=2.0, seed=1) -> WaveField:
-    """Small, quick field of a fully developed sea."""
+    """Small, quick field of a fully developed sea; ``elfouhaily.__wrapped__`` makes another one."""
     spectrum = ElfouhailySpectrum(wind, np.radians(travel_deg))
     return WaveField.create(spectrum, plan_tiles(spectrum, shortest_wave, 128 if wind < 12.0 else 256), seed)
 
 
+@cache
 def one_tile(wind=4.0, seed=3, *, points=128, length=64.0, shortest_wave=3.0, turn=0.4) -> WaveField:
     """One tile of short steep waves: small enough for plain Python to march over."""
     spectrum = ElfouhailySpectrum(wind, 0.5)

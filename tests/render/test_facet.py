@@ -206,40 +206,47 @@ def _thermal_by_hand(view, slopes, tilt, zenith, azimuth, arc):
     return float((weights * air.transmittance(view.sensor_height, np.array([arc]))[0, grid]) @ total)
 
 
+ARCS = np.geomspace(20.0, 20_000.0, 50)
+
+
 @pytest.fixture(scope="module")
-def air():
-    return table_air(8.0)
+def basis():
+    """Path basis of a sensor at 30 m."""
+    return path_basis(table_air(8.0), BAND, 30.0, ARCS)
 
 
-@pytest.mark.parametrize("slopes", [DIRECTIONAL, SMALL], ids=["directional", "small"])
+@pytest.fixture(scope="module", params=[DIRECTIONAL, SMALL], ids=["directional", "small"])
+def tables(request, basis):
+    """View of a sea, and the tables of its facets by night."""
+    view = sea_view(table_air(8.0), request.param)
+    axes, shape = thermal_axes(view.slopes, (0.002, 0.0015), (0.005, 0.6), (0.0, 0.7))
+    sun = sunlight(*visible_sun(view.solar_zenith)[1:], 0.0, False)
+    reflected = sun_terms(basis, np.zeros(basis.wavenumber_cm.size), view.water)
+    return view, facet_optics(basis, thermal_sources(basis, view), sun, reflected, view.slopes, axes, shape)
+
+
 @pytest.mark.parametrize(
     ("tilt", "grazing_deg", "azimuth"),
     [((0.0, 0.0), 1.0, 0.35), ((0.13, -0.08), 1.0, 0.1), ((-0.05, 0.17), 6.0, 0.6), ((0.13, -0.08), 25.0, 0.6)],
 )
-def test_thermal_radiance_of_a_facet_is_the_sum_over_its_slopes(air, slopes, tilt, grazing_deg, azimuth):
+def test_thermal_radiance_of_a_facet_is_the_sum_over_its_slopes(basis, tables, tilt, grazing_deg, azimuth):
     """Through table, path basis and band sums together, against direct spectral sums."""
-    view = sea_view(air, slopes)
+    view, optics = tables
     zenith = np.radians(90.0 - grazing_deg)
-    arcs = np.geomspace(20.0, 20_000.0, 50)
-    basis = path_basis(air, BAND, 30.0, arcs)
-    axes, shape = thermal_axes(slopes, (0.002, 0.0015), (0.005, 0.6), (0.0, 0.7))
-    sun = sunlight(*visible_sun(view.solar_zenith)[1:], 0.0, False)
-    reflected = sun_terms(basis, np.zeros(basis.wavenumber_cm.size), view.water)
-    optics = facet_optics(basis, thermal_sources(basis, view), sun, reflected, slopes, axes, shape)
     sight = facet.line_of_sight(optics, azimuth)
     where = 30
     thermal, solar, _ = facet.facet_radiance(
         optics,
         facet.thermal_along(optics.tables, sight),
         (basis.coefficients, basis.coefficients),
-        where,
+        (where, 0.0),
         sight,
         (np.cos(zenith), np.sin(zenith)),
         tilt,
     )
     assert solar == 0.0
     # path basis 7e-4, linear interpolation between the tables' nodes 1e-3, Hermite nodes across
-    assert thermal == pytest.approx(_thermal_by_hand(view, slopes, tilt, zenith, azimuth, arcs[where]), rel=2e-3)
+    assert thermal == pytest.approx(_thermal_by_hand(view, view.slopes, tilt, zenith, azimuth, ARCS[where]), rel=2e-3)
 
 
 @pytest.mark.kernel

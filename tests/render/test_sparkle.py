@@ -147,7 +147,7 @@ def test_mean_and_variance(cells: tuple[float, float], stretch: float) -> None:
 
 
 @pytest.mark.parametrize("stretch", [1.0, 3.0])
-@pytest.mark.parametrize("cells", [0.23, 0.9, 2.2, 3.5, 9.0, 40.0])
+@pytest.mark.parametrize("cells", [0.23, 2.2, 3.5, 40.0, *(pytest.param(c, marks=pytest.mark.validation) for c in (0.9, 9.0))])
 def test_averaging_down_is_rendering_coarse(cells: float, stretch: float) -> None:
     # two decades in steps of 4; variances of 10 000 coarse pixels are known to 2 %
     fine = ground((cells, cells), (400, 400), point=0.5 * max(cells, 1.0) ** 2, stretch=stretch)
@@ -275,7 +275,7 @@ print(json.dumps([type(sparkle_factor).__name__, type(launch).__module__, out.to
 """
 
 
-@pytest.mark.parametrize("jit", ["0", "1"], ids=["compiled", "plain"])
+@pytest.mark.parametrize("jit", ["0", pytest.param("1", marks=pytest.mark.validation)], ids=["compiled", "plain"])
 def test_the_kernel_runs_unchanged_on_a_simulated_gpu(jit: str) -> None:
     environment = {**os.environ, "NUMBA_ENABLE_CUDASIM": "1", "NUMBA_DISABLE_JIT": jit}
     done = subprocess.run([sys.executable, "-c", SIMULATED], capture_output=True, text=True, check=False, cwd=ROOT, env=environment)

@@ -113,14 +113,19 @@ def test_roll_of_a_right_angle_turns_the_picture(air, waves):
     assert likeness(turned, np.rot90(upright, -1)) < 0.5
 
 
-@pytest.mark.parametrize("pointing", [(0, -3, 25), (200, -90, 10), (90, -50, 180), (10, 85, 0), (40, -42, 0)], ids=str)
+@pytest.mark.parametrize(
+    "pointing",
+    [(0, -3, 25), (200, -90, 10), (10, 85, 0), (40, -42, 0), pytest.param((90, -50, 180), marks=pytest.mark.validation)],
+    ids=str,
+)
 def test_a_closed_cavity_is_flat_in_any_attitude(pointing, waves):
     oven = Furnace(SEA_TEMPERATURE, COARSE, 1e-4)
     found = scene(oven, imager(width=50.0, height=40.0, columns=8, rows=6), attitude(*pointing), waves, sun=(120.0, 0.0))
-    image = found.radiances(0.5).total
+    radiances = found.radiances(0.5)
+    image = radiances.total
     assert np.all(np.isfinite(image))
     assert np.ptp(image) < 1e-3 * image.mean()  # the spectral terms kept (2e-3 of a spectrum, less of a band)
-    assert found.radiances(0.5).sun.max() == 0.0
+    assert radiances.sun.max() == 0.0
 
 
 @pytest.mark.parametrize(("elevation", "roll"), [(0.0, 20.0), (-3.0, -60.0), (2.0, 180.0)])
@@ -139,7 +144,7 @@ def test_the_horizon_is_where_geometry_puts_it(air, elevation, roll):
     assert np.all((image[across] > sky.min()) & (image[across] < sea.max()))
 
 
-@pytest.mark.parametrize("roll", [0.0, 3.0])
+@pytest.mark.parametrize("roll", [3.0, pytest.param(0.0, marks=pytest.mark.validation)])
 def test_a_panorama_has_no_seam(air, waves, roll):
     """The same picture from its other end, where the edges of one are the middle of the other; an axis is turned the other way there."""
     eye = imager("equal-angle", 360.0, 12.0, 36, 6)
@@ -162,7 +167,7 @@ def test_rays_see_the_mean_model_on_a_sea_without_waves(air, elevation, sun):
     assert image.mean() == pytest.approx(np.mean(model), rel=5e-3)
 
 
-@pytest.mark.parametrize("height", [30.0, 150.0])
+@pytest.mark.parametrize("height", [30.0, pytest.param(150.0, marks=pytest.mark.validation)])
 def test_rays_and_the_sweep_see_the_same_sea(air, waves, height):
     eye, pointing = imager(columns=48, rows=36), attitude(10.0, -32.0, 15.0)
     swept = scene(air, eye, pointing, waves, height=height, lowest=np.radians(-60.0)).radiances(1.0)
@@ -206,7 +211,7 @@ def moving(air, waves, **options):
 
 def test_a_frame_alone_is_that_of_the_sequence(air, waves):
     several = moving(air, waves)
-    frames = [several.radiances(t).total for t in (0.0, 0.3, 0.6, 0.9)]
+    frames = [several.radiances(t).total for t in (0.0, 0.3, 0.6)]
     assert moving(air, waves).radiances(0.6).total.tobytes() == frames[2].tobytes()
     assert several.radiances(0.3).total.tobytes() == frames[1].tobytes()
 

@@ -30,7 +30,7 @@ def variance(surfaces):
     return sum(np.mean(surface[..., 0].astype(float) ** 2) for surface in surfaces)
 
 
-@pytest.mark.parametrize("n", [256, 512, 1024])
+@pytest.mark.parametrize("n", [256, *(pytest.param(n, marks=pytest.mark.validation) for n in (512, 1024))])
 @pytest.mark.parametrize("sea", [SEA, PiersonMoskowitzSpectrum(12.0, 4.0)])
 def test_energy_on_the_lattice_is_that_of_the_spectrum(sea, n):
     """Ensemble values, which the realisations below are checked against; no trace of n."""
@@ -41,7 +41,7 @@ def test_energy_on_the_lattice_is_that_of_the_spectrum(sea, n):
     assert field.lattice_mss == pytest.approx(sea.mss(top), rel=3e-3)
 
 
-@pytest.mark.parametrize(("n", "seeds"), [(256, 60), (512, 16), (1024, 5)])
+@pytest.mark.parametrize(("n", "seeds"), [(256, 60), *(pytest.param(*p, marks=pytest.mark.validation) for p in ((512, 16), (1024, 5)))])
 def test_realisations_have_the_variances_of_the_spectrum(n, seeds):
     tiles = plan_tiles(SEA, SHORTEST, n)
     field = WaveField.create(SEA, tiles, 0)
@@ -98,7 +98,7 @@ def test_slopes_are_the_gradient_of_the_heights():
     assert surface[..., 2] == pytest.approx(s * along_u + c * along_v, abs=1e-5)
 
 
-@pytest.mark.parametrize("wind_to_deg", [0.0, 60.0, 245.0])
+@pytest.mark.parametrize("wind_to_deg", [60.0, *(pytest.param(w, marks=pytest.mark.validation) for w in (0.0, 245.0))])
 def test_waves_travel_downwind(wind_to_deg):
     """-<dz/dt dz/dx> along the wind is the integral of omega k cos(phi) Psi; a standing sea gives 0, an upwind one the negative."""
     sea = ElfouhailySpectrum(8.0, np.radians(wind_to_deg))

@@ -38,7 +38,7 @@ def test_one_band_is_smith_to_the_last_digit(slopes):
     assert np.all(smith[:, 1] > 0.0)
 
 
-@pytest.mark.parametrize("bands", [2, BANDS, 8, 32])
+@pytest.mark.parametrize("bands", [BANDS, 32, *(pytest.param(n, marks=pytest.mark.validation) for n in (2, 8))])
 @pytest.mark.parametrize("zenith", [70.0, 85.0, 89.0, 89.9, 90.0])
 def test_visible_slopes_add_up_to_one(bands, zenith):
     theta, variance = np.radians(zenith), 0.03
@@ -72,7 +72,7 @@ def test_never_more_than_all_that_is_visible():
     assert np.all(ratio > 0.0)
 
 
-@pytest.mark.parametrize("zenith", [75.0, 87.0])
+@pytest.mark.parametrize("zenith", [87.0, pytest.param(75.0, marks=pytest.mark.validation)])
 def test_directional_slopes_drawn_band_by_band(zenith):
     """Independent route: draw two-dimensional slopes of each band, weigh by what is seen of it, average over the last."""
     slopes, theta, azimuth, n = SlopeStatistics(0.04, 0.012), np.radians(zenith), 0.8, 400_000
