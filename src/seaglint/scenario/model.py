@@ -517,7 +517,7 @@ class Render(Record):
         float,
         Quantity(ge=0, le=100),
         Field(description="columns that waves must span to be geometry: far away, shorter ones go to the facets; 0 keeps all at any range"),
-    ] = 1.0
+    ] = 2.0
     step_m: Annotated[
         Annotated[float, Quantity("m", gt=0, le=100)] | None,
         Field(description="outward step of the sweep; chosen from the shortest wave where nothing is said"),
