@@ -20,7 +20,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seaglint.sea.field import WaveField
-from seaglint.sea.nested import nested_ratio
+from seaglint.sea.nested import BANDS, HIGHEST, LIT_BANDS, between_bands, lit_exponent_kernel, lit_table, nested_ratio
 
 FloatArray = NDArray[np.float64]
 
@@ -44,12 +44,15 @@ class Sea(NamedTuple):
 
 
 class Facets(NamedTuple):
-    """Covariance of the slopes on the facets (east-east, east-north, north-north) and logarithms of the nested table, empty for Smith."""
+    """Covariance of the slopes on the facets (east-east, east-north, north-north) and logarithms of the nested tables, of facets seen and
+    of those lit too, empty for Smith.
+    """
 
     east_east: float
     east_north: float
     north_north: float
     nested: np.ndarray
+    lit: np.ndarray
 
 
 def sea_of(waves: WaveField, time: float = 0.0, *, part: float = 0.1, radius: float = EARTH) -> Sea:
@@ -66,13 +69,18 @@ def sea_of(waves: WaveField, time: float = 0.0, *, part: float = 0.1, radius: fl
     return Sea(lattice, grid, crest, steepest, part * min(t.spacing for t in waves.tiles), radius)
 
 
-def facets_of(covariance: tuple[float, float, float], nested_bands: int = 1) -> Facets:
-    """Roughness with Smith's shadowing (1 band) or nested."""
+def facets_of(covariance: tuple[float, float, float], nested_bands: float = 1.0) -> Facets:
+    """Roughness with Smith's shadowing (1 band) or nested; between whole numbers of bands logarithms are interpolated."""
     table = np.zeros((0, 0))
     if nested_bands > 1:
         edge, slope = np.linspace(0.0, EDGE_END, NODES[0])[:, None], np.linspace(-SLOPE_END, SLOPE_END, NODES[1])
-        table = np.log(np.maximum(nested_ratio(slope, np.arctan2(1.0, edge), 1.0, nested_bands), 1e-300))
-    return Facets(*covariance, table)
+
+        def logarithm(bands: int) -> FloatArray:
+            return np.asarray(np.log(np.maximum(nested_ratio(slope, np.arctan2(1.0, edge), 1.0, bands), 1e-300)))
+
+        whole = int(nested_bands)
+        table = (1.0 - nested_bands + whole) * logarithm(whole) + (nested_bands - whole) * logarithm(whole + 1)
+    return Facets(*covariance, table, between_bands(lit_table, nested_bands * LIT_BANDS / BANDS))
 
 
 @njit(cache=True)
@@ -189,6 +197,11 @@ def facet_glint(
         # Heitz et al. 2014, passage between full correlation (same side) and none (opposite sides)
         passage = 4.41 * angle / (4.41 * angle + 1.0) * (4.41 * math.pi + 1.0) / (4.41 * math.pi)
         both = (1.0 + lambda_view) / (1.0 + max(lambda_view, lambda_sun) + passage * min(lambda_view, lambda_sun))
+    if facets.lit.size > 0 and sun_mean < HIGHEST * sun_deviation:
+        turn = abs(math.atan2(view[0] * sun[1] - view[1] * sun[0], view[0] * sun[0] + view[1] * sun[1]))
+        opposite = turn / (4.41 * turn + 1.0) * (4.41 * math.pi + 1.0) / math.pi
+        mirroring = (view[0] * dx + view[1] * dy) / view_deviation
+        both *= math.exp(opposite * lit_exponent_kernel(mirroring, view_mean / view_deviation, sun_mean / sun_deviation, facets.lit))
     return q * both * (1.0 + sx * sx + sy * sy) ** 2 / (4.0 * area), cosine
 
 
@@ -298,7 +311,7 @@ def seen_over_model(
     if not np.all(np.isfinite(found)):
         raise RuntimeError(f"{np.sum(~np.isfinite(found[:, 0]))} rays went under the sea")
     view = (-math.cos(depression) * math.sin(azimuth), -math.cos(depression) * math.cos(azimuth), math.sin(depression))
-    whole = Facets(*total, np.zeros((0, 0)))
+    whole = facets_of(total)
     out = np.empty((len(found), len(sun_zeniths)))
     for k, zenith in enumerate(sun_zeniths):
         sun = (math.sin(zenith) * math.sin(azimuth), math.sin(zenith) * math.cos(azimuth), math.cos(zenith))

@@ -29,7 +29,7 @@ from seaglint.sea.field import WaveField
 WANTED = 0.015
 """Error at which times are compared [1]."""
 
-OURS = ((1.0, 1, 1.0), (0.75, 1, 1.0), (0.5, 1, 1.0), (0.25, 1, 1.0), (0.5, 1, 0.0))
+OURS = ((1.5, 1, 2.0), (1.0, 1, 2.0), (0.5, 1, 2.0), (0.25, 1, 2.0), (0.5, 1, 0.0))
 """Step [m], columns swept for one of the image, and the renderer's ``shortest_wave_columns`` (0: all waves at any range)."""
 
 CONVERGED = (0.125, 4, 0.0)
@@ -102,7 +102,7 @@ class Sweep:
         return np.asarray(fine.reshape(self.camera.rows, self.camera.columns, self.across).mean(axis=2, dtype=np.float64))
 
 
-def compare(sun_zenith: float, nested_bands: int | None = None, log: Callable[[str], None] = print) -> Comparison:
+def compare(sun_zenith: float, nested_bands: float | None = None, log: Callable[[str], None] = print) -> Comparison:
     """Render the scene by both programs."""
     view, camera, waves = scene(sun_zenith)
     rows = compared_rows(camera)

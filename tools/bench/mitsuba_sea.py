@@ -29,7 +29,7 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.mean import SeaView, band_grid
 from seaglint.render.camera import Camera
 from seaglint.sea.field import WaveField
-from seaglint.sea.nested import nested_ratio
+from seaglint.sea.nested import BANDS, HIGHEST, LIT_BANDS, between_bands, lit_table, nested_ratio
 from seaglint.sea.slopes import SlopeStatistics
 
 INCIDENCE_NODES = 1025
@@ -78,7 +78,7 @@ class MitsubaSea:
         One tile without turn.
     threads : int, optional
         Threads of Dr.Jit and Embree.
-    nested_bands : int
+    nested_bands : float
         Bands of the facets' nested shadowing, as the renderer compared has them; 1 for Smith's.
     subdivision : int
         Parts of a lattice cell's side in the mesh. A cell is a curved bilinear patch to the sweep; two flat triangles in its place
@@ -86,7 +86,14 @@ class MitsubaSea:
     """
 
     def __init__(
-        self, view: SeaView, camera: Camera, waves: WaveField, threads: int | None = None, *, nested_bands: int = 1, subdivision: int = 1
+        self,
+        view: SeaView,
+        camera: Camera,
+        waves: WaveField,
+        threads: int | None = None,
+        *,
+        nested_bands: float = 1.0,
+        subdivision: int = 1,
     ) -> None:
         self.mi, self.dr = load_mitsuba()
         if threads is not None:
@@ -100,6 +107,8 @@ class MitsubaSea:
             view.slopes.mss_up - up, view.slopes.mss_cross - cross, wind_to_azimuth=waves.spectrum.wind_to_azimuth
         )
         self.nested = self._nested_table(nested_bands)
+        lit = between_bands(lit_table, nested_bands * LIT_BANDS / BANDS)
+        self.lit, self.lit_shape = self.mi.Float(lit.astype(np.float32).ravel()), lit.shape
         weights, grid = band_grid(view.band, view.atmosphere)
         irradiance = view.sun_distance_factor * view.atmosphere.solar_irradiance(view.solar_zenith)[grid] * weights
         index = view.water.index(view.atmosphere.wavenumber_cm[grid])
@@ -112,13 +121,14 @@ class MitsubaSea:
         self.slope_east = self.slope_north = self.mi.Float(0.0)
         self.update(0.0)
 
-    def _nested_table(self, bands: int) -> Any:
+    def _nested_table(self, bands: float) -> Any:
         """Logarithm of the visible density over Smith's, edges (rows) and slopes (columns) in rms slopes; None where they are the same."""
-        if bands == 1:
+        if bands <= 1.0:
             return None
         slope, edge = np.linspace(*SLOPE_AXIS), np.linspace(*EDGE_AXIS)
-        ratio = nested_ratio(slope, np.arctan2(1.0, edge)[:, None], 1.0, bands)
-        return self.mi.Float(np.log(np.maximum(ratio, 1e-30)).astype(np.float32).ravel())
+        whole = int(bands)
+        low, high = (np.log(np.maximum(nested_ratio(slope, np.arctan2(1.0, edge)[:, None], 1.0, n), 1e-30)) for n in (whole, whole + 1))
+        return self.mi.Float(((1.0 - bands + whole) * low + (bands - whole) * high).astype(np.float32).ravel())
 
     def _build(self) -> Any:
         mi, n = self.mi, self.tile.n * self.parts
@@ -288,6 +298,25 @@ class MitsubaSea:
         ratio = dr.exp((1.0 - g) * row(i) + g * row(i + 1))
         return dr.select((edge < EDGE_AXIS[1]) & (horizontal > 0.0), ratio, 1.0)
 
+    def _lit_factor(self, slope: Any, view: Any, sun: Any, passage: Any) -> Any:
+        """Facets seen that are lit too over Smith's, for a slope and the elevations of viewer and Sun, from the facet's tilt in rms slopes."""
+        mi, dr = self.mi, self.dr
+        if self.nested is None:
+            return 1.0
+        n, _, m = self.lit_shape
+        a, b = dr.clip(view, 0.0, HIGHEST), dr.clip(sun, 0.0, HIGHEST)
+        share = dr.clip((slope + b) / dr.maximum(a + b, 2e-3), 0.0, 1.0)
+        x, y, z = a * ((n - 1) / HIGHEST), b * ((n - 1) / HIGHEST), share * (m - 1)
+        i, j, k = (mi.UInt32(dr.minimum(t, size - 1.001)) for t, size in ((x, n), (y, n), (z, m)))
+        f, g, h = x - mi.Float(i), y - mi.Float(j), z - mi.Float(k)
+
+        def along(i: Any, j: Any) -> Any:
+            first = (i * n + j) * m + k
+            return (1.0 - h) * dr.gather(mi.Float, self.lit, first) + h * dr.gather(mi.Float, self.lit, first + 1)
+
+        low, high = (1.0 - g) * along(i, j) + g * along(i, j + 1), (1.0 - g) * along(i + 1, j) + g * along(i + 1, j + 1)
+        return dr.select(sun < HIGHEST, dr.exp(passage * ((1.0 - f) * low + f * high)), 1.0)
+
     def _facet(self, p: Any, view: Any, sun: Any) -> Any:
         """Radiance of the facet at ``p`` for one point of the disc, in local directions to the viewer and the Sun."""
         mi, dr = self.mi, self.dr
@@ -322,7 +351,10 @@ class MitsubaSea:
         if self.nested is not None:
             horizontal = dr.sqrt(view.x * view.x + view.y * view.y)
             along = dr.sqrt(view.x * view.x * ee + 2.0 * view.x * view.y * en + view.y * view.y * nn)
-            density = density * self._nested_factor((view.x * de + view.y * dn) / along, view_mean / along, horizontal)
+            towards = dr.sqrt(sun.x * sun.x * ee + 2.0 * sun.x * sun.y * en + sun.y * sun.y * nn)
+            mirroring = (view.x * de + view.y * dn) / along
+            density = density * self._nested_factor(mirroring, view_mean / along, horizontal)
+            both = both * self._lit_factor(mirroring, view_mean / along, sun_mean / towards, passage)
         factor = 0.25 * density * both * (1.0 + tan2) * (1.0 + tan2) / view_area
         cosine = dr.sqrt(dr.maximum(0.5 * (1.0 + dr.dot(view, sun)), 0.0)) * (INCIDENCE_NODES - 1)
         i = mi.UInt32(dr.clip(cosine, 0.0, INCIDENCE_NODES - 1.001))

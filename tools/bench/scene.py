@@ -54,9 +54,9 @@ def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | N
     return Renderer(view, camera, waves, step=step, most_lines=1, shortest_wave_columns=detail)
 
 
-def facet_bands(view: SeaView, waves: WaveField) -> int:
+def facet_bands(view: SeaView, waves: WaveField) -> float:
     """Bands of the facets' nested shadowing where all waves of the tile are geometry, as the renderer has them."""
-    return max(round(view.nested_bands * (1.0 - sum(waves.resolved_mss()) / view.slopes.mss)), 1)
+    return max(view.nested_bands * (1.0 - sum(waves.resolved_mss()) / view.slopes.mss), 1.0)
 
 
 def compared_rows(camera: Camera) -> slice:

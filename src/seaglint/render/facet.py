@@ -19,7 +19,6 @@ Everything is kept per term of :class:`~seaglint.render.path_basis.PathBasis`, s
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numba
@@ -35,7 +34,16 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.mean import SeaView
 from seaglint.render.path_basis import PathBasis
-from seaglint.sea.nested import BANDS, HIGHEST, LIT_BANDS, lit_exponent_kernel, lit_table, nested_exponent_kernel, ratio_table
+from seaglint.sea.nested import (
+    BANDS,
+    HIGHEST,
+    LIT_BANDS,
+    between_bands,
+    lit_exponent_kernel,
+    lit_table,
+    nested_exponent_kernel,
+    ratio_table,
+)
 from seaglint.sea.shadowing import bistatic_kernel, leg_passage_kernel, quick_visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
@@ -567,17 +575,8 @@ def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float) ->
     Between whole numbers of bands the logarithms of the laws are interpolated, so that facets change evenly with their share of the slopes.
     """
     towards = float(np.sqrt(slopes.mss_along(solar_azimuth)))
-    return Roughness(*slopes.covariance(), towards, _between(ratio_table, bands), _between(lit_table, bands * LIT_BANDS / BANDS))
-
-
-def _between(table: Callable[[int], FloatArray], bands: float) -> NDArray[np.float32]:
-    """A table of logarithms for a number of bands that need not be whole; empty for one."""
-    whole = max(int(bands), 1)
-    more = max(bands, 1.0) - whole
-    found = table(whole)
-    if more > 0.0:
-        found = more * table(whole + 1) + ((1.0 - more) * found if whole > 1 else 0.0)
-    return found.astype(np.float32)
+    nested, lit = between_bands(ratio_table, bands), between_bands(lit_table, bands * LIT_BANDS / BANDS)
+    return Roughness(*slopes.covariance(), towards, nested.astype(np.float32), lit.astype(np.float32))
 
 
 def thermal_table(

@@ -24,6 +24,7 @@ brute-force visibility on a surface of :math:`k^{-4}` elevation density five ban
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Final
 
@@ -315,3 +316,13 @@ def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray
     t = table[i + 1, j + 1, k] + h * (table[i + 1, j + 1, k + 1] - table[i + 1, j + 1, k])
     low, high = p + g * (q - p), r + g * (t - r)
     return float(low + f * (high - low))
+
+
+def between_bands(table: Callable[[int], FloatArray], bands: float) -> FloatArray:
+    """A table of logarithms (:func:`ratio_table`, :func:`lit_table`) for a number of bands that need not be whole; empty for one."""
+    whole = max(int(bands), 1)
+    more = max(bands, 1.0) - whole
+    found = table(whole)
+    if more > 0.0:
+        found = more * table(whole + 1) + ((1.0 - more) * found if whole > 1 else 0.0)
+    return found
