@@ -299,7 +299,7 @@ class MitsubaSea:
         return dr.select((edge < EDGE_AXIS[1]) & (horizontal > 0.0), ratio, 1.0)
 
     def _lit_factor(self, slope: Any, view: Any, sun: Any, passage: Any) -> Any:
-        """Facets seen that are lit too over Smith's, for a slope and the elevations of viewer and Sun, from the facet's tilt in rms slopes."""
+        """Facets seen that are lit too over Smith's; slope and elevations of viewer and Sun from the facet's tilt, in rms slopes."""
         mi, dr = self.mi, self.dr
         if self.nested is None:
             return 1.0

@@ -218,8 +218,7 @@ class Renderer:
         towards = self.waves.spectrum.wind_to_azimuth
         rms = np.sqrt([SlopeStatistics(*level.mss, wind_to_azimuth=towards).mss_along(sun.azimuth) for level in detail.levels])
         shadow = smith_lambda(max(sun.lower_tangent, 0.0) / (np.sqrt(2.0) * np.maximum(rms, 1e-9)))
-        steps = np.array([level.shortest_wave / STEPS_PER_WAVE for level in detail.levels])
-        return np.stack([np.where(shadow > NEGLIGIBLE_SHADOW, steps, 0.0), STEEPEST_RISE * rms], axis=1)
+        return np.stack([np.where(shadow > NEGLIGIBLE_SHADOW, self._steps, 0.0), STEEPEST_RISE * rms], axis=1)
 
     def _level_facets(self, basis: PathBasis, arcs: FloatArray, reflected_sun: FloatArray) -> tuple[FacetLevels, FloatArray, FloatArray]:
         """Facets of every level, and the path's coefficients for their thermal and solar tables."""
