@@ -38,7 +38,7 @@ def test_share_of_the_sun_is_that_above_the_skyline(sun_zenith_deg):
     found, expected = [], []
     for r in np.linspace(5.0, 400.0, 150):
         found.append(sun_share(sea, 0, line, sunward, float(r), march, float(sea.crest[0, 1]), sun))
-        d = np.arange(1, 4000) * step
+        d = np.concatenate([[0.25, 0.5], np.arange(1, 4000)]) * step
         x, y = r * view[0] + d * np.sin(azimuth), r * view[1] + d * np.cos(azimuth)
         z = bilinear(lattices[0], tile.spacing, tile.rotation, x, y)[..., 0]
         own = bilinear(lattices[0], tile.spacing, tile.rotation, np.array([r * view[0]]), np.array([r * view[1]]))[0, 0]

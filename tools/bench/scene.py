@@ -49,7 +49,7 @@ def scene(
     return prepare.view(scenario), prepare.camera(scenario), waves
 
 
-def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | None = None, detail: float = 1.0) -> Renderer:
+def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | None = None, detail: float = 2.0) -> Renderer:
     """Our renderer of the scene with one setting of its accuracy, one line a column; ``detail`` is its ``shortest_wave_columns``."""
     return Renderer(view, camera, waves, step=step, most_lines=1, shortest_wave_columns=detail)
 

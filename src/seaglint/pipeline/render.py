@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
-from seaglint.errors import BackendError
+from seaglint.errors import BackendError, DataError, DomainError
 from seaglint.io.provenance import provenance
 from seaglint.io.store import Layout, Progress, write_sequence
 from seaglint.optics.band import apparent_temperature
@@ -22,9 +23,13 @@ from seaglint.pipeline.memory import require_memory
 from seaglint.render.platform import Track
 from seaglint.render.renderer import Renderer
 from seaglint.scenario.model import Scenario
+from seaglint.sea.field import WaveField
 
 if TYPE_CHECKING:
     from seaglint.render.view_renderer import ViewRenderer
+
+NON_FINITE_SHARE = 1e-3
+"""Share of a frame's pixels that may be without a number; more are an error."""
 
 
 def render(
@@ -71,14 +76,37 @@ def render(
         derived = {
             "apparent_temperature": lambda image: apparent_temperature(image, view.band, grid),
         }
+
+        def image(number: int) -> NDArray[np.float32]:
+            total = renderer.radiances(number / rate).total
+            bad = int(total.size - np.isfinite(total).sum())
+            if bad > NON_FINITE_SHARE * total.size:
+                raise DataError(
+                    f"frame {number}: {bad} of {total.size} pixels are not finite, more than {100 * NON_FINITE_SHARE:g} %; "
+                    "nothing of it is written. This is a fault of the program: please report the scenario"
+                )
+            return total
+
         return write_sequence(
             output,
             layout,
-            lambda number: renderer.radiances(number / rate).total,
+            image,
             derived={name: derived[name] for name in layout.variables if name in derived},
             resume=resume,
             overwrite=overwrite,
             progress=progress,
+        )
+
+
+def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
+    step = scenario.render.step_m
+    if step is None or waves is None:
+        return
+    shortest = 2.0 * np.pi / waves.tiles[-1].k_max
+    if not shortest / 200.0 <= step <= 0.5 * shortest:
+        raise DomainError(
+            f"render.step_m = {step:g} m does not suit waves down to {shortest:.3g} m: "
+            f"give {shortest / 200.0:.2g} to {0.5 * shortest:.3g} m, or leave it out"
         )
 
 
@@ -118,6 +146,7 @@ def renderer_and_layout(scenario: Scenario, frames: range | None = None) -> tupl
         view = renderer.view
         azimuth, elevation = imager.centres(track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0).attitude)
         poses = _poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
+    _require_step(scenario, sea.waves)
     layout = Layout(
         azimuth_deg=np.degrees(azimuth),
         elevation_deg=np.degrees(elevation),

@@ -232,7 +232,7 @@ def sun_factor(
     if rough.nested.shape[0] > 0:
         mirroring = sight.east * se + sight.north * sn - tilt
         exponent -= nested_exponent_kernel(mirroring, mean / max(horizontal, 1e-12), sight.deviation, rough.nested)
-        if sun_mean < HIGHEST * sun_deviation and rough.lit.shape[0] > 0:
+        if sun_mean < HIGHEST * sun_deviation and rough.lit.shape[0] > 1:
             also = lit_exponent_kernel(mirroring / sight.deviation, mean / deviation, sun_mean / sun_deviation, rough.lit)
             exponent -= leg_passage_kernel(sight.from_sun) * also
     # above 4.5 deviations Smith's Lambda, the visible area over the mean less one, is below 1e-6
@@ -569,13 +569,13 @@ def sunlight(zenith: float, azimuth: float, shining: bool) -> Sunlight:
     return Sunlight(shining, *(float(v) for v in values))
 
 
-def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float) -> Roughness:
-    """Facet slopes as kernels take them, with nested shadowing in so many bands (1: Smith's).
+def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float, *, sun_too: bool = True) -> Roughness:
+    """Facet slopes as kernels take them, with nested shadowing in so many bands (1: Smith's), of the Sun's leg too or not.
 
     Between whole numbers of bands the logarithms of the laws are interpolated, so that facets change evenly with their share of the slopes.
     """
     towards = float(np.sqrt(slopes.mss_along(solar_azimuth)))
-    nested, lit = between_bands(ratio_table, bands), between_bands(lit_table, bands * LIT_BANDS / BANDS)
+    nested, lit = between_bands(ratio_table, bands), between_bands(lit_table, bands * LIT_BANDS / BANDS if sun_too else 1.0)
     return Roughness(*slopes.covariance(), towards, nested.astype(np.float32), lit.astype(np.float32))
 
 

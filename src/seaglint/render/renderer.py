@@ -114,7 +114,8 @@ class Renderer:
     Parameters
     ----------
     view : SeaView
-        Sea, air and Sun; its slopes are the total statistics. Without resolved waves its ``shadowing`` says how facets hide each other.
+        Sea, air and Sun; its slopes are the total statistics. Without resolved waves facets hide each other from viewer and Sun by Smith's
+        law, or from the viewer band by band where its ``shadowing`` is nested.
     camera : Camera
         The image grid; stands at the view's sensor height.
     waves : WaveField, optional
@@ -233,7 +234,8 @@ class Renderer:
         for i, mss in enumerate(resolved):
             facets = facet_slopes(view.slopes, mss, towards)
             share = facets.mss / view.slopes.mss if view.slopes.mss > 0.0 else 1.0
-            roughs.append(roughness_of(facets, view.solar_azimuth, bands * share))
+            # mean maps have the nested law for the viewer alone, and images without waves equal them
+            roughs.append(roughness_of(facets, view.solar_azimuth, bands * share, sun_too=self.waves is not None))
             # grazing angles of the level, with the crests' own
             ends = np.clip([self._begins[i], self._begins[i + 1] if i + 1 < len(resolved) else arcs[-1]], arcs[0], arcs[-1])
             high, low = np.cos(view_zenith_of_range(camera.height, ends)) + np.array([1.0, -1.0]) * crest / np.maximum(ends, camera.height)

@@ -37,7 +37,8 @@ def sun_share(
     own = height(surface, line, 0, tiles, r)
     low = max(sun.lower_tangent, 1e-4)
     steps = min((crest - own) / (low * step), float(FARTHEST))
-    skyline, n = -1.0, 1
+    # most of what shades a place is near it: the first step is taken in parts
+    skyline, n = -1.0, 0.25
     while n <= steps:
         d, z = n * step, 0.0
         for j in range(tiles):
@@ -49,7 +50,7 @@ def sun_share(
             return 0.0
         # the sea cannot rise to the ray before it has made up for the gap
         ray = max(low, skyline)
-        n += max(int((own + d * ray - z) / (max(rise - ray, 1e-6) * step)), 1)
+        n = max(2.0 * n if n < 1.0 else n + 1.0, math.floor(n + (own + d * ray - z) / (max(rise - ray, 1e-6) * step)))
     if skyline <= low:
         return 1.0
     return disc_share((sun.elevation - math.atan(skyline)) / SOLAR_ANGULAR_RADIUS)

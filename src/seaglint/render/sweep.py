@@ -1,14 +1,14 @@
 """The sweep: walk outward along each azimuth, keep the highest elevation seen so far, and shade what rises above it.
 
-Every surface piece above the running horizon is visible and covers a known interval of elevation; its radiance, taken at the middle of
-that interval, is added to the pixels in proportion to the overlap. So a column has no sampling noise in elevation, its own horizon, and any
-width of panorama.
+Every surface piece above the running horizon is visible and covers a known interval of elevation; its radiance, found at the middle and
+linear towards its neighbours, is added to the pixels in proportion to the overlap. So a column has no sampling noise in elevation, its
+own horizon, and any width of panorama.
 
-Detail falls with range: where a column has grown wider than the waves of a level's last band (:mod:`seaglint.sea.detail`), the band goes to
-the facets and steps grow. Most samples are hidden at grazing views; many are passed over at once where the roofs of the lattices
-(:mod:`seaglint.render.surface`) stay below the line of sight, and the image is that of the full walk.
-Across a column, lines part as the column widens: one line near the sensor, two where the column is wider than a shortest wave, and so
-on up to a limit. From there on the sea is sampled, not averaged, across a column.
+Detail falls with range: where a column has grown wider than half the waves of a level's last band (:mod:`seaglint.sea.detail`), the
+band goes to the facets and steps grow. Most samples are hidden at grazing views; many are passed over at once where the roofs of the
+lattices (:mod:`seaglint.render.surface`) stay below the line of sight, and the image is that of the full walk.
+Across a column, lines part as the column widens: one line near the sensor, two where the column is wider than a quarter of a shortest
+wave, and so on up to a limit. From there on the sea is sampled, not averaged, across a column.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ NEGLIGIBLE_SUN = 3e-4
 """Share of a facet's thermal radiance below which its sunlight is not asked for shadows."""
 
 BUFFER = 1024
-"""Visible pieces that are found before they are shaded; 24 kB stay in the first cache."""
+"""Visible pieces that are found before they are shaded; 48 kB stay near the processor."""
 
 
 class Walk(NamedTuple):
@@ -245,7 +245,7 @@ def walk_line(
         if patience <= 0:
             patience = PATIENCE
             for leap in range(len(LEAPS)):
-                # over the round sea the line of sight sags between two samples by 10 um at most: both ends tell
+                # over the round sea the line of sight sags between both ends by less than a millimetre: they tell
                 over = i + LEAPS[leap] - 1
                 while over < end:
                     z = roof(surface, line, level, leap, 0.5 * (walk.range_m[i] + walk.range_m[over])) + 1e-5

@@ -17,10 +17,10 @@ from seaglint.conventions import FloatArray, wrap_angle
 from seaglint.errors import DomainError
 from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
-from seaglint.render.direct import DirectWalk, Eye, lattices_of, rays_per_side
+from seaglint.render.direct import DirectWalk, Eye, lattices_of, rays_per_side, read
 from seaglint.render.platform import Pose, Track
 from seaglint.render.renderer import CREST, SHORTEST_WAVE_COLUMNS, SUBMERGED, Radiances, Renderer, facet_slopes
-from seaglint.render.sparkle import Sparkles
+from seaglint.render.sparkle import Sparkles, sparkle_rows
 from seaglint.render.view import (
     Attitude,
     Cells,
@@ -290,6 +290,12 @@ class ViewRenderer:
         tiles = self.waves.tiles if self.waves is not None else ()
         heights = self.waves.surfaces(time, workers=numba.get_num_threads()) if self.waves is not None else ()
         sea = lattices_of(heights, np.array([t.spacing for t in tiles]), np.array([t.rotation for t in tiles]))
+        foot = np.zeros(1)
+        read(sea, pose.east, pose.north, 0, foot)
+        if foot[0] >= pose.height:
+            raise DomainError(
+                f"at {time:g} s the sea stands {foot[0]:.2f} m high under the sensor, which is {pose.height:.2f} m above the mean sea"
+            )
         walk(sea, Eye(pose.east, pose.north, pose.height), plan.corner, plan.walked, plan.samples, out)
 
 
@@ -316,6 +322,7 @@ def adapted(renderer: Renderer, eye: Camera) -> Renderer:
         return renderer
     out = copy.copy(renderer)
     out.camera = eye
+    out._sparkle_rows = sparkle_rows(eye)
     walk = out._walk
     if walk is not None and eye.height != renderer.camera.height:
         out._walk = walk._replace(height=eye.height)

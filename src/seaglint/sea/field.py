@@ -144,7 +144,7 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
         need = SHORTEST_SPAN * 2.0 * np.pi / k_low
         raise DomainError(
             f"{tiles} tiles of {n} points from {shortest_wave:.4g} m waves up make the longest {lengths[0]:.4g} m long; this sea needs "
-            f"{need:.4g} m: give more tiles, more points or a longer shortest wave"
+            f"{need:.4g} m: give more tiles or points (render.tile_size) or a longer shortest wave (sea.shortest_wave_m)"
         )
     edges = [0.0, *(2.0 * np.pi * n / (SAMPLES_PER_WAVE * length) for length in lengths)]
     return tuple(

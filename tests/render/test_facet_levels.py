@@ -1,0 +1,37 @@
+"""Levels of detail whose facets have few bands left."""
+
+import numpy as np
+import pytest
+
+from seaglint.errors import DomainError
+from seaglint.pipeline.render import renderer_and_layout
+from seaglint.scenario.load import parse_scenario
+
+
+def _scenario(**tables):
+    base = {
+        "sun": {"zenith_deg": 75, "azimuth_deg": 180},
+        "sensor": {"pixels": [48, 32], "fov_deg": [0.4, 0.3], "elevation_deg": -15, "azimuth_deg": 180},
+        "wind": {"speed_m_s": 7},
+        "sea": {"shortest_wave_m": 0.05},
+        "render": {"tile_size": 1024},
+    }
+    return parse_scenario({name: base.get(name, {}) | tables.get(name, {}) for name in base | tables})
+
+
+def test_facets_with_a_table_for_the_viewer_alone():
+    """A quarter of the slopes on facets is more than one band for the viewer, less than one for viewer and Sun."""
+    renderer, _ = renderer_and_layout(_scenario())
+    bands = renderer._facets
+    assert bands is not None
+    assert not bands.smith
+    assert bands.lit.shape[1] == 1
+    image = renderer.radiances(0.0)
+    assert np.isfinite(image.total).all()
+    assert image.sun.mean() > 1e-3
+
+
+@pytest.mark.parametrize("step", [1e-4, 0.05])
+def test_steps_that_do_not_suit_the_waves_are_refused(step):
+    with pytest.raises(DomainError, match=r"render.step_m = .* m does not suit waves down to 0.05"):
+        renderer_and_layout(_scenario(render={"step_m": step}))
