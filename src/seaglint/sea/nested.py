@@ -319,7 +319,7 @@ def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray
 
 
 def between_bands(table: Callable[[int], FloatArray], bands: float) -> FloatArray:
-    """A table of logarithms (:func:`ratio_table`, :func:`lit_table`) for a number of bands that need not be whole; empty for one."""
+    """A table of logarithms [1] (:func:`ratio_table`, :func:`lit_table`) for a number of bands that need not be whole; empty for one."""
     whole = max(int(bands), 1)
     more = max(bands, 1.0) - whole
     found = table(whole)
