@@ -189,19 +189,17 @@ def facet_glint(
         return 0.0, cosine
     if view_deviation > 0.0:
         q *= nested_density(facets.nested, (view[0] * dx + view[1] * dy) / view_deviation, view_mean / view_deviation)
+    angle = abs(math.atan2(view[0] * sun[1] - view[1] * sun[0], view[0] * sun[0] + view[1] * sun[1]))
+    # Heitz et al. 2014, passage between full correlation (same side) and none (opposite sides)
+    passage = 4.41 * angle / (4.41 * angle + 1.0) * (4.41 * math.pi + 1.0) / (4.41 * math.pi)
     both = 1.0
     if view_mean > 0.0:
         lambda_view = area / view_mean - 1.0
         lambda_sun = visible_area(sun_mean, sun_deviation) / sun_mean - 1.0
-        angle = abs(math.atan2(view[0] * sun[1] - view[1] * sun[0], view[0] * sun[0] + view[1] * sun[1]))
-        # Heitz et al. 2014, passage between full correlation (same side) and none (opposite sides)
-        passage = 4.41 * angle / (4.41 * angle + 1.0) * (4.41 * math.pi + 1.0) / (4.41 * math.pi)
         both = (1.0 + lambda_view) / (1.0 + max(lambda_view, lambda_sun) + passage * min(lambda_view, lambda_sun))
     if facets.lit.size > 0 and sun_mean < HIGHEST * sun_deviation:
-        turn = abs(math.atan2(view[0] * sun[1] - view[1] * sun[0], view[0] * sun[0] + view[1] * sun[1]))
-        opposite = turn / (4.41 * turn + 1.0) * (4.41 * math.pi + 1.0) / math.pi
         mirroring = (view[0] * dx + view[1] * dy) / view_deviation
-        both *= math.exp(opposite * lit_exponent_kernel(mirroring, view_mean / view_deviation, sun_mean / sun_deviation, facets.lit))
+        both *= math.exp(passage * lit_exponent_kernel(mirroring, view_mean / view_deviation, sun_mean / sun_deviation, facets.lit))
     return q * both * (1.0 + sx * sx + sy * sy) ** 2 / (4.0 * area), cosine
 
 

@@ -11,17 +11,19 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.glint import visible_sun
 from seaglint.render import facet
 from seaglint.render.facet import (
+    FacetOptics,
+    FacetTables,
     Sight,
     SlopeQuadrature,
-    facet_optics,
     roughness_of,
     sun_factor,
     sun_terms,
     sunlight,
     thermal_axes,
     thermal_sources,
+    thermal_table,
 )
-from seaglint.render.path_basis import path_basis
+from seaglint.render.path_basis import TOGETHER, fewest_terms, path_basis
 from seaglint.sea.slopes import SlopeStatistics
 
 DIRECTIONAL = SlopeStatistics(0.02, 0.008, wind_to_azimuth=0.9)
@@ -209,6 +211,16 @@ def _thermal_by_hand(view, slopes, tilt, zenith, azimuth, arc):
 ARCS = np.geomspace(20.0, 20_000.0, 50)
 
 
+def _optics(basis, view, sun, axes, shape):
+    """Facets of a sea with Smith's shadowing and no sunlight on them, and the path's coefficients for their table."""
+    rough = roughness_of(view.slopes, sun.azimuth, 1)
+    thermal, coefficients = fewest_terms(
+        thermal_table(thermal_sources(basis, view), rough, axes, shape, basis.phi.shape[0]), basis.coefficients, TOGETHER
+    )
+    dark = sun_terms(basis, np.zeros(basis.wavenumber_cm.size), view.water)
+    return FacetOptics(sun, rough, FacetTables(thermal.astype(np.float32), axes, np.ascontiguousarray(dark))), coefficients
+
+
 @pytest.fixture(scope="module")
 def basis():
     """Path basis of a sensor at 30 m."""
@@ -221,8 +233,7 @@ def tables(request, basis):
     view = sea_view(table_air(8.0), request.param)
     axes, shape = thermal_axes(view.slopes, (0.002, 0.0015), (0.005, 0.6), (0.0, 0.7))
     sun = sunlight(*visible_sun(view.solar_zenith)[1:], 0.0, False)
-    reflected = sun_terms(basis, np.zeros(basis.wavenumber_cm.size), view.water)
-    return view, facet_optics(basis, thermal_sources(basis, view), sun, reflected, view.slopes, axes, shape)
+    return view, *_optics(basis, view, sun, axes, shape)
 
 
 @pytest.mark.parametrize(
@@ -231,14 +242,14 @@ def tables(request, basis):
 )
 def test_thermal_radiance_of_a_facet_is_the_sum_over_its_slopes(basis, tables, tilt, grazing_deg, azimuth):
     """Through table, path basis and band sums together, against direct spectral sums."""
-    view, optics = tables
+    view, optics, coefficients = tables
     zenith = np.radians(90.0 - grazing_deg)
     sight = facet.line_of_sight(optics, azimuth)
     where = 30
     thermal, solar, _ = facet.facet_radiance(
         optics,
         facet.thermal_along(optics.tables, sight),
-        (basis.coefficients, basis.coefficients),
+        (coefficients, basis.coefficients),
         (where, 0.0),
         sight,
         (np.cos(zenith), np.sin(zenith)),
@@ -267,10 +278,9 @@ def test_warm_sky_makes_grazing_facets_warmer():
     air = WarmSky.for_band(BAND.min_um, BAND.max_um)
     view = sea_view(air, SMALL)
     basis = path_basis(air, BAND, 30.0, np.array([100.0, 200.0]))
-    sources = thermal_sources(basis, view)
     axes, shape = thermal_axes(SMALL, (0.002, 0.002), (0.05, 0.2), (0.0, 0.1))
-    sun_table = sun_terms(basis, np.zeros(basis.wavenumber_cm.size), sea_water.hale_querry_sea())
-    table = facet_optics(basis, sources, sunlight(1.0, 0.0, False), sun_table, SMALL, axes, shape).tables.thermal
+    optics, coefficients = _optics(basis, view, sunlight(1.0, 0.0, False), axes, shape)
+    table = optics.tables.thermal
     # axis 2 is the slope towards the viewer, rising; a slope that falls towards the viewer is negative and faces it
-    radiance = table[0, 0, :, table.shape[3] // 2] @ basis.coefficients[0]
+    radiance = table[0, 0, :, table.shape[3] // 2] @ coefficients[0]
     assert radiance[0] < radiance[-1] * 0.999

@@ -37,7 +37,7 @@ def test_share_of_the_sun_is_that_above_the_skyline(sun_zenith_deg):
     march = (step, float(np.hypot(lattices[0][..., 1], lattices[0][..., 2]).max()))
     found, expected = [], []
     for r in np.linspace(5.0, 400.0, 150):
-        found.append(sun_share(sea, 0, line, sunward, float(r), march, float(sea.crest[0, 1]), sun))
+        found.append(sun_share(sea, 0, line, sunward, float(r), march, sun))
         d = np.concatenate([[0.25, 0.5], np.arange(1, 4000)]) * step
         x, y = r * view[0] + d * np.sin(azimuth), r * view[1] + d * np.cos(azimuth)
         z = bilinear(lattices[0], tile.spacing, tile.rotation, x, y)[..., 0]

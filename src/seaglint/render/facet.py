@@ -115,7 +115,7 @@ class FacetTables(NamedTuple):
 
 
 class ThermalLine(NamedTuple):
-    """A thermal table (u, a, c, k) of one line of sight: its values and its sizes."""
+    """A thermal table (u, a, c, k) of one line of sight: its values and its sizes; the number of terms is a multiple of four."""
 
     values: np.ndarray
     sines: int
@@ -341,19 +341,14 @@ def facet_radiance(
     first = (iu * thermal.along + ia) * row + ic * thermal.terms
     weights = ((1.0 - fu) * (1.0 - fa), (1.0 - fu) * fa, fu * (1.0 - fa), fu * fa)
     corner = (first, first + row, first + thermal.along * row, first + thermal.along * row + row)
-    warm, k = 0.0, 0
-    while k + 4 <= thermal.terms:
+    warm = 0.0
+    for k in range(0, thermal.terms, 4):
         w, x, y, z = four_terms(thermal.values, corner, k, weights)
         w2, x2, y2, z2 = four_terms(thermal.values, corner, k + thermal.terms, weights)
         warm += between(warm_path, i_path, f_path, k) * (w + fc * (w2 - w))
         warm += between(warm_path, i_path, f_path, k + 1) * (x + fc * (x2 - x))
         warm += between(warm_path, i_path, f_path, k + 2) * (y + fc * (y2 - y))
         warm += between(warm_path, i_path, f_path, k + 3) * (z + fc * (z2 - z))
-        k += 4
-    while k < thermal.terms:
-        near, beside = one_term(thermal.values, corner, k, weights), one_term(thermal.values, corner, k + thermal.terms, weights)
-        warm += between(warm_path, i_path, f_path, k) * (near + fc * (beside - near))
-        k += 1
     return warm, solar, factor
 
 
@@ -589,22 +584,6 @@ def thermal_table(
     thermal = np.empty((*shape, terms), dtype=np.float32)
     fill_thermal(sources, quadrature, rough, axes, thermal)
     return thermal
-
-
-def facet_optics(
-    basis: PathBasis,
-    sources: ThermalSources,
-    sun: Sunlight,
-    reflected_sun: FloatArray,
-    slopes: SlopeStatistics,
-    axes: FloatArray,
-    shape: tuple[int, int, int, int],
-    bands: int = 1,
-) -> FacetOptics:
-    """Facets of one level of detail; ``reflected_sun`` (incidence nodes, k) are :func:`sun_terms` [W m-2]."""
-    rough = roughness_of(slopes, sun.azimuth, bands)
-    thermal = thermal_table(sources, rough, axes, shape, basis.phi.shape[0])
-    return FacetOptics(sun, rough, FacetTables(thermal, axes, np.ascontiguousarray(reflected_sun)))
 
 
 def sun_terms(basis: PathBasis, irradiance: FloatArray, water: WaterIndex) -> FloatArray:

@@ -86,6 +86,12 @@ def facet_slopes(slopes: SlopeStatistics, resolved: tuple[float, float], wind_to
     return SlopeStatistics(*rest, wind_to_azimuth=wind_to_azimuth) if max(resolved) > 0.0 else slopes
 
 
+def require_above(foot: float, height: float, time: float) -> None:
+    """Refuse a sensor ``height`` above the mean sea that the sea under it, ``foot`` high [m], covers."""
+    if foot >= height:
+        raise DomainError(f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {height:g} m above the mean sea")
+
+
 def stages(arcs: FloatArray, column_step: float, begins: FloatArray, shortest_waves: FloatArray, most_lines: int) -> NDArray[np.int64]:
     """Rows of :attr:`~seaglint.render.sweep.Walk.stage` for samples at ``arcs`` [m].
 
@@ -304,10 +310,7 @@ class Renderer:
             surface = self.surface(time, origin)
             line = course(surface, 0, 1.0, 0.0)
             foot = height(surface, line, 0, line.part.shape[0], 0.0)
-            if foot >= camera.height:
-                raise DomainError(
-                    f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {camera.height:g} m above the mean sea"
-                )
+            require_above(foot, camera.height, time)
             scene = (self._walk, self._frame, surface, self._sun, self._facets, self._sparkle)
             in_threads(lambda part: sweep_columns(*scene, camera.azimuths, camera.column_step, images, part), camera.columns)
             place = (float(origin[0]), float(origin[1]))

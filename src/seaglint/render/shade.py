@@ -24,19 +24,17 @@ def disc_share(distance: float) -> float:
 
 
 @njit
-def sun_share(
-    surface: Surface, level: int, line: Course, sunward: Course, r: float, march: tuple[float, float], crest: float, sun: Sunlight
-) -> float:
+def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: float, march: tuple[float, float], sun: Sunlight) -> float:
     """Share of the solar disc seen from the sea ``r`` metres along a line, over the waves of a level between it and the Sun.
 
     The skyline is looked for in the Sun's own azimuth, in steps [m] of ``march[0]`` or as many as a sea that rises by ``march[1]`` at
-    most allows, as far as the highest ``crest`` could reach over the lower limb; the round sea's drop over that distance is left out.
+    most allows, as far as the highest crest could reach over the lower limb; the round sea's drop over that distance is left out.
     """
     step, rise = march
     tiles = line.part.shape[0]
     own = height(surface, line, 0, tiles, r)
     low = max(sun.lower_tangent, 1e-4)
-    steps = min((crest - own) / (low * step), float(FARTHEST))
+    steps = min((surface.crest[level, 1] - own) / (low * step), float(FARTHEST))
     # most of what shades a place is near it: the first step is taken in parts
     skyline, n = -1.0, 0.25
     while n <= steps:

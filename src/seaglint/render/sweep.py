@@ -326,7 +326,7 @@ def shade_line(
             grazing = (-cosine * (tangent * cosine_arc + sine_arc), cosine * (cosine_arc - tangent * sine_arc))
             warm, solar, factor = facet_radiance(optics, thermal, paths, (p, f), sight, grazing, slope)
             if march[0] > 0.0 and solar > NEGLIGIBLE_SUN * warm:
-                share = sun_share(surface, level, line, sunward, r, march, surface.crest[level, 1], optics.sunlight)
+                share = sun_share(surface, level, line, sunward, r, march, optics.sunlight)
                 solar *= share
                 factor *= share
             across = pixel * reach * reach / cosine

@@ -19,7 +19,7 @@ from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
 from seaglint.render.direct import DirectWalk, Eye, lattices_of, rays_per_side, read
 from seaglint.render.platform import Pose, Track
-from seaglint.render.renderer import CREST, SHORTEST_WAVE_COLUMNS, SUBMERGED, Radiances, Renderer, facet_slopes
+from seaglint.render.renderer import CREST, SHORTEST_WAVE_COLUMNS, SUBMERGED, Radiances, Renderer, facet_slopes, require_above
 from seaglint.render.sparkle import Sparkles, sparkle_rows
 from seaglint.render.view import (
     Attitude,
@@ -292,10 +292,7 @@ class ViewRenderer:
         sea = lattices_of(heights, np.array([t.spacing for t in tiles]), np.array([t.rotation for t in tiles]))
         foot = np.zeros(1)
         read(sea, pose.east, pose.north, 0, foot)
-        if foot[0] >= pose.height:
-            raise DomainError(
-                f"at {time:g} s the sea stands {foot[0]:.2f} m high under the sensor, which is {pose.height:.2f} m above the mean sea"
-            )
+        require_above(foot[0], pose.height, time)
         walk(sea, Eye(pose.east, pose.north, pose.height), plan.corner, plan.walked, plan.samples, out)
 
 
