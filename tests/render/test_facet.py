@@ -5,7 +5,6 @@ import pytest
 from render_scenes import BAND, SEA_TEMPERATURE, WarmSky, sea_view, table_air
 
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
-from seaglint.optics import sea_water
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.glint import visible_sun

@@ -7,6 +7,7 @@ from render_scenes import BAND, RangeFog, bilinear, black_water, camera, elfouha
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import horizon_depression, surface_range
 from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.render import sweep
 from seaglint.render.renderer import Renderer
 from seaglint.sea.slopes import SlopeStatistics
 
@@ -105,3 +106,55 @@ def test_most_of_a_row_shows_the_near_side_of_waves():
     x, y = arcs * np.sin(0.7), arcs * np.cos(0.7)
     found = bilinear(tile, waves.tiles[0].spacing, waves.tiles[0].rotation, x, y)
     assert np.mean(found[:, 1] * np.sin(0.7) + found[:, 2] * np.cos(0.7)) > 0.02
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("arc", [1.0, 3e3, 5e5])
+def test_arcs_on_the_round_sea_are_those_of_the_circle(arc):
+    cosine, reach, drop = sweep.bend(arc)
+    psi = arc / EFFECTIVE_EARTH_RADIUS
+    assert cosine == pytest.approx(np.cos(psi), rel=1e-15)
+    assert reach == pytest.approx(EFFECTIVE_EARTH_RADIUS * np.sin(psi), rel=1e-10)
+    assert drop == pytest.approx(2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2, rel=1e-10)
+
+
+@pytest.mark.kernel
+def test_elevation_is_the_arc_tangent():
+    for tangent in (-50.0, -0.1001, -0.0999, -1e-4, 0.0, 0.05, 2.0):
+        assert sweep.elevation(tangent) == pytest.approx(np.arctan(tangent), rel=1e-13, abs=1e-12)
+
+
+def _pieces_into_rows(edges, radiance, rows=7):
+    """Pieces between falling-together edges [rad], the radiance leaning as the sweep has it, into rows of 1 mrad from 7 mrad down."""
+    image = np.zeros((3, rows))
+    frame = sweep.Frame(rows * 1e-3, 1e3, rows, -1.0, 1.0, np.zeros(rows))
+    centre = 0.5 * (edges[1:] + edges[:-1])
+    light = np.stack([radiance(centre), 0.5 * radiance(centre), np.zeros_like(centre)], axis=1)
+    for j in range(centre.size):
+        before, here, after = centre[max(j - 1, 0)], centre[j], centre[min(j + 1, centre.size - 1)]
+        width = edges[j + 1] - edges[j]
+        lean = tuple(sweep.leaning(light, j, k, before, here, after, width) for k in range(2))
+        sweep.add_rows(image, frame, (edges[j], edges[j + 1]), 1.0, tuple(light[j]), lean)
+    return image
+
+
+@pytest.mark.kernel
+def test_rows_of_a_linear_radiance_are_its_means():
+    """Whatever the pieces, a ramp over them comes out as the mean over every row; and the pieces' whole is kept."""
+    edges = np.sort(np.random.default_rng(1).uniform(0.0, 7e-3, 40))
+    edges[0], edges[-1] = 0.0, 7e-3
+    image = _pieces_into_rows(edges, lambda e: 2.0 + 300.0 * e)
+    middle = 1e-3 * (6.5 - np.arange(7))
+    # the outermost pieces have no neighbour on one side, and half the lean is all they may take
+    np.testing.assert_allclose(image[0, 1:-1], 2.0 + 300.0 * middle[1:-1], rtol=1e-12)
+    np.testing.assert_allclose(image[1], 0.5 * image[0], rtol=1e-12)
+    width = np.diff(edges)
+    total = (width * (2.0 + 300.0 * 0.5 * (edges[1:] + edges[:-1]))).sum()
+    assert 1e-3 * image[0].sum() == pytest.approx(total, rel=1e-12)
+
+
+@pytest.mark.kernel
+def test_leaning_never_makes_radiance_negative():
+    edges = np.linspace(0.0, 7e-3, 8)
+    image = _pieces_into_rows(edges, lambda e: np.where(np.abs(e - 3.5e-3) < 1e-4, 5.0, 1e-3))
+    assert image[:2].min() > 0.0
