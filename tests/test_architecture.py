@@ -11,8 +11,10 @@ import re
 import subprocess
 import sys
 import time
+import typing
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import seaglint
@@ -128,7 +130,31 @@ def returns_number(function: ast.FunctionDef) -> bool:
 
 def is_kernel(function: ast.FunctionDef) -> bool:
     """Whether it is the compiled inside of an array function, which carries the documentation."""
-    return any("njit" in ast.unparse(decorator) for decorator in function.decorator_list)
+    return any(ast.unparse(decorator) in ("kernel", "njit", "njit_parallel") for decorator in function.decorator_list)
+
+
+def holds_arrays(kind: object) -> bool:
+    """Whether a type is an array or a tuple with one in it."""
+    if isinstance(kind, type) and issubclass(kind, tuple) and hasattr(kind, "_fields"):
+        return any(holds_arrays(part) for part in typing.get_type_hints(kind).values())
+    if typing.get_origin(kind) is tuple:
+        return any(holds_arrays(part) for part in typing.get_args(kind))
+    return kind is np.ndarray or typing.get_origin(kind) is np.ndarray
+
+
+def test_kernels_that_count_no_references_return_no_arrays() -> None:
+    """A returned view would be freed once too often."""
+    found = []
+    for path in sorted(SOURCE.rglob("*.py")):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        named = [f.name for f in tree.body if isinstance(f, ast.FunctionDef) and "kernel" in map(ast.unparse, f.decorator_list)]
+        if named:
+            module = importlib.import_module("seaglint." + ".".join(path.relative_to(SOURCE).with_suffix("").parts))
+            for name in named:
+                function = getattr(module, name)
+                found.append(name)
+                assert not holds_arrays(typing.get_type_hints(getattr(function, "py_func", function))["return"]), f"{path.name}: {name}"
+    assert len(found) > 50
 
 
 def tracked_files() -> list[Path]:

@@ -14,8 +14,18 @@ import numba
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+def kernel(function: F) -> F:
+    """Compile a scalar kernel that neither makes nor returns arrays, to be inlined where it is called.
+
+    It counts no references to the arrays it is handed: in a call every few nanoseconds, with arrays in its arguments, counting them costs
+    more than the arithmetic.
+    """
+    options: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "forceinline": True, "_nrt": False}
+    return cast(F, numba.njit(**options)(function))
+
+
 def njit(function: F) -> F:
-    """Compile a scalar kernel; cached on disk, IEEE arithmetic (bytes must not depend on optimisation flags)."""
+    """Compile a function; cached on disk, IEEE arithmetic (bytes must not depend on optimisation flags)."""
     return cast(F, numba.njit(cache=True, error_model="numpy", nogil=True)(function))
 
 
@@ -37,6 +47,6 @@ def in_threads(work: Callable[[tuple[int, int]], None], count: int) -> None:
     threads = int(numba.get_num_threads())
     size = max(-(-count // (threads * SHARES_PER_THREAD)), 1)
     parts = [(first, min(first + size, count)) for first in range(0, count, size)]
-    work(parts[0])  # compiles, if need be, in one thread
+    work((0, 0))  # compiles, if need be, in one thread
     with ThreadPoolExecutor(threads) as pool:
-        list(pool.map(work, parts[1:]))
+        list(pool.map(work, parts))

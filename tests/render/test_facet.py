@@ -23,6 +23,7 @@ from seaglint.render.facet import (
     thermal_table,
 )
 from seaglint.render.path_basis import TOGETHER, fewest_terms, path_basis
+from seaglint.sea.shadowing import leg_passage_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
 DIRECTIONAL = SlopeStatistics(0.02, 0.008, wind_to_azimuth=0.9)
@@ -37,7 +38,12 @@ def _roughness(slopes, sun_azimuth):
 def _sight(slopes, azimuth, sun_azimuth):
     """Line of sight that leaves the sensor at an azimuth, as the sea sees it."""
     deviation = float(np.sqrt(slopes.mss_along(azimuth)))
-    return Sight(-np.sin(azimuth), -np.cos(azimuth), azimuth, azimuth + np.pi - sun_azimuth, deviation)
+    return Sight(-np.sin(azimuth), -np.cos(azimuth), azimuth, leg_passage_kernel(azimuth + np.pi - sun_azimuth), deviation)
+
+
+def _factor(sun, rough, sight, grazing, slope):
+    """Glint factor and cosine of incidence of a single ray."""
+    return sun_factor(sun, rough, facet.no_disc_line(), sight, grazing, slope)
 
 
 def _vector(zenith, azimuth):
@@ -109,12 +115,12 @@ def test_sun_factor_is_the_average_over_disc_and_slopes(slopes, tilt, depression
     azimuth = sun_azimuth + (0.0 if legs == "opposite" else np.pi)
     zenith, sun_z = np.radians(90.0 - depression), np.radians(sun_zenith)
     expected = _glint_by_hand(slopes, tilt, (zenith, azimuth + np.pi), (sun_z, sun_azimuth), legs)
-    factor, _ = sun_factor(
+    factor, _ = _factor(
         sunlight(sun_z, sun_azimuth, True),
         _roughness(slopes, sun_azimuth),
         _sight(slopes, azimuth, sun_azimuth),
         (np.cos(zenith), np.sin(zenith)),
-        *tilt,
+        tilt,
     )
     # the disc's image is at most 0.4 of the rms slope here: fourth cumulants leave 0.5 %; beyond four deviations nothing is worth comparing
     assert factor == pytest.approx(expected, rel=6e-3, abs=1e-4 * 0.25 / slopes.mss)
@@ -138,7 +144,7 @@ def test_low_sun_wide_disc_beside_narrow_slopes(mss, offset):
     m = v + _disc(*sun)
     s = -m[:, :2] / m[:, 2:]
     expected = np.mean(0.25 * slopes.density(s[:, 0] - tilt[0], s[:, 1] - tilt[1]) * (1.0 + (s**2).sum(axis=1)) ** 2) / area
-    got, _ = sun_factor(sunlight(*sun, True), _roughness(slopes, 0.0), _sight(slopes, 0.0, 0.0), (np.cos(view[0]), np.sin(view[0])), *tilt)
+    got, _ = _factor(sunlight(*sun, True), _roughness(slopes, 0.0), _sight(slopes, 0.0, 0.0), (np.cos(view[0]), np.sin(view[0])), tilt)
     area_sun, mean_sun = _turned_to(_vector(*sun), tilt, slopes)
     mean_view = v[2] - v[1] * tilt[1] - v[0] * tilt[0]
     legs = (area / mean_view) / (area / mean_view + area_sun / mean_sun - 1.0)
@@ -150,13 +156,12 @@ def test_low_sun_wide_disc_beside_narrow_slopes(mss, offset):
 @pytest.mark.kernel
 def test_the_angle_of_incidence_is_half_the_angle_between_sun_and_viewer():
     sun_z, azimuth, view_z = 1.1, 0.2, 0.7
-    _, cosine = sun_factor(
+    _, cosine = _factor(
         sunlight(sun_z, 0.5, True),
         _roughness(DIRECTIONAL, 0.5),
         _sight(DIRECTIONAL, azimuth, 0.5),
         (np.cos(view_z), np.sin(view_z)),
-        0.0,
-        0.0,
+        (0.0, 0.0),
     )
     between = np.arccos(_vector(view_z, azimuth + np.pi) @ _vector(sun_z, 0.5))
     assert cosine == pytest.approx(np.cos(0.5 * between), rel=1e-12)
@@ -171,15 +176,37 @@ def test_a_smooth_facet_mirrors_points_of_the_disc_only():
     for turn, expected in ((0.0, peak), (0.45, peak), (0.55, 0.0), (-0.45, peak), (-0.55, 0.0)):
         # a facet tilted by half an angle turns the ray by all of it
         tilt = np.tan(0.5 * turn * 2.0 * SOLAR_ANGULAR_RADIUS)
-        got, _ = sun_factor(
-            sunlight(*sun, True), _roughness(none, 0.3), sight, (np.cos(view[0]), np.sin(view[0])), tilt * np.sin(0.3), tilt * np.cos(0.3)
+        got, _ = _factor(
+            sunlight(*sun, True), _roughness(none, 0.3), sight, (np.cos(view[0]), np.sin(view[0])), (tilt * np.sin(0.3), tilt * np.cos(0.3))
         )
         assert got == pytest.approx(expected)
 
 
 @pytest.mark.kernel
+@pytest.mark.parametrize("sun_zenith", [30.0, 60.0, 80.0, 85.0])
+def test_a_table_of_the_disc_along_a_line_of_sight_serves_all_its_facets(sun_zenith):
+    """Down to the bound of smoothness below which single rays' own formula is used."""
+    sun, sines = sunlight(np.radians(sun_zenith), 0.3, True), np.array([0.004, 0.9])
+    tabled = 0
+    for mss in (3e-4, 3e-3, 0.03):
+        slopes = SlopeStatistics(mss, 0.7 * mss, 0.6)
+        rough, sight = _roughness(slopes, 0.3), _sight(slopes, 0.45, 0.3)
+        tables = FacetTables(np.zeros((2, 1, 1, 1, 1), np.float32), np.array([[sines[0], 1.0 / np.ptp(sines)]]), np.zeros((2, 1)))
+        line = facet.disc_line(FacetOptics(sun, rough, tables), sight, np.empty(facet.DISC_ROWS))
+        tabled += line.rows.shape[0] > 0
+        for sine in np.linspace(*sines, 50):
+            grazing = (sine, np.sqrt(1.0 - sine**2))
+            mirror = -(np.array([sight.east, sight.north]) * grazing[1] + np.array([sun.east, sun.north])) / (sine + sun.up)
+            for offset in ((0.0, 0.0), (1.0, -0.5), (-2.0, 1.5), (0.5, 3.0)):
+                slope = tuple(mirror + np.sqrt(mss) * np.array(offset))
+                got, expected = sun_factor(sun, rough, line, sight, grazing, slope), _factor(sun, rough, sight, grazing, slope)
+                assert got == pytest.approx(expected, rel=1e-3)
+    assert tabled >= (1 if sun_zenith > 80.0 else 2)
+
+
+@pytest.mark.kernel
 def test_no_sun_no_glint():
-    got = sun_factor(sunlight(1.0, 0.0, False), _roughness(SMALL, 0.0), _sight(SMALL, 0.0, 0.0), (0.5, 0.8), 0.0, 0.0)
+    got = _factor(sunlight(1.0, 0.0, False), _roughness(SMALL, 0.0), _sight(SMALL, 0.0, 0.0), (0.5, 0.8), (0.0, 0.0))
     assert got == (0.0, 0.0)
 
 
@@ -245,16 +272,9 @@ def test_thermal_radiance_of_a_facet_is_the_sum_over_its_slopes(basis, tables, t
     zenith = np.radians(90.0 - grazing_deg)
     sight = facet.line_of_sight(optics, azimuth)
     where = 30
-    thermal, solar, _ = facet.facet_radiance(
-        optics,
-        facet.thermal_along(optics.tables, sight),
-        (coefficients, basis.coefficients),
-        (where, 0.0),
-        sight,
-        (np.cos(zenith), np.sin(zenith)),
-        tilt,
+    thermal = facet.facet_thermal(
+        optics.tables.axes, facet.thermal_along(optics.tables, sight), coefficients, (where, 0.0), sight, np.cos(zenith), tilt
     )
-    assert solar == 0.0
     # path basis 7e-4, linear interpolation between the tables' nodes 1e-3, Hermite nodes across
     assert thermal == pytest.approx(_thermal_by_hand(view, view.slopes, tilt, zenith, azimuth, ARCS[where]), rel=2e-3)
 

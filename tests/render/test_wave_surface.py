@@ -78,17 +78,30 @@ def test_the_sensor_stands_over_its_origin():
         assert _height(moved, x, y) == pytest.approx(_height(there, x + origin[0], y + origin[1]), abs=2e-6)
 
 
-@pytest.mark.parametrize("step", [0.3, 2.0, 40.0])
-def test_nothing_of_a_stretch_stands_above_its_roof(step):
-    """Lattices of noise, the worst case: every point of every stretch of every leap, in any direction."""
-    sea = surface_of(_tiles(32), SPACING, TURN, steps=np.array([step]))
-    for angle in np.linspace(0.0, 6.0, 7):
+@pytest.mark.kernel
+@pytest.mark.parametrize("first", [0.0, 77.7, 2e5])
+def test_strips_are_read_like_single_samples(first):
+    """In every direction, over many periods, with uneven steps of up to two cells."""
+    sea = surface_of(_tiles(), SPACING, TURN)
+    arcs = first + np.cumsum(np.random.default_rng(2).uniform(0.1, 1.4, surface_module.STRIP))
+    strip = surface_module.new_strip()
+    for angle in np.linspace(0.0, 6.0, 9):
         line = surface_module.course(sea, 0, np.sin(angle), np.cos(angle))
-        for leap, samples in enumerate(surface_module.LEAPS):
-            for middle in np.linspace(3.0, 300.0, 40):
-                along = middle + np.linspace(-0.5, 0.5, 31) * samples * step
-                top = max(surface_module.height(sea, line, 0, 2, r) for r in along)
-                assert top <= surface_module.roof(sea, line, 0, leap, middle) + 1e-6
+        for count in (surface_module.STRIP - 3, 1):
+            strip.height[:] = 0.5
+            for j in range(2):
+                surface_module.add_heights(sea, line, j, arcs, 3, count, strip)
+            expected = [surface_module.height(sea, line, 0, 2, r) for r in arcs[3 : 3 + count]]
+            # positions are told in 2**-16 of a cell, and noise changes by several of its deviations from cell to cell
+            np.testing.assert_allclose(strip.height[:count] - 0.5, expected, atol=3e-4)
+            assert np.all(strip.height[count:] == 0.5)
+
+
+def test_crests_are_what_the_lattices_of_a_level_can_still_add():
+    tiles = _tiles()
+    sea = surface_of(tiles, SPACING, TURN, levels=((0, 1), (0,)))
+    highest = [float(t[..., 0].max()) for t in tiles]
+    np.testing.assert_allclose(sea.crest, [[sum(highest), highest[1]], [highest[0], 0.0]])
 
 
 @pytest.mark.parametrize("n", [2, 12, 100])

@@ -95,7 +95,14 @@ def frames() -> list[str]:
     while count <= usable:
         add(f"512 x 256 pixels, {count} thread{'s' if count > 1 else ''}", BASE, count)
         count *= 2
-    for name, scenario, bound in (("1 m lattice", FIG12, 20), ("waves to 5 cm", SHORT, 60)):
+    single = {"lines_per_column": 1}
+    cases = (
+        ("1 m lattice", FIG12, 20),
+        ("1 m lattice, one line a column", merged(FIG12, render=single), 20),
+        ("waves to 5 cm", SHORT, 60),
+        ("waves to 5 cm, one line a column", merged(SHORT, render=single), 60),
+    )
+    for name, scenario, bound in cases:
         seconds, ready = frame_seconds(scenario)
         total = ready + 100 * seconds
         out.append(f"| 14 km x 3.5 km, {name}, 512 x 512 pixels: 100 frames, preparation included (bound {bound} s) | {total:.1f} s |")

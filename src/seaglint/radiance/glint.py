@@ -23,7 +23,7 @@ import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint._jit import njit, njit_parallel
+from seaglint._jit import kernel, njit_parallel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, unit_vector
 from seaglint.errors import DomainError
@@ -56,7 +56,7 @@ _HEX_W = np.array([0.25] + 6 * [0.125])
 _NEGLIGIBLE: Final = 9.0
 """Rms slopes beyond which the density is nothing (3e-18 of its peak) and no integral is taken."""
 
-_series_kernel = njit(series_bracket)
+_series_kernel = kernel(series_bracket)
 
 
 @dataclass(frozen=True)
@@ -311,7 +311,7 @@ def glint(
     return Glint(found.chance.reshape(shape), found.cos_incidence.reshape(shape))
 
 
-@njit
+@kernel
 def _facet_share(east: float, north: float, up: float, sea: _Sea) -> float:
     """``p(s) / (4 cos^4(beta))`` of the facet that mirrors: ``(east, north, up)`` is the sum of both directions."""
     # A horizontal look at a horizontal ray needs an upright facet: infinitely steep, density zero.
@@ -330,7 +330,7 @@ def _facet_share(east: float, north: float, up: float, sea: _Sea) -> float:
     return share * secant2 * secant2
 
 
-@njit
+@kernel
 def _wide(east: float, north: float, up: float, disc: _Disc, sea: _Sea) -> float:
     """Integral over the whole disc of a density that varies little on it; the view's direction comes first."""
     total = 0.0
@@ -340,7 +340,7 @@ def _wide(east: float, north: float, up: float, disc: _Disc, sea: _Sea) -> float
     return total
 
 
-@njit
+@kernel
 def _narrow(east: float, north: float, up: float, disc: _Disc, sea: _Sea) -> float:
     """Integral over the part of the disc that is above the horizon and where the density is not negligible.
 
@@ -385,7 +385,7 @@ def _narrow(east: float, north: float, up: float, disc: _Disc, sea: _Sea) -> flo
     return half * total
 
 
-@njit
+@kernel
 def _chance(
     view: tuple[float, float, float, float], azimuth: float, area: float, sea: _Sea, disc: _Disc, legs: _Legs
 ) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from seaglint._jit import njit
+from seaglint._jit import kernel
 
 WORD = 0xFFFFFFFF
 """Mask of 32 bits."""
@@ -27,7 +27,7 @@ BOOST_BELOW = 4.0
 """Gamma shapes below this are drawn one higher and scaled by ``U^(1/shape)``, which is exact."""
 
 
-@njit
+@kernel
 def mixed(x: int) -> int:
     """Any integer to 32 bits, each depending on all."""
     x &= WORD
@@ -38,13 +38,13 @@ def mixed(x: int) -> int:
     return x ^ (x >> 16)
 
 
-@njit
+@kernel
 def cell_key(seed: tuple[int, int], i: int, j: int, lattice: int) -> tuple[int, int]:
     """Key of the cell (i, j) of a lattice."""
     return mixed(seed[0] + i * 0x9E3779B1 + lattice * 0x85EBCA77), mixed(seed[1] + j * 0xC2B2AE3D + lattice * 0x27D4EB2F)
 
 
-@njit
+@kernel
 def bits(key: tuple[int, int], number: int) -> int:
     """The ``number``-th 32 random bits of a key: its first word counts, the second enters between the products."""
     x = (key[0] + number * 0x9E3779B1) & WORD
@@ -55,13 +55,13 @@ def bits(key: tuple[int, int], number: int) -> int:
     return x ^ (x >> 16)
 
 
-@njit
+@kernel
 def uniform(key: tuple[int, int], number: int) -> float:
     """The ``number``-th uniform deviate of a key, inside (0, 1)."""
     return (bits(key, number) + 0.5) * 2.0**-32
 
 
-@njit
+@kernel
 def highest_bit(x: int) -> int:
     """Number of the highest bit set in 1..2^32 - 1 (a call of frexp takes four times as long)."""
     place = 0
@@ -72,7 +72,7 @@ def highest_bit(x: int) -> int:
     return place
 
 
-@njit
+@kernel
 def last_event(key: tuple[int, int], time: float) -> int:
     """Name of the last event before ``time`` in a process without memory, one event per unit of time.
 
@@ -92,7 +92,7 @@ def last_event(key: tuple[int, int], time: float) -> int:
     return SLOTS * slot
 
 
-@njit
+@kernel
 def normal_quantile(p: float) -> float:
     """Quantile of the standard normal density, relative error 1.2e-9 (P. J. Acklam's rational approximation)."""
     if p < 0.02425 or p > 0.97575:
@@ -115,7 +115,7 @@ def normal_quantile(p: float) -> float:
     return top * q / (under * r + 1.0)
 
 
-@njit
+@kernel
 def gamma_deviate(shape: float, key: tuple[int, int], number: int) -> float:
     """The ``number``-th gamma deviate of a key, mean 1 and variance ``1/shape``; continuous in the shape but at :data:`BOOST_BELOW`.
 

@@ -15,7 +15,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint._jit import njit, njit_parallel
+from seaglint._jit import kernel, njit_parallel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith_of_range
 from seaglint.radiance.glint import visible_sun
@@ -25,8 +25,10 @@ from seaglint.render.facet import (
     FacetTables,
     Roughness,
     Sunlight,
-    facet_radiance,
+    facet_sunlight,
+    facet_thermal,
     line_of_sight,
+    no_disc_line,
     node,
     roughness_of,
     sun_terms,
@@ -115,7 +117,7 @@ def lattices_of(tiles: tuple[NDArray[np.float32], ...], spacing: FloatArray, tur
     return Lattices(points, part, grid, crest, steepest, float(spacing.min()) if tiles else 1.0)
 
 
-@njit
+@kernel
 def read(sea: Lattices, x: float, y: float, first: int, values: np.ndarray) -> None:
     """Bilinear height (0) or slopes (1, 2) at a point into ``values``, from the kind ``first`` on."""
     values[:] = 0.0
@@ -134,7 +136,7 @@ def read(sea: Lattices, x: float, y: float, first: int, values: np.ndarray) -> N
             values[k] += low + fv * (high - low)
 
 
-@njit
+@kernel
 def above_sphere(height: float, run: float, rise: float, s: float) -> tuple[float, float, float]:
     """Height over the mean sea, arc [m] and rise per metre of a ray at a distance ``s``; ``run`` and ``rise`` make its unit vector."""
     up, out = height + s * rise, s * run
@@ -147,7 +149,7 @@ def above_sphere(height: float, run: float, rise: float, s: float) -> tuple[floa
     )
 
 
-@njit
+@kernel
 def meet(sea: Lattices, eye: Eye, heading: tuple[float, float], run: float, rise: float, height: np.ndarray) -> float:
     """Distance at which a ray meets the sea [m], -1 where it does not.
 
@@ -174,7 +176,7 @@ def meet(sea: Lattices, eye: Eye, heading: tuple[float, float], run: float, rise
     return -1.0
 
 
-@njit
+@kernel
 def sun_share(sea: Lattices, east: float, north: float, sun: Sunlight, height: np.ndarray) -> float:
     """Share of the solar disc seen from a point of the sea over the waves towards it, as the sweep has it, in steps of the spacing."""
     read(sea, east, north, 0, height)
@@ -188,7 +190,7 @@ def sun_share(sea: Lattices, east: float, north: float, sun: Sunlight, height: n
     return 1.0 if skyline <= low else disc_share((sun.elevation - math.atan(skyline)) / SOLAR_ANGULAR_RADIUS)
 
 
-@njit
+@kernel
 def ray(
     sea: Lattices, eye: Eye, optics: FacetOptics, thermal: np.ndarray, air: Air, direction: np.ndarray, values: np.ndarray
 ) -> tuple[float, float]:
@@ -215,12 +217,12 @@ def ray(
     sine = min(max(-climb, 0.0), 1.0)
     grazing = (sine, math.sqrt(1.0 - sine * sine))
     i = min(int(math.log(1.0 + arc / air.scale) * air.parts + 0.5), air.path.shape[0] - 1)
-    paths = (air.coefficients, air.sun_coefficients)
-    ix, fx = node(optics.tables.axes, 1, thermal.shape[0], azimuth)
-    warm, solar, _ = facet_radiance(optics, thermal_line(thermal[ix]), paths, (i, 0.0), sight, grazing, slope)
+    axes = optics.tables.axes
+    ix, fx = node(axes, 1, thermal.shape[0], azimuth)
+    warm = facet_thermal(axes, thermal_line(thermal[ix]), air.coefficients, (i, 0.0), sight, sine, slope)
     if fx > 1e-9:
-        other, _, _ = facet_radiance(optics, thermal_line(thermal[ix + 1]), paths, (i, 0.0), sight, grazing, slope)
-        warm += fx * (other - warm)
+        warm += fx * (facet_thermal(axes, thermal_line(thermal[ix + 1]), air.coefficients, (i, 0.0), sight, sine, slope) - warm)
+    solar, _ = facet_sunlight(optics, no_disc_line(), air.sun_coefficients, (i, 0.0), sight, grazing, slope)
     if solar > 0.0 and sea.steepest > optics.sunlight.lower_tangent:
         solar *= sun_share(sea, eye.east - arc * sight.east, eye.north - arc * sight.north, optics.sunlight, values[:1])
     return warm + air.path[i] + solar, solar

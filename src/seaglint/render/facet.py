@@ -26,7 +26,7 @@ import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
 from numpy.typing import NDArray
 
-from seaglint._jit import njit, njit_parallel
+from seaglint._jit import kernel, njit, njit_parallel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray
 from seaglint.optics.blackbody import planck_wavenumber
@@ -44,7 +44,7 @@ from seaglint.sea.nested import (
     nested_exponent_kernel,
     ratio_table,
 )
-from seaglint.sea.shadowing import bistatic_kernel, leg_passage_kernel, quick_visible_area_kernel
+from seaglint.sea.shadowing import leg_passage_kernel, quick_visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
 INCIDENCE_NODES = 513
@@ -58,6 +58,9 @@ ALONG_NODES, CROSS_NODES = 14, 5
 
 NEGLIGIBLE_EXPONENT = 30.0
 """Slope densities below exp(-30) of their peak are taken as zero: 1e-13 of the glint's."""
+
+DISC_ROWS = (17, 6)
+"""Rows of a :class:`DiscLine`, with which the glint is within 1e-3, and their fields."""
 
 SHARP_DISC = 0.1
 """Share of the Sun's image in the slope variance from which its sharp edge counts: below it the glint's peak moves by less than 0.4 %."""
@@ -125,7 +128,7 @@ class ThermalLine(NamedTuple):
 
 
 class FacetOptics(NamedTuple):
-    """All that :func:`facet_radiance` looks up."""
+    """All that :func:`facet_thermal` and :func:`facet_sunlight` look up."""
 
     sunlight: Sunlight
     roughness: Roughness
@@ -167,85 +170,219 @@ def level_optics(sunlight: Sunlight, levels: FacetLevels, level: int) -> FacetOp
 
 
 class Sight(NamedTuple):
-    """A line of sight, seen from the sea: horizontal unit vector to the sensor, azimuth node of the tables, azimuth from the Sun's,
-    and the deviation of unresolved slopes along it.
+    """A line of sight, seen from the sea: horizontal unit vector to the sensor, azimuth node of the tables, weight of the Sun's leg in the
+    shadows of both (:func:`~seaglint.sea.shadowing.leg_passage_kernel`), and the deviation of unresolved slopes along it.
     """
 
     east: float
     north: float
     chi: float
-    from_sun: float
+    passage: float
     deviation: float
 
 
-@njit
+class Disc(NamedTuple):
+    """The solar disc in the slopes that mirror it, with the facets' roughness on it, at one grazing angle.
+
+    ``east, north``: its middle, from the slope that mirrors the Sun's centre; ``ee, en, nn``: halves of the inverse covariance of facet and
+    disc together (``en`` twice); ``peak``: logarithm of a quarter of their density at the middle.
+    """
+
+    east: float
+    north: float
+    ee: float
+    en: float
+    nn: float
+    peak: float
+
+
+class DiscLine(NamedTuple):
+    """The :class:`Disc` of a line of sight at even steps of ``1/(sin(grazing) + sin(Sun's elevation))``; ``rows[i]`` are its fields.
+
+    Without rows it is not tabled: facets are so smooth that the shape of the disc counts, or it is for single rays.
+    """
+
+    rows: np.ndarray
+    first: float
+    per_step: float
+
+
+@kernel
 def along(roughness: Roughness, east: float, north: float) -> float:
     """Slope variance along a horizontal unit vector."""
     return roughness.east_east * east * east + 2.0 * roughness.east_north * east * north + roughness.north_north * north * north
 
 
-@njit
+@kernel
 def line_of_sight(optics: FacetOptics, azimuth: float) -> Sight:
     """The :class:`Sight` of a line that leaves the sensor at an azimuth."""
     east, north = -math.sin(azimuth), -math.cos(azimuth)
     deviation = math.sqrt(max(along(optics.roughness, east, north), 0.0))
-    return Sight(east, north, azimuth, azimuth + math.pi - optics.sunlight.azimuth, deviation)
+    return Sight(east, north, azimuth, leg_passage_kernel(azimuth + math.pi - optics.sunlight.azimuth), deviation)
 
 
-@njit
+@kernel
 def sun_factor(
-    sun: Sunlight, rough: Roughness, sight: Sight, grazing: tuple[float, float], slope_east: float, slope_north: float
+    sun: Sunlight, rough: Roughness, line: DiscLine, sight: Sight, grazing: tuple[float, float], slope: tuple[float, float]
 ) -> tuple[float, float]:
     """Glint factor ``q S (1+Lambda_v)/(4 cos^4(beta) A+)`` [1/sr] and the cosine of incidence; ``grazing`` is its sine and cosine."""
     vz, horizontal = grazing
+    slope_east, slope_north = slope
     ve, vn = sight.east * horizontal, sight.north * horizontal
     mz = vz + sun.up
     if not sun.shining or mz <= 1e-9:
         return 0.0, 0.0
+    cosine = math.sqrt(max(0.5 * (1.0 + ve * sun.east + vn * sun.north + vz * sun.up), 0.0))
     if rough.east_east + rough.north_north <= 0.0:
-        mirror = mirror_factor(sun, ve, vn, vz, slope_east, slope_north)
-        return mirror, math.sqrt(max(0.5 * (1.0 + ve * sun.east + vn * sun.north + vz * sun.up), 0.0))
-    sun_mean = sun.up - sun.east * slope_east - sun.north * slope_north
-    tilt = sight.east * slope_east + sight.north * slope_north
-    mean = vz - horizontal * tilt
-    deviation = horizontal * sight.deviation
-    area = quick_visible_area_kernel(mean, deviation)
-    if area <= 0.0 or sun_mean <= 0.0:
-        return 0.0, 0.0
-    se, sn = -(ve + sun.east) / mz, -(vn + sun.north) / mz
+        return mirror_factor(sun, ve, vn, vz, slope_east, slope_north), cosine
+    per_mz = 1.0 / mz
+    se, sn = -(ve + sun.east) * per_mz, -(vn + sun.north) * per_mz
+    if line.rows.shape[0] > 0:
+        disc = disc_at(line, per_mz)
+        de, dn = se + disc.east - slope_east, sn + disc.north - slope_north
+        exponent = disc.ee * de * de + disc.en * de * dn + disc.nn * dn * dn
+        if exponent > NEGLIGIBLE_EXPONENT:
+            return 0.0, 0.0
+    else:
+        disc, covariance = disc_of(sun, rough, mz, se, sn)
+        de, dn = se + disc.east - slope_east, sn + disc.north - slope_north
+        exponent = disc.ee * de * de + disc.en * de * dn + disc.nn * dn * dn
+        if exponent > NEGLIGIBLE_EXPONENT:
+            return 0.0, 0.0
+        if sharp(rough, covariance):
+            exponent += disc_edge(covariance, rough, (de, dn))
     tan2 = se * se + sn * sn
-    ee, en, nn, shift_e, shift_n = disc_in_slopes(sun, mz, se, sn)
-    disc = (ee, en, nn)
-    # the weight 1/cos^4(beta), growing as exp(4 s/(1+s^2) . ds) across the disc's image, moves its centre
-    lean = 4.0 / (1.0 + tan2)
-    de = se + shift_e + lean * (ee * se + en * sn) - slope_east
-    dn = sn + shift_n + lean * (en * se + nn * sn) - slope_north
-    ee, en, nn = ee + rough.east_east, en + rough.east_north, nn + rough.north_north
-    det = ee * nn - en * en
-    exponent = 0.5 * (nn * de * de - 2.0 * en * de * dn + ee * dn * dn) / det
-    if exponent > NEGLIGIBLE_EXPONENT:
+    tilt = sight.east * slope_east + sight.north * slope_north
+    above = (vz - horizontal * tilt, sun.up - sun.east * slope_east - sun.north * slope_north)
+    deviation = (horizontal * sight.deviation, sun.t_up * rough.towards_sun)
+    mirroring = sight.east * se + sight.north * sn - tilt
+    shared, log_ratio = shadowed(rough, sight, mirroring / max(sight.deviation, 1e-12), above, deviation)
+    if shared <= 0.0:
         return 0.0, 0.0
-    if disc[0] + disc[2] > SHARP_DISC * (ee + nn):
-        exponent += disc_edge(disc, (ee, en, nn), (de, dn), det)
-    lit = 1.0
-    sun_deviation = sun.t_up * rough.towards_sun
+    return math.exp(disc.peak - exponent + log_ratio) * (1.0 + tan2) * (1.0 + tan2) / shared, cosine
+
+
+@kernel
+def shadowed(
+    rough: Roughness, sight: Sight, mirroring: float, above: tuple[float, float], deviation: tuple[float, float]
+) -> tuple[float, float]:
+    """``A+/(S (1+Lambda_v))`` by Smith's law, 0 where nothing is seen and lit, and the logarithm by which nested bands exceed it.
+
+    ``mirroring``: slope that mirrors the Sun from the facet's tilt, towards the viewer, in deviations. ``above``: mean over the facet's
+    slopes of ``v_z - v_h.s`` for the directions to viewer and Sun, and ``deviation`` its spread.
+    """
+    view, sun = above
+    area = quick_visible_area_kernel(view, deviation[0])
+    if area <= 0.0 or sun <= 0.0:
+        return 0.0, 0.0
+    ratio = 0.0
     if rough.nested.shape[0] > 0:
-        mirroring = sight.east * se + sight.north * sn - tilt
-        exponent -= nested_exponent_kernel(mirroring, mean / max(horizontal, 1e-12), sight.deviation, rough.nested)
-        if sun_mean < HIGHEST * sun_deviation and rough.lit.shape[0] > 1:
-            also = lit_exponent_kernel(mirroring / sight.deviation, mean / deviation, sun_mean / sun_deviation, rough.lit)
-            exponent -= leg_passage_kernel(sight.from_sun) * also
+        per_deviation = view / max(deviation[0], 1e-12)
+        ratio = nested_exponent_kernel(mirroring, per_deviation, 1.0, rough.nested)
+        if sun < HIGHEST * deviation[1] and rough.lit.shape[0] > 1:
+            ratio += sight.passage * lit_exponent_kernel(mirroring, per_deviation, sun / deviation[1], rough.lit)
     # above 4.5 deviations Smith's Lambda, the visible area over the mean less one, is below 1e-6
-    if sun_mean < 4.5 * sun_deviation and mean > 0.0:
-        lambda_sun = quick_visible_area_kernel(sun_mean, sun_deviation) / sun_mean - 1.0
-        lambda_view = area / mean - 1.0
-        lit = bistatic_kernel(lambda_view, lambda_sun, sight.from_sun) * (1.0 + lambda_view)
-    density = math.exp(-exponent) / (2.0 * math.pi * math.sqrt(det))
-    cos_incidence = math.sqrt(max(0.5 * (1.0 + ve * sun.east + vn * sun.north + vz * sun.up), 0.0))
-    return 0.25 * density * lit * (1.0 + tan2) * (1.0 + tan2) / area, cos_incidence
+    if sun >= 4.5 * deviation[1] or view <= 0.0:
+        return area, ratio
+    lambda_sun = quick_visible_area_kernel(sun, deviation[1]) / sun - 1.0
+    lambda_view = area / view - 1.0
+    return view * (1.0 + max(lambda_view, lambda_sun) + sight.passage * min(lambda_view, lambda_sun)), ratio
+
+
+@kernel
+def sharp(rough: Roughness, disc: tuple[float, float, float]) -> bool:
+    """True where the disc's covariance of slopes is so large beside the facet's that its edge counts."""
+    return disc[0] + disc[2] > SHARP_DISC / (1.0 - SHARP_DISC) * (rough.east_east + rough.north_north)
+
+
+@kernel
+def disc_of(sun: Sunlight, rough: Roughness, mz: float, se: float, sn: float) -> tuple[Disc, tuple[float, float, float]]:
+    """The :class:`Disc` about a mirroring slope, and its own covariance of slopes (ee, en, nn); ``mz`` as in :func:`disc_in_slopes`."""
+    disc_ee, disc_en, disc_nn, shift_e, shift_n = disc_in_slopes(sun, mz, se, sn)
+    # the weight 1/cos^4(beta), growing as exp(4 s/(1+s^2) . ds) across the disc's image, moves its centre
+    lean = 4.0 / (1.0 + se * se + sn * sn)
+    east, north = shift_e + lean * (disc_ee * se + disc_en * sn), shift_n + lean * (disc_en * se + disc_nn * sn)
+    ee, en, nn = disc_ee + rough.east_east, disc_en + rough.east_north, disc_nn + rough.north_north
+    det = ee * nn - en * en
+    peak = math.log(0.125 / (math.pi * math.sqrt(det)))
+    return Disc(east, north, 0.5 * nn / det, -en / det, 0.5 * ee / det, peak), (disc_ee, disc_en, disc_nn)
+
+
+@kernel
+def disc_at(line: DiscLine, per_mz: float) -> Disc:
+    """The :class:`Disc` between two rows of a line's table."""
+    x = (per_mz - line.first) * line.per_step
+    i = np.uint64(min(max(int(x), 0), line.rows.shape[0] - 2))
+    f = x - float(i)
+    a, b = line.rows[i], line.rows[np.uint64(i + np.uint64(1))]
+    return Disc(
+        a[0] + f * (b[0] - a[0]),
+        a[1] + f * (b[1] - a[1]),
+        a[2] + f * (b[2] - a[2]),
+        a[3] + f * (b[3] - a[3]),
+        a[4] + f * (b[4] - a[4]),
+        a[5] + f * (b[5] - a[5]),
+    )
 
 
 @njit
+def no_disc_line() -> DiscLine:
+    """For single rays: without a table."""
+    return DiscLine(np.empty((0, DISC_ROWS[1])), 0.0, 0.0)
+
+
+@njit
+def disc_line(optics: FacetOptics, sight: Sight, rows: np.ndarray) -> DiscLine:
+    """Fill ``rows`` with the :class:`DiscLine` of a line of sight, over the grazing angles of its thermal table."""
+    sun, rough, axes = optics.sunlight, optics.roughness, optics.tables.axes
+    low, high = max(axes[0, 0], 0.0), min(axes[0, 0] + (optics.tables.thermal.shape[0] - 1) / axes[0, 1], 1.0)
+    none = DiscLine(rows[:0], 0.0, 0.0)
+    if not sun.shining or rough.east_east + rough.north_north <= 0.0 or low + sun.up < 1e-3:
+        return none
+    first, last = 1.0 / (high + sun.up), 1.0 / (low + sun.up)
+    step = max((last - first) / (rows.shape[0] - 1), 1e-9)
+    for i in range(rows.shape[0]):
+        mz = 1.0 / (first + i * step)
+        sine = min(max(mz - sun.up, 0.0), 1.0)
+        horizontal = math.sqrt(1.0 - sine * sine)
+        disc, covariance = disc_of(sun, rough, mz, -(sight.east * horizontal + sun.east) / mz, -(sight.north * horizontal + sun.north) / mz)
+        if sharp(rough, covariance):
+            return none
+        rows[i, 0], rows[i, 1], rows[i, 2] = disc.east, disc.north, disc.ee
+        rows[i, 3], rows[i, 4], rows[i, 5] = disc.en, disc.nn, disc.peak
+    return DiscLine(rows, first, 1.0 / step)
+
+
+@kernel
+def facet_sunlight(
+    optics: FacetOptics,
+    line: DiscLine,
+    path: np.ndarray,
+    at: tuple[int, float],
+    sight: Sight,
+    grazing: tuple[float, float],
+    slope: tuple[float, float],
+) -> tuple[float, float]:
+    """Mirrored sunlight of a facet, attenuated [W m-2 sr-1], and its glint factor [1/sr].
+
+    ``line`` is :func:`disc_line` of the line of sight, ``grazing`` the sine and cosine of the grazing angle; ``path`` and ``at`` as for
+    :func:`facet_thermal`.
+    """
+    factor, cosine = sun_factor(optics.sunlight, optics.roughness, line, sight, grazing, slope)
+    if factor <= 0.0:
+        return 0.0, 0.0
+    table = optics.tables.sun
+    i_path, f_path = at
+    x = cosine * (table.shape[0] - 1)
+    i = min(int(x), table.shape[0] - 2)
+    f = x - i
+    solar = 0.0
+    for k in range(table.shape[1]):
+        solar += between(path, i_path, f_path, k) * ((1.0 - f) * table[i, k] + f * table[i + 1, k])
+    return solar * factor, factor
+
+
+@kernel
 def disc_in_slopes(sun: Sunlight, mz: float, se: float, sn: float) -> tuple[float, float, float, float, float]:
     """Covariance (ee, en, nn) and mean offset (e, n) of the slopes that mirror the points of the solar disc, about those of its centre.
 
@@ -263,16 +400,18 @@ def disc_in_slopes(sun: Sunlight, mz: float, se: float, sn: float) -> tuple[floa
     return ee, en, nn, shift_e, shift_n
 
 
-@njit
-def disc_edge(disc: tuple[float, float, float], both: tuple[float, float, float], offset: tuple[float, float], det: float) -> float:
+@kernel
+def disc_edge(disc: tuple[float, float, float], rough: Roughness, offset: tuple[float, float]) -> float:
     """What a disc's sharp edge adds to the exponent of the Gaussian that stands for its convolution with the facet's slopes.
 
     A uniform disc has the fourth cumulants ``-(E_ij E_kl + E_ik E_jl + E_il E_jk)/3`` with ``E`` its covariance (``disc``). The Edgeworth
     factor is ``1 - H/24`` with ``H = (u.Eu)^2 - 2 tr(E/C) u.Eu - 4 u.E/C.Eu + tr(E/C)^2 + 2 tr((E/C)^2)``, ``u = C^-1 offset`` and ``C``
-    the covariance of ``both``; it is taken as ``exp(-H/24)``, which stays positive in the tails.
+    the covariance of disc and facet; it is taken as ``exp(-H/24)``, which stays positive in the tails.
     """
     ee, en, nn = disc
-    i_ee, i_en, i_nn = both[2] / det, -both[1] / det, both[0] / det
+    both_ee, both_en, both_nn = ee + rough.east_east, en + rough.east_north, nn + rough.north_north
+    det = both_ee * both_nn - both_en * both_en
+    i_ee, i_en, i_nn = both_nn / det, -both_en / det, both_ee / det
     ue, un = i_ee * offset[0] + i_en * offset[1], i_en * offset[0] + i_nn * offset[1]
     we, wn = ee * ue + en * un, en * ue + nn * un
     # E/C, row by row
@@ -284,7 +423,7 @@ def disc_edge(disc: tuple[float, float, float], both: tuple[float, float, float]
     return (once * once - 2.0 * trace * once - 4.0 * twice + trace * trace + 2.0 * (a * a + 2.0 * b * c + d * d)) / 24.0
 
 
-@njit
+@kernel
 def mirror_factor(sun: Sunlight, ve: float, vn: float, vz: float, slope_east: float, slope_north: float) -> float:
     """``1/(pi eps^2)`` where a smooth facet mirrors a point of the solar disc to the viewer ``v``, else 0."""
     norm = 1.0 / math.sqrt(1.0 + slope_east * slope_east + slope_north * slope_north)
@@ -296,7 +435,7 @@ def mirror_factor(sun: Sunlight, ve: float, vn: float, vz: float, slope_east: fl
     return 1.0 / (math.pi * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS)
 
 
-@njit
+@kernel
 def node(axes: np.ndarray, axis: int, size: int, value: float) -> tuple[int, float]:
     """Lower node and fraction of a value on a uniform axis; values outside take the nearest cell's end."""
     x = (value - axes[axis, 0]) * axes[axis, 1]
@@ -305,36 +444,24 @@ def node(axes: np.ndarray, axis: int, size: int, value: float) -> tuple[int, flo
     return lower, x - lower
 
 
-@njit
-def facet_radiance(
-    optics: FacetOptics,
+@kernel
+def facet_thermal(
+    axes: np.ndarray,
     thermal: ThermalLine,
-    paths: tuple[np.ndarray, np.ndarray],
+    path: np.ndarray,
     at: tuple[int, float],
     sight: Sight,
-    grazing: tuple[float, float],
+    sine: float,
     slope: tuple[float, float],
-) -> tuple[float, float, float]:
-    """Thermal (emission and reflected sky) and solar radiance of a facet, both attenuated [W m-2 sr-1], and its glint factor [1/sr].
+) -> float:
+    """Emission and reflected sky of a facet, attenuated [W m-2 sr-1], at a sine of the grazing angle.
 
-    ``thermal`` is :func:`thermal_along` the line of sight; ``paths`` are the coefficients of the thermal and of the solar table, and
+    ``thermal`` is :func:`thermal_along` the line of sight, ``axes`` its :attr:`FacetTables.axes`; ``path`` the path's coefficients, and
     ``at`` the row that counts and the fraction of the way to the next.
     """
-    slope_east, slope_north = slope
-    factor, cos_incidence = sun_factor(optics.sunlight, optics.roughness, sight, grazing, slope_east, slope_north)
-    warm_path, sun_path = paths
     i_path, f_path = at
-    axes, sun = optics.tables.axes, optics.tables.sun
-    solar = 0.0
-    if factor > 0.0:
-        x = cos_incidence * (sun.shape[0] - 1)
-        i = min(int(x), sun.shape[0] - 2)
-        f = x - i
-        for k in range(sun.shape[1]):
-            solar += between(sun_path, i_path, f_path, k) * ((1.0 - f) * sun[i, k] + f * sun[i + 1, k])
-        solar *= factor
-
-    iu, fu = node(axes, 0, thermal.sines, grazing[0])
+    slope_east, slope_north = slope
+    iu, fu = node(axes, 0, thermal.sines, sine)
     ia, fa = node(axes, 2, thermal.along, slope_east * sight.east + slope_north * sight.north)
     ic, fc = node(axes, 3, thermal.across, slope_east * sight.north - slope_north * sight.east)
     row = thermal.across * thermal.terms
@@ -345,14 +472,14 @@ def facet_radiance(
     for k in range(0, thermal.terms, 4):
         w, x, y, z = four_terms(thermal.values, corner, k, weights)
         w2, x2, y2, z2 = four_terms(thermal.values, corner, k + thermal.terms, weights)
-        warm += between(warm_path, i_path, f_path, k) * (w + fc * (w2 - w))
-        warm += between(warm_path, i_path, f_path, k + 1) * (x + fc * (x2 - x))
-        warm += between(warm_path, i_path, f_path, k + 2) * (y + fc * (y2 - y))
-        warm += between(warm_path, i_path, f_path, k + 3) * (z + fc * (z2 - z))
-    return warm, solar, factor
+        warm += between(path, i_path, f_path, k) * (w + fc * (w2 - w))
+        warm += between(path, i_path, f_path, k + 1) * (x + fc * (x2 - x))
+        warm += between(path, i_path, f_path, k + 2) * (y + fc * (y2 - y))
+        warm += between(path, i_path, f_path, k + 3) * (z + fc * (z2 - z))
+    return warm
 
 
-@njit
+@kernel
 def between(rows: np.ndarray, i: int, f: float, k: int) -> float:
     """An entry between row ``i`` and, where ``f`` is not 0, the next one."""
     if f == 0.0:
@@ -360,7 +487,7 @@ def between(rows: np.ndarray, i: int, f: float, k: int) -> float:
     return float(rows[i, k] + f * (rows[i + 1, k] - rows[i, k]))
 
 
-@njit
+@kernel
 def one_term(values: np.ndarray, corner: tuple[int, int, int, int], k: int, weights: tuple[float, float, float, float]) -> float:
     """One term of a thermal table between four corners."""
     # addresses are never negative: spared the compiler's care for those that count from the end
@@ -368,7 +495,7 @@ def one_term(values: np.ndarray, corner: tuple[int, int, int, int], k: int, weig
     return float(weights[0] * values[a] + weights[1] * values[b] + weights[2] * values[c] + weights[3] * values[d])
 
 
-@njit
+@kernel
 def four_terms(
     values: np.ndarray, corner: tuple[int, int, int, int], k: int, weights: tuple[float, float, float, float]
 ) -> tuple[float, float, float, float]:
@@ -391,7 +518,16 @@ def thermal_line(table: np.ndarray) -> ThermalLine:
 def thermal_along(tables: FacetTables, sight: Sight) -> ThermalLine:
     """The thermal table of one line of sight: interpolated to its azimuth once, as all its facets share it."""
     ix, fx = node(tables.axes, 1, tables.thermal.shape[1], sight.chi)
-    return thermal_line((1.0 - np.float32(fx)) * tables.thermal[:, ix] + np.float32(fx) * tables.thermal[:, ix + 1])
+    nu, _, na, nc, terms = tables.thermal.shape
+    # C order makes the two azimuths' parts of a row of the table plain stretches of memory
+    size, share = na * nc * terms, np.float32(fx)
+    flat, out = tables.thermal.reshape(tables.thermal.size), np.empty(nu * size, np.float32)
+    for u in range(nu):
+        first = (u * tables.thermal.shape[1] + ix) * size
+        for i in range(size):
+            near, far = flat[first + i], flat[first + size + i]
+            out[u * size + i] = near + share * (far - near)
+    return ThermalLine(out, nu, na, nc, terms)
 
 
 class ThermalSources(NamedTuple):
@@ -411,7 +547,7 @@ class SlopeQuadrature(NamedTuple):
     cross_weight: np.ndarray
 
 
-@njit
+@kernel
 def add_mirror(sources: ThermalSources, sine: float, a: float, c: float, weight: float, out: np.ndarray) -> None:
     """Add to ``out[k]`` what a smooth facet of slope ``a`` towards the viewer and ``c`` across sends to a viewer at ``sine``."""
     cosine = math.sqrt(max(1.0 - sine * sine, 0.0))
@@ -435,7 +571,7 @@ def add_mirror(sources: ThermalSources, sine: float, a: float, c: float, weight:
         out[k] += weight * (emitted + (1.0 - f) * near + f * far)
 
 
-@njit
+@kernel
 def mean_facet(
     sources: ThermalSources,
     q: SlopeQuadrature,

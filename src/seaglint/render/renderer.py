@@ -28,7 +28,7 @@ from seaglint.render.facet import (
 from seaglint.render.path_basis import TOGETHER, PathBasis, fewest_terms, path_basis
 from seaglint.render.sparkle import Sparkles, sparkle_columns, sparkle_rows
 from seaglint.render.surface import Surface, calm_surface, course, height, surface_of
-from seaglint.render.sweep import PATH_EVERY, Frame, Walk, calm_ranges, graded_ranges, sea_limits, sweep_columns
+from seaglint.render.sweep import PATH_EVERY, Frame, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, sweep_columns, upright
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
 from seaglint.sea.shadowing import smith_lambda
@@ -46,11 +46,11 @@ LINES_PER_WAVE = 4.0
 MOST_LINES = 2
 """Most lines per column by default; where the columns are wider, the sea is sampled across them."""
 
-NEGLIGIBLE_SHADOW = 1e-4
-"""Share of the sea in the shadow of resolved waves below which none is drawn."""
+NEGLIGIBLE_SHADOW = 1e-3
+"""Share of the sea in the shadow of resolved waves, by Smith's law, below which none is drawn."""
 
-STEEPEST_RISE = 4.0
-"""Rise of the sea along a shadow ray that is reckoned with, in rms slopes: one place in 30 000 is steeper."""
+STEEPEST_RISE = 3.0
+"""Rise of the sea along a shadow ray that is reckoned with, in rms slopes: one place in 700 is steeper."""
 
 SUBMERGED = 0.75
 """A sensor below this many significant heights (three standard deviations) would be under water now and then."""
@@ -215,7 +215,8 @@ class Renderer:
         irradiance = view.sun_distance_factor * share * view.atmosphere.solar_irradiance(zenith)[basis.grid]
         self._sun = sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0))
         self._facets, coefficients, sun_coefficients = self._level_facets(basis, arcs, sun_terms(basis, irradiance, view.water))
-        self._walk = Walk(arcs, camera.height, coefficients, sun_coefficients, basis.path_radiance, every, stage, self._shadows())
+        lines = sight_lines(arcs, camera.height)
+        self._walk = Walk(arcs, *lines, coefficients, sun_coefficients, basis.path_radiance, every, stage, self._shadows())
 
     def _shadows(self) -> FloatArray:
         """Step [m] and steepest rise of shadow rays at every level; 0 where next to nothing is in shadow by Smith's law."""
@@ -289,7 +290,6 @@ class Renderer:
             np.array([t.spacing for t in tiles]),
             np.array([t.rotation for t in tiles]),
             tuple(level.parts for level in self._detail.levels),
-            self._steps,
             origin,
         )
 
@@ -315,5 +315,6 @@ class Renderer:
             in_threads(lambda part: sweep_columns(*scene, camera.azimuths, camera.column_step, images, part), camera.columns)
             place = (float(origin[0]), float(origin[1]))
             sparkle_columns(self._sparkle, self._sparkle_rows, self._sun, camera.azimuths, place, float(time), images)
-        total, sun = np.ascontiguousarray(images[:, :2].transpose(1, 2, 0), dtype=np.float32)
+        total, sun = np.empty((2, camera.rows, camera.columns), np.float32)
+        upright(images, total, sun)
         return Radiances(total, sun)

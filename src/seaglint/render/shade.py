@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from seaglint._jit import njit
+from seaglint._jit import kernel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.render.facet import Sunlight
 from seaglint.render.surface import Course, Surface, bilinear, height
@@ -13,7 +13,7 @@ FARTHEST = 4000
 """Steps after which a Sun at the very horizon is taken as seen."""
 
 
-@njit
+@kernel
 def disc_share(distance: float) -> float:
     """Share of a disc above a straight edge, by the height of its centre over the edge in radii."""
     if distance >= 1.0:
@@ -23,7 +23,7 @@ def disc_share(distance: float) -> float:
     return 0.5 + (distance * math.sqrt(1.0 - distance * distance) + math.asin(distance)) / math.pi
 
 
-@njit
+@kernel
 def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: float, march: tuple[float, float], sun: Sunlight) -> float:
     """Share of the solar disc seen from the sea ``r`` metres along a line, over the waves of a level between it and the Sun.
 
@@ -34,7 +34,7 @@ def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: fl
     tiles = line.part.shape[0]
     own = height(surface, line, 0, tiles, r)
     low = max(sun.lower_tangent, 1e-4)
-    steps = min((surface.crest[level, 1] - own) / (low * step), float(FARTHEST))
+    steps = min((surface.crest[level, 0] - own) / (low * step), float(FARTHEST))
     # most of what shades a place is near it: the first step is taken in parts
     skyline, n = -1.0, 0.25
     while n <= steps:

@@ -25,7 +25,7 @@ from typing import Any, Literal, NamedTuple
 import numba
 import numpy as np
 
-from seaglint._jit import njit, njit_parallel
+from seaglint._jit import kernel, njit_parallel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
 from seaglint.radiance.glint import glint
@@ -196,7 +196,7 @@ class Heading(NamedTuple):
     cosine: float
 
 
-@njit
+@kernel
 def heading(azimuth: float) -> Heading:
     """The :class:`Heading` of a line that leaves the sensor at an azimuth [rad]."""
     turn = 2.0 * math.pi / SECTORS
@@ -204,14 +204,14 @@ def heading(azimuth: float) -> Heading:
     return Heading(sector, math.sin(sector * turn), math.cos(sector * turn))
 
 
-@njit
+@kernel
 def cell_light(sparkle: Sparkle, i: int, j: int, lattice: int, shape: float, time: float) -> float:
     """Gamma deviate of mean 1 of a cell, as it is since its last change."""
     key = cell_key((sparkle.seed_low, sparkle.seed_high), i, j, lattice)
     return gamma_deviate(shape, (key[1], key[0]), last_event(key, time / sparkle.correlation_time))
 
 
-@njit
+@kernel
 def average(
     sparkle: Sparkle, lattice: int, along: tuple[float, float, float], across: tuple[float, float, float], shape: float, time: float
 ) -> float:
@@ -228,20 +228,20 @@ def average(
     return total / whole
 
 
-@njit
+@kernel
 def box(middle: float, length: float, side: float) -> tuple[float, float, float]:
     """Ends of a box and the side of the cells under it."""
     return middle - 0.5 * length, middle + 0.5 * length, side
 
 
-@njit
+@kernel
 def power_below(x: float) -> tuple[int, float]:
     """The largest power of two up to ``x``: its exponent and itself."""
     fraction, exponent = math.frexp(x)
     return exponent - 1, 0.5 * x / fraction
 
 
-@njit
+@kernel
 def sparkle_factor(
     sparkle: Sparkle,
     place: tuple[float, float],
@@ -317,7 +317,7 @@ def sparkle_factor(
     return total
 
 
-@njit
+@kernel
 def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence: float, up: float, across: float) -> float:
     """Variance of the mirrored Sun in a pixel of many cells, ``L^2 (1/P - 1)/M`` [W2 m-4 sr-2]: one piece's part, to be averaged.
 
@@ -331,7 +331,7 @@ def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence:
     return solar * solar * (1.0 / chance - 1.0) / patches
 
 
-@njit
+@kernel
 def facet_spread(
     sparkle: Sparkle, sun: Sunlight, sight: Sight, grazing: tuple[float, float], solar: float, factor: float, across: float
 ) -> float:
@@ -348,7 +348,7 @@ def facet_spread(
     return piece_variance(sparkle, solar, chance, math.sqrt(max(0.5 * twice, 1e-12)), sine + sun.up, across)
 
 
-@njit
+@kernel
 def sparkle_column(
     sparkle: Sparkle, rows: SparkleRows, sun: Sunlight, azimuth: float, origin: tuple[float, float], time: float, images: np.ndarray
 ) -> None:

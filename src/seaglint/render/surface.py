@@ -3,8 +3,8 @@
 A level of detail (:mod:`seaglint.sea.detail`) is a choice of lattices whose heights add up. A kernel that follows a horizontal line makes a
 :func:`course` of it once: where it starts on every lattice of the level and how it moves over it.
 
-Over each lattice stands a roof: for stretches of a given length, the highest point of the lattice around every block of it. The sum of the
-roofs of a level says in a few look-ups that nothing of a stretch reaches a line of sight.
+Most samples of a grazing line are hidden. A line is read in strips, lattice by lattice, longest waves first, and a strip is left as soon as
+the largest heights that the other lattices hold cannot bring it into view.
 """
 
 from __future__ import annotations
@@ -15,22 +15,29 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint._jit import njit
+from seaglint._jit import kernel, njit
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 
-LEAPS = (8, 3)
-"""Samples of a sweep that are passed over at once below a roof, longest leap first."""
+STRIP = 64
+"""Samples of a line that are read together."""
+
+SUBCELL_BITS = 16
+"""Positions within a strip are told in ``2**-16`` of a cell, a fiftieth of a millimetre for cells of a metre."""
+
+SUBCELLS = 1 << SUBCELL_BITS
+
+WHOLE_TURNS = 1 << 30
+"""Offset that keeps positions positive; a whole number of periods of any lattice of up to 2**14 points a side."""
 
 
 class Surface(NamedTuple):
     """One instant of the sea.
 
-    ``height`` [m] and ``slope[:, (east, north)]`` are all lattices one after another: ``part[i] = (first address, points along a side)``.
-    Within a lattice squares of 4 x 4 points lie together in memory, because lines cross it in any direction; see :func:`bilinear`.
-    ``grid[i] = (1/spacing, cos, sin of the lattice's turn, u, v under the sensor)``. ``level[l]``: parts of the level, -1 where there are
-    no more; ``crest[l]``: largest height that the last part of the level adds, and that all of them add [m].
-    ``roofs[l, leap, j] = (first address in roof, shift, mask)`` of the level's part ``j``.
+    ``height`` [m] and ``slope[:, (east, north)]`` are all lattices one after another: ``part[i] = (first address, points along a side,
+    their binary logarithm)``. Within a lattice squares of 4 x 4 points lie together in memory, because lines cross it in any direction; see
+    :func:`bilinear`. ``grid[i] = (1/spacing, cos, sin of the lattice's turn, u, v under the sensor)``. ``level[l]``: parts of the level, -1
+    where there are no more; ``crest[l, j]``: largest height that its parts from ``j`` on add [m].
     """
 
     height: np.ndarray
@@ -39,19 +46,32 @@ class Surface(NamedTuple):
     grid: np.ndarray
     level: np.ndarray
     crest: np.ndarray
-    roof: np.ndarray
-    roofs: np.ndarray
 
 
 class Course(NamedTuple):
     """A horizontal line over the lattices of one level.
 
-    ``start[j]``, ``step[j]``: position (u, v) at its beginning and its change per metre [cells]; ``part[j] = (first address, size)``.
+    ``start[j]``, ``step[j]``: position (u, v) at its beginning and its change per metre [cells]; ``part[j]`` as in :class:`Surface`.
     """
 
     start: np.ndarray
     step: np.ndarray
     part: np.ndarray
+
+
+class Strip(NamedTuple):
+    """Up to :data:`STRIP` samples: their heights [m], and room for their fractions (v, u) and the addresses of the points around them."""
+
+    height: np.ndarray
+    fraction: tuple[np.ndarray, np.ndarray]
+    corner: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+@njit
+def new_strip() -> Strip:
+    """An empty strip."""
+    room = (np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32))
+    return Strip(np.empty(STRIP, np.float32), (np.empty(STRIP, np.float32), np.empty(STRIP, np.float32)), room)
 
 
 @njit
@@ -60,17 +80,17 @@ def course(surface: Surface, level: int, east: float, north: float) -> Course:
     count = 0
     while count < surface.level.shape[1] and surface.level[level, count] >= 0:
         count += 1
-    start, step, part = np.empty((count, 2)), np.empty((count, 2)), np.empty((count, 2), np.int64)
+    start, step, part = np.empty((count, 2)), np.empty((count, 2)), np.empty((count, 3), np.int64)
     for j in range(count):
         i = surface.level[level, j]
         scale, c, s = surface.grid[i, 0], surface.grid[i, 1], surface.grid[i, 2]
         start[j, 0], start[j, 1] = surface.grid[i, 3], surface.grid[i, 4]
         step[j, 0], step[j, 1] = (c * east + s * north) * scale, (c * north - s * east) * scale
-        part[j, 0], part[j, 1] = surface.part[i, 0], surface.part[i, 1]
+        part[j, 0], part[j, 1], part[j, 2] = surface.part[i, 0], surface.part[i, 1], surface.part[i, 2]
     return Course(start, step, part)
 
 
-@njit
+@kernel
 def corners(size: int, u: float, v: float) -> tuple[int, int, int, int, float, float]:
     """Address parts of the rows and columns around a lattice position (row, next row, column, next column), and its fractions (v, u).
 
@@ -83,7 +103,7 @@ def corners(size: int, u: float, v: float) -> tuple[int, int, int, int, float, f
     return row0, row1, (x0 >> 2) * 16 + (x0 & 3), (x1 >> 2) * 16 + (x1 & 3), v - lower_v, u - lower_u
 
 
-@njit
+@kernel
 def bilinear(surface: Surface, first: int, size: int, u: float, v: float) -> float:
     """Height of one lattice [m] between the four points around a position."""
     y0, y1, x0, x1, fy, fx = corners(size, u, v)
@@ -94,7 +114,7 @@ def bilinear(surface: Surface, first: int, size: int, u: float, v: float) -> flo
     return float(low + fy * (high - low))
 
 
-@njit
+@kernel
 def height(surface: Surface, line: Course, first: int, last: int, r: float) -> float:
     """Height of a level's parts ``first`` to ``last`` (not included) together [m], ``r`` metres along a line."""
     total = 0.0
@@ -104,7 +124,7 @@ def height(surface: Surface, line: Course, first: int, last: int, r: float) -> f
     return total
 
 
-@njit
+@kernel
 def slopes(surface: Surface, line: Course, r: float) -> tuple[float, float]:
     """Slopes of a level towards east and north [1], ``r`` metres along a line."""
     east, north = 0.0, 0.0
@@ -121,46 +141,67 @@ def slopes(surface: Surface, line: Course, r: float) -> tuple[float, float]:
     return east, north
 
 
-@njit
-def roof(surface: Surface, line: Course, level: int, leap: int, r: float) -> float:
-    """Height that no stretch of a leap's length around ``r`` metres along a line exceeds [m]."""
-    total = 0.0
-    for j in range(line.part.shape[0]):
-        first, shift, mask = surface.roofs[level, leap, j, 0], surface.roofs[level, leap, j, 1], surface.roofs[level, leap, j, 2]
-        x = (math.floor(line.start[j, 0] + r * line.step[j, 0]) >> shift) & mask
-        y = (math.floor(line.start[j, 1] + r * line.step[j, 1]) >> shift) & mask
-        total += surface.roof[first + y * (mask + 1) + x]
-    return total
+@kernel
+def add_heights(surface: Surface, line: Course, j: int, range_m: np.ndarray, first: int, count: int, strip: Strip) -> None:
+    """Add the heights of a level's part ``j`` at ``count`` samples of a line, those from ``range_m[first]`` on, to the strip's.
+
+    As :func:`height`, to a ``SUBCELLS``-th of a cell. Addresses are found apart from the reading, in whole numbers of 32 bits, which
+    the processor takes several at a time.
+    """
+    v, u = strip.fraction
+    p00, p01, p10, p11 = strip.corner
+    r = range_m[first]
+    start_u, start_v = line.start[j, 0] + r * line.step[j, 0], line.start[j, 1] + r * line.step[j, 1]
+    cell_u, cell_v = math.floor(start_u), math.floor(start_v)
+    size = line.part[j, 1]
+    x, y = np.uint32(int(cell_u) & (size - 1)), np.uint32(int(cell_v) & (size - 1))
+    offset_u, offset_v = (start_u - cell_u) * SUBCELLS + WHOLE_TURNS, (start_v - cell_v) * SUBCELLS + WHOLE_TURNS
+    move_u, move_v = line.step[j, 0] * SUBCELLS, line.step[j, 1] * SUBCELLS
+    last, row = np.uint32(size - 1), np.uint32(line.part[j, 2] + 2)
+    one, two, three, four, bits, low = (
+        np.uint32(1),
+        np.uint32(2),
+        np.uint32(3),
+        np.uint32(4),
+        np.uint32(SUBCELL_BITS),
+        np.uint32(SUBCELLS - 1),
+    )
+    part = np.float32(1.0 / SUBCELLS)
+    for k in range(count):
+        along = range_m[first + k] - r
+        at_u, at_v = np.uint32(np.int32(offset_u + along * move_u)), np.uint32(np.int32(offset_v + along * move_v))
+        u[k], v[k] = np.float32(np.int32(at_u & low)) * part, np.float32(np.int32(at_v & low)) * part
+        x0, y0 = np.uint32(x + np.uint32(at_u >> bits)) & last, np.uint32(y + np.uint32(at_v >> bits)) & last
+        x1, y1 = np.uint32(x0 + one) & last, np.uint32(y0 + one) & last
+        column0, column1 = np.uint32((x0 >> two) << four) | (x0 & three), np.uint32((x1 >> two) << four) | (x1 & three)
+        row0, row1 = (
+            np.uint32((y0 >> two) << row) | np.uint32((y0 & three) << two),
+            np.uint32((y1 >> two) << row) | np.uint32((y1 & three) << two),
+        )
+        p00[k], p01[k], p10[k], p11[k] = row0 | column0, row0 | column1, row1 | column0, row1 | column1
+    origin = np.uint64(line.part[j, 0])
+    for k in range(count):
+        a, b = surface.height[origin + np.uint64(p00[k])], surface.height[origin + np.uint64(p01[k])]
+        c, d = surface.height[origin + np.uint64(p10[k])], surface.height[origin + np.uint64(p11[k])]
+        near, far = a + u[k] * (b - a), c + u[k] * (d - c)
+        strip.height[k] += near + v[k] * (far - near)
 
 
-@njit
-def raise_roof(lattice: np.ndarray, shift: int, out: np.ndarray) -> None:
-    """Highest point in every block of ``2**shift`` points a side and its eight neighbours, on a periodic square lattice."""
-    side = 1 << shift
-    blocks = lattice.shape[0] >> shift
-    plain = np.empty((blocks, blocks), np.float32)
-    for y in range(blocks):
-        for x in range(blocks):
-            top = lattice[y * side, x * side]
-            for j in range(y * side, (y + 1) * side):
-                for i in range(x * side, (x + 1) * side):
-                    top = max(top, lattice[j, i])
-            plain[y, x] = top
-    mask = blocks - 1
-    rows = np.empty_like(plain)
-    for y in range(blocks):
-        for x in range(blocks):
-            rows[y, x] = max(plain[y, (x - 1) & mask], max(plain[y, x], plain[y, (x + 1) & mask]))
-    for y in range(blocks):
-        for x in range(blocks):
-            out[y * blocks + x] = max(rows[(y - 1) & mask, x], max(rows[y, x], rows[(y + 1) & mask, x]))
+@kernel
+def lay_squares(lattice: np.ndarray, bits: int, height: np.ndarray, slope: np.ndarray) -> None:
+    """Lay a lattice (n, n, 3) of ``2**bits`` points a side out in squares of 4 x 4, as :class:`Surface` has them."""
+    size = 1 << bits
+    for y in range(size):
+        row = ((y >> 2) << (bits + 2)) + ((y & 3) << 2)
+        for x in range(size):
+            at = row + ((x >> 2) << 4) + (x & 3)
+            height[at], slope[at, 0], slope[at, 1] = lattice[y, x, 0], lattice[y, x, 1], lattice[y, x, 2]
 
 
 def calm_surface() -> Surface:
     """A sea without resolved waves."""
-    flat, none = np.zeros(0, np.float32), np.zeros((0, 2), np.int64)
-    level, roofs = np.full((1, 1), -1, np.int64), np.zeros((1, len(LEAPS), 1, 3), np.int64)
-    return Surface(flat, np.zeros((0, 2), np.float32), none, np.zeros((0, 5)), level, np.zeros((1, 2)), flat.copy(), roofs)
+    flat, none = np.zeros(0, np.float32), np.zeros((0, 3), np.int64)
+    return Surface(flat, np.zeros((0, 2), np.float32), none, np.zeros((0, 5)), np.full((1, 1), -1, np.int64), np.zeros((1, 1)))
 
 
 def surface_of(
@@ -168,7 +209,6 @@ def surface_of(
     spacing: FloatArray,
     turn: FloatArray,
     levels: tuple[tuple[int, ...], ...] | None = None,
-    steps: FloatArray | None = None,
     origin: tuple[float, float] = (0.0, 0.0),
 ) -> Surface:
     """Bundle the lattices of one instant.
@@ -181,8 +221,6 @@ def surface_of(
         Distance of lattice points [m] and turn from east [rad] of each.
     levels : tuple of tuples of int, optional
         Lattices of every level of detail, longest waves first; one of all by default.
-    steps : ndarray, optional
-        Step of the sweep at every level [m], for the roofs; the spacing of the level's last lattice by default.
     origin : (float, float)
         Point under the sensor, east and north [m].
     """
@@ -191,46 +229,24 @@ def surface_of(
         if n < 4 or n & (n - 1):
             raise DomainError(f"tiles of {n} points a side cannot be rendered; give a power of two, 4 or more")
     chosen = levels if levels is not None else (tuple(range(len(lattices))),)
-    moves = steps if steps is not None else np.array([spacing[level[-1]] for level in chosen])
-    squares = [z.reshape(n // 4, 4, n // 4, 4, 3).transpose(0, 2, 1, 3, 4).reshape(n * n, 3) for z, n in zip(lattices, sizes, strict=True)]
-    together = np.concatenate(squares)
+    first, bits = np.concatenate([[0], np.cumsum(sizes**2)]), [int(n).bit_length() - 1 for n in sizes]
+    heights, both_slopes = np.empty(first[-1], np.float32), np.empty((first[-1], 2), np.float32)
+    for lattice, begin, end, b in zip(lattices, first, first[1:], bits, strict=False):
+        lay_squares(lattice, b, heights[begin:end], both_slopes[begin:end])
     c, s = np.cos(turn), np.sin(turn)
     # positions are periodic: small numbers keep their digits
     u, v = (np.mod(p / spacing, sizes) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
     highest = [float(z[..., 0].max()) for z in lattices]
-    level = np.full((len(chosen), max(map(len, chosen))), -1, np.int64)
-    for row, parts in zip(level, chosen, strict=True):
-        row[: len(parts)] = parts
+    most = max(map(len, chosen))
+    level, crest = np.full((len(chosen), most), -1, np.int64), np.zeros((len(chosen), most))
+    for i, parts in enumerate(chosen):
+        level[i, : len(parts)] = parts
+        crest[i, : len(parts)] = np.cumsum([highest[p] for p in reversed(parts)])[::-1]
     return Surface(
-        np.ascontiguousarray(together[:, 0]),
-        np.ascontiguousarray(together[:, 1:]),
-        np.stack([np.concatenate([[0], np.cumsum(sizes**2)[:-1]]), sizes], axis=1),
+        heights,
+        both_slopes,
+        np.stack([first[:-1], sizes, bits], axis=1),
         np.stack([1.0 / spacing, c, s, u, v], axis=1),
         level,
-        np.array([[highest[parts[-1]], sum(highest[p] for p in parts)] for parts in chosen]),
-        *_roofs(lattices, sizes, spacing, level, moves),
+        crest,
     )
-
-
-def _roofs(
-    lattices: tuple[NDArray[np.float32], ...], sizes: NDArray[np.int64], spacing: FloatArray, level: NDArray[np.int64], steps: FloatArray
-) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
-    """Roofs of all lattices and where each level finds those of its leaps."""
-    where: dict[tuple[int, int], int] = {}
-    made: list[NDArray[np.float32]] = []
-    table = np.zeros((level.shape[0], len(LEAPS), level.shape[1], 3), np.int64)
-    end = 0
-    for i, parts in enumerate(level):
-        for k, samples in enumerate(LEAPS):
-            for j, part in enumerate(parts[parts >= 0]):
-                # a stretch stays, with the points it is interpolated from, in the blocks around that of its middle
-                cells = 0.5 * samples * steps[i] / spacing[part] + 1.0
-                shift = min(math.ceil(math.log2(cells)), int(sizes[part]).bit_length() - 1)
-                if (part, shift) not in where:
-                    blocks = int(sizes[part]) >> shift
-                    where[part, shift] = end
-                    made.append(np.empty(blocks * blocks, np.float32))
-                    raise_roof(lattices[part][..., 0], shift, made[-1])
-                    end += blocks * blocks
-                table[i, k, j] = where[part, shift], shift, (int(sizes[part]) >> shift) - 1
-    return np.concatenate(made), table

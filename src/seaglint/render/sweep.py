@@ -5,8 +5,8 @@ linear towards its neighbours, is added to the pixels in proportion to the overl
 own horizon, and any width of panorama.
 
 Detail falls with range: where a column has grown wider than half the waves of a level's last band (:mod:`seaglint.sea.detail`), the
-band goes to the facets and steps grow. Most samples are hidden at grazing views; many are passed over at once where the roofs of the
-lattices (:mod:`seaglint.render.surface`) stay below the line of sight, and the image is that of the full walk.
+band goes to the facets and steps grow. Most samples are hidden at grazing views: strips of them are passed over where the largest
+heights of the lattices (:mod:`seaglint.render.surface`) stay below the line of sight, and the image is that of the full walk.
 Across a column, lines part as the column widens: one line near the sensor, two where the column is wider than a quarter of a shortest
 wave, and so on up to a limit. From there on the sea is sampled, not averaged, across a column.
 """
@@ -16,26 +16,31 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+import numba
 import numpy as np
 
-from seaglint._jit import njit
+from seaglint._jit import kernel, njit, njit_parallel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
 from seaglint.render.camera import Camera
 from seaglint.render.facet import (
+    DISC_ROWS,
+    DiscLine,
     FacetLevels,
     FacetOptics,
     Sight,
     Sunlight,
     ThermalLine,
-    facet_radiance,
+    disc_line,
+    facet_sunlight,
+    facet_thermal,
     level_optics,
     line_of_sight,
     thermal_along,
 )
 from seaglint.render.shade import sun_share
 from seaglint.render.sparkle import Sparkle, facet_spread
-from seaglint.render.surface import LEAPS, Course, Surface, course, height, roof, slopes
+from seaglint.render.surface import STRIP, Course, Strip, Surface, add_heights, course, height, new_strip, slopes
 
 RANGE_PARTS = 0.5
 """Largest step as a share of the ground seen by one pixel row, so that near pixels are made of several pieces."""
@@ -45,9 +50,6 @@ PATH_EVERY = 16
 
 CALM_PARTS = 4
 """Pieces per pixel row where no waves are resolved."""
-
-PATIENCE = 4
-"""Samples looked at one by one after a leap has failed."""
 
 NEGLIGIBLE_SUN = 3e-4
 """Share of a facet's thermal radiance below which its sunlight is not asked for shadows."""
@@ -59,14 +61,15 @@ BUFFER = 1024
 class Walk(NamedTuple):
     """Samples along every line: arcs from the sensor's foot and what depends on them alone.
 
-    ``range_m``: the arcs; ``height``: the sensor's [m]. ``coefficients, sun_coefficients, path`` stand at every ``every``-th sample, from
-    the first to one past the last; linear between. ``stage[s] = (first sample, level of detail, how often every line parts in two at
-    its beginning)``, and the number of samples in a last row. ``shadow[l]``: step [m] and steepest rise of shadow rays at every level; a
-    step of 0 where waves cast none.
+    ``range_m``: the arcs. A height ``z`` is seen at the tangent ``rise z - fall``, to first order in ``z`` over the Earth's radius.
+    ``coefficients, sun_coefficients, path`` stand at every ``every``-th sample, from the first to one past the last; linear between.
+    ``stage[s] = (first sample, level of detail, how often every line parts in two at its beginning)``, and the number of samples in a
+    last row. ``shadow[l]``: step [m] and steepest rise of shadow rays at every level; a step of 0 where waves cast none.
     """
 
     range_m: np.ndarray
-    height: float
+    rise: np.ndarray
+    fall: np.ndarray
     coefficients: np.ndarray
     sun_coefficients: np.ndarray
     path: np.ndarray
@@ -140,7 +143,7 @@ def calm_ranges(camera: Camera) -> FloatArray:
     return np.asarray(np.maximum.accumulate(np.nan_to_num(arcs, nan=horizon_range(camera.height))))
 
 
-@njit
+@kernel
 def bend(range_m: float) -> tuple[float, float, float]:
     """Cosine of an arc's angle on the effective sphere, ``R' sin`` of it and ``R' (1 - cos)`` [m].
 
@@ -152,22 +155,15 @@ def bend(range_m: float) -> tuple[float, float, float]:
     return 1.0 - psi * sagitta, range_m * (1.0 - square * (1.0 / 6.0) * (1.0 - square * (1.0 / 20.0))), range_m * sagitta
 
 
-@njit
-def clearance(walk: Walk, range_m: float, tangent: float, z: float) -> float:
-    """Height above the line of sight of this tangent at an arc [m], to first order in the arc's angle; what is above is visible."""
-    cosine, reach, drop = bend(range_m)
-    scale = cosine - tangent * reach * (1.0 / EFFECTIVE_EARTH_RADIUS)
-    return float(z * scale - tangent * reach - walk.height - drop)
+def sight_lines(arcs: FloatArray, height: float) -> tuple[FloatArray, FloatArray]:
+    """:attr:`Walk.rise` [1/m] and :attr:`Walk.fall` [1] of samples at ``arcs`` [m] for a sensor ``height`` above the mean sea [m]."""
+    psi = arcs / EFFECTIVE_EARTH_RADIUS
+    # straight below the sensor nothing has a tangent: a nanometre aside it is as good as endless
+    reach = np.maximum(EFFECTIVE_EARTH_RADIUS * np.sin(psi), 1e-9)
+    return np.cos(psi) / reach, (height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2) / reach
 
 
-@njit
-def tangent_of(walk: Walk, range_m: float, z: float) -> float:
-    """Tangent of the elevation at which a height is seen."""
-    cosine, reach, drop = bend(range_m)
-    return float((z * cosine - walk.height - drop) / (reach * (1.0 + z * (1.0 / EFFECTIVE_EARTH_RADIUS)) + 1e-300))
-
-
-@njit
+@kernel
 def elevation(tangent: float) -> float:
     """Arc tangent; a series, within 1e-12, where it is small."""
     if abs(tangent) > 0.1:
@@ -176,7 +172,7 @@ def elevation(tangent: float) -> float:
     return tangent * (1.0 - t * (1.0 / 3.0 - t * (0.2 - t * (1.0 / 7.0 - t * (1.0 / 9.0 - t / 11.0)))))
 
 
-@njit
+@kernel
 def add_rows(
     images: np.ndarray,
     frame: Frame,
@@ -205,7 +201,7 @@ def add_rows(
         row += 1
 
 
-@njit
+@kernel
 def leaning(light: np.ndarray, j: int, k: int, before: float, here: float, after: float, width: float) -> float:
     """Change of a radiance per radian over piece ``j``, from its neighbours: centres ``before, here, after``, its own where none is.
 
@@ -218,7 +214,16 @@ def leaning(light: np.ndarray, j: int, k: int, before: float, here: float, after
     return float(min(max((fall + rise) / (after - before), -most), most))
 
 
-@njit
+@kernel
+def in_view(walk: Walk, strip: Strip, first: int, count: int, crest: float, tangent: float) -> bool:
+    """True where a height of the strip, raised by ``crest`` [m], stands above the line of sight of this tangent."""
+    seen = 0
+    for k in range(count):
+        seen += walk.rise[first + k] * (strip.height[k] + crest) - walk.fall[first + k] > tangent
+    return seen > 0
+
+
+@kernel
 def walk_line(
     walk: Walk,
     surface: Surface,
@@ -226,6 +231,7 @@ def walk_line(
     line: Course,
     part: tuple[int, int],
     horizon: tuple[float, float],
+    strip: Strip,
     sample: np.ndarray,
     piece: np.ndarray,
 ) -> tuple[int, int, float]:
@@ -237,59 +243,43 @@ def walk_line(
     """
     i, end = part
     tangent, top = horizon
-    count, last_above, patience = 0, -1, PATIENCE
-    tiles = line.part.shape[0]
-    long = max(tiles - 1, 0)  # parts before the last
-    crest = surface.crest[level, 0]
-    while i < end and tangent < top and count < sample.shape[0]:
-        if patience <= 0:
-            patience = PATIENCE
-            for leap in range(len(LEAPS)):
-                # over the round sea the line of sight sags between both ends by less than a millimetre: they tell
-                over = i + LEAPS[leap] - 1
-                while over < end:
-                    z = roof(surface, line, level, leap, 0.5 * (walk.range_m[i] + walk.range_m[over])) + 1e-5
-                    if clearance(walk, walk.range_m[i], tangent, z) >= 0.0 or clearance(walk, walk.range_m[over], tangent, z) >= 0.0:
-                        break
-                    i = over + 1
-                    over = i + LEAPS[leap] - 1
-            if i >= end:
-                break
-        r = walk.range_m[i]
-        z = height(surface, line, 0, long, r)
-        if tiles > 1 and clearance(walk, r, tangent, z + crest) < 0.0:
-            i += 1
-            patience -= 1
-            continue
-        z += height(surface, line, long, tiles, r)
-        above = clearance(walk, r, tangent, z)
-        if above < 0.0:
-            i += 1
-            patience -= 1
-            continue
-        length = r - walk.range_m[i - 1] if i > 0 else 0.0
-        risen = tangent_of(walk, r, z)
-        if i > 0 and last_above != i - 1:
-            before = walk.range_m[i - 1]
-            below = max(-clearance(walk, before, tangent, height(surface, line, 0, tiles, before)), 0.0)
-            length *= above / (below + above + 1e-30)
-        if risen > tangent:
-            sample[count], piece[count, 0], piece[count, 1] = i, length, risen
-            count += 1
-            tangent = risen
-        last_above, patience = i, PATIENCE
-        i += 1
-    return count, (i if tangent < top else end), tangent
+    found, tiles = 0, line.part.shape[0]
+    while i < end and tangent < top and found + STRIP <= sample.shape[0]:
+        count = min(STRIP, end - i)
+        strip.height[:] = 0.0
+        j = 0
+        while j < tiles and (j == 0 or in_view(walk, strip, i, count, surface.crest[level, j], tangent)):
+            add_heights(surface, line, j, walk.range_m, i, count, strip)
+            j += 1
+        if j == tiles and in_view(walk, strip, i, count, 0.0, tangent):
+            for k in range(i, i + count):
+                risen = walk.rise[k] * strip.height[k - i] - walk.fall[k]
+                if risen <= tangent:
+                    continue
+                length = 0.0
+                if k > 0:
+                    # between two samples the sea may come into view
+                    before = strip.height[k - 1 - i] if k > i else height(surface, line, 0, tiles, walk.range_m[k - 1])
+                    above = walk.range_m[k] * (risen - tangent)
+                    below = walk.range_m[k - 1] * max(tangent - walk.rise[k - 1] * before + walk.fall[k - 1], 0.0)
+                    length = (walk.range_m[k] - walk.range_m[k - 1]) * above / (below + above + 1e-30)
+                sample[found], piece[found, 0], piece[found, 1] = k, length, risen
+                found += 1
+                tangent = risen
+                if tangent >= top:
+                    break
+        i += count
+    return found, (i if tangent < top else end), tangent
 
 
-@njit
+@kernel
 def shade_line(
     walk: Walk,
     frame: Frame,
     surface: Surface,
     optics: FacetOptics,
     sight: Sight,
-    thermal: ThermalLine,
+    tables: tuple[ThermalLine, DiscLine],
     level: int,
     line: Course,
     sunward: Course,
@@ -304,11 +294,11 @@ def shade_line(
 
     ``pieces``: their number, samples and extents as :func:`walk_line` found them, and room for what they send.
 
-    ``thermal`` is the line's table of :func:`~seaglint.render.facet.thermal_along`; ``sunward`` the course
-    from the sensor's foot to the Sun.
+    ``tables`` are the line's :func:`~seaglint.render.facet.thermal_along` and :func:`~seaglint.render.facet.disc_line`; ``sunward`` the
+    course from the sensor's foot to the Sun.
     """
     count, sample, piece, light = pieces
-    paths = (walk.coefficients, walk.sun_coefficients)
+    thermal, disc = tables
     below = lowest
     march = (walk.shadow[level, 0], walk.shadow[level, 1])
     for j in range(count):
@@ -324,7 +314,8 @@ def shade_line(
             cosine_arc, reach, _ = bend(r)
             sine_arc = reach * (1.0 / EFFECTIVE_EARTH_RADIUS)
             grazing = (-cosine * (tangent * cosine_arc + sine_arc), cosine * (cosine_arc - tangent * sine_arc))
-            warm, solar, factor = facet_radiance(optics, thermal, paths, (p, f), sight, grazing, slope)
+            warm = facet_thermal(optics.tables.axes, thermal, walk.coefficients, (p, f), sight, grazing[0], slope)
+            solar, factor = facet_sunlight(optics, disc, walk.sun_coefficients, (p, f), sight, grazing, slope)
             if march[0] > 0.0 and solar > NEGLIGIBLE_SUN * warm:
                 share = sun_share(surface, level, line, sunward, r, march, optics.sunlight)
                 solar *= share
@@ -347,7 +338,7 @@ def shade_line(
         before, here = (here, after) if after != here else (0.5 * (low + high), 0.5 * (low + high))
 
 
-@njit
+@kernel
 def add_sky(frame: Frame, tangent: float, weight: float, images: np.ndarray) -> None:
     """Fill the rows above the horizon that a line ended with."""
     upper = (frame.top - elevation(tangent)) * frame.per_radian
@@ -373,6 +364,7 @@ def sweep_columns(
     Columns do not depend on each other; :func:`seaglint._jit.in_threads` shares them out.
     """
     sample, piece, light = np.empty(BUFFER, np.int64), np.empty((BUFFER, 2)), np.empty((BUFFER, 3))
+    strip, disc_rows = new_strip(), np.empty(DISC_ROWS)
     for column in range(part[0], part[1]):
         image = images[column]
         image[:] = 0.0
@@ -386,11 +378,11 @@ def sweep_columns(
             for j in range(lines):
                 sight = line_of_sight(optics, azimuths[column] + width * ((j + 0.5) / lines - 0.5))
                 line = course(surface, level, -sight.east, -sight.north)
-                thermal = thermal_along(optics.tables, sight)
+                tables = (thermal_along(optics.tables, sight), disc_line(optics, sight, disc_rows))
                 i = first
                 while i < end:
                     horizon = (tangents[j], frame.top_tangent)
-                    count, i, tangent = walk_line(walk, surface, level, line, (i, end), horizon, sample, piece)
+                    count, i, tangent = walk_line(walk, surface, level, line, (i, end), horizon, strip, sample, piece)
                     # apart from the walk, so that the look-ups of one piece can overlap with those of the next
                     pieces = (count, sample, piece, light)
                     shade_line(
@@ -399,7 +391,7 @@ def sweep_columns(
                         surface,
                         optics,
                         sight,
-                        thermal,
+                        tables,
                         level,
                         line,
                         sunward,
@@ -413,3 +405,12 @@ def sweep_columns(
                     tangents[j] = tangent
         for tangent in tangents:
             add_sky(frame, tangent, 1.0 / tangents.shape[0], image)
+
+
+@njit_parallel
+def upright(columns: np.ndarray, total: np.ndarray, sun: np.ndarray) -> None:
+    """Turn columns (columns, 3, rows) into the images ``total`` and ``sun`` (rows, columns)."""
+    for part in numba.prange((total.shape[0] + 15) // 16):
+        for column in range(total.shape[1]):
+            for row in range(16 * part, min(16 * part + 16, total.shape[0])):
+                total[row, column], sun[row, column] = columns[column, 0, row], columns[column, 1, row]

@@ -18,7 +18,7 @@ import numba
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint._jit import njit, njit_parallel
+from seaglint._jit import kernel, njit, njit_parallel
 from seaglint.conventions import FloatArray, wrap_angle
 from seaglint.errors import DomainError
 from seaglint.render.camera import Camera
@@ -226,7 +226,7 @@ def cut(poly: np.ndarray, n: int, axis: int, bound: float, sign: float, out: np.
     return count
 
 
-@njit
+@kernel
 def area(poly: np.ndarray, n: int) -> float:
     """Area of a polygon."""
     twice = 0.0

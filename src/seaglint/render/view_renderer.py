@@ -21,6 +21,7 @@ from seaglint.render.direct import DirectWalk, Eye, lattices_of, rays_per_side, 
 from seaglint.render.platform import Pose, Track
 from seaglint.render.renderer import CREST, SHORTEST_WAVE_COLUMNS, SUBMERGED, Radiances, Renderer, facet_slopes, require_above
 from seaglint.render.sparkle import Sparkles, sparkle_rows
+from seaglint.render.sweep import sight_lines
 from seaglint.render.view import (
     Attitude,
     Cells,
@@ -322,7 +323,8 @@ def adapted(renderer: Renderer, eye: Camera) -> Renderer:
     out._sparkle_rows = sparkle_rows(eye)
     walk = out._walk
     if walk is not None and eye.height != renderer.camera.height:
-        out._walk = walk._replace(height=eye.height)
+        rise, fall = sight_lines(walk.range_m, eye.height)
+        out._walk = walk._replace(rise=rise, fall=fall)
     return out
 
 

@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erf
 
-from seaglint._jit import njit
+from seaglint._jit import kernel, njit
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 
@@ -45,6 +45,7 @@ LIT_BANDS: Final = 3
 _MOST_BANDS: Final = 64
 """At 64 bands the ratio is within 10 % of the limit without end, and the quadrature still resolves one band."""
 
+_ONE: Final = np.uint64(1)
 _STEP: Final = 0.05
 _REACH: Final = 6.5
 HIGHEST: Final = 6.0
@@ -99,7 +100,7 @@ def ratio_table(bands: int = BANDS) -> FloatArray:
     return np.stack([_log_ratio(t, _STEP * (row - 1.0), bands) for row in range(_ROWS)])
 
 
-@njit
+@kernel
 def _cubic(f: float, a: float, b: float, c: float, d: float) -> float:
     """Cubic through four even points, at ``f`` of the way between the middle two."""
     return (
@@ -110,7 +111,7 @@ def _cubic(f: float, a: float, b: float, c: float, d: float) -> float:
     )
 
 
-@njit
+@kernel
 def nested_ratio_kernel(slope: float, edge: float, deviation: float, table: FloatArray) -> float:
     """Visible density of a nested sea over Smith's; see :func:`nested_ratio`.
 
@@ -129,17 +130,19 @@ def nested_ratio_kernel(slope: float, edge: float, deviation: float, table: Floa
     return math.exp(_cubic(f, a, b, c, d))
 
 
-@njit
+@kernel
 def nested_exponent_kernel(slope: float, edge: float, deviation: float, table: FloatArray) -> float:
     """Logarithm of :func:`nested_ratio_kernel`, interpolated linearly: within 1e-3, for hot loops."""
     if table.shape[0] == 0 or edge >= HIGHEST * deviation:
         return 0.0
     column = (min(max(slope / deviation, -_REACH), _REACH) + _REACH) / _STEP + 1.0
     row = max(edge, 0.0) / deviation / _STEP + 1.0
-    i, j = min(int(row), table.shape[0] - 2), min(int(column), table.shape[1] - 2)
-    f, g = row - i, column - j
-    low = table[i, j] + g * (table[i, j + 1] - table[i, j])
-    high = table[i + 1, j] + g * (table[i + 1, j + 1] - table[i + 1, j])
+    # unsigned addresses are spared the compiler's care for those that count from the end
+    i, j = np.uint64(min(int(row), table.shape[0] - 2)), np.uint64(min(int(column), table.shape[1] - 2))
+    i1, j1 = np.uint64(i + _ONE), np.uint64(j + _ONE)
+    f, g = row - float(i), column - float(j)
+    low = table[i, j] + g * (table[i, j1] - table[i, j])
+    high = table[i1, j] + g * (table[i1, j1] - table[i1, j])
     return float(low + f * (high - low))
 
 
@@ -206,12 +209,12 @@ _PAIR_SHARES: Final = 33
 """Table of :func:`lit_table`: elevations of viewer and Sun in rms slopes, and the slope's place between the two edges."""
 
 
-@njit
+@kernel
 def _area_kernel(x: float) -> float:
     return float(0.5 * x * math.erfc(-x / math.sqrt(2.0)) + math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi))
 
 
-@njit
+@kernel
 def _onward(view: float, sun: float, width: float) -> float:
     """Seen and lit share of a band's facets per projected area, ``1/[(1 + Lambda_v + Lambda_s) (v_z - v_h . s_0)]``, about a tilt from
     which viewer and Sun stand ``view`` and ``sun`` above the facet (cotangents).
@@ -298,7 +301,7 @@ def lit_table(bands: int = LIT_BANDS) -> FloatArray:
     return out
 
 
-@njit
+@kernel
 def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray) -> float:
     """Logarithm of the share of seen facets that are lit, over that of Smith's law for two legs; linear in the table.
 
@@ -308,12 +311,14 @@ def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray
     a, b = min(max(view, 0.0), _PAIR_TOP), min(max(sun, 0.0), _PAIR_TOP)
     x, y = a * ((_PAIR_NODES - 1) / _PAIR_TOP), b * ((_PAIR_NODES - 1) / _PAIR_TOP)
     z = min(max((slope + b) / max(a + b, 2e-3), 0.0), 1.0) * (_PAIR_SHARES - 1)
-    i, j, k = min(int(x), _PAIR_NODES - 2), min(int(y), _PAIR_NODES - 2), min(int(z), _PAIR_SHARES - 2)
-    f, g, h = x - i, y - j, z - k
-    p = table[i, j, k] + h * (table[i, j, k + 1] - table[i, j, k])
-    q = table[i, j + 1, k] + h * (table[i, j + 1, k + 1] - table[i, j + 1, k])
-    r = table[i + 1, j, k] + h * (table[i + 1, j, k + 1] - table[i + 1, j, k])
-    t = table[i + 1, j + 1, k] + h * (table[i + 1, j + 1, k + 1] - table[i + 1, j + 1, k])
+    i, j = np.uint64(min(int(x), _PAIR_NODES - 2)), np.uint64(min(int(y), _PAIR_NODES - 2))
+    k = np.uint64(min(int(z), _PAIR_SHARES - 2))
+    i1, j1, k1 = np.uint64(i + _ONE), np.uint64(j + _ONE), np.uint64(k + _ONE)
+    f, g, h = x - float(i), y - float(j), z - float(k)
+    p = table[i, j, k] + h * (table[i, j, k1] - table[i, j, k])
+    q = table[i, j1, k] + h * (table[i, j1, k1] - table[i, j1, k])
+    r = table[i1, j, k] + h * (table[i1, j, k1] - table[i1, j, k])
+    t = table[i1, j1, k] + h * (table[i1, j1, k1] - table[i1, j1, k])
     low, high = p + g * (q - p), r + g * (t - r)
     return float(low + f * (high - low))
 

@@ -30,7 +30,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint._jit import njit
+from seaglint._jit import kernel, njit
 from seaglint.errors import DomainError
 from seaglint.sea.slopes import SlopeStatistics, gram_charlier
 
@@ -59,7 +59,7 @@ class _Series(NamedTuple):
     """Its share of ``A+/d`` against angle (0..pi, rows) and ``x`` [1]."""
 
 
-@njit
+@kernel
 def visible_area_kernel(mean: float, deviation: float) -> float:
     """Mean of ``max(0, X)`` for a normal ``X`` of given mean and standard deviation: A+ with ``m`` and ``d`` of the module's formula."""
     if deviation <= 0.0:
@@ -84,7 +84,7 @@ _NODES_PER_DEVIATION: Final = 16
 _AREA_SERIES: Final = _area_series()
 
 
-@njit
+@kernel
 def quick_visible_area_kernel(mean: float, deviation: float) -> float:
     """:func:`visible_area_kernel` for hot loops: within 1e-5 of it from 4 deviations below the edge up, 0 from 6 below."""
     if mean >= 4.0 * deviation:
@@ -98,7 +98,7 @@ def quick_visible_area_kernel(mean: float, deviation: float) -> float:
     return float(deviation * (g + h * (slope + h * (bend + h * twist))))
 
 
-@njit
+@kernel
 def smith_lambda_kernel(nu: float) -> float:
     """Smith's Lambda for ``nu > 0``; infinite at and past the horizon (``nu <= 0``)."""
     if nu <= 0.0:
@@ -108,7 +108,7 @@ def smith_lambda_kernel(nu: float) -> float:
     return max(0.5 * (math.exp(-nu * nu) / (nu * math.sqrt(math.pi)) - math.erfc(nu)), 0.0)
 
 
-@njit
+@kernel
 def leg_passage_kernel(relative_azimuth: float) -> float:
     """Weight of the second leg's own shadows, 0 for legs on one side to 1 on opposite sides; see :func:`bistatic`."""
     turn = 2.0 * math.pi
@@ -116,7 +116,7 @@ def leg_passage_kernel(relative_azimuth: float) -> float:
     return angle / (4.41 * angle + 1.0) * (4.41 * math.pi + 1.0) / math.pi
 
 
-@njit
+@kernel
 def bistatic_kernel(lambda_view: float, lambda_sun: float, relative_azimuth: float) -> float:
     """Share of facets both seen and lit; see :func:`bistatic`."""
     passage = leg_passage_kernel(relative_azimuth)
@@ -308,7 +308,7 @@ def _clipping(coefficients: tuple[float, float, float, float, float]) -> tuple[f
     return float(part.sum()), float((part * eta).sum()), table
 
 
-@njit
+@kernel
 def _series_area_kernel(zenith: float, turn: float, series: _Series) -> float:
     """A+ of a Gram-Charlier density seen from ``zenith`` at an azimuth ``turn`` from the wind's."""
     cosine, sine = math.cos(zenith), math.sin(zenith)
