@@ -40,13 +40,16 @@ def test_variance_falls_with_range_as_equation_18_says():
     print("variance / Eq. 18: " + ", ".join(f"{r:.3f}" for r in ratio))
     print("deviation / mean: " + ", ".join(f"{s:.4f}" for s in standard))
     assert ratio == pytest.approx(np.ones(8), abs=0.05)
-    assert np.all(np.diff(variance[sea[5:]].reshape(-1, 5)[: sea.size // 5 - 1].mean(axis=1)) > 0.0)  # rows run from the horizon down
+    assert np.all(np.diff([variance[p].mean() for p in parts]) > 0.0)  # rows run from the horizon down
 
 
 @pytest.mark.validation
-@pytest.mark.parametrize("azimuth", [180.0, 215.0], ids=["inside the corridor", "outside"])
-def test_radiances_have_gamma_like_tails(azimuth):
-    """Reflected sunlight over its row's mean: a gamma density fits it better than a Gaussian, tail included."""
+@pytest.mark.parametrize("azimuth", [180.0, 196.0], ids=["inside the corridor", "outside"])
+def test_radiances_have_long_tails(azimuth):
+    """Reflected sunlight over its row's mean: beside the corridor a gamma density fits it, in its middle it lies between that and a Gaussian.
+
+    In the middle every pixel holds many facets that mirror the Sun.
+    """
     scenario = _scenario(sensor={"azimuth_deg": azimuth, "elevation_deg": -3.0, "fov_deg": [4, 2], "pixels": [160, 80]})
     renderer, _ = renderer_and_layout(scenario)
     frames = []
@@ -66,9 +69,13 @@ def test_radiances_have_gamma_like_tails(azimuth):
         + "; share beyond the fit's 0.999 quantile, in thousandths: "
         + ", ".join(f"{name} {t:.2f}" for name, t in tail.items())
     )
-    assert distance["gamma"] < 0.6 * distance["gaussian"]
-    assert skewness > 0.3
-    assert abs(np.log(tail["gamma"])) < abs(np.log(tail["gaussian"]))
+    assert tail["gamma"] < 1.0 < tail["gaussian"]
+    if azimuth == 180.0:
+        assert skewness > 0.1
+        assert distance["gamma"] < 0.1
+    else:
+        assert skewness > 2.0
+        assert distance["gamma"] < 0.25 * distance["gaussian"]
 
 
 @pytest.mark.validation
