@@ -22,8 +22,22 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "performance.md"
 
-FRAME = """
-import json, resource, statistics, sys, time
+PEAK = """
+def peak_memory():
+    # of this program alone: what getrusage tells begins with the size of the one that started it
+    try:
+        with open("/proc/self/status") as status:
+            return next(int(line.split()[1]) for line in status if line.startswith("VmHWM")) / 1024.0
+    except OSError:
+        import resource
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
+"""
+"""Peak memory of a process [MB], for the programs below."""
+
+FRAME = (
+    PEAK
+    + """
+import json, statistics, sys, time
 from seaglint.pipeline.render import renderer_and_layout
 from seaglint.scenario.load import load_scenario, parse_scenario
 scenario = load_scenario(sys.argv[1]) if sys.argv[1].endswith(".toml") else parse_scenario(json.loads(sys.argv[1]))
@@ -35,9 +49,9 @@ for frame in range(int(sys.argv[2])):
     start = time.perf_counter()
     renderer.radiances(frame / 25.0)
     seconds.append(time.perf_counter() - start)
-peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-print(json.dumps({"ready": ready, "first": seconds[0], "frame": statistics.median(seconds), "peak": peak}))
+print(json.dumps({"ready": ready, "first": seconds[0], "frame": statistics.median(seconds), "peak": peak_memory()}))
 """
+)
 
 MAP = """
 import json, statistics, time

@@ -46,7 +46,7 @@ def test_variance_falls_with_range_as_equation_18_says():
 @pytest.mark.validation
 @pytest.mark.parametrize("azimuth", [180.0, 196.0], ids=["inside the corridor", "outside"])
 def test_radiances_have_long_tails(azimuth):
-    """Reflected sunlight over its row's mean: beside the corridor a gamma density fits it, in its middle it lies between that and a Gaussian.
+    """Reflected sunlight over its row's mean: beside the corridor a gamma density fits it, in the middle its tail lies between both.
 
     In the middle every pixel holds many facets that mirror the Sun.
     """

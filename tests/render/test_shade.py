@@ -2,12 +2,16 @@
 
 import numpy as np
 import pytest
-from render_scenes import bilinear, one_tile
+from render_scenes import bilinear, camera, elfouhaily, one_tile, sea_view
 
+from seaglint.atmosphere.vacuum import VacuumAtmosphere
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.render import renderer
 from seaglint.render.facet import sunlight
+from seaglint.render.renderer import Renderer
 from seaglint.render.shade import disc_share, sun_share
 from seaglint.render.surface import course, surface_of
+from seaglint.sea.cox_munk import cox_munk_anisotropic
 
 
 @pytest.mark.kernel
@@ -48,3 +52,18 @@ def test_share_of_the_sun_is_that_above_the_skyline(sun_zenith_deg):
     assert 0.05 < np.mean(expected) < 0.98  # some of both
     # skipped samples cannot reach the ray; where they graze it the skyline is that of the samples looked at
     np.testing.assert_allclose(found, expected, atol=0.02)
+
+
+def test_shadows_that_are_not_looked_for_are_next_to_nothing(monkeypatch):
+    """Where Smith's law leaves less than a thousandth of the sea in shadow, rays to the Sun change the glint by hardly more."""
+    waves, slopes = elfouhaily(8.0, travel_deg=180.0), cox_munk_anisotropic(8.0, np.pi)
+    view = sea_view(VacuumAtmosphere.for_band(3.5, 5.0), slopes, 20.0, 68.0)
+    eye = camera(20.0, -2.0, -8.0, 60, width=4.0, columns=24)
+    with_none = Renderer(view, eye, waves)
+    monkeypatch.setattr(renderer, "NEGLIGIBLE_SHADOW", 0.0)
+    with_all = Renderer(view, eye, waves)
+    assert with_none._walk.shadow[:, 0].max() == 0.0
+    assert with_all._walk.shadow[:, 0].min() > 0.0
+    skipped, looked_for = with_none.radiances(0.0).sun.mean(dtype=float), with_all.radiances(0.0).sun.mean(dtype=float)
+    assert looked_for <= skipped
+    assert looked_for == pytest.approx(skipped, rel=3e-3)

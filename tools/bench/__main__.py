@@ -36,15 +36,18 @@ SHORT = FIG12 | {"sea": {"shortest_wave_m": 0.05}, "render": {"tile_size": 512}}
 
 BASE = {"sensor": {"pixels": [512, 256], "fov_deg": [16, 8], "elevation_deg": -3.6}, "wind": {"speed_m_s": 10}}
 
-MEMORY = """
-import json, resource, sys
+MEMORY = (
+    measure_performance.PEAK
+    + """
+import json, sys
 from seaglint.pipeline.render import renderer_and_layout
 from seaglint.scenario.load import parse_scenario
 renderer, _ = renderer_and_layout(parse_scenario(json.loads(sys.argv[1])))
 for frame in range(2):
     renderer.radiances(frame / 25.0)
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0)
+print(peak_memory())
 """
+)
 
 
 def merged(base: dict[str, Any], **changes: dict[str, Any]) -> dict[str, Any]:
