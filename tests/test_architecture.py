@@ -157,6 +157,21 @@ def test_kernels_that_count_no_references_return_no_arrays() -> None:
     assert len(found) > 50
 
 
+def test_kernels_that_count_no_references_make_no_arrays() -> None:
+    """Nor call anything compiled that does: nobody would free it."""
+    compiled: dict[str, ast.FunctionDef] = {}
+    for path in sorted(SOURCE.rglob("*.py")):
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.FunctionDef) and is_kernel(node):
+                compiled[node.name] = compiled.get(node.name, node)
+    counted = {name for name, node in compiled.items() if "kernel" not in map(ast.unparse, node.decorator_list)}
+    makers = {"empty", "zeros", "ones", "full", "array", "arange", "repeat", "concatenate", "copy", "empty_like", "zeros_like", "reshape"}
+    for name, node in compiled.items():
+        if name not in counted:
+            calls = {ast.unparse(call.func).rpartition(".")[2] for call in ast.walk(node) if isinstance(call, ast.Call)}
+            assert not calls & (counted | makers), name
+
+
 def tracked_files() -> list[Path]:
     """Files under version control; of a source archive without it, none."""
     if not (ROOT / ".git").exists():

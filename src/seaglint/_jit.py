@@ -14,24 +14,28 @@ import numba
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+# Said outright in every case: a function takes over what is left unsaid from the one that happens to be compiled with it.
+COUNTED: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "forceinline": False, "_nrt": True}
+UNCOUNTED: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "forceinline": True, "_nrt": False}
+
+
 def kernel(function: F) -> F:
-    """Compile a scalar kernel that neither makes nor returns arrays, to be inlined where it is called.
+    """Compile a scalar kernel that neither makes nor returns arrays and calls kernels alone, to be inlined where it is called.
 
     It counts no references to the arrays it is handed: in a call every few nanoseconds, with arrays in its arguments, counting them costs
     more than the arithmetic.
     """
-    options: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "forceinline": True, "_nrt": False}
-    return cast(F, numba.njit(**options)(function))
+    return cast(F, numba.njit(**UNCOUNTED)(function))
 
 
 def njit(function: F) -> F:
     """Compile a function; cached on disk, IEEE arithmetic (bytes must not depend on optimisation flags)."""
-    return cast(F, numba.njit(cache=True, error_model="numpy", nogil=True)(function))
+    return cast(F, numba.njit(**COUNTED)(function))
 
 
 def njit_parallel(function: F) -> F:
     """Compile a launcher whose outer loop is ``numba.prange``; iterations must be independent of each other."""
-    return cast(F, numba.njit(cache=True, error_model="numpy", parallel=True, nogil=True)(function))
+    return cast(F, numba.njit(parallel=True, **COUNTED)(function))
 
 
 SHARES_PER_THREAD = 8

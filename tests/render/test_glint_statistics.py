@@ -94,6 +94,7 @@ def test_waves_change_glint_and_shadow_within_about_a_second(sun_zenith):
     correlation = np.array([(frames[: 60 - k] * frames[k:]).mean() for k in range(30)])
     correlation /= correlation[0]
     below = int(np.argmax(correlation < np.exp(-1.0)))
+    assert below > 0
     share = (correlation[below - 1] - np.exp(-1.0)) / (correlation[below - 1] - correlation[below])
     time = 0.1 * (below - 1 + share)
     print(f"Sun {sun_zenith:g}: {time:.2f} s")

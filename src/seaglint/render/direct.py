@@ -15,12 +15,13 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint._jit import kernel, njit_parallel
+from seaglint._jit import kernel, njit, njit_parallel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith_of_range
 from seaglint.radiance.glint import visible_sun
 from seaglint.radiance.mean import SeaView, band_grid
 from seaglint.render.facet import (
+    DiscLine,
     FacetOptics,
     FacetTables,
     Roughness,
@@ -190,13 +191,20 @@ def sun_share(sea: Lattices, east: float, north: float, sun: Sunlight, height: n
     return 1.0 if skyline <= low else disc_share((sun.elevation - math.atan(skyline)) / SOLAR_ANGULAR_RADIUS)
 
 
-@kernel
+@njit
 def ray(
-    sea: Lattices, eye: Eye, optics: FacetOptics, thermal: np.ndarray, air: Air, direction: np.ndarray, values: np.ndarray
+    sea: Lattices,
+    eye: Eye,
+    optics: FacetOptics,
+    disc: DiscLine,
+    thermal: np.ndarray,
+    air: Air,
+    direction: np.ndarray,
+    values: np.ndarray,
 ) -> tuple[float, float]:
     """Radiance and its solar part along a unit vector (east, north, up) [W m-2 sr-1].
 
-    ``thermal`` is the table, azimuth first; ``values`` (3,) is a buffer.
+    ``disc`` is that of single rays; ``thermal`` the table, azimuth first; ``values`` (3,) a buffer.
     """
     rise = direction[2]
     run = math.sqrt(direction[0] * direction[0] + direction[1] * direction[1])
@@ -222,7 +230,7 @@ def ray(
     warm = facet_thermal(axes, thermal_line(thermal[ix]), air.coefficients, (i, 0.0), sight, sine, slope)
     if fx > 1e-9:
         warm += fx * (facet_thermal(axes, thermal_line(thermal[ix + 1]), air.coefficients, (i, 0.0), sight, sine, slope) - warm)
-    solar, _ = facet_sunlight(optics, no_disc_line(), air.sun_coefficients, (i, 0.0), sight, grazing, slope)
+    solar, _ = facet_sunlight(optics, disc, air.sun_coefficients, (i, 0.0), sight, grazing, slope)
     if solar > 0.0 and sea.steepest > optics.sunlight.lower_tangent:
         solar *= sun_share(sea, eye.east - arc * sight.east, eye.north - arc * sight.north, optics.sunlight, values[:1])
     return warm + air.path[i] + solar, solar
@@ -246,7 +254,7 @@ def walk_pixels(
     columns = corner.shape[1] - 1
     for p in numba.prange(pixels.shape[0]):
         optics = FacetOptics(sunlight, roughness, tables)
-        direction, values = np.empty(3), np.empty(3)
+        direction, values, disc = np.empty(3), np.empty(3), no_disc_line()
         row, column = pixels[p] // columns, pixels[p] % columns
         n = samples[p]
         total, solar = 0.0, 0.0
@@ -259,7 +267,7 @@ def walk_pixels(
                 direction[k] = (1.0 - f) * upper + f * lower
                 norm += direction[k] * direction[k]
             direction /= math.sqrt(norm)
-            one, sun = ray(sea, eye, optics, thermal, air, direction, values)
+            one, sun = ray(sea, eye, optics, disc, thermal, air, direction, values)
             total += one
             solar += sun
         out[0, pixels[p]] = total / (n * n)

@@ -60,7 +60,7 @@ NEGLIGIBLE_EXPONENT = 30.0
 """Slope densities below exp(-30) of their peak are taken as zero: 1e-13 of the glint's."""
 
 DISC_ROWS = (17, 6)
-"""Rows of a :class:`DiscLine`, with which the glint is within 1e-3, and their fields."""
+"""Rows of a :class:`DiscLine`, with which the glint is within 1.5e-3, and their fields."""
 
 SHARP_DISC = 0.1
 """Share of the Sun's image in the slope variance from which its sharp edge counts: below it the glint's peak moves by less than 0.4 %."""

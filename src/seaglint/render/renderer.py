@@ -27,7 +27,7 @@ from seaglint.render.facet import (
 )
 from seaglint.render.path_basis import TOGETHER, PathBasis, fewest_terms, path_basis
 from seaglint.render.sparkle import Sparkles, sparkle_columns, sparkle_rows
-from seaglint.render.surface import Surface, calm_surface, course, height, surface_of
+from seaglint.render.surface import LONGEST_STRIP, STRIP, Surface, calm_surface, course, height, surface_of
 from seaglint.render.sweep import PATH_EVERY, Frame, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, sweep_columns, upright
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
@@ -176,6 +176,12 @@ class Renderer:
             self._detail = detail.first(max(used, 1))
             self._begins, shortest = begins[: max(used, 1)], shortest[: max(used, 1)]
             self._steps = shortest / STEPS_PER_WAVE if step is None else shortest * (step / shortest[0])
+            cells = [self._detail.parts[level.parts[-1]].tiles[0].spacing for level in self._detail.levels]
+            if np.any(self._steps * STRIP >= LONGEST_STRIP * np.array(cells)):
+                raise DomainError(
+                    f"step = {self._steps[0]:g} m does not suit lattices of {cells[0]:g} m; "
+                    f"allowed are less than {LONGEST_STRIP // STRIP} cells"
+                )
             if limits is not None:
                 arcs = graded_ranges(*limits, self._begins, self._steps, camera.height, camera.row_step)
         self._walk: Walk | None = None

@@ -27,8 +27,11 @@ SUBCELL_BITS = 16
 
 SUBCELLS = 1 << SUBCELL_BITS
 
-WHOLE_TURNS = 1 << 30
-"""Offset that keeps positions positive; a whole number of periods of any lattice of up to 2**14 points a side."""
+LONGEST_STRIP = 1 << 14
+"""Cells that a strip may pass, and points a side of a lattice: with their parts they fill 31 bits."""
+
+WHOLE_TURNS = LONGEST_STRIP * SUBCELLS
+"""Offset that keeps positions positive; a whole number of periods of any lattice."""
 
 
 class Surface(NamedTuple):
@@ -145,8 +148,8 @@ def slopes(surface: Surface, line: Course, r: float) -> tuple[float, float]:
 def add_heights(surface: Surface, line: Course, j: int, range_m: np.ndarray, first: int, count: int, strip: Strip) -> None:
     """Add the heights of a level's part ``j`` at ``count`` samples of a line, those from ``range_m[first]`` on, to the strip's.
 
-    As :func:`height`, to a ``SUBCELLS``-th of a cell. Addresses are found apart from the reading, in whole numbers of 32 bits, which
-    the processor takes several at a time.
+    As :func:`height`, to a ``SUBCELLS``-th of a cell, for strips of up to :data:`LONGEST_STRIP` cells. Addresses are found apart from
+    the reading, in whole numbers of 32 bits, which the processor takes several at a time.
     """
     v, u = strip.fraction
     p00, p01, p10, p11 = strip.corner
@@ -226,8 +229,8 @@ def surface_of(
     """
     sizes = np.array([z.shape[0] for z in lattices])
     for n in sizes:
-        if n < 4 or n & (n - 1):
-            raise DomainError(f"tiles of {n} points a side cannot be rendered; give a power of two, 4 or more")
+        if n < 4 or n & (n - 1) or n > LONGEST_STRIP:
+            raise DomainError(f"tiles of {n} points a side cannot be rendered; give a power of two from 4 to {LONGEST_STRIP}")
     chosen = levels if levels is not None else (tuple(range(len(lattices))),)
     first, bits = np.concatenate([[0], np.cumsum(sizes**2)]), [int(n).bit_length() - 1 for n in sizes]
     heights, both_slopes = np.empty(first[-1], np.float32), np.empty((first[-1], 2), np.float32)

@@ -160,7 +160,8 @@ def sight_lines(arcs: FloatArray, height: float) -> tuple[FloatArray, FloatArray
     psi = arcs / EFFECTIVE_EARTH_RADIUS
     # straight below the sensor nothing has a tangent: a nanometre aside it is as good as endless
     reach = np.maximum(EFFECTIVE_EARTH_RADIUS * np.sin(psi), 1e-9)
-    return np.cos(psi) / reach, (height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2) / reach
+    below = height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2
+    return (np.cos(psi) + below / EFFECTIVE_EARTH_RADIUS) / reach, below / reach
 
 
 @kernel
