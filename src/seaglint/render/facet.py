@@ -44,7 +44,7 @@ from seaglint.sea.nested import (
     nested_exponent_kernel,
     ratio_table,
 )
-from seaglint.sea.shadowing import leg_passage_kernel, quick_visible_area_kernel
+from seaglint.sea.shadowing import both_legs_kernel, leg_passage_kernel, quick_visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
 INCIDENCE_NODES = 513
@@ -237,20 +237,17 @@ def sun_factor(
         return mirror_factor(sun, ve, vn, vz, slope_east, slope_north), cosine
     per_mz = 1.0 / mz
     se, sn = -(ve + sun.east) * per_mz, -(vn + sun.north) * per_mz
+    covariance = (0.0, 0.0, 0.0)
     if line.rows.shape[0] > 0:
         disc = disc_at(line, per_mz)
-        de, dn = se + disc.east - slope_east, sn + disc.north - slope_north
-        exponent = disc.ee * de * de + disc.en * de * dn + disc.nn * dn * dn
-        if exponent > NEGLIGIBLE_EXPONENT:
-            return 0.0, 0.0
     else:
         disc, covariance = disc_of(sun, rough, mz, se, sn)
-        de, dn = se + disc.east - slope_east, sn + disc.north - slope_north
-        exponent = disc.ee * de * de + disc.en * de * dn + disc.nn * dn * dn
-        if exponent > NEGLIGIBLE_EXPONENT:
-            return 0.0, 0.0
-        if sharp(rough, covariance):
-            exponent += disc_edge(covariance, rough, (de, dn))
+    de, dn = se + disc.east - slope_east, sn + disc.north - slope_north
+    exponent = disc.ee * de * de + disc.en * de * dn + disc.nn * dn * dn
+    if exponent > NEGLIGIBLE_EXPONENT:
+        return 0.0, 0.0
+    if sharp(rough, covariance):
+        exponent += disc_edge(covariance, rough, (de, dn))
     tan2 = se * se + sn * sn
     tilt = sight.east * slope_east + sight.north * slope_north
     above = (vz - horizontal * tilt, sun.up - sun.east * slope_east - sun.north * slope_north)
@@ -286,7 +283,7 @@ def shadowed(
         return area, ratio
     lambda_sun = quick_visible_area_kernel(sun, deviation[1]) / sun - 1.0
     lambda_view = area / view - 1.0
-    return view * (1.0 + max(lambda_view, lambda_sun) + sight.passage * min(lambda_view, lambda_sun)), ratio
+    return view / both_legs_kernel(lambda_view, lambda_sun, sight.passage), ratio
 
 
 @kernel

@@ -191,13 +191,13 @@ def add_heights(surface: Surface, line: Course, j: int, range_m: np.ndarray, fir
 
 
 @kernel
-def lay_squares(lattice: np.ndarray, bits: int, height: np.ndarray, slope: np.ndarray) -> None:
-    """Lay a lattice (n, n, 3) of ``2**bits`` points a side out in squares of 4 x 4, as :class:`Surface` has them."""
-    size = 1 << bits
+def lay_squares(lattice: np.ndarray, height: np.ndarray, slope: np.ndarray) -> None:
+    """Lay a lattice (n, n, 3) out in squares of 4 x 4 points, as :class:`Surface` has them."""
+    size = lattice.shape[0]
     for y in range(size):
-        row = ((y >> 2) << (bits + 2)) + ((y & 3) << 2)
         for x in range(size):
-            at = row + ((x >> 2) << 4) + (x & 3)
+            row, _, column, _, _, _ = corners(size, float(x), float(y))
+            at = row + column
             height[at], slope[at, 0], slope[at, 1] = lattice[y, x, 0], lattice[y, x, 1], lattice[y, x, 2]
 
 
@@ -234,8 +234,8 @@ def surface_of(
     chosen = levels if levels is not None else (tuple(range(len(lattices))),)
     first, bits = np.concatenate([[0], np.cumsum(sizes**2)]), [int(n).bit_length() - 1 for n in sizes]
     heights, both_slopes = np.empty(first[-1], np.float32), np.empty((first[-1], 2), np.float32)
-    for lattice, begin, end, b in zip(lattices, first, first[1:], bits, strict=False):
-        lay_squares(lattice, b, heights[begin:end], both_slopes[begin:end])
+    for lattice, begin, end in zip(lattices, first[:-1], first[1:], strict=True):
+        lay_squares(lattice, heights[begin:end], both_slopes[begin:end])
     c, s = np.cos(turn), np.sin(turn)
     # positions are periodic: small numbers keep their digits
     u, v = (np.mod(p / spacing, sizes) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))

@@ -117,13 +117,18 @@ def leg_passage_kernel(relative_azimuth: float) -> float:
 
 
 @kernel
-def bistatic_kernel(lambda_view: float, lambda_sun: float, relative_azimuth: float) -> float:
-    """Share of facets both seen and lit; see :func:`bistatic`."""
-    passage = leg_passage_kernel(relative_azimuth)
+def both_legs_kernel(lambda_view: float, lambda_sun: float, passage: float) -> float:
+    """Share of facets both seen and lit, for a weight of :func:`leg_passage_kernel`."""
     small, large = min(lambda_view, lambda_sun), max(lambda_view, lambda_sun)
     if large == math.inf:
         return 0.0
     return 1.0 / (1.0 + large + passage * small)
+
+
+@kernel
+def bistatic_kernel(lambda_view: float, lambda_sun: float, relative_azimuth: float) -> float:
+    """Share of facets both seen and lit; see :func:`bistatic`."""
+    return both_legs_kernel(lambda_view, lambda_sun, leg_passage_kernel(relative_azimuth))
 
 
 @njit
