@@ -9,7 +9,7 @@ import xarray as xr
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.pipeline.mean import mean
-from seaglint.pipeline.render import renderer_and_layout
+from seaglint.pipeline.render import prepare_sequence
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.presets import PRESETS
 
@@ -107,7 +107,7 @@ def test_coarse_maps_are_averages_over_their_rows_as_images_are(wind):
     }
     scenario = parse_scenario(raw)
     found = mean(scenario).radiance.to_numpy()
-    image = renderer_and_layout(scenario)[0].radiances(0.0).total
+    image = prepare_sequence(scenario).at(0.0).radiance
     # the bound of the image against the model, with slopes along one direction only (no wind) too
     np.testing.assert_allclose(image[2:], found[2:], rtol=5e-3)
 

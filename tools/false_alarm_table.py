@@ -20,10 +20,12 @@ from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
 from seaglint.conventions import surface_range
 from seaglint.io.columns import write_columns
+from seaglint.pipeline import prepare
 from seaglint.pipeline.analysis.run import ALWAYS
-from seaglint.pipeline.render import renderer_and_layout
+from seaglint.pipeline.render import prepare_sequence
 from seaglint.pipeline.table1 import corridor, scene, sequence, table1
-from seaglint.render.renderer import Renderer
+from seaglint.radiance.mean import SeaView
+from seaglint.render.camera import Camera
 from validation_tables import PAGE, replace, table
 
 WINDS = (2.0, 5.0, 10.0)
@@ -37,10 +39,9 @@ Row = dict[str, float]
 
 def rates(wind: float, sun: float, frames: int) -> list[Row]:
     """Rates of one sea, a row for each band and threshold, far to near."""
-    renderer, layout = renderer_and_layout(scene(wind, sun))
-    mask, steep = corridor(renderer), steepness(renderer, sun)
-    filtered = Laplacian().apply(sequence(renderer, APART * np.arange(frames)))
-    camera = renderer.camera
+    run, camera = prepare_sequence(scene(wind, sun)), prepare.camera(scene(wind, sun))
+    mask, steep = corridor(run.scene.view, camera), steepness(run.scene.view, camera, sun)
+    filtered = Laplacian().apply(sequence(run.scene, APART * np.arange(frames)))
     edges = np.linspace(0, camera.rows, BANDS + 1).astype(int)
     found = []
     for first, last in pairwise(edges):
@@ -51,8 +52,8 @@ def rates(wind: float, sun: float, frames: int) -> list[Row]:
         depression = np.array([-camera.top + camera.row_step * row for row in (first, last)])
         far, near = surface_range(camera.height, depression)
         shares = {
-            f"resolved_share_{way}": float(layout.attributes[f"resolved_mss_{way}"])
-            / float(layout.attributes[f"resolved_mss_{way}"] + layout.attributes[f"facet_mss_{way}"])
+            f"resolved_share_{way}": float(run.layout.attributes[f"resolved_mss_{way}"])
+            / float(run.layout.attributes[f"resolved_mss_{way}"] + run.layout.attributes[f"facet_mss_{way}"])
             for way in ("up", "cross")
         }
         for rate in alarms.rates():
@@ -61,9 +62,9 @@ def rates(wind: float, sun: float, frames: int) -> list[Row]:
     return found
 
 
-def steepness(renderer: Renderer, solar_zenith_deg: float) -> float:
+def steepness(view: SeaView, camera: Camera, solar_zenith_deg: float) -> float:
     """Slope that mirrors the Sun into the middle of the image, in rms slopes along the line of sight [1]."""
-    slopes, camera = renderer.view.slopes, renderer.camera
+    slopes = view.slopes
     tilt = 0.5 * (0.5 * np.pi - np.radians(solar_zenith_deg) + camera.elevation)
     turn = camera.azimuth - slopes.wind_to_azimuth
     variance = slopes.mss_up * np.cos(turn) ** 2 + slopes.mss_cross * np.sin(turn) ** 2

@@ -38,16 +38,16 @@ FRAME = (
     PEAK
     + """
 import json, statistics, sys, time
-from seaglint.pipeline.render import renderer_and_layout
+from seaglint.pipeline.render import prepare_sequence
 from seaglint.scenario.load import load_scenario, parse_scenario
 scenario = load_scenario(sys.argv[1]) if sys.argv[1].endswith(".toml") else parse_scenario(json.loads(sys.argv[1]))
 start = time.perf_counter()
-renderer, _ = renderer_and_layout(scenario)
+run = prepare_sequence(scenario)
 ready = time.perf_counter() - start
 seconds = []
 for frame in range(int(sys.argv[2])):
     start = time.perf_counter()
-    renderer.radiances(frame / 25.0)
+    run.at(frame / 25.0)
     seconds.append(time.perf_counter() - start)
 print(json.dumps({"ready": ready, "first": seconds[0], "frame": statistics.median(seconds), "peak": peak_memory()}))
 """

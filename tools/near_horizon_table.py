@@ -25,8 +25,10 @@ from seaglint.conventions import view_zenith
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.radiance.mean import SeaView, mean_radiance
+from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
-from seaglint.render.renderer import Renderer
+from seaglint.render.scene import image
+from seaglint.render.swept import SweptScene
 from seaglint.sea.cox_munk import cox_munk_anisotropic
 from seaglint.sea.field import WaveField, plan_tiles, resolve_limit
 from seaglint.sea.shadowing import smith_lambda, smith_nu
@@ -77,15 +79,15 @@ def ratios(
     shortest_wave_columns: float = 0.0,
 ) -> list[Ratio]:
     """Ratio of the mean over realisations to the model in ``bands`` of (name, lowest, highest depression) [deg]."""
-    renderer = Renderer(view, camera, waves, step=step, shortest_wave_columns=shortest_wave_columns)
+    accuracy = Accuracy(step=step, shortest_wave_columns=shortest_wave_columns)
+    scene = SweptScene.prepare(view, camera, waves, accuracy=accuracy)
     depression = -np.degrees(camera.elevations)
     rows = [np.flatnonzero((depression >= low) & (depression <= high)) for _, low, high in bands]
     samples = np.empty((len(frames), 2, len(bands)))
     for i, seed in enumerate(frames):
-        renderer.reseed(seed)
-        image = renderer.radiances(0.0)
+        found = image(scene.reseeded(seed), scene.pose, 0.0)
         for j, part in enumerate(rows):
-            samples[i, :, j] = float(image.total[part].mean(dtype=float)), float(image.sun[part].mean(dtype=float))
+            samples[i, :, j] = float(found.radiance[part].mean(dtype=float)), float(found.glint_radiance[part].mean(dtype=float))
     model = mean_radiance(view, camera.elevations, camera.azimuths)
     found = []
     for j, (name, _, _) in enumerate(bands):

@@ -23,7 +23,7 @@ from seaglint.atmosphere.table import TableAtmosphere, models
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.pipeline import prepare
-from seaglint.pipeline.render import renderer_and_layout
+from seaglint.pipeline.render import prepare_sequence
 from seaglint.radiance.mean import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.cox_munk import cox_munk_isotropic
@@ -213,8 +213,8 @@ def departure(scene: dict[str, object], *, flat: bool = False) -> float:
     for top, height, rows in ((-0.5, 1.0, 128), (-1.5, 6.0, 96), (-7.5, 52.5, 320)):
         pixels = {"fov_deg": [60.0, height], "pixels": [12, rows], "elevation_deg": top - 0.5 * height, "pixel_shape": "any"}
         scenario = parse_scenario({**scene, "sensor": {"frames": 1, **pixels}})
-        renderer, _ = renderer_and_layout(scenario)
-        seen = renderer.radiances(0.0).total.astype(np.float64)
+        run = prepare_sequence(scenario)
+        seen = run.at(0.0).radiance.astype(np.float64)
         view, camera = prepare.view(scenario), prepare.camera(scenario)
         if flat:
             expected = float(view.band.radiance(view.sea_temperature, view.atmosphere.wavenumber_cm))

@@ -73,6 +73,8 @@ VARIABLES: Final[dict[str, Variable]] = {
         Variable("north", "m", "distance to the north of the sensor's foot"),
         Variable("tile_u", "m", "distance along a tile's first axis"),
         Variable("tile_v", "m", "distance along a tile's second axis"),
+        Variable("range", "m", "distance from the sensor to the sea, mean over what a pixel sees of it"),
+        Variable("coverage", "1", "share of a pixel that the sea fills", symbol=" "),
         Variable("frame", "1", "number of the frame in the whole sequence, from 0", symbol=" "),
         Variable("frame_done", "1", "1 where the frame has been written completely", symbol=" "),
         Variable("wavelength", "um", "centre of the band", "sensor_band_central_radiation_wavelength", symbol="µm"),
@@ -80,6 +82,9 @@ VARIABLES: Final[dict[str, Variable]] = {
     )
 }
 """Variables by name."""
+
+LAYERS: Final[tuple[str, ...]] = ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "range", "coverage")
+"""Layers that images can have beside ``radiance``."""
 
 ARTICLE_RADIANCE_PER_SI: Final = 100.0
 """uW cm-2 sr-1 per W m-2 sr-1: the unit of the source article, offered beside SI in plots and reports."""

@@ -61,7 +61,9 @@ def fake_render(scenario, output, *, frames=None, threads=None, resume=False, ov
         azimuth, elevation, frames if frames is not None else range(scenario.sensor.frames), scenario.sensor.frame_rate_hz,
         Band.rectangular(3.5, 5.0), attributes=provenance("Noise", scenario.model_dump_json(), scenario.seed),
     )  # fmt: skip
-    return write_sequence(output, layout, lambda number: _image(scenario, number), resume=resume, overwrite=overwrite, progress=progress)
+    return write_sequence(
+        output, layout, lambda number: {"radiance": _image(scenario, number)}, resume=resume, overwrite=overwrite, progress=progress
+    )
 
 
 def fake_mean(scenario):

@@ -30,14 +30,14 @@ def frame(number):
     if number == 2:
         print("at 2", flush=True)
         sys.stdin.readline()
-    return np.full((3, 4), 100 + number, np.float32)
+    return {"radiance": np.full((3, 4), 100 + number, np.float32)}
 
 write_sequence(sys.argv[1], Layout(np.arange(4.0), np.arange(3.0), range(4), 25.0, Band.rectangular(3.5, 5.0)), frame)
 """
 
 
-def frame(number: int) -> np.ndarray:
-    return np.full((3, 4), number, np.float32)
+def frame(number: int) -> dict[str, np.ndarray]:
+    return {"radiance": np.full((3, 4), number, np.float32)}
 
 
 def never(number: int) -> np.ndarray:

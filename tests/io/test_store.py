@@ -33,8 +33,12 @@ def layout(frames=range(5), **attributes) -> Layout:
     )
 
 
-def frame(number: int) -> np.ndarray:
+def pixels(number: int) -> np.ndarray:
     return np.full((ROWS, COLUMNS), number, dtype=np.float32) + np.arange(COLUMNS, dtype=np.float32) / 16
+
+
+def frame(number: int) -> dict[str, np.ndarray]:
+    return {"radiance": pixels(number)}
 
 
 @pytest.fixture
@@ -48,7 +52,7 @@ class Stopper:
     def __init__(self, at: int, action) -> None:
         self.at, self.action, self.asked = at, action, []
 
-    def __call__(self, number: int) -> np.ndarray:
+    def __call__(self, number: int) -> dict[str, np.ndarray]:
         self.asked.append(number)
         if number == self.at:
             self.action()
@@ -64,7 +68,7 @@ def test_what_is_written_is_what_is_read(output):
     with open_sequence(output) as found:
         assert found["radiance"].dims == ("time", "y", "x")
         assert found["radiance"].dtype == np.float32
-        np.testing.assert_array_equal(found["radiance"], np.stack([frame(i) for i in range(5)]))
+        np.testing.assert_array_equal(found["radiance"], np.stack([pixels(i) for i in range(5)]))
         np.testing.assert_allclose(found["time"], np.arange(5) / 25.0, rtol=1e-15)
         np.testing.assert_array_equal(found["azimuth"], layout().azimuth_deg)
         np.testing.assert_array_equal(found["elevation"], layout().elevation_deg)
@@ -80,22 +84,23 @@ def test_a_part_of_a_sequence_keeps_its_frame_numbers_and_times(output):
     with open_sequence(output) as found:
         np.testing.assert_array_equal(found["frame"], [37, 38])
         np.testing.assert_allclose(found["time"], [37 / 25, 38 / 25], rtol=1e-15)
-        np.testing.assert_array_equal(found["radiance"][0], frame(37))
+        np.testing.assert_array_equal(found["radiance"][0], pixels(37))
 
 
 def test_black_frames_are_written_and_missing_ones_are_nan(output):
-    write_sequence(output, layout(), lambda number: np.zeros((ROWS, COLUMNS), np.float32))
+    write_sequence(output, layout(), lambda number: {"radiance": np.zeros((ROWS, COLUMNS), np.float32)})
     with open_sequence(output) as found:
         assert float(abs(found["radiance"]).max()) == 0.0
         assert bool(found["frame_done"].all())
 
 
-def test_derived_variables(output):
+def test_several_variables(output):
     two = replace(layout(), variables=("radiance", "apparent_temperature"))
-    write_sequence(output, two, frame, derived={"apparent_temperature": lambda radiance: 100 + radiance})
+    write_sequence(output, two, lambda number: frame(number) | {"apparent_temperature": 100 + pixels(number), "range": pixels(0)})
     with open_sequence(output) as found:
         np.testing.assert_allclose(found["apparent_temperature"], 100 + found["radiance"], rtol=1e-6)
         assert found["apparent_temperature"].attrs["standard_name"] == "brightness_temperature"
+        assert "range" not in found  # nobody asked for it
 
 
 def test_progress_counts_from_what_is_there(output):
@@ -116,7 +121,7 @@ def test_a_signal_finishes_the_frame_and_resume_goes_on(output, number):
     write_sequence(output, layout(), rest, resume=True)
     assert rest.asked == [3, 4]
     with open_sequence(output) as found:
-        np.testing.assert_array_equal(found["radiance"], np.stack([frame(i) for i in range(5)]))
+        np.testing.assert_array_equal(found["radiance"], np.stack([pixels(i) for i in range(5)]))
 
 
 def test_signals_are_given_back(output):
@@ -154,11 +159,11 @@ def test_pixels_without_their_record_are_computed_again(output, monkeypatch):
     # Killed between the pixels and frame_done: the frame counts as absent.
     real = store._write_frame
 
-    def torn(group, index, radiance, derived):
+    def torn(group, index, images):
         if index == 1:
-            group["radiance"][index] = np.full_like(radiance, 99.0)
+            group["radiance"][index] = np.full((ROWS, COLUMNS), 99.0)
             raise RuntimeError("killed here")
-        real(group, index, radiance, derived)
+        real(group, index, images)
 
     monkeypatch.setattr(store, "_write_frame", torn)
     with pytest.raises(RuntimeError):
@@ -166,17 +171,17 @@ def test_pixels_without_their_record_are_computed_again(output, monkeypatch):
     monkeypatch.undo()
     write_sequence(output, layout(), frame, resume=True)
     with open_sequence(output) as found:
-        np.testing.assert_array_equal(found["radiance"][1], frame(1))
+        np.testing.assert_array_equal(found["radiance"][1], pixels(1))
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EFBIG])
 def test_a_full_disk_is_a_storage_error_and_can_be_resumed(output, monkeypatch, number):
     real = store._write_frame
 
-    def full(group, index, radiance, derived):
+    def full(group, index, images):
         if index == 2:
             raise OSError(number, os.strerror(number))
-        real(group, index, radiance, derived)
+        real(group, index, images)
 
     monkeypatch.setattr(store, "_write_frame", full)
     with pytest.raises(StorageError, match=r"no room left.*--resume") as caught:
@@ -190,7 +195,7 @@ def test_a_full_disk_is_a_storage_error_and_can_be_resumed(output, monkeypatch, 
 
 
 def test_other_errors_of_a_frame_are_not_taken_for_a_full_disk(output):
-    def defect(number: int) -> np.ndarray:
+    def defect(number: int) -> dict[str, np.ndarray]:
         raise OSError(errno.ENOSPC, "raised by the computation, not by writing")
 
     with pytest.raises(OSError, match="by the computation"):
@@ -202,7 +207,7 @@ def test_existing_output_is_refused_and_kept(output):
     with pytest.raises(DataError, match=r"exists already.*--overwrite"):
         write_sequence(output, layout(), lambda number: frame(number + 1))
     with open_sequence(output) as found:
-        np.testing.assert_array_equal(found["radiance"][0], frame(0))
+        np.testing.assert_array_equal(found["radiance"][0], pixels(0))
 
 
 def test_overwrite_keeps_the_old_one_until_the_new_one_is_whole(output):
@@ -210,10 +215,10 @@ def test_overwrite_keeps_the_old_one_until_the_new_one_is_whole(output):
     with pytest.raises(Interrupted):
         write_sequence(output, layout(), Stopper(1, interrupt), overwrite=True)
     with open_sequence(output) as found:
-        np.testing.assert_array_equal(found["radiance"][0], frame(0))
+        np.testing.assert_array_equal(found["radiance"][0], pixels(0))
     write_sequence(output, layout(), lambda number: frame(number + 1), overwrite=True)
     with open_sequence(output) as found:
-        np.testing.assert_array_equal(found["radiance"][0], frame(1))
+        np.testing.assert_array_equal(found["radiance"][0], pixels(1))
     assert [path.name for path in output.parent.iterdir()] == [output.name]
 
 

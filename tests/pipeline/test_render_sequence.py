@@ -6,7 +6,7 @@ import pytest
 
 from seaglint.errors import BackendError, SeaglintError
 from seaglint.io.store import open_sequence
-from seaglint.pipeline.render import render, renderer_and_layout
+from seaglint.pipeline.render import prepare_sequence, render
 from seaglint.scenario.load import parse_scenario
 
 SMALL = {
@@ -38,11 +38,11 @@ def test_frame_37_alone_is_frame_37_of_the_sequence(scenario, tmp_path):
 
 def test_what_is_stored_is_what_the_renderer_makes(scenario, tmp_path):
     stored = open_sequence(render(scenario, tmp_path / "run.zarr", frames=range(2, 3)))
-    renderer, layout = renderer_and_layout(scenario)
-    np.testing.assert_array_equal(stored.radiance.values[0], renderer.radiances(2 / 25.0).total)
-    np.testing.assert_allclose(stored.azimuth, np.degrees(renderer.camera.azimuths))
-    np.testing.assert_allclose(stored.elevation, np.degrees(renderer.camera.elevations))
-    assert layout.frame_rate == 25.0
+    run = prepare_sequence(scenario)
+    np.testing.assert_array_equal(stored.radiance.values[0], run.at(2 / 25.0).radiance)
+    np.testing.assert_allclose(stored.azimuth, np.degrees(run.scene.camera.azimuths))
+    np.testing.assert_allclose(stored.elevation, np.degrees(run.scene.camera.elevations))
+    assert run.layout.frame_rate == 25.0
 
 
 def test_threads_beyond_the_machine_are_refused_and_put_back(scenario, tmp_path):

@@ -12,9 +12,10 @@ from scipy.ndimage import gaussian_filter
 from scipy.stats import binom, norm
 
 from seaglint.io.recording import open_recording
+from seaglint.pipeline import prepare
 from seaglint.pipeline import table1 as table1_module
 from seaglint.pipeline.analysis import Options, analyze
-from seaglint.pipeline.render import renderer_and_layout
+from seaglint.pipeline.render import prepare_sequence
 from seaglint.pipeline.table1 import ARTICLE, Table1, corridor, scene, sequence, table1
 
 
@@ -59,7 +60,7 @@ def test_the_corridor_is_under_the_sun_and_widens_with_wind(monkeypatch: pytest.
     monkeypatch.setattr(table1_module, "PIXELS", (96, 30))
     widths = []
     for wind in (2.0, 10.0):
-        mask = corridor(renderer_and_layout(scene(wind, 70.0))[0])
+        mask = corridor(prepare.view(scene(wind, 70.0)), prepare.camera(scene(wind, 70.0)))
         assert mask[:, 47:49].all()
         assert not mask[:, [0, -1]].any()
         widths.append(mask.mean())
@@ -69,11 +70,11 @@ def test_the_corridor_is_under_the_sun_and_widens_with_wind(monkeypatch: pytest.
 def test_frames_come_at_their_times(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(table1_module, "PIXELS", (48, 16))
     monkeypatch.setattr(table1_module, "SHORTEST_WAVE", 8.0)
-    renderer, _ = renderer_and_layout(scene())
+    run = prepare_sequence(scene())
     told: list[tuple[int, int]] = []
-    images = sequence(renderer, np.array([0.4, 0.0]), lambda done, total: told.append((done, total)))
-    np.testing.assert_array_equal(images[0], renderer.radiances(0.4).total)
-    np.testing.assert_array_equal(images[1], renderer.radiances(0.0).total)
+    images = sequence(run.scene, np.array([0.4, 0.0]), lambda done, total: told.append((done, total)))
+    np.testing.assert_array_equal(images[0], run.at(0.4).radiance)
+    np.testing.assert_array_equal(images[1], run.at(0.0).radiance)
     assert told == [(0, 2), (1, 2), (2, 2)]
 
 

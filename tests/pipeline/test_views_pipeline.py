@@ -10,10 +10,10 @@ from seaglint.errors import ScenarioError
 from seaglint.io.directions import directions
 from seaglint.io.store import open_sequence
 from seaglint.pipeline import memory, prepare
-from seaglint.pipeline.render import render, renderer_and_layout
+from seaglint.pipeline.render import prepare_sequence, render
 from seaglint.plot.preview import draw
-from seaglint.render.renderer import Renderer
-from seaglint.render.view_renderer import ViewRenderer
+from seaglint.render.swept import SweptScene
+from seaglint.render.turned import TurnedScene
 from seaglint.scenario.load import load_scenario, parse_scenario
 
 SENSOR = {"pixels": [12, 8], "fov_deg": [12, 8], "frames": 3, "frame_rate_hz": 2}
@@ -27,10 +27,10 @@ def scenario(sensor=(), **more):
 
 @pytest.mark.parametrize(
     ("sensor", "kind"),
-    [({}, Renderer), ({"roll_deg": 0.0}, Renderer), ({"roll_deg": 1}, ViewRenderer), ({"projection": "pinhole"}, ViewRenderer)],
+    [({}, SweptScene), ({"roll_deg": 0.0}, SweptScene), ({"roll_deg": 1}, TurnedScene), ({"projection": "pinhole"}, TurnedScene)],
 )
 def test_only_what_the_sweep_cannot_show_is_resampled(sensor, kind):
-    assert type(renderer_and_layout(scenario(sensor))[0]) is kind
+    assert type(prepare_sequence(scenario(sensor)).scene) is kind
 
 
 def test_a_turned_image_stores_the_direction_of_every_pixel(tmp_path):
@@ -125,7 +125,7 @@ def test_memory_that_cannot_fit_is_refused_before_anything_is_made(monkeypatch):
     monkeypatch.setattr(memory, "memory_available", lambda: 2_000_000_000)
     big = scenario({"pixels": [24000, 16000], "roll_deg": 1})
     with pytest.raises(ScenarioError, match=r"sensor.pixels = \[24000, 16000\] .* needs about 38\d\.\d GB of memory, and 2.0 GB are free"):
-        renderer_and_layout(big)
+        prepare_sequence(big)
     memory.require_memory(scenario())
     available = memory.memory_available()
     assert available is None or available > 0

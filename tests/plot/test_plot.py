@@ -34,7 +34,7 @@ def sequence(tmp_path: Path, frames, **attributes) -> xr.Dataset:
         band=BAND,
         attributes={"scenario": json.dumps({"sea": {"temperature_k": SEA}}), "seed": 1} | attributes,
     )
-    return open_sequence(write_sequence(tmp_path / "run.zarr", layout, lambda number: frames[number]))
+    return open_sequence(write_sequence(tmp_path / "run.zarr", layout, lambda number: {"radiance": frames[number]}))
 
 
 def blackbody(temperature: float) -> float:

@@ -15,7 +15,13 @@ from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.mean import SeaView
+from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
+from seaglint.render.layers import Layers
+from seaglint.render.scene import Scene, image
+from seaglint.render.sparkle import NO_SPARKLES
+from seaglint.render.swept import SweptScene
+from seaglint.render.turned import TurnedScene
 from seaglint.sea.field import Tile, WaveField, plan_tiles
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 
@@ -91,6 +97,21 @@ def camera(height, top, bottom, rows, *, azimuth=0.0, width=1.0, columns=1) -> C
         columns,
         rows,
     )
+
+
+def swept_scene(view, camera, waves=None, *, layers=(), sparkles=NO_SPARKLES, **accuracy) -> SweptScene:
+    """Scene of an upright camera; further settings are those of its accuracy."""
+    return SweptScene.prepare(view, camera, waves, accuracy=Accuracy(**accuracy), layers=layers, sparkles=sparkles)
+
+
+def turned_scene(view_at, imager, track, waves=None, *, layers=(), **accuracy) -> TurnedScene:
+    """Scene of a camera in any attitude."""
+    return TurnedScene.prepare(view_at, imager, track, waves, accuracy=Accuracy(**accuracy), layers=layers)
+
+
+def shown(scene: Scene, time: float) -> Layers:
+    """What the camera sees at a time [s], from where it is then."""
+    return image(scene, scene.track.at(time) if isinstance(scene, TurnedScene) else scene.pose, time)
 
 
 @cache

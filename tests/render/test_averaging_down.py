@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from seaglint.pipeline.render import renderer_and_layout
+from seaglint.pipeline.render import prepare_sequence
 from seaglint.scenario.load import parse_scenario
 
 PIXELS = (640, 320)
@@ -26,7 +26,7 @@ def _renderer(elevation_deg, factor):
         "sea": {"shortest_wave_m": 0.5},
         "render": render,
     }
-    return renderer_and_layout(parse_scenario(scenario))[0]
+    return prepare_sequence(parse_scenario(scenario))
 
 
 @pytest.mark.validation
@@ -35,10 +35,10 @@ def test_averaging_down_is_rendering_coarse(elevation, factors, mean):
     """Means and variances about the mean of each row; near the horizon facets stand for waves a little less well."""
     images = {factor: [] for factor in (1, *factors)}
     for factor, found in images.items():
-        renderer = _renderer(elevation, factor)
+        first = _renderer(elevation, factor)
         for seed in range(8):
-            renderer.reseed(seed)
-            found.append(renderer.radiances(0.0).total.astype(float))
+            run = first.reseeded(seed)
+            found.append(run.at(0.0).radiance.astype(float))
     fine = np.array(images[1])
     for factor in factors:
         down = fine.reshape(len(fine), PIXELS[1] // factor, factor, PIXELS[0] // factor, factor).mean(axis=(2, 4))

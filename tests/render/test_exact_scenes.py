@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from render_scenes import BAND, SEA_TEMPERATURE, WarmSky, camera, elfouhaily, furnace, sea_view, table_air
+from render_scenes import BAND, SEA_TEMPERATURE, WarmSky, camera, elfouhaily, furnace, sea_view, shown, swept_scene, table_air
 
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import surface_range, view_zenith
@@ -10,7 +10,6 @@ from seaglint.optics import sea_water
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.mean import mean_radiance
-from seaglint.render.renderer import Renderer
 from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.slopes import SlopeStatistics, flat
 
@@ -24,9 +23,9 @@ FURNACE = 1e-4  # the issue's; float32 images hold 6e-8, so anything near this b
     ids=["flat", "isotropic", "directional", "one direction only"],
 )
 def test_white_furnace_of_facets_is_flat(height, slopes):
-    image = Renderer(sea_view(furnace(), slopes, height), camera(height, 4.0, -90.0, 300, width=20.0, columns=4)).radiances(0.0)
-    np.testing.assert_allclose(image.total, BAND.radiance(SEA_TEMPERATURE, furnace().wavenumber_cm), rtol=FURNACE)
-    assert np.all(image.sun == 0.0)
+    image = shown(swept_scene(sea_view(furnace(), slopes, height), camera(height, 4.0, -90.0, 300, width=20.0, columns=4)), 0.0)
+    np.testing.assert_allclose(image.radiance, BAND.radiance(SEA_TEMPERATURE, furnace().wavenumber_cm), rtol=FURNACE)
+    assert np.all(image.glint_radiance == 0.0)
 
 
 @pytest.mark.parametrize(
@@ -44,15 +43,15 @@ def test_white_furnace_with_waves_is_flat(height, wind, bottom):
     """Crests, troughs, sky between crests and the foot of the sensor: every pixel is filled once."""
     waves = elfouhaily(wind, shortest_wave=4.0 if wind > 5.0 else 2.0)
     view = sea_view(furnace(), cox_munk_anisotropic(wind, np.radians(30.0)), height)
-    image = Renderer(view, camera(height, 1.0, bottom, 200, width=10.0, columns=4), waves).radiances(3.0)
-    np.testing.assert_allclose(image.total, BAND.radiance(SEA_TEMPERATURE, furnace().wavenumber_cm), rtol=FURNACE)
+    image = shown(swept_scene(view, camera(height, 1.0, bottom, 200, width=10.0, columns=4), waves), 3.0)
+    np.testing.assert_allclose(image.radiance, BAND.radiance(SEA_TEMPERATURE, furnace().wavenumber_cm), rtol=FURNACE)
 
 
 @pytest.mark.parametrize("air", [WarmSky.for_band(BAND.min_um, BAND.max_um), table_air(7.0)], ids=["warm sky", "table"])
 def test_flat_sea_is_fresnel_times_sky_plus_emission(air):
     height, nu = 30.0, air.wavenumber_cm
     eye = camera(height, -0.4, -70.0, 1500)
-    total = Renderer(sea_view(air, flat(), height, sun_zenith=120.0), eye).radiances(0.0).total[:, 0]
+    total = shown(swept_scene(sea_view(air, flat(), height, sun_zenith=120.0), eye), 0.0).radiance[:, 0]
     depression = -eye.elevations
     theta, arc = view_zenith(height, depression), surface_range(height, depression)
     rho = reflectance(np.cos(theta)[:, None], sea_water.hale_querry_sea().index(nu))
@@ -70,7 +69,7 @@ def test_mirror_sea_shows_the_solar_disc(depression):
     radius = np.degrees(SOLAR_ANGULAR_RADIUS)
     width = 2.6 * radius / np.cos(np.radians(depression))
     eye = camera(height, -depression + 1.3 * radius, -depression - 1.3 * radius, 240, width=width, columns=240)
-    sun = Renderer(sea_view(air, flat(), height, sun_zenith=np.degrees(zenith)), eye).radiances(0.0).sun.astype(float)
+    sun = shown(swept_scene(sea_view(air, flat(), height, sun_zenith=np.degrees(zenith)), eye), 0.0).glint_radiance.astype(float)
     tau = air.transmittance(height, surface_range(height, np.radians(depression)))
     rho = reflectance(np.cos(zenith), sea_water.hale_querry_sea().index(nu))
     irradiance = float((tau * rho * air.solar_irradiance(zenith)) @ BAND.weights(nu))
@@ -97,14 +96,16 @@ def test_without_resolved_waves_the_image_is_the_mean(wind, slopes, sun_zenith, 
     """Two routes to the same average: path basis and facet tables here, spectral sums over facets per row there."""
     bottom = top - 0.03 * rows if top > -1.0 else -60.0
     view, eye = sea_view(table_air(wind), slopes, 50.0, sun_zenith, 5.0), camera(50.0, top, bottom, rows, width=24.0, columns=3)
-    image, model = Renderer(view, eye).radiances(0.0), mean_radiance(view, eye.elevations, eye.azimuths)
-    np.testing.assert_allclose(image.total, model.total, rtol=5e-3)  # the issue's bound, for every pixel
+    image, model = shown(swept_scene(view, eye), 0.0), mean_radiance(view, eye.elevations, eye.azimuths)
+    np.testing.assert_allclose(image.radiance, model.total, rtol=5e-3)  # the issue's bound, for every pixel
     bright = model.sun > 0.1 * model.total
     # the Sun alone: a disc taken as a Gaussian with its fourth cumulants, where it is half as wide as the slopes (Sun at 88 deg)
-    np.testing.assert_allclose(image.sun[bright], model.sun[bright], rtol=8e-3)
+    np.testing.assert_allclose(image.glint_radiance[bright], model.sun[bright], rtol=8e-3)
 
 
 @pytest.mark.parametrize("model", ["us-standard-1976"])
 def test_the_other_atmosphere_and_a_high_sensor_give_the_mean_too(model):
     view, eye = sea_view(table_air(10.0, model), cox_munk_isotropic(10.0), 2500.0, 75.0), camera(2500.0, -2.5, -60.0, 1000)
-    np.testing.assert_allclose(Renderer(view, eye).radiances(0.0).total, mean_radiance(view, eye.elevations, eye.azimuths).total, rtol=5e-3)
+    np.testing.assert_allclose(
+        shown(swept_scene(view, eye), 0.0).radiance, mean_radiance(view, eye.elevations, eye.azimuths).total, rtol=5e-3
+    )

@@ -8,21 +8,13 @@ from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.glint import visible_sun
-from seaglint.render import facet
-from seaglint.render.facet import (
-    FacetOptics,
-    FacetTables,
-    Sight,
-    SlopeQuadrature,
-    roughness_of,
-    sun_factor,
-    sun_terms,
-    sunlight,
-    thermal_axes,
-    thermal_sources,
-    thermal_table,
-)
+from seaglint.render import solar_disc, thermal
+from seaglint.render.facet import FacetOptics, FacetTables, sun_factor
 from seaglint.render.path_basis import TOGETHER, fewest_terms, path_basis
+from seaglint.render.roughness import Sight, line_of_sight, roughness_of
+from seaglint.render.sunlight import sunlight
+from seaglint.render.tables import sun_terms
+from seaglint.render.thermal import SlopeQuadrature, thermal_axes, thermal_sources, thermal_table
 from seaglint.sea.shadowing import leg_passage_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
@@ -43,7 +35,7 @@ def _sight(slopes, azimuth, sun_azimuth):
 
 def _factor(sun, rough, sight, grazing, slope):
     """Glint factor and cosine of incidence of a single ray."""
-    return sun_factor(sun, rough, facet.no_disc_line(), sight, grazing, slope)
+    return sun_factor(sun, rough, solar_disc.no_disc_line(), sight, grazing, slope)
 
 
 def _vector(zenith, azimuth):
@@ -191,8 +183,7 @@ def test_a_table_of_the_disc_along_a_line_of_sight_serves_all_its_facets(sun_zen
     for mss in (3e-4, 3e-3, 0.03):
         slopes = SlopeStatistics(mss, 0.7 * mss, 0.6)
         rough, sight = _roughness(slopes, 0.3), _sight(slopes, 0.45, 0.3)
-        tables = FacetTables(np.zeros((2, 1, 1, 1, 1), np.float32), np.array([[sines[0], 1.0 / np.ptp(sines)]]), np.zeros((2, 1)))
-        line = facet.disc_line(FacetOptics(sun, rough, tables), sight, np.empty(facet.DISC_ROWS))
+        line = solar_disc.disc_line(sun, rough, sight, tuple(sines), np.empty(solar_disc.DISC_ROWS))
         tabled += line.rows.shape[0] > 0
         for sine in np.linspace(*sines, 50):
             grazing = (sine, np.sqrt(1.0 - sine**2))
@@ -240,11 +231,12 @@ ARCS = np.geomspace(20.0, 20_000.0, 50)
 def _optics(basis, view, sun, axes, shape):
     """Facets of a sea with Smith's shadowing and no sunlight on them, and the path's coefficients for their table."""
     rough = roughness_of(view.slopes, sun.azimuth, 1)
-    thermal, coefficients = fewest_terms(
+    table, coefficients = fewest_terms(
         thermal_table(thermal_sources(basis, view), rough, axes, shape, basis.phi.shape[0]), basis.coefficients, TOGETHER
     )
     dark = sun_terms(basis, np.zeros(basis.wavenumber_cm.size), view.water)
-    return FacetOptics(sun, rough, FacetTables(thermal.astype(np.float32), axes, np.ascontiguousarray(dark))), coefficients
+    none = np.zeros((1, 1, 1, 1, 0), np.float32)
+    return FacetOptics(sun, rough, FacetTables(table.astype(np.float32), none, axes, np.ascontiguousarray(dark))), coefficients
 
 
 @pytest.fixture(scope="module")
@@ -270,25 +262,24 @@ def test_thermal_radiance_of_a_facet_is_the_sum_over_its_slopes(basis, tables, t
     """Through table, path basis and band sums together, against direct spectral sums."""
     view, optics, coefficients = tables
     zenith = np.radians(90.0 - grazing_deg)
-    sight = facet.line_of_sight(optics, azimuth)
+    sight = line_of_sight(optics.sunlight, optics.roughness, azimuth)
     where = 30
-    thermal = facet.facet_thermal(
-        optics.tables.axes, facet.thermal_along(optics.tables, sight), coefficients, (where, 0.0), sight, np.cos(zenith), tilt
-    )
+    along = thermal.thermal_along(optics.tables.thermal, optics.tables.axes, sight)
+    found = thermal.facet_thermal(optics.tables.axes, along, coefficients, (where, 0.0), sight, np.cos(zenith), tilt)
     # path basis 7e-4, linear interpolation between the tables' nodes 1e-3, Hermite nodes across
-    assert thermal == pytest.approx(_thermal_by_hand(view, view.slopes, tilt, zenith, azimuth, ARCS[where]), rel=2e-3)
+    assert found == pytest.approx(_thermal_by_hand(view, view.slopes, tilt, zenith, azimuth, ARCS[where]), rel=2e-3)
 
 
 @pytest.mark.kernel
 @pytest.mark.parametrize("tilt", [(0.0, 0.0), (0.2, 0.1), (-0.4, 0.05)])
 def test_facet_average_of_a_uniform_surround_is_one(tilt):
     """A facet whose every light is 1 shows 1, whatever part of its slopes is seen."""
-    ones = facet.ThermalSources(np.full((9, 1), 0.25), np.full((9, 7, 1), 0.75), np.ones(1))
-    nodes, weights = np.polynomial.legendre.leggauss(facet.ALONG_NODES)
-    cross, cross_weights = np.polynomial.hermite_e.hermegauss(facet.CROSS_NODES)
+    ones = thermal.ThermalSources(np.full((9, 1), 0.25), np.full((9, 7, 1), 0.75), np.ones(1))
+    nodes, weights = np.polynomial.legendre.leggauss(thermal.ALONG_NODES)
+    cross, cross_weights = np.polynomial.hermite_e.hermegauss(thermal.CROSS_NODES)
     quadrature = SlopeQuadrature(nodes, weights, cross, cross_weights / cross_weights.sum())
     out = np.empty(1)
-    facet.mean_facet(ones, quadrature, _roughness(DIRECTIONAL, 0.0), (0.6, 0.8), 0.05, tilt, out)
+    thermal.mean_facet(ones, quadrature, _roughness(DIRECTIONAL, 0.0), (0.6, 0.8), 0.05, tilt, out)
     assert out[0] == pytest.approx(1.0, rel=1e-12)
 
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from seaglint.errors import DomainError
-from seaglint.pipeline.render import renderer_and_layout
+from seaglint.pipeline.render import prepare_sequence
+from seaglint.render.swept import SweptScene
 from seaglint.scenario.load import parse_scenario
 
 
@@ -21,17 +22,18 @@ def _scenario(**tables):
 
 def test_facets_with_a_table_for_the_viewer_alone():
     """A quarter of the slopes on facets is more than one band for the viewer, less than one for viewer and Sun."""
-    renderer, _ = renderer_and_layout(_scenario())
-    bands = renderer._facets
-    assert bands is not None
+    run = prepare_sequence(_scenario())
+    assert isinstance(run.scene, SweptScene)
+    assert run.scene.tables is not None
+    bands = run.scene.tables.levels
     assert not bands.smith
     assert bands.lit.shape[1] == 1
-    image = renderer.radiances(0.0)
-    assert np.isfinite(image.total).all()
-    assert image.sun.mean() > 1e-3
+    image = run.at(0.0)
+    assert np.isfinite(image.radiance).all()
+    assert image.glint_radiance.mean() > 1e-3
 
 
 @pytest.mark.parametrize("step", [1e-4, 0.05])
 def test_steps_that_do_not_suit_the_waves_are_refused(step):
     with pytest.raises(DomainError, match=r"render.step_m = .* m does not suit waves down to 0.05"):
-        renderer_and_layout(_scenario(render={"step_m": step}))
+        prepare_sequence(_scenario(render={"step_m": step}))

@@ -6,7 +6,7 @@ import pytest
 from seaglint.clutter.fits import fit
 from seaglint.clutter.goodness import distances
 from seaglint.pipeline import prepare
-from seaglint.pipeline.render import renderer_and_layout
+from seaglint.pipeline.render import prepare_sequence
 from seaglint.radiance.mean import mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.scenario.load import parse_scenario
@@ -25,8 +25,8 @@ def _scenario(**tables):
 def test_variance_falls_with_range_as_equation_18_says():
     """Without resolved waves, to the horizon: variance over time of every pixel against the model of its mean, variance and footprint."""
     scenario = _scenario(sea={"resolve_waves": False}, render={"subpixel_glint": "on"})
-    renderer, _ = renderer_and_layout(scenario)
-    frames = np.array([renderer.radiances(0.5 * k).total for k in range(400)], dtype=float)
+    run = prepare_sequence(scenario)
+    frames = np.array([run.at(0.5 * k).radiance for k in range(400)], dtype=float)
     view, camera = prepare.view(scenario), prepare.camera(scenario)
     found = mean_radiance(view, camera.elevations, camera.azimuths)
     solid_angle = camera.row_step * camera.column_step * np.cos(camera.elevations)
@@ -51,11 +51,10 @@ def test_radiances_have_long_tails(azimuth):
     In the middle every pixel holds many facets that mirror the Sun.
     """
     scenario = _scenario(sensor={"azimuth_deg": azimuth, "elevation_deg": -3.0, "fov_deg": [4, 2], "pixels": [160, 80]})
-    renderer, _ = renderer_and_layout(scenario)
+    run = prepare_sequence(scenario)
     frames = []
     for seed in range(12):
-        renderer.reseed(seed)
-        frames.append(renderer.radiances(10.0 * seed).sun.astype(float))
+        frames.append(run.reseeded(seed).at(10.0 * seed).glint_radiance.astype(float))
     values = np.array(frames)
     values /= values.mean(axis=(0, 2), keepdims=True)
     values = np.sort(values[values > 0.0].ravel())
@@ -88,8 +87,8 @@ def test_waves_change_glint_and_shadow_within_about_a_second(sun_zenith):
         sea={"shortest_wave_m": 2.0},
         render={"tile_size": 256, "subpixel_glint": "off"},
     )
-    renderer, _ = renderer_and_layout(scenario)
-    frames = np.array([renderer.radiances(0.1 * k).sun for k in range(60)], dtype=float)
+    run = prepare_sequence(scenario)
+    frames = np.array([run.at(0.1 * k).glint_radiance for k in range(60)], dtype=float)
     frames -= frames.mean(axis=(0, 2), keepdims=True)
     correlation = np.array([(frames[: 60 - k] * frames[k:]).mean() for k in range(30)])
     correlation /= correlation[0]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from render_scenes import camera, one_tile, sea_view
+from render_scenes import camera, one_tile, sea_view, shown, swept_scene
 
 from bench.scene import facet_bands, renderer, scene
 from ray_marcher import Sea, facets_of, first_hit, mean_radiance, sea_of, visible_slopes
@@ -11,7 +11,6 @@ from seaglint.conventions import horizon_depression, surface_range, view_zenith
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.mean import SeaView, band_grid
 from seaglint.radiance.mean import mean_radiance as model_radiance
-from seaglint.render.renderer import Renderer
 from seaglint.sea.cox_munk import cox_munk_anisotropic
 from seaglint.sea.slopes import SlopeStatistics
 from visibility_ratio import power_law_sea, ratios
@@ -94,7 +93,7 @@ def test_sweep_and_marcher_agree_on_short_steep_waves(sun_zenith):
     slopes = cox_munk_anisotropic(6.0, waves.spectrum.wind_to_azimuth)
     view = sea_view(VacuumAtmosphere.for_band(3.5, 5.0), slopes, 12.0, sun_zenith)
     eye = camera(12.0, -8.0, -11.0, 24, width=2.0, columns=16)
-    image = Renderer(view, eye, waves, step=0.1, most_lines=4, shortest_wave_columns=0.0).radiances(0.5).sun
+    image = shown(swept_scene(view, eye, waves, step=0.1, lines_per_column=4, shortest_wave_columns=0.0), 0.5).glint_radiance
     block = (eye.azimuth, eye.width, eye.elevation, eye.height_angle)
     found, error = mean_radiance(
         sea_of(waves, 0.5),
@@ -115,7 +114,7 @@ def test_sweep_and_marcher_agree_on_short_steep_waves(sun_zenith):
 def test_sweep_and_marcher_agree_on_the_comparison_scene(sun_zenith, rows):
     """Blocks of 16 x 64 pixels of the scene that is compared with the general ray tracer, waves shading waves included."""
     view, eye, waves = scene(sun_zenith)
-    image = renderer(view, eye, waves, step=0.25, detail=0.0).radiances(0.04).sun
+    image = shown(renderer(view, eye, waves, step=0.25, detail=0.0), 0.04).glint_radiance
     columns = slice(480, 544)
     middle = 0.5 * (eye.azimuths[480] + eye.azimuths[543])
     block = (middle, 64 * eye.column_step, 0.5 * (eye.elevations[rows[0]] + eye.elevations[rows[1] - 1]), 16 * eye.row_step)

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from render_scenes import shown, swept_scene
 
 from seaglint.conventions import surface_range
 from seaglint.pipeline import prepare
-from seaglint.render.renderer import Renderer
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.field import Tile, WaveField
 
@@ -46,7 +46,7 @@ def _correlation(renderer):
     lines = []
     for seed in range(SEAS):
         renderer.reseed(seed)
-        image = renderer.radiances(0.0).total[seen].astype(float)
+        image = shown(renderer, 0.0).radiance[seen].astype(float)
         order = np.argsort(arcs[seen])
         lines.append(np.stack([np.interp(ground, arcs[seen][order], column[order]) for column in image.T]))
     lines = np.concatenate(lines)
@@ -62,9 +62,9 @@ def _correlation(renderer):
 @pytest.mark.parametrize("tile_size", [128, 512])
 def test_no_repetition_over_14_km(tile_size):
     view, camera, spectrum, waves = _scene(tile_size)
-    lag, found = _correlation(Renderer(view, camera, waves, most_lines=1, shortest_wave_columns=0.0))
+    lag, found = _correlation(swept_scene(view, camera, waves, lines_per_column=1, shortest_wave_columns=0.0))
     whole = WaveField.create(spectrum, (Tile(16_384.0, 4096, 0.0, 0.0, 2.0 * np.pi / SHORTEST),), 1)
-    _, control = _correlation(Renderer(view, camera, whole, most_lines=1, shortest_wave_columns=0.0))
+    _, control = _correlation(swept_scene(view, camera, whole, lines_per_column=1, shortest_wave_columns=0.0))
     far = lag >= APART
     worst = int(np.argmax((found - control)[far]))
     print(

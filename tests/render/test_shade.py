@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from render_scenes import bilinear, camera, elfouhaily, one_tile, sea_view
+from render_scenes import bilinear, camera, elfouhaily, one_tile, sea_view, shown, swept_scene
 
 from seaglint.atmosphere.vacuum import VacuumAtmosphere
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
-from seaglint.render import renderer
-from seaglint.render.facet import sunlight
-from seaglint.render.renderer import Renderer
 from seaglint.render.shade import disc_share, sun_share
+from seaglint.render.sunlight import sunlight
 from seaglint.render.surface import course, surface_of
 from seaglint.sea.cox_munk import cox_munk_anisotropic
 
@@ -54,16 +52,15 @@ def test_share_of_the_sun_is_that_above_the_skyline(sun_zenith_deg):
     np.testing.assert_allclose(found, expected, atol=0.02)
 
 
-def test_shadows_that_are_not_looked_for_are_next_to_nothing(monkeypatch):
+def test_shadows_that_are_not_looked_for_are_next_to_nothing():
     """Where Smith's law leaves less than a thousandth of the sea in shadow, rays to the Sun change the glint by hardly more."""
     waves, slopes = elfouhaily(8.0, travel_deg=180.0), cox_munk_anisotropic(8.0, np.pi)
     view = sea_view(VacuumAtmosphere.for_band(3.5, 5.0), slopes, 20.0, 68.0)
     eye = camera(20.0, -2.0, -8.0, 60, width=4.0, columns=24)
-    with_none = Renderer(view, eye, waves)
-    monkeypatch.setattr(renderer, "NEGLIGIBLE_SHADOW", 0.0)
-    with_all = Renderer(view, eye, waves)
-    assert with_none._walk.shadow[:, 0].max() == 0.0
-    assert with_all._walk.shadow[:, 0].min() > 0.0
-    skipped, looked_for = with_none.radiances(0.0).sun.mean(dtype=float), with_all.radiances(0.0).sun.mean(dtype=float)
+    with_none = swept_scene(view, eye, waves)
+    with_all = swept_scene(view, eye, waves, negligible_shadow=0.0)
+    assert with_none.tables.walk.shadow[:, 0].max() == 0.0
+    assert with_all.tables.walk.shadow[:, 0].min() > 0.0
+    skipped, looked_for = shown(with_none, 0.0).glint_radiance.mean(dtype=float), shown(with_all, 0.0).glint_radiance.mean(dtype=float)
     assert looked_for <= skipped
     assert looked_for == pytest.approx(skipped, rel=3e-3)

@@ -21,7 +21,6 @@ from seaglint.radiance.mean import mean_radiance
 from seaglint.radiance.variance import glint_variance, sea_variance
 from seaglint.render.camera import Camera
 from seaglint.render.counter import SPACING, cell_key, gamma_deviate, last_event, uniform
-from seaglint.render.facet import sunlight
 from seaglint.render.sparkle import (
     MOST_CELLS,
     NO_SPARKLE,
@@ -34,6 +33,7 @@ from seaglint.render.sparkle import (
     sparkle_of,
     sparkle_rows,
 )
+from seaglint.render.sunlight import sunlight
 from seaglint.scenario.load import parse_scenario
 
 CELL, TIME = 0.01, 0.07
@@ -235,11 +235,11 @@ def test_order_and_threads_do_not_matter() -> None:
         numba.set_num_threads(threads)
         images.append(sparkle_image(sparkle, CAMERA, SUN, variance, 7.7).tobytes())
     numba.set_num_threads(before)
-    alone = np.ones((CAMERA.columns, 3, CAMERA.rows))
-    alone[:, 2] = variance.T
+    alone = np.ones((CAMERA.columns, 1, 3, CAMERA.rows))
+    alone[:, 0, 2] = variance.T
     for column in reversed(range(CAMERA.columns)):
         sparkle_column(sparkle, sparkle_rows(CAMERA), SUN, CAMERA.azimuths[column], (0.0, 0.0), 7.7, alone[column])
-    images.append(np.ascontiguousarray(alone[:, 1].T).tobytes())
+    images.append(np.ascontiguousarray(alone[:, 0, 1].T).tobytes())
     assert len(set(images)) == 1
 
 

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from render_scenes import BAND, RangeFog, bilinear, black_water, camera, elfouhaily, furnace, one_tile, sea_view
+from render_scenes import BAND, RangeFog, bilinear, black_water, camera, elfouhaily, furnace, one_tile, sea_view, shown, swept_scene
 
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import horizon_depression, surface_range
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.render import sweep
-from seaglint.render.renderer import Renderer
+from seaglint.render import sweep, walk
 from seaglint.sea.slopes import SlopeStatistics
 
 BLACK = float(planck_wavenumber(furnace().wavenumber_cm, 288.15) @ BAND.weights(furnace().wavenumber_cm))
@@ -24,14 +23,14 @@ def _fog_view(height):
 def test_calm_ranges_and_horizon_are_those_of_the_conventions(height):
     horizon = np.degrees(horizon_depression(height))
     eye = camera(height, -0.8 * horizon, -3.0 * horizon, 440)
-    shown = Renderer(_fog_view(height), eye).radiances(0.0).total[:, 0] / BLACK
+    seen = shown(swept_scene(_fog_view(height), eye), 0.0).radiance[:, 0] / BLACK
     # fine rays per row: 0 above the horizon, exp(-arc/SCALE) below
     inside = (np.arange(64) + 0.5) / 64 - 0.5
     arcs = surface_range(height, -(eye.elevations[:, None] - inside * eye.row_step))
     expected = np.where(np.isnan(arcs), 0.0, np.exp(-np.nan_to_num(arcs) / RangeFog.SCALE)).mean(axis=1)
     # four pieces per row and a spline over log range
-    np.testing.assert_allclose(shown, expected, rtol=5e-3, atol=2e-3 * expected.max())
-    assert np.all(shown[eye.elevations - 0.5 * eye.row_step > -horizon_depression(height)] == 0.0)
+    np.testing.assert_allclose(seen, expected, rtol=5e-3, atol=2e-3 * expected.max())
+    assert np.all(seen[eye.elevations - 0.5 * eye.row_step > -horizon_depression(height)] == 0.0)
 
 
 def _march(waves, time, height, azimuth, elevations, step, last):
@@ -74,7 +73,7 @@ def test_visible_ranges_match_a_ray_marcher(height, top, bottom, azimuth):
     """One line of sight over steep waves: every row's mean transmittance, where crests hide troughs and stand out against the sky."""
     waves, rows, rays = one_tile(), 40, 24
     eye = camera(height, top, bottom, rows, azimuth=azimuth, width=1e-4)
-    shown = Renderer(_fog_view(height), eye, waves, step=0.05).radiances(7.0).total[:, 0] / BLACK
+    seen = shown(swept_scene(_fog_view(height), eye, waves, step=0.05), 7.0).radiance[:, 0] / BLACK
     inside = (np.arange(rays) + 0.5) / rays - 0.5
     elevations = (eye.elevations[:, None] - inside * eye.row_step).ravel()
     arcs = _march(waves, 7.0, height, np.radians(azimuth), elevations, 0.1, 7000.0 if top > -1.0 else 400.0)
@@ -82,19 +81,19 @@ def test_visible_ranges_match_a_ray_marcher(height, top, bottom, azimuth):
     jumps = np.abs(np.diff(arcs, prepend=arcs[0])) > 10.0
     assert jumps.sum() > 3 or top <= -3.0  # the scene does hide something
     # 24 rays place an edge in a row to 1/48; hidden stretches make such edges
-    np.testing.assert_allclose(shown, expected, rtol=2e-3, atol=0.025)
-    assert shown.mean() == pytest.approx(expected.mean(), rel=3e-3)
+    np.testing.assert_allclose(seen, expected, rtol=2e-3, atol=0.025)
+    assert seen.mean() == pytest.approx(expected.mean(), rel=3e-3)
 
 
 def test_crests_lift_the_horizon_and_troughs_do_not_open_it():
     height = 5.0
     waves = elfouhaily(8.0)
     eye = camera(height, 1.0, -0.6, 320, width=20.0, columns=8)
-    shown = Renderer(_fog_view(height), eye, waves).radiances(0.0).total / BLACK
+    seen = shown(swept_scene(_fog_view(height), eye, waves), 0.0).radiance / BLACK
     calm = -horizon_depression(height)
-    assert shown[eye.elevations > calm + np.arctan(3.0 * waves.significant_height / 1000.0)].max() == 0.0
-    assert (shown > 0.0).any(axis=1)[eye.elevations > calm].any()
-    assert np.all(shown[eye.elevations < calm - 4.0 * eye.row_step] > 0.0)
+    assert seen[eye.elevations > calm + np.arctan(3.0 * waves.significant_height / 1000.0)].max() == 0.0
+    assert (seen > 0.0).any(axis=1)[eye.elevations > calm].any()
+    assert np.all(seen[eye.elevations < calm - 4.0 * eye.row_step] > 0.0)
 
 
 def test_most_of_a_row_shows_the_near_side_of_waves():
@@ -111,7 +110,7 @@ def test_most_of_a_row_shows_the_near_side_of_waves():
 @pytest.mark.kernel
 @pytest.mark.parametrize("arc", [1.0, 3e3, 5e5])
 def test_arcs_on_the_round_sea_are_those_of_the_circle(arc):
-    cosine, reach, drop = sweep.bend(arc)
+    cosine, reach, drop = walk.bend(arc)
     psi = arc / EFFECTIVE_EARTH_RADIUS
     assert cosine == pytest.approx(np.cos(psi), rel=1e-15)
     assert reach == pytest.approx(EFFECTIVE_EARTH_RADIUS * np.sin(psi), rel=1e-10)
@@ -121,7 +120,7 @@ def test_arcs_on_the_round_sea_are_those_of_the_circle(arc):
 @pytest.mark.kernel
 def test_elevation_is_the_arc_tangent():
     for tangent in (-50.0, -0.1001, -0.0999, -1e-4, 0.0, 0.05, 2.0):
-        assert sweep.elevation(tangent) == pytest.approx(np.arctan(tangent), rel=1e-13, abs=1e-12)
+        assert walk.elevation(tangent) == pytest.approx(np.arctan(tangent), rel=1e-13, abs=1e-12)
 
 
 def _pieces_into_rows(edges, radiance, rows=7):
@@ -133,8 +132,8 @@ def _pieces_into_rows(edges, radiance, rows=7):
     for j in range(centre.size):
         before, here, after = centre[max(j - 1, 0)], centre[j], centre[min(j + 1, centre.size - 1)]
         width = edges[j + 1] - edges[j]
-        lean = tuple(sweep.leaning(light, j, k, before, here, after, width) for k in range(2))
-        sweep.add_rows(image, frame, (edges[j], edges[j + 1]), 1.0, tuple(light[j]), lean)
+        lean = (*(sweep.leaning(light, j, k, before, here, after, width) for k in range(2)), 0.0, 0.0)
+        sweep.add_rows(image, frame, (edges[j], edges[j + 1]), 1.0, light[j], lean)
     return image
 
 

@@ -2,16 +2,14 @@
 
 import numpy as np
 import pytest
-from render_scenes import SEA_TEMPERATURE, Furnace, WarmSky, elfouhaily, one_tile, sea_view
+from render_scenes import SEA_TEMPERATURE, Furnace, WarmSky, elfouhaily, one_tile, sea_view, shown, swept_scene, turned_scene
 
 from seaglint.conventions import horizon_depression
 from seaglint.errors import DomainError
 from seaglint.radiance.mean import mean_radiance
 from seaglint.render.camera import Camera
 from seaglint.render.platform import Track
-from seaglint.render.renderer import Renderer
 from seaglint.render.view import Attitude, Imager, Resampling, cells_of, inside, quads
-from seaglint.render.view_renderer import ViewRenderer
 from seaglint.sea.cox_munk import cox_munk_anisotropic
 
 WIND = 5.0
@@ -40,7 +38,7 @@ def imager(projection="pinhole", width=12.0, height=9.0, columns=32, rows=24):
 def scene(air, eye, pointing, waves=None, *, height=30.0, sun=(60.0, 0.0), place=(0.0, 0.0), **options):
     still = Track.standing(height, pointing)
     track = Track(still.time, still.values + np.array([*place, 0.0, 0.0, 0.0, 0.0]))
-    return ViewRenderer(lambda h: sea_view(air, SLOPES, h, *sun, nested_bands=1), eye, track, waves, **options)
+    return turned_scene(lambda h: sea_view(air, SLOPES, h, *sun, nested_bands=1), eye, track, waves, **options)
 
 
 def likeness(one, other):
@@ -98,16 +96,16 @@ def test_weights_sum_to_one_and_conserve_energy(elevation, roll):
 def test_roll_of_nothing_is_the_sweeps_own_image(air, waves):
     eye, pointing = imager("equal-angle"), attitude(5.0, -8.0)
     grid = eye.camera(30.0, pointing)
-    plain = Renderer(sea_view(air, SLOPES, 30.0, nested_bands=1), grid, waves).radiances(1.0).total
-    found = scene(air, eye, pointing, waves).radiances(1.0).total
+    plain = shown(swept_scene(sea_view(air, SLOPES, 30.0, nested_bands=1), grid, waves), 1.0).radiance
+    found = shown(scene(air, eye, pointing, waves), 1.0).radiance
     assert found.mean() == pytest.approx(plain.mean(), rel=2e-3)  # other lines of sight in the columns
     assert likeness(found, plain) > 0.98
 
 
 def test_roll_of_a_right_angle_turns_the_picture(air, waves):
     eye = imager(width=9.0, height=9.0, columns=24, rows=24)
-    upright = scene(air, eye, attitude(0.0, -10.0), waves).radiances(2.0).total
-    turned = scene(air, eye, attitude(0.0, -10.0, 90.0), waves).radiances(2.0).total
+    upright = shown(scene(air, eye, attitude(0.0, -10.0), waves), 2.0).radiance
+    turned = shown(scene(air, eye, attitude(0.0, -10.0, 90.0), waves), 2.0).radiance
     assert turned.mean() == pytest.approx(upright.mean(), rel=1e-3)
     assert likeness(turned, np.rot90(upright)) > 0.99
     assert likeness(turned, np.rot90(upright, -1)) < 0.5
@@ -121,11 +119,11 @@ def test_roll_of_a_right_angle_turns_the_picture(air, waves):
 def test_a_closed_cavity_is_flat_in_any_attitude(pointing, waves):
     oven = Furnace(SEA_TEMPERATURE, COARSE, 1e-4)
     found = scene(oven, imager(width=50.0, height=40.0, columns=8, rows=6), attitude(*pointing), waves, sun=(120.0, 0.0))
-    radiances = found.radiances(0.5)
-    image = radiances.total
+    radiances = shown(found, 0.5)
+    image = radiances.radiance
     assert np.all(np.isfinite(image))
     assert np.ptp(image) < 1e-3 * image.mean()  # the spectral terms kept (2e-3 of a spectrum, less of a band)
-    assert radiances.sun.max() == 0.0
+    assert radiances.glint_radiance.max() == 0.0
 
 
 @pytest.mark.parametrize(("elevation", "roll"), [(0.0, 20.0), (-3.0, -60.0), (2.0, 180.0)])
@@ -133,7 +131,7 @@ def test_the_horizon_is_where_geometry_puts_it(air, elevation, roll):
     height = 200.0
     eye, pointing = imager(columns=48, rows=36), attitude(30.0, elevation, roll)
     view = scene(air, eye, pointing, height=height, sun=(120.0, 0.0))
-    image = view.radiances(0.0).total
+    image = shown(view, 0.0).radiance
     _, centre = eye.centres(pointing)
     above = centre + horizon_depression(height)
     pixel = 0.75 * np.hypot(eye.width / eye.columns, eye.height_angle / eye.rows)
@@ -148,7 +146,7 @@ def test_the_horizon_is_where_geometry_puts_it(air, elevation, roll):
 def test_a_panorama_has_no_seam(air, waves, roll):
     """The same picture from its other end, where the edges of one are the middle of the other; an axis is turned the other way there."""
     eye = imager("equal-angle", 360.0, 12.0, 36, 6)
-    one, other = (scene(air, eye, attitude(a, 0.0, r), waves).radiances(0.0).total for a, r in ((0.0, roll), (180.0, -roll)))
+    one, other = (shown(scene(air, eye, attitude(a, 0.0, r), waves), 0.0).radiance for a, r in ((0.0, roll), (180.0, -roll)))
     assert likeness(np.roll(other, 18, axis=1), one) > 0.999
     ends = [np.concatenate([image[:, -2:], image[:, :2]], axis=1) for image in (one, np.roll(other, 18, axis=1))]
     np.testing.assert_allclose(*ends, rtol=0.03)  # other columns of the sweep
@@ -157,8 +155,8 @@ def test_a_panorama_has_no_seam(air, waves, roll):
 @pytest.mark.parametrize(("elevation", "sun"), [(-90.0, 30.0), (-65.0, 20.0), (-45.0, 100.0)])
 def test_rays_see_the_mean_model_on_a_sea_without_waves(air, elevation, sun):
     eye, pointing = imager(width=30.0, height=20.0, columns=5, rows=3), attitude(15.0, elevation, 40.0)
-    found = scene(air, eye, pointing, height=100.0, sun=(sun, 60.0), lowest=np.radians(-1.0))
-    image = found.radiances(0.0).total
+    found = scene(air, eye, pointing, height=100.0, sun=(sun, 60.0), walk_below=np.radians(-1.0))
+    image = shown(found, 0.0).radiance
     corner = eye.directions(pointing, np.arange(5) + 0.5, np.arange(3)[:, None] + 0.5).reshape(-1, 3)
     view = sea_view(air, SLOPES, 100.0, sun, 60.0)
     model = [float(mean_radiance(view, [np.arcsin(v[2])], [np.arctan2(v[0], v[1])]).total[0, 0]) for v in corner]
@@ -170,20 +168,20 @@ def test_rays_see_the_mean_model_on_a_sea_without_waves(air, elevation, sun):
 @pytest.mark.parametrize("height", [30.0, pytest.param(150.0, marks=pytest.mark.validation)])
 def test_rays_and_the_sweep_see_the_same_sea(air, waves, height):
     eye, pointing = imager(columns=48, rows=36), attitude(10.0, -32.0, 15.0)
-    swept = scene(air, eye, pointing, waves, height=height, lowest=np.radians(-60.0)).radiances(1.0)
-    walked = scene(air, eye, pointing, waves, height=height, lowest=np.radians(-10.0)).radiances(1.0)
-    assert swept.total.mean() == pytest.approx(walked.total.mean(), rel=1e-3)
-    assert swept.sun.mean() == pytest.approx(walked.sun.mean(), rel=2e-3)
-    assert likeness(swept.total, walked.total) > 0.995
-    assert swept.total.std() == pytest.approx(walked.total.std(), rel=0.04)  # three cells of the sweep across a pixel
+    swept = shown(scene(air, eye, pointing, waves, height=height, walk_below=np.radians(-60.0)), 1.0)
+    walked = shown(scene(air, eye, pointing, waves, height=height, walk_below=np.radians(-10.0)), 1.0)
+    assert swept.radiance.mean() == pytest.approx(walked.radiance.mean(), rel=1e-3)
+    assert swept.glint_radiance.mean() == pytest.approx(walked.glint_radiance.mean(), rel=2e-3)
+    assert likeness(swept.radiance, walked.radiance) > 0.995
+    assert swept.radiance.std() == pytest.approx(walked.radiance.std(), rel=0.04)  # three cells of the sweep across a pixel
 
 
 def test_one_image_of_both_has_no_step_between_them(air, waves):
     eye, pointing = imager(width=24.0, height=18.0, columns=48, rows=36), attitude(10.0, -40.0)
     both = scene(air, eye, pointing, waves)
     assert 0 < both.report["pixels_walked"] < eye.columns * eye.rows
-    rays = scene(air, eye, pointing, waves, lowest=np.radians(-10.0))
-    one, other = both.radiances(1.0).total, rays.radiances(1.0).total
+    rays = scene(air, eye, pointing, waves, walk_below=np.radians(-10.0))
+    one, other = shown(both, 1.0).radiance, shown(rays, 1.0).radiance
     assert likeness(one, other) > 0.998
     assert np.all(np.abs(one.mean(axis=1) / other.mean(axis=1) - 1.0) < 5e-3)
 
@@ -195,7 +193,7 @@ def test_a_sensor_moved_by_the_seas_period_sees_the_same(air, elevation):
     period = (length * np.cos(turn), length * np.sin(turn))
     eye, pointing = imager(columns=24, rows=18), attitude(200.0, elevation, 10.0)
     here, there, between = (
-        scene(air, eye, pointing, sea, place=place).radiances(3.0).total
+        shown(scene(air, eye, pointing, sea, place=place), 3.0).radiance
         for place in ((0.0, 0.0), period, (0.37 * period[0], 0.37 * period[1]))
     )
     np.testing.assert_allclose(there, here, rtol=1e-4)  # float32 lattices, positions to nanometres
@@ -206,14 +204,14 @@ def moving(air, waves, **options):
     columns = {"time": [0.0, 1.0], "east": [0.0, 20.0], "north": [0.0, 5.0], "height": [30.0, 31.5], "azimuth": np.radians([350.0, 20.0])}
     columns |= {"elevation": np.radians([-8.0, -6.0]), "roll": np.radians([10.0, -10.0])}
     track = Track.create({name: np.asarray(values) for name, values in columns.items()}, ["a", "b"])
-    return ViewRenderer(lambda h: sea_view(air, SLOPES, h, nested_bands=1), imager(columns=24, rows=18), track, waves, **options)
+    return turned_scene(lambda h: sea_view(air, SLOPES, h, nested_bands=1), imager(columns=24, rows=18), track, waves, **options)
 
 
 def test_a_frame_alone_is_that_of_the_sequence(air, waves):
     several = moving(air, waves)
-    frames = [several.radiances(t).total for t in (0.0, 0.3, 0.6)]
-    assert moving(air, waves).radiances(0.6).total.tobytes() == frames[2].tobytes()
-    assert several.radiances(0.3).total.tobytes() == frames[1].tobytes()
+    frames = [shown(several, t).radiance for t in (0.0, 0.3, 0.6)]
+    assert shown(moving(air, waves), 0.6).radiance.tobytes() == frames[2].tobytes()
+    assert shown(several, 0.3).radiance.tobytes() == frames[1].tobytes()
 
 
 def test_a_moving_sensor_sees_at_each_instant_what_a_standing_one_there_sees(air, waves):
@@ -221,8 +219,8 @@ def test_a_moving_sensor_sees_at_each_instant_what_a_standing_one_there_sees(air
     time = 0.62
     way = moving(air, waves)
     pose = way.track.at(time)
-    still = scene(air, way.imager, pose.attitude, waves, height=pose.height, place=(pose.east, pose.north)).radiances(time).total
-    found = way.radiances(time).total
+    still = shown(scene(air, way.imager, pose.attitude, waves, height=pose.height, place=(pose.east, pose.north)), time).radiance
+    found = shown(way, time).radiance
     assert found.mean() == pytest.approx(still.mean(), rel=1e-3)
     assert likeness(found, still) > 0.98  # other columns of the sweep
 

@@ -40,11 +40,11 @@ MEMORY = (
     measure_performance.PEAK
     + """
 import json, sys
-from seaglint.pipeline.render import renderer_and_layout
+from seaglint.pipeline.render import prepare_sequence
 from seaglint.scenario.load import parse_scenario
-renderer, _ = renderer_and_layout(parse_scenario(json.loads(sys.argv[1])))
+run = prepare_sequence(parse_scenario(json.loads(sys.argv[1])))
 for frame in range(2):
-    renderer.radiances(frame / 25.0)
+    run.at(frame / 25.0)
 print(peak_memory())
 """
 )
@@ -57,18 +57,18 @@ def merged(base: dict[str, Any], **changes: dict[str, Any]) -> dict[str, Any]:
 
 def frame_seconds(scenario: dict[str, Any], threads: int | None = None, frames: int = 3) -> tuple[float, float]:
     """Shortest warm frame, and the time from scenario to the first one's beginning [s]."""
-    from seaglint.pipeline.render import renderer_and_layout, thread_limit
+    from seaglint.pipeline.render import prepare_sequence, thread_limit
     from seaglint.scenario.load import parse_scenario
 
     with thread_limit(threads):
         start = time.perf_counter()
-        renderer, _ = renderer_and_layout(parse_scenario(scenario))
+        run = prepare_sequence(parse_scenario(scenario))
         ready = time.perf_counter() - start
-        renderer.radiances(0.0)
+        run.at(0.0)
         seconds = []
         for frame in range(1, frames + 1):
             start = time.perf_counter()
-            renderer.radiances(frame / 25.0)
+            run.at(frame / 25.0)
             seconds.append(time.perf_counter() - start)
             if sum(seconds) > 10.0:
                 break
@@ -131,17 +131,20 @@ def memory() -> list[str]:
 
 def profile() -> list[str]:
     """Where the time of a frame goes, and that of the preparation."""
-    from seaglint.pipeline.render import renderer_and_layout
+    from seaglint.pipeline.render import prepare_sequence
+    from seaglint.render.swept import SweptScene
     from seaglint.scenario.load import parse_scenario
 
     scenario = parse_scenario(FIG12)
-    renderer_and_layout(scenario)[0].radiances(0.0)
+    prepare_sequence(scenario).at(0.0)
     profiler = cProfile.Profile()
     profiler.enable()
-    renderer, _ = renderer_and_layout(scenario)
+    run = prepare_sequence(scenario)
     profiler.disable()
-    renderer.radiances(0.0)
-    waves = renderer.waves
+    run.at(0.0)
+    scene = run.scene
+    assert isinstance(scene, SweptScene)
+    waves = scene.waves
     assert waves is not None
 
     def best(work: Callable[[float], object]) -> float:
@@ -155,7 +158,7 @@ def profile() -> list[str]:
     import numba
 
     lattices = best(lambda t: waves.surfaces(t, workers=numba.get_num_threads()))
-    surface, whole = best(renderer.surface), best(renderer.radiances)
+    surface, whole = best(scene.surface), best(run.at)
     out = ["| 14 km x 3.5 km, 1 m lattice, 512 x 512 pixels: one frame | time |", "| --- | --- |"]
     out.append(f"| waves of all tiles (inverse transforms) | {lattices:.3f} s |")
     out.append(f"| surface as the sweep reads it, less the waves | {max(surface - lattices, 0.0):.3f} s |")

@@ -23,7 +23,8 @@ from bench.scene import SUN_ZENITHS, compared_rows, facet_bands, renderer, rms_o
 from seaglint.conventions import FloatArray
 from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
-from seaglint.render.renderer import Renderer
+from seaglint.render.scene import image
+from seaglint.render.swept import SweptScene
 from seaglint.sea.field import WaveField
 
 WANTED = 0.015
@@ -91,17 +92,17 @@ class Sweep:
     across: int
     detail: float
 
-    def prepared(self) -> Renderer:
+    def prepared(self) -> SweptScene:
         """The renderer, compiled and with its tables made."""
         made = renderer(
             self.view, replace(self.camera, columns=self.camera.columns * self.across), self.waves, step=self.step, detail=self.detail
         )
-        made.radiances(0.0)
+        image(made, made.pose, 0.0)
         return made
 
-    def image(self, made: Renderer, time_s: float) -> FloatArray:
+    def image(self, made: SweptScene, time_s: float) -> FloatArray:
         """Reflected sunlight of the camera's own columns [W m-2 sr-1]."""
-        fine = made.radiances(time_s).sun
+        fine = image(made, made.pose, time_s).glint_radiance
         return np.asarray(fine.reshape(self.camera.rows, self.camera.columns, self.across).mean(axis=2, dtype=np.float64))
 
 

@@ -14,8 +14,9 @@ import numpy as np
 from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.pipeline import prepare
 from seaglint.radiance.mean import SeaView
+from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
-from seaglint.render.renderer import Renderer
+from seaglint.render.swept import SweptScene
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.field import Tile, WaveField
 
@@ -49,9 +50,10 @@ def scene(
     return prepare.view(scenario), prepare.camera(scenario), waves
 
 
-def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | None = None, detail: float = 2.0) -> Renderer:
+def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | None = None, detail: float = 2.0) -> SweptScene:
     """Our renderer of the scene with one setting of its accuracy, one line a column; ``detail`` is its ``shortest_wave_columns``."""
-    return Renderer(view, camera, waves, step=step, most_lines=1, shortest_wave_columns=detail)
+    accuracy = Accuracy(step=step, lines_per_column=1, shortest_wave_columns=detail)
+    return SweptScene.prepare(view, camera, waves, accuracy=accuracy)
 
 
 def facet_bands(view: SeaView, waves: WaveField) -> float:

@@ -66,16 +66,16 @@ def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     try:
         inside = list(_different_keys(json.loads(old["scenario"]), json.loads(new["scenario"])))
     except (KeyError, ValueError):
-        inside = []
+        return keys
     # What follows from the scenario (band, rate, seed, cut wavenumbers) need not be told again.
-    return inside or keys
+    return inside or [key for key in keys if key != "scenario"]
 
 
 def _different_keys(old: Any, new: Any, path: str = "") -> Iterator[str]:
     if isinstance(old, dict) and isinstance(new, dict):
         for key in dict.fromkeys([*old, *new]):
             yield from _different_keys(old.get(key), new.get(key), f"{path}.{key}" if path else key)
-    elif old != new:
+    elif old != new and (old or new):  # a list that is empty and one that an older file does not have are the same
         yield path
 
 

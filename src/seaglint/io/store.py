@@ -32,11 +32,8 @@ from seaglint.schema import VARIABLES
 if TYPE_CHECKING:
     import xarray as xr
 
-Frame = Callable[[int], NDArray[np.float32]]
-"""Radiance of one frame, given its number in the whole sequence [W m-2 sr-1, (ny, nx)]."""
-
-Derived = Mapping[str, Callable[[NDArray[np.float32]], NDArray[Any]]]
-"""Variables that follow from a frame's radiance, by name."""
+Frame = Callable[[int], Mapping[str, NDArray[Any]]]
+"""Images of one frame by variable (ny, nx), given its number in the whole sequence."""
 
 Progress = Callable[[int, int], None]
 """Called with (frames done, frames in all): once at the start and after each frame."""
@@ -99,7 +96,6 @@ def write_sequence(
     layout: Layout,
     frame: Frame,
     *,
-    derived: Derived | None = None,
     resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
@@ -113,9 +109,7 @@ def write_sequence(
     layout : Layout
         Coordinates, frames and provenance.
     frame : callable
-        ``frame(number)`` returns the radiance of a frame [W m-2 sr-1, (ny, nx)].
-    derived : mapping, optional
-        Functions of a frame's radiance for the layout's other variables.
+        ``frame(number)`` returns the images (ny, nx) of a frame, one for each of the layout's variables.
     resume : bool
         Go on with ``output.partial``. A sequence that is whole already is left as it is; where nothing is there, all is computed.
     overwrite : bool
@@ -151,7 +145,7 @@ def write_sequence(
             # Another process may have finished between the first look and the claim.
             if not _stands(output, layout, resume=resume, overwrite=overwrite):
                 _require_free(partial, resume=resume, overwrite=overwrite)
-                _fill(partial, layout, frame, derived or {}, claim, remedy, resume=resume, progress=progress)
+                _fill(partial, layout, frame, claim, remedy, resume=resume, progress=progress)
                 with storage_errors(output, remedy):
                     _require_whole(partial, claim)
                     _give_name(partial, output)
@@ -161,9 +155,7 @@ def write_sequence(
     return output
 
 
-def _fill(
-    partial: Path, layout: Layout, frame: Frame, derived: Derived, claim: Claim, remedy: str, *, resume: bool, progress: Progress | None
-) -> None:
+def _fill(partial: Path, layout: Layout, frame: Frame, claim: Claim, remedy: str, *, resume: bool, progress: Progress | None) -> None:
     """Compute and write the frames that are missing."""
     with storage_errors(partial, remedy):
         group = _open_partial(partial, layout) if resume and partial.exists() else _create_partial(partial, layout)
@@ -177,11 +169,11 @@ def _fill(
                 raise Interrupted(
                     f"stopped after {count} of {done.size} frames, kept in {partial}; go on with the same command and --resume"
                 )
-            radiance = frame(layout.frames[int(index)])
+            images = frame(layout.frames[int(index)])
             with storage_errors(partial, remedy):
                 claim.require()
                 _require_there(partial)
-                _write_frame(group, int(index), radiance, derived)
+                _write_frame(group, int(index), {name: images[name] for name in layout.variables})
             count += 1
             if progress is not None:
                 progress(count, done.size)
@@ -327,10 +319,9 @@ def _put(group: Any, name: str, values: NDArray[Any], dimensions: tuple[str, ...
     array[...] = values
 
 
-def _write_frame(group: Any, index: int, radiance: NDArray[np.float32], derived: Derived) -> None:
-    group["radiance"][index] = radiance
-    for name, function in derived.items():
-        group[name][index] = np.asarray(function(radiance), dtype=np.float32)
+def _write_frame(group: Any, index: int, images: Mapping[str, NDArray[Any]]) -> None:
+    for name, image in images.items():
+        group[name][index] = np.asarray(image, dtype=np.float32)
     group["frame_done"][index] = 1
 
 

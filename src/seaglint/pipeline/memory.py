@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 from seaglint.errors import ScenarioError
+from seaglint.pipeline import prepare
 from seaglint.scenario.model import Scenario
 
 BYTES_PER_PIXEL = 80
@@ -26,8 +27,8 @@ BASE = 250 << 20
 def memory_needed(scenario: Scenario) -> int:
     """Estimate of the largest memory that rendering a frame takes [bytes]."""
     columns, rows = scenario.sensor.pixels
-    turned = scenario.sensor.projection != "equal-angle" or scenario.sensor.roll_deg != 0.0 or scenario.platform is not None
-    pixels = columns * rows * (BYTES_PER_RESAMPLED_PIXEL if turned else BYTES_PER_PIXEL)
+    upright = prepare.upright_camera(scenario) is not None
+    pixels = columns * rows * (BYTES_PER_PIXEL if upright else BYTES_PER_RESAMPLED_PIXEL) * (2 if scenario.render.layers else 1)
     waves = TILES * scenario.render.tile_size**2 * BYTES_PER_LATTICE_POINT if scenario.sea.resolve_waves else 0
     return BASE + pixels + waves
 

@@ -21,6 +21,7 @@ from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.correlation import capillary_length, correlation_length
 from seaglint.radiance.mean import SeaView
+from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
 from seaglint.render.platform import Track
 from seaglint.render.sparkle import Sparkles
@@ -291,29 +292,35 @@ def article_view(scenario: model.Scenario) -> SeaView:
     return replace(view(scenario), slopes=isotropic, shadowing="viewer", background="blackbody")
 
 
+def upright_camera(scenario: model.Scenario) -> Camera | None:
+    """The image grid of a standing sensor with equal steps of azimuth and elevation, upright; None for any other sensor."""
+    if scenario.platform is not None:
+        return None
+    pose = track(scenario).at(0.0)
+    return imager(scenario).camera(pose.height, pose.attitude)
+
+
 def camera(scenario: model.Scenario) -> Camera:
-    """The image grid of a standing sensor with equal steps of azimuth and elevation, upright.
+    """The same, where nothing else will do.
 
     Raises
     ------
     ScenarioError
         For any other sensor.
     """
-    if scenario.sensor.projection != "equal-angle" or scenario.sensor.roll_deg != 0.0 or scenario.platform is not None:
+    found = upright_camera(scenario)
+    if found is None:
         raise ScenarioError(
             "sensor.projection, sensor.roll_deg and [platform] are for images; mean maps have equal steps of azimuth and elevation: "
             "leave them out, or use 'seaglint render' with sea.resolve_waves = false"
         )
-    sensor = scenario.sensor
-    return Camera(
-        height=sensor.height_m,
-        azimuth=float(np.radians(sensor.azimuth_deg)),
-        elevation=float(np.radians(sensor.elevation_deg)),
-        width=float(np.radians(sensor.fov_deg[0])),
-        height_angle=float(np.radians(sensor.fov_deg[1])),
-        columns=sensor.pixels[0],
-        rows=sensor.pixels[1],
-    )
+    return found
+
+
+def accuracy(scenario: model.Scenario) -> Accuracy:
+    """How finely images are drawn."""
+    wanted = scenario.render
+    return Accuracy(step=wanted.step_m, lines_per_column=wanted.lines_per_column, shortest_wave_columns=wanted.shortest_wave_columns)
 
 
 def sea(scenario: model.Scenario, statistics: SlopeStatistics) -> Sea:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numba
 import numpy as np
@@ -20,13 +21,13 @@ from seaglint.io.store import Layout, Progress, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
 from seaglint.pipeline.memory import require_memory
+from seaglint.render.layers import Layers
 from seaglint.render.platform import Track
-from seaglint.render.renderer import Renderer
+from seaglint.render.scene import Scene, image
+from seaglint.render.swept import SweptScene
+from seaglint.render.turned import TurnedScene
 from seaglint.scenario.model import Scenario
 from seaglint.sea.field import WaveField
-
-if TYPE_CHECKING:
-    from seaglint.render.view_renderer import ViewRenderer
 
 NON_FINITE_SHARE = 1e-3
 """Share of a frame's pixels that may be without a number; more are an error."""
@@ -70,32 +71,56 @@ def render(
         See :func:`seaglint.io.store.write_sequence` and :mod:`seaglint.pipeline.prepare`.
     """
     with thread_limit(threads):
-        renderer, layout = renderer_and_layout(scenario, frames)
-        rate, view = scenario.sensor.frame_rate_hz, renderer.view
-        grid = view.atmosphere.wavenumber_cm
-        derived = {
-            "apparent_temperature": lambda image: apparent_temperature(image, view.band, grid),
-        }
+        run = prepare_sequence(scenario, frames)
+        return write_sequence(output, run.layout, run.images, resume=resume, overwrite=overwrite, progress=progress)
 
-        def image(number: int) -> NDArray[np.float32]:
-            total = renderer.radiances(number / rate).total
-            bad = int(total.size - np.isfinite(total).sum())
-            if bad > NON_FINITE_SHARE * total.size:
-                raise DataError(
-                    f"frame {number}: {bad} of {total.size} pixels are not finite, more than {100 * NON_FINITE_SHARE:g} %; "
-                    "nothing of it is written. This is a fault of the program: please report the scenario"
-                )
-            return total
 
-        return write_sequence(
-            output,
-            layout,
-            image,
-            derived={name: derived[name] for name in layout.variables if name in derived},
-            resume=resume,
-            overwrite=overwrite,
-            progress=progress,
-        )
+@dataclass(frozen=True, eq=False)
+class Sequence:
+    """Everything that is made before the first frame; make it with :func:`prepare_sequence`.
+
+    Attributes
+    ----------
+    scene : Scene
+        Sea, air, Sun and camera.
+    track : Track
+        Where the sensor is and how it is turned.
+    layout : Layout
+        What the store holds.
+    """
+
+    scene: Scene
+    track: Track
+    layout: Layout
+
+    def at(self, time: float) -> Layers:
+        """The image at a time from the start [s]."""
+        return image(self.scene, self.track.at(time), time)
+
+    def reseeded(self, seed: int) -> Sequence:
+        """Another realisation of the same sea, without preparing anything again; the layout stays."""
+        return replace(self, scene=self.scene.reseeded(seed))
+
+    def images(self, number: int) -> Mapping[str, NDArray[Any]]:
+        """What is stored of a frame, by variable.
+
+        Raises
+        ------
+        DataError
+            Pixels without a number.
+        """
+        found = self.at(number / self.layout.frame_rate)
+        radiance = found.radiance
+        bad = int(radiance.size - np.isfinite(radiance).sum())
+        if bad > NON_FINITE_SHARE * radiance.size:
+            raise DataError(
+                f"frame {number}: {bad} of {radiance.size} pixels are not finite, more than {100 * NON_FINITE_SHARE:g} %; "
+                "nothing of it is written. This is a fault of the program: please report the scenario"
+            )
+        if "apparent_temperature" not in self.layout.variables:
+            return found
+        view = self.scene.view
+        return {**found, "apparent_temperature": apparent_temperature(radiance, view.band, view.atmosphere.wavenumber_cm)}
 
 
 def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
@@ -110,50 +135,45 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
         )
 
 
-def renderer_and_layout(scenario: Scenario, frames: range | None = None) -> tuple[Renderer | ViewRenderer, Layout]:
+def prepare_sequence(scenario: Scenario, frames: range | None = None) -> Sequence:
     """Everything that is made before the first frame; also the way to single frames in Python.
 
     Examples
     --------
     >>> from seaglint.scenario.load import parse_scenario
     >>> small = parse_scenario({"sensor": {"pixels": [8, 4]}, "sea": {"resolve_waves": False}})
-    >>> renderer, _ = renderer_and_layout(small)
-    >>> renderer.radiances(0.0).total.shape
+    >>> prepare_sequence(small).at(0.0).radiance.shape
     (4, 8)
     """
     require_memory(scenario)
     sensor, track = scenario.sensor, prepare.track(scenario)
     numbers = frames if frames is not None else range(sensor.frames)
-    options: dict[str, Any] = {
-        "step": scenario.render.step_m,
-        "most_lines": scenario.render.lines_per_column,
-        "shortest_wave_columns": scenario.render.shortest_wave_columns,
-        "sparkles": prepare.sparkles(scenario),
-    }
-    renderer: Renderer | ViewRenderer
+    accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)
+    scene: Scene
     poses: dict[str, FloatArray] = {}
-    if scenario.platform is None and sensor.projection == "equal-angle" and sensor.roll_deg == 0.0:
-        view, camera = prepare.view(scenario), prepare.camera(scenario)
+    camera = prepare.upright_camera(scenario)
+    if camera is not None:
+        view = prepare.view(scenario)
         sea = prepare.sea(scenario, view.slopes)
-        renderer = Renderer(view, camera, sea.waves, **options)
+        scene = SweptScene.prepare(view, camera, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
         azimuth, elevation = camera.azimuths, camera.elevations
     else:
-        from seaglint.render.view_renderer import ViewRenderer
-
-        sea = prepare.sea(scenario, prepare.slopes(scenario))
-        imager = prepare.imager(scenario)
-        renderer = ViewRenderer(prepare.view_at(scenario), imager, track, sea.waves, **options)
-        view = renderer.view
+        sea, imager = prepare.sea(scenario, prepare.slopes(scenario)), prepare.imager(scenario)
+        scene = TurnedScene.prepare(
+            prepare.view_at(scenario), imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles
+        )
+        view = scene.view
         azimuth, elevation = imager.centres(track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0).attitude)
         poses = _poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
     _require_step(scenario, sea.waves)
+    derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()
     layout = Layout(
         azimuth_deg=np.degrees(azimuth),
         elevation_deg=np.degrees(elevation),
         frames=numbers,
         frame_rate=sensor.frame_rate_hz,
         band=view.band,
-        variables=("radiance", "apparent_temperature") if scenario.render.apparent_temperature else ("radiance",),
+        variables=("radiance", *derived, *scene.layers),
         poses=poses,
         turning=track.turns,
         attributes=provenance(
@@ -161,14 +181,14 @@ def renderer_and_layout(scenario: Scenario, frames: range | None = None) -> tupl
             scenario.model_dump_json(exclude_none=True),
             scenario.seed,
             **sea.report,
-            **renderer.report,
+            **scene.report,
             **({"platform_track": hashlib.sha256(track.time.tobytes() + track.values.tobytes()).hexdigest()} if track.moves else {}),
             solar_zenith_deg=math.degrees(view.solar_zenith),
             solar_azimuth_deg=math.degrees(view.solar_azimuth),
             atmosphere_table=prepare.atmosphere_provenance(view.atmosphere),
         ),
     )
-    return renderer, layout
+    return Sequence(scene, track, layout)
 
 
 def _poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:

@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
 from seaglint.io.recording import Recording
+from seaglint.pipeline import prepare
 from seaglint.pipeline.analysis import Analysis, Options, analyze
 from seaglint.pipeline.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS
-from seaglint.pipeline.render import renderer_and_layout
-from seaglint.radiance.mean import mean_radiance
-from seaglint.render.renderer import Renderer
+from seaglint.pipeline.render import prepare_sequence
+from seaglint.radiance.mean import SeaView, mean_radiance
+from seaglint.render.camera import Camera
+from seaglint.render.scene import Scene, image
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 
@@ -96,23 +98,22 @@ def scene(wind_speed: float = IMAGE_WINDS[1], solar_zenith_deg: float = SUN, fra
     )
 
 
-def sequence(renderer: Renderer, times: FloatArray, report: Report = _silent) -> NDArray[np.float32]:
-    """Radiance at times [s, (frames,)], (frames, rows, columns) [W m-2 sr-1]."""
-    images = np.empty((times.size, renderer.camera.rows, renderer.camera.columns), np.float32)
+def sequence(scene: Scene, times: FloatArray, report: Report = _silent) -> NDArray[np.float32]:
+    """Radiance of a standing sensor at times [s, (frames,)], (frames, rows, columns) [W m-2 sr-1]."""
+    images = []
     report(0, times.size)
-    for i, time in enumerate(times.tolist()):
-        images[i] = renderer.radiances(time).total
-        report(i + 1, times.size)
-    return images
+    for time in times.tolist():
+        images.append(image(scene, scene.pose, time).radiance)
+        report(len(images), times.size)
+    return np.stack(images)
 
 
-def corridor(renderer: Renderer) -> NDArray[np.bool_]:
+def corridor(view: SeaView, camera: Camera) -> NDArray[np.bool_]:
     """Where the mean picture says that the sea glints: at least half of the row's brightest mirrored Sun, (rows, columns).
 
     The mean-radiance model knows nothing of the frames, so that no bright wave puts itself into the region.
     """
-    camera = renderer.camera
-    sun = mean_radiance(renderer.view, camera.elevations, camera.azimuths).sun
+    sun = mean_radiance(view, camera.elevations, camera.azimuths).sun
     return np.asarray((sun > 0.0) & (sun >= CORRIDOR_SHARE * sun.max(axis=1, keepdims=True)))
 
 
@@ -203,9 +204,8 @@ def table1(report: Report = _silent, frames: int = FRAMES) -> Table1:
     Source article, Table 1 and Figs. 6 and 7.
     """
     scenario = scene(frames=frames)
-    renderer, _ = renderer_and_layout(scenario)
-    assert isinstance(renderer, Renderer)  # a camera at rest, not tilted
-    images = sequence(renderer, np.arange(frames) / FRAME_RATE, report)
+    prepared = prepare_sequence(scenario).scene
+    images = sequence(prepared, np.arange(frames) / FRAME_RATE, report)
     count, rows, columns = images.shape
     recording = Recording(
         "rendered glint sequence",
@@ -216,4 +216,4 @@ def table1(report: Report = _silent, frames: int = FRAMES) -> Table1:
         frame_rate=FRAME_RATE,
         units="W m-2 sr-1",
     )
-    return Table1(scenario, analyze(recording, Options(mask=corridor(renderer))))
+    return Table1(scenario, analyze(recording, Options(mask=corridor(prepared.view, prepare.camera(scenario)))))

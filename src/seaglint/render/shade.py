@@ -6,7 +6,7 @@ import math
 
 from seaglint._jit import kernel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
-from seaglint.render.facet import Sunlight
+from seaglint.render.sunlight import Sunlight
 from seaglint.render.surface import Course, Surface, bilinear, height
 
 FARTHEST = 4000

@@ -19,7 +19,7 @@ any instant be found alone. Nothing has a state: a factor is a function of (seed
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numba
@@ -34,7 +34,9 @@ from seaglint.radiance.variance import patches
 from seaglint.random import stream
 from seaglint.render.camera import Camera
 from seaglint.render.counter import cell_key, gamma_deviate, last_event
-from seaglint.render.facet import Sight, Sunlight
+from seaglint.render.layers import FEWEST, SPREAD, SUN, TOTAL
+from seaglint.render.roughness import Sight
+from seaglint.render.sunlight import Sunlight
 
 MOST_CELLS = 10.0
 """Cells in one direction up to which a pixel is their average. Beyond, pixels are independent, and a box of 10 x 10 cells has 7 % less
@@ -150,6 +152,10 @@ class Sparkles:
     correlation_time: float
     use: Literal["auto", "on", "off"] = "auto"
 
+    def reseeded(self, seed: int) -> Sparkles:
+        """Those of another realisation of the sea."""
+        return replace(self, seed=seed)
+
     def of(self, view: SeaView, camera: Camera) -> tuple[Sparkle, dict[str, Any]]:
         """Parameters for the kernels, :data:`NO_SPARKLE` where images have none, and a word on it for the provenance."""
         if self.use == "off":
@@ -165,6 +171,10 @@ class Sparkles:
             "subpixel_glint_cell_m": self.cell,
             "subpixel_glint_correlation_time_s": self.correlation_time,
         }
+
+
+NO_SPARKLES = Sparkles(0, 1.0, 1.0, "off")
+"""Scenes that hold the mean over the facets of a pixel."""
 
 
 def sparkle_rows(camera: Camera) -> SparkleRows:
@@ -352,7 +362,7 @@ def facet_spread(
 def sparkle_column(
     sparkle: Sparkle, rows: SparkleRows, sun: Sunlight, azimuth: float, origin: tuple[float, float], time: float, images: np.ndarray
 ) -> None:
-    """Let the mirrored Sun of a column sparkle: ``images`` (3, rows) are radiance, its solar part and the mean of :func:`piece_variance`.
+    """Let the mirrored Sun of a column sparkle, as its whole image ``images[0]`` (channels, rows) says; those of intervals follow it.
 
     ``origin`` is the sensor's foot in the sea's coordinates, east and north [m].
     """
@@ -360,9 +370,9 @@ def sparkle_column(
         return
     east, north = math.sin(azimuth), math.cos(azimuth)
     along_sight = heading(azimuth)
-    for row in range(images.shape[1]):
-        solar = images[1, row]
-        if solar > 0.0 and images[2, row] > 0.0:
+    for row in range(images.shape[2]):
+        solar = images[0, SUN, row]
+        if solar > 0.0 and images[0, SPREAD, row] > 0.0:
             sine = rows.grazing[row]
             level = math.sqrt(1.0 - sine * sine)
             twice = 1.0 - level * (east * sun.east + north * sun.north) + sine * sun.up
@@ -370,9 +380,11 @@ def sparkle_column(
             stretch = twice / ((sine + sun.up) * sine)
             place = (origin[0] + rows.range_m[row] * east, origin[1] + rows.range_m[row] * north)
             footprint = (rows.along[row], rows.reach[row] * rows.column_step)
-            factor = sparkle_factor(sparkle, place, along_sight, footprint, stretch, images[2, row] / (solar * solar), time)
-            images[0, row] += solar * (factor - 1.0)
-            images[1, row] = solar * factor
+            factor = sparkle_factor(sparkle, place, along_sight, footprint, stretch, images[0, SPREAD, row] / (solar * solar), time)
+            for part in range(images.shape[0]):
+                solar = images[part, SUN, row]
+                images[part, TOTAL, row] += solar * (factor - 1.0)
+                images[part, SUN, row] = solar * factor
 
 
 @njit_parallel
@@ -385,7 +397,7 @@ def sparkle_columns(
     time: float,
     images: np.ndarray,
 ) -> None:
-    """:func:`sparkle_column` for every column of ``images`` (columns, 3, rows)."""
+    """:func:`sparkle_column` for every column of ``images`` (columns, intervals, channels, rows)."""
     for column in numba.prange(azimuths.shape[0]):
         sparkle_column(sparkle, rows, sun, azimuths[column], origin, time, images[column])
 
@@ -422,14 +434,14 @@ def sparkle_image(
 
     Examples
     --------
-    >>> from seaglint.render.facet import sunlight
+    >>> from seaglint.render.sunlight import sunlight
     >>> camera = Camera(20.0, 0.0, -0.1, 0.002, 0.001, 4, 2)
     >>> factors = sparkle_image(sparkle_of(1, 0.0026, 0.07), camera, sunlight(1.0, 0.0, True), np.full((2, 4), 0.01), 3.2)
     >>> factors.shape, bool(abs(factors.mean() - 1.0) < 0.3)
     ((2, 4), True)
     """
-    images = np.ones((camera.columns, 3, camera.rows))
-    images[:, 2] = np.asarray(variance, dtype=np.float64).T
+    images = np.ones((camera.columns, 1, FEWEST, camera.rows))
+    images[:, 0, SPREAD] = np.asarray(variance, dtype=np.float64).T
     place = (float(origin[0]), float(origin[1]))
     sparkle_columns(sparkle, sparkle_rows(camera), sun, camera.azimuths, place, float(time), images)
-    return np.ascontiguousarray(images[:, 1].T)
+    return np.ascontiguousarray(images[:, 0, SUN].T)

@@ -51,6 +51,14 @@ class Surface(NamedTuple):
     crest: np.ndarray
 
 
+class Bounds(NamedTuple):
+    """What rays step by: bounds of the sea's height [m] and slope [1], and the finest spacing of its lattices [m]."""
+
+    crest: float
+    steepest: float
+    spacing: float
+
+
 class Course(NamedTuple):
     """A horizontal line over the lattices of one level.
 
@@ -77,20 +85,26 @@ def new_strip() -> Strip:
     return Strip(np.empty(STRIP, np.float32), (np.empty(STRIP, np.float32), np.empty(STRIP, np.float32)), room)
 
 
+@kernel
+def lay_course(surface: Surface, level: int, east: float, north: float, line: Course) -> None:
+    """Make ``line`` the line from under the sensor along a horizontal unit vector."""
+    for j in range(line.part.shape[0]):
+        i = surface.level[level, j]
+        scale, c, s = surface.grid[i, 0], surface.grid[i, 1], surface.grid[i, 2]
+        line.start[j, 0], line.start[j, 1] = surface.grid[i, 3], surface.grid[i, 4]
+        line.step[j, 0], line.step[j, 1] = (c * east + s * north) * scale, (c * north - s * east) * scale
+        line.part[j, 0], line.part[j, 1], line.part[j, 2] = surface.part[i, 0], surface.part[i, 1], surface.part[i, 2]
+
+
 @njit
 def course(surface: Surface, level: int, east: float, north: float) -> Course:
     """The line from under the sensor along a horizontal unit vector."""
     count = 0
     while count < surface.level.shape[1] and surface.level[level, count] >= 0:
         count += 1
-    start, step, part = np.empty((count, 2)), np.empty((count, 2)), np.empty((count, 3), np.int64)
-    for j in range(count):
-        i = surface.level[level, j]
-        scale, c, s = surface.grid[i, 0], surface.grid[i, 1], surface.grid[i, 2]
-        start[j, 0], start[j, 1] = surface.grid[i, 3], surface.grid[i, 4]
-        step[j, 0], step[j, 1] = (c * east + s * north) * scale, (c * north - s * east) * scale
-        part[j, 0], part[j, 1], part[j, 2] = surface.part[i, 0], surface.part[i, 1], surface.part[i, 2]
-    return Course(start, step, part)
+    line = Course(np.empty((count, 2)), np.empty((count, 2)), np.empty((count, 3), np.int64))
+    lay_course(surface, level, east, north, line)
+    return line
 
 
 @kernel
@@ -201,10 +215,13 @@ def lay_squares(lattice: np.ndarray, height: np.ndarray, slope: np.ndarray) -> N
             height[at], slope[at, 0], slope[at, 1] = lattice[y, x, 0], lattice[y, x, 1], lattice[y, x, 2]
 
 
-def calm_surface() -> Surface:
-    """A sea without resolved waves."""
-    flat, none = np.zeros(0, np.float32), np.zeros((0, 3), np.int64)
-    return Surface(flat, np.zeros((0, 2), np.float32), none, np.zeros((0, 5)), np.full((1, 1), -1, np.int64), np.zeros((1, 1)))
+def steepest_rise(lattices: tuple[NDArray[np.float32], ...], spacing: FloatArray) -> float:
+    """Bound of the slope [1] of a sea whose heights are read bilinearly from lattices, ``spacing`` [m] apart, that add up."""
+    rise = 0.0
+    for lattice, d in zip(lattices, spacing, strict=True):
+        z = lattice[..., 0]
+        rise += math.hypot(*(float(np.abs(z - np.roll(z, 1, axis)).max()) / float(d) for axis in (0, 1)))
+    return rise
 
 
 def surface_of(
@@ -214,7 +231,7 @@ def surface_of(
     levels: tuple[tuple[int, ...], ...] | None = None,
     origin: tuple[float, float] = (0.0, 0.0),
 ) -> Surface:
-    """Bundle the lattices of one instant.
+    """Bundle the lattices of one instant; none are a sea without resolved waves.
 
     Parameters
     ----------
@@ -227,12 +244,13 @@ def surface_of(
     origin : (float, float)
         Point under the sensor, east and north [m].
     """
-    sizes = np.array([z.shape[0] for z in lattices])
+    sizes = np.array([z.shape[0] for z in lattices], dtype=np.int64)
     for n in sizes:
         if n < 4 or n & (n - 1) or n > LONGEST_STRIP:
             raise DomainError(f"tiles of {n} points a side cannot be rendered; give a power of two from 4 to {LONGEST_STRIP}")
     chosen = levels if levels is not None else (tuple(range(len(lattices))),)
-    first, bits = np.concatenate([[0], np.cumsum(sizes**2)]), [int(n).bit_length() - 1 for n in sizes]
+    first = np.concatenate([[0], np.cumsum(sizes**2)]).astype(np.int64)
+    bits = np.array([int(n).bit_length() - 1 for n in sizes], dtype=np.int64)
     heights, both_slopes = np.empty(first[-1], np.float32), np.empty((first[-1], 2), np.float32)
     for lattice, begin, end in zip(lattices, first[:-1], first[1:], strict=True):
         lay_squares(lattice, heights[begin:end], both_slopes[begin:end])
@@ -240,7 +258,7 @@ def surface_of(
     # positions are periodic: small numbers keep their digits
     u, v = (np.mod(p / spacing, sizes) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
     highest = [float(z[..., 0].max()) for z in lattices]
-    most = max(map(len, chosen))
+    most = max(*map(len, chosen), 1)
     level, crest = np.full((len(chosen), most), -1, np.int64), np.zeros((len(chosen), most))
     for i, parts in enumerate(chosen):
         level[i, : len(parts)] = parts

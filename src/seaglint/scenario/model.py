@@ -528,6 +528,7 @@ class Render(Record):
         Field(description="sparkles that are smaller than a pixel make its sunlight fluctuate; auto: where that is not negligible"),
     ] = "auto"
     apparent_temperature: Annotated[StrictBool, Field(description="write apparent temperature beside radiance")] = False
+    layers: tuple[str, ...] = ()
 
 
 class Scenario(Record):

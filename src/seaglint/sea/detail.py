@@ -49,6 +49,11 @@ class Detail:
     levels: tuple[Level, ...]
 
     @classmethod
+    def calm(cls) -> Detail:
+        """A sea without waves: one level of nothing."""
+        return cls((), (Level((), float("inf"), (0.0, 0.0)),))
+
+    @classmethod
     def of(cls, waves: WaveField, levels: int | None = None) -> Detail:
         """Levels of a sea; ``levels`` limits their number (1: the sea as it is)."""
         longest = longest_wave_number(waves.spectrum)

@@ -1,0 +1,147 @@
+"""Layers of a frame: what a pixel shows, part by part, from the kernels to the file.
+
+Kernels add to *channels*, one row of sums for each; layers are made of channels and named as the variables of files are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any, Final
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint._jit import njit_parallel
+from seaglint.errors import DomainError
+from seaglint.schema import LAYERS
+
+TOTAL: Final = 0
+"""Channel of all radiance [W m-2 sr-1]."""
+
+SUN: Final = 1
+"""Mirrored Sun [W m-2 sr-1]."""
+
+SPREAD: Final = 2
+"""Mean of the variances of sparkles below a pixel [W2 m-4 sr-2]."""
+
+EMITTED: Final = 3
+"""Emission of the sea behind the path [W m-2 sr-1]."""
+
+PATH: Final = 4
+"""Radiance of the path [W m-2 sr-1]."""
+
+DISTANCE: Final = 5
+"""Distance to the sea times the share of the pixel that the sea fills [m]."""
+
+COVERAGE: Final = 6
+"""Share of the pixel that the sea fills [1]."""
+
+CHANNELS: Final = 7
+"""All of them."""
+
+FEWEST: Final = 3
+"""Channels that every frame has: the first three."""
+
+SKY: Final = 7
+"""Plane of the mirrored sky, and of the sky itself: what the total has beside Sun, emission and path."""
+
+LEAST_SEEN: Final = 1e-9
+"""Share of a pixel below which no sea is seen in it: rounding."""
+
+_PLANES: Final = {
+    "path_radiance": (PATH,),
+    "emitted_radiance": (EMITTED,),
+    "sky_radiance": (SKY,),
+    "glint_radiance": (SUN,),
+    "range": (DISTANCE, COVERAGE),
+    "coverage": (COVERAGE,),
+}
+
+
+class Layers(Mapping[str, NDArray[np.float32]]):
+    """One frame: images (rows, columns) under the names of :data:`seaglint.schema.VARIABLES`; ``radiance`` and ``glint_radiance`` always.
+
+    ``range`` is the distance from the sensor to the sea, mean over what a pixel sees of it, NaN where it sees none; ``coverage`` the share
+    of the pixel that the sea fills.
+    """
+
+    def __init__(self, images: Mapping[str, NDArray[np.float32]]) -> None:
+        self._images = dict(images)
+
+    def __getitem__(self, name: str) -> NDArray[np.float32]:
+        return self._images[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._images)
+
+    def __len__(self) -> int:
+        return len(self._images)
+
+    @property
+    def radiance(self) -> NDArray[np.float32]:
+        """Radiance at the aperture [W m-2 sr-1]."""
+        return self._images["radiance"]
+
+    @property
+    def glint_radiance(self) -> NDArray[np.float32]:
+        """Reflected sunlight in it [W m-2 sr-1]."""
+        return self._images["glint_radiance"]
+
+
+def require_layers(names: Collection[str]) -> tuple[str, ...]:
+    """Names of layers wanted, in the order of :data:`seaglint.schema.LAYERS`.
+
+    Raises
+    ------
+    DomainError
+        A name that is none.
+    """
+    for name in names:
+        if name not in LAYERS:
+            raise DomainError(f"layer '{name}' is not one of {', '.join(LAYERS)}; leave it out or give one of them")
+    return tuple(name for name in LAYERS if name in names)
+
+
+def channels_for(names: Collection[str]) -> int:
+    """Channels that the kernels must fill for some layers: few where only the mirrored Sun is wanted."""
+    return FEWEST if set(names) <= {"glint_radiance"} else CHANNELS
+
+
+def planes_for(names: Collection[str]) -> NDArray[np.int64]:
+    """Planes that some layers are made of, the total and the Sun's first."""
+    wanted = [TOTAL, SUN]
+    for name in names:
+        wanted += [plane for plane in _PLANES[name] if plane not in wanted]
+    return np.array(wanted, np.int64)
+
+
+@njit_parallel
+def upright(columns: np.ndarray, planes: np.ndarray, out: np.ndarray) -> None:
+    """Turn columns (columns, channels, rows) into ``planes``, ``out`` (planes, rows, columns)."""
+    for part in numba.prange((out.shape[1] + 15) // 16):
+        for column in range(out.shape[2]):
+            for row in range(16 * part, min(16 * part + 16, out.shape[1])):
+                for k in range(planes.shape[0]):
+                    if planes[k] == SKY:
+                        rest = columns[column, SUN, row] + columns[column, EMITTED, row] + columns[column, PATH, row]
+                        out[k, row, column] = columns[column, TOTAL, row] - rest
+                    else:
+                        out[k, row, column] = columns[column, planes[k], row]
+
+
+def mean_distance(distance: NDArray[Any], coverage: NDArray[Any]) -> NDArray[Any]:
+    """Mean over what a pixel sees of the sea [m], of the planes :data:`DISTANCE` and :data:`COVERAGE`; NaN where it sees none."""
+    seen = coverage > LEAST_SEEN
+    return np.where(seen, distance / np.where(seen, coverage, 1.0), np.nan).astype(distance.dtype)
+
+
+def layers_of(planes: NDArray[Any], kinds: NDArray[np.int64], names: Collection[str]) -> Layers:
+    """Layers of a frame from its planes (planes, rows, columns), of the ``kinds`` of :func:`planes_for`."""
+    by_kind = {int(kind): plane for kind, plane in zip(kinds, planes, strict=True)}
+    images = {"radiance": by_kind[TOTAL], "glint_radiance": by_kind[SUN]}
+    for name in names:
+        images[name] = by_kind[_PLANES[name][0]]
+    if "range" in names:
+        images["range"] = mean_distance(by_kind[DISTANCE], by_kind[COVERAGE])
+    return Layers(images)

@@ -1,0 +1,64 @@
+"""Slopes that a facet carries as roughness, and the line of sight along which they are seen."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from seaglint._jit import kernel
+from seaglint.render.sunlight import Sunlight
+from seaglint.sea.nested import BANDS, LIT_BANDS, between_bands, lit_table, ratio_table
+from seaglint.sea.shadowing import leg_passage_kernel
+from seaglint.sea.slopes import SlopeStatistics
+
+
+class Roughness(NamedTuple):
+    """Covariance of unresolved slopes towards east and north (zero means mirror facets), the deviation along the Sun's azimuth, and the
+    tables of their nested shadowing, from the viewer and from viewer and Sun (:func:`seaglint.sea.nested.ratio_table`,
+    :func:`seaglint.sea.nested.lit_table`; empty for Smith's).
+    """
+
+    east_east: float
+    east_north: float
+    north_north: float
+    towards_sun: float
+    nested: np.ndarray
+    lit: np.ndarray
+
+
+class Sight(NamedTuple):
+    """A line of sight, seen from the sea: horizontal unit vector to the sensor, azimuth node of the tables, weight of the Sun's leg in the
+    shadows of both (:func:`~seaglint.sea.shadowing.leg_passage_kernel`), and the deviation of unresolved slopes along it.
+    """
+
+    east: float
+    north: float
+    chi: float
+    passage: float
+    deviation: float
+
+
+@kernel
+def along(roughness: Roughness, east: float, north: float) -> float:
+    """Slope variance along a horizontal unit vector."""
+    return roughness.east_east * east * east + 2.0 * roughness.east_north * east * north + roughness.north_north * north * north
+
+
+@kernel
+def line_of_sight(sun: Sunlight, rough: Roughness, azimuth: float) -> Sight:
+    """The :class:`Sight` of a line that leaves the sensor at an azimuth."""
+    east, north = -math.sin(azimuth), -math.cos(azimuth)
+    deviation = math.sqrt(max(along(rough, east, north), 0.0))
+    return Sight(east, north, azimuth, leg_passage_kernel(azimuth + math.pi - sun.azimuth), deviation)
+
+
+def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float, *, sun_too: bool = True) -> Roughness:
+    """Facet slopes as kernels take them, with nested shadowing in so many bands (1: Smith's), of the Sun's leg too or not.
+
+    Between whole numbers of bands the logarithms of the laws are interpolated, so that facets change evenly with their share of the slopes.
+    """
+    towards = float(np.sqrt(slopes.mss_along(solar_azimuth)))
+    nested, lit = between_bands(ratio_table, bands), between_bands(lit_table, bands * LIT_BANDS / BANDS if sun_too else 1.0)
+    return Roughness(*slopes.covariance(), towards, nested.astype(np.float32), lit.astype(np.float32))

@@ -1,0 +1,379 @@
+"""Scenes of an upright camera with equal steps of azimuth and elevation: one sweep over the sea is an image."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint._jit import in_threads
+from seaglint.conventions import FloatArray, horizon_depression, view_zenith_of_range
+from seaglint.errors import DomainError
+from seaglint.radiance.mean import SeaView, band_grid
+from seaglint.render.accuracy import Accuracy
+from seaglint.render.camera import Camera
+from seaglint.render.layers import CHANNELS, Layers, channels_for, layers_of, mean_distance, planes_for, require_layers, upright
+from seaglint.render.levels import Levels
+from seaglint.render.path_basis import path_basis
+from seaglint.render.platform import Pose
+from seaglint.render.scene import joined
+from seaglint.render.sparkle import NO_SPARKLES, Sparkles, sparkle_columns, sparkle_rows
+from seaglint.render.sunlight import Sunlight
+from seaglint.render.surface import Surface, course, height
+from seaglint.render.sweep import Frame, Swept, sweep_columns
+from seaglint.render.tables import FacetDomain, facet_slopes, facet_tables
+from seaglint.render.view import Attitude
+from seaglint.render.walk import PATH_EVERY, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
+from seaglint.sea.detail import Detail
+from seaglint.sea.field import WaveField
+from seaglint.sea.shadowing import smith_lambda
+from seaglint.sea.slopes import SlopeStatistics
+
+SUBMERGED = 0.75
+"""A sensor below this many significant heights (three standard deviations) would be under water now and then."""
+
+_SAME = 1e-9
+"""Difference of angles [rad], of steps and of heights (relative) that counts as none."""
+
+
+@dataclass(frozen=True, eq=False)
+class SweptScene:
+    """A sea prepared for an upright camera that stands still; make it with :meth:`prepare`.
+
+    Attributes
+    ----------
+    view : SeaView
+        Sea, air and Sun; its slopes are the total statistics. Without resolved waves facets hide each other from viewer and Sun by Smith's
+        law, or from the viewer band by band where its shadowing is nested.
+    camera : Camera
+        The image grid; stands at the view's sensor height or up to ``accuracy.height_step`` above it.
+    waves : WaveField or None
+        The part of the slopes that is geometry; the rest goes to the facets. Without it the image is the mean.
+    accuracy : Accuracy
+        How finely it is drawn.
+    layers : tuple of str
+        Layers beside ``radiance`` and ``glint_radiance``.
+    sparkles : Sparkles
+        Glint below the pixel.
+    """
+
+    view: SeaView
+    camera: Camera
+    waves: WaveField | None
+    accuracy: Accuracy
+    layers: tuple[str, ...]
+    sparkles: Sparkles
+    _prepared_for: Camera
+    _levels: Levels
+    _tables: Swept | None
+    """None where no sea can be seen."""
+
+    @classmethod
+    def prepare(
+        cls,
+        view: SeaView,
+        camera: Camera,
+        waves: WaveField | None = None,
+        *,
+        accuracy: Accuracy | None = None,
+        layers: Collection[str] = (),
+        sparkles: Sparkles = NO_SPARKLES,
+    ) -> SweptScene:
+        """Make everything that does not change in time.
+
+        Raises
+        ------
+        DomainError
+            Heights that differ, a sensor among the waves, waves steeper than the slope model, steps that do not suit the waves, or a
+            layer that there is not.
+        """
+        fine, names = accuracy or Accuracy(), require_layers(layers)
+        if camera.height != view.sensor_height:
+            raise DomainError(
+                f"camera at {camera.height:g} m, but the view is made for {view.sensor_height:g} m; give both the same height"
+            )
+        levels, arcs = Levels.calm(), np.empty(0)
+        if waves is None:
+            fine = replace(fine, lines_per_column=1)
+            arcs = calm_ranges(camera)
+        else:
+            require_dry(camera.height, waves)
+            limits = sea_limits(camera, fine.crest * waves.significant_height)
+            levels = Levels.of(waves, camera, fine, limits[1] if limits is not None else 0.0)
+            if limits is not None:
+                arcs = graded_ranges(*limits, levels.begins, levels.steps, camera.height, camera.row_step)
+        empty = cls(view, camera, waves, fine, names, sparkles, camera, levels, None)
+        return replace(empty, _tables=empty._tabled(arcs)) if arcs.size > 1 else empty
+
+    @property
+    def pose(self) -> Pose:
+        """Above the sea's origin, as the camera stands."""
+        return Pose(0.0, 0.0, self.camera.height, Attitude(self.camera.azimuth, self.camera.elevation))
+
+    @property
+    def steps(self) -> FloatArray | None:
+        """Largest step of the sweep at every level of detail [m]; None without resolved waves."""
+        return None if self.waves is None else self._levels.steps
+
+    @property
+    def levels(self) -> Levels:
+        """Levels of detail of the sea."""
+        return self._levels
+
+    @property
+    def tables(self) -> Swept | None:
+        """What the kernels look up; None where no sea can be seen."""
+        return self._tables
+
+    @property
+    def report(self) -> Mapping[str, Any]:
+        """Settings of the sweep, for the provenance."""
+        tables, detail, waves = self._tables, self._levels.detail, self.waves is not None
+        return {
+            "sweep_step_m": [float(step) for step in self._levels.steps] if waves else None,
+            "sweep_samples": 0 if tables is None else int(tables.walk.range_m.size),
+            "sweep_range_m": [] if tables is None else [float(tables.walk.range_m[0]), float(tables.walk.range_m[-1])],
+            "level_begins_m": [float(r) for r in self._levels.begins] if waves else None,
+            "level_shortest_wave_m": [level.shortest_wave for level in detail.levels] if waves else None,
+            "most_lines_per_column": self.accuracy.lines_per_column,
+            **self.sparkles.of(self.view, self._prepared_for)[1],
+            "spectral_terms": [] if tables is None else [int(terms.shape[1]) for terms in tables.walk.path[:2]],
+        }
+
+    def with_camera(self, camera: Camera) -> SweptScene:
+        """The same scene through another camera, nothing prepared anew: some of its columns and rows, or from a little higher up.
+
+        Raises
+        ------
+        DomainError
+            Pixels of another size, a view beyond the one prepared, or a height that the air was not prepared for.
+        """
+        made, highest = self._prepared_for, self._prepared_for.height * self.accuracy.height_step
+        own, other = made.column_step, camera.column_step
+        if abs(other - own) > _SAME * own or abs(camera.row_step - made.row_step) > _SAME * made.row_step:
+            raise DomainError(
+                f"pixels of {1e3 * other:.6g} x {1e3 * camera.row_step:.6g} mrad, and the scene was prepared for "
+                f"{1e3 * own:.6g} x {1e3 * made.row_step:.6g} mrad; keep the pixels or prepare a scene for this camera"
+            )
+        aside = abs(camera.azimuth - made.azimuth) + 0.5 * (camera.width - made.width)
+        beyond = max(aside, camera.top - made.top, made.bottom - camera.bottom)
+        if beyond > _SAME:
+            raise DomainError(
+                f"the camera looks {np.degrees(beyond):.4g} deg beyond the view that the scene was prepared for; "
+                "stay inside it or prepare a scene for this camera"
+            )
+        if not made.height * (1.0 - _SAME) <= camera.height <= highest * (1.0 + _SAME):
+            raise DomainError(
+                f"camera at {camera.height:g} m, and the scene was prepared for {made.height:g} to {highest:g} m; "
+                "stay between them or prepare a scene for this height"
+            )
+        if self._tables is None:
+            return replace(self, camera=camera)
+        walk = self._tables.walk
+        if camera.height != walk.eye:
+            rise, fall = sight_lines(walk.range_m, camera.height)
+            walk = walk._replace(eye=camera.height, rise=rise, fall=fall)
+        frame = self._tables.frame if _same_rows(camera, self.camera) else sky_rows(self.view, replace(camera, height=made.height))
+        return replace(self, camera=camera, _tables=self._tables._replace(walk=walk, frame=frame))
+
+    def reseeded(self, seed: int) -> Self:
+        """Another realisation of the same sea, sparkles included, without preparing anything again."""
+        sparkles, tables = self.sparkles.reseeded(seed), self._tables
+        if tables is not None:
+            tables = tables._replace(sparkle=sparkles.of(self.view, self._prepared_for)[0])
+        if self.waves is None:
+            return replace(self, sparkles=sparkles, _tables=tables)
+        waves = self.waves.reseeded(seed)
+        levels = replace(self._levels, detail=Detail.of(waves).first(len(self._levels.detail.levels)))
+        return replace(self, waves=waves, sparkles=sparkles, _levels=levels, _tables=tables)
+
+    def surface(self, time: float, origin: tuple[float, float] = (0.0, 0.0)) -> Surface:
+        """The sea at a time [s], with the sensor above ``origin``, east and north [m], at every level of detail."""
+        return self._levels.surface(self._levels.lattices(time), origin)
+
+    def drawn(self, pose: Pose, time: float) -> Layers:
+        """The image from a pose at a time [s]."""
+        return self.columns(pose, time, (0, self.camera.columns))
+
+    def columns(self, pose: Pose, time: float, part: tuple[int, int]) -> Layers:
+        """Columns ``part = (first, end)`` of the image alone: their bytes are those of the whole image."""
+        images = self._swept(pose, time, part, self.surface(time, (pose.east, pose.north)), np.zeros((part[1] - part[0], 0)))
+        return self._layers(images[:, 0])
+
+    def scanned(self, poses: Sequence[Pose], times: Sequence[float]) -> Layers:
+        """An image whose columns have each their own pose and time [s], as scanners see it; neighbours that share both go together."""
+        count = self.camera.columns
+        if len(poses) != count or len(times) != count:
+            raise DomainError(f"{len(poses)} poses and {len(times)} times for {count} columns; give one of each for every column")
+        begins = [i for i in range(count) if i == 0 or (poses[i], times[i]) != (poses[i - 1], times[i - 1])]
+        return joined([self.columns(poses[a], times[a], (a, b)) for a, b in zip(begins, [*begins[1:], count], strict=True)])
+
+    def intervals(self, pose: Pose, time: float, cuts: FloatArray) -> tuple[Layers, ...]:
+        """The image in intervals of distance: what stands before each cut and behind the one before it, and what is beyond the last.
+
+        Parameters
+        ----------
+        pose : Pose
+            Place and attitude of the sensor.
+        time : float
+            Time from the start [s].
+        cuts : ndarray
+            Distances from the sensor at which columns are cut, ascending [m, (columns, n) or (n,)].
+
+        Returns
+        -------
+        tuple of Layers
+            n + 1 parts, near to far, in double precision; the sky belongs to the last. ``radiance`` and its parts are what an interval
+            adds to each pixel and ``coverage`` the share that it fills; :func:`composed` puts them together.
+        """
+        cut = np.ascontiguousarray(np.broadcast_to(np.asarray(cuts, np.float64), (self.camera.columns, np.shape(cuts)[-1])))
+        if cut.shape[1] and (not np.all(np.isfinite(cut)) or np.any(np.diff(cut, axis=1) < 0.0)):
+            raise DomainError("cuts in range must be finite and ascend from the sensor in every column; sort them")
+        images = self._swept(pose, time, (0, self.camera.columns), self.surface(time, (pose.east, pose.north)), cut)
+        # what rounding leaves of the whole is the last part's, so that the parts add up to the image
+        images[:, -1] = images[:, 0] - images[:, 1:-1].sum(axis=1)
+        return tuple(self._interval(images[:, k]) for k in range(1, images.shape[1]))
+
+    def _interval(self, columns: FloatArray) -> Layers:
+        planes = np.arange(CHANNELS + 1)
+        out = np.empty((planes.size, self.camera.rows, columns.shape[0]))
+        upright(columns, planes, out)
+        return layers_of(out, planes, (*self.layers, "coverage"))
+
+    def _layers(self, columns: FloatArray) -> Layers:
+        """Layers of columns (columns, channels, rows)."""
+        planes = planes_for(self.layers)
+        return layers_of(self._planes(columns, planes), planes, self.layers)
+
+    def _planes(self, columns: FloatArray, planes: NDArray[np.int64]) -> NDArray[np.float32]:
+        out = np.empty((planes.size, self.camera.rows, columns.shape[0]), np.float32)
+        upright(columns, planes, out)
+        return out
+
+    def planes(self, pose: Pose, time: float, surface: Surface, part: tuple[int, int]) -> NDArray[np.float32]:
+        """Planes of :func:`~seaglint.render.layers.planes_for` of some columns (planes, rows, columns), of a sea that is there already."""
+        images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
+        return self._planes(images[:, 0], planes_for(self.layers))
+
+    def _swept(self, pose: Pose, time: float, part: tuple[int, int], surface: Surface, cuts: FloatArray) -> FloatArray:
+        """Channels of some columns (columns, 1 or 2 + cuts, channels, rows)."""
+        camera, tables = self.camera, self._tables
+        self._require_pose(pose)
+        intervals = cuts.shape[1] + 1 if cuts.shape[1] else 0
+        channels = CHANNELS if intervals else channels_for(self.layers)
+        azimuths = np.ascontiguousarray(camera.azimuths[part[0] : part[1]])
+        images = np.zeros((azimuths.size, 1 + intervals, channels, camera.rows))
+        if tables is None:
+            images[:, 0, 0] = images[:, -1, 0] = sky_rows(self.view, replace(camera, height=self._prepared_for.height)).sky
+            return images
+        line = course(surface, 0, 1.0, 0.0)
+        require_above(height(surface, line, 0, line.part.shape[0], 0.0), camera.height, time)
+        in_threads(lambda some: sweep_columns(tables, surface, azimuths, camera.column_step, cuts, images, some), azimuths.size)
+        place = (float(pose.east), float(pose.north))
+        sparkle_columns(tables.sparkle, sparkle_rows(camera), tables.sunlight, azimuths, place, float(time), images)
+        return images
+
+    def _require_pose(self, pose: Pose) -> None:
+        camera, attitude = self.camera, pose.attitude
+        off = max(abs(attitude.azimuth - camera.azimuth), abs(attitude.elevation - camera.elevation), abs(attitude.roll))
+        if off > _SAME or abs(pose.height - camera.height) > _SAME * camera.height:
+            raise DomainError(
+                f"pose at {pose.height:g} m, turned by {np.degrees(off):.4g} deg from the camera's; this scene is for {camera.height:g} m "
+                "and an upright camera: use with_camera, or prepare a scene for turned cameras"
+            )
+
+    def _tabled(self, arcs: FloatArray) -> Swept:
+        """What columns look up for samples at ``arcs`` [m]."""
+        view, camera, levels, fine = self.view, self.camera, self._levels, self.accuracy
+        every = 1 if self.waves is None else PATH_EVERY
+        # of the middle of the piece that ends at a sample
+        middle = np.concatenate([arcs[:1], 0.5 * (arcs[1:] + arcs[:-1])])
+        basis = path_basis(view.atmosphere, view.band, camera.height, np.append(middle[::every], middle[-1:]))
+        half = 0.5 * camera.width
+        sun, facets, path = facet_tables(
+            view,
+            basis,
+            self._domains(arcs),
+            (camera.azimuth - half, camera.azimuth + half),
+            shade_sun=self.waves is not None,  # mean maps have the nested law for the viewer alone, and images without waves equal them
+            emitted=bool({"emitted_radiance", "sky_radiance"} & set(self.layers)),
+        )
+        stage = stages(arcs, camera.column_step, levels.begins, levels.shortest, fine)
+        walk = Walk(arcs, camera.height, *sight_lines(arcs, camera.height), path, every, stage, self._shadows(sun))
+        return Swept(walk, sky_rows(view, camera), sun, facets, self.sparkles.of(view, camera)[0])
+
+    def _domains(self, arcs: FloatArray) -> list[FacetDomain]:
+        """Facets of every level, and their grazing angles, with the crests' own."""
+        view, waves, levels, eye = self.view, self.waves, self._levels, self.camera.height
+        crest = 0.0 if waves is None else waves.significant_height
+        bands = view.nested_bands if waves is not None or view.shadowing in ("nested", "nested-viewer") else 1
+        towards = view.slopes.wind_to_azimuth if waves is None else waves.spectrum.wind_to_azimuth
+        floor = float(np.cos(view_zenith_of_range(eye, arcs[-1:]))[0])
+        last = [*levels.begins[1:], arcs[-1]]
+        out = []
+        for level, begin, end in zip(levels.detail.levels, levels.begins, last, strict=True):
+            facets = facet_slopes(view.slopes, level.mss, towards)
+            share = facets.mss / view.slopes.mss if view.slopes.mss > 0.0 else 1.0
+            ends = np.clip([begin, end], arcs[0], arcs[-1])
+            high, low = np.cos(view_zenith_of_range(eye, ends)) + np.array([1.0, -1.0]) * crest / np.maximum(ends, eye)
+            out.append(FacetDomain(facets, level.mss, bands * share, (max(float(low), floor), min(float(high), 1.0))))
+        return out
+
+    def _shadows(self, sun: Sunlight) -> FloatArray:
+        """Step [m] and steepest rise of shadow rays at every level; 0 where next to nothing is in shadow by Smith's law."""
+        levels, fine = self._levels, self.accuracy
+        if self.waves is None or not sun.shining:
+            return np.zeros((levels.steps.size, 2))
+        towards = self.waves.spectrum.wind_to_azimuth
+        rms = np.sqrt([SlopeStatistics(*v.mss, wind_to_azimuth=towards).mss_along(sun.azimuth) for v in levels.detail.levels])
+        shadow = smith_lambda(max(sun.lower_tangent, 0.0) / (np.sqrt(2.0) * np.maximum(rms, 1e-9)))
+        return np.stack([np.where(shadow > fine.negligible_shadow, levels.steps, 0.0), fine.steepest_rise * rms], axis=1)
+
+
+def composed(parts: Sequence[Layers]) -> Layers:
+    """The whole image from its :meth:`SweptScene.intervals`, front to back."""
+
+    def together(images: list[NDArray[Any]]) -> NDArray[np.float32]:
+        return np.asarray(np.sum(images, axis=0), np.float32)
+
+    found = {name: together([part[name] for part in parts]) for name in parts[0] if name != "range"}
+    if "range" in parts[0]:
+        distance = together([np.nan_to_num(part["range"]) * part["coverage"] for part in parts])
+        found["range"] = mean_distance(distance, found["coverage"])
+    return Layers(found)
+
+
+def require_above(foot: float, height: float, time: float) -> None:
+    """Refuse a sensor ``height`` above the mean sea that the sea under it, ``foot`` high [m], covers."""
+    if foot >= height:
+        raise DomainError(f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {height:g} m above the mean sea")
+
+
+def require_dry(height: float, waves: WaveField) -> None:
+    """Refuse a sensor ``height`` [m] that waves would reach now and then."""
+    if height < SUBMERGED * waves.significant_height:
+        raise DomainError(
+            f"sensor height = {height:g} m is within reach of the waves (significant height {waves.significant_height:.2f} m); "
+            f"place it above {SUBMERGED * waves.significant_height:.2f} m or do not resolve waves"
+        )
+
+
+def sky_rows(view: SeaView, camera: Camera) -> Frame:
+    """Rows of a camera and the sky in those that touch it."""
+    elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
+    # only rows that touch the sky are looked up; crests never lower the horizon by more than a few rows
+    sky = np.zeros(camera.rows)
+    rows = camera.top - np.arange(camera.rows) * camera.row_step > -horizon_depression(camera.height) - 2e-3
+    if rows.any():
+        weights, grid = band_grid(view.band, view.atmosphere)
+        sky[rows] = view.atmosphere.sky_radiance(0.5 * np.pi - elevation[rows], camera.height)[:, grid] @ weights
+    bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
+    top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
+    return Frame(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky)
+
+
+def _same_rows(one: Camera, other: Camera) -> bool:
+    return (one.elevation, one.height_angle, one.rows) == (other.elevation, other.height_angle, other.rows)

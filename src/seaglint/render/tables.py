@@ -1,0 +1,155 @@
+"""What facets send, tabled for a scene: one assembly for the sweep and for walked rays.
+
+Emission, mirrored sky and mirrored Sun of every level of detail, and the terms of the path that they are multiplied with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.conventions import FloatArray
+from seaglint.errors import DomainError
+from seaglint.optics.sea_water import WaterIndex
+from seaglint.radiance.glint import visible_sun
+from seaglint.radiance.mean import SeaView
+from seaglint.render.facet import FacetLevels
+from seaglint.render.path_basis import TOGETHER, PathBasis, fewest_terms
+from seaglint.render.roughness import roughness_of
+from seaglint.render.sunlight import Sunlight, sunlight
+from seaglint.render.thermal import ThermalSources, band_reflectance, thermal_axes, thermal_sources, thermal_table
+from seaglint.sea.slopes import SlopeStatistics
+
+
+class PathTerms(NamedTuple):
+    """The path at the places of a basis: coefficients of the thermal, solar and emitted terms [1, (m, k)], and its own radiance
+    [W m-2 sr-1, (m,)].
+    """
+
+    thermal: np.ndarray
+    sun: np.ndarray
+    emitted: np.ndarray
+    radiance: np.ndarray
+
+
+@dataclass(frozen=True)
+class FacetDomain:
+    """Where the facets of one level of detail are looked up.
+
+    Attributes
+    ----------
+    slopes : SlopeStatistics
+        Slopes that the facets carry.
+    resolved : (float, float)
+        Slope variance of the waves that tilt them, along and across the wind [1].
+    bands : float
+        Bands of nested shadowing (1: Smith's law).
+    sines : (float, float)
+        Least and greatest sine of the grazing angle [1].
+    """
+
+    slopes: SlopeStatistics
+    resolved: tuple[float, float]
+    bands: float
+    sines: tuple[float, float]
+
+
+def facet_slopes(slopes: SlopeStatistics, resolved: tuple[float, float], wind_to_azimuth: float) -> SlopeStatistics:
+    """Statistics left to the facets: the model's variances minus what the interpolated lattices carry, along and across the wind of
+    the waves.
+
+    Raises
+    ------
+    DomainError
+        If resolved waves carry more than the model has.
+    """
+    up, cross = resolved
+    rest = (slopes.mss_up - up, slopes.mss_cross - cross)
+    if min(rest) < 0.0 or (min(rest) == 0.0 and max(resolved) > 0.0):
+        raise DomainError(
+            f"resolved waves carry slope variances {up:.4g} up and {cross:.4g} across the wind, more than the slope model's "
+            f"{slopes.mss_up:.4g} and {slopes.mss_cross:.4g}; resolve longer waves only"
+        )
+    return SlopeStatistics(*rest, wind_to_azimuth=wind_to_azimuth) if max(resolved) > 0.0 else slopes
+
+
+def sun_terms(basis: PathBasis, irradiance: FloatArray, water: WaterIndex) -> FloatArray:
+    """Band terms of reflectance times solar irradiance over the cosine of incidence, (incidence nodes, k) [W m-2].
+
+    ``irradiance`` [W m-2 (cm-1)-1] is given on the basis' wavenumbers.
+    """
+    return basis.project(band_reflectance(basis, water) * irradiance)
+
+
+def sun_of(view: SeaView, basis: PathBasis) -> tuple[Sunlight, FloatArray]:
+    """The Sun of a view, and the band terms of its reflection (:func:`sun_terms`)."""
+    share, zenith = visible_sun(view.solar_zenith)
+    irradiance = view.sun_distance_factor * share * view.atmosphere.solar_irradiance(zenith)[basis.grid]
+    return sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0)), sun_terms(basis, irradiance, view.water)
+
+
+def facet_tables(
+    view: SeaView,
+    basis: PathBasis,
+    domains: Sequence[FacetDomain],
+    azimuths: tuple[float, float],
+    *,
+    shade_sun: bool = True,
+    emitted: bool = False,
+) -> tuple[Sunlight, FacetLevels, PathTerms]:
+    """Tables of the facets of every level of detail.
+
+    Parameters
+    ----------
+    view : SeaView
+        Sea, air and Sun.
+    basis : PathBasis
+        Path from the sensor to the places that are looked up.
+    domains : sequence of FacetDomain
+        Facets of every level.
+    azimuths : (float, float)
+        Least and greatest azimuth of the lines of sight [rad].
+    shade_sun : bool
+        Whether nested shadowing counts for the Sun's leg too.
+    emitted : bool
+        Whether emission is tabled apart from the mirrored sky.
+    """
+    sun, reflected_sun = sun_of(view, basis)
+    sources = thermal_sources(basis, view)
+    roughs = [roughness_of(d.slopes, view.solar_azimuth, d.bands, sun_too=shade_sun) for d in domains]
+    found = [thermal_axes(d.slopes, d.resolved, d.sines, azimuths) for d in domains]
+
+    def together(light: ThermalSources) -> FloatArray:
+        parts = [thermal_table(light, r, *axes, basis.phi.shape[0]) for r, axes in zip(roughs, found, strict=True)]
+        return np.concatenate([part.reshape(-1, part.shape[-1]) for part in parts])
+
+    thermal, thermal_path = fewest_terms(together(sources), basis.coefficients, TOGETHER)
+    reflected, sun_path = fewest_terms(reflected_sun, basis.coefficients)
+    alone, alone_path = np.zeros((thermal.shape[0], 0)), np.zeros((basis.coefficients.shape[0], 0))
+    if emitted:
+        alone, alone_path = fewest_terms(together(sources._replace(sky=np.zeros_like(sources.sky))), basis.coefficients, TOGETHER)
+    shapes = np.array([shape for _, shape in found])
+    first = np.concatenate([[0], np.cumsum(shapes.prod(axis=1))[:-1]])
+    levels = FacetLevels(
+        np.array([rough[:4] for rough in roughs]),
+        _stacked([rough.nested for rough in roughs]),
+        _stacked([rough.lit for rough in roughs]),
+        all(rough.nested.size == 0 for rough in roughs),
+        thermal.astype(np.float32),
+        alone.astype(np.float32),
+        np.concatenate([first[:, None], shapes], axis=1),
+        np.stack([nodes for nodes, _ in found]),
+        np.ascontiguousarray(reflected),
+    )
+    return sun, levels, PathTerms(thermal_path, sun_path, alone_path, basis.path_radiance)
+
+
+def _stacked(tables: list[NDArray[np.float32]]) -> NDArray[np.float32]:
+    """Tables of one shape together; empty ones, of logarithms, as zeros."""
+    shape = max((table.shape for table in tables), key=lambda shape: shape[0])
+    full = tuple(max(n, 1) for n in shape)
+    return np.stack([table if table.size else np.zeros(full, np.float32) for table in tables])
