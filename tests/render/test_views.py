@@ -6,6 +6,7 @@ from render_scenes import SEA_TEMPERATURE, Furnace, WarmSky, elfouhaily, one_til
 
 from seaglint.conventions import horizon_depression
 from seaglint.errors import DomainError
+from seaglint.radiance.legs import Shadowing
 from seaglint.radiance.mean import mean_radiance
 from seaglint.render.camera import Camera
 from seaglint.render.platform import Track
@@ -40,7 +41,7 @@ def imager(projection="pinhole", width=12.0, height=9.0, columns=32, rows=24):
 def scene(air, eye, pointing, waves=None, *, height=30.0, sun=(60.0, 0.0), place=(0.0, 0.0), **options):
     still = Track.standing(height, pointing)
     track = Track(still.time, still.values + np.array([*place, 0.0, 0.0, 0.0, 0.0]))
-    return ViewRenderer(lambda h: sea_view(air, SLOPES, h, *sun, nested_bands=1), eye, track, waves, **options)
+    return ViewRenderer(lambda h: sea_view(air, SLOPES, h, *sun, shadowing=Shadowing(bands=1)), eye, track, waves, **options)
 
 
 def likeness(one, other):
@@ -98,7 +99,7 @@ def test_weights_sum_to_one_and_conserve_energy(elevation, roll):
 def test_roll_of_nothing_is_the_sweeps_own_image(air, waves):
     eye, pointing = imager("equal-angle"), attitude(5.0, -8.0)
     grid = eye.camera(30.0, pointing)
-    plain = Renderer(sea_view(air, SLOPES, 30.0, nested_bands=1), grid, waves).radiances(1.0).total
+    plain = Renderer(sea_view(air, SLOPES, 30.0, shadowing=Shadowing(bands=1)), grid, waves).radiances(1.0).total
     found = scene(air, eye, pointing, waves).radiances(1.0).total
     assert found.mean() == pytest.approx(plain.mean(), rel=2e-3)  # other lines of sight in the columns
     assert likeness(found, plain) > 0.98
@@ -206,7 +207,9 @@ def moving(air, waves, **options):
     columns = {"time": [0.0, 1.0], "east": [0.0, 20.0], "north": [0.0, 5.0], "height": [30.0, 31.5], "azimuth": np.radians([350.0, 20.0])}
     columns |= {"elevation": np.radians([-8.0, -6.0]), "roll": np.radians([10.0, -10.0])}
     track = Track.create({name: np.asarray(values) for name, values in columns.items()}, ["a", "b"])
-    return ViewRenderer(lambda h: sea_view(air, SLOPES, h, nested_bands=1), imager(columns=24, rows=18), track, waves, **options)
+    return ViewRenderer(
+        lambda h: sea_view(air, SLOPES, h, shadowing=Shadowing(bands=1)), imager(columns=24, rows=18), track, waves, **options
+    )
 
 
 def test_a_frame_alone_is_that_of_the_sequence(air, waves):

@@ -13,7 +13,7 @@ import numpy as np
 
 from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.pipeline import prepare
-from seaglint.radiance.mean import SeaView
+from seaglint.radiance.view import SeaView
 from seaglint.render.camera import Camera
 from seaglint.render.renderer import Renderer
 from seaglint.scenario.load import parse_scenario

@@ -240,7 +240,7 @@ class Renderer:
         sources, half = thermal_sources(basis, view), 0.5 * camera.width
         resolved = [(0.0, 0.0)] if self._detail is None else [level.mss for level in self._detail.levels]
         crest = 0.0 if self.waves is None else self.waves.significant_height
-        bands = view.nested_bands if self.waves is not None or view.shadowing in ("nested", "nested-viewer") else 1
+        bands = view.nested_bands if self.waves is not None else view.shadowing.law_bands
         towards = view.slopes.wind_to_azimuth if self.waves is None else self.waves.spectrum.wind_to_azimuth
         floor = float(np.cos(view_zenith_of_range(camera.height, arcs[-1:]))[0])
         roughs, tables, shapes, axes = [], [], [], []
