@@ -24,7 +24,8 @@ from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.conventions import view_zenith
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
-from seaglint.radiance.mean import SeaView, mean_radiance
+from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
 from seaglint.render.scene import image

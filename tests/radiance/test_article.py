@@ -9,7 +9,9 @@ from seaglint.atmosphere.vacuum import VacuumAtmosphere
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
-from seaglint.radiance.mean import SeaView, mean_radiance
+from seaglint.radiance.legs import VIEWER
+from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.view import SeaView
 from seaglint.sea.cox_munk import cox_munk_isotropic
 
 BAND = Band.rectangular(3.5, 5.0)
@@ -31,7 +33,7 @@ def _view(atmosphere, **changes):
         "sea_temperature": 288.15,
         "sensor_height": 100.0,
         "solar_zenith": np.radians(77.0),
-        "shadowing": "viewer",
+        "shadowing": VIEWER,
         "background": "blackbody",
     }
     return SeaView(**(inputs | changes))

@@ -4,6 +4,7 @@ import pytest
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.errors import DomainError
 from seaglint.radiance.glint import direction, glint, visible_sun
+from seaglint.radiance.legs import VIEWER, Shadowing
 from seaglint.sea.breon_henriot import breon_henriot
 from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.emissivity import facet_nodes
@@ -30,7 +31,7 @@ def _eq8(theta, azimuth, solar_zenith, solar_azimuth, slopes):
 def test_rough_sea_is_the_point_formula(wind, depression, relative):
     slopes = cox_munk_isotropic(wind)
     theta, azimuth = np.radians(90.0 - depression), np.radians(180.0 + 30.0 + relative)
-    got = glint(theta, azimuth, np.radians(40.0), np.radians(30.0), slopes, "viewer")
+    got = glint(theta, azimuth, np.radians(40.0), np.radians(30.0), slopes, VIEWER)
     chance, cos_incidence = _eq8(theta, azimuth, np.radians(40.0), np.radians(30.0), slopes)
     # (image of the disc / rms slope)^2 / 8 times He2 of the slope: below 0.3 % here, to six standard deviations
     assert got.chance == pytest.approx(chance, rel=6e-3)
@@ -59,7 +60,7 @@ def test_chance_is_the_share_of_facets_drawn_at_random(mss, zenith):
     slopes = SlopeStatistics(mss, mss)
     theta, azimuth, sun_zenith = np.radians(zenith), 0.3, np.radians(zenith) - 0.5 * EPS
     expected, error = _drawn(slopes, theta, azimuth, sun_zenith, azimuth + np.pi)
-    got = float(glint(theta, azimuth, sun_zenith, azimuth + np.pi, slopes, "viewer").chance)
+    got = float(glint(theta, azimuth, sun_zenith, azimuth + np.pi, slopes, VIEWER).chance)
     # four standard errors of the million draws, plus 0.2 % for the quadrature
     assert got == pytest.approx(expected, abs=4.0 * error + 2e-3 * expected)
     assert 0.0 <= got <= 1.0
@@ -69,7 +70,7 @@ def test_chance_is_the_share_of_facets_drawn_at_random(mss, zenith):
 @pytest.mark.parametrize("slopes", [SlopeStatistics(1e-6, 1e-6), SlopeStatistics(4e-6, 5e-7, 1.0)], ids=["isotropic", "directional"])
 def test_facets_drawn_at_random_see_a_sun_beside_the_mirror_direction(offset, slopes):
     expected, error = _drawn(slopes, np.radians(85.0), 0.3, np.radians(85.0), 0.3 + np.pi + offset)
-    got = float(glint(np.radians(85.0), 0.3, np.radians(85.0), 0.3 + np.pi + offset, slopes, "viewer").chance)
+    got = float(glint(np.radians(85.0), 0.3, np.radians(85.0), 0.3 + np.pi + offset, slopes, VIEWER).chance)
     assert got == pytest.approx(expected, abs=4.0 * error + 5e-3 * expected)  # draws, and points on the chords
 
 
@@ -78,7 +79,7 @@ def test_facets_drawn_at_random_see_a_sun_beside_the_mirror_direction(offset, sl
 def test_facets_drawn_at_random_see_a_cut_sun_cut(elevation, slopes):
     theta, sun_zenith = np.radians(89.8), np.radians(90.0 - elevation)
     expected, error = _drawn(slopes, theta, 0.3, sun_zenith, 0.3005 + np.pi)
-    got = float(glint(theta, 0.3, sun_zenith, 0.3005 + np.pi, slopes, "viewer").chance)
+    got = float(glint(theta, 0.3, sun_zenith, 0.3005 + np.pi, slopes, VIEWER).chance)
     assert got == pytest.approx(expected, abs=4.0 * error + 5e-3 * expected)  # draws, and points on the cut disc
 
 
@@ -107,7 +108,9 @@ LAMBDA_80, LAMBDA_85 = 1 / 0.92141 - 1, 1 / 0.71082 - 1
 )
 def test_second_leg_takes_what_smith_says(view, sun, expected):
     slopes = SlopeStatistics(0.0316, 0.0316)
-    both, viewer = (float(glint(np.radians(view), np.pi, np.radians(sun), 0.0, slopes, legs).chance) for legs in ("both", "viewer"))
+    both, viewer = (
+        float(glint(np.radians(view), np.pi, np.radians(sun), 0.0, slopes, Shadowing.of(legs)).chance) for legs in ("both", "viewer")
+    )
     assert both / viewer == pytest.approx(expected, rel=2e-5)  # printed digits
 
 
@@ -130,8 +133,8 @@ def test_chance_never_exceeds_one_anywhere(wind):
 
 def _round_the_sun(theta, zenith, azimuth, slopes, law):
     if slopes.is_isotropic:
-        return glint(theta, -azimuth, zenith, 0.0, slopes, law).chance
-    return np.array([float(glint(theta, 0.0, zenith, a, slopes, law).chance) for a in azimuth[::10]]) * 10.0
+        return glint(theta, -azimuth, zenith, 0.0, slopes, Shadowing.of(law)).chance
+    return np.array([float(glint(theta, 0.0, zenith, a, slopes, Shadowing.of(law)).chance) for a in azimuth[::10]]) * 10.0
 
 
 @pytest.mark.parametrize(
@@ -210,7 +213,7 @@ def test_skewed_density_is_the_point_formula(slopes, view, sun):
     slope = -total[:2] / total[2]
     density = float(slopes.density(*slope))
     expected = np.pi * EPS**2 * density * (1.0 + slope @ slope) ** 2 / (4.0 * float(visible_area(theta, azimuth, slopes)))
-    got = float(glint(theta, azimuth, zenith, bearing, slopes, "viewer").chance)
+    got = float(glint(theta, azimuth, zenith, bearing, slopes, VIEWER).chance)
     peak = float(slopes.density(0.0, 0.0)) * np.pi * EPS**2
     assert got == pytest.approx(expected, rel=0.01, abs=1e-6 * peak)  # curvature of the density on the disc
 

@@ -11,7 +11,9 @@ from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.glint import glint
-from seaglint.radiance.mean import MeanModel, SeaView, mean_radiance
+from seaglint.radiance.legs import Shadowing
+from seaglint.radiance.mean import MeanModel, mean_radiance
+from seaglint.radiance.view import SeaView
 from seaglint.sea.breon_henriot import breon_henriot
 from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.emissivity import facet_nodes
@@ -180,7 +182,7 @@ def test_chance_and_incidence_come_with_the_sun_and_only_there():
 
 @pytest.mark.parametrize("slopes", [SEAS["10 m/s"], SEAS["directional"], SEAS["calm"]], ids=["10 m/s", "directional", "calm"])
 def test_white_furnace_of_a_nested_sea(slopes):
-    view = _view(IsothermalAtmosphere.for_band(288.15, 3.0, 5.0), slopes, shadowing="nested")
+    view = _view(IsothermalAtmosphere.for_band(288.15, 3.0, 5.0), slopes, shadowing=Shadowing.of("nested"))
     total = mean_radiance(view, -np.radians(np.geomspace(0.17, 90.0, 60)), np.radians([-40.0, 0.0, 25.0])).total
     np.testing.assert_allclose(total, BAND.radiance(288.15, view.atmosphere.wavenumber_cm), rtol=1e-10)
 
@@ -204,7 +206,7 @@ def test_white_furnace_of_a_prepared_model(name):
 )
 @pytest.mark.parametrize("height", [5000.0, pytest.param(2.0, marks=pytest.mark.validation)])
 def test_prepared_maps_are_the_rows_computed_one_by_one(name, law, height):
-    view = _view(WarmSky.for_band(3.0, 5.0), SEAS[name], sensor_height=height, shadowing=law)
+    view = _view(WarmSky.for_band(3.0, 5.0), SEAS[name], sensor_height=height, shadowing=Shadowing.of(law))
     elevation = 0.1 - horizon_depression(height) - np.concatenate([[0.0], np.geomspace(0.1 + 1e-6, 1.5, 30)])
     azimuth = np.radians(np.arange(-170.0, 190.0, 17.0))
     one, model = mean_radiance(view, elevation, azimuth), MeanModel.prepare(view).map(elevation, azimuth)
@@ -229,7 +231,9 @@ def test_a_map_does_not_depend_on_the_number_of_threads():
 def test_nested_waves_darken_a_low_sun_and_change_the_background_near_the_horizon_alone():
     atmosphere = WarmSky.for_band(3.0, 5.0)
     both, nested = (
-        mean_radiance(_view(atmosphere, SEAS["10 m/s"], solar_zenith=np.radians(82.0), shadowing=law), -np.radians([1.0, 45.0]), [0.0])
+        mean_radiance(
+            _view(atmosphere, SEAS["10 m/s"], solar_zenith=np.radians(82.0), shadowing=Shadowing.of(law)), -np.radians([1.0, 45.0]), [0.0]
+        )
         for law in ("both", "nested")
     )
     assert nested.sun[0, 0] < 0.8 * both.sun[0, 0]

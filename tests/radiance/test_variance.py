@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from seaglint.errors import DomainError
 from seaglint.radiance.glint import glint
+from seaglint.radiance.legs import VIEWER
 from seaglint.radiance.variance import glint_variance, patches, point_variance
 from seaglint.sea.cox_munk import cox_munk_isotropic
 
@@ -79,7 +80,7 @@ def test_sparse_limit_is_the_share_of_sea_area(depression_deg, wind_speed):
     # l^2 / (A P_h S) with Eq. 12's P_h from the slope density itself, not from the share of the view.
     theta, sun, eps, r, omega = np.radians(90.0 - depression_deg), np.radians(60.0), 4.65e-3, 3000.0, 1e-6
     slopes = cox_munk_isotropic(wind_speed, height=12.5)
-    found = glint(theta, np.pi, sun, 0.0, slopes, "viewer")
+    found = glint(theta, np.pi, sun, 0.0, slopes, VIEWER)
     half, beta = 0.5 * (theta + sun), 0.5 * abs(theta - sun)
     variance = slopes.mss_up
     p = np.exp(-0.5 * np.tan(beta) ** 2 / variance) / (2.0 * np.pi * variance)

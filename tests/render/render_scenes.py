@@ -14,7 +14,7 @@ from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import WaterIndex
-from seaglint.radiance.mean import SeaView
+from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
 from seaglint.render.layers import Layers

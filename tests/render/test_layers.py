@@ -157,7 +157,7 @@ def test_realisations_share_nothing_but_the_sea_state(swept):
     mean = shown(swept_scene(swept.view, swept.camera), 0.0).glint_radiance
     lit = mean > 0.05 * mean.max()
     assert lit.sum() > 200
-    assert abs(np.corrcoef((one / mean)[lit], (two / mean)[lit])[0, 1]) < 0.2
+    assert abs(np.corrcoef(one[lit] / mean[lit], two[lit] / mean[lit])[0, 1]) < 0.2
 
 
 def test_a_reseeded_scene_is_the_scene_of_that_seed(air):
@@ -174,7 +174,10 @@ def test_a_reseeded_scene_is_the_scene_of_that_seed(air):
 def test_another_camera_inside_the_view(swept):
     eye = swept.camera
     part = camera(eye.height, 0.6 - 0.08 * 20, 0.6 - 0.08 * 60, 40, width=6.0, columns=12)
-    np.testing.assert_allclose(shown(swept.with_camera(part), 1.0).radiance, shown(swept, 1.0).radiance[20:60, 6:18], rtol=1e-4)
+    one, other = shown(swept.with_camera(part), 1.0).radiance, shown(swept, 1.0).radiance[20:60, 6:18]
+    # radiance leans towards the neighbours of a piece: at an edge, and where a run of pieces ends, there is none
+    np.testing.assert_allclose(one, other, rtol=0.02)
+    assert np.mean(one == other) > 0.9
 
 
 @pytest.mark.parametrize(

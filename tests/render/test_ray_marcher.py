@@ -9,8 +9,9 @@ from ray_marcher import Sea, facets_of, first_hit, mean_radiance, sea_of, visibl
 from seaglint.atmosphere.vacuum import VacuumAtmosphere
 from seaglint.conventions import horizon_depression, surface_range, view_zenith
 from seaglint.optics.fresnel import reflectance
-from seaglint.radiance.mean import SeaView, band_grid
+from seaglint.radiance.legs import BOTH
 from seaglint.radiance.mean import mean_radiance as model_radiance
+from seaglint.radiance.view import SeaView
 from seaglint.sea.cox_munk import cox_munk_anisotropic
 from seaglint.sea.slopes import SlopeStatistics
 from visibility_ratio import power_law_sea, ratios
@@ -20,9 +21,8 @@ FLAT = Sea(np.zeros((1, 16, 16, 3), np.float32), np.array([[1.0, 1.0, 0.0]]), 0.
 
 def reflected(view: SeaView, nodes: int = 1025):
     """Reflectance times irradiance over the band at even cosines of incidence [W m-2]."""
-    weights, grid = band_grid(view.band, view.atmosphere)
-    irradiance = view.atmosphere.solar_irradiance(view.solar_zenith)[grid] * weights
-    return reflectance(np.linspace(0.0, 1.0, nodes)[:, None], view.water.index(view.atmosphere.wavenumber_cm[grid])) @ irradiance
+    over = view.in_band
+    return reflectance(np.linspace(0.0, 1.0, nodes)[:, None], view.water.index(over.wavenumber_cm)) @ (view.irradiance * over.weights)
 
 
 def facets(view, waves, bands):
@@ -55,7 +55,7 @@ def test_rays_above_the_horizon_meet_nothing():
 def test_all_slopes_on_facets_give_the_mean_model(sun_zenith):
     """No resolved waves: a pixel is the mean-radiance model's, whose own Sun is one of the two independent ways here."""
     slopes = cox_munk_anisotropic(8.0, 0.6)
-    view = sea_view(VacuumAtmosphere.for_band(3.5, 5.0), slopes, 30.0, sun_zenith, shadowing="both")
+    view = sea_view(VacuumAtmosphere.for_band(3.5, 5.0), slopes, 30.0, sun_zenith, shadowing=BOTH)
     eye = camera(30.0, -19.9, -20.1, 1, width=0.2)
     found, error = mean_radiance(
         FLAT, facets_of(slopes.covariance()), 30.0, pixel(eye, 0, 0), (view.solar_zenith, 0.0), 4000, reflected=reflected(view)

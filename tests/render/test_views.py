@@ -6,6 +6,7 @@ from render_scenes import SEA_TEMPERATURE, Furnace, WarmSky, elfouhaily, one_til
 
 from seaglint.conventions import horizon_depression
 from seaglint.errors import DomainError
+from seaglint.radiance.legs import Shadowing
 from seaglint.radiance.mean import mean_radiance
 from seaglint.render.camera import Camera
 from seaglint.render.platform import Track
@@ -38,7 +39,7 @@ def imager(projection="pinhole", width=12.0, height=9.0, columns=32, rows=24):
 def scene(air, eye, pointing, waves=None, *, height=30.0, sun=(60.0, 0.0), place=(0.0, 0.0), **options):
     still = Track.standing(height, pointing)
     track = Track(still.time, still.values + np.array([*place, 0.0, 0.0, 0.0, 0.0]))
-    return turned_scene(lambda h: sea_view(air, SLOPES, h, *sun, nested_bands=1), eye, track, waves, **options)
+    return turned_scene(lambda h: sea_view(air, SLOPES, h, *sun, shadowing=Shadowing(bands=1)), eye, track, waves, **options)
 
 
 def likeness(one, other):
@@ -96,7 +97,7 @@ def test_weights_sum_to_one_and_conserve_energy(elevation, roll):
 def test_roll_of_nothing_is_the_sweeps_own_image(air, waves):
     eye, pointing = imager("equal-angle"), attitude(5.0, -8.0)
     grid = eye.camera(30.0, pointing)
-    plain = shown(swept_scene(sea_view(air, SLOPES, 30.0, nested_bands=1), grid, waves), 1.0).radiance
+    plain = shown(swept_scene(sea_view(air, SLOPES, 30.0, shadowing=Shadowing(bands=1)), grid, waves), 1.0).radiance
     found = shown(scene(air, eye, pointing, waves), 1.0).radiance
     assert found.mean() == pytest.approx(plain.mean(), rel=2e-3)  # other lines of sight in the columns
     assert likeness(found, plain) > 0.98
@@ -204,7 +205,9 @@ def moving(air, waves, **options):
     columns = {"time": [0.0, 1.0], "east": [0.0, 20.0], "north": [0.0, 5.0], "height": [30.0, 31.5], "azimuth": np.radians([350.0, 20.0])}
     columns |= {"elevation": np.radians([-8.0, -6.0]), "roll": np.radians([10.0, -10.0])}
     track = Track.create({name: np.asarray(values) for name, values in columns.items()}, ["a", "b"])
-    return turned_scene(lambda h: sea_view(air, SLOPES, h, nested_bands=1), imager(columns=24, rows=18), track, waves, **options)
+    return turned_scene(
+        lambda h: sea_view(air, SLOPES, h, shadowing=Shadowing(bands=1)), imager(columns=24, rows=18), track, waves, **options
+    )
 
 
 def test_a_frame_alone_is_that_of_the_sequence(air, waves):

@@ -5,6 +5,7 @@ from scipy.stats import norm
 
 from seaglint.errors import DomainError
 from seaglint.radiance.glint import glint
+from seaglint.radiance.legs import NESTED_VIEWER, VIEWER, Shadowing
 from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
 from seaglint.sea.emissivity import facet_nodes
 from seaglint.sea.nested import BANDS, lit_exponent_kernel, lit_table, nested_exponent_kernel, nested_ratio, ratio_table
@@ -26,14 +27,14 @@ SURFACE = SlopeStatistics(0.0271, 0.0271)
 @pytest.mark.parametrize("sun", BRUTE_FORCE)
 def test_mirrored_light_near_the_horizon_is_that_of_brute_force(sun):
     theta = np.radians(90.0 - np.array(DEPRESSIONS))
-    nested, smith = (glint(theta, np.pi, np.radians(sun), 0.0, SURFACE, law).chance for law in ("nested-viewer", "viewer"))
+    nested, smith = (glint(theta, np.pi, np.radians(sun), 0.0, SURFACE, law).chance for law in (NESTED_VIEWER, VIEWER))
     np.testing.assert_allclose(nested / smith, BRUTE_FORCE[sun], atol=0.06)
 
 
 @pytest.mark.parametrize("slopes", [cox_munk_isotropic(7.0), cox_munk_anisotropic(11.0, 0.7)], ids=["isotropic", "directional"])
 def test_one_band_is_smith_to_the_last_digit(slopes):
     theta, azimuth = np.radians([[30.0], [85.0], [89.5], [90.0]]), np.radians([150.0, 185.0])
-    one, smith = (glint(theta, azimuth, np.radians(80.0), 0.1, slopes, law, 1).chance for law in ("nested", "both"))
+    one, smith = (glint(theta, azimuth, np.radians(80.0), 0.1, slopes, Shadowing.of(law, 1)).chance for law in ("nested", "both"))
     np.testing.assert_array_equal(one, smith)
     assert np.all(smith[:, 1] > 0.0)
 
@@ -100,7 +101,7 @@ def test_directional_slopes_drawn_band_by_band(zenith):
 def test_steep_views_and_flat_seas_have_nothing_to_nest():
     assert float(nested_ratio(-0.1, np.radians(20.0), 0.03)) == 1.0
     assert float(nested_ratio(0.0, np.radians(80.0), 0.0)) == 1.0
-    chance = [float(glint(1.2, np.pi, 1.2, 0.0, flat(), law).chance) for law in ("both", "nested")]
+    chance = [float(glint(1.2, np.pi, 1.2, 0.0, flat(), Shadowing.of(law)).chance) for law in ("both", "nested")]
     assert chance[0] == chance[1]
 
 
@@ -112,9 +113,9 @@ def test_refusals_say_what_to_do():
     with pytest.raises(DomainError, match="below 0"):
         nested_ratio(0.0, 1.5, -0.03)
     with pytest.raises(DomainError, match="choose shadowing = 'both' or a Gaussian"):
-        glint(1.0, 0.0, 1.0, 0.0, SlopeStatistics(0.03, 0.02, 0.0, c04=0.2), "nested")
+        glint(1.0, 0.0, 1.0, 0.0, SlopeStatistics(0.03, 0.02, 0.0, c04=0.2), Shadowing.of("nested"))
     with pytest.raises(DomainError, match="choose 'both'"):
-        glint(1.0, 0.0, 1.0, 0.0, SURFACE, "none")
+        glint(1.0, 0.0, 1.0, 0.0, SURFACE, Shadowing.of("none"))
 
 
 def _two_bands_by_hand(slope, view, sun):

@@ -21,7 +21,7 @@ import numpy as np
 from bench.mitsuba_sea import MitsubaSea
 from bench.scene import SUN_ZENITHS, compared_rows, facet_bands, renderer, rms_over_mean, scene
 from seaglint.conventions import FloatArray
-from seaglint.radiance.mean import SeaView
+from seaglint.radiance.view import SeaView
 from seaglint.render.camera import Camera
 from seaglint.render.scene import image
 from seaglint.render.swept import SweptScene

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from bench.scene import RANGE
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.optics.fresnel import reflectance
-from seaglint.radiance.mean import SeaView, band_grid
+from seaglint.radiance.view import SeaView
 from seaglint.render.camera import Camera
 from seaglint.sea.field import WaveField
 from seaglint.sea.nested import BANDS, HIGHEST, LIT_BANDS, between_bands, lit_table, nested_ratio
@@ -110,11 +110,10 @@ class MitsubaSea:
         self.nested = self._nested_table(nested_bands)
         lit = between_bands(lit_table, nested_bands * LIT_BANDS / BANDS)
         self.lit, self.lit_shape = self.mi.Float(lit.astype(np.float32).ravel()), lit.shape
-        weights, grid = band_grid(view.band, view.atmosphere)
-        irradiance = view.sun_distance_factor * view.atmosphere.solar_irradiance(view.solar_zenith)[grid] * weights
-        index = view.water.index(view.atmosphere.wavenumber_cm[grid])
+        index = view.water.index(view.in_band.wavenumber_cm)
         cosines = np.linspace(0.0, 1.0, INCIDENCE_NODES)
-        self.reflected = self.mi.Float((reflectance(cosines[:, None], index) @ irradiance).astype(np.float32))
+        sunlight = reflectance(cosines[:, None], index) @ (view.irradiance * view.in_band.weights)
+        self.reflected = self.mi.Float(sunlight.astype(np.float32))
         self.sun_zenith, self.sun_azimuth = view.solar_zenith, view.solar_azimuth
         self.scene = self._build()
         self.parameters = self.mi.traverse(self.scene)

@@ -13,7 +13,7 @@ import numpy as np
 
 from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.pipeline import prepare
-from seaglint.radiance.mean import SeaView
+from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
 from seaglint.render.swept import SweptScene
@@ -58,7 +58,7 @@ def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | N
 
 def facet_bands(view: SeaView, waves: WaveField) -> float:
     """Bands of the facets' nested shadowing where all waves of the tile are geometry, as the renderer has them."""
-    return max(view.nested_bands * (1.0 - sum(waves.resolved_mss()) / view.slopes.mss), 1.0)
+    return max(view.shadowing.bands * (1.0 - sum(waves.resolved_mss()) / view.slopes.mss), 1.0)
 
 
 def compared_rows(camera: Camera) -> slice:

@@ -231,9 +231,10 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     # Numba comes with these, as above.
     from seaglint.atmosphere.table import TableAtmosphere
     from seaglint.radiance.correlation import correlation_length
-    from seaglint.radiance.mean import SeaView, band_grid, mean_radiance
+    from seaglint.radiance.mean import mean_radiance
     from seaglint.radiance.surface import SeaSurface
     from seaglint.radiance.variance import sea_variance
+    from seaglint.radiance.view import BandSum, SeaView
 
     cases.require(MEAN_INPUTS)
     airs = _airs(cases, bands, extrapolate)
@@ -257,16 +258,15 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
             model, speed = key if isinstance(key, tuple) else ("", 0.0)
             air = TableAtmosphere.load(model, speed, band.edges, extrapolate=extrapolate)
             slopes = cox_munk_isotropic(speed, extrapolate=extrapolate)
-            _, grid = band_grid(band.band, air)
-            wavenumber = air.wavenumber_cm[grid]
-            surface = SeaSurface.create(air, water, float(temperature[same_air[0]]), grid)
+            over = BandSum.of(band.band, air)
+            surface = SeaSurface.create(air, water, float(temperature[same_air[0]]), over.grid)
             views = zip(*(values[same_air].tolist() for values in (height, sun, temperature, azimuth)), strict=True)
             for (at, solar_zenith, kelvin, towards), of_air in ((k, r) for k, r in groups_of(views) if isinstance(k, tuple)):
                 _tell(progress, done, total)
                 rows = same_air[of_air]
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith)
                 # What costs most, the table of the sky, is that of the air alone.
-                of_kelvin = replace(surface, blackbody=planck_wavenumber(wavenumber, kelvin))
+                of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))
                 seen = mean_radiance(view, -depression[rows], [towards], of_kelvin)
                 variance = sea_variance(view, seen, -depression[rows], ifov[rows] ** 2, length)
                 columns[f"radiance_W_m2_sr[{band.label}]"][rows] = seen.total[:, 0]

@@ -21,8 +21,10 @@ from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
 from seaglint.radiance.correlation import capillary_length
-from seaglint.radiance.mean import SeaRadiance, SeaView, band_grid, mean_radiance
+from seaglint.radiance.legs import VIEWER
+from seaglint.radiance.mean import SeaRadiance, mean_radiance
 from seaglint.radiance.variance import sea_variance
+from seaglint.radiance.view import SeaView
 from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_isotropic
 
 if TYPE_CHECKING:
@@ -80,7 +82,7 @@ def _view(band: Band, wind_speed: float, height: float) -> SeaView:
         sea_temperature=SEA_TEMPERATURE,
         sensor_height=height,
         solar_zenith=0.0,
-        shadowing="viewer",
+        shadowing=VIEWER,
         background="blackbody",
     )
 
@@ -117,16 +119,15 @@ def figure_2(report: Report = _silent) -> xr.Dataset:
     for i, wind in enumerate(PATH_WINDS):
         report(i, len(PATH_WINDS))
         view = _view(band, wind, PATH_HEIGHT)
-        weights, grid = band_grid(band, view.atmosphere)
-        spectral = view.atmosphere.transmittance(PATH_HEIGHT, arc)[..., grid]
-        path = view.atmosphere.path_radiance(PATH_HEIGHT, arc)[..., grid] @ weights
-        nu = view.atmosphere.wavenumber_cm[grid]
-        paths["transmittance"].append(spectral @ wavelength_mean(weights, nu))
+        over = view.in_band
+        spectral = view.atmosphere.transmittance(PATH_HEIGHT, arc)[..., over.grid]
+        path = over(view.atmosphere.path_radiance(PATH_HEIGHT, arc))
+        paths["transmittance"].append(spectral @ wavelength_mean(over.weights, over.wavenumber_cm))
         paths["transmittance_eq_9"].append(ArticleAtmosphere.fit(view.atmosphere, band, PATH_HEIGHT, SEA_TEMPERATURE).transmittance(slant))
         paths["path_radiance_W_m2_sr"].append(path)
-        paths["boundary_radiance_W_m2_sr"].append(path + spectral @ (weights * planck_wavenumber(nu, SEA_TEMPERATURE)))
-        skies["solar_irradiance_W_m2"].append(view.atmosphere.solar_irradiance(np.radians(zenith))[..., grid] @ weights)
-        skies["sky_radiance_W_m2_sr"].append(view.atmosphere.sky_radiance(np.radians(zenith))[..., grid] @ weights)
+        paths["boundary_radiance_W_m2_sr"].append(path + spectral @ (over.weights * planck_wavenumber(over.wavenumber_cm, SEA_TEMPERATURE)))
+        skies["solar_irradiance_W_m2"].append(over(view.atmosphere.solar_irradiance(np.radians(zenith))))
+        skies["sky_radiance_W_m2_sr"].append(over(view.atmosphere.sky_radiance(np.radians(zenith))))
     report(len(PATH_WINDS), len(PATH_WINDS))
     blackbody = float(band.radiance(PATH_BLACKBODY, view.atmosphere.wavenumber_cm))
     return xr.Dataset(

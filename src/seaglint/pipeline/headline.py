@@ -19,7 +19,9 @@ from seaglint.optics import sea_water
 from seaglint.optics.band import ARTICLE_UNIT, ApparentTemperature, Band
 from seaglint.radiance.article import article_radiance
 from seaglint.radiance.correlation import capillary_length
-from seaglint.radiance.mean import SeaRadiance, SeaView, mean_radiance
+from seaglint.radiance.legs import VIEWER
+from seaglint.radiance.mean import SeaRadiance, mean_radiance
+from seaglint.radiance.view import SeaView
 from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 
 _MODEL: Final = "midlatitude-summer"
@@ -77,7 +79,7 @@ def brightest_point(wind_speed: float, sensor_height: float = _SENSOR_HEIGHT, ra
         sea_temperature=_SEA_TEMPERATURE,
         sensor_height=sensor_height,
         solar_zenith=0.0,
-        shadowing="viewer",
+        shadowing=VIEWER,
         background="blackbody",
     )
     inverse = ApparentTemperature.create(_BAND, air.wavenumber_cm)

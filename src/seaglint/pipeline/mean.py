@@ -15,8 +15,9 @@ from seaglint.io.provenance import band_attributes, provenance
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
 from seaglint.radiance.article import article_radiance
-from seaglint.radiance.mean import SeaRadiance, SeaView, mean_radiance
+from seaglint.radiance.mean import SeaRadiance, mean_radiance
 from seaglint.radiance.variance import sea_variance
+from seaglint.radiance.view import SeaView
 from seaglint.render.camera import Camera
 from seaglint.scenario.model import Scenario
 
@@ -69,7 +70,7 @@ def mean(scenario: Scenario) -> xr.Dataset:
             scenario.model_dump_json(exclude_none=True),
             scenario.seed,
             mean_mode=scenario.mean.mode,
-            mean_shadowing=view.shadowing,
+            mean_shadowing=view.shadowing.word,
             glint_correlation_length_m=prepare.glint_length(scenario),
             mss_up=view.slopes.mss_up,
             mss_cross=view.slopes.mss_cross,

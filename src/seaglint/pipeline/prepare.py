@@ -20,7 +20,8 @@ from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.correlation import capillary_length, correlation_length
-from seaglint.radiance.mean import SeaView
+from seaglint.radiance.legs import VIEWER, Shadowing
+from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
 from seaglint.render.platform import Track
@@ -272,7 +273,7 @@ def view(scenario: model.Scenario) -> SeaView:
         solar_zenith=sun.zenith,
         solar_azimuth=sun.azimuth,
         sun_distance_factor=sun.irradiance_factor,
-        shadowing=scenario.mean.shadowing or "both",
+        shadowing=Shadowing.of(scenario.mean.shadowing or "both"),
     )
 
 
@@ -289,7 +290,7 @@ def article_view(scenario: model.Scenario) -> SeaView:
             scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=not isinstance(kind, model.SpectrumSlopes) and kind.extrapolate
         )
     )
-    return replace(view(scenario), slopes=isotropic, shadowing="viewer", background="blackbody")
+    return replace(view(scenario), slopes=isotropic, shadowing=VIEWER, background="blackbody")
 
 
 def upright_camera(scenario: model.Scenario) -> Camera | None:

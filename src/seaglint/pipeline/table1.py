@@ -20,7 +20,8 @@ from seaglint.pipeline import prepare
 from seaglint.pipeline.analysis import Analysis, Options, analyze
 from seaglint.pipeline.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS
 from seaglint.pipeline.render import prepare_sequence
-from seaglint.radiance.mean import SeaView, mean_radiance
+from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.view import SeaView
 from seaglint.render.camera import Camera
 from seaglint.render.scene import Scene, image
 from seaglint.scenario.load import parse_scenario

@@ -23,7 +23,9 @@ from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.radiance.glint import glint, visible_sun
-from seaglint.radiance.mean import SeaRadiance, SeaView, band_grid
+from seaglint.radiance.legs import VIEWER
+from seaglint.radiance.mean import SeaRadiance
+from seaglint.radiance.view import BandSum, SeaView
 
 _RANGES: Final = 40
 _ZENITHS: Final = np.radians([0, 10, 20, 30, 40, 45, 50, 55, 60, 65, 70, 74, 77, 80, 82, 84, 85, 86, 87, 88, 88.5, 89, 89.5, 90])
@@ -55,16 +57,16 @@ class ArticleAtmosphere:
     @classmethod
     def fit(cls, atmosphere: Atmosphere, band: Band, sensor_height: float, sea_temperature: float) -> ArticleAtmosphere:
         """Tabulate an atmosphere at 40 ranges from below the sensor to its horizon, and at 24 zenith angles."""
-        weights, grid = band_grid(band, atmosphere)
-        mean = wavelength_mean(weights, atmosphere.wavenumber_cm[grid])
+        over = BandSum.of(band, atmosphere)
+        mean = wavelength_mean(over.weights, over.wavenumber_cm)
         # Evenly spaced in ln slant range, the coordinate of the splines.
         last = horizon_range(sensor_height)
         slant = np.geomspace(sensor_height, float(slant_range(sensor_height, last)), _RANGES)
         chord = (slant**2 - sensor_height**2) / (4.0 * EFFECTIVE_EARTH_RADIUS * (EFFECTIVE_EARTH_RADIUS + sensor_height))
         arc = 2.0 * EFFECTIVE_EARTH_RADIUS * np.arcsin(np.sqrt(np.maximum(chord, 0.0)))  # inverse of slant_range
-        spectral = atmosphere.transmittance(sensor_height, arc)[..., grid]
-        path = atmosphere.path_radiance(sensor_height, arc)[..., grid]
-        sea = planck_wavenumber(atmosphere.wavenumber_cm[grid], sea_temperature)
+        spectral = atmosphere.transmittance(sensor_height, arc)[..., over.grid]
+        path = atmosphere.path_radiance(sensor_height, arc)[..., over.grid]
+        sea = planck_wavenumber(over.wavenumber_cm, sea_temperature)
         transmittance = spectral @ mean
         powers = np.vander(1e-3 * slant, 4, increasing=True)
         # Weighted by the transmittance itself: errors count where there is something left to see.
@@ -72,10 +74,10 @@ class ArticleAtmosphere:
         zenith = np.append(_ZENITHS, 0.5 * np.pi + horizon_depression(sensor_height))
         return cls(
             coefficients=np.asarray(coefficients, dtype=np.float64),
-            path=CubicSpline(np.log(slant), path @ weights),
-            boundary=CubicSpline(np.log(slant), (path + spectral * sea) @ weights),
-            sun=PchipInterpolator(_ZENITHS, atmosphere.solar_irradiance(_ZENITHS)[..., grid] @ weights),
-            sky=PchipInterpolator(zenith, atmosphere.sky_radiance(zenith, sensor_height)[..., grid] @ weights),
+            path=CubicSpline(np.log(slant), path @ over.weights),
+            boundary=CubicSpline(np.log(slant), (path + spectral * sea) @ over.weights),
+            sun=PchipInterpolator(_ZENITHS, over(atmosphere.solar_irradiance(_ZENITHS))),
+            sky=PchipInterpolator(zenith, over(atmosphere.sky_radiance(zenith, sensor_height))),
             fit_error=float(np.max(np.abs(np.exp(powers @ coefficients) - transmittance))),
         )
 
@@ -124,7 +126,7 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
     emission[sea, 0] = air.boundary(np.log(slant)) - path[sea, 0]
     share, zenith = visible_sun(view.solar_zenith)
     if share > 0.0:
-        mirrored = glint(theta[sea][:, None], columns + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, "viewer")
+        mirrored = glint(theta[sea][:, None], columns + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, VIEWER)
         irradiance = view.sun_distance_factor * float(air.sun(zenith))
         rho = _mean_reflectance(view, mirrored.cos_incidence)
         chance[sea], cos_incidence[sea] = mirrored.chance, mirrored.cos_incidence
@@ -134,7 +136,6 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
 
 def _mean_reflectance(view: SeaView, cos_incidence: FloatArray) -> FloatArray:
     """Reflectance averaged over wavelength."""
-    weights, grid = band_grid(view.band, view.atmosphere)
-    nu = view.atmosphere.wavenumber_cm[grid]
-    series = ReflectanceSeries.of(view.water.index(nu))
-    return np.asarray(series.basis(cos_incidence) @ (series.coefficients @ wavelength_mean(weights, nu)))
+    over = view.in_band
+    series = ReflectanceSeries.of(view.water.index(over.wavenumber_cm))
+    return np.asarray(series.basis(cos_incidence) @ (series.coefficients @ wavelength_mean(over.weights, over.wavenumber_cm)))

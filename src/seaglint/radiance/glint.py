@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final, Literal, NamedTuple
+from typing import Final, NamedTuple
 
 import numba
 import numpy as np
@@ -27,13 +27,10 @@ from seaglint._jit import kernel, njit_parallel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, unit_vector
 from seaglint.errors import DomainError
-from seaglint.sea.nested import BANDS, nested_ratio_kernel, ratio_table
+from seaglint.radiance.legs import BOTH, Shadowing
+from seaglint.sea.nested import nested_ratio_kernel, ratio_table
 from seaglint.sea.shadowing import bistatic_kernel, slope_lambda, visible_area, visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics, series_bracket
-
-Shadowing = Literal["both", "viewer", "nested", "nested-viewer"]
-"""Legs that waves shadow: viewer and Sun by Smith's law, or the viewer's alone (the source article); ``nested`` takes the viewer's leg
-band by band (:mod:`seaglint.sea.nested`) and the Sun's as ``both`` does, ``nested-viewer`` leaves the Sun's out."""
 
 _FLOOR: Final = 1e-3 * SOLAR_ANGULAR_RADIUS
 """Least rms slope of the quadrature [1]: a mirror gets an edge of 0.2 % of the Sun's radius and needs no formula of its own."""
@@ -172,24 +169,21 @@ class GlintModel:
     _legs: _Legs
 
     @classmethod
-    def prepare(
-        cls, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics, shadowing: Shadowing = "both", nested_bands: int = BANDS
-    ) -> GlintModel:
+    def prepare(cls, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics, shadowing: Shadowing = BOTH) -> GlintModel:
         """Constants of one Sun and one sea; parameters and errors as in :func:`glint`."""
-        require_shadowing(slopes, shadowing)
+        shadowing.require(slopes)
         sea = _floored(slopes)
         share, centroid = visible_sun(solar_zenith)
         s, c = math.sin(sea.wind_to_azimuth), math.cos(sea.wind_to_azimuth)
         up, cross = math.sqrt(sea.mss_up), math.sqrt(sea.mss_cross)
         peak = 1.0 / (8.0 * math.pi * up * cross)
         numbers = _Sea(sea.mss_up, sea.mss_cross, up, cross, peak, s, c, sea.is_gaussian, np.array(sea.coefficients))
-        nested = shadowing in ("nested", "nested-viewer")
-        with_sun = shadowing in ("both", "nested") and share > 0.0
+        with_sun = shadowing.sun and share > 0.0
         legs = _Legs(
             with_sun,
             float(slope_lambda(centroid, solar_azimuth, sea)) if with_sun else 0.0,
             float(solar_azimuth),
-            ratio_table(nested_bands if nested else 1),
+            ratio_table(shadowing.law_bands),
         )
         disc = _disc(solar_zenith, solar_azimuth, share, centroid) if share > 0.0 else None
         return cls(sea, numbers, disc, legs)
@@ -222,17 +216,6 @@ class GlintModel:
         return visible_area(theta, azimuth, self.slopes)
 
 
-def require_shadowing(slopes: SlopeStatistics, shadowing: Shadowing) -> None:
-    """Refuse what no shadowing law covers."""
-    if shadowing not in ("both", "viewer", "nested", "nested-viewer"):
-        raise DomainError(f"shadowing = {shadowing!r} is unknown; choose 'both', 'viewer', 'nested' or 'nested-viewer'")
-    if shadowing in ("nested", "nested-viewer") and not slopes.is_gaussian:
-        raise DomainError(
-            f"shadowing = {shadowing!r} needs Gaussian slopes and these have Gram-Charlier coefficients; "
-            "choose shadowing = 'both' or a Gaussian slope model such as cox-munk-anisotropic"
-        )
-
-
 def _disc(solar_zenith: float, solar_azimuth: float, share: float, centroid: float) -> _Disc:
     """Constants of a Sun of which something is above the horizon."""
     sz, cz, sa, ca = math.sin(solar_zenith), math.cos(solar_zenith), math.sin(solar_azimuth), math.cos(solar_azimuth)
@@ -261,8 +244,7 @@ def glint(
     solar_zenith: float,
     solar_azimuth: float,
     slopes: SlopeStatistics,
-    shadowing: Shadowing = "both",
-    nested_bands: int = BANDS,
+    shadowing: Shadowing = BOTH,
 ) -> Glint:
     """Share of the viewed sea that mirrors the Sun to the viewer, and the incidence there.
 
@@ -276,10 +258,8 @@ def glint(
         Direction from the sea to the Sun's centre [rad]; below the horizon is valid: no glint.
     slopes : SlopeStatistics
         Slopes of the sea; a flat one mirrors the disc itself.
-    shadowing : {"both", "viewer", "nested", "nested-viewer"}
-        Legs that are shadowed, and how; see :data:`Shadowing`.
-    nested_bands : int
-        Bands of the nested law; 1 is Smith's.
+    shadowing : Shadowing
+        Legs that are shadowed, and how.
 
     Returns
     -------
@@ -295,8 +275,8 @@ def glint(
     -----
     Where the disc's image in the slope plane is small against the rms slope, seven points on the disc; elsewhere, and for a Sun cut by
     the horizon, 24 x 24 Gauss points on that part of the disc where the density is not negligible. Shadowing is taken at the middle of
-    the visible part of the disc. ``viewer`` and ``nested-viewer`` conserve energy over all positions of the Sun; ``both`` is reciprocal
-    in viewer and Sun; ``nested`` is neither where both are low.
+    the visible part of the disc. With the viewer's leg alone energy is conserved over all positions of the Sun; ``BOTH`` is reciprocal
+    in viewer and Sun; ``NESTED`` is neither where both are low.
 
     References
     ----------
@@ -307,7 +287,7 @@ def glint(
         raise DomainError("view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor")
     shape = np.broadcast_shapes(theta.shape, azimuth.shape)
     views = [np.array(np.broadcast_to(a, shape), order="C").ravel() for a in (theta, azimuth)]
-    found = GlintModel.prepare(solar_zenith, solar_azimuth, slopes, shadowing, nested_bands).at(*views)
+    found = GlintModel.prepare(solar_zenith, solar_azimuth, slopes, shadowing).at(*views)
     return Glint(found.chance.reshape(shape), found.cos_incidence.reshape(shape))
 
 

@@ -6,87 +6,26 @@ r"""Mean radiance of the sea at the aperture (Eqs. 1-8 of the source article), i
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-from seaglint.atmosphere.base import Atmosphere
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, view_zenith
 from seaglint.errors import DomainError
-from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
-from seaglint.optics.sea_water import WaterIndex
-from seaglint.radiance.glint import GlintModel, Shadowing, require_shadowing, visible_sun
+from seaglint.radiance.glint import GlintModel
 from seaglint.radiance.surface import SeaSurface, azimuth_weights, wind_azimuths
-from seaglint.sea.nested import BANDS
-from seaglint.sea.slopes import SlopeStatistics
-
-Background = Literal["facets", "blackbody"]
-"""What the sea shows beside the Sun: facets that emit and mirror the sky, or a blackbody (Eqs. 6-7 of the source article)."""
+from seaglint.radiance.view import SeaView
 
 NODES: Final = 160
 """Elevations at which a view is tabulated."""
 
 _FINEST: Final = 2e-4
 """Least scale of the elevations tabulated [rad]: a mirror's grazing light changes over hundredths."""
-
-
-@dataclass(frozen=True, eq=False)
-class SeaView:
-    """Everything but the directions: who looks at which sea through what.
-
-    Attributes
-    ----------
-    atmosphere : Atmosphere
-        Transmittance, path radiance, Sun and sky.
-    band : Band
-        Spectral response; inside the atmosphere's grid.
-    water : WaterIndex
-        Refractive index of the sea.
-    slopes : SlopeStatistics
-        Statistics of its slopes.
-    sea_temperature : float
-        Temperature of the sea's skin [K].
-    sensor_height : float
-        Height of the sensor [m].
-    solar_zenith, solar_azimuth : float
-        Direction from the sea to the Sun's centre, apparent [rad]; below the horizon is valid.
-    sun_distance_factor : float
-        ``1/d^2`` with d the distance of the Sun in au [1].
-    shadowing : {"both", "viewer", "nested", "nested-viewer"}
-        Legs shadowed by waves, for the Sun's light, and how (:data:`seaglint.radiance.glint.Shadowing`). The nested law also weighs the
-        facets that emit and mirror the sky; their own sky is not hidden by waves in any mode but for the facets that see the sea.
-    background : {"facets", "blackbody"}
-        See :data:`Background`.
-    nested_bands : int
-        Bands of the nested law (:mod:`seaglint.sea.nested`).
-    """
-
-    atmosphere: Atmosphere
-    band: Band
-    water: WaterIndex
-    slopes: SlopeStatistics
-    sea_temperature: float
-    sensor_height: float
-    solar_zenith: float
-    solar_azimuth: float = 0.0
-    sun_distance_factor: float = 1.0
-    shadowing: Shadowing = "both"
-    background: Background = "facets"
-    nested_bands: int = BANDS
-
-    def __post_init__(self) -> None:
-        if not (np.isfinite(self.sensor_height) and self.sensor_height > 0.0):
-            raise DomainError(f"sensor_height = {self.sensor_height:g} m is not above the sea; give a height > 0 m")
-        if not (np.isfinite(self.sea_temperature) and self.sea_temperature > 0.0):
-            raise DomainError(f"sea_temperature = {self.sea_temperature:g} K; give the temperature of the sea in kelvin, e.g. 288.15")
-        if not 0.0 <= self.solar_zenith <= np.pi:
-            raise DomainError(f"solar_zenith = {self.solar_zenith:g} rad is outside 0..pi; above pi/2 the Sun is below the horizon")
-        require_shadowing(self.slopes, self.shadowing)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +79,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     azimuth : array_like
         Azimuths of the lines of sight, clockwise from north [rad, (columns,)].
     surface : SeaSurface, optional
-        Water, sky and sea temperature of the view, from :meth:`SeaSurface.create` on the band's part of the grid (:func:`band_grid`);
+        Water, sky and sea temperature of the view, from :meth:`SeaSurface.create` on the band's part of the grid (``view.in_band.grid``);
         saves making it again for views that share them.
 
     Returns
@@ -245,30 +184,26 @@ def _arc(height: float, gamma: FloatArray) -> FloatArray:
 
 
 def _glint_model(view: SeaView) -> GlintModel:
-    return GlintModel.prepare(view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, view.nested_bands)
+    return GlintModel.prepare(view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing)
 
 
 def _sea_rows(view: SeaView, gamma: FloatArray, azimuths: FloatArray, surface: SeaSurface | None) -> FloatArray:
     """What rows of sea need [W m-2 sr-1, (rows, 1 + 2 k + terms)]: path, emission and sky at k view azimuths, terms of the mirrored Sun."""
-    weights, grid = band_grid(view.band, view.atmosphere)
-    nu = view.atmosphere.wavenumber_cm[grid]
+    over, nu = view.in_band, view.in_band.wavenumber_cm
     arc = _arc(view.sensor_height, gamma)
-    seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., grid] * weights
-    path = (view.atmosphere.path_radiance(view.sensor_height, arc)[..., grid] @ weights)[:, None]
+    seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., over.grid] * over.weights
+    path = over(view.atmosphere.path_radiance(view.sensor_height, arc))[:, None]
     if view.background == "blackbody":
         emission = np.repeat((seen @ planck_wavenumber(nu, view.sea_temperature))[:, None], azimuths.size, axis=1)
         sky = np.zeros_like(emission)
         series = ReflectanceSeries.of(view.water.index(nu)) if surface is None else surface.reflectance
     else:
         if surface is None:
-            surface = SeaSurface.create(view.atmosphere, view.water, view.sea_temperature, grid)
-        bands = view.nested_bands if view.shadowing in ("nested", "nested-viewer") else 1
-        leaving = surface.in_band(0.5 * np.pi - gamma, azimuths, view.slopes, seen, bands)
+            surface = SeaSurface.create(view.atmosphere, view.water, view.sea_temperature, over.grid)
+        leaving = surface.in_band(0.5 * np.pi - gamma, azimuths, view.slopes, seen, view.shadowing.law_bands)
         emission, sky, series = leaving.emission, leaving.sky, surface.reflectance
-    share, zenith = visible_sun(view.solar_zenith)
-    irradiance = view.sun_distance_factor * view.atmosphere.solar_irradiance(zenith)[..., grid] if share > 0.0 else np.zeros(nu.size)
     # The spectral sum over each Chebyshev term is taken per row; the pixels then only need their angle of incidence.
-    per_term = (seen * irradiance) @ series.coefficients.T / (np.pi * SOLAR_ANGULAR_RADIUS**2)
+    per_term = (seen * view.irradiance) @ series.coefficients.T / (np.pi * SOLAR_ANGULAR_RADIUS**2)
     return np.concatenate([path, emission, sky, per_term], axis=1)
 
 
@@ -284,15 +219,6 @@ def _assembled(
     path, emission, sky = table[:, :1], table[:, 1 : 1 + k] @ wide, table[:, 1 + k : 1 + 2 * k] @ wide
     mirrored = glint.grid(0.5 * np.pi - gamma, columns + np.pi, table[:, 1 + 2 * k :])
     if not np.all(sea):
-        spectral, grid = band_grid(view.band, view.atmosphere)
         above = view.atmosphere.sky_radiance(0.5 * np.pi - rows[~sea], view.sensor_height)
-        sky[~sea] = (above[..., grid] @ spectral)[:, None]
+        sky[~sea] = view.in_band(above)[:, None]
     return SeaRadiance(path, emission, sky, *mirrored)
-
-
-def band_grid(band: Band, atmosphere: Atmosphere) -> tuple[FloatArray, slice]:
-    """Quadrature weights [cm-1, (n,)] of the band, and the part of the atmosphere's grid they belong to."""
-    weights = band.weights(atmosphere.wavenumber_cm)
-    used = np.flatnonzero(weights)
-    grid = slice(int(used[0]), int(used[-1]) + 1)
-    return weights[grid], grid

@@ -28,7 +28,8 @@ from seaglint.conventions import FloatArray, surface_range
 from seaglint.conventions import view_zenith as view_zenith_of
 from seaglint.errors import DomainError
 from seaglint.radiance.glint import visible_sun
-from seaglint.radiance.mean import SeaRadiance, SeaView
+from seaglint.radiance.mean import SeaRadiance
+from seaglint.radiance.view import SeaView
 
 
 def point_variance(sun_mean: ArrayLike, chance: ArrayLike) -> FloatArray:

@@ -14,7 +14,7 @@ import numpy as np
 from seaglint.atmosphere.base import Atmosphere
 from seaglint.conventions import FloatArray
 from seaglint.optics.band import Band
-from seaglint.radiance.mean import band_grid
+from seaglint.radiance.view import BandSum
 
 RELATIVE_ERROR = 2e-3
 """Largest error of any range's transmittance spectrum, RMS over the band relative to its mean. Band products, which average over the
@@ -66,12 +66,12 @@ def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: Float
     """Basis and coefficients for the sea points at arcs ``range_m`` [m] (ascending) seen from ``height`` [m]."""
     from scipy.interpolate import CubicSpline
 
-    weights, grid = band_grid(band, atmosphere)
-    nu = atmosphere.wavenumber_cm[grid]
+    in_band = BandSum.of(band, atmosphere)
+    weights, grid = in_band.weights, in_band.grid
     lowest = max(float(range_m[0]), 0.05 * height)
     nodes = np.geomspace(lowest, float(range_m[-1]) * (1.0 + 1e-9), NODES) if range_m[-1] > lowest else np.array([lowest, lowest * 1.01])
     tau = np.maximum(np.asarray(atmosphere.transmittance(height, nodes))[:, grid], 0.0)
-    path = np.asarray(atmosphere.path_radiance(height, nodes))[:, grid] @ weights
+    path = in_band(atmosphere.path_radiance(height, nodes))
 
     mean = np.maximum((tau @ weights) / weights.sum(), 1e-30)
     root = np.sqrt(np.maximum(weights, 1e-6 * weights.max()) / weights.sum())
@@ -84,7 +84,9 @@ def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: Float
     log_nodes = np.log(nodes)
     at = np.log(np.maximum(range_m, lowest))
     coefficients = CubicSpline(log_nodes, (u * s)[:, :terms] * mean[:, None], axis=0)(at)
-    return PathBasis(nu, grid, phi, weights, np.ascontiguousarray(coefficients), np.asarray(CubicSpline(log_nodes, path)(at)))
+    return PathBasis(
+        in_band.wavenumber_cm, grid, phi, weights, np.ascontiguousarray(coefficients), np.asarray(CubicSpline(log_nodes, path)(at))
+    )
 
 
 def fewest_terms(tables: FloatArray, coefficients: FloatArray, together: int = 1) -> tuple[FloatArray, FloatArray]:

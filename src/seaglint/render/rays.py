@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from seaglint._jit import in_threads, kernel, njit
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith_of_range
-from seaglint.radiance.mean import SeaView, band_grid
+from seaglint.radiance.view import SeaView
 from seaglint.render.facet import FacetLevels, FacetOptics, facet_sunlight, level_optics
 from seaglint.render.layers import CHANNELS, COVERAGE, DISTANCE, EMITTED, PATH, SUN, TOTAL
 from seaglint.render.path_basis import path_basis
@@ -255,8 +255,7 @@ class WalkedRays:
             return np.ascontiguousarray(table.reshape(*shape, table.shape[1]).transpose(1, 0, 2, 3, 4))
 
         above = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_ROWS)
-        weights, grid = band_grid(view.band, view.atmosphere)
-        sky = view.atmosphere.sky_radiance(np.maximum(0.5 * np.pi + dip - above**2, 0.0), eye)[:, grid] @ weights
+        sky = view.in_band(view.atmosphere.sky_radiance(np.maximum(0.5 * np.pi + dip - above**2, 0.0), eye))
         air = Air(scale, (PATH_NODES - 1) / float(log[-1]), path, sky, dip, 1.0 / float(above[1]))
         return cls(RayTables(sun, levels, by_azimuth(levels.thermal), by_azimuth(levels.emitted), air))
 

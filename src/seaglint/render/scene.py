@@ -8,7 +8,7 @@ from typing import Any, Protocol, Self
 import numpy as np
 
 from seaglint.errors import DomainError
-from seaglint.radiance.mean import SeaView
+from seaglint.radiance.view import SeaView
 from seaglint.render.layers import Layers
 from seaglint.render.platform import Pose
 

@@ -29,8 +29,8 @@ from seaglint._jit import kernel, njit_parallel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
 from seaglint.radiance.glint import glint
-from seaglint.radiance.mean import SeaView
 from seaglint.radiance.variance import patches
+from seaglint.radiance.view import SeaView
 from seaglint.random import stream
 from seaglint.render.camera import Camera
 from seaglint.render.counter import cell_key, gamma_deviate, last_event

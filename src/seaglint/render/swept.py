@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from seaglint._jit import in_threads
 from seaglint.conventions import FloatArray, horizon_depression, view_zenith_of_range
 from seaglint.errors import DomainError
-from seaglint.radiance.mean import SeaView, band_grid
+from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
 from seaglint.render.layers import CHANNELS, Layers, channels_for, layers_of, mean_distance, planes_for, require_layers, upright
@@ -309,7 +309,7 @@ class SweptScene:
         """Facets of every level, and their grazing angles, with the crests' own."""
         view, waves, levels, eye = self.view, self.waves, self._levels, self.camera.height
         crest = 0.0 if waves is None else waves.significant_height
-        bands = view.nested_bands if waves is not None or view.shadowing in ("nested", "nested-viewer") else 1
+        bands = view.shadowing.bands if waves is not None else view.shadowing.law_bands
         towards = view.slopes.wind_to_azimuth if waves is None else waves.spectrum.wind_to_azimuth
         floor = float(np.cos(view_zenith_of_range(eye, arcs[-1:]))[0])
         last = [*levels.begins[1:], arcs[-1]]
@@ -368,8 +368,7 @@ def sky_rows(view: SeaView, camera: Camera) -> Frame:
     sky = np.zeros(camera.rows)
     rows = camera.top - np.arange(camera.rows) * camera.row_step > -horizon_depression(camera.height) - 2e-3
     if rows.any():
-        weights, grid = band_grid(view.band, view.atmosphere)
-        sky[rows] = view.atmosphere.sky_radiance(0.5 * np.pi - elevation[rows], camera.height)[:, grid] @ weights
+        sky[rows] = view.in_band(view.atmosphere.sky_radiance(0.5 * np.pi - elevation[rows], camera.height))
     bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
     top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
     return Frame(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky)

@@ -16,7 +16,7 @@ from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.glint import visible_sun
-from seaglint.radiance.mean import SeaView
+from seaglint.radiance.view import SeaView
 from seaglint.render.facet import FacetLevels
 from seaglint.render.path_basis import TOGETHER, PathBasis, fewest_terms
 from seaglint.render.roughness import roughness_of
@@ -88,7 +88,7 @@ def sun_terms(basis: PathBasis, irradiance: FloatArray, water: WaterIndex) -> Fl
 def sun_of(view: SeaView, basis: PathBasis) -> tuple[Sunlight, FloatArray]:
     """The Sun of a view, and the band terms of its reflection (:func:`sun_terms`)."""
     share, zenith = visible_sun(view.solar_zenith)
-    irradiance = view.sun_distance_factor * share * view.atmosphere.solar_irradiance(zenith)[basis.grid]
+    irradiance = share * view.irradiance
     return sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0)), sun_terms(basis, irradiance, view.water)
 
 

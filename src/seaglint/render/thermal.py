@@ -19,7 +19,7 @@ from seaglint.conventions import FloatArray
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import WaterIndex
-from seaglint.radiance.mean import SeaView
+from seaglint.radiance.view import SeaView
 from seaglint.render.path_basis import PathBasis
 from seaglint.render.roughness import Roughness, Sight, along
 from seaglint.sea.nested import nested_exponent_kernel

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray, wrap_angle
 from seaglint.errors import DomainError
-from seaglint.radiance.mean import SeaView
+from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
 from seaglint.render.layers import EMITTED, PATH, SKY, SUN, TOTAL, Layers, layers_of, planes_for, require_layers
@@ -142,7 +142,7 @@ class TurnedScene:
         Parameters
         ----------
         view_at : callable
-            ``view_at(height)`` is the :class:`~seaglint.radiance.mean.SeaView` of a sensor height [m].
+            ``view_at(height)`` is the :class:`~seaglint.radiance.view.SeaView` of a sensor height [m].
         imager, track, waves, accuracy, layers, sparkles
             As the attributes.
 

@@ -1,0 +1,126 @@
+"""Who looks at which sea through what, and the sums over the band that every radiance of it needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seaglint.atmosphere.base import Atmosphere
+from seaglint.conventions import FloatArray
+from seaglint.errors import DomainError
+from seaglint.optics.band import Band
+from seaglint.optics.sea_water import WaterIndex
+from seaglint.radiance.glint import visible_sun
+from seaglint.radiance.legs import BOTH, Shadowing
+from seaglint.sea.slopes import SlopeStatistics
+
+Background = Literal["facets", "blackbody"]
+"""What the sea shows beside the Sun: facets that emit and mirror the sky, or a blackbody (Eqs. 6-7 of the source article)."""
+
+
+@dataclass(frozen=True, eq=False)
+class BandSum:
+    """Quadrature of a band on an atmosphere's spectral samples. Make it with :meth:`of`.
+
+    Attributes
+    ----------
+    weights : ndarray
+        Response times step [cm-1, (n,)].
+    grid : slice
+        The samples used, of all of the atmosphere's.
+    wavenumber_cm : ndarray
+        Their wavenumbers [cm-1, (n,)].
+    """
+
+    weights: FloatArray
+    grid: slice
+    wavenumber_cm: FloatArray
+
+    @classmethod
+    def of(cls, band: Band, atmosphere: Atmosphere) -> BandSum:
+        """Of the samples where the band responds.
+
+        Raises
+        ------
+        DomainError
+            For a band beyond the atmosphere's samples.
+        """
+        weights = band.weights(atmosphere.wavenumber_cm)
+        used = np.flatnonzero(weights)
+        grid = slice(int(used[0]), int(used[-1]) + 1)
+        return cls(weights[grid], grid, atmosphere.wavenumber_cm[grid])
+
+    def __call__(self, spectra: ArrayLike) -> FloatArray:
+        """Band integral (...) [X] of spectra on all of the atmosphere's samples [X per cm-1, (..., samples)]."""
+        return np.asarray(np.asarray(spectra)[..., self.grid] @ self.weights)
+
+
+@dataclass(frozen=True, eq=False)
+class SeaView:
+    """Everything but the directions: who looks at which sea through what.
+
+    Attributes
+    ----------
+    atmosphere : Atmosphere
+        Transmittance, path radiance, Sun and sky.
+    band : Band
+        Spectral response; inside the atmosphere's grid.
+    water : WaterIndex
+        Refractive index of the sea.
+    slopes : SlopeStatistics
+        Statistics of its slopes.
+    sea_temperature : float
+        Temperature of the sea's skin [K].
+    sensor_height : float
+        Height of the sensor [m].
+    solar_zenith, solar_azimuth : float
+        Direction from the sea to the Sun's centre, apparent [rad]; below the horizon is valid.
+    sun_distance_factor : float
+        ``1/d^2`` with d the distance of the Sun in au [1].
+    shadowing : Shadowing
+        Legs shadowed by waves, for the Sun's light, and how. The nested law also weighs the facets that emit and mirror the sky; their own
+        sky is not hidden by waves in any mode but for the facets that see the sea.
+    background : {"facets", "blackbody"}
+        See :data:`Background`.
+    """
+
+    atmosphere: Atmosphere
+    band: Band
+    water: WaterIndex
+    slopes: SlopeStatistics
+    sea_temperature: float
+    sensor_height: float
+    solar_zenith: float
+    solar_azimuth: float = 0.0
+    sun_distance_factor: float = 1.0
+    shadowing: Shadowing = BOTH
+    background: Background = "facets"
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.sensor_height) and self.sensor_height > 0.0):
+            raise DomainError(f"sensor_height = {self.sensor_height:g} m is not above the sea; give a height > 0 m")
+        if not (np.isfinite(self.sea_temperature) and self.sea_temperature > 0.0):
+            raise DomainError(f"sea_temperature = {self.sea_temperature:g} K; give the temperature of the sea in kelvin, e.g. 288.15")
+        if not 0.0 <= self.solar_zenith <= np.pi:
+            raise DomainError(f"solar_zenith = {self.solar_zenith:g} rad is outside 0..pi; above pi/2 the Sun is below the horizon")
+        self.shadowing.require(self.slopes)
+
+    @cached_property
+    def in_band(self) -> BandSum:
+        """Sums over the band on the atmosphere's samples."""
+        return BandSum.of(self.band, self.atmosphere)
+
+    @cached_property
+    def irradiance(self) -> FloatArray:
+        """Sunlight at the sea normal to the beam on the band's samples [W m-2 per cm-1, (n,)], of the whole disc; 0 for a Sun below.
+
+        A disc cut by the horizon counts with the middle of what is left.
+        """
+        share, zenith = visible_sun(self.solar_zenith)
+        if share == 0.0:
+            return np.zeros(self.in_band.wavenumber_cm.size)
+        return np.asarray(self.sun_distance_factor * self.atmosphere.solar_irradiance(zenith)[..., self.in_band.grid])
