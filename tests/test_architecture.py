@@ -172,6 +172,27 @@ def test_kernels_that_count_no_references_make_no_arrays() -> None:
             assert not calls & (counted | makers), name
 
 
+def test_kernels_are_made_of_what_their_cache_is_named_by() -> None:
+    """Functions and tuples that kernels use come from files that import ``_jit``, constants from ``constants``: all else goes unseen."""
+    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(SOURCE.rglob("*.py"))}
+    module = {path: "seaglint." + ".".join(path.relative_to(SOURCE).with_suffix("").parts) for path in trees}
+    seen = {module[path] for path in trees if "_jit import" in path.read_text(encoding="utf-8")} | {"seaglint.constants"}
+    unseen = []
+    for path, tree in trees.items():
+        origin = {
+            alias.asname or alias.name: node.module
+            for node in ast.walk(tree)
+            if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("seaglint")
+            for alias in node.names
+        }
+        for function in (f for f in tree.body if isinstance(f, ast.FunctionDef) and is_kernel(f)):
+            used = [node for node in ast.walk(function) if isinstance(node, ast.Name)]
+            own = {node.id for node in used if isinstance(node.ctx, ast.Store)} | {"FloatArray", "kernel", "njit", "njit_parallel"}
+            foreign = {node.id for node in used if node.id in origin and origin[node.id] not in seen} - own
+            unseen += [f"{path.name}: {function.name}: {name}" for name in foreign]
+    assert unseen == []
+
+
 def tracked_files() -> list[Path]:
     """Files under version control; of a source archive without it, none."""
     if not (ROOT / ".git").exists():
