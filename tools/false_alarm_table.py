@@ -15,12 +15,12 @@ from typing import Any
 
 import numpy as np
 
+from seaglint.analysis.run import ALWAYS
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
 from seaglint.conventions import surface_range
 from seaglint.io.columns import write_columns
-from seaglint.pipeline.analysis.run import ALWAYS
 from seaglint.pipeline.render import renderer_and_layout
 from seaglint.pipeline.table1 import corridor, scene, sequence, table1
 from seaglint.render.renderer import Renderer
