@@ -241,7 +241,7 @@ def test_tiny_pictures_are_answered() -> None:
 
 @quick
 def test_a_detector_is_judged_beside_the_filter() -> None:
-    from seaglint.detection.base import named
+    from seaglint.detection.choice import named
 
     found = result(WHITE, Options(detectors=(named("ca-cfar"), named("frame-difference"))))
     names = {alarm["filter"] for alarm in found["regions"]["all"]["false_alarms"]}
@@ -391,7 +391,7 @@ def test_dead_rows_of_a_file_that_is_mapped(tmp_path: Path) -> None:
     frames[:, 7] = 0.0
     frames[2, 3, 4] = np.nan
     np.save(tmp_path / "clip.npy", frames)
-    from seaglint.detection.base import named
+    from seaglint.detection.choice import named
 
     found = of(open_recording(tmp_path / "clip.npy"), Options(detectors=(named("ca-cfar"),)))
     assert any("1 rows left out (7)" in note for note in found["notes"])

@@ -120,7 +120,7 @@ def _options(
     border: str,
 ) -> Options:
     from seaglint.analysis import Options
-    from seaglint.detection.base import named
+    from seaglint.detection.choice import named
     from seaglint.errors import DataError
 
     for value in thresholds:
