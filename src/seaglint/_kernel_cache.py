@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import secrets
 import shutil
 import tempfile
 import time
@@ -33,10 +32,16 @@ IN_USE: Final = 86400.0
 
 def sources_digest(package: Path = PACKAGE) -> str:
     """Digest of everything that compiled kernels are made of: the files that import ``_jit``, that file, and the constants."""
+    # Without pathlib, whose walk through some hundred files takes longer than reading them.
+    root, paths = str(package), []
+    for folder, folders, names in os.walk(root):
+        folders[:] = [name for name in folders if name != "__pycache__"]
+        paths += [os.path.join(folder, name) for name in names if name.endswith(".py")]
     digest = hashlib.blake2b(digest_size=10)
-    for path in sorted(package.rglob("*.py")):
-        content = path.read_bytes()
-        name = path.relative_to(package).as_posix()
+    for path in sorted(paths):
+        with open(path, "rb") as file:
+            content = file.read()
+        name = path[len(root) + 1 :].replace(os.sep, "/")
         if b"_jit import" in content or name in ("_jit.py", "constants.py"):
             digest.update(f"{name}\n{len(content)}\n".encode())
             digest.update(content)
@@ -105,7 +110,7 @@ def remove_old(present: Path) -> None:
                 used.append((folder.stat().st_mtime, folder))
     for when, folder in sorted(used, reverse=True)[KEPT:]:
         if time.time() - when > IN_USE:
-            gone = folder.with_name(f"{folder.name[: len(PREFIX) + 20]}.{secrets.token_hex(4)}")
+            gone = folder.with_name(f"{folder.name[: len(PREFIX) + 20]}.{os.urandom(4).hex()}")
             with suppress(OSError):
                 folder.rename(gone)  # at once for everybody; a process that comes now makes a new one
                 shutil.rmtree(gone)
