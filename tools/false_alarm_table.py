@@ -15,16 +15,16 @@ from typing import Any
 
 import numpy as np
 
+from seaglint.analysis.run import ALWAYS
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
 from seaglint.conventions import surface_range
 from seaglint.io.columns import write_columns
 from seaglint.pipeline import prepare
-from seaglint.pipeline.analysis.run import ALWAYS
 from seaglint.pipeline.render import prepare_sequence
 from seaglint.pipeline.table1 import corridor, scene, sequence, table1
-from seaglint.radiance.mean import SeaView
+from seaglint.radiance.view import SeaView
 from seaglint.render.camera import Camera
 from validation_tables import PAGE, replace, table
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from seaglint.pipeline.analysis import Analysis
+    from seaglint.analysis import Analysis
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENARIO = ROOT / "examples" / "demo.toml"
@@ -54,8 +54,8 @@ def figure(name: str, folder: Path) -> Path:
 @cache
 def demo_analysis(folder: Path) -> Analysis:
     """Clutter of the demo, rendered once."""
+    from seaglint.analysis import analyze
     from seaglint.io.recording import open_recording
-    from seaglint.pipeline.analysis import analyze
 
     run = folder / "clutter.zarr"
     if not run.exists():

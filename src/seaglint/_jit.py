@@ -5,18 +5,57 @@
 
 from __future__ import annotations
 
+import threading
+import uuid
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from typing import Any, TypeVar, cast
 
 import numba
+
+from seaglint._kernel_cache import kernel_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
 # Said outright in every case: a function takes over what is left unsaid from the one that happens to be compiled with it.
-COUNTED: dict[str, Any] = {"cache": True, "error_model": "numpy", "nogil": True, "fastmath": False, "forceinline": False, "_nrt": True}
+COUNTED: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": False, "forceinline": False, "_nrt": True}
 UNCOUNTED: dict[str, Any] = COUNTED | {"fastmath": {"contract"}, "forceinline": True, "_nrt": False}
+
+
+_settings: Any = numba.config  # made at run time, where type checkers do not see it
+_decorating = threading.Lock()
+
+
+def _compiled(function: F, **options: Any) -> F:
+    """Hand a function to Numba, which compiles it on its first call or takes it from :func:`kernel_folder`."""
+    if _settings.DISABLE_JIT:
+        return cast(F, numba.njit(**options)(function))
+    with _decorating:
+        users = _settings.CACHE_DIR
+        folder = kernel_folder(users)
+        if folder is None:
+            return cast(F, numba.njit(**options)(function))
+        _settings.CACHE_DIR = str(folder)  # read while a function is decorated; those of other packages go where they went
+        try:
+            made = numba.njit(cache=True, **options)(function)
+        finally:
+            _settings.CACHE_DIR = users
+    _name_apart(made)
+    return cast(F, made)
+
+
+def _name_apart(made: Any) -> None:
+    """Give every compiled form a file name of its own.
+
+    Numba counts them from what the index lists: of two processes that compile a function for different arguments at the same time, both
+    would take the same number, and one would find the other's code under its own arguments.
+    """
+    with suppress(AttributeError):  # no public names: where Numba changes them, its own hold
+        file = made._cache._cache_file
+        stem = file._index_name.removesuffix(".nbi")
+        file._data_name = lambda number: f"{stem}.{uuid.uuid4().hex[:12]}.nbc"
 
 
 def kernel(function: F) -> F:
@@ -25,17 +64,17 @@ def kernel(function: F) -> F:
     It counts no references to the arrays it is handed: in a call every few nanoseconds, with arrays in its arguments, counting them costs
     more than the arithmetic. Products are fused with sums where the processor can: bytes are the same on one type of processor.
     """
-    return cast(F, numba.njit(**UNCOUNTED)(function))
+    return _compiled(function, **UNCOUNTED)
 
 
 def njit(function: F) -> F:
     """Compile a function; cached on disk, IEEE arithmetic (bytes must not depend on optimisation flags)."""
-    return cast(F, numba.njit(**COUNTED)(function))
+    return _compiled(function, **COUNTED)
 
 
 def njit_parallel(function: F) -> F:
     """Compile a launcher whose outer loop is ``numba.prange``; iterations must be independent of each other."""
-    return cast(F, numba.njit(parallel=True, **COUNTED)(function))
+    return _compiled(function, parallel=True, **COUNTED)
 
 
 SHARES_PER_THREAD = 8

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -257,6 +258,13 @@ def test_doctor_finds_nothing_wrong_here():
     report = examine()
     assert report.problems == []
     assert set(report.sections) == {"seaglint", "packages", "machine", "codecs", "tables", "live LOWTRAN7"}
+
+
+def test_doctor_tells_where_compiled_kernels_are(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    found = Path(examine().sections["machine"]["compiled kernels"])
+    assert found.parent == tmp_path
+    assert found.is_dir()
 
 
 def test_doctor_tells_a_changed_and_a_missing_table(seaglint, tmp_path, monkeypatch):

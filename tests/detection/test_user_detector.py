@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.detection.base import Detector, load, named, statistics
+from seaglint.detection.base import Detector, load, statistics
+from seaglint.detection.choice import named
 from seaglint.errors import DataError
 
 SOURCE = """

@@ -17,6 +17,7 @@ from seaglint.io.lowtran import cache, engine, sample
 from seaglint.io.lowtran.deck import Aerosol, Air, Case, Level
 from seaglint.io.lowtran.sounding import MODEL_LEVELS_KM, saturation_density
 from seaglint.optics.band import Band
+from seaglint.user_cache import cache_folder
 
 BAND = (3.9, 4.1)
 SMALL = Air("midlatitude-summer", Aerosol(wind=7.0, wind_24h=7.0), 2435, 2565)
@@ -256,8 +257,8 @@ def test_what_lowtran7_does_not_cover_is_refused_before_it_runs(height, band, to
 
 def test_the_cache_folder_follows_the_environment(monkeypatch, tmp_path):
     monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path))
-    assert cache.cache_folder() == tmp_path
+    assert cache_folder() == tmp_path
     monkeypatch.delenv("SEAGLINT_CACHE")
     if os.name == "posix" and os.uname().sysname == "Linux":
         monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-        assert cache.cache_folder() == tmp_path / "seaglint"
+        assert cache_folder() == tmp_path / "seaglint"

@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from seaglint.analysis.recording import Recording
 from seaglint.errors import DataError
-from seaglint.io.recording import RawLayout, Recording, open_recording
+from seaglint.io.recording import RawLayout, open_recording
 
 FRAMES, ROWS, COLUMNS = 12, 6, 9
 COUNTS = np.random.default_rng(4).integers(0, 4000, (FRAMES, ROWS, COLUMNS)).astype(np.uint16)

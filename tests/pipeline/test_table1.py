@@ -11,10 +11,10 @@ import pytest
 from scipy.ndimage import gaussian_filter
 from scipy.stats import binom, norm
 
+from seaglint.analysis import Options, analyze
 from seaglint.io.recording import open_recording
 from seaglint.pipeline import prepare
 from seaglint.pipeline import table1 as table1_module
-from seaglint.pipeline.analysis import Options, analyze
 from seaglint.pipeline.render import prepare_sequence
 from seaglint.pipeline.table1 import ARTICLE, Table1, corridor, scene, sequence, table1
 

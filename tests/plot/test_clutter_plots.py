@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 import scipy.stats
 
+from seaglint.analysis import Analysis, Options, analyze
+from seaglint.analysis.recording import Recording
 from seaglint.detection.base import UserDetector
 from seaglint.errors import DataError, StorageError
-from seaglint.io.recording import Recording
-from seaglint.pipeline.analysis import Analysis, Options, analyze
 from seaglint.plot.clutter import (
     PICTURES,
     draw_exceedances,

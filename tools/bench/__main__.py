@@ -57,8 +57,9 @@ def merged(base: dict[str, Any], **changes: dict[str, Any]) -> dict[str, Any]:
 
 def frame_seconds(scenario: dict[str, Any], threads: int | None = None, frames: int = 3) -> tuple[float, float]:
     """Shortest warm frame, and the time from scenario to the first one's beginning [s]."""
-    from seaglint.pipeline.render import prepare_sequence, thread_limit
+    from seaglint.pipeline.render import prepare_sequence
     from seaglint.scenario.load import parse_scenario
+    from seaglint.threads import thread_limit
 
     with thread_limit(threads):
         start = time.perf_counter()

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from seaglint.analysis import Options
     from seaglint.clutter.filters import Filter
-    from seaglint.pipeline.analysis import Options
 
 RAW_NAMES = ("rows", "columns", "dtype", "byte_order", "offset", "frame_header")
 
@@ -71,11 +71,11 @@ def analyze(
     ] = ProgressMode.AUTO,
 ) -> None:
     """Clutter statistics and false alarms of a recording, by region."""
+    from seaglint.analysis import analyze as run
     from seaglint.cli.progress import patient_progress
     from seaglint.errors import DataError
     from seaglint.io.outputs import refuse_existing
     from seaglint.io.recording import open_recording
-    from seaglint.pipeline.analysis import analyze as run
 
     if report is not None:
         if report.suffix.lower() not in (".html", ".htm"):
@@ -119,9 +119,9 @@ def _options(
     seed: int,
     border: str,
 ) -> Options:
-    from seaglint.detection.base import named
+    from seaglint.analysis import Options
+    from seaglint.detection.choice import named
     from seaglint.errors import DataError
-    from seaglint.pipeline.analysis import Options
 
     for value in thresholds:
         if not 0.0 < value < 100.0:

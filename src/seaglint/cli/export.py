@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from seaglint.cli.messages import log, naming_file
 from seaglint.errors import DataError
 
 KINDS = (".ply", ".nc")
@@ -31,7 +32,6 @@ def export_sea(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
 ) -> None:
     """Write heights, slopes and facet roughness of the sea at one time."""
-    from seaglint.cli.app import log, naming_file
     from seaglint.io.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
 

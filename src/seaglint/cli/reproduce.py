@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from seaglint.cli.messages import log, print_json
 from seaglint.cli.progress import ProgressMode
 
 reproduce = typer.Typer(help="Results of the source article, computed anew.", no_args_is_help=True)
@@ -19,7 +20,6 @@ Progress = Annotated[ProgressMode, typer.Option("--progress", help="bar on a ter
 @reproduce.command()
 def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False) -> None:
     """Print the article's headline numbers beside ours."""
-    from seaglint.cli.app import print_json
     from seaglint.pipeline.headline import headline as rows
 
     found = rows()
@@ -57,7 +57,6 @@ def table1(
     show: Progress = ProgressMode.AUTO,
 ) -> None:
     """Render two seconds of glint and print the article's Table 1 of false alarms beside ours (some five minutes on two cores)."""
-    from seaglint.cli.app import log, print_json
     from seaglint.cli.progress import progress
     from seaglint.io.columns import write_columns
     from seaglint.io.outputs import refuse_existing
@@ -90,7 +89,6 @@ def _made(folder: Path) -> Path:
 
 def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> None:
     """Compute a figure, write its numbers and draw it; existing files are refused before the work."""
-    from seaglint.cli.app import log
     from seaglint.cli.progress import progress
     from seaglint.io.columns import write_columns
     from seaglint.io.outputs import refuse_existing

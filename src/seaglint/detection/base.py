@@ -157,34 +157,3 @@ def load(path: str) -> Detector:
         raise DataError(f"detector {path!r}: lead = {lead!r} is not a number of frames of 0 or more")
     # Wrapped also where it has the whole interface: what it returns is checked all the same.
     return UserDetector(found, str(getattr(found, "name", path)), lead, bool(getattr(found, "calibrated", False)))
-
-
-def named(name: str) -> Detector:
-    """Detector with standard settings: ``ca-cfar``, ``os-cfar``, ``os-cfar-exponential``, ``frame-difference``, ``integration``, or
-    ``package.module:function``.
-
-    Raises
-    ------
-    DataError
-        Unknown name.
-    """
-    from seaglint.detection.cfar import CellAveraging, OrderedStatistic
-    from seaglint.detection.moving import FrameDifference, RegisteredIntegration
-
-    match name.strip().lower().replace("_", "-"):
-        case "ca-cfar":
-            return CellAveraging()
-        case "os-cfar":
-            return OrderedStatistic()
-        case "os-cfar-exponential":
-            return OrderedStatistic(clutter="exponential")
-        case "frame-difference":
-            return FrameDifference()
-        case "integration":
-            return RegisteredIntegration()
-    if ":" in name:
-        return load(name)
-    raise DataError(
-        f"detector {name!r} is unknown; choose ca-cfar, os-cfar, os-cfar-exponential, frame-difference, integration, or "
-        "package.module:function of your own"
-    )

@@ -20,6 +20,7 @@ from seaglint.radiance.variance import sea_variance
 from seaglint.radiance.view import SeaView
 from seaglint.render.camera import Camera
 from seaglint.scenario.model import Scenario
+from seaglint.threads import single_threaded_algebra
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,6 +33,7 @@ ROW_POINTS = 8
 """Elevations averaged in such a row."""
 
 
+@single_threaded_algebra()
 def mean(scenario: Scenario) -> xr.Dataset:
     """Mean radiance over the field of view, with its components, as a labelled dataset.
 

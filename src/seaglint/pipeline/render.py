@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
-from seaglint.errors import BackendError, DataError, DomainError
+from seaglint.errors import DataError, DomainError
 from seaglint.io.provenance import provenance
 from seaglint.io.store import Layout, Progress, write_sequence
 from seaglint.optics.band import apparent_temperature
@@ -28,6 +26,7 @@ from seaglint.render.swept import SweptScene
 from seaglint.render.turned import TurnedScene
 from seaglint.scenario.model import Scenario
 from seaglint.sea.field import WaveField
+from seaglint.threads import single_threaded_algebra, thread_limit
 
 NON_FINITE_SHARE = 1e-3
 """Share of a frame's pixels that may be without a number; more are an error."""
@@ -135,6 +134,7 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
         )
 
 
+@single_threaded_algebra()
 def prepare_sequence(scenario: Scenario, frames: range | None = None) -> Sequence:
     """Everything that is made before the first frame; also the way to single frames in Python.
 
@@ -202,28 +202,3 @@ def _poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
         "sensor_elevation": np.degrees([p.attitude.elevation for p in poses]),
         "sensor_roll": np.degrees([p.attitude.roll for p in poses]),
     }
-
-
-@contextmanager
-def thread_limit(threads: int | None) -> Iterator[None]:
-    """Run with a number of threads, and put the old one back.
-
-    Raises
-    ------
-    BackendError
-        More threads than Numba was started with.
-    """
-    if threads is None:
-        yield
-        return
-    most = int(vars(numba.config)["NUMBA_NUM_THREADS"])  # set at run time, where type checkers do not see it
-    if not 1 <= threads <= most:
-        raise BackendError(
-            f"threads = {threads}: allowed are 1 to {most} here; the environment variable NUMBA_NUM_THREADS raises the limit"
-        )
-    before = numba.get_num_threads()
-    numba.set_num_threads(threads)
-    try:
-        yield
-    finally:
-        numba.set_num_threads(before)

@@ -14,10 +14,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.analysis import Analysis, Options, Recording, analyze
 from seaglint.conventions import FloatArray
-from seaglint.io.recording import Recording
 from seaglint.pipeline import prepare
-from seaglint.pipeline.analysis import Analysis, Options, analyze
 from seaglint.pipeline.figures import GLINT_BAND, GLINT_HEIGHT, IMAGE_WIND_DIRECTIONS, IMAGE_WINDS
 from seaglint.pipeline.render import prepare_sequence
 from seaglint.radiance.mean import mean_radiance

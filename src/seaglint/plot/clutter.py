@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.analysis import Analysis, Region
 from seaglint.clutter.extremes import TailFit
 from seaglint.clutter.false_alarms import FalseAlarms
 from seaglint.clutter.fits import FAMILIES
 from seaglint.clutter.thresholds import gaussian_rate
 from seaglint.plot.preview import scale_limits
-from seaglint.plot.results import Analysis, Region
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint import __version__
+from seaglint.analysis import Analysis
 from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
-from seaglint.plot.results import Analysis
 
 Progress = Callable[[int, int], None]
 """Called with pictures drawn and pictures in all."""
@@ -55,7 +55,7 @@ def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = Fals
     Parameters
     ----------
     analysis : Analysis
-        From :func:`seaglint.pipeline.analysis.analyze`.
+        From :func:`seaglint.analysis.analyze`.
     path : path
         File to write, usually ``.html``.
     overwrite : bool

@@ -8,9 +8,7 @@ from __future__ import annotations
 import hashlib
 import io
 import logging
-import os
 import secrets
-import sys
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -18,23 +16,11 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.conventions import FloatArray
+from seaglint.user_cache import cache_folder
 
 _MAGIC = b"seaglint lowtran7 1\n"
 
 log = logging.getLogger(__name__)
-
-
-def cache_folder() -> Path:
-    """The user's folder for what can be computed again: ``SEAGLINT_CACHE``, or ``seaglint`` where the system keeps such things."""
-    own = os.environ.get("SEAGLINT_CACHE")
-    if own:
-        return Path(own).expanduser().absolute()
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local") / "seaglint" / "cache"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "seaglint"
-    base = os.environ.get("XDG_CACHE_HOME", "")
-    return (Path(base) if os.path.isabs(base) else Path.home() / ".cache") / "seaglint"
 
 
 def key_of(*parts: str) -> str:

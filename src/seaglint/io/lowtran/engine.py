@@ -21,8 +21,8 @@ import numpy as np
 from seaglint.conventions import FloatArray
 from seaglint.errors import BackendError
 from seaglint.io.failures import storage_errors
-from seaglint.io.lowtran.cache import cache_folder
 from seaglint.io.lowtran.deck import STEP_CM, Case
+from seaglint.user_cache import cache_folder
 
 FLAGS = ("-O1", "-std=legacy", "-fdefault-real-8", "-fdefault-double-8", "-w")
 """Double precision: single precision spoils near-horizontal paths of sensors below 30 m by per cents."""

@@ -1,7 +1,6 @@
-"""Image sequences that users have, read block by block: one file per family of formats behind one record."""
+"""Image sequences that users have, opened as recordings to analyse: one file per family of formats."""
 
-from seaglint.io.recording.base import Recording
 from seaglint.io.recording.open import open_recording
 from seaglint.io.recording.raw import RawLayout
 
-__all__ = ["RawLayout", "Recording", "open_recording"]
+__all__ = ["RawLayout", "open_recording"]

@@ -13,8 +13,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.analysis.recording import Recording
 from seaglint.errors import BackendError, DataError
-from seaglint.io.recording.base import Recording, full_scale, grey
+from seaglint.io.recording.stored import full_scale, grey
 
 RESOLVED: Final = 1000.0
 """Steps of single precision in the spread of the values from which rounding changes nothing; with fewer an offset is taken off."""

@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.analysis.recording import Recording
 from seaglint.errors import BackendError, DataError
-from seaglint.io.recording.base import Recording, full_scale, grey
+from seaglint.io.recording.stored import full_scale, grey
 
 ENDINGS = (".png", ".tif", ".tiff")
 

@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from seaglint.analysis.recording import Recording
 from seaglint.errors import DataError
 from seaglint.io.recording import arrays, images, video
-from seaglint.io.recording.base import CHANNELS, Recording
 from seaglint.io.recording.raw import RawLayout, open_raw
+from seaglint.io.recording.stored import CHANNELS
 
 RATE_TOLERANCE = 0.01
 """Relative difference between the file's frame rate and the user's from which both are told."""

@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.analysis.recording import Recording
 from seaglint.errors import DataError
-from seaglint.io.recording.base import Recording, full_scale
+from seaglint.io.recording.stored import full_scale
 
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
 
@@ -39,7 +40,7 @@ class RawLayout:
     frame_header : int
         Bytes before each frame.
     frame_rate, units, saturation
-        As in :class:`~seaglint.io.recording.Recording`; a camera of 14 bits in 16 saturates at 16383.
+        As in :class:`~seaglint.analysis.Recording`; a camera of 14 bits in 16 saturates at 16383.
     """
 
     rows: int

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.analysis.recording import Recording
 from seaglint.errors import BackendError, DataError
-from seaglint.io.recording.base import Recording, grey
+from seaglint.io.recording.stored import grey
 
 ENDINGS = (".mp4", ".avi", ".mkv", ".mov")
 LOSSLESS = ("ffv1", "rawvideo", "huffyuv", "ffvhuff", "utvideo", "png")

@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
+from seaglint.analysis import Options, analyze, run
+from seaglint.analysis.recording import Recording
 from seaglint.clutter.goodness import goodness
 from seaglint.errors import DataError, DomainError
-from seaglint.io.recording import Recording, open_recording
-from seaglint.pipeline.analysis import Options, analyze, run
+from seaglint.io.recording import open_recording
 
 RNG = np.random.default_rng(12)
 WHITE = RNG.normal(100.0, 5.0, (40, 96, 128)).astype(np.float32)
@@ -39,7 +40,7 @@ def of(given: Recording, options: Options | None = None) -> dict[str, Any]:
 @pytest.fixture
 def few_draws(monkeypatch: pytest.MonkeyPatch) -> None:
     """A tenth of the draws behind the levels of the fits, for tests that do not look at these."""
-    monkeypatch.setattr("seaglint.pipeline.analysis.region.goodness", partial(goodness, replicates=19))
+    monkeypatch.setattr("seaglint.analysis.region.goodness", partial(goodness, replicates=19))
 
 
 quick = pytest.mark.usefixtures("few_draws")
@@ -240,7 +241,7 @@ def test_tiny_pictures_are_answered() -> None:
 
 @quick
 def test_a_detector_is_judged_beside_the_filter() -> None:
-    from seaglint.detection.base import named
+    from seaglint.detection.choice import named
 
     found = result(WHITE, Options(detectors=(named("ca-cfar"), named("frame-difference"))))
     names = {alarm["filter"] for alarm in found["regions"]["all"]["false_alarms"]}
@@ -390,7 +391,7 @@ def test_dead_rows_of_a_file_that_is_mapped(tmp_path: Path) -> None:
     frames[:, 7] = 0.0
     frames[2, 3, 4] = np.nan
     np.save(tmp_path / "clip.npy", frames)
-    from seaglint.detection.base import named
+    from seaglint.detection.choice import named
 
     found = of(open_recording(tmp_path / "clip.npy"), Options(detectors=(named("ca-cfar"),)))
     assert any("1 rows left out (7)" in note for note in found["notes"])

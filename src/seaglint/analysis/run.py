@@ -10,15 +10,16 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.analysis.recording import Recording
+from seaglint.analysis.region import Gatherer, Region, region
+from seaglint.analysis.survey import Progress, Survey, ahead, survey
 from seaglint.clutter.false_alarms import FalseAlarms, lone_lines
 from seaglint.clutter.filters import Filter, Laplacian
 from seaglint.clutter.segmentation import Segmentation, segment
 from seaglint.clutter.thresholds import Scope, frame_scale, standardise
 from seaglint.detection.base import Detector, statistics
 from seaglint.errors import DataError, DomainError
-from seaglint.io.recording import Recording
-from seaglint.pipeline.analysis.region import Gatherer, Region, region
-from seaglint.pipeline.analysis.survey import Progress, Survey, ahead, survey
+from seaglint.threads import single_threaded_algebra
 
 BoolArray = NDArray[np.bool_]
 FrameArray = NDArray[np.float32]
@@ -135,13 +136,14 @@ class Analysis:
         }
 
 
+@single_threaded_algebra()
 def analyze(recording: Recording, options: Options | None = None, progress: Progress = lambda done, total: None) -> Analysis:
     """Analyse a recording.
 
     Parameters
     ----------
     recording : Recording
-        From :func:`seaglint.io.recording.open_recording`.
+        Of a file by ``seaglint.io.recording.open_recording``, or of your own.
     options : Options, optional
         Filter, thresholds, mask, detectors.
     progress : callable

@@ -10,9 +10,9 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.analysis.recording import Recording
 from seaglint.clutter.moments import PixelMoments
 from seaglint.errors import DataError
-from seaglint.io.recording import Recording
 
 BoolArray = NDArray[np.bool_]
 FrameArray = NDArray[np.float32]

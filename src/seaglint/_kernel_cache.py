@@ -1,0 +1,116 @@
+"""Where compiled kernels are kept: a folder named by a digest of all their sources.
+
+Numba looks at the file of the function that it loads, not at those of the kernels that this one calls: after a change of these alone
+it would run old physics. Here any change of a kernel's file leads to another folder.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from seaglint.user_cache import cache_folder
+
+PACKAGE: Final = Path(__file__).parent
+
+PREFIX: Final = "seaglint-kernels-"
+
+KEPT: Final = 5
+"""Folders of other sources that stay: branches and versions between which somebody changes."""
+
+IN_USE: Final = 86400.0
+"""Seconds from its start for which a program may still compile into its folder, which is then left alone."""
+
+
+def sources_digest(package: Path = PACKAGE) -> str:
+    """Digest of everything that compiled kernels are made of: the files that import ``_jit`` or define tuples, that file, the constants."""
+    # Without pathlib, whose walk through some hundred files takes longer than reading them.
+    root, paths = str(package), []
+    for folder, folders, names in os.walk(root):
+        folders[:] = [name for name in folders if name != "__pycache__"]
+        paths += [os.path.join(folder, name) for name in names if name.endswith(".py")]
+    digest = hashlib.blake2b(digest_size=10)
+    for path in sorted(paths):
+        with open(path, "rb") as file:
+            content = file.read()
+        name = path[len(root) + 1 :].replace(os.sep, "/")
+        if b"_jit import" in content or b"(NamedTuple)" in content or name in ("_jit.py", "constants.py"):
+            digest.update(f"{name}\n{len(content)}\n".encode())
+            digest.update(content)
+    return digest.hexdigest()
+
+
+@cache
+def kernel_folder(wanted: str = "") -> Path | None:
+    """Folder that compiled kernels are read from and written to, made if need be; None where nothing can be written.
+
+    It lies in the folder ``wanted`` (``NUMBA_CACHE_DIR``), else in the package's own ``__pycache__``, else in the user's cache, else among
+    temporary files. Processes may call this at once: nothing is locked, and a folder is only ever made or moved whole.
+    """
+    name = PREFIX + sources_digest()
+    for parent in _parents(wanted):
+        folder = parent / name
+        try:
+            parent.mkdir(parents=True, exist_ok=True)
+            new = not folder.is_dir()
+            folder.mkdir(exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+            os.utime(folder)  # in use from now on
+        except OSError:
+            continue
+        if new:
+            remove_old(folder)
+        return folder
+    return None
+
+
+def _parents(wanted: str) -> Iterator[Path]:
+    """Folders to try in turn."""
+    if wanted:
+        yield Path(wanted).absolute()
+    yield PACKAGE / "__pycache__"
+    with suppress(RuntimeError):  # an account without a home
+        yield cache_folder() / "kernels"
+    with suppress(OSError):
+        yield _own_temporary()
+
+
+def _own_temporary() -> Path:
+    """Folder among temporary files that nobody else can write to: what is loaded from it is run.
+
+    Raises
+    ------
+    PermissionError
+        Another account owns it.
+    """
+    if not hasattr(os, "getuid"):
+        return Path(tempfile.gettempdir()) / "seaglint"  # of this account alone on Windows
+    folder = Path(tempfile.gettempdir()) / f"seaglint-{os.getuid()}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    found = folder.lstat()
+    if found.st_uid != os.getuid() or found.st_mode & 0o077 or folder.is_symlink():
+        raise PermissionError(f"{folder} is open to other accounts")
+    return folder
+
+
+def remove_old(present: Path) -> None:
+    """Remove folders of other sources beside the present one, but the last :data:`KEPT` used and those used within a day."""
+    used: list[tuple[float, Path]] = []
+    for folder in present.parent.glob(f"{PREFIX}*"):
+        with suppress(OSError):  # another process was quicker
+            if folder != present:
+                used.append((folder.stat().st_mtime, folder))
+    for when, folder in sorted(used, reverse=True)[KEPT:]:
+        if time.time() - when > IN_USE:
+            gone = folder.with_name(f"{folder.name[: len(PREFIX) + 20]}.{os.urandom(4).hex()}")
+            with suppress(OSError):
+                folder.rename(gone)  # at once for everybody; a process that comes now makes a new one
+                shutil.rmtree(gone)

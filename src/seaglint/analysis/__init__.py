@@ -1,0 +1,7 @@
+"""Clutter statistics and false alarms of a recording, streamed: survey it, segment it, count it."""
+
+from seaglint.analysis.recording import Recording
+from seaglint.analysis.region import Region
+from seaglint.analysis.run import Analysis, Options, analyze
+
+__all__ = ["Analysis", "Options", "Recording", "Region", "analyze"]

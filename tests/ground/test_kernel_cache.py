@@ -1,0 +1,174 @@
+"""Compiled kernels are kept by what they were compiled from: in tiny copies of the package, run by processes of their own."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import seaglint
+from seaglint import _kernel_cache
+from seaglint._kernel_cache import IN_USE, KEPT, PREFIX, remove_old, sources_digest
+
+SOURCE = Path(seaglint.__file__).parent
+
+INNER = """
+from seaglint._jit import kernel
+@kernel
+def inner(x):
+    return 2.0 * x
+"""
+
+OUTER = """
+from seaglint._jit import njit
+from seaglint.constants import ADDED
+from seaglint.inner import inner
+@njit
+def outer(x):
+    return inner(x) + ADDED
+"""
+
+RUN = "from seaglint.outer import outer; print(outer(3.0), outer(3))"
+
+
+@pytest.fixture
+def package(tmp_path: Path) -> Path:
+    """A package whose kernel calls one of another file and reads a constant."""
+    folder = tmp_path / "src" / "seaglint"
+    folder.mkdir(parents=True)
+    for name in ("__init__.py", "_jit.py", "_kernel_cache.py", "user_cache.py"):
+        shutil.copy(SOURCE / name, folder)
+    for name, text in (("inner", INNER), ("outer", OUTER), ("constants", "ADDED = 1.0\n"), ("bystander", "x = 1\n")):
+        (folder / f"{name}.py").write_text(text)
+    return folder
+
+
+def start(package: Path, code: str = RUN, **environment: str) -> subprocess.Popen[str]:
+    """Run code with the copy, whose own and the user's folders are all that it may write to."""
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA_", "SEAGLINT_", "COVERAGE_"))}
+    given = {"PYTHONPATH": str(package.parent), "SEAGLINT_CACHE": str(package.parent / "user")} | environment
+    return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=kept | given)
+
+
+def answer(package: Path, code: str = RUN, **environment: str) -> str:
+    """What it prints."""
+    process = start(package, code, **environment)
+    out, _ = process.communicate()
+    assert process.returncode == 0
+    return out.strip()
+
+
+def compiled(folder: Path) -> dict[str, int]:
+    """Files of compiled code below a folder, by when they were written."""
+    return {str(path.relative_to(folder)): path.stat().st_mtime_ns for path in folder.rglob("*.nbc")}
+
+
+def test_a_change_of_what_a_kernel_calls_is_seen(package: Path) -> None:
+    assert answer(package) == "7.0 7.0"
+    (package / "inner.py").write_text(INNER.replace("2.0", "5.0"))
+    assert answer(package) == "16.0 16.0"
+    (package / "constants.py").write_text("ADDED = 0.5\n")
+    assert answer(package) == "15.5 15.5"
+
+
+def test_unchanged_kernels_are_not_compiled_again(package: Path) -> None:
+    assert answer(package) == "7.0 7.0"
+    before = compiled(package)
+    assert before
+    (package / "bystander.py").write_text("x = 2\n")
+    assert answer(package) == "7.0 7.0"
+    assert compiled(package) == before
+    (kept,) = (package / "__pycache__").glob(f"{PREFIX}*")
+    assert kept.name == PREFIX + sources_digest(package)
+
+
+WHERE = RUN + "; from seaglint._kernel_cache import kernel_folder; print(kernel_folder())"
+
+
+def test_an_installation_that_cannot_be_written_uses_the_users_folders(package: Path, tmp_path: Path) -> None:
+    """A file in the place of a folder: the superuser, too, cannot write into it."""
+    (package / "__pycache__").write_text("")
+    numbers, where = answer(package, WHERE).splitlines()
+    assert (numbers, Path(where).parent) == ("7.0 7.0", tmp_path / "src" / "user" / "kernels")
+    assert compiled(Path(where))
+
+    blocked = str(package / "__pycache__" / "no")
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    numbers, where = answer(package, WHERE, SEAGLINT_CACHE=blocked, TMPDIR=str(temporary)).splitlines()
+    assert (numbers, Path(where).parent.parent) == ("7.0 7.0", temporary)
+    assert compiled(temporary)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="accounts")
+def test_a_temporary_folder_open_to_others_is_not_used(package: Path, tmp_path: Path) -> None:
+    (package / "__pycache__").write_text("")
+    others = tmp_path / f"seaglint-{os.getuid()}"
+    others.mkdir()
+    others.chmod(0o777)
+    blocked = str(package / "__pycache__" / "no")
+    assert answer(package, WHERE, SEAGLINT_CACHE=blocked, TMPDIR=str(tmp_path)).splitlines() == ["7.0 7.0", "None"]
+    assert not compiled(tmp_path)
+
+
+def test_the_users_folder_for_numba_is_used_for_ours_and_left_to_others(package: Path, tmp_path: Path) -> None:
+    code = RUN + "; import numba; print(numba.config.CACHE_DIR)"
+    assert answer(package, code).splitlines() == ["7.0 7.0"]  # Numba's own default, which is empty
+    assert answer(package, code, NUMBA_CACHE_DIR=str(tmp_path / "wanted")).splitlines() == ["7.0 7.0", str(tmp_path / "wanted")]
+    (folder,) = (tmp_path / "wanted").iterdir()
+    assert folder.name == PREFIX + sources_digest(package)
+    assert compiled(folder)
+
+
+def test_processes_that_start_at_once_do_not_disturb_each_other(package: Path) -> None:
+    orders = [RUN, RUN.replace("outer(3.0), outer(3)", "outer(3), outer(3.0)")] * 2
+    processes = [start(package, code) for code in orders]
+    assert [process.communicate()[0].strip() for process in processes] == ["7.0 7.0"] * 4
+    (folder,) = (package / "__pycache__").glob(f"{PREFIX}*")
+    assert {path.suffix for path in folder.rglob("*") if path.is_file()} == {".nbi", ".nbc"}
+    assert answer(package) == "7.0 7.0"
+
+
+def test_forms_compiled_at_once_do_not_take_the_same_name(package: Path) -> None:
+    """Each process sees an index without the other's entry; here one process sees it empty twice."""
+    code = "from seaglint.outer import outer; outer._cache._cache_file._load_index = dict; print(outer(3.0), outer(3))"
+    assert answer(package, code) == "7.0 7.0"
+    assert len([name for name in compiled(package) if "outer.outer" in name]) == 2
+
+
+def test_folders_of_other_sources_go_when_they_are_old_and_many(tmp_path: Path) -> None:
+    now = time.time()
+    present = tmp_path / f"{PREFIX}present"
+    # The present one is old here, and a fresh one more than are kept: neither goes.
+    recent = {tmp_path / f"{PREFIX}{n}": 0.5 * IN_USE for n in range(KEPT + 1)}
+    ages = {present: 90.0 * IN_USE, tmp_path / f"{PREFIX}old": 1.1 * IN_USE} | recent
+    for folder, age in ages.items():
+        (folder / "part").mkdir(parents=True)
+        os.utime(folder, (now - age, now - age))
+    (tmp_path / "another's").mkdir()
+    remove_old(present)
+    assert {path.name for path in tmp_path.iterdir()} == {"another's", *(folder.name for folder in ages)} - {f"{PREFIX}old"}
+
+
+def test_old_folders_stay_while_they_are_few(tmp_path: Path) -> None:
+    present = tmp_path / f"{PREFIX}present"
+    for folder in (present, *(tmp_path / f"{PREFIX}{n}" for n in range(KEPT))):
+        folder.mkdir()
+        os.utime(folder, (0.0, 0.0))
+    remove_old(present)
+    assert len(list(tmp_path.iterdir())) == KEPT + 1
+
+
+def test_the_digest_costs_nothing_to_speak_of() -> None:
+    """A start of the program may take 0.5 s; this is a hundredth of it on a disk that has the files in memory."""
+    seconds = []
+    for _ in range(5):
+        start = time.perf_counter()
+        assert len(_kernel_cache.sources_digest()) == 20
+        seconds.append(time.perf_counter() - start)
+    assert min(seconds) < 0.02
