@@ -16,8 +16,9 @@ from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
-from seaglint.sea.field import Tile, WaveField, plan_tiles
+from seaglint.sea.field import WaveField
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.tiles import Tile, plan_tiles
 
 BAND = Band.rectangular(3.5, 5.0)
 SEA_TEMPERATURE = 288.15

@@ -7,7 +7,8 @@ from seaglint.conventions import surface_range
 from seaglint.pipeline import prepare
 from seaglint.render.renderer import Renderer
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.field import Tile, WaveField
+from seaglint.sea.field import WaveField
+from seaglint.sea.tiles import Tile
 
 SHORTEST = 16.0
 SPACING = 15.0

@@ -17,7 +17,8 @@ from seaglint.radiance.mean import SeaView
 from seaglint.render.camera import Camera
 from seaglint.render.renderer import Renderer
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.field import Tile, WaveField
+from seaglint.sea.field import WaveField
+from seaglint.sea.tiles import Tile
 
 LENGTH = 1024.0
 POINTS = 1024

@@ -36,12 +36,13 @@ from seaglint.scenario.sensor import HIGHEST_SENSOR
 from seaglint.scenario.sun import sun_position
 from seaglint.sea.breon_henriot import breon_henriot
 from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
-from seaglint.sea.field import WaveField, longest_wave_number, plan_tiles, resolve_limit
+from seaglint.sea.field import WaveField
 from seaglint.sea.slopes import SlopeStatistics, flat
 from seaglint.sea.spectra.base import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 from seaglint.sea.spectra.slopes import spectrum_slopes
+from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
 
 RESOLVED_SHARE = 0.8
 """Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest."""
