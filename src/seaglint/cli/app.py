@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -20,7 +20,10 @@ from seaglint.cli.evaluate import evaluate
 from seaglint.cli.export import export_sea
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
-from seaglint.errors import DomainError, ScenarioError, SeaglintError
+from seaglint.errors import DomainError, Mistake, ScenarioError, SeaglintError
+
+if TYPE_CHECKING:
+    from seaglint.scenario.model import Scenario
 
 
 class _Commands(TyperGroup):
@@ -80,19 +83,19 @@ def log(text: str) -> None:
 
 
 @contextmanager
-def naming_file(scenario: Path, height: float) -> Iterator[None]:
-    """Give what only physics refuses the file's name, and the key where it is the sensor's height [m]: physics knows neither."""
+def naming_file(path: Path, scenario: Scenario) -> Iterator[None]:
+    """Give what only physics refuses the file's name, and the key that sets the number: physics knows neither."""
     try:
         yield
     except ScenarioError as error:
-        raise ScenarioError(f"{scenario}: {error}") from error
+        raise ScenarioError(f"{path}: {error}", mistakes=error.mistakes) from error
     except DomainError as error:
-        text = str(error)
-        if "sensor height" not in text and "under the sensor" not in text:
-            raise ScenarioError(f"{scenario}: {text}") from error
-        key, spoken = f"sensor.height_m = {height:g}", f"sensor height = {height:g} m "
-        what = f" {text.removeprefix(spoken)}" if text.startswith(spoken) else f": {text}"
-        raise ScenarioError(f"{scenario}: {key}{what}; sea.resolve_waves = false leaves the waves out") from error
+        keys = {"sensor_height": "sensor.height_m" if scenario.platform is None else "platform", "wind_speed": "wind.speed_m_s"}
+        key = keys.get(error.name or "")
+        if key is None:
+            raise ScenarioError(f"{path}: {error}") from error
+        mistake = Mistake(key, error.value, error.allowed, f"{key}: {error}")
+        raise ScenarioError(f"{path}: {mistake.text}", mistakes=(mistake,)) from error
 
 
 def print_json(value: Any) -> None:
@@ -154,7 +157,7 @@ def mean(
         refuse_existing(picture, overwrite=overwrite)
     from seaglint.pipeline.mean import mean as mean_map
 
-    with naming_file(scenario, loaded.sensor.height_m):
+    with naming_file(scenario, loaded):
         dataset = mean_map(loaded)
     write_netcdf(dataset, output, overwrite=overwrite)
     log(f"{output} written")
@@ -190,7 +193,7 @@ def render(
     pictures = _Pictures(output, replace=overwrite or resume) if preview else None
     from seaglint.pipeline.render import render as render_sequence
 
-    with naming_file(scenario, loaded.sensor.height_m), progress(show, "frames") as report:
+    with naming_file(scenario, loaded), progress(show, "frames") as report:
         render_sequence(loaded, output, frames=wanted, threads=threads, resume=resume, overwrite=overwrite, progress=report)
     from seaglint.io.store import open_sequence
     from seaglint.plot.summary import summarise

@@ -89,7 +89,13 @@ def facet_slopes(slopes: SlopeStatistics, resolved: tuple[float, float], wind_to
 def require_above(foot: float, height: float, time: float) -> None:
     """Refuse a sensor ``height`` above the mean sea that the sea under it, ``foot`` high [m], covers."""
     if foot >= height:
-        raise DomainError(f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {height:g} m above the mean sea")
+        text = f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {height:g} m above the mean sea"
+        raise DomainError(
+            f"{text}; place it higher or do not resolve waves (sea.resolve_waves = false)",
+            name="sensor_height",
+            value=height,
+            allowed=f"above {foot:.2f} m",
+        )
 
 
 def stages(arcs: FloatArray, column_step: float, begins: FloatArray, shortest_waves: FloatArray, most_lines: int) -> NDArray[np.int64]:
@@ -164,7 +170,10 @@ class Renderer:
                 raise DomainError(
                     f"sensor height = {camera.height:g} m is within reach of the waves (significant height "
                     f"{waves.significant_height:.2f} m); place it above {SUBMERGED * waves.significant_height:.2f} m "
-                    "or do not resolve waves"
+                    "or do not resolve waves (sea.resolve_waves = false)",
+                    name="sensor_height",
+                    value=camera.height,
+                    allowed=f"above {SUBMERGED * waves.significant_height:.2f} m",
                 )
             limits = sea_limits(camera, CREST * waves.significant_height)
             detail = Detail.of(waves, None if shortest_wave_columns > 0.0 else 1)

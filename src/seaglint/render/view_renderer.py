@@ -122,7 +122,10 @@ class ViewRenderer:
         if waves is not None and track.lowest < SUBMERGED * waves.significant_height:
             raise DomainError(
                 f"sensor height = {track.lowest:g} m is within reach of the waves (significant height {waves.significant_height:.2f} m); "
-                f"place it above {SUBMERGED * waves.significant_height:.2f} m or do not resolve waves"
+                f"place it above {SUBMERGED * waves.significant_height:.2f} m or do not resolve waves (sea.resolve_waves = false)",
+                name="sensor_height",
+                value=track.lowest,
+                allowed=f"above {SUBMERGED * waves.significant_height:.2f} m",
             )
         self.shortest_wave = 2.0 * np.pi / waves.tiles[-1].k_max if waves is not None else np.inf
         self._highest = math.radians(60.0) if track.lowest <= self._crest else 0.0
