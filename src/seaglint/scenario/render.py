@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field, StrictBool
+from pydantic import Field, StrictBool, model_validator
 
 from seaglint.scenario.quantity import Quantity
-from seaglint.scenario.record import Record
+from seaglint.scenario.record import Record, rule
+from seaglint.schema import Layer
 
 
 class Render(Record):
@@ -31,4 +32,20 @@ class Render(Record):
         Literal["auto", "on", "off"],
         Field(description="sparkles that are smaller than a pixel make its sunlight fluctuate; auto: where that is not negligible"),
     ] = "auto"
+    layers: Annotated[
+        tuple[Layer, ...],
+        Field(
+            description="images written beside the radiance: its four parts, the distance of the sea, the share of a pixel that it fills",
+            json_schema_extra={"uniqueItems": True},
+        ),
+    ] = ()
     apparent_temperature: Annotated[StrictBool, Field(description="write apparent temperature beside radiance")] = False
+
+    @model_validator(mode="after")
+    def _each_layer_once(self) -> Self:
+        twice = next((name for name in self.layers if self.layers.count(name) > 1), None)
+        if twice is not None:
+            given = ", ".join(f"'{name}'" for name in self.layers)
+            text = f"= [{given}] names '{twice}' {self.layers.count(twice)} times; name each layer once"
+            raise rule("render.layers", text, value=self.layers, allowed="each name once")
+        return self
