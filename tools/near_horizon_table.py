@@ -31,10 +31,11 @@ from seaglint.render.camera import Camera
 from seaglint.render.scene import image
 from seaglint.render.swept import SweptScene
 from seaglint.sea.cox_munk import cox_munk_anisotropic
-from seaglint.sea.field import WaveField, plan_tiles, resolve_limit
+from seaglint.sea.field import WaveField
 from seaglint.sea.shadowing import smith_lambda, smith_nu
 from seaglint.sea.slopes import SlopeStatistics
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.tiles import plan_tiles, resolve_limit
 
 WIND = 10.0
 DEPRESSIONS = (1.0, 2.0, 3.0, 4.0, 6.0, 10.0, 15.0)

@@ -28,9 +28,10 @@ from seaglint.radiance.mean import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.cox_munk import cox_munk_isotropic
 from seaglint.sea.emissivity import emissivity
-from seaglint.sea.field import WaveField, plan_tiles
+from seaglint.sea.field import WaveField
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
+from seaglint.sea.tiles import plan_tiles
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation.md"
 

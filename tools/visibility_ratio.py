@@ -19,10 +19,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ray_marcher import facets_of, sea_of, seen_over_model
-from seaglint.sea.field import WaveField, plan_tiles
+from seaglint.sea.field import WaveField
 from seaglint.sea.slopes import SlopeStatistics
 from seaglint.sea.spectra.base import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.tiles import plan_tiles
 
 FloatArray = NDArray[np.float64]
 

@@ -35,7 +35,12 @@ def wrap_angle(angle: ArrayLike) -> FloatArray:
 
 def _require_height(height: float) -> None:
     if not (np.isfinite(height) and height > 0.0):
-        raise DomainError(f"sensor height = {height:g} m is not above the sea; give a height > 0 m")
+        raise DomainError(
+            f"sensor height = {height:g} m is not above the sea; give a height > 0 m",
+            name="sensor_height",
+            value=height,
+            allowed="above 0 m",
+        )
 
 
 def horizon_depression(height: float) -> float:

@@ -6,7 +6,7 @@ Files, plot labels and the documentation read it; nothing else may name a unit.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal, get_args
 
 
 @dataclass(frozen=True)
@@ -62,6 +62,8 @@ VARIABLES: Final[dict[str, Variable]] = {
         Variable("sensor_azimuth", "degree", "azimuth of the image centre, clockwise from north", symbol="deg"),
         Variable("sensor_elevation", "degree", "elevation of the image centre above the horizontal", symbol="deg"),
         Variable("sensor_roll", "degree", "turn of the sensor about its line of sight, right side down", symbol="deg"),
+        Variable("range", "m", "distance from the sensor to the sea, mean over what a pixel sees of it"),
+        Variable("coverage", "1", "share of a pixel that the sea fills", symbol=" "),
         Variable("time", "s", "time from the start of the sequence"),
         Variable("height", "m", "height of the sea above its mean level"),
         Variable("slope_east", "1", "slope of the resolved waves towards east", symbol=" "),
@@ -73,8 +75,6 @@ VARIABLES: Final[dict[str, Variable]] = {
         Variable("north", "m", "distance to the north of the sensor's foot"),
         Variable("tile_u", "m", "distance along a tile's first axis"),
         Variable("tile_v", "m", "distance along a tile's second axis"),
-        Variable("range", "m", "distance from the sensor to the sea, mean over what a pixel sees of it"),
-        Variable("coverage", "1", "share of a pixel that the sea fills", symbol=" "),
         Variable("frame", "1", "number of the frame in the whole sequence, from 0", symbol=" "),
         Variable("frame_done", "1", "1 where the frame has been written completely", symbol=" "),
         Variable("wavelength", "um", "centre of the band", "sensor_band_central_radiation_wavelength", symbol="µm"),
@@ -83,8 +83,11 @@ VARIABLES: Final[dict[str, Variable]] = {
 }
 """Variables by name."""
 
-LAYERS: Final[tuple[str, ...]] = ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "range", "coverage")
-"""Layers that images can have beside ``radiance``."""
+Layer = Literal["path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "range", "coverage"]
+"""Name of a variable that an image may carry beside its radiance."""
+
+LAYERS: Final[tuple[str, ...]] = get_args(Layer)
+"""All of them, in the order in which they are listed."""
 
 ARTICLE_RADIANCE_PER_SI: Final = 100.0
 """uW cm-2 sr-1 per W m-2 sr-1: the unit of the source article, offered beside SI in plots and reports."""

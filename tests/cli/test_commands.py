@@ -111,7 +111,9 @@ def test_a_sensor_within_reach_of_the_waves_is_told_by_file_and_key(seaglint, tm
     answer = seaglint("render", path, "-o", tmp_path / "run.zarr", "--progress", "none")
     assert answer.code == 2
     assert one_line(answer.err)
-    assert answer.err.startswith(f"seaglint: {path}: sensor.height_m = 2 is within reach of the waves (significant height ")
+    assert answer.err.startswith(
+        f"seaglint: {path}: sensor.height_m: sensor height = 2 m is within reach of the waves (significant height "
+    )
     assert "sea.resolve_waves = false" in answer.err
     assert not (tmp_path / "run.zarr").exists()
     assert seaglint("mean", path, "-o", tmp_path / "mean.nc").code == 0  # no wave stands in the way of the mean
@@ -120,7 +122,8 @@ def test_a_sensor_within_reach_of_the_waves_is_told_by_file_and_key(seaglint, tm
 @pytest.mark.parametrize(
     ("error", "told"),
     [
-        (DomainError("at 3 s the sea stands 5 m high under the sensor"), "sensor.height_m = 30: at 3 s the sea stands 5 m"),
+        (DomainError("at 3 s the sea stands 5 m high", name="sensor_height", value=3.0), "sensor.height_m: at 3 s the sea stands 5 m"),
+        (DomainError("sensor height and sea do not agree"), "sensor height and sea do not agree"),
         (DomainError("wind speed = 0.3 m/s is outside"), "wind speed = 0.3 m/s is outside"),
         (ScenarioError("sea.spectrum.time is missing"), "sea.spectrum.time is missing"),
     ],

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from seaglint.errors import DataError, DomainError
-from seaglint.io.lowtran.deck import BAND_UM, HAZES, MODELS, MOST_LEVELS, Aerosol, Air, Case, Level
+from seaglint.io.lowtran.deck import HAZES, MODELS, MOST_LEVELS, Aerosol, Air, Case, Level
 from seaglint.io.lowtran.sounding import read_sounding, saturation_density
-from seaglint.scenario import model
+from seaglint.scenario.atmosphere import LowtranAtmosphere
 
 
 def columns(line, width):
@@ -56,10 +56,9 @@ def test_navy_aerosol_does_not_take_a_storm_for_20_metres_a_second():
 
 
 def test_scenario_and_engine_know_the_same_names():
-    fields = model.LowtranAtmosphere.model_fields
+    fields = LowtranAtmosphere.model_fields
     assert set(get_args(fields["haze"].annotation)) == set(HAZES)
     assert set(get_args(fields["model"].annotation)) == set(MODELS)
-    assert model.LOWTRAN_BAND == BAND_UM
 
 
 HEAD = "height_m,pressure_hpa,temperature_k,relative_humidity_percent\n"

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from seaglint.errors import DomainError, ScenarioError
+from seaglint.limits import TABLE_BANDS_UM, TABLE_HEIGHTS
 from seaglint.pipeline import prepare
-from seaglint.scenario import model
 from seaglint.scenario.load import parse_scenario
 
 
@@ -83,7 +83,7 @@ def test_a_response_outside_the_air_table_is_told_by_its_key(tmp_path):
         prepare.atmosphere(scenario, prepare.band(scenario))
 
 
-@pytest.mark.parametrize(("region", "height"), zip(model.TABLE_BANDS, model.TABLE_HEIGHTS, strict=True))
+@pytest.mark.parametrize(("region", "height"), zip(TABLE_BANDS_UM, TABLE_HEIGHTS, strict=True))
 def test_what_the_scenario_allows_is_in_the_air_tables(region, height):
     scenario = _scenario(band={"min_um": region[0], "max_um": region[1]}, sensor={"height_m": height, "pixels": [16, 8]})
     path = prepare.view(scenario).atmosphere.transmittance(height, 1.1 * height)

@@ -22,8 +22,9 @@ from seaglint.render.scene import Scene, image
 from seaglint.render.sparkle import NO_SPARKLES
 from seaglint.render.swept import SweptScene
 from seaglint.render.turned import TurnedScene
-from seaglint.sea.field import Tile, WaveField, plan_tiles
+from seaglint.sea.field import WaveField
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.tiles import Tile, plan_tiles
 
 BAND = Band.rectangular(3.5, 5.0)
 SEA_TEMPERATURE = 288.15

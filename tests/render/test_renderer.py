@@ -9,9 +9,10 @@ from seaglint.errors import DomainError
 from seaglint.render.camera import Camera
 from seaglint.render.tables import facet_slopes
 from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
-from seaglint.sea.field import WaveField, plan_tiles
+from seaglint.sea.field import WaveField
 from seaglint.sea.slopes import SlopeStatistics
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.tiles import plan_tiles
 
 WIND = 7.0
 

@@ -7,7 +7,8 @@ from render_scenes import shown, swept_scene
 from seaglint.conventions import surface_range
 from seaglint.pipeline import prepare
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.field import Tile, WaveField
+from seaglint.sea.field import WaveField
+from seaglint.sea.tiles import Tile
 
 SHORTEST = 16.0
 SPACING = 15.0

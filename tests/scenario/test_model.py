@@ -12,8 +12,9 @@ from pydantic import ValidationError
 
 from seaglint.errors import ScenarioError
 from seaglint.scenario.load import load_scenario, parse_scenario
-from seaglint.scenario.model import SQUARE_PIXEL_TOLERANCE, Scenario
+from seaglint.scenario.model import Scenario
 from seaglint.scenario.quantity import convert
+from seaglint.scenario.sensor import SQUARE_PIXEL_TOLERANCE
 
 ROUNDING = 1e-12  # relative; unit conversions are one multiplication
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from seaglint.sea.detail import Detail
-from seaglint.sea.field import WaveField, plan_tiles
+from seaglint.sea.field import WaveField
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.tiles import plan_tiles
 
 
 @pytest.fixture(scope="module")

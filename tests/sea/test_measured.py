@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from seaglint.errors import BackendError, DataError
-from seaglint.sea.field import WaveField, plan_tiles
+from seaglint.sea.field import WaveField
 from seaglint.sea.spectra import MeasuredSpectrum, read_ndbc
 from seaglint.sea.spectra.measured import NDBC_SUFFIXES, possible_moments
+from seaglint.sea.tiles import plan_tiles
 
 pytest.importorskip("wavespectra", reason="measured spectra need the extra seaglint[waves]")
 

@@ -18,7 +18,8 @@ from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
 from seaglint.render.swept import SweptScene
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.field import Tile, WaveField
+from seaglint.sea.field import WaveField
+from seaglint.sea.tiles import Tile
 
 LENGTH = 1024.0
 POINTS = 1024

@@ -54,7 +54,12 @@ def wavenumber_grid(min_um: float, max_um: float, step_cm: float = GRID_STEP_CM)
     array([2000., 3335.])
     """
     if not 0.0 < min_um < max_um:
-        raise DomainError(f"band {min_um:g}-{max_um:g} um is empty; give 0 < min_um < max_um")
+        raise DomainError(
+            f"band {min_um:g}-{max_um:g} um is empty; give 0 < min_um < max_um",
+            name="band_um",
+            value=(min_um, max_um),
+            allowed="0 < min_um < max_um",
+        )
     first = np.floor(1e4 / max_um / step_cm + 1e-9)
     last = np.ceil(1e4 / min_um / step_cm - 1e-9)
     return np.asarray(step_cm * np.arange(first, last + 1.0))
@@ -72,12 +77,22 @@ def slant_range(height: float, range_m: ArrayLike) -> FloatArray:
 def require_height(height: float, lowest: float, highest: float, remedy: str) -> None:
     """Refuse a sensor height outside ``[lowest, highest]`` [m]."""
     if not lowest <= height <= highest:
-        raise DomainError(f"sensor height = {height:g} m is outside {lowest:g}-{highest:g} m of this atmosphere; {remedy}")
+        raise DomainError(
+            f"sensor height = {height:g} m is outside {lowest:g}-{highest:g} m of this atmosphere; {remedy}",
+            name="sensor_height",
+            value=height,
+            allowed=(lowest, highest),
+        )
 
 
 def require_range(range_m: ArrayLike) -> FloatArray:
     """Arcs along the sea as an array [m]; negative or NaN ones are refused."""
     arc = np.asarray(range_m, dtype=np.float64)
     if not np.all(arc >= 0.0):
-        raise DomainError(f"range_m holds {np.asarray(arc)[~(arc >= 0.0)].ravel()[0]:g} m; give arcs along the sea of 0 m or more")
+        raise DomainError(
+            f"range_m holds {np.asarray(arc)[~(arc >= 0.0)].ravel()[0]:g} m; give arcs along the sea of 0 m or more",
+            name="range_m",
+            value=float(arc[~(arc >= 0.0)].ravel()[0]),
+            allowed="0 m or more",
+        )
     return arc

@@ -318,7 +318,12 @@ class BatchAtmosphere:
 def _require(values: FloatArray, allowed: tuple[float, float], name: str, unit: str) -> None:
     outside = ~((values >= allowed[0]) & (values <= allowed[1]))
     if outside.any():
-        raise DomainError(f"{name} = {values[outside][0]:g} {unit} is outside {allowed[0]:g}-{allowed[1]:g} {unit} of this atmosphere")
+        raise DomainError(
+            f"{name} = {values[outside][0]:g} {unit} is outside {allowed[0]:g}-{allowed[1]:g} {unit} of this atmosphere",
+            name=name.replace(" ", "_"),
+            value=float(values[outside][0]),
+            allowed=allowed,
+        )
 
 
 def _read_band(model: str, band_um: tuple[float, float]) -> tuple[Mapping[str, Any], slice]:
@@ -332,5 +337,10 @@ def _read_band(model: str, band_um: tuple[float, float]) -> tuple[Mapping[str, A
     if wanted[0] < grid[0] or wanted[-1] > grid[-1]:
         grids = [read_table(model, name)["wavenumber_cm"] for name in _REGIONS]
         covered = " and ".join(f"{1e4 / g[-1]:.3g}-{1e4 / g[0]:.3g}" for g in grids)
-        raise DomainError(f"band {band_um[0]:g}-{band_um[1]:g} um reaches beyond the tables of {covered} um; choose a band inside one")
+        raise DomainError(
+            f"band {band_um[0]:g}-{band_um[1]:g} um reaches beyond the tables of {covered} um; choose a band inside one",
+            name="band_um",
+            value=band_um,
+            allowed=f"{covered} um",
+        )
     return file, slice(int(np.searchsorted(grid, wanted[0])), int(np.searchsorted(grid, wanted[-1])) + 1)

@@ -35,9 +35,19 @@ class IsothermalAtmosphere:
 
     def __post_init__(self) -> None:
         if not (self.temperature > 0.0 and np.isfinite(self.temperature)):
-            raise DomainError(f"temperature = {self.temperature:g} K is not above 0 K; give the air temperature in kelvin")
+            raise DomainError(
+                f"temperature = {self.temperature:g} K is not above 0 K; give the air temperature in kelvin",
+                name="temperature",
+                value=self.temperature,
+                allowed="above 0 K",
+            )
         if not (self.extinction_per_m >= 0.0 and np.isfinite(self.extinction_per_m)):
-            raise DomainError(f"extinction_per_m = {self.extinction_per_m:g} is not a finite number >= 0 per metre")
+            raise DomainError(
+                f"extinction_per_m = {self.extinction_per_m:g} is not a finite number >= 0 per metre",
+                name="extinction_per_m",
+                value=self.extinction_per_m,
+                allowed="0 per metre or more, finite",
+            )
 
     @classmethod
     def for_band(cls, temperature: float, min_um: float, max_um: float, extinction_per_m: float = 1e-4) -> IsothermalAtmosphere:

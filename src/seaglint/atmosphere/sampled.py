@@ -235,13 +235,15 @@ class SampledAtmosphere:
         """
         nu = np.asarray(wavenumber_cm, dtype=np.float64)
         if not height > 0.0:
-            raise DomainError(f"sensor height = {height:g} m; give a height above 0 m")
-        _ascending("range_m", path.range_m, 2)
-        _ascending("sun zenith", sun.zenith, 2)
+            raise DomainError(
+                f"sensor height = {height:g} m; give a height above 0 m", name="sensor_height", value=height, allowed="above 0 m"
+            )
+        _ascending(f"{name}: range_m", path.range_m, 2)
+        _ascending(f"{name}: sun zenith", sun.zenith, 2)
         for sky in skies:
-            _ascending("sky elevation", sky.elevation, 2)
+            _ascending(f"{name}: sky elevation", sky.elevation, 2)
         if not any(sky.height <= HEIGHT_SLACK for sky in skies):
-            raise DataError(f"{name} has no sky seen from the sea (height 0 m), which the water mirrors; add it")
+            raise DataError(f"{name}: has no sky seen from the sea (height 0 m), which the water mirrors; add it")
         depth = np.clip(-np.log(np.maximum(path.transmittance, 1e-300)), CLEAR, OPAQUE)
         temperature = brightness_temperature(nu, path.radiance / -np.expm1(-depth))
         longest = float(slant_range(height, path.range_m[-1]))
@@ -274,14 +276,22 @@ class SampledAtmosphere:
         arc = require_range(range_m)
         if abs(height - self.height) > HEIGHT_SLACK:
             raise DomainError(
-                f"sensor height = {height:g} m: {self.name} holds paths to {self.height:g} m only; set sensor.height_m to that"
+                f"sensor height = {height:g} m: {self.name} holds paths to {self.height:g} m only; set sensor.height_m to that",
+                name="sensor_height",
+                value=height,
+                allowed=(self.height, self.height),
             )
         first, last = self._ranges
         # Straight down is one path, however the arcs are rounded there.
         nearest = first if first > 0.05 * self.height else 0.0
         if np.any(arc < nearest * (1.0 - 1e-6)) or (not self._beyond and np.any(arc > last * (1.0 + 1e-6))):
             wrong = arc[(arc < nearest * (1.0 - 1e-6)) | (arc > last)].ravel()[0]
-            raise DomainError(f"range = {wrong:.4g} m is outside {first:g}-{last:g} m of {self.name}; look elsewhere or add paths to it")
+            raise DomainError(
+                f"range = {wrong:.4g} m is outside {first:g}-{last:g} m of {self.name}; look elsewhere or add paths to it",
+                name="range_m",
+                value=float(wrong),
+                allowed=(first, last),
+            )
         return path_coordinate(slant_range(height, arc), height, self._longest)
 
     def path(self, height: float, range_m: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -302,13 +312,23 @@ class SampledAtmosphere:
         """Direct sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)]; 0 beyond a zenith angle of pi/2."""
         zenith = np.asarray(solar_zenith, dtype=np.float64)
         if not np.all((zenith >= 0.0) & (zenith <= np.pi)):
-            raise DomainError("solar_zenith has values outside 0-pi rad; give zenith angles in radians")
+            raise DomainError(
+                "solar_zenith has values outside 0-pi rad; give zenith angles in radians",
+                name="solar_zenith",
+                value=float(zenith[~((zenith >= 0.0) & (zenith <= np.pi))].ravel()[0]),
+                allowed=(0.0, np.pi),
+            )
         up = zenith <= 0.5 * np.pi + ANGLE_SLACK
         first, last = self._zeniths
         outside = up & ((zenith < first - ANGLE_SLACK) | (np.minimum(zenith, 0.5 * np.pi) > last + ANGLE_SLACK))
         if outside.any():
             wrong, covered = np.degrees(zenith[outside].ravel()[0]), f"{np.degrees(first):g}-{np.degrees(last):g} deg"
-            raise DomainError(f"solar zenith = {wrong:.4g} deg is outside {covered} of {self.name}; move the Sun or add sunlight to it")
+            raise DomainError(
+                f"solar zenith = {wrong:.4g} deg is outside {covered} of {self.name}; move the Sun or add sunlight to it",
+                name="solar_zenith",
+                value=float(zenith[outside].ravel()[0]),
+                allowed=(first, last),
+            )
         y = elevation_coordinate(np.maximum(0.5 * np.pi - zenith, 0.0), 0.0)
         sunlight = self._source * np.exp(-decode_optical_depth(np.asarray(self._sun(np.clip(y, self._sun.x[0], self._sun.x[-1])))))
         return np.asarray(np.where(up[..., np.newaxis], sunlight, 0.0))
@@ -325,21 +345,34 @@ class SampledAtmosphere:
             covered = " and ".join(f"{sky.height:g} m" for sky in self._skies)
             raise DomainError(
                 f"sky seen from the sensor at {height:g} m: {self.name} holds the sky from {covered} only; add it, from the zenith down to "
-                f"the sea horizon at a zenith angle of {horizon}, or look at the sea only"
+                f"the sea horizon at a zenith angle of {horizon}, or look at the sea only",
+                name="sky_height",
+                value=height,
+                allowed=covered,
             )
         elevation = 0.5 * np.pi - np.asarray(zenith, dtype=np.float64)
-        if not np.all((elevation >= -dip - ANGLE_SLACK) & (elevation <= 0.5 * np.pi + ANGLE_SLACK)):
+        outside = ~((elevation >= -dip - ANGLE_SLACK) & (elevation <= 0.5 * np.pi + ANGLE_SLACK))
+        if outside.any():
             raise DomainError(
                 f"zenith has values outside 0-{np.degrees(0.5 * np.pi + dip):.4f} deg, where the sky of a sensor at {height:g} m ends; "
-                "directions below the sea horizon see the sea"
+                "directions below the sea horizon see the sea",
+                name="zenith",
+                value=float(np.asarray(zenith)[outside].ravel()[0]),
+                allowed=(0.0, 0.5 * np.pi + dip),
             )
         if sky.dip > 0.0 and dip > 0.0:
             elevation = np.where(elevation < 0.0, elevation * (sky.dip / dip), elevation)
         # A file's lowest row is the user's choice; the last degree of a calculation's own horizon is not.
-        if np.any(elevation < sky.lowest - max(0.01 * sky.dip, 1e-4)) or np.any(elevation > sky.highest + max(ANGLE_SLACK, 1e-4)):
+        outside = (elevation < sky.lowest - max(0.01 * sky.dip, 1e-4)) | (elevation > sky.highest + max(ANGLE_SLACK, 1e-4))
+        if outside.any():
             covered = f"{90.0 - np.degrees(sky.highest):g}-{90.0 - np.degrees(sky.lowest):g} deg of {self.name}"
             whose, end = (f"sensor at {height:g} m", f"the sea horizon at {horizon}") if dip > 0.0 else ("sea", "90 deg")
-            raise DomainError(f"sky seen from the {whose}: zenith angles outside {covered} are needed; add the sky there, down to {end}")
+            raise DomainError(
+                f"sky seen from the {whose}: zenith angles outside {covered} are needed; add the sky there, down to {end}",
+                name="zenith",
+                value=float(0.5 * np.pi - np.asarray(elevation)[outside].ravel()[0]),
+                allowed=(0.5 * np.pi - sky.highest, 0.5 * np.pi - sky.lowest),
+            )
         return radiance_of(self.wavenumber_cm, sky(elevation))
 
 

@@ -168,9 +168,19 @@ class TableAtmosphere:
         grid, winds = file["wavenumber_cm"], file["winds"]
         if wanted[0] < grid[0] or wanted[-1] > grid[-1]:
             covered = f"{1e4 / grid[-1]:.3g}-{1e4 / grid[0]:.3g} um"
-            raise DomainError(f"band {band_um[0]:g}-{band_um[1]:g} um reaches beyond the table of {covered}; narrow the band")
+            raise DomainError(
+                f"band {band_um[0]:g}-{band_um[1]:g} um reaches beyond the table of {covered}; narrow the band",
+                name="band_um",
+                value=band_um,
+                allowed=covered,
+            )
         if not winds[0] <= wind_speed <= (np.inf if extrapolate else winds[-1]):
-            raise DomainError(f"wind_speed = {wind_speed:g} m/s is outside {winds[0]:g}-{winds[-1]:g} m/s of the Navy maritime aerosol")
+            raise DomainError(
+                f"wind_speed = {wind_speed:g} m/s is outside {winds[0]:g}-{winds[-1]:g} m/s of the Navy maritime aerosol",
+                name="wind_speed",
+                value=wind_speed,
+                allowed=(float(winds[0]), float(winds[-1])),
+            )
         keep = slice(int(np.searchsorted(grid, wanted[0])), int(np.searchsorted(grid, wanted[-1])) + 1)
         wind_weights = spline_weights(winds, tuple(file["wind_kinks"].tolist()), min(wind_speed, float(winds[-1])))
         return cls(
@@ -264,7 +274,12 @@ class TableAtmosphere:
         """
         zenith = np.asarray(solar_zenith, dtype=np.float64)
         if not np.all((zenith >= 0.0) & (zenith <= np.pi)):
-            raise DomainError("solar_zenith has values outside 0-pi rad; give zenith angles in radians")
+            raise DomainError(
+                "solar_zenith has values outside 0-pi rad; give zenith angles in radians",
+                name="solar_zenith",
+                value=float(zenith[~((zenith >= 0.0) & (zenith <= np.pi))].ravel()[0]),
+                allowed=(0.0, np.pi),
+            )
         y = elevation_coordinate(np.maximum(0.5 * np.pi - zenith, 0.0), 0.0)
         encoded = self._sun_depth.along(np.linspace(0.0, 1.0, self._sun_depth.scores.shape[0]), y)
         up = (zenith <= 0.5 * np.pi + _ANGLE_SLACK)[..., np.newaxis]

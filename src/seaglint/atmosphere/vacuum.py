@@ -47,7 +47,10 @@ def exoatmospheric_irradiance(wavenumber_cm: ArrayLike) -> FloatArray:
     if outside.any():
         raise DomainError(
             f"wavenumber {wanted[outside].ravel()[0]:g} cm-1 is outside {known[0]:g}-{known[-1]:g} cm-1 of the solar spectrum; "
-            "choose a band within 0.70-14.7 um"
+            "choose a band within 0.70-14.7 um",
+            name="wavenumber_cm",
+            value=float(wanted[outside].ravel()[0]),
+            allowed=(float(known[0]), float(known[-1])),
         )
     return np.asarray(np.interp(wanted, known, irradiance))
 

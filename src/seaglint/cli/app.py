@@ -125,7 +125,7 @@ def mean(
         refuse_existing(picture, overwrite=overwrite)
     from seaglint.pipeline.mean import mean as mean_map
 
-    with naming_file(scenario, loaded.sensor.height_m):
+    with naming_file(scenario, loaded):
         dataset = mean_map(loaded)
     write_netcdf(dataset, output, overwrite=overwrite)
     log(f"{output} written")
@@ -161,7 +161,7 @@ def render(
     pictures = _Pictures(output, replace=overwrite or resume) if preview else None
     from seaglint.pipeline.render import render as render_sequence
 
-    with naming_file(scenario, loaded.sensor.height_m), progress(show, "frames") as report:
+    with naming_file(scenario, loaded), progress(show, "frames") as report:
         render_sequence(loaded, output, frames=wanted, threads=threads, resume=resume, overwrite=overwrite, progress=report)
     from seaglint.io.store import open_sequence
     from seaglint.plot.summary import summarise

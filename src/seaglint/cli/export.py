@@ -42,7 +42,7 @@ def export_sea(
     refuse_existing(output, overwrite=overwrite)
     from seaglint.pipeline.export import export_sea as export
 
-    with naming_file(scenario, loaded.sensor.height_m):
+    with naming_file(scenario, loaded):
         sea = export(loaded, time, centre=centre, extent=extent, spacing=spacing)
     rows, columns = sea.patch.shape
     if kind == ".ply":

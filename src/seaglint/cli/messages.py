@@ -6,11 +6,14 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from seaglint.errors import DomainError, ScenarioError
+from seaglint.errors import DomainError, Mistake, ScenarioError
+
+if TYPE_CHECKING:
+    from seaglint.scenario.model import Scenario
 
 
 def log(text: str) -> None:
@@ -19,19 +22,19 @@ def log(text: str) -> None:
 
 
 @contextmanager
-def naming_file(scenario: Path, height: float) -> Iterator[None]:
-    """Give what only physics refuses the file's name, and the key where it is the sensor's height [m]: physics knows neither."""
+def naming_file(path: Path, scenario: Scenario) -> Iterator[None]:
+    """Give what only physics refuses the file's name, and the key that sets the number: physics knows neither."""
     try:
         yield
     except ScenarioError as error:
-        raise ScenarioError(f"{scenario}: {error}") from error
+        raise ScenarioError(f"{path}: {error}", mistakes=error.mistakes) from error
     except DomainError as error:
-        text = str(error)
-        if "sensor height" not in text and "under the sensor" not in text:
-            raise ScenarioError(f"{scenario}: {text}") from error
-        key, spoken = f"sensor.height_m = {height:g}", f"sensor height = {height:g} m "
-        what = f" {text.removeprefix(spoken)}" if text.startswith(spoken) else f": {text}"
-        raise ScenarioError(f"{scenario}: {key}{what}; sea.resolve_waves = false leaves the waves out") from error
+        keys = {"sensor_height": "sensor.height_m" if scenario.platform is None else "platform", "wind_speed": "wind.speed_m_s"}
+        key = keys.get(error.name or "")
+        if key is None:
+            raise ScenarioError(f"{path}: {error}") from error
+        mistake = Mistake(key, error.value, error.allowed, f"{key}: {error}")
+        raise ScenarioError(f"{path}: {mistake.text}", mistakes=(mistake,)) from error
 
 
 def print_json(value: Any) -> None:

@@ -98,19 +98,15 @@ def _assembled(path: Path, blocks: Mapping[tuple[str, float], _Spectra], sensor_
         for (kind, h), block in blocks.items()
         if kind == "sky" and (h <= HEIGHT_SLACK or abs(h - height) <= HEIGHT_SLACK)
     ]
-    try:
-        return SampledAtmosphere.create(
-            nu,
-            height=height,
-            path=PathSamples(paths.node, paths.values["transmittance"], paths.values["radiance"]),
-            sun=SunSamples(np.radians(sun.node), sun.values["irradiance"]),
-            skies=skies,
-            name=str(path),
-            provenance={"table": "user's file", "file": path.name, "sha256": hashlib.sha256(path.read_bytes()).hexdigest()},
-        )
-    except DataError as error:
-        text = str(error)
-        raise DataError(text if text.startswith(str(path)) else f"{path}: {text}") from None
+    return SampledAtmosphere.create(
+        nu,
+        height=height,
+        path=PathSamples(paths.node, paths.values["transmittance"], paths.values["radiance"]),
+        sun=SunSamples(np.radians(sun.node), sun.values["irradiance"]),
+        skies=skies,
+        name=str(path),
+        provenance={"table": "user's file", "file": path.name, "sha256": hashlib.sha256(path.read_bytes()).hexdigest()},
+    )
 
 
 def _from_csv(path: Path) -> dict[tuple[str, float], _Spectra]:

@@ -49,7 +49,12 @@ class Band:
         5.0
         """
         if not (np.isfinite(min_um) and np.isfinite(max_um) and 0.0 < min_um < max_um):
-            raise DomainError(f"band {min_um:g}-{max_um:g} um is empty; give 0 < min_um < max_um")
+            raise DomainError(
+                f"band {min_um:g}-{max_um:g} um is empty; give 0 < min_um < max_um",
+                name="band_um",
+                value=(min_um, max_um),
+                allowed="0 < min_um < max_um",
+            )
         return cls(np.array([min_um, max_um], dtype=np.float64), np.ones(2))
 
     @classmethod
@@ -118,7 +123,10 @@ class Band:
         if nu[0] > low + slack or nu[-1] < high - slack:
             raise DomainError(
                 f"the band {self.min_um:g}-{self.max_um:g} um reaches beyond the spectral grid {1e4 / nu[-1]:.4g}-{1e4 / nu[0]:.4g} um; "
-                "choose a band inside the grid or an atmosphere that covers it"
+                "choose a band inside the grid or an atmosphere that covers it",
+                name="band_um",
+                value=(self.min_um, self.max_um),
+                allowed=(1e4 / float(nu[-1]), 1e4 / float(nu[0])),
             )
         breaks = np.unique(np.concatenate([nu, 1.0e4 / self.wavelength_um, [low, high]]))
         breaks = breaks[(breaks >= max(low, nu[0])) & (breaks <= min(high, nu[-1]))]

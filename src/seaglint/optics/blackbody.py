@@ -47,9 +47,19 @@ def planck_wavenumber(wavenumber_cm: ArrayLike, temperature: ArrayLike) -> Float
     """
     nu, t = np.asarray(wavenumber_cm, dtype=np.float64), np.asarray(temperature, dtype=np.float64)
     if not np.all(t > 0.0):
-        raise DomainError(f"temperature = {float(np.min(t)):g} K; a blackbody needs a temperature > 0 K")
+        raise DomainError(
+            f"temperature = {float(np.min(t)):g} K; a blackbody needs a temperature > 0 K",
+            name="temperature",
+            value=float(np.min(t)),
+            allowed="above 0 K",
+        )
     if not np.all(nu > 0.0):
-        raise DomainError(f"wavenumber = {float(np.min(nu)):g} cm-1; give wavenumbers > 0 cm-1")
+        raise DomainError(
+            f"wavenumber = {float(np.min(nu)):g} cm-1; give wavenumbers > 0 cm-1",
+            name="wavenumber_cm",
+            value=float(np.min(nu)),
+            allowed="above 0 cm-1",
+        )
     x = SECOND_RADIATION * nu / t
     # exp(-x)/(1 - exp(-x)) instead of 1/(exp(x) - 1): cold bodies at short waves underflow to 0 and never overflow.
     return np.asarray(FIRST_RADIATION * nu**3 * np.exp(-x) / -np.expm1(-x))

@@ -50,7 +50,10 @@ def reflectance(cos_incidence: ArrayLike, index: ArrayLike) -> FloatArray:
     # Cosines come out of dot products: a few units of rounding above 1 are 1.
     if np.any((c < 0.0) | (c > 1.0 + 1e-12)):
         raise DomainError(
-            f"cosine of incidence between {float(np.min(c)):g} and {float(np.max(c)):g}; it must lie in 0..1 (facets seen from above)"
+            f"cosine of incidence between {float(np.min(c)):g} and {float(np.max(c)):g}; it must lie in 0..1 (facets seen from above)",
+            name="cos_incidence",
+            value=float(c[(c < 0.0) | (c > 1.0)].ravel()[0]),
+            allowed=(0.0, 1.0),
         )
     m2 = np.square(np.asarray(index, dtype=np.complex128))
     q = np.sqrt(m2 - (1.0 - np.minimum(c, 1.0) ** 2))

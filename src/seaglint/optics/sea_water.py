@@ -53,7 +53,10 @@ class WaterIndex:
         if not np.all((w >= low) & (w <= high)):
             raise DomainError(
                 f"wavelengths {float(np.min(w)):.4g}-{float(np.max(w)):.4g} um reach outside the {low:.4g}-{high:.4g} um of the "
-                f"water index {self.name!r}; choose a band inside it or another index"
+                f"water index {self.name!r}; choose a band inside it or another index",
+                name="wavelength_um",
+                value=float(w[~((w >= low) & (w <= high))].ravel()[0]),
+                allowed=(float(low), float(high)),
             )
         n = np.interp(w, self.wavelength_um, self.n)
         k = np.exp(np.interp(w, self.wavelength_um, np.log(self.k)))

@@ -19,11 +19,11 @@ from seaglint.atmosphere.batch import BatchAtmosphere, table_models
 from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.errors import DomainError
 from seaglint.io.cases import Cases, Column
+from seaglint.limits import COX_MUNK_WIND, WIND_PROFILE
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.sea.cox_munk import VALID_WIND, WIND_HEIGHT, cox_munk_isotropic
-from seaglint.sea.wind import WIND_RANGE
+from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 
 Columns = dict[str, FloatArray | list[str]]
 Report = Callable[[int, int], None]
@@ -183,7 +183,7 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Re
     low, high = float(water.wavelength_um[0]), float(water.wavelength_um[-1])
     wavelength = cases.within(Column("wavelength_um", low, high, what="um of the water's index"))
     zenith = _angles(cases, "zenith_deg", 0.0, 90.0)
-    wind, beyond = _ranged(cases, "wind_speed_m_s", VALID_WIND, WIND_RANGE, "m/s of the Cox-Munk fit", extrapolate)
+    wind, beyond = _ranged(cases, "wind_speed_m_s", COX_MUNK_WIND, WIND_PROFILE, "m/s of the Cox-Munk fit", extrapolate)
     found = np.empty(len(cases))
     done = 0
     for key, all_rows in groups_of(wind.tolist()):
@@ -309,7 +309,7 @@ def _airs(cases: Cases, bands: Sequence[NamedBand], extrapolate: bool) -> dict[s
 
 def _wind_and_height(cases: Cases, air: BatchAtmosphere, extrapolate: bool) -> tuple[FloatArray, FloatArray, Columns]:
     """Winds [m s-1], heights [m], and the column that marks those outside the table where that is asked for."""
-    wind, windy = _ranged(cases, "wind_speed_m_s", air.wind_range, WIND_RANGE, "m/s of the atmosphere tables", extrapolate)
+    wind, windy = _ranged(cases, "wind_speed_m_s", air.wind_range, WIND_PROFILE, "m/s of the atmosphere tables", extrapolate)
     height, high = _ranged(cases, "sensor_height_m", air.height_range, (1e-3, _HIGHEST), "m of the atmosphere tables", extrapolate)
     return wind, height, {EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {}
 

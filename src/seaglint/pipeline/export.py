@@ -17,8 +17,8 @@ from seaglint.pipeline import prepare
 from seaglint.pipeline.memory import memory_available
 from seaglint.scenario.model import Scenario
 from seaglint.schema import VARIABLES
-from seaglint.sea.field import Tile
 from seaglint.sea.slopes import SlopeStatistics
+from seaglint.sea.tiles import Tile
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -173,8 +173,9 @@ def export_sea(
     statistics = prepare.slopes(scenario)
     sea = prepare.sea(scenario, statistics)
     if sea.waves is None:
-        why = str(sea.report["waves"]).removeprefix("none")
-        raise ScenarioError(f"no waves are resolved{': ' + why if why else ''}; there is no surface to export (see sea.resolve_waves)")
+        raise ScenarioError(
+            f"no waves are resolved{': ' + sea.reason if sea.reason else ''}; there is no surface to export (see sea.resolve_waves)"
+        )
     waves = sea.waves
     spacing = waves.tiles[-1].spacing if spacing is None else spacing
     if extent is None:

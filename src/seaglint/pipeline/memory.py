@@ -8,6 +8,7 @@ from pathlib import Path
 from seaglint.errors import ScenarioError
 from seaglint.pipeline import prepare
 from seaglint.scenario.model import Scenario
+from seaglint.sea.tiles import TILES
 
 BYTES_PER_PIXEL = 80
 """Images of one frame on the sweep's own grid: two of doubles by column, two of floats by row, and what is written."""
@@ -16,9 +17,7 @@ BYTES_PER_RESAMPLED_PIXEL = 1000
 """The same for a turned camera: corners (50), nine or more cells of the sweep (9 x 40), weights of about 25 cells (25 x 16)."""
 
 BYTES_PER_LATTICE_POINT = 200
-"""Amplitudes, transforms and surface of a wave tile, for each of three tiles."""
-
-TILES = 3
+"""Amplitudes, transforms and surface of one wave tile."""
 
 BASE = 250 << 20
 """Program, atmosphere and tables of facets."""

@@ -13,9 +13,10 @@ from seaglint.atmosphere.isothermal import IsothermalAtmosphere
 from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.atmosphere.vacuum import VacuumAtmosphere
 from seaglint.conventions import FloatArray, travel_azimuth
-from seaglint.errors import DomainError, ScenarioError
+from seaglint.errors import DomainError, Mistake, ScenarioError
 from seaglint.io.response import read_response
 from seaglint.io.track import read_track
+from seaglint.limits import LOWTRAN_HEIGHTS, TABLE_HEIGHTS
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
@@ -27,16 +28,23 @@ from seaglint.render.camera import Camera
 from seaglint.render.platform import Track
 from seaglint.render.sparkle import Sparkles
 from seaglint.render.view import Attitude, Imager
-from seaglint.scenario import model
+from seaglint.scenario import atmosphere as wanted_air
+from seaglint.scenario import slopes as wanted_slopes
+from seaglint.scenario import spectrum as wanted_waves
+from seaglint.scenario.band import TABLE_BANDS_TEXT
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.platform import Keyframe
+from seaglint.scenario.sensor import HIGHEST_SENSOR
 from seaglint.scenario.sun import sun_position
 from seaglint.sea.breon_henriot import breon_henriot
 from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
-from seaglint.sea.field import WaveField, longest_wave_number, plan_tiles, resolve_limit
+from seaglint.sea.field import WaveField
 from seaglint.sea.slopes import SlopeStatistics, flat
 from seaglint.sea.spectra.base import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 from seaglint.sea.spectra.slopes import spectrum_slopes
+from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
 
 RESOLVED_SHARE = 0.8
 """Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest."""
@@ -49,9 +57,11 @@ class Sea:
     waves: WaveField | None
     report: dict[str, Any]
     """For the provenance: cut wavenumber and why, tiles, resolved and remaining slope variances."""
+    reason: str = ""
+    """Why there are none although they were asked for."""
 
 
-def band(scenario: model.Scenario) -> Band:
+def band(scenario: Scenario) -> Band:
     """Spectral response."""
     if scenario.band.response is not None:
         return read_response(scenario.band.response)
@@ -60,35 +70,35 @@ def band(scenario: model.Scenario) -> Band:
     return Band.rectangular(scenario.band.min_um, scenario.band.max_um)
 
 
-def atmosphere(scenario: model.Scenario, over: Band) -> Atmosphere:
+def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
     """The air, sampled over a band."""
     match scenario.atmosphere:
-        case model.TableAtmosphere(model=name):
+        case wanted_air.TableAtmosphere(model=name):
             try:
                 return TableAtmosphere.load(name, scenario.wind.speed_m_s, (over.min_um, over.max_um))
             except DomainError as error:
-                if scenario.band.response is None:
+                if scenario.band.response is None or error.name != "band_um":
                     raise
                 # The scenario checked its own numbers; what its response file reaches is known only here.
                 raise ScenarioError(
                     f"band.response = '{scenario.band.response}' reaches from {over.min_um:g} to {over.max_um:g} um, outside the table "
-                    f"atmosphere; allowed: {model.TABLE_BANDS_TEXT}, or set atmosphere.source = 'none'"
+                    f"atmosphere; allowed: {TABLE_BANDS_TEXT}, or set atmosphere.source = 'none'"
                 ) from error
-        case model.LowtranAtmosphere() as wanted:
+        case wanted_air.LowtranAtmosphere() as wanted:
             return _lowtran(scenario, wanted, over)
-        case model.FileAtmosphere(path=path):
+        case wanted_air.FileAtmosphere(path=path):
             from seaglint.io.atmosphere_file import read_atmosphere
 
             return read_atmosphere(path, scenario.sensor.height_m)
-        case model.IsothermalAtmosphere(temperature_k=temperature, extinction_per_km=extinction):
+        case wanted_air.IsothermalAtmosphere(temperature_k=temperature, extinction_per_km=extinction):
             return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
-        case model.NoAtmosphere():
+        case wanted_air.NoAtmosphere():
             return VacuumAtmosphere(wavenumber_grid(over.min_um, over.max_um))
         case other:
             assert_never(other)
 
 
-def _lowtran(scenario: model.Scenario, wanted: model.LowtranAtmosphere, over: Band) -> Atmosphere:
+def _lowtran(scenario: Scenario, wanted: wanted_air.LowtranAtmosphere, over: Band) -> Atmosphere:
     """LOWTRAN7's runs for this sensor height, band and wind, or those kept."""
     from seaglint.io.lowtran.deck import Aerosol
     from seaglint.io.lowtran.sample import lowtran_atmosphere
@@ -105,7 +115,7 @@ def _lowtran(scenario: model.Scenario, wanted: model.LowtranAtmosphere, over: Ba
     )
 
 
-def water(scenario: model.Scenario) -> WaterIndex:
+def water(scenario: Scenario) -> WaterIndex:
     """Refractive index of the sea."""
     match scenario.sea.water:
         case "hale-querry-sea":
@@ -118,30 +128,30 @@ def water(scenario: model.Scenario) -> WaterIndex:
             assert_never(other)
 
 
-def slopes(scenario: model.Scenario) -> SlopeStatistics:
+def slopes(scenario: Scenario) -> SlopeStatistics:
     """Slope statistics of the whole sea."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     match scenario.sea.slopes:
-        case model.CoxMunkIsotropic(extrapolate=extrapolate):
+        case wanted_slopes.CoxMunkIsotropic(extrapolate=extrapolate):
             return cox_munk_isotropic(speed, extrapolate=extrapolate)
-        case model.CoxMunkAnisotropic(extrapolate=extrapolate):
+        case wanted_slopes.CoxMunkAnisotropic(extrapolate=extrapolate):
             return cox_munk_anisotropic(speed, to, extrapolate=extrapolate)
-        case model.CoxMunkGramCharlier(extrapolate=extrapolate):
+        case wanted_slopes.CoxMunkGramCharlier(extrapolate=extrapolate):
             return cox_munk_gram_charlier(speed, to, extrapolate=extrapolate)
-        case model.CoxMunkSlick(extrapolate=extrapolate):
+        case wanted_slopes.CoxMunkSlick(extrapolate=extrapolate):
             return cox_munk_slick(speed, to, extrapolate=extrapolate)
-        case model.BreonHenriot(extrapolate=extrapolate):
+        case wanted_slopes.BreonHenriot(extrapolate=extrapolate):
             return breon_henriot(speed, to, extrapolate=extrapolate)
-        case model.SpectrumSlopes():
+        case wanted_slopes.SpectrumSlopes():
             waves = spectrum(scenario)
             return flat() if waves is None else spectrum_slopes(waves)
-        case model.FlatSlopes():
+        case wanted_slopes.FlatSlopes():
             return flat()
         case other:
             assert_never(other)
 
 
-def glint_length(scenario: model.Scenario) -> float:
+def glint_length(scenario: Scenario) -> float:
     """Correlation length of glint on the sea [m]."""
     glint = scenario.sea.glint
     if glint.cell_m is not None:
@@ -155,20 +165,20 @@ def glint_length(scenario: model.Scenario) -> float:
             assert_never(other)
 
 
-def sparkles(scenario: model.Scenario) -> Sparkles:
+def sparkles(scenario: Scenario) -> Sparkles:
     """Sparkles below a pixel, as the scenario wants them; none by themselves in the mean picture, without resolved waves."""
     wanted = scenario.render.subpixel_glint
     wanted = "off" if wanted == "auto" and not scenario.sea.resolve_waves else wanted
     return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, wanted)
 
 
-def spectrum(scenario: model.Scenario) -> DirectionalSpectrum | None:
+def spectrum(scenario: Scenario) -> DirectionalSpectrum | None:
     """Wave spectrum; None for a sea without waves."""
     speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
     match scenario.sea.spectrum:
-        case model.FlatSea():
+        case wanted_waves.FlatSea():
             return None
-        case model.SpectrumFile(path=path, time=time):
+        case wanted_waves.SpectrumFile(path=path, time=time):
             from seaglint.sea.spectra.measured import read_ndbc
 
             when = time if time is not None else (scenario.time.utc if scenario.time is not None else None)
@@ -177,15 +187,15 @@ def spectrum(scenario: model.Scenario) -> DirectionalSpectrum | None:
             return read_ndbc(path, when, wind_to_azimuth=to)
         case _ if speed == 0.0:
             return None  # no wind, no wind sea
-        case model.Elfouhaily():
+        case wanted_waves.Elfouhaily():
             return ElfouhailySpectrum(speed, to)
-        case model.PiersonMoskowitz():
+        case wanted_waves.PiersonMoskowitz():
             return PiersonMoskowitzSpectrum.of_u10(speed, to)
         case other:
             assert_never(other)
 
 
-def view_at(scenario: model.Scenario) -> Callable[[float], SeaView]:
+def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
     """Sea, air and Sun as a sensor sees them from any height [m] on the platform's way; what does not depend on it is made once."""
     first = view(scenario)
 
@@ -193,9 +203,9 @@ def view_at(scenario: model.Scenario) -> Callable[[float], SeaView]:
         if height == first.sensor_height:
             return first
         match scenario.atmosphere:
-            case model.LowtranAtmosphere():
+            case wanted_air.LowtranAtmosphere():
                 return view(scenario.model_copy(update={"sensor": scenario.sensor.model_copy(update={"height_m": height})}))
-            case model.FileAtmosphere():
+            case wanted_air.FileAtmosphere():
                 raise ScenarioError(
                     f"platform: the sensor's height changes (sensor.height_m = {first.sensor_height:g}, platform {height:g} m), and "
                     "atmosphere.source = 'file' is made for one height; keep the height, or use another atmosphere"
@@ -206,14 +216,14 @@ def view_at(scenario: model.Scenario) -> Callable[[float], SeaView]:
     return at
 
 
-def imager(scenario: model.Scenario) -> Imager:
+def imager(scenario: Scenario) -> Imager:
     """The camera's pixels, whatever its attitude."""
     sensor = scenario.sensor
     width, height = (float(np.radians(angle)) for angle in sensor.fov_deg)
     return Imager(sensor.projection, width, height, *sensor.pixels)
 
 
-def track(scenario: model.Scenario) -> Track:
+def track(scenario: Scenario) -> Track:
     """Where the sensor is and how it is turned, over the time of the scenario's frames.
 
     Raises
@@ -234,7 +244,7 @@ def track(scenario: model.Scenario) -> Track:
         where = f"{platform.track}: "
     else:
         keyframes = platform.keyframes or ()
-        given = [name for name in model.Keyframe.model_fields if keyframes and getattr(keyframes[0], name) is not None]
+        given = [name for name in Keyframe.model_fields if keyframes and getattr(keyframes[0], name) is not None]
         columns = {name: np.array([getattr(keyframe, name) for keyframe in keyframes]) for name in given}
         names, where = [f"keyframes[{i}]" for i in range(len(keyframes))], "platform: "
     size = len(names)
@@ -245,13 +255,15 @@ def track(scenario: model.Scenario) -> Track:
         found.at(0.0)
         found.at((sensor.frames - 1) / sensor.frame_rate_hz)
     except DomainError as error:
-        raise ScenarioError(f"{where}{error}") from error
+        mistake = Mistake("platform", error.value, error.allowed, f"{where}{error}")
+        raise ScenarioError(mistake.text, mistakes=(mistake,)) from error
     _require_heights(scenario, found, where)
     return found
 
 
-def _require_heights(scenario: model.Scenario, found: Track, where: str) -> None:
-    lowest, highest = {"table": model.TABLE_HEIGHTS, "lowtran": model.LOWTRAN_HEIGHTS}.get(scenario.atmosphere.source, (0.0, 10_000.0))
+def _require_heights(scenario: Scenario, found: Track, where: str) -> None:
+    covered = {"table": TABLE_HEIGHTS, "lowtran": (LOWTRAN_HEIGHTS[0], HIGHEST_SENSOR)}
+    lowest, highest = covered.get(scenario.atmosphere.source, (0.0, HIGHEST_SENSOR))
     if found.lowest < lowest or found.highest > highest:
         raise ScenarioError(
             f"{where}heights of {found.lowest:g} to {found.highest:g} m leave those of atmosphere.source = '{scenario.atmosphere.source}'; "
@@ -259,7 +271,7 @@ def _require_heights(scenario: model.Scenario, found: Track, where: str) -> None
         )
 
 
-def view(scenario: model.Scenario) -> SeaView:
+def view(scenario: Scenario) -> SeaView:
     """Sea, air and Sun as one sensor height sees them."""
     over = band(scenario)
     sun = sun_position(scenario)
@@ -277,7 +289,7 @@ def view(scenario: model.Scenario) -> SeaView:
     )
 
 
-def article_view(scenario: model.Scenario) -> SeaView:
+def article_view(scenario: Scenario) -> SeaView:
     """The same for the source article's mode: isotropic slopes at the wind as given, one blackbody for sea and sky, one leg shadowed.
 
     The water stays the scenario's; ``sea.water = "article"`` is the article's own. A mirror stays a mirror.
@@ -285,15 +297,15 @@ def article_view(scenario: model.Scenario) -> SeaView:
     kind = scenario.sea.slopes
     isotropic = (
         flat()
-        if isinstance(kind, model.FlatSlopes)
+        if isinstance(kind, wanted_slopes.FlatSlopes)
         else cox_munk_isotropic(
-            scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=not isinstance(kind, model.SpectrumSlopes) and kind.extrapolate
+            scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=not isinstance(kind, wanted_slopes.SpectrumSlopes) and kind.extrapolate
         )
     )
     return replace(view(scenario), slopes=isotropic, shadowing=VIEWER, background="blackbody")
 
 
-def upright_camera(scenario: model.Scenario) -> Camera | None:
+def upright_camera(scenario: Scenario) -> Camera | None:
     """The image grid of a standing sensor with equal steps of azimuth and elevation, upright; None for any other sensor."""
     if scenario.platform is not None:
         return None
@@ -301,7 +313,7 @@ def upright_camera(scenario: model.Scenario) -> Camera | None:
     return imager(scenario).camera(pose.height, pose.attitude)
 
 
-def camera(scenario: model.Scenario) -> Camera:
+def camera(scenario: Scenario) -> Camera:
     """The same, where nothing else will do.
 
     Raises
@@ -318,13 +330,13 @@ def camera(scenario: model.Scenario) -> Camera:
     return found
 
 
-def accuracy(scenario: model.Scenario) -> Accuracy:
+def accuracy(scenario: Scenario) -> Accuracy:
     """How finely images are drawn."""
     wanted = scenario.render
     return Accuracy(step=wanted.step_m, lines_per_column=wanted.lines_per_column, shortest_wave_columns=wanted.shortest_wave_columns)
 
 
-def sea(scenario: model.Scenario, statistics: SlopeStatistics) -> Sea:
+def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:
     """The waves to be geometry: as short as asked for, but never more slope variance than the energy rule allows.
 
     Raises
@@ -352,7 +364,7 @@ def sea(scenario: model.Scenario, statistics: SlopeStatistics) -> Sea:
     cut = min(asked, limit, spectral.wavenumber_range[1])
     if cut <= longest_wave_number(spectral):
         reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
-        return Sea(None, {"waves": reason, **none})
+        return Sea(None, {"waves": reason, **none}, reason)
     waves = WaveField.create(spectral, plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size), scenario.seed)
     up, cross = waves.resolved_mss()
     return Sea(

@@ -102,11 +102,26 @@ class SeaView:
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sensor_height) and self.sensor_height > 0.0):
-            raise DomainError(f"sensor_height = {self.sensor_height:g} m is not above the sea; give a height > 0 m")
+            raise DomainError(
+                f"sensor_height = {self.sensor_height:g} m is not above the sea; give a height > 0 m",
+                name="sensor_height",
+                value=self.sensor_height,
+                allowed="above 0 m",
+            )
         if not (np.isfinite(self.sea_temperature) and self.sea_temperature > 0.0):
-            raise DomainError(f"sea_temperature = {self.sea_temperature:g} K; give the temperature of the sea in kelvin, e.g. 288.15")
+            raise DomainError(
+                f"sea_temperature = {self.sea_temperature:g} K; give the temperature of the sea in kelvin, e.g. 288.15",
+                name="sea_temperature",
+                value=self.sea_temperature,
+                allowed="above 0 K",
+            )
         if not 0.0 <= self.solar_zenith <= np.pi:
-            raise DomainError(f"solar_zenith = {self.solar_zenith:g} rad is outside 0..pi; above pi/2 the Sun is below the horizon")
+            raise DomainError(
+                f"solar_zenith = {self.solar_zenith:g} rad is outside 0..pi; above pi/2 the Sun is below the horizon",
+                name="solar_zenith",
+                value=self.solar_zenith,
+                allowed=(0.0, np.pi),
+            )
         self.shadowing.require(self.slopes)
 
     @cached_property

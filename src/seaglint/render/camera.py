@@ -36,7 +36,12 @@ class Camera:
 
     def __post_init__(self) -> None:
         if not self.height > 0.0:
-            raise DomainError(f"sensor height = {self.height:g} m is not above the sea; give a height > 0 m")
+            raise DomainError(
+                f"sensor height = {self.height:g} m is not above the sea; give a height > 0 m",
+                name="sensor_height",
+                value=self.height,
+                allowed="above 0 m",
+            )
         if self.columns < 1 or self.rows < 1:
             raise DomainError(f"pixels = [{self.columns}, {self.rows}]: an image needs at least 1 x 1 pixels")
         if not 0.0 < self.width <= 2.0 * np.pi + 1e-12:

@@ -349,7 +349,13 @@ def composed(parts: Sequence[Layers]) -> Layers:
 def require_above(foot: float, height: float, time: float) -> None:
     """Refuse a sensor ``height`` above the mean sea that the sea under it, ``foot`` high [m], covers."""
     if foot >= height:
-        raise DomainError(f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {height:g} m above the mean sea")
+        text = f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {height:g} m above the mean sea"
+        raise DomainError(
+            f"{text}; place it higher or do not resolve waves (sea.resolve_waves = false)",
+            name="sensor_height",
+            value=height,
+            allowed=f"above {foot:.2f} m",
+        )
 
 
 def require_dry(height: float, waves: WaveField) -> None:
@@ -357,7 +363,10 @@ def require_dry(height: float, waves: WaveField) -> None:
     if height < SUBMERGED * waves.significant_height:
         raise DomainError(
             f"sensor height = {height:g} m is within reach of the waves (significant height {waves.significant_height:.2f} m); "
-            f"place it above {SUBMERGED * waves.significant_height:.2f} m or do not resolve waves"
+            f"place it above {SUBMERGED * waves.significant_height:.2f} m or do not resolve waves (sea.resolve_waves = false)",
+            name="sensor_height",
+            value=height,
+            allowed=f"above {SUBMERGED * waves.significant_height:.2f} m",
         )
 
 

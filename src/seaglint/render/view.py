@@ -21,12 +21,13 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint._jit import kernel, njit, njit_parallel
 from seaglint.conventions import FloatArray, wrap_angle
 from seaglint.errors import DomainError
+from seaglint.limits import WIDEST_PINHOLE_DEG
 from seaglint.render.camera import Camera
 
 Projection = Literal["equal-angle", "pinhole"]
 
-WIDEST_PINHOLE = np.radians(170.0)
-"""Field of view that a plane image is allowed [rad]; at 180 deg it would be infinite."""
+WIDEST_PINHOLE = np.radians(WIDEST_PINHOLE_DEG)
+"""Field of view that a plane image is allowed [rad]."""
 
 CORNERS = 10
 """Room for the corners of a quadrilateral cut by two parallel lines, and two more."""

@@ -29,9 +29,9 @@ class Key:
         quantities = list(_find(self.info.annotation, Quantity)) or [item for item in self.info.metadata if isinstance(item, Quantity)]
         if quantities:
             return " x ".join(dict.fromkeys(quantity.allowed for quantity in quantities))
-        choices = _choices(self.info.annotation)
+        choices = " | ".join(f'"{choice}"' if isinstance(choice, str) else f"{choice}" for choice in _choices(self.info.annotation))
         if choices:
-            return " | ".join(f'"{choice}"' if isinstance(choice, str) else f"{choice}" for choice in choices)
+            return f"list of {choices}" if is_list(self.info.annotation) else choices
         return "true | false" if self.info.annotation is bool else ""
 
 
@@ -54,7 +54,15 @@ def _records(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def _choices(annotation: Any) -> tuple[Any, ...]:
-    return get_args(annotation) if get_origin(annotation) is Literal else ()
+    """Values of the choice in a type, also of one that may be left out or is asked for in a list."""
+    if get_origin(annotation) is Literal:
+        return get_args(annotation)
+    return tuple(dict.fromkeys(choice for argument in get_args(annotation) for choice in _choices(argument)))
+
+
+def is_list(annotation: Any) -> bool:
+    """Whether a type is a list of any length (in the file), rather than a pair."""
+    return any(get_origin(kind) is tuple and get_args(kind)[-1] is Ellipsis for kind in (annotation, *get_args(annotation)))
 
 
 def fields_of(record: type[BaseModel], above: tuple[str, ...] = ()) -> Iterator[Key]:
@@ -77,6 +85,18 @@ def _at(location: tuple[str, ...]) -> tuple[type[BaseModel], ...]:
 def table_keys(location: tuple[str | int, ...]) -> tuple[str, ...]:
     """Keys allowed in the table at a location, over all the kinds that it may have."""
     return tuple(dict.fromkeys(name for record in _at(tuple(str(part) for part in location)) for name in record.model_fields))
+
+
+def key_at(location: tuple[str | int, ...]) -> Key | None:
+    """The key at a location, or the list that holds it; None where no such key exists."""
+    *above, name = (str(part) for part in location if isinstance(part, str))
+    return next((key for record in _at(tuple(above)) for key in fields_of(record, tuple(above)) if key.path[-1] == name), None)
+
+
+def choices_at(location: tuple[str | int, ...]) -> tuple[str, ...]:
+    """What the choice at a location may be, as text; empty where any value goes."""
+    key = key_at(location)
+    return tuple(str(choice) for choice in _choices(key.info.annotation)) if key is not None else ()
 
 
 def tags(location: tuple[str | int, ...]) -> tuple[str, ...]:

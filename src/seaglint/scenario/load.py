@@ -11,8 +11,8 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from seaglint.errors import ScenarioError
-from seaglint.scenario.keys import key_paths, table_keys, tag_name, tags
+from seaglint.errors import Mistake, ScenarioError
+from seaglint.scenario.keys import choices_at, is_list, key_at, key_paths, table_keys, tag_name, tags
 from seaglint.scenario.model import Scenario
 
 
@@ -47,31 +47,43 @@ def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path
     try:
         return Scenario.model_validate(dict(raw), context={"base": base})
     except ValidationError as error:
-        lines = dict.fromkeys(f"{name}: {_explain(detail, raw)}" for detail in error.errors(include_url=False))
-        raise ScenarioError("\n".join(lines)) from None
+        found = (_explain(detail, raw) for detail in error.errors(include_url=False))
+        mistakes = tuple({mistake.text: mistake for mistake in found}.values())
+        raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
 
 
-def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> str:
-    """One line for one mistake."""
+def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
+    """One mistake, told in one line."""
     location = _without_tags(error["loc"], raw)
-    key = _dotted(location)
-    kind, context, value = error["type"], error.get("ctx", {}), _shown(error["input"])
+    key, kind, context, given = _dotted(location), error["type"], error.get("ctx", {}), error["input"]
     if kind == "rule":
-        return f"{context['key']} {error['msg']}"
+        return Mistake(context["key"], context["value"], context["allowed"], f"{context['key']} {error['msg']}")
+    if kind == "union_tag_invalid":
+        allowed, tag = tags(location), f"{key}.{tag_name(location)}"
+        text = f"{tag} = '{context['tag']}' is not one of {_listed(allowed)}{_meant(context['tag'], allowed)}"
+        return Mistake(tag, context["tag"], _listed(allowed), text)
+    if kind == "literal_error":
+        allowed = choices_at(location)
+        text = f"{key} = {_shown(given)} is not one of {_listed(allowed)}{_meant(str(given), allowed)}"
+        return Mistake(key, given, _listed(allowed), text)
+    value = None if kind == "missing" else given
+    return Mistake(key, value, context.get("allowed"), _sentence(error, location))
+
+
+def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:
+    """The line of a mistake that no other key and no list of names explains."""
+    key, kind, value = _dotted(location), error["type"], _shown(error["input"])
     if kind == "extra_forbidden":
         return _unknown_key(location)
     if kind == "missing":
         return f"{key} is missing; add it to the file"
     if kind in ("quantity", "missing_file"):
         return f"{key} = {value} {error['msg']}"
-    if kind == "union_tag_invalid":
-        tag = str(context["discriminator"]).strip("'")
-        allowed = tags(location)
-        return f"{key}.{tag} = '{context['tag']}' is not one of {_listed(allowed)}{_meant(str(context['tag']), allowed)}"
-    if kind == "literal_error":
-        allowed = tuple(part.strip("' ") for part in str(context["expected"]).replace(" or ", ", ").split(", "))
-        return f"{key} = {value} is not one of {_listed(allowed)}{_meant(str(error['input']), allowed)}"
     if kind in ("too_short", "too_long", "tuple_type"):
+        found = key_at(location)
+        if found is not None and is_list(found.info.annotation):
+            names = choices_at(location)
+            return f"{key} = {value} must be a list in brackets" + (f"; allowed in it: {_listed(names)}" if names else "")
         return f"{key} = {value} must be a pair of numbers [width, height]"
     if kind in ("model_type", "model_attributes_type", "dict_type") or kind.startswith("union_tag"):
         keys = ", ".join(table_keys(location)) or "none"

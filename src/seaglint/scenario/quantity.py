@@ -125,10 +125,9 @@ class Quantity:
             raise self._error(f"is outside the allowed range: {self.allowed}")
         return value if self.integer else float(value)
 
-    @staticmethod
-    def _error(text: str) -> PydanticCustomError:
+    def _error(self, text: str) -> PydanticCustomError:
         # The text goes in as a value: braces in a user's text must not be read as a template.
-        return PydanticCustomError("quantity", "{text}", {"text": text})
+        return PydanticCustomError("quantity", "{text}", {"text": text, "allowed": self.allowed})
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         """Parse and check before pydantic sees the number."""

@@ -7,14 +7,10 @@ J. Geophys. Res. 111, C06005 (2006): eight million observations of POLDER, winds
 from __future__ import annotations
 
 import math
-from typing import Final
 
+from seaglint.limits import BREON_HENRIOT_WIND
 from seaglint.sea.slopes import SlopeStatistics
 from seaglint.sea.wind import require_wind, u10_of_wind
-
-VALID_WIND: Final = (0.0, 15.0)
-"""Winds at 10 m for which the fit is used without asking [m/s]. A choice: c21 grows with the square of the wind, and the mass added
-where the series turns negative is 8e-5 at 15 m/s and 1.8e-3 at 20 m/s."""
 
 
 def breon_henriot(wind_speed: float, wind_to_azimuth: float, *, height: float = 10.0, extrapolate: bool = False) -> SlopeStatistics:
@@ -54,7 +50,9 @@ def breon_henriot(wind_speed: float, wind_to_azimuth: float, *, height: float = 
     (0.02312, 0.01595, -0.225)
     """
     if not extrapolate:
-        require_wind(wind_speed, VALID_WIND, model="the Breon-Henriot fit", advice="choose another slope model or pass extrapolate = true")
+        require_wind(
+            wind_speed, BREON_HENRIOT_WIND, model="the Breon-Henriot fit", advice="choose another slope model or pass extrapolate = true"
+        )
     require_wind(wind_speed)
     wind = wind_speed if height == 10.0 else u10_of_wind(wind_speed, height)
     skewness = -0.45 / (1.0 + math.exp(7.0 - wind))

@@ -9,21 +9,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Final
 
+from seaglint.limits import COX_MUNK_SLICK_WIND, COX_MUNK_WIND
 from seaglint.sea.slopes import SlopeStatistics
 from seaglint.sea.wind import require_wind, u10_of_wind, wind_at_height
 
 WIND_HEIGHT: Final = 12.5
 """Height of Cox and Munk's anemometer [m]."""
 
-VALID_WIND: Final = (0.0, 20.0)
-"""Wind speeds for which the fit is used without asking [m/s]."""
-
-VALID_SLICK_WIND: Final = (0.0, 14.0)
-"""The same for a slick sea [m/s]: the winds of all their photographs. Stronger winds leave no slick together."""
-
 
 def _fit_wind(
-    wind_speed: float, height: float, extrapolate: bool, valid: tuple[float, float] = VALID_WIND, model: str = "the Cox-Munk fit"
+    wind_speed: float, height: float, extrapolate: bool, valid: tuple[float, float] = COX_MUNK_WIND, model: str = "the Cox-Munk fit"
 ) -> float:
     """Wind speed at the anemometer height of the fit [m/s]."""
     if not extrapolate:
@@ -193,5 +188,5 @@ def cox_munk_slick(wind_speed: float, wind_to_azimuth: float, *, height: float =
     >>> round(slopes.mss_up, 4), round(slopes.mss_cross, 4)
     (0.0128, 0.0114)
     """
-    wind = _fit_wind(wind_speed, height, extrapolate, VALID_SLICK_WIND, "the Cox-Munk fit of a slick sea")
+    wind = _fit_wind(wind_speed, height, extrapolate, COX_MUNK_SLICK_WIND, "the Cox-Munk fit of a slick sea")
     return SlopeStatistics(0.005 + 0.00078 * wind, 0.003 + 0.00084 * wind, wind_to_azimuth, 0.0, 0.02, 0.36, 0.10, 0.26)

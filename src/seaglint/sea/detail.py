@@ -13,7 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.sea.field import WaveField, longest_wave_number
+from seaglint.sea.field import WaveField
+from seaglint.sea.tiles import longest_wave_number
 
 NARROWEST: Final = 1.5
 """A low-passed tile reaches at least this far above its longest waves, in wavenumber; else the whole tile is left out."""

@@ -43,7 +43,12 @@ def angular_frequency(wavenumber: ArrayLike) -> FloatArray:
     """
     k = np.asarray(wavenumber, dtype=np.float64)
     if np.any(k < 0.0):
-        raise DomainError(f"wavenumber = {float(np.min(k)):g} rad/m is below 0; give k >= 0")
+        raise DomainError(
+            f"wavenumber = {float(np.min(k)):g} rad/m is below 0; give k >= 0",
+            name="wavenumber",
+            value=float(np.min(k)),
+            allowed="0 rad/m or more",
+        )
     return np.asarray(np.sqrt(k * (GRAVITY + _KINEMATIC_TENSION * k * k)))
 
 
@@ -72,7 +77,12 @@ def wavenumber(angular_frequency: ArrayLike) -> FloatArray:
     """
     omega = np.asarray(angular_frequency, dtype=np.float64)
     if np.any(omega < 0.0):
-        raise DomainError(f"angular frequency = {float(np.min(omega)):g} rad/s is below 0; give omega >= 0")
+        raise DomainError(
+            f"angular frequency = {float(np.min(omega)):g} rad/s is below 0; give omega >= 0",
+            name="angular_frequency",
+            value=float(np.min(omega)),
+            allowed="0 rad/s or more",
+        )
     p = GRAVITY / _KINEMATIC_TENSION
     q = omega * omega / _KINEMATIC_TENSION
     return np.asarray(2.0 * np.sqrt(p / 3.0) * np.sinh(np.arcsinh(1.5 * q / p * np.sqrt(3.0 / p)) / 3.0))

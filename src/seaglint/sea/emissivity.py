@@ -114,7 +114,12 @@ def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: f
     """
     theta = np.asarray(view_zenith, dtype=np.float64)[..., None]
     if not np.all((theta >= 0.0) & (theta < np.pi)):
-        raise DomainError("view zenith must be finite and in [0, pi) rad; give the direction from the sea to the viewer")
+        raise DomainError(
+            "view zenith must be finite and in [0, pi) rad; give the direction from the sea to the viewer",
+            name="view_zenith",
+            value=float(theta[~((theta >= 0.0) & (theta < np.pi))].ravel()[0]),
+            allowed="0 to below pi rad",
+        )
     cosine, sine = np.cos(theta), np.sin(theta)
     along_var, covariance, across_var = _frame_covariance(slopes, view_azimuth)
     if along_var <= 0.0:

@@ -15,183 +15,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import Final, Literal
 
 import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from seaglint._jit import njit
 from seaglint.errors import DomainError
 from seaglint.random import stream
 from seaglint.sea.dispersion import angular_frequency
-from seaglint.sea.slopes import SlopeStatistics
 from seaglint.sea.spectra.base import DirectionalSpectrum
+from seaglint.sea.tiles import Tile, require_bands
 
 FloatArray = NDArray[np.float64]
 SurfaceArray = NDArray[np.float32]
 ComplexArray = NDArray[np.complex64]
 
-SAMPLES_PER_WAVE: Final = 4
-"""Lattice points per shortest wave of a tile: bilinear interpolation keeps 75-100 % of such a wave's slope variance."""
-
-SHORTEST_SPAN: Final = 6.0
-"""Fewest waves of a band's longest kind along a tile; with fewer, directions are coarse and the tile's beat shows."""
-
-ENERGETIC_SHARE: Final = 0.01
-"""Share of the height variance in waves longer than the "longest" one that the first tile must hold SHORTEST_SPAN times."""
-
-_GOLDEN: Final = 0.3819660112501051  # 1 - 1/golden ratio: the fraction that is hardest to approach by ratios of small integers
 _NEAR: Final = 24  # lattice steps from the origin within which cells are integrated finely
-
-
-@dataclass(frozen=True)
-class Tile:
-    """A periodic square of sea and the waves it carries.
-
-    Attributes
-    ----------
-    length : float
-        Period along both axes [m].
-    n : int
-        Lattice points along each axis.
-    rotation : float
-        Angle of the first axis from east, counter-clockwise seen from above [rad]: ``u = (cos a x + sin a y)``,
-        ``v = (-sin a x + cos a y)``.
-    k_min, k_max : float
-        Waves with ``k_min <= k < k_max`` belong to this tile [rad m⁻¹].
-    """
-
-    length: float
-    n: int
-    rotation: float
-    k_min: float
-    k_max: float
-
-    def __post_init__(self) -> None:
-        """Refuse tiles that cannot carry their band."""
-        if self.n < 16 or self.n % 4:
-            raise DomainError(f"tile of n = {self.n} points; give a multiple of 4, 16 or more (256, 512 and 1024 are fast)")
-        if not (np.isfinite(self.length) and self.length > 0.0 and np.isfinite(self.rotation)):
-            raise DomainError(f"tile of length {self.length:g} m, rotation {self.rotation:g} rad; give a finite length above 0 m")
-        if not 0.0 <= self.k_min < self.k_max:
-            raise DomainError(f"tile for wavenumbers {self.k_min:g}-{self.k_max:g} rad/m; give 0 <= k_min < k_max")
-        if self.k_max * self.spacing > 2.0 * np.pi / SAMPLES_PER_WAVE * (1.0 + 1e-9):
-            raise DomainError(
-                f"tile spacing {self.spacing:.4g} m samples its shortest wave of {2 * np.pi / self.k_max:.4g} m less than "
-                f"{SAMPLES_PER_WAVE} times; give more points or a shorter tile"
-            )
-
-    @property
-    def spacing(self) -> float:
-        """Distance of lattice points [m]."""
-        return self.length / self.n
-
-    @property
-    def step(self) -> float:
-        """Distance of lattice wavenumbers [rad m⁻¹]."""
-        return 2.0 * np.pi / self.length
-
-
-def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tiles: int = 3) -> tuple[Tile, ...]:
-    """Tiles for all waves of a spectrum that are longer than ``shortest_wave``, longest band first.
-
-    Lengths fall by one ratio, nudged apart from it, chosen so that every tile is the same number of its longest waves long.
-
-    Parameters
-    ----------
-    spectrum : DirectionalSpectrum
-        The sea.
-    shortest_wave : float
-        Shortest wave to be synthesised [m]; the last tile samples it four times.
-    n : int
-        Lattice points along each axis of each tile.
-    tiles : int
-        Number of tiles.
-
-    Returns
-    -------
-    tuple of Tile
-
-    Raises
-    ------
-    DomainError
-        If the tiles came out too short for the sea state, or no energetic wave is that long.
-
-    Examples
-    --------
-    >>> from seaglint.sea.spectra import ElfouhailySpectrum
-    >>> [round(t.length) for t in plan_tiles(ElfouhailySpectrum(10.0), 0.5, 512)]
-    [3222, 454, 64]
-    """
-    if tiles < 1:
-        raise DomainError(f"tiles = {tiles}; give one or more")
-    if not (np.isfinite(shortest_wave) and shortest_wave > 0.0):
-        raise DomainError(f"shortest wave = {shortest_wave:g} m; give a length above 0 m")
-    k_low, k_top = longest_wave_number(spectrum), 2.0 * np.pi / shortest_wave
-    if k_top <= k_low:
-        raise DomainError(
-            f"shortest wave = {shortest_wave:.4g} m is longer than the longest energetic waves of this sea ({2 * np.pi / k_low:.4g} m): "
-            "nothing is left to synthesise; give a shorter one or resolve no waves"
-        )
-    ratio = (k_top / k_low) ** (1.0 / tiles)
-    span = n / (SAMPLES_PER_WAVE * ratio)
-    last = shortest_wave * n / SAMPLES_PER_WAVE
-    lengths = [last * ratio ** (tiles - 1 - i) * (1.0 + 0.06 * ((tiles - 1 - i) * _GOLDEN % 1.0)) for i in range(tiles)]
-    if span < SHORTEST_SPAN:
-        need = SHORTEST_SPAN * 2.0 * np.pi / k_low
-        raise DomainError(
-            f"{tiles} tiles of {n} points from {shortest_wave:.4g} m waves up make the longest {lengths[0]:.4g} m long; this sea needs "
-            f"{need:.4g} m: give more tiles or points (render.tile_size) or a longer shortest wave (sea.shortest_wave_m)"
-        )
-    edges = [0.0, *(2.0 * np.pi * n / (SAMPLES_PER_WAVE * length) for length in lengths)]
-    return tuple(
-        Tile(length, n, float(0.5 * np.pi * ((i + 0.3) * _GOLDEN % 1.0)), edges[i], edges[i + 1]) for i, length in enumerate(lengths)
-    )
-
-
-def longest_wave_number(spectrum: DirectionalSpectrum) -> float:
-    """Wavenumber below which lies :data:`ENERGETIC_SHARE` of the height variance [rad m⁻¹]."""
-    low, high = spectrum.wavenumber_range
-    wanted = ENERGETIC_SHARE * spectrum.height_variance()
-    return float(np.exp(brentq(lambda x: spectrum.height_variance(float(np.exp(x))) - wanted, np.log(low), np.log(high), xtol=1e-6)))
-
-
-def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fraction: float = 0.8) -> float:
-    """Wavenumber at which resolved slopes reach a fraction of the slope model, upwind or crosswind, whichever comes first.
-
-    Geometry stops there, so that the facets of the energy rule keep a share of the variance in every direction.
-
-    Parameters
-    ----------
-    spectrum : DirectionalSpectrum
-        The sea.
-    slopes : SlopeStatistics
-        The slope model that geometry and facets add up to.
-    fraction : float
-        Largest share of geometry [1].
-
-    Returns
-    -------
-    float
-        Wavenumber [rad m⁻¹]; the spectrum's upper end where the fraction is never reached, 0 where the model has no slopes.
-    """
-    if not 0.0 < fraction <= 1.0:
-        raise DomainError(f"fraction = {fraction:g} must lie in (0, 1]")
-    allowed = (fraction * slopes.mss_up, fraction * slopes.mss_cross)
-    if min(allowed) <= 0.0:
-        return 0.0
-
-    def excess(log_k: float) -> float:
-        up, cross = spectrum.mss(float(np.exp(log_k)))
-        return max(up / allowed[0], cross / allowed[1]) - 1.0
-
-    low, high = spectrum.wavenumber_range
-    if excess(float(np.log(high))) <= 0.0:
-        return high
-    return float(np.exp(brentq(excess, np.log(low), np.log(high), xtol=1e-6)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,7 +77,7 @@ class WaveField:
         DomainError
             If a tile is too short for the longest waves of its band, or bands overlap.
         """
-        _require_bands(spectrum, tiles)
+        require_bands(spectrum, tiles)
         lattices = tuple(_lattice_waves(spectrum, tile) for tile in tiles)
         return cls(spectrum, tuple(tiles), seed, lattices, _draw(lattices, seed))
 
@@ -271,7 +112,7 @@ class WaveField:
             ``u = ix spacing``, ``v = iy spacing`` (see :class:`Tile`).
         """
         if not np.isfinite(time):
-            raise DomainError(f"time = {time:g} s must be finite")
+            raise DomainError(f"time = {time:g} s must be finite", name="time", value=time, allowed="finite")
         parts = zip(self.tiles, self._lattices, self._amplitudes, strict=True)
         return tuple(_surface(tile, lattice, amplitudes, time, workers) for tile, lattice, amplitudes in parts)
 
@@ -315,24 +156,6 @@ class WaveField:
             up += float(np.sum(energy * (waves.k_east * s + waves.k_north * c) ** 2))
             cross += float(np.sum(energy * (waves.k_east * c - waves.k_north * s) ** 2))
         return up, cross
-
-
-def _require_bands(spectrum: DirectionalSpectrum, tiles: Sequence[Tile]) -> None:
-    """Refuse overlapping bands and a tile too short for the longest waves of its band."""
-    ordered = sorted(tiles, key=lambda tile: tile.k_min)
-    for long, short in pairwise(ordered):
-        if short.k_min < long.k_max * (1.0 - 1e-12):
-            raise DomainError(
-                f"bands {long.k_min:.4g}-{long.k_max:.4g} and {short.k_min:.4g}-{short.k_max:.4g} rad/m overlap: their waves would count "
-                "twice; give disjoint bands"
-            )
-    k_low = longest_wave_number(spectrum)
-    for tile in tiles:
-        longest = 2.0 * np.pi / max(tile.k_min, k_low)
-        if tile.length < 0.5 * SHORTEST_SPAN * longest:
-            raise DomainError(
-                f"tile of {tile.length:.4g} m is too short for its waves of {longest:.4g} m; give at least {SHORTEST_SPAN * longest:.4g} m"
-            )
 
 
 def _lattice_numbers(tile: Tile) -> tuple[FloatArray, FloatArray]:

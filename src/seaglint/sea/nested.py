@@ -93,7 +93,12 @@ def ratio_table(bands: int = BANDS) -> FloatArray:
         For less than one band or more than 64.
     """
     if not 1 <= bands <= _MOST_BANDS:
-        raise DomainError(f"nested_bands = {bands} is outside 1-{_MOST_BANDS}; give 4 to 8 (1 is Saunders' law)")
+        raise DomainError(
+            f"nested_bands = {bands} is outside 1-{_MOST_BANDS}; give 4 to 8 (1 is Saunders' law)",
+            name="nested_bands",
+            value=bands,
+            allowed=(1, _MOST_BANDS),
+        )
     if bands == 1:
         return np.zeros((0, 0))
     t = np.asarray(_STEP * (np.arange(_COLUMNS, dtype=np.float64) - 1.0) - _REACH, dtype=np.float64)
@@ -191,9 +196,19 @@ def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: Arra
     """
     theta, variance = np.asarray(view_zenith, dtype=np.float64), np.asarray(mss_along, dtype=np.float64)
     if not np.all((theta >= 0.0) & (theta <= 0.5 * np.pi)):
-        raise DomainError("view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor")
+        raise DomainError(
+            "view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor",
+            name="view_zenith",
+            value=float(theta[~((theta >= 0.0) & (theta <= 0.5 * np.pi))].ravel()[0]),
+            allowed=(0.0, 0.5 * np.pi),
+        )
     if np.any(variance < 0.0):
-        raise DomainError(f"slope variance = {float(np.min(variance)):g} is below 0; give variances of at least 0")
+        raise DomainError(
+            f"slope variance = {float(np.min(variance)):g} is below 0; give variances of at least 0",
+            name="mss_along",
+            value=float(np.min(variance)),
+            allowed="0 or more",
+        )
     with np.errstate(divide="ignore"):
         edge = np.cos(theta) / np.sin(theta)
     parts = np.broadcast_arrays(np.asarray(slope_along, dtype=np.float64), edge, np.sqrt(variance))
@@ -292,7 +307,12 @@ def lit_table(bands: int = LIT_BANDS) -> FloatArray:
         As :func:`ratio_table`.
     """
     if not 1 <= bands <= _MOST_BANDS:
-        raise DomainError(f"nested_bands = {bands} is outside 1-{_MOST_BANDS}; give 4 to 8 (1 is Saunders' law)")
+        raise DomainError(
+            f"nested_bands = {bands} is outside 1-{_MOST_BANDS}; give 4 to 8 (1 is Saunders' law)",
+            name="nested_bands",
+            value=bands,
+            allowed=(1, _MOST_BANDS),
+        )
     if bands == 1:
         return np.zeros((0, 0, 0))
     x, w = np.polynomial.legendre.leggauss(48 + 16 * math.isqrt(bands))

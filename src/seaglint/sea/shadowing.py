@@ -436,4 +436,9 @@ def slope_lambda(view_zenith: ArrayLike, view_azimuth: ArrayLike, slopes: SlopeS
 
 def _require_variance(variance: FloatArray) -> None:
     if np.any(variance < 0.0):
-        raise DomainError(f"slope variance = {float(np.min(variance)):g} is below 0; give variances of at least 0")
+        raise DomainError(
+            f"slope variance = {float(np.min(variance)):g} is below 0; give variances of at least 0",
+            name="slope_variance",
+            value=float(np.min(variance)),
+            allowed="0 or more",
+        )

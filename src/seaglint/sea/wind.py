@@ -9,21 +9,21 @@ from scipy.optimize import brentq
 
 from seaglint.constants import GRAVITY, VON_KARMAN
 from seaglint.errors import DomainError
+from seaglint.limits import WIND_PROFILE
 
 FULLY_DEVELOPED: Final = 0.84
 """Inverse wave age U10/cp of a fully developed sea (Elfouhaily et al. 1997)."""
 
-WIND_RANGE: Final = (0.0, 40.0)
-"""Wind speeds at 10 m for which the roughness law is evaluated [m/s]; far wider than the data behind it."""
-
 
 def require_wind(
-    wind_speed: float, allowed: tuple[float, float] = WIND_RANGE, *, model: str = "the wind profile", advice: str = ""
+    wind_speed: float, allowed: tuple[float, float] = WIND_PROFILE, *, model: str = "the wind profile", advice: str = ""
 ) -> None:
     """Raise :class:`DomainError` unless ``wind_speed`` [m/s] is finite and inside the closed interval ``allowed``."""
     if not (math.isfinite(wind_speed) and allowed[0] <= wind_speed <= allowed[1]):
         text = f"wind speed = {wind_speed:g} m/s is outside {allowed[0]:g}-{allowed[1]:g} m/s of {model}"
-        raise DomainError(f"{text}; {advice}" if advice else f"{text}; give a value in that range")
+        raise DomainError(
+            f"{text}; {advice}" if advice else f"{text}; give a value in that range", name="wind_speed", value=wind_speed, allowed=allowed
+        )
 
 
 def roughness_length(u10: float, inverse_wave_age: float = FULLY_DEVELOPED) -> float:
@@ -109,7 +109,12 @@ def wind_at_height(u10: float, height: float, inverse_wave_age: float = FULLY_DE
     10.216
     """
     if not 1.0 <= height <= 100.0:
-        raise DomainError(f"height = {height:g} m is outside 1-100 m of the logarithmic wind profile; give a height in that range")
+        raise DomainError(
+            f"height = {height:g} m is outside 1-100 m of the logarithmic wind profile; give a height in that range",
+            name="height",
+            value=height,
+            allowed=(1.0, 100.0),
+        )
     require_wind(u10)
     if u10 == 0.0:
         return 0.0
@@ -125,8 +130,11 @@ def u10_of_wind(wind_speed: float, height: float, inverse_wave_age: float = FULL
     def excess(u10: float) -> float:
         return wind_at_height(u10, height, inverse_wave_age) - wind_speed
 
-    if excess(WIND_RANGE[1]) < 0.0:
+    if excess(WIND_PROFILE[1]) < 0.0:
         raise DomainError(
-            f"wind speed = {wind_speed:g} m/s at {height:g} m means more than {WIND_RANGE[1]:g} m/s at 10 m; give a lower wind"
+            f"wind speed = {wind_speed:g} m/s at {height:g} m means more than {WIND_PROFILE[1]:g} m/s at 10 m; give a lower wind",
+            name="wind_speed",
+            value=wind_speed,
+            allowed=WIND_PROFILE,
         )
-    return float(brentq(excess, 0.0, WIND_RANGE[1], xtol=1e-10))
+    return float(brentq(excess, 0.0, WIND_PROFILE[1], xtol=1e-10))

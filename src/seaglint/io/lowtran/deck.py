@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 from seaglint.errors import DomainError
+from seaglint.limits import NAVY_AEROSOL_WIND
 
 MODELS = {
     "tropical": 1,
@@ -33,14 +34,8 @@ Haze = Literal[
 HAZES: dict[Haze, int] = dict(zip(get_args(Haze), (0, 1, 2, 3, 4, 5, 6, 8, 9, 10), strict=True))
 """Boundary-layer aerosols and their numbers on card 2 (IHAZE); 7 is LOWTRAN7's user-defined one."""
 
-MOST_WIND = 20.0
-"""LOWTRAN7's Navy maritime aerosol silently takes any stronger wind for this one [m/s]."""
-
 MOST_LEVELS = 33
 """Levels of a user's profile; LOWTRAN7 has room for 34."""
-
-BAND_UM = (0.2, 28.0)
-"""Wavelengths [um] for which the engine is offered: LOWTRAN7's bands end at 50 000 cm-1, its Navy aerosol at 250 cm-1."""
 
 STEP_CM = 5
 """Step of LOWTRAN7's spectral samples [cm-1]; its resolution is 20."""
@@ -70,10 +65,13 @@ class Aerosol:
 
     def card(self) -> str:
         """Card 2. Calm is written as 0.001 m/s, because 0 means "the default wind of the model atmosphere"."""
-        if self.haze == "navy-maritime" and max(self.wind, self.wind_24h) > MOST_WIND:
+        if self.haze == "navy-maritime" and max(self.wind, self.wind_24h) > NAVY_AEROSOL_WIND[1]:
             raise DomainError(
-                f"wind = {max(self.wind, self.wind_24h):g} m/s is above {MOST_WIND:g} m/s of the Navy maritime aerosol; "
-                "choose a weaker wind or another atmosphere.haze"
+                f"wind = {max(self.wind, self.wind_24h):g} m/s is above {NAVY_AEROSOL_WIND[1]:g} m/s of the Navy maritime aerosol; "
+                "choose a weaker wind or another atmosphere.haze",
+                name="wind_speed",
+                value=max(self.wind, self.wind_24h),
+                allowed=NAVY_AEROSOL_WIND,
             )
         numbers = f"{HAZES[self.haze]:5d}{0:5d}{0:5d}{self.air_mass:5d}{0:5d}{0:5d}"
         winds = f"{max(self.wind, 1e-3):10.5f}{max(self.wind_24h, 1e-3):10.5f}"
@@ -117,7 +115,9 @@ class Air:
 
     def __post_init__(self) -> None:
         if self.model not in MODELS:
-            raise DomainError(f"model = {self.model!r} is not one of {', '.join(MODELS)}")
+            raise DomainError(
+                f"model = {self.model!r} is not one of {', '.join(MODELS)}", name="model", value=self.model, allowed=", ".join(MODELS)
+            )
         if len(self.levels) > MOST_LEVELS:
             raise DomainError(f"a profile of {len(self.levels)} levels is beyond the {MOST_LEVELS} that LOWTRAN7 takes; thin it out")
 

@@ -16,7 +16,8 @@ from seaglint.atmosphere.sampled import PathSamples, SampledAtmosphere, SkySampl
 from seaglint.conventions import FloatArray
 from seaglint.errors import BackendError, DomainError
 from seaglint.io.lowtran import cache, engine
-from seaglint.io.lowtran.deck import BAND_UM, STEP_CM, Aerosol, Air, Case, Level
+from seaglint.io.lowtran.deck import STEP_CM, Aerosol, Air, Case, Level
+from seaglint.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS
 
 PATH_NODES = 28
 SUN_NODES = 28
@@ -26,9 +27,6 @@ DIP_NODES = 8
 
 LEAST_SINE = 1e-5
 """LOWTRAN7 refuses rays that graze the sea exactly: smallest cosine of the zenith angle at the sea."""
-
-HEIGHTS = (0.01, 50_000.0)
-"""Sensor heights [m] that make sense to the geometry."""
 
 
 @dataclass(frozen=True)
@@ -82,10 +80,21 @@ def lowtran_atmosphere(
     BackendError
         Package or compiler missing; a run crashed or hung.
     """
-    if not BAND_UM[0] <= band_um[0] < band_um[1] <= BAND_UM[1]:
-        raise DomainError(f"band {band_um[0]:g}-{band_um[1]:g} um is outside {BAND_UM[0]:g}-{BAND_UM[1]:g} um of LOWTRAN7; narrow the band")
-    if not HEIGHTS[0] <= height <= HEIGHTS[1]:
-        raise DomainError(f"sensor height = {height:g} m is outside {HEIGHTS[0]:g}-{HEIGHTS[1]:g} m; choose a height inside it")
+    (low, high), (lowest, highest) = LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS
+    if not low <= band_um[0] < band_um[1] <= high:
+        raise DomainError(
+            f"band {band_um[0]:g}-{band_um[1]:g} um is outside {low:g}-{high:g} um of LOWTRAN7; narrow the band",
+            name="band_um",
+            value=band_um,
+            allowed=LOWTRAN_BAND_UM,
+        )
+    if not lowest <= height <= highest:
+        raise DomainError(
+            f"sensor height = {height:g} m is outside {lowest:g}-{highest:g} m; choose a height inside it",
+            name="sensor_height",
+            value=height,
+            allowed=LOWTRAN_HEIGHTS,
+        )
     grid = wavenumber_grid(*band_um, step_cm=float(STEP_CM))
     air = Air(model, aerosol, round(grid[0]), round(grid[-1]), tuple(levels))
     found = engine.engine()

@@ -69,7 +69,12 @@ class DirectionalSpectrum(ABC):
     def integrate(self, function: Callable[[FloatArray], FloatArray], k_min: float = 0.0, k_max: float = np.inf) -> float:
         """Integral of ``function(k)`` over the part of [k_min, k_max] that has energy, by Gauss-Legendre panels in log k."""
         if not (k_min >= 0.0 and k_max >= 0.0):
-            raise DomainError(f"wavenumbers {k_min:g}-{k_max:g} rad/m must not be negative or NaN")
+            raise DomainError(
+                f"wavenumbers {k_min:g}-{k_max:g} rad/m must not be negative or NaN",
+                name="wavenumber",
+                value=(k_min, k_max),
+                allowed="0 rad/m or more",
+            )
         low, high = max(k_min, self.wavenumber_range[0]), min(k_max, self.wavenumber_range[1])
         if low >= high:
             return 0.0

@@ -33,7 +33,9 @@ def inverse_wave_age_of_fetch(u10: float, fetch: float) -> float:
     """Inverse wave age after a fetch [m], ``Omega_c = 0.84 tanh[(X/2.2e4)^0.4]^-0.75``, ``X = g fetch/U10^2`` (Eq. 37)."""
     require_wind(u10, VALID_WIND, model="the Elfouhaily spectrum")
     if not fetch > 0.0:
-        raise DomainError(f"fetch = {fetch:g} m must be above 0 m; leave it out for a fully developed sea")
+        raise DomainError(
+            f"fetch = {fetch:g} m must be above 0 m; leave it out for a fully developed sea", name="fetch", value=fetch, allowed="above 0 m"
+        )
     return float(FULLY_DEVELOPED * np.tanh((GRAVITY * fetch / u10**2 / 2.2e4) ** 0.4) ** -0.75)
 
 
@@ -77,10 +79,15 @@ class ElfouhailySpectrum(DirectionalSpectrum):
         if not low <= self.inverse_wave_age <= high:
             raise DomainError(
                 f"inverse wave age = {self.inverse_wave_age:g} is outside {low:g}-{high:g} of the Elfouhaily spectrum; "
-                "0.84 is a fully developed sea, give a longer fetch for a lower value"
+                "0.84 is a fully developed sea, give a longer fetch for a lower value",
+                name="inverse_wave_age",
+                value=self.inverse_wave_age,
+                allowed=VALID_INVERSE_WAVE_AGE,
             )
         if not np.isfinite(self.wind_to_azimuth):
-            raise DomainError("the azimuth of the wind must be finite")
+            raise DomainError(
+                "the azimuth of the wind must be finite", name="wind_to_azimuth", value=self.wind_to_azimuth, allowed="finite"
+            )
 
     @property
     def peak_wavenumber(self) -> float:

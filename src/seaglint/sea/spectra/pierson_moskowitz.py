@@ -63,7 +63,9 @@ class PiersonMoskowitzSpectrum(DirectionalSpectrum):
         """Refuse winds outside the model."""
         require_wind(self.u19_5, VALID_WIND, model="the Pierson-Moskowitz spectrum", advice='use spectrum "flat" for a calm sea')
         if not np.isfinite(self.wind_to_azimuth):
-            raise DomainError("the azimuth of the wind must be finite")
+            raise DomainError(
+                "the azimuth of the wind must be finite", name="wind_to_azimuth", value=self.wind_to_azimuth, allowed="finite"
+            )
 
     @classmethod
     def of_u10(cls, u10: float, wind_to_azimuth: float = 0.0) -> PiersonMoskowitzSpectrum:

@@ -1,0 +1,51 @@
+"""Table ``[render]``: accuracy and cost of the image, and what is written."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, StrictBool, model_validator
+
+from seaglint.scenario.quantity import Quantity
+from seaglint.scenario.record import Record, rule
+from seaglint.schema import Layer
+
+
+class Render(Record):
+    """Accuracy and cost of the image, and what is written."""
+
+    lines_per_column: Annotated[
+        Literal[1, 2, 4, 8, 16],
+        Field(description="most lines of sight across a pixel column; one begins and parts in two as the column widens with range"),
+    ] = 2
+    shortest_wave_columns: Annotated[
+        float,
+        Quantity(ge=0, le=100),
+        Field(description="columns that waves must span to be geometry: far away, shorter ones go to the facets; 0 keeps all at any range"),
+    ] = 2.0
+    step_m: Annotated[
+        Annotated[float, Quantity("m", gt=0, le=100)] | None,
+        Field(description="outward step of the sweep; chosen from the shortest wave where nothing is said"),
+    ] = None
+    tile_size: Annotated[Literal[64, 128, 256, 512, 1024, 2048, 4096], Field(description="points along each side of a wave tile")] = 512
+    subpixel_glint: Annotated[
+        Literal["auto", "on", "off"],
+        Field(description="sparkles that are smaller than a pixel make its sunlight fluctuate; auto: where that is not negligible"),
+    ] = "auto"
+    layers: Annotated[
+        tuple[Layer, ...],
+        Field(
+            description="images written beside the radiance: its four parts, the distance of the sea, the share of a pixel that it fills",
+            json_schema_extra={"uniqueItems": True},
+        ),
+    ] = ()
+    apparent_temperature: Annotated[StrictBool, Field(description="write apparent temperature beside radiance")] = False
+
+    @model_validator(mode="after")
+    def _each_layer_once(self) -> Self:
+        twice = next((name for name in self.layers if self.layers.count(name) > 1), None)
+        if twice is not None:
+            given = ", ".join(f"'{name}'" for name in self.layers)
+            text = f"= [{given}] names '{twice}' {self.layers.count(twice)} times; name each layer once"
+            raise rule("render.layers", text, value=self.layers, allowed="each name once")
+        return self
