@@ -108,7 +108,7 @@ def batch_seconds(rows: int = 10_000) -> float:
     """Whole process of ``seaglint evaluate atmosphere`` over random cases of all model atmospheres in one band."""
     import numpy as np
 
-    from seaglint.atmosphere.batch import table_models
+    from seaglint.atmosphere.table_file import table_models
 
     random = np.random.default_rng(1)
     height = np.exp(random.uniform(np.log(2.0), np.log(1e4), rows))

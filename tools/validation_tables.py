@@ -19,7 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
-from seaglint.atmosphere.table import TableAtmosphere, models
+from seaglint.atmosphere.table import TableAtmosphere
+from seaglint.atmosphere.table_file import models
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.pipeline import prepare

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from seaglint.atmosphere.batch import BatchAtmosphere, Stencil, table_models, with_slopes
+from seaglint.atmosphere.batch import BatchAtmosphere
 from seaglint.atmosphere.coordinates import spline_weights
+from seaglint.atmosphere.stencil import Stencil, with_slopes
 from seaglint.atmosphere.table import TableAtmosphere
+from seaglint.atmosphere.table_file import table_models
 from seaglint.errors import DomainError
 
 # Same splines by another route: what is left is the rounding of sums over some hundred nodes.
@@ -19,7 +21,7 @@ def cases(air, count=12):
     wind = random.uniform(0.0, 20.0, count)
     height = np.exp(random.uniform(np.log(2.0), np.log(1e4), count))
     wind[:2], height[2:6] = (0.0, 20.0), (2.0, 1e4, 1000.0, 3000.0)
-    wind[-len(air._wind_kinks) :] = air._wind_kinks
+    wind[-len(air._table.wind_kinks) :] = air._table.wind_kinks
     depression = air.dip(height) + np.radians(10.0 ** random.uniform(-4.0, 1.5, count))
     solar, sky = random.uniform(0.0, 0.5 * np.pi, (2, count))
     depression[4], solar[:3], sky[:2] = 0.5 * np.pi, (0.0, 0.5 * np.pi, 1.7), (0.0, 0.5 * np.pi)

@@ -10,7 +10,8 @@ import csv
 import numpy as np
 import pytest
 
-from seaglint.atmosphere.table import TableAtmosphere, models
+from seaglint.atmosphere.table import TableAtmosphere
+from seaglint.atmosphere.table_file import models
 from seaglint.conventions import horizon_depression
 from seaglint.optics.band import Band
 

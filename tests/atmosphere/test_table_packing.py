@@ -6,8 +6,9 @@ from importlib import resources
 import numpy as np
 import pytest
 
-from seaglint.atmosphere import table
-from seaglint.atmosphere.table import TableAtmosphere, models, read_table
+from seaglint.atmosphere import table_file
+from seaglint.atmosphere.table import TableAtmosphere
+from seaglint.atmosphere.table_file import models, read_table
 from seaglint.errors import DataError
 
 QUANTITIES = ("path_depth", "path_temperature", "sun_depth", "sky_temperature")
@@ -40,7 +41,7 @@ def test_components_are_orthonormal_rows(name, region):
 def test_byte_planes_of_differences_decode(name):
     # Two winds, one node, one component, written by hand: 300 and 300 - 65537; step 0.5, component [0.25] as 8192 / 32768.
     planes = np.array([[300, -65537]], dtype="<i4").view(np.uint8).reshape(2, 4).T.reshape(4, 1, 2, 1)
-    decoded = table._decoded(
+    decoded = table_file._decoded(
         {
             f"{name}_scores": planes,
             f"{name}_step": np.array(0.5),
@@ -55,8 +56,8 @@ def test_byte_planes_of_differences_decode(name):
 
 def test_a_band_reads_its_own_file_only(monkeypatch):
     read = []
-    original = table.read_table
-    monkeypatch.setattr(table, "read_table", lambda model, region: read.append((model, region)) or original(model, region))
+    original = table_file.read_table
+    monkeypatch.setattr(table_file, "read_table", lambda model, region: read.append((model, region)) or original(model, region))
     TableAtmosphere.load("us-standard-1976", 5.0, (8.0, 12.0))
     assert read == [("us-standard-1976", "lwir")]
 
@@ -70,7 +71,7 @@ def test_a_damaged_file_is_reported_in_one_line(tmp_path, monkeypatch):
     name = f"{models('lwir')[0]}_lwir.npz"
     content = resources.files("seaglint.atmosphere").joinpath("data", name).read_bytes()
     (tmp_path / name).write_bytes(content[: len(content) // 2])
-    monkeypatch.setattr(table, "_DATA", tmp_path)
+    monkeypatch.setattr(table_file, "_DATA", tmp_path)
     read_table.cache_clear()
     with pytest.raises(DataError, match=r"is damaged .*install seaglint again"):
         read_table(name.removesuffix("_lwir.npz"), "lwir")

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from seaglint.atmosphere.base import Atmosphere
-from seaglint.atmosphere.table import TableAtmosphere, models
+from seaglint.atmosphere.table import TableAtmosphere
+from seaglint.atmosphere.table_file import models
 from seaglint.atmosphere.vacuum import exoatmospheric_irradiance
 from seaglint.conventions import horizon_depression, horizon_range, surface_range
 from seaglint.errors import DomainError

@@ -7,7 +7,7 @@ import stat
 import numpy as np
 import pytest
 
-from seaglint.atmosphere.batch import table_models
+from seaglint.atmosphere.table_file import table_models
 from seaglint.cli.progress import PATIENCE, ProgressMode, patient_progress
 from seaglint.pipeline.evaluate import evaluate_mean, groups_of, parse_bands
 

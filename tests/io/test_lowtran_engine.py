@@ -92,6 +92,28 @@ def test_between_the_nodes_it_is_lowtran7(live, height):
         np.testing.assert_allclose(weights @ found.sky_radiance(0.5 * np.pi - mapped, height), weights @ run.radiance, rtol=5e-4)
 
 
+def test_cards_of_a_line_between_two_heights():
+    card = Case(SMALL, "path", 0.03, 0.0, 0.45, 0.0451234567).deck().splitlines()[2]
+    assert [float(card[k : k + 10]) for k in range(0, 50, 10)] == [0.03, 0.45, 0.0, 0.0, 0.04512346]
+    assert Case(SMALL, "path", 0.03, 95.0).deck().splitlines()[2] == "0.03000000     0.00095.0000000"
+
+
+def test_paths_to_points_above_the_sea_are_run_live(live):
+    """Lines up, down and upright against runs by angle, whose arc LOWTRAN7 tells; level, short and grazing ones against the table."""
+    found = sample.lowtran_atmosphere("midlatitude-summer", SMALL.aerosol, 30.0, BAND)
+    for zenith, end in ((88.0, 0.4), (91.0, 0.01), (0.0, 0.08), (180.0, 0.02)):
+        run = engine.run(live.program, Case(SMALL, "path", 0.03, zenith, end))
+        tau, path = found.path(30.0, run.arc_m, 1e3 * end)
+        np.testing.assert_allclose([tau.mean(), path.sum()], [run.transmittance.mean(), run.radiance.sum()], rtol=3e-4)
+    table = TableAtmosphere.load("midlatitude-summer", 7.0, BAND)
+    arc, target = np.array([0.0, 3.0, 8e3, 20e3, 20e3]), np.array([30.0, 30.0, 30.0, 9.0, 0.0])
+    ours, theirs = (air.path(30.0, arc, target) for air in (found, table))
+    np.testing.assert_allclose(ours[0].mean(axis=1), theirs[0].mean(axis=1), rtol=3e-3)
+    np.testing.assert_allclose(ours[1].sum(axis=1)[2:], theirs[1].sum(axis=1)[2:], rtol=5e-3)
+    assert ours[1].sum(axis=1)[1] == pytest.approx(theirs[1].sum(axis=1)[1], rel=0.12)  # 3 m by the growth of the samples, from 30 m on
+    np.testing.assert_array_equal(ours[0][4], found.transmittance(30.0, 20e3))
+
+
 def test_the_table_is_the_same_atmosphere(live):
     found = sample.lowtran_atmosphere("us-standard-1976", Aerosol(wind=7.0, wind_24h=7.0), 30.0, BAND)
     table = TableAtmosphere.load("us-standard-1976", 7.0, BAND)

@@ -33,7 +33,7 @@ SEA_TEMPERATURE = 288.15
 class Furnace(IsothermalAtmosphere):
     """Air, sky and sea at one temperature, with an extinction that changes over the band, so that the path needs several spectral terms."""
 
-    def transmittance(self, height, range_m):
+    def transmittance(self, height, range_m, target_height=0.0):
         path = slant_range(height, np.asarray(range_m, dtype=float))[..., None]
         return np.exp(-path * 1e-3 * np.abs(np.sin(self.wavenumber_cm / 60.0)))
 
@@ -51,7 +51,7 @@ class RangeFog(VacuumAtmosphere):
 
     SCALE = 2000.0
 
-    def transmittance(self, height, range_m):
+    def transmittance(self, height, range_m, target_height=0.0):
         tau = np.exp(-np.asarray(range_m, dtype=float) / self.SCALE)[..., None]
         return np.broadcast_to(tau, (*tau.shape[:-1], self.wavenumber_cm.size)).copy()
 

@@ -1,8 +1,12 @@
 """What every atmosphere answers: four spectra along a line of sight, the same questions for a table, a cavity or no air.
 
 All spectra are sampled on ``wavenumber_cm`` (ascending). Radiance is in W m-2 sr-1 per cm-1, irradiance in W m-2 per cm-1.
-Paths to the sea are named by sensor height and ``range_m``, the arc along the sea from the sensor's foot
-(:mod:`seaglint.conventions`), because refraction makes angles a poor key near the horizon.
+Paths are named by sensor height, ``range_m``, the arc along the sea from the sensor's foot to that of the point looked at
+(:mod:`seaglint.conventions`), and the height of that point, because refraction makes angles a poor key near the horizon.
+
+A point above the sea may lie below, at or above the sensor's height, in front of sea or sky. Whether the sea hides it is the caller's
+business: the straight line over the effective Earth is taken as it is, air below the mean sea like that at it, down to
+:data:`DEEPEST_LINE` below the mean sea; deeper lines are refused. Paths to the sea itself (height 0) go on beyond the horizon.
 """
 
 from __future__ import annotations
@@ -12,10 +16,14 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.atmosphere.line import lowest_height
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.errors import DomainError
 
 FloatArray = NDArray[np.float64]
+
+DEEPEST_LINE = 100.0
+"""Lines to a point above the sea may pass this far below its mean surface [m]: more than any wave hides."""
 
 GRID_STEP_CM = 5.0
 """Spacing of LOWTRAN7's spectral samples [cm-1]; every atmosphere uses multiples of it unless told otherwise."""
@@ -30,12 +38,22 @@ class Atmosphere(Protocol):
         """Ascending spectral samples [cm-1, (n,)]."""
         ...
 
-    def transmittance(self, height: float, range_m: ArrayLike) -> FloatArray:
-        """Transmittance of the path from the sea to the sensor [1, (..., n)] for arcs ``range_m`` [m, (...)]."""
+    def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
+        """Transmittance of the path from a point to the sensor [1, (..., n)].
+
+        Parameters
+        ----------
+        height : float
+            Sensor height [m].
+        range_m : array_like
+            Arc along the sea from the sensor's foot to the point's [m, (...)].
+        target_height : array_like
+            Height of the point above the mean sea [m], broadcast with ``range_m``; 0 is the sea.
+        """
         ...
 
-    def path_radiance(self, height: float, range_m: ArrayLike) -> FloatArray:
-        """Thermal radiance of the same path [W m-2 sr-1 per cm-1, (..., n)]; scattered sunlight is not in it."""
+    def path_radiance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
+        """Thermal radiance of the same path at the sensor [W m-2 sr-1 per cm-1, (..., n)]; scattered sunlight is not in it."""
         ...
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
@@ -65,13 +83,15 @@ def wavenumber_grid(min_um: float, max_um: float, step_cm: float = GRID_STEP_CM)
     return np.asarray(step_cm * np.arange(first, last + 1.0))
 
 
-def slant_range(height: float, range_m: ArrayLike) -> FloatArray:
-    """Length of the straight path over the effective Earth from the sensor to the sea at an arc ``range_m`` [m].
+def slant_range(height: ArrayLike, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
+    """Length of the straight path over the effective Earth from the sensor to a point at an arc ``range_m`` and a height [m].
 
-    ``s^2 = h^2 + 4 R' (R' + h) sin^2(arc / 2R')``; at the sensor's foot it is the height.
+    ``s^2 = (h - z)^2 + 4 (R' + z) (R' + h) sin^2(arc / 2R')``; at the sensor's foot it is the difference of the heights.
     """
     half = np.asarray(range_m, dtype=np.float64) / (2.0 * EFFECTIVE_EARTH_RADIUS)
-    return np.asarray(np.sqrt(height**2 + 4.0 * EFFECTIVE_EARTH_RADIUS * (EFFECTIVE_EARTH_RADIUS + height) * np.sin(half) ** 2))
+    h, z = (np.asarray(end, dtype=np.float64) for end in (height, target_height))
+    across = 4.0 * (EFFECTIVE_EARTH_RADIUS + z) * (EFFECTIVE_EARTH_RADIUS + h) * np.sin(half) ** 2
+    return np.asarray(np.sqrt((h - z) ** 2 + across))
 
 
 def require_height(height: float, lowest: float, highest: float, remedy: str) -> None:
@@ -96,3 +116,18 @@ def require_range(range_m: ArrayLike) -> FloatArray:
             allowed="0 m or more",
         )
     return arc
+
+
+def require_line(height: float, range_m: ArrayLike, target_height: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    """Arcs and heights of points as arrays of one shape [m]; heights that are not finite and lines deep below the sea are refused."""
+    arc, target = np.broadcast_arrays(require_range(range_m), np.asarray(target_height, dtype=np.float64))
+    if not np.all(np.isfinite(target)):
+        raise DomainError(f"target_height holds {target[~np.isfinite(target)].ravel()[0]:g} m; give finite heights above the mean sea")
+    lowest = lowest_height(height, target, slant_range(height, arc, target))
+    deep = (lowest < -DEEPEST_LINE) & (target != 0.0)
+    if deep.any():
+        raise DomainError(
+            f"the line from {height:g} m to target_height = {target[deep][0]:g} m at a range of {arc[deep][0]:g} m passes "
+            f"{-lowest[deep][0]:.0f} m below the mean sea, more than {DEEPEST_LINE:g} m; leave out points that the sea hides"
+        )
+    return arc, target

@@ -1,123 +1,22 @@
 """Many cases of one table atmosphere at once: a wind, a height and angles per case, as spreadsheets have them.
 
-:class:`~seaglint.atmosphere.table.TableAtmosphere` is the table at one wind. Here every case brings its own, and the same splines are
-taken as sparse sums over node values: a not-a-knot spline in wind and height is a sum over the nodes between two kinks, along the path
-two values and two slopes suffice. Both give the same numbers to rounding.
+:class:`~seaglint.atmosphere.table.TableAtmosphere` is the same table at one wind and sensor height, whose splines run along the path;
+here they are taken at every case's own wind and height (:mod:`seaglint.atmosphere.stencil`). Both give the same numbers to rounding.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
-from scipy.interpolate import CubicSpline
-from scipy.sparse import csr_array
+from numpy.typing import ArrayLike
 
-from seaglint.atmosphere.base import FloatArray, wavenumber_grid
-from seaglint.atmosphere.coordinates import (
-    Refraction,
-    decode_optical_depth,
-    elevation_coordinate,
-    height_coordinate,
-    path_coordinate,
-    straight_slant,
-)
-from seaglint.atmosphere.table import models, read_table
+from seaglint.atmosphere.base import FloatArray
+from seaglint.atmosphere.coordinates import elevation_coordinate, path_coordinate, straight_slant
+from seaglint.atmosphere.stencil import Stencil, with_slopes
+from seaglint.atmosphere.table_file import BandTable, Spectra
 from seaglint.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
-
-_REGIONS: Final = ("mwir", "lwir")
-
-
-def table_models() -> tuple[str, ...]:
-    """Names of the model atmospheres whose tables cover every spectral region."""
-    return tuple(sorted(set.intersection(*(set(models(region)) for region in _REGIONS))))
-
-
-@dataclass(frozen=True, eq=False)
-class Stencil:
-    """Which node values a spline at each case adds up, and with which weights; short rows are filled up with weight 0.
-
-    Attributes
-    ----------
-    index : ndarray of int
-        Nodes [(cases, m)].
-    weight : ndarray
-        Weights [1, (cases, m)].
-    size : int
-        How many nodes there are to choose from.
-    """
-
-    index: NDArray[np.intp]
-    weight: FloatArray
-    size: int
-
-    @classmethod
-    def between_kinks(cls, nodes: FloatArray, kinks: tuple[float, ...], x: FloatArray) -> Stencil:
-        """Not-a-knot cubic spline between kinks, as :func:`seaglint.atmosphere.coordinates.spline_weights` has it for one ``x``."""
-        edges = np.array(sorted({float(nodes[0]), *kinks, float(nodes[-1])}))
-        part = np.clip(np.searchsorted(edges, x, side="right"), 1, edges.size - 1)
-        inside = [np.flatnonzero((nodes >= edges[j - 1]) & (nodes <= edges[j])) for j in range(1, edges.size)]
-        widest = max(found.size for found in inside)
-        index, weight = np.zeros((x.size, widest), dtype=np.intp), np.zeros((x.size, widest))
-        for j, found in enumerate(inside, start=1):
-            cases = np.flatnonzero(part == j)
-            if cases.size:
-                index[cases, : found.size] = found
-                weight[cases, : found.size] = CubicSpline(nodes[found], np.eye(found.size))(x[cases])
-        return cls(index, weight, nodes.size)
-
-    @classmethod
-    def hermite(cls, nodes: FloatArray, x: FloatArray) -> Stencil:
-        """Cubic through values and slopes at the two nodes around ``x``, the end's tangent beyond the last one.
-
-        Node values are followed by node slopes, as :func:`with_slopes` stacks them.
-        """
-        n = nodes.size
-        left = np.clip(np.searchsorted(nodes, x, side="right") - 1, 0, n - 2)
-        step = nodes[left + 1] - nodes[left]
-        t = np.minimum((x - nodes[left]) / step, 1.0)
-        beyond = np.maximum(x - nodes[-1], 0.0)
-        weight = (
-            (1.0 + 2.0 * t) * (1.0 - t) ** 2,
-            t * t * (3.0 - 2.0 * t),
-            step * t * (1.0 - t) ** 2,
-            step * t * t * (t - 1.0) + beyond,
-        )
-        return cls(np.stack([left, left + 1, left + n, left + 1 + n], axis=1), np.stack(weight, axis=1), 2 * n)
-
-    def times(self, other: Stencil) -> Stencil:
-        """Product of two directions, the other one running fastest."""
-        index = self.index[:, :, None] * other.size + other.index[:, None, :]
-        weight = self.weight[:, :, None] * other.weight[:, None, :]
-        return Stencil(index.reshape(index.shape[0], -1), weight.reshape(index.shape[0], -1), self.size * other.size)
-
-    def of(self, values: FloatArray) -> FloatArray:
-        """Sums over node values [(size, ...)]: (cases, ...)."""
-        cases, width = self.index.shape
-        matrix = csr_array((self.weight.ravel(), self.index.ravel(), np.arange(0, cases * width + 1, width)), shape=(cases, self.size))
-        return np.asarray(matrix @ values.reshape(self.size, -1)).reshape(cases, *values.shape[1:])
-
-
-def with_slopes(nodes: FloatArray, values: FloatArray) -> FloatArray:
-    """Node values [(..., nodes, k)] followed by the slopes that their cubic spline has there: (..., 2 nodes, k)."""
-    slope = np.asarray(CubicSpline(nodes, np.eye(nodes.size))(nodes, 1))
-    return np.concatenate([values, slope @ values], axis=-2)
-
-
-@dataclass(frozen=True, eq=False)
-class _Spectra:
-    """Scores at the nodes [(winds, ..., components)] and the spectra they belong to."""
-
-    scores: FloatArray
-    components: FloatArray
-    mean: FloatArray
-
-    def spectra(self, scores: FloatArray) -> FloatArray:
-        return np.asarray(scores @ self.components + self.mean)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,21 +52,13 @@ class BatchAtmosphere:
     wind_range: tuple[float, float]
     height_range: tuple[float, float]
     extrapolate: bool
-    _winds: FloatArray
-    _wind_kinks: tuple[float, ...]
-    _heights: FloatArray
-    _height_levels: tuple[float, ...]
-    _height_kinks: tuple[float, ...]
-    _refraction: Refraction
-    _solar: FloatArray
-    _horizon_excess: FloatArray
+    _table: BandTable
     _ray: FloatArray
-    _path_depth: _Spectra
-    _path_temperature: _Spectra
     _path_scores: FloatArray
     """Of depth and temperature side by side, values and slopes along the path [(winds, heights, 2 nodes, components)]."""
-    _sun_depth: _Spectra
-    _sky_temperature: _Spectra
+    _sun_scores: FloatArray
+    _sky_scores: FloatArray
+    """Likewise against elevation, seen from the sea [(winds, 2 nodes, components)]."""
 
     @classmethod
     def load(cls, model: str, band_um: tuple[float, float], *, extrapolate: bool = False) -> BatchAtmosphere:
@@ -185,51 +76,29 @@ class BatchAtmosphere:
         DataError
             If the file in the package is damaged.
         """
-        file, keep = _read_band(model, band_um)
-
-        def spectra(name: str, scores: FloatArray) -> _Spectra:
-            components = np.asarray(file[name + "_components"][:, keep], dtype=np.float64)
-            return _Spectra(scores, components, np.asarray(file[name + "_mean"][keep], dtype=np.float64))
-
-        def nodes(name: str) -> FloatArray:
-            return np.asarray(file[name + "_scores"], dtype=np.float64)
-
-        def along(values: FloatArray) -> FloatArray:
-            return with_slopes(np.linspace(0.0, 1.0, values.shape[-2]), values)
-
-        depth, temperature = nodes("path_depth"), nodes("path_temperature")
-        heights, winds = np.asarray(file["heights"]), np.asarray(file["winds"])
+        table = BandTable.read(model, band_um)
+        winds, heights = table.winds, table.heights
         return cls(
             model=model,
-            wavenumber_cm=np.array(file["wavenumber_cm"][keep]),
+            wavenumber_cm=table.wavenumber_cm,
             wind_range=(float(winds[0]), float(winds[-1])),
             height_range=(float(heights[0]), float(heights[-1])),
             extrapolate=extrapolate,
-            _winds=winds,
-            _wind_kinks=tuple(float(k) for k in file["wind_kinks"]),
-            _heights=heights,
-            _height_levels=tuple(float(k) for k in file["height_levels"]),
-            _height_kinks=tuple(float(k) for k in file["height_kinks"]),
-            _refraction=Refraction(file["level_height"], file["refractivity"], float(file["earth_radius"])),
-            _solar=np.array(file["solar"][keep]),
-            _horizon_excess=np.asarray(file["horizon_excess"]),
-            _ray=along(np.asarray(file["ray"])[..., None])[..., 0],
-            _path_depth=spectra("path_depth", depth),
-            _path_temperature=spectra("path_temperature", temperature),
-            _path_scores=np.ascontiguousarray(along(np.concatenate([depth, temperature], axis=-1))),
-            _sun_depth=spectra("sun_depth", along(nodes("sun_depth"))),
-            _sky_temperature=spectra("sky_temperature", along(nodes("sky_temperature")[:, 0])),  # the lowest height is the sea
+            _table=table,
+            _ray=_and_slopes(np.asarray(table.ray)[..., None])[..., 0],
+            _path_scores=np.ascontiguousarray(
+                _and_slopes(np.concatenate([table.path_depth.scores, table.path_temperature.scores], axis=-1))
+            ),
+            _sun_scores=_and_slopes(table.sun_depth.scores),
+            _sky_scores=_and_slopes(table.sky_temperature.scores[:, 0]),  # the lowest height is the sea
         )
 
     def _wind(self, wind_speed: ArrayLike) -> Stencil:
         wind = self._covered(np.asarray(wind_speed, dtype=np.float64), self.wind_range, "wind_speed", "m/s")
-        return Stencil.between_kinks(self._winds, self._wind_kinks, wind)
+        return Stencil.between_kinks(self._table.winds, self._table.wind_kinks, wind)
 
     def _height(self, height: FloatArray) -> Stencil:
-        inside = self._covered(height, self.height_range, "sensor height", "m")
-        levels = (*self._height_levels, float(self._heights[-1]))
-        kinks = tuple(height_coordinate(self._height_kinks, levels).tolist())
-        return Stencil.between_kinks(height_coordinate(self._heights, levels), kinks, height_coordinate(inside, levels))
+        return self._table.at_heights(self._covered(height, self.height_range, "sensor height", "m"))
 
     def _covered(self, values: FloatArray, allowed: tuple[float, float], name: str, unit: str) -> FloatArray:
         """Values inside the table; those outside are moved to its edge, or refused."""
@@ -239,7 +108,7 @@ class BatchAtmosphere:
 
     def dip(self, height: ArrayLike) -> FloatArray:
         """Depression of the sea horizon by LOWTRAN7's refraction at heights [m], [rad]."""
-        return self._refraction.depression(height, 0.0)
+        return self._table.refraction.depression(height, 0.0)
 
     def path(self, wind_speed: ArrayLike, height: ArrayLike, depression: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1], both (cases, n), of rays that end on the sea.
@@ -260,7 +129,7 @@ class BatchAtmosphere:
         """
         h = np.asarray(height, dtype=np.float64)
         at_height = self._height(h)
-        cosine = self._refraction.sea_cosine(h, depression)
+        cosine = self._table.refraction.sea_cosine(h, depression)
         if np.any(np.isnan(cosine)):
             raise DomainError("a line of sight misses the sea; give depressions below the sea horizon, see dip()")
         h = np.minimum(h, self.height_range[1])
@@ -270,12 +139,9 @@ class BatchAtmosphere:
         x = np.maximum(at_height.times(Stencil.hermite(nodes, straight)).of(self._ray.reshape(-1)), 0.0)
         x, share = self._of_length(h, x)
         path_nodes = np.linspace(0.0, 1.0, self._path_scores.shape[2] // 2)
-        stencil = self._wind(wind_speed).times(at_height).times(Stencil.hermite(path_nodes, x))
-        scores = stencil.of(self._path_scores.reshape(stencil.size, -1))
-        rank = self._path_depth.components.shape[0]
-        optical_depth = decode_optical_depth(self._path_depth.spectra(scores[:, :rank]))
+        where = self._wind(wind_speed).times(at_height).times(Stencil.hermite(path_nodes, x))
+        optical_depth, air = self._table.path_at(self._path_scores, where)
         optical_depth *= share[:, None]
-        air = self._path_temperature.spectra(scores[:, rank:])
         transmittance = np.exp(-optical_depth)
         return transmittance, -np.expm1(-optical_depth) * planck_wavenumber(self.wavenumber_cm, air)
 
@@ -284,7 +150,7 @@ class BatchAtmosphere:
         lowest, share = self.height_range[0], np.ones_like(x)
         low = height < lowest
         if low.any():
-            excess = np.exp(self._horizon_excess[0])
+            excess = np.exp(self._table.horizon_excess[0])
             length = height[low] ** (1.0 - x[low]) * (straight_slant(height[low], 0.0) * excess) ** x[low]
             x = x.copy()
             x[low] = np.maximum(np.log(length / lowest) / np.log(straight_slant(lowest, 0.0) * excess / lowest), 0.0)
@@ -293,26 +159,26 @@ class BatchAtmosphere:
 
     def solar_irradiance(self, wind_speed: ArrayLike, solar_zenith: ArrayLike) -> FloatArray:
         """Direct sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (cases, n)]; 0 beyond a zenith angle of pi/2."""
-        zenith = np.asarray(solar_zenith, dtype=np.float64)
-        _require(zenith, (0.0, np.pi), "solar_zenith", "rad")
-        y = elevation_coordinate(np.maximum(0.5 * np.pi - zenith, 0.0), 0.0)
-        found = self._wind(wind_speed).times(self._elevation(self._sun_depth, y))
-        encoded = self._sun_depth.spectra(found.of(self._sun_depth.scores.reshape(found.size, -1)))
-        up = (zenith <= 0.5 * np.pi)[:, None]
-        return np.asarray(np.where(up, self._solar * np.exp(-decode_optical_depth(encoded)), 0.0))
+        y = self._table.sun_coordinate(solar_zenith)
+        return self._table.sunlight(solar_zenith, self._against_elevation(self._table.sun_depth, self._sun_scores, wind_speed, y))
 
     def sky_radiance(self, wind_speed: ArrayLike, zenith: ArrayLike) -> FloatArray:
         """Thermal radiance of the clear sky seen from the sea [W m-2 sr-1 per cm-1, (cases, n)], zenith angles 0..pi/2 [rad, (cases,)]."""
         angle = np.asarray(zenith, dtype=np.float64)
         _require(angle, (0.0, 0.5 * np.pi), "zenith", "rad")
         y = np.minimum(elevation_coordinate(0.5 * np.pi - angle, 0.0), 1.0)
-        found = self._wind(wind_speed).times(self._elevation(self._sky_temperature, y))
-        temperature = self._sky_temperature.spectra(found.of(self._sky_temperature.scores.reshape(found.size, -1)))
+        temperature = self._against_elevation(self._table.sky_temperature, self._sky_scores, wind_speed, y)
         return planck_wavenumber(self.wavenumber_cm, temperature)
 
-    @staticmethod
-    def _elevation(values: _Spectra, y: FloatArray) -> Stencil:
-        return Stencil.hermite(np.linspace(0.0, 1.0, values.scores.shape[1] // 2), y)
+    def _against_elevation(self, spectra: Spectra, scores: FloatArray, wind_speed: ArrayLike, y: FloatArray) -> FloatArray:
+        """Spectra at the cases' winds and coordinates of elevation [(cases, n)]."""
+        where = self._wind(wind_speed).times(Stencil.hermite(np.linspace(0.0, 1.0, scores.shape[1] // 2), y))
+        return spectra.of(where.of(scores.reshape(where.size, -1)))
+
+
+def _and_slopes(values: FloatArray) -> FloatArray:
+    """Values at even nodes 0...1 followed by the slopes of their spline."""
+    return with_slopes(np.linspace(0.0, 1.0, values.shape[-2]), values)
 
 
 def _require(values: FloatArray, allowed: tuple[float, float], name: str, unit: str) -> None:
@@ -324,23 +190,3 @@ def _require(values: FloatArray, allowed: tuple[float, float], name: str, unit: 
             value=float(values[outside][0]),
             allowed=allowed,
         )
-
-
-def _read_band(model: str, band_um: tuple[float, float]) -> tuple[Mapping[str, Any], slice]:
-    """Content of the file of ``model`` that covers a band [um], and the part of its spectral grid that the band needs."""
-    wanted = wavenumber_grid(*band_um)
-    region = "mwir" if band_um[0] < 6.5 else "lwir"
-    if model not in table_models():
-        raise DomainError(f"model = {model!r} has no table; choose one of {', '.join(table_models())}")
-    file = read_table(model, region)
-    grid = file["wavenumber_cm"]
-    if wanted[0] < grid[0] or wanted[-1] > grid[-1]:
-        grids = [read_table(model, name)["wavenumber_cm"] for name in _REGIONS]
-        covered = " and ".join(f"{1e4 / g[-1]:.3g}-{1e4 / g[0]:.3g}" for g in grids)
-        raise DomainError(
-            f"band {band_um[0]:g}-{band_um[1]:g} um reaches beyond the tables of {covered} um; choose a band inside one",
-            name="band_um",
-            value=band_um,
-            allowed=f"{covered} um",
-        )
-    return file, slice(int(np.searchsorted(grid, wanted[0])), int(np.searchsorted(grid, wanted[-1])) + 1)

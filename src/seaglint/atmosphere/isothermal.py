@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.atmosphere.base import FloatArray, require_range, slant_range, wavenumber_grid
+from seaglint.atmosphere.base import FloatArray, require_line, slant_range, wavenumber_grid
 from seaglint.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
 
@@ -58,15 +58,17 @@ class IsothermalAtmosphere:
         spectrum = planck_wavenumber(self.wavenumber_cm, self.temperature)
         return np.broadcast_to(spectrum, (*shape, self.wavenumber_cm.size)).copy()
 
-    def transmittance(self, height: float, range_m: ArrayLike) -> FloatArray:
+    def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """``exp(-k s)`` over the straight path of length ``s`` [1, (..., n)]."""
-        optical_depth = self.extinction_per_m * slant_range(height, require_range(range_m))
+        optical_depth = self.extinction_per_m * slant_range(height, *require_line(height, range_m, target_height))
         grey = np.exp(-optical_depth)[..., np.newaxis]
         return np.broadcast_to(grey, (*optical_depth.shape, self.wavenumber_cm.size)).copy()
 
-    def path_radiance(self, height: float, range_m: ArrayLike) -> FloatArray:
+    def path_radiance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """``(1 - tau) B(T)`` [W m-2 sr-1 per cm-1, (..., n)]."""
-        return np.asarray((1.0 - self.transmittance(height, range_m)) * planck_wavenumber(self.wavenumber_cm, self.temperature))
+        return np.asarray(
+            (1.0 - self.transmittance(height, range_m, target_height)) * planck_wavenumber(self.wavenumber_cm, self.temperature)
+        )
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
         """No Sun shines into a closed cavity: zero [W m-2 per cm-1, (..., n)]."""

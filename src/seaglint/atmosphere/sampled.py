@@ -9,13 +9,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from seaglint.atmosphere.base import FloatArray, require_range, slant_range
+from seaglint.atmosphere.base import FloatArray, require_line, require_range, slant_range
 from seaglint.atmosphere.coordinates import (
     ELEVATION_SCALE,
     decode_optical_depth,
@@ -23,6 +23,7 @@ from seaglint.atmosphere.coordinates import (
     encode_optical_depth,
     path_coordinate,
 )
+from seaglint.atmosphere.line import heights_along
 from seaglint.atmosphere.vacuum import exoatmospheric_irradiance
 from seaglint.conventions import horizon_depression
 from seaglint.errors import DataError, DomainError
@@ -45,6 +46,25 @@ HEIGHT_SLACK = 1e-3
 
 FILE_SUN = 1.02
 """Sunlight above the largest one given, by this factor, stands for "outside the atmosphere" where no solar spectrum is known."""
+
+
+SCALE_HEIGHT = 2000.0
+"""Height over which the absorber falls by e that paths from samples to points above the sea hold equal amounts of: water vapour's [m]."""
+
+GROWTH = (0.3, 1.0)
+"""Power of the length with which optical depth grows at least and at most: strong lines by the root, continua linearly."""
+
+
+class LiveLine(Protocol):
+    """A calculation that answers for single lines from the sensor to points above the sea."""
+
+    def reaches(self, range_m: FloatArray, target_height: FloatArray) -> NDArray[np.bool_]:
+        """Whether it can take the points at these arcs and heights [m, (cases,)]."""
+        ...
+
+    def __call__(self, range_m: FloatArray, target_height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Transmittance [1] and thermal radiance [W m-2 sr-1 per cm-1], both (cases, n)."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,6 +220,7 @@ class SampledAtmosphere:
     _temperature: CubicSpline[np.float64]
     _sun: CubicSpline[np.float64]
     _skies: tuple[_Sky, ...] = field(default=())
+    _line: LiveLine | None = None
 
     @classmethod
     def create(
@@ -210,6 +231,7 @@ class SampledAtmosphere:
         path: PathSamples,
         sun: SunSamples,
         skies: Sequence[SkySamples],
+        line: LiveLine | None = None,
         name: str = "sampled atmosphere",
         provenance: dict[str, Any] | None = None,
     ) -> SampledAtmosphere:
@@ -223,6 +245,8 @@ class SampledAtmosphere:
             Sensor height of ``path`` [m], above 0.
         path, sun, skies
             The samples; one sky must be that seen from the sea (height 0).
+        line : LiveLine, optional
+            The calculation itself, for paths to points above the sea.
         name : str
             What error messages call the atmosphere.
         provenance : dict, optional
@@ -270,6 +294,7 @@ class SampledAtmosphere:
             _temperature=CubicSpline(x[keep], temperature[keep], axis=0),
             _sun=CubicSpline(elevation_coordinate(elevation, 0.0), encode_optical_depth(toward[::-1]), axis=0),
             _skies=tuple(_Sky.of(sky, nu) for sky in skies),
+            _line=line,
         )
 
     def _coordinate(self, height: float, range_m: ArrayLike) -> FloatArray:
@@ -294,19 +319,58 @@ class SampledAtmosphere:
             )
         return path_coordinate(slant_range(height, arc), height, self._longest)
 
-    def path(self, height: float, range_m: ArrayLike) -> tuple[FloatArray, FloatArray]:
-        """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] in one go, both (..., n)."""
-        x = self._coordinate(height, range_m)
+    def path(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
+        """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] in one go, both (..., n).
+
+        ``target_height`` [m], broadcast with ``range_m``, is that of the point looked at. To a point above the sea the calculation behind
+        the samples is asked where there is one. Otherwise the path is that from the sea, of such a length that it holds the same amount
+        of an absorber with the scale height :data:`SCALE_HEIGHT`; shorter than the shortest sample, its optical depth falls with the
+        power of the length that the shortest ones have.
+        """
+        arc, target = require_line(height, range_m, target_height)
+        if not target.any():
+            x = self._coordinate(height, arc)
+            depth = decode_optical_depth(_along(self._depth, x))
+            return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, _along(self._temperature, x))
+        self._coordinate(height, arc[target == 0.0])  # refuses what it would alone
+        shape, n = arc.shape, self.wavenumber_cm.size
+        arc, target = arc.ravel(), target.ravel()
+        transmittance, radiance = np.empty((arc.size, n)), np.empty((arc.size, n))
+        live = np.zeros(arc.size, dtype=np.bool_) if self._line is None else (target != 0.0) & self._line.reaches(arc, target)
+        if self._line is not None and live.any():
+            transmittance[live], radiance[live] = self._line(arc[live], target[live])
+        if not live.all():
+            transmittance[~live], radiance[~live] = self._equal_amount(arc[~live], target[~live])
+        return transmittance.reshape(*shape, n), radiance.reshape(*shape, n)
+
+    def _equal_amount(self, arc: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Transmittance and radiance [(cases, n)] of the paths from the sea with the absorber amount of those to points."""
+        slant = slant_range(self.height, arc, target)
+        slant = np.where(target == 0.0, slant, slant * _mean_density(self.height, target, slant) / _mean_density(self.height, 0.0, slant))
+        shortest = float(slant_range(self.height, self._ranges[0]))
+        inside = np.maximum(slant, shortest)
+        if not self._beyond and np.any(inside > self._longest * (1.0 + 1e-6)):
+            raise DomainError(
+                f"a point at a range of {arc[np.argmax(inside)]:.4g} m needs a path of {inside.max():.4g} m: {self.name} holds paths up to "
+                f"{self._longest:.4g} m; leave the point out or add longer paths"
+            )
+        x = path_coordinate(inside, self.height, self._longest)
         depth = decode_optical_depth(_along(self._depth, x))
+        if np.any(slant < shortest):
+            ends = path_coordinate(shortest * np.array([1.0, 1.3]), self.height, self._longest)
+            near, next_to_it = np.maximum(decode_optical_depth(_along(self._depth, ends)), CLEAR)
+            depth *= (slant / inside)[:, np.newaxis] ** np.clip(np.log(next_to_it / near) / np.log(1.3), *GROWTH)
         return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, _along(self._temperature, x))
 
-    def transmittance(self, height: float, range_m: ArrayLike) -> FloatArray:
-        """Transmittance of the path from the sea at arcs ``range_m`` [m, (...)] to the sensor [1, (..., n)]."""
-        return np.asarray(np.exp(-decode_optical_depth(_along(self._depth, self._coordinate(height, range_m)))))
+    def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
+        """Transmittance of the path from a point at arcs ``range_m`` [m, (...)] and a height to the sensor [1, (..., n)]."""
+        if not np.any(target_height):
+            return np.asarray(np.exp(-decode_optical_depth(_along(self._depth, self._coordinate(height, range_m)))))
+        return self.path(height, range_m, target_height)[0]
 
-    def path_radiance(self, height: float, range_m: ArrayLike) -> FloatArray:
-        """Thermal radiance of the air between the sea and the sensor [W m-2 sr-1 per cm-1, (..., n)]."""
-        return self.path(height, range_m)[1]
+    def path_radiance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
+        """Thermal radiance of the air between the point and the sensor [W m-2 sr-1 per cm-1, (..., n)]."""
+        return self.path(height, range_m, target_height)[1]
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
         """Direct sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)]; 0 beyond a zenith angle of pi/2."""
@@ -374,6 +438,13 @@ class SampledAtmosphere:
                 allowed=(0.5 * np.pi - sky.highest, 0.5 * np.pi - sky.lowest),
             )
         return radiance_of(self.wavenumber_cm, sky(elevation))
+
+
+def _mean_density(height: float, target: ArrayLike, slant: FloatArray) -> FloatArray:
+    """Mean of ``exp(-z / SCALE_HEIGHT)`` along lines from the sensor to points, over that at the sea [1, (cases,)]."""
+    node, weight = np.polynomial.legendre.leggauss(8)
+    z = heights_along(height, np.asarray(target, dtype=np.float64)[..., np.newaxis], slant[..., np.newaxis], 0.5 * (1.0 + node))
+    return np.asarray(np.exp(-np.maximum(z, 0.0) / SCALE_HEIGHT) @ (0.5 * weight))
 
 
 def _along(spline: CubicSpline[np.float64], x: FloatArray) -> FloatArray:

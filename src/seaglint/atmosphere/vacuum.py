@@ -9,7 +9,7 @@ from importlib import resources
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.atmosphere.base import FloatArray, require_range, wavenumber_grid
+from seaglint.atmosphere.base import FloatArray, require_line, wavenumber_grid
 from seaglint.errors import DomainError
 
 _SOLAR_FILE = "solar_lowtran7.npz"
@@ -72,13 +72,13 @@ class VacuumAtmosphere:
         """The same on the 5 cm-1 grid that covers a band [um]."""
         return cls(wavenumber_grid(min_um, max_um))
 
-    def transmittance(self, height: float, range_m: ArrayLike) -> FloatArray:
+    def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """One everywhere [1, (..., n)]."""
-        return np.ones((*require_range(range_m).shape, self.wavenumber_cm.size))
+        return np.ones((*require_line(height, range_m, target_height)[0].shape, self.wavenumber_cm.size))
 
-    def path_radiance(self, height: float, range_m: ArrayLike) -> FloatArray:
+    def path_radiance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """Zero [W m-2 sr-1 per cm-1, (..., n)]."""
-        return np.zeros((*require_range(range_m).shape, self.wavenumber_cm.size))
+        return np.zeros((*require_line(height, range_m, target_height)[0].shape, self.wavenumber_cm.size))
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
         """The exoatmospheric spectrum for a Sun above the horizon, zero below it [W m-2 per cm-1, (..., n)]."""

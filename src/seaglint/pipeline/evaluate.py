@@ -15,7 +15,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.atmosphere.batch import BatchAtmosphere, table_models
+from seaglint.atmosphere.batch import BatchAtmosphere
+from seaglint.atmosphere.table_file import table_models
 from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.errors import DomainError
 from seaglint.io.cases import Cases, Column

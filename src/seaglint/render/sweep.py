@@ -152,9 +152,9 @@ def shade_piece(swept: Swept, surface: Surface, optics: FacetOptics, line: Line,
     """Find what a piece sends, from its upper edge down to the tangent ``below``, into ``pieces.light[j]``."""
     walk, light = swept.walk, pieces.light
     i, above = pieces.sample[j], pieces.extent[j, 1]
-    for k in range(light.shape[1]):
-        light[j, k] = 0.0
     if i == 0:
+        for k in range(light.shape[1]):
+            light[j, k] = 0.0
         return
     r = walk.range_m[i] - 0.5 * pieces.extent[j, 0]
     p, f = i // walk.every, (i % walk.every) / walk.every

@@ -129,17 +129,22 @@ class Air:
 
 @dataclass(frozen=True)
 class Case:
-    """A line of sight: from ``height_km`` at ``zenith_deg``, down to the sea, up to space, or up to the Sun."""
+    """A line of sight: from ``height_km`` at ``zenith_deg``, down to the sea or to ``end_km``, up to space, or up to the Sun.
+
+    Where ``arc_deg``, the angle at the Earth's centre, is given, the zenith angle is not: LOWTRAN7 finds the ray between both ends.
+    """
 
     air: Air
     kind: Literal["path", "sky", "sun"]
     height_km: float
     zenith_deg: float
+    end_km: float = 0.0
+    arc_deg: float = 0.0
 
     def deck(self) -> str:
         """The cards 1 to 5.
 
-        IEMSCT is 1 (thermal radiance) or 3 (transmitted sunlight, IDAY = 0: 1 au), ITYPE 2 (to the sea, H2 = 0) or 3 (to space);
+        IEMSCT is 1 (thermal radiance) or 3 (transmitted sunlight, IDAY = 0: 1 au), ITYPE 2 (to H2, 0 the sea) or 3 (to space);
         TBOUND = 0.001 K, so that the sea adds nothing.
         """
         air, profile = self.air, self.air.levels
@@ -149,6 +154,8 @@ class Case:
         lines = [card1, air.aerosol.card()]
         if profile:
             lines += [f"{len(profile):5d}{0:5d}{0:5d}sounding", *(level.card(number) for level in profile)]
-        lines.append(f"{self.height_km:10.8f}"[:10] + f"{0.0:10.3f}" + f"{self.zenith_deg:10.7f}"[:10])
+        end = f"{self.end_km:10.8f}"[:10] if self.end_km else f"{0.0:10.3f}"
+        between = f"{0.0:10.3f}" + f"{self.arc_deg:10.8f}"[:10] if self.arc_deg else ""
+        lines.append(f"{self.height_km:10.8f}"[:10] + end + f"{self.zenith_deg:10.7f}"[:10] + between)
         lines.append(f"{air.v1:10.1f}{air.v2:10.1f}{STEP_CM:10.1f}")
         return "\n".join((*lines, f"{0:5d}", ""))

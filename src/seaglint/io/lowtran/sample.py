@@ -9,10 +9,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from seaglint.atmosphere.base import wavenumber_grid
+from seaglint.atmosphere.base import slant_range, wavenumber_grid
 from seaglint.atmosphere.coordinates import Refraction, elevation_of_coordinate, straight_sea_cosine, straight_slant
+from seaglint.atmosphere.line import lowest_height
 from seaglint.atmosphere.sampled import PathSamples, SampledAtmosphere, SkySamples, SunSamples, grazing_share
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray
 from seaglint.errors import BackendError, DomainError
 from seaglint.io.lowtran import cache, engine
@@ -27,6 +30,13 @@ DIP_NODES = 8
 
 LEAST_SINE = 1e-5
 """LOWTRAN7 refuses rays that graze the sea exactly: smallest cosine of the zenith angle at the sea."""
+
+
+GRAZING, LEAST_CLEARANCE = 0.15, 1.0
+"""A line to a point is run live where it clears the sea by this part of its sag over the round Earth and so much more [m]."""
+
+SHORTEST, UPRIGHT = 5.0, 0.5
+"""Lines to points shorter than the one are not run live, over arcs shorter than the other they count as straight up or down [m]."""
 
 
 @dataclass(frozen=True)
@@ -120,9 +130,44 @@ def lowtran_atmosphere(
             SkySamples(0.0, above, sea_sky.emitted),
             SkySamples(height, elevation, sky.emitted, dip=air_bends.dip(height), kinks=kinks),
         ],
+        line=_Lines(air, height, results, air_bends.earth_radius),
         name=name or f"LOWTRAN7 ({model})",
         provenance=_provenance(air, found, height),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Lines:
+    """LOWTRAN7 run for each line to a point above the sea, between the two heights and over the arc."""
+
+    air: Air
+    height: float
+    results: Callable[[list[Case]], _Group]
+    earth_radius: float
+
+    def reaches(self, range_m: FloatArray, target_height: FloatArray) -> NDArray[np.bool_]:
+        """LOWTRAN7 finds no rays that graze the sea or pass below it, and none of less than some metres."""
+        slant = slant_range(self.height, range_m, target_height)
+        clear = lowest_height(self.height, target_height, slant) - GRAZING * slant**2 / (8.0 * EFFECTIVE_EARTH_RADIUS)
+        return np.asarray((target_height > 0.0) & (clear > LEAST_CLEARANCE) & (slant > SHORTEST))
+
+    def __call__(self, range_m: FloatArray, target_height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Transmittance and thermal radiance, both (cases, n)."""
+        arc = range_m.copy()
+        # LOWTRAN7 stops its search for the ray within 1 % of the arc: asked for what is missing, it comes within 0.02 %.
+        got = self.results(self._cases(arc, target_height)).arc
+        sought = range_m > UPRIGHT
+        arc[sought] *= range_m[sought] / got[sought]
+        found = self.results(self._cases(arc, target_height))
+        return found.transmittance, found.emitted
+
+    def _cases(self, arc: FloatArray, target_height: FloatArray) -> list[Case]:
+        return [
+            Case(self.air, "path", self.height / 1e3, 0.0, end / 1e3, float(np.degrees(a / self.earth_radius)))
+            if a > UPRIGHT
+            else Case(self.air, "path", self.height / 1e3, 180.0 if end < self.height else 0.0, end / 1e3)
+            for a, end in zip(arc.tolist(), target_height.tolist(), strict=True)
+        ]
 
 
 def _up(air: Air, kind: Any, height: float, elevation: float) -> Case:
