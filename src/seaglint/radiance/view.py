@@ -15,7 +15,7 @@ from seaglint.errors import DomainError
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.glint import visible_sun
-from seaglint.radiance.legs import BOTH, Shadowing
+from seaglint.radiance.legs import NESTED, Shadowing
 from seaglint.sea.slopes import SlopeStatistics
 
 Background = Literal["facets", "blackbody"]
@@ -103,7 +103,7 @@ class SeaView:
     solar_zenith: float
     solar_azimuth: float = 0.0
     sun_distance_factor: float = 1.0
-    shadowing: Shadowing = BOTH
+    shadowing: Shadowing = NESTED
     background: Background = "facets"
 
     def __post_init__(self) -> None:
@@ -113,7 +113,6 @@ class SeaView:
             raise DomainError(f"sea_temperature = {self.sea_temperature:g} K; give the temperature of the sea in kelvin, e.g. 288.15")
         if not 0.0 <= self.solar_zenith <= np.pi:
             raise DomainError(f"solar_zenith = {self.solar_zenith:g} rad is outside 0..pi; above pi/2 the Sun is below the horizon")
-        self.shadowing.require(self.slopes)
 
     @cached_property
     def in_band(self) -> BandSum:
@@ -132,6 +131,6 @@ class SeaView:
         return np.asarray(self.sun_distance_factor * self.atmosphere.solar_irradiance(zenith)[..., self.in_band.grid])
 
     @property
-    def nested_bands(self) -> int:
-        """Bands of the nested law in images, see :attr:`Shadowing.bands`."""
-        return self.shadowing.bands
+    def nested_bands(self) -> float:
+        """Bands of the nested law in images [1], see :attr:`Shadowing.bands`."""
+        return self.shadowing.bands_for(self.slopes)

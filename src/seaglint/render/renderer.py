@@ -240,15 +240,14 @@ class Renderer:
         sources, half = thermal_sources(basis, view), 0.5 * camera.width
         resolved = [(0.0, 0.0)] if self._detail is None else [level.mss for level in self._detail.levels]
         crest = 0.0 if self.waves is None else self.waves.significant_height
-        bands = view.nested_bands if self.waves is not None else view.shadowing.law_bands
+        bands = view.nested_bands if self.waves is not None else view.shadowing.law_bands(view.slopes)
         towards = view.slopes.wind_to_azimuth if self.waves is None else self.waves.spectrum.wind_to_azimuth
         floor = float(np.cos(view_zenith_of_range(camera.height, arcs[-1:]))[0])
         roughs, tables, shapes, axes = [], [], [], []
         for i, mss in enumerate(resolved):
             facets = facet_slopes(view.slopes, mss, towards)
             share = facets.mss / view.slopes.mss if view.slopes.mss > 0.0 else 1.0
-            # mean maps have the nested law for the viewer alone, and images without waves equal them
-            roughs.append(roughness_of(facets, view.solar_azimuth, bands * share, sun_too=self.waves is not None))
+            roughs.append(roughness_of(facets, view.solar_azimuth, bands * share, sun_too=self.waves is not None or view.shadowing.sun))
             # grazing angles of the level, with the crests' own
             ends = np.clip([self._begins[i], self._begins[i + 1] if i + 1 < len(resolved) else arcs[-1]], arcs[0], arcs[-1])
             high, low = np.cos(view_zenith_of_range(camera.height, ends)) + np.array([1.0, -1.0]) * crest / np.maximum(ends, camera.height)
