@@ -6,6 +6,7 @@ import pytest
 from seaglint.errors import DomainError
 from seaglint.pipeline.render import renderer_and_layout
 from seaglint.scenario.load import parse_scenario
+from seaglint.sea.nested import coupling_table
 
 
 def _scenario(**tables):
@@ -19,13 +20,14 @@ def _scenario(**tables):
     return parse_scenario({name: base.get(name, {}) | tables.get(name, {}) for name in base | tables})
 
 
-def test_facets_with_a_table_for_the_viewer_alone():
-    """A quarter of the slopes on facets is more than one band for the viewer, less than one for viewer and Sun."""
+def test_facets_with_little_more_than_one_band():
+    """A quarter of the slopes on facets is more than one band for either leg alone, less than one for what both do together."""
     renderer, _ = renderer_and_layout(_scenario())
     bands = renderer._facets
     assert bands is not None
     assert not bands.smith
-    assert bands.lit.shape[1] == 1
+    assert bands.lit.shape[1] > 1
+    assert coupling_table(0.25 * renderer.view.nested_bands).size == 0
     image = renderer.radiances(0.0)
     assert np.isfinite(image.total).all()
     assert image.sun.mean() > 1e-3
