@@ -491,10 +491,11 @@ class Mean(Record):
         ),
     ] = "spectral"
     shadowing: Annotated[
-        Literal["both", "viewer", "nested"] | None,
+        Literal["nested", "both", "viewer"] | None,
         Field(
-            description="legs that waves shadow: both (viewer and Sun, Smith's law), viewer alone, or nested (the viewer's leg wave band "
-            "by wave band, for Gaussian slopes; the Sun's by Smith); both where nothing is said, viewer in the mode article"
+            description="legs that waves shadow: nested (viewer and Sun, wave band by wave band), both (the same by Smith's law, too "
+            "bright near the horizon under a low Sun), or viewer (alone, Saunders' law); nested where nothing is said, viewer in the "
+            "mode article"
         ),
     ] = None
 
@@ -598,14 +599,6 @@ class Scenario(Record):
             # LOWTRAN7 itself would silently take 20 m/s.
             text = f"= {self.wind.speed_m_s:g} is above the range of the Navy maritime aerosol; allowed: 0 to {FIT_MAX_WIND:g} m/s"
             raise rule("wind.speed_m_s", f"{text}, or set another atmosphere.haze")
-        return self
-
-    @model_validator(mode="after")
-    def _nested_shadowing_is_for_gaussian_slopes(self) -> Self:
-        kind = self.sea.slopes.kind
-        if self.mean.shadowing == "nested" and kind in ("cox-munk-gram-charlier", "cox-munk-slick", "breon-henriot"):
-            text = f"= 'nested' needs Gaussian slopes and sea.slopes.kind = '{kind}' is none; set mean.shadowing = 'both' or another kind"
-            raise rule("mean.shadowing", f"{text}, e.g. 'cox-munk-anisotropic'")
         return self
 
     @model_validator(mode="after")
