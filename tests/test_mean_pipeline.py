@@ -130,3 +130,14 @@ def test_glint_varies_with_the_area_of_its_cells():
     np.testing.assert_allclose(ratio, 4.0, rtol=4 * FLOAT32)
     assert short.attrs["glint_correlation_length_m"] == pytest.approx(2.1e-3, rel=1e-3)
     assert (short["glint_std"].where(short["elevation"] > 0.0, drop=True) == 0.0).all()
+
+
+@pytest.mark.parametrize("kind", ["cox-munk-isotropic", "breon-henriot"])
+def test_maps_are_shadowed_band_by_band_unless_told_otherwise(kind):
+    """The brightest of a low Sun's glint near the horizon: Smith's law shows several times too much of it."""
+    sensor = {"pixels": [3, 12], "fov_deg": [1, 1.5], "elevation_deg": -1.4}
+    tables = {"sensor": sensor, "sun": {"zenith_deg": 84, "azimuth_deg": 180}, "sea": {"slopes": {"kind": kind}}}
+    nested, both = (mean(parse_scenario(tables | {"mean": words})) for words in ({}, {"shadowing": "both"}))
+    assert (nested.attrs["mean_shadowing"], both.attrs["mean_shadowing"]) == ("nested", "both")
+    assert float(nested.glint_radiance.max()) < 0.6 * float(both.glint_radiance.max())
+    assert float(nested.glint_std.max()) < float(both.glint_std.max())

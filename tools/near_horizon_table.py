@@ -24,6 +24,7 @@ from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.conventions import view_zenith
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
+from seaglint.radiance.legs import BOTH
 from seaglint.radiance.mean import mean_radiance
 from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
@@ -66,8 +67,9 @@ def elfouhaily_sea(
 
 
 def sea_view(air: Atmosphere, slopes: SlopeStatistics, height: float, sun_zenith_deg: float) -> SeaView:
-    """The Sun stands in the north, where the camera looks."""
-    return SeaView(air, BAND, sea_water.hale_querry_sea(), slopes, 288.15, height, math.radians(sun_zenith_deg), 0.0)
+    """The Sun stands in the north, where the camera looks; the model shadows both legs by Smith's law."""
+    sun = math.radians(sun_zenith_deg)
+    return SeaView(air, BAND, sea_water.hale_querry_sea(), slopes, 288.15, height, sun, 0.0, shadowing=BOTH)
 
 
 def ratios(

@@ -20,7 +20,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seaglint.sea.field import WaveField
-from seaglint.sea.nested import BANDS, HIGHEST, LIT_BANDS, between_bands, lit_exponent_kernel, lit_table, nested_ratio
+from seaglint.sea.nested import HIGHEST, between_bands, lit_exponent_kernel, lit_table, nested_ratio
 
 FloatArray = NDArray[np.float64]
 
@@ -70,17 +70,12 @@ def sea_of(waves: WaveField, time: float = 0.0, *, part: float = 0.1, radius: fl
 
 
 def facets_of(covariance: tuple[float, float, float], nested_bands: float = 1.0) -> Facets:
-    """Roughness with Smith's shadowing (1 band) or nested; between whole numbers of bands logarithms are interpolated."""
+    """Roughness with Smith's shadowing (1 band) or nested."""
     table = np.zeros((0, 0))
     if nested_bands > 1:
         edge, slope = np.linspace(0.0, EDGE_END, NODES[0])[:, None], np.linspace(-SLOPE_END, SLOPE_END, NODES[1])
-
-        def logarithm(bands: int) -> FloatArray:
-            return np.asarray(np.log(np.maximum(nested_ratio(slope, np.arctan2(1.0, edge), 1.0, bands), 1e-300)))
-
-        whole = int(nested_bands)
-        table = (1.0 - nested_bands + whole) * logarithm(whole) + (nested_bands - whole) * logarithm(whole + 1)
-    return Facets(*covariance, table, between_bands(lit_table, nested_bands * LIT_BANDS / BANDS))
+        table = np.log(np.maximum(nested_ratio(slope, np.arctan2(1.0, edge), 1.0, nested_bands), 1e-300))
+    return Facets(*covariance, table, between_bands(lit_table, nested_bands))
 
 
 @njit(cache=True)

@@ -8,9 +8,11 @@ from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.errors import DomainError
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
+from seaglint.radiance.glint import glint
 from seaglint.radiance.legs import BOTH, NESTED, VIEWER, Shadowing
 from seaglint.radiance.view import BandSum, SeaView
-from seaglint.sea.cox_munk import cox_munk_gram_charlier, cox_munk_isotropic
+from seaglint.sea.cox_munk import cox_munk_isotropic
+from seaglint.sea.nested import bands_of
 
 BAND = Band.rectangular(3.5, 4.2)
 AIR = VacuumAtmosphere.for_band(3.0, 5.0)
@@ -36,12 +38,13 @@ def test_sunlight_in_the_band_is_of_the_whole_disc_at_the_suns_distance():
 def test_the_words_of_shadowing_name_law_and_legs():
     assert [Shadowing.of(word) for word in ("both", "viewer", "nested")] == [BOTH, VIEWER, NESTED]
     assert [s.word for s in (BOTH, VIEWER, NESTED, Shadowing.of("nested", 3))] == ["both", "viewer", "nested", "nested"]
-    assert [s.law_bands for s in (BOTH, Shadowing.of("nested", 3))] == [1, 3]
-    assert replace(VIEW, shadowing=Shadowing.of("both", 2)).nested_bands == 2
+    assert [s.law_bands(VIEW.slopes) for s in (BOTH, Shadowing.of("nested", 3))] == [1.0, 3]
+    assert NESTED.law_bands(VIEW.slopes) == bands_of(VIEW.slopes.mss)
+    assert Shadowing.of("both", 2).bands_for(VIEW.slopes) == 2
 
 
 def test_refusals_of_views_say_what_to_do():
-    with pytest.raises(DomainError, match="choose 'both', 'viewer'"):
+    with pytest.raises(DomainError, match="choose 'nested', 'nested-viewer', 'both', 'viewer'"):
         Shadowing.of("none")
-    with pytest.raises(DomainError, match="choose shadowing = 'both' or a Gaussian"):
-        replace(VIEW, slopes=cox_munk_gram_charlier(5.0, 0.0), shadowing=NESTED)
+    with pytest.raises(DomainError, match="outside 1-64"):
+        glint(1.5, 0.0, 1.2, 0.0, VIEW.slopes, Shadowing(bands=65))

@@ -6,9 +6,18 @@ from scipy.stats import norm
 from seaglint.errors import DomainError
 from seaglint.radiance.glint import glint
 from seaglint.radiance.legs import NESTED_VIEWER, VIEWER, Shadowing
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
 from seaglint.sea.emissivity import facet_nodes
-from seaglint.sea.nested import BANDS, lit_exponent_kernel, lit_table, nested_exponent_kernel, nested_ratio, ratio_table
+from seaglint.sea.nested import (
+    BANDS,
+    coupling_table,
+    lit_exponent_kernel,
+    lit_table,
+    nested_area,
+    nested_exponent_kernel,
+    nested_ratio,
+    ratio_table,
+)
 from seaglint.sea.shadowing import projected_area, smith_lambda, smith_nu
 from seaglint.sea.slopes import SlopeStatistics, flat
 
@@ -112,10 +121,6 @@ def test_refusals_say_what_to_do():
         nested_ratio(0.0, 1.6, 0.03)
     with pytest.raises(DomainError, match="below 0"):
         nested_ratio(0.0, 1.5, -0.03)
-    with pytest.raises(DomainError, match="choose shadowing = 'both' or a Gaussian"):
-        glint(1.0, 0.0, 1.0, 0.0, SlopeStatistics(0.03, 0.02, 0.0, c04=0.2), Shadowing.of("nested"))
-    with pytest.raises(DomainError, match="choose 'both'"):
-        glint(1.0, 0.0, 1.0, 0.0, SURFACE, Shadowing.of("none"))
 
 
 def _two_bands_by_hand(slope, view, sun):
@@ -143,8 +148,8 @@ def _two_bands_by_hand(slope, view, sun):
 
 @pytest.mark.parametrize(("slope", "view", "sun"), [(0.0, 0.4, 0.4), (-0.6, 0.4, 1.6), (0.3, 1.4, 0.8), (-1.0, 0.2, 3.0), (-0.2, 2.0, 2.4)])
 def test_facets_seen_and_lit_of_two_bands_by_quadrature(slope, view, sun):
-    seen = float(nested_ratio(slope, np.arctan(1.0 / view), 1.0, 2))
-    found = seen * np.exp(lit_exponent_kernel(slope, view, sun, lit_table(2)))
+    alone = [float(nested_ratio(s, np.arctan(1.0 / edge), 1.0, 2)) for s, edge in ((slope, view), (-slope, sun))]
+    found = alone[0] * alone[1] * np.exp(lit_exponent_kernel(slope, view, sun, coupling_table(2.0 / 0.55)))
     assert found == pytest.approx(_two_bands_by_hand(slope, view, sun), rel=5e-3)
 
 
@@ -183,3 +188,20 @@ def test_the_quick_exponent_is_the_ratios(mu, t):
     assert np.exp(nested_exponent_kernel(t, mu, 1.0, ratio_table(5))) == pytest.approx(
         float(nested_ratio(t, np.arctan(1.0 / mu), 1.0)), abs=1e-3
     )
+
+
+@pytest.mark.parametrize("slopes", [cox_munk_gram_charlier(12.0, 0.7), cox_munk_anisotropic(12.0, 0.7)], ids=["skewed", "gaussian"])
+@pytest.mark.parametrize(("zenith", "azimuth"), [(86.0, 0.0), (89.0, 2.5), (78.0, 4.0)])
+def test_visible_slopes_of_any_density_add_up_to_one(slopes, zenith, azimuth):
+    """The area that normalises the nested density, by a sum over the plane of slopes."""
+    theta, bands = np.radians(zenith), 4.7
+    axis = np.linspace(-7.0, 7.0, 561)
+    up, cross = np.meshgrid(np.sqrt(slopes.mss_up) * axis, np.sqrt(slopes.mss_cross) * axis)
+    cell = (up[0, 1] - up[0, 0]) * (cross[1, 0] - cross[0, 0])
+    wind = slopes.wind_to_azimuth
+    east, north = up * np.sin(wind) + cross * np.cos(wind), up * np.cos(wind) - cross * np.sin(wind)
+    along = east * np.sin(azimuth) + north * np.cos(azimuth)
+    ratio = nested_ratio(along, theta, slopes.mss_along(azimuth), bands)
+    visible = slopes.density(east, north) * ratio * np.maximum(np.cos(theta) - np.sin(theta) * along, 0.0)
+    # 2e-3: the negative part of the series counts without the ratio
+    assert visible.sum() * cell == pytest.approx(float(nested_area(theta, azimuth, slopes, bands)), rel=2e-3)

@@ -29,7 +29,7 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.view import SeaView
 from seaglint.render.camera import Camera
 from seaglint.sea.field import WaveField
-from seaglint.sea.nested import BANDS, HIGHEST, LIT_BANDS, between_bands, lit_table, nested_ratio
+from seaglint.sea.nested import HIGHEST, between_bands, lit_table, nested_ratio
 from seaglint.sea.slopes import SlopeStatistics
 
 INCIDENCE_NODES = 1025
@@ -108,7 +108,7 @@ class MitsubaSea:
             view.slopes.mss_up - up, view.slopes.mss_cross - cross, wind_to_azimuth=waves.spectrum.wind_to_azimuth
         )
         self.nested = self._nested_table(nested_bands)
-        lit = between_bands(lit_table, nested_bands * LIT_BANDS / BANDS)
+        lit = between_bands(lit_table, nested_bands)
         self.lit, self.lit_shape = self.mi.Float(lit.astype(np.float32).ravel()), lit.shape
         index = view.water.index(view.in_band.wavenumber_cm)
         cosines = np.linspace(0.0, 1.0, INCIDENCE_NODES)
@@ -126,9 +126,8 @@ class MitsubaSea:
         if bands <= 1.0:
             return None
         slope, edge = np.linspace(*SLOPE_AXIS), np.linspace(*EDGE_AXIS)
-        whole = int(bands)
-        low, high = (np.log(np.maximum(nested_ratio(slope, np.arctan2(1.0, edge)[:, None], 1.0, n), 1e-30)) for n in (whole, whole + 1))
-        return self.mi.Float(((1.0 - bands + whole) * low + (bands - whole) * high).astype(np.float32).ravel())
+        logarithm = np.log(np.maximum(nested_ratio(slope, np.arctan2(1.0, edge)[:, None], 1.0, bands), 1e-30))
+        return self.mi.Float(logarithm.astype(np.float32).ravel())
 
     def _build(self) -> Any:
         mi, n = self.mi, self.tile.n * self.parts

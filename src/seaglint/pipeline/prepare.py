@@ -285,7 +285,7 @@ def view(scenario: Scenario) -> SeaView:
         solar_zenith=sun.zenith,
         solar_azimuth=sun.azimuth,
         sun_distance_factor=sun.irradiance_factor,
-        shadowing=Shadowing.of(scenario.mean.shadowing or "both"),
+        shadowing=Shadowing.of(scenario.mean.shadowing or "nested"),
     )
 
 

@@ -27,9 +27,9 @@ from seaglint._jit import kernel, njit_parallel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, unit_vector
 from seaglint.errors import DomainError
-from seaglint.radiance.legs import BOTH, Shadowing
-from seaglint.sea.nested import nested_ratio_kernel, ratio_table
-from seaglint.sea.shadowing import bistatic_kernel, slope_lambda, visible_area, visible_area_kernel
+from seaglint.radiance.legs import NESTED, Legs, Shadowing, legs_of, seen_and_lit_kernel
+from seaglint.sea.nested import HIGHEST
+from seaglint.sea.shadowing import visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics, series_bracket
 
 _FLOOR: Final = 1e-3 * SOLAR_ANGULAR_RADIUS
@@ -105,16 +105,6 @@ class _Disc(NamedTuple):
     """Gauss points and weights [(2, 24)]."""
 
 
-class _Legs(NamedTuple):
-    """What waves shadow, as kernels take it."""
-
-    sun: bool
-    lambda_sun: float
-    azimuth: float
-    ratio: FloatArray
-    """Table of the nested law; empty for Smith's."""
-
-
 def visible_sun(solar_zenith: float) -> tuple[float, float]:
     """Fraction of the disc above the horizon, and the zenith angle of that part's centroid [rad].
 
@@ -161,32 +151,28 @@ class GlintModel:
     ----------
     slopes : SlopeStatistics
         Slopes of the sea, no variance below the quadrature's floor.
+    shadowing : Shadowing
+        Legs that are shadowed, and how.
     """
 
     slopes: SlopeStatistics
+    shadowing: Shadowing
     _sea: _Sea
     _disc: _Disc | None
-    _legs: _Legs
+    _legs: Legs
 
     @classmethod
-    def prepare(cls, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics, shadowing: Shadowing = BOTH) -> GlintModel:
+    def prepare(cls, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics, shadowing: Shadowing = NESTED) -> GlintModel:
         """Constants of one Sun and one sea; parameters and errors as in :func:`glint`."""
-        shadowing.require(slopes)
         sea = _floored(slopes)
         share, centroid = visible_sun(solar_zenith)
         s, c = math.sin(sea.wind_to_azimuth), math.cos(sea.wind_to_azimuth)
         up, cross = math.sqrt(sea.mss_up), math.sqrt(sea.mss_cross)
         peak = 1.0 / (8.0 * math.pi * up * cross)
         numbers = _Sea(sea.mss_up, sea.mss_cross, up, cross, peak, s, c, sea.is_gaussian, np.array(sea.coefficients))
-        with_sun = shadowing.sun and share > 0.0
-        legs = _Legs(
-            with_sun,
-            float(slope_lambda(centroid, solar_azimuth, sea)) if with_sun else 0.0,
-            float(solar_azimuth),
-            ratio_table(shadowing.law_bands),
-        )
+        legs = legs_of(shadowing, sea, centroid, solar_azimuth, shining=share > 0.0)
         disc = _disc(solar_zenith, solar_azimuth, share, centroid) if share > 0.0 else None
-        return cls(sea, numbers, disc, legs)
+        return cls(sea, shadowing, numbers, disc, legs)
 
     def grid(self, view_zenith: FloatArray, view_azimuth: FloatArray, terms: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mirrored Sun on rows of view zenith and columns of view azimuth [rad], each result (rows, columns); 0 in rows that are NaN.
@@ -213,7 +199,7 @@ class GlintModel:
         """A+ where it is no closed form of the kernel's; empty for Gaussian slopes."""
         if self.slopes.is_gaussian:
             return np.zeros((0,) * np.broadcast(theta, azimuth).ndim)
-        return visible_area(theta, azimuth, self.slopes)
+        return self.shadowing.area(theta, azimuth, self.slopes)
 
 
 def _disc(solar_zenith: float, solar_azimuth: float, share: float, centroid: float) -> _Disc:
@@ -244,7 +230,7 @@ def glint(
     solar_zenith: float,
     solar_azimuth: float,
     slopes: SlopeStatistics,
-    shadowing: Shadowing = BOTH,
+    shadowing: Shadowing = NESTED,
 ) -> Glint:
     """Share of the viewed sea that mirrors the Sun to the viewer, and the incidence there.
 
@@ -269,14 +255,15 @@ def glint(
     Raises
     ------
     DomainError
-        View zeniths outside 0..pi/2; the nested law for slopes that are not Gaussian.
+        View zeniths outside 0..pi/2.
 
     Notes
     -----
     Where the disc's image in the slope plane is small against the rms slope, seven points on the disc; elsewhere, and for a Sun cut by
     the horizon, 24 x 24 Gauss points on that part of the disc where the density is not negligible. Shadowing is taken at the middle of
-    the visible part of the disc. With the viewer's leg alone energy is conserved over all positions of the Sun; ``BOTH`` is reciprocal
-    in viewer and Sun; ``NESTED`` is neither where both are low.
+    the visible part of the disc. With the viewer's leg alone energy is conserved over all positions of the Sun; with both legs the
+    chance is reciprocal in viewer and Sun. The nested law is that of Gaussian slopes: its ratio multiplies other densities of the same
+    variances, with the area that their own visible density adds up to.
 
     References
     ----------
@@ -367,7 +354,7 @@ def _narrow(east: float, north: float, up: float, disc: _Disc, sea: _Sea) -> flo
 
 @kernel
 def _chance(
-    view: tuple[float, float, float, float], azimuth: float, area: float, sea: _Sea, disc: _Disc, legs: _Legs
+    view: tuple[float, float, float, float], azimuth: float, area: float, sea: _Sea, disc: _Disc, legs: Legs
 ) -> tuple[float, float]:
     """Chance and cosine of incidence for one view: sine and cosine of its zenith, then of its azimuth.
 
@@ -393,13 +380,10 @@ def _chance(
     deviation = math.sqrt(sea.mss_up * to_wind**2 + sea.mss_cross * off_wind**2)
     if area < 0.0:
         area = visible_area_kernel(cosine, sine * deviation)
-    if legs.sun and cosine > 1e-15:
-        # 1/A+ times (1 + Lambda_v) S; towards the horizon Lambda_v grows without bound and the latter tends to 1.
-        lambda_view = max(area / cosine - 1.0, 0.0)
-        share *= (1.0 + lambda_view) * bistatic_kernel(lambda_view, legs.lambda_sun, azimuth - legs.azimuth)
-    if legs.ratio.size > 0 and sine > 0.0:
-        along = -((east + sun[0]) * azimuth_sine + (north + sun[1]) * azimuth_cosine) / rise
-        share *= nested_ratio_kernel(along, cosine / sine, deviation, legs.ratio)
+    along = -((east + sun[0]) * azimuth_sine + (north + sun[1]) * azimuth_cosine) / (rise * deviation)
+    sunward = -((east + sun[0]) * legs.sine + (north + sun[1]) * legs.cosine) / (rise * legs.deviation)
+    edge = cosine / (sine * deviation) if sine > 0.0 else HIGHEST
+    share *= seen_and_lit_kernel(cosine / area, (along, edge), sunward, azimuth, legs)
     return share / area, cos_incidence
 
 
@@ -410,7 +394,7 @@ def _fill_grid(
     area: FloatArray,
     sea: _Sea,
     disc: _Disc,
-    legs: _Legs,
+    legs: Legs,
     terms: FloatArray,
     out: FloatArray,
 ) -> None:
@@ -433,7 +417,7 @@ def _fill_grid(
 
 @njit_parallel
 def _fill_list(
-    zenith: FloatArray, azimuth: FloatArray, area: FloatArray, sea: _Sea, disc: _Disc, legs: _Legs, chance: FloatArray, cosine: FloatArray
+    zenith: FloatArray, azimuth: FloatArray, area: FloatArray, sea: _Sea, disc: _Disc, legs: Legs, chance: FloatArray, cosine: FloatArray
 ) -> None:
     for i in numba.prange(zenith.size):
         view = (math.sin(zenith[i]), math.cos(zenith[i]), math.sin(azimuth[i]), math.cos(azimuth[i]))

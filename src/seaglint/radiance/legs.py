@@ -2,11 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seaglint._jit import kernel
+from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
-from seaglint.sea.nested import BANDS
+from seaglint.sea.nested import (
+    HIGHEST,
+    bands_of,
+    between_bands,
+    coupling_table,
+    lit_exponent_kernel,
+    nested_area,
+    nested_ratio_kernel,
+    ratio_table,
+)
+from seaglint.sea.shadowing import leg_passage_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
 Law = Literal["smith", "nested"]
@@ -20,19 +36,20 @@ class Shadowing:
     Attributes
     ----------
     law : {"smith", "nested"}
-        Law of the viewer's leg; the Sun's is Smith's in both.
+        Law of both legs.
     sun : bool
         Whether the Sun's leg is shadowed too; the source article shadows the viewer's alone.
-    bands : int
-        Bands of equal slope variance of the nested law; 1 is Smith's. Facets of images have them whatever the law of mean maps.
+    bands : float, optional
+        Bands of equal slope variance of the nested law; 1 is Smith's. :func:`seaglint.sea.nested.bands_of` the slopes where nothing is
+        said. Facets of images have them whatever the law of mean maps.
     """
 
-    law: Law = "smith"
+    law: Law = "nested"
     sun: bool = True
-    bands: int = BANDS
+    bands: float | None = None
 
     @classmethod
-    def of(cls, word: str, bands: int = BANDS) -> Shadowing:
+    def of(cls, word: str, bands: float | None = None) -> Shadowing:
         """By the word of scenario files.
 
         Raises
@@ -52,29 +69,82 @@ class Shadowing:
         """The word of :meth:`of`."""
         return next(word for word, known in _WORDS.items() if (known.law, known.sun) == (self.law, self.sun))
 
-    @property
-    def law_bands(self) -> int:
-        """Bands of the law: 1 for Smith's."""
-        return self.bands if self.law == "nested" else 1
+    def bands_for(self, slopes: SlopeStatistics) -> float:
+        """Bands of the nested law for a sea [1]."""
+        return bands_of(slopes.mss) if self.bands is None else self.bands
 
-    def require(self, slopes: SlopeStatistics) -> None:
-        """Refuse slopes that the law does not cover.
+    def law_bands(self, slopes: SlopeStatistics) -> float:
+        """Bands of the law for a sea [1]: 1 for Smith's."""
+        return self.bands_for(slopes) if self.law == "nested" else 1.0
 
-        Raises
-        ------
-        DomainError
-            The nested law for slopes that are not Gaussian.
-        """
-        if self.law == "nested" and not slopes.is_gaussian:
-            raise DomainError(
-                f"shadowing = {self.word!r} needs Gaussian slopes and these have Gram-Charlier coefficients; "
-                "choose shadowing = 'both' or a Gaussian slope model such as cox-munk-anisotropic"
-            )
+    def area(self, zenith: ArrayLike, azimuth: ArrayLike, slopes: SlopeStatistics) -> FloatArray:
+        """Area that normalises the density of the slopes seen from a direction [rad], per unit area of sea [1]."""
+        return nested_area(zenith, azimuth, slopes, self.law_bands(slopes))
 
 
-BOTH: Final = Shadowing()
-VIEWER: Final = Shadowing(sun=False)
-NESTED: Final = Shadowing("nested")
-NESTED_VIEWER: Final = Shadowing("nested", sun=False)
+NESTED: Final = Shadowing()
+NESTED_VIEWER: Final = Shadowing(sun=False)
+BOTH: Final = Shadowing("smith")
+VIEWER: Final = Shadowing("smith", sun=False)
 
-_WORDS: Final = {"both": BOTH, "viewer": VIEWER, "nested": NESTED, "nested-viewer": NESTED_VIEWER}
+_WORDS: Final = {"nested": NESTED, "nested-viewer": NESTED_VIEWER, "both": BOTH, "viewer": VIEWER}
+
+
+class Legs(NamedTuple):
+    """What waves shadow under one Sun, as kernels take it. Made by :func:`legs_of`."""
+
+    sun: bool
+    hidden: float
+    """Smith's Lambda of the Sun's leg."""
+    azimuth: float
+    sine: float
+    cosine: float
+    edge: float
+    """Cotangent of the Sun's zenith angle over the rms slope along its azimuth."""
+    deviation: float
+    ratio: FloatArray
+    """Table of the nested law; empty for Smith's."""
+    coupling: FloatArray
+    """Of facets seen and lit; empty for independent legs."""
+
+
+def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimuth: float, *, shining: bool) -> Legs:
+    """Legs for a sea with slopes and the middle of the Sun's visible part [rad]."""
+    bands = shadowing.law_bands(slopes)
+    with_sun = shadowing.sun and shining
+    hidden = float(shadowing.area(zenith, azimuth, slopes)) / math.cos(zenith) - 1.0 if with_sun else 0.0
+    deviation = math.sqrt(float(slopes.mss_along(azimuth)))
+    return Legs(
+        with_sun,
+        max(hidden, 0.0),
+        float(azimuth),
+        math.sin(azimuth),
+        math.cos(azimuth),
+        math.cos(zenith) / max(math.sin(zenith), 1e-12) / deviation,
+        deviation,
+        between_bands(ratio_table, bands),
+        coupling_table(bands) if with_sun else np.zeros((0, 0, 0)),
+    )
+
+
+@kernel
+def seen_and_lit_kernel(upright: float, view: tuple[float, float], sunward: float, azimuth: float, legs: Legs) -> float:
+    """Share of mirroring facets that is seen and lit, over ``1/(1 + Lambda_v)``, the share that is seen by Smith's law in one band.
+
+    ``upright``: that share, ``cos(theta_v)/A+``. ``view``: slope towards the viewer, and cotangent of the view zenith, in rms slopes along
+    the view. ``sunward``: slope towards the Sun in rms slopes along its azimuth. ``azimuth`` is the viewer's [rad].
+
+    The share P is interpolated over the azimuth between both legs as Smith's law for two legs is: 1/P of legs on one side, where the
+    lower one decides, and of opposite legs, by the weight of :func:`~seaglint.sea.shadowing.leg_passage_kernel`. One band is
+    :func:`~seaglint.sea.shadowing.bistatic`.
+    """
+    seen = nested_ratio_kernel(view[0], view[1], 1.0, legs.ratio)
+    if not legs.sun:
+        return seen
+    lit = nested_ratio_kernel(sunward, legs.edge, 1.0, legs.ratio)
+    both = seen * lit
+    if legs.coupling.size > 0 and view[1] < HIGHEST and legs.edge < HIGHEST:
+        both *= math.exp(lit_exponent_kernel(0.5 * (view[0] - sunward), view[1], legs.edge, legs.coupling))
+    same = max(1.0 / seen, upright * (1.0 + legs.hidden) / lit)
+    opposite = max((1.0 + upright * legs.hidden) / max(both, 1e-300), same)
+    return 1.0 / (same + leg_passage_kernel(azimuth - legs.azimuth) * (opposite - same))

@@ -87,7 +87,7 @@ class SeaSurface:
         nu = atmosphere.wavenumber_cm[grid]
         return cls(ReflectanceSeries.of(water.index(nu)), planck_wavenumber(nu, sea_temperature), SkyTable.of(atmosphere, grid))
 
-    def leaving(self, view_zenith: ArrayLike, view_azimuth: float, slopes: SlopeStatistics, nested_bands: int = 1) -> SeaLeaving:
+    def leaving(self, view_zenith: ArrayLike, view_azimuth: float, slopes: SlopeStatistics, nested_bands: float = 1.0) -> SeaLeaving:
         r"""Emission and mirrored sky, facet by facet.
 
         .. math::
@@ -105,7 +105,7 @@ class SeaSurface:
             Its azimuth [rad]; matters for directional slopes only.
         slopes : SlopeStatistics
             Slopes of the sea.
-        nested_bands : int
+        nested_bands : float
             Bands of nested shadowing; 1 is Smith's law.
 
         Returns
@@ -121,7 +121,7 @@ class SeaSurface:
         emission, sky = (np.concatenate([part[i] for part in parts]).reshape(*theta.shape, -1) for i in (0, 1))
         return SeaLeaving(emission, sky)
 
-    def _chunk(self, theta: FloatArray, azimuth: float, slopes: SlopeStatistics, nested_bands: int) -> tuple[FloatArray, FloatArray]:
+    def _chunk(self, theta: FloatArray, azimuth: float, slopes: SlopeStatistics, nested_bands: float) -> tuple[FloatArray, FloatArray]:
         nodes = facet_nodes(theta, slopes, azimuth, nested_bands)
         weight = np.where(nodes.meets_sea, 0.0, nodes.weight)
         # Moments of the facets: incidence (Chebyshev term j) by part of the sky (r). The first column, a sky of 1, gives the emission.
@@ -132,7 +132,7 @@ class SeaSurface:
         return (1.0 - reflected[:, 0]) * self.blackbody, np.einsum("irn,rn->in", reflected[:, 1:], self.sky.spectral)
 
     def in_band(
-        self, view_zenith: FloatArray, view_azimuth: FloatArray, slopes: SlopeStatistics, seen: FloatArray, nested_bands: int = 1
+        self, view_zenith: FloatArray, view_azimuth: FloatArray, slopes: SlopeStatistics, seen: FloatArray, nested_bands: float = 1.0
     ) -> SeaLeaving:
         """Band radiance behind the air on rows of view zenith and columns of view azimuth [W m-2 sr-1, (rows, columns)].
 

@@ -15,7 +15,7 @@ from seaglint.errors import DomainError
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.glint import visible_sun
-from seaglint.radiance.legs import BOTH, Shadowing
+from seaglint.radiance.legs import NESTED, Shadowing
 from seaglint.sea.slopes import SlopeStatistics
 
 Background = Literal["facets", "blackbody"]
@@ -97,7 +97,7 @@ class SeaView:
     solar_zenith: float
     solar_azimuth: float = 0.0
     sun_distance_factor: float = 1.0
-    shadowing: Shadowing = BOTH
+    shadowing: Shadowing = NESTED
     background: Background = "facets"
 
     def __post_init__(self) -> None:
@@ -122,7 +122,6 @@ class SeaView:
                 value=self.solar_zenith,
                 allowed=(0.0, np.pi),
             )
-        self.shadowing.require(self.slopes)
 
     @cached_property
     def in_band(self) -> BandSum:

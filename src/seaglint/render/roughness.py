@@ -9,7 +9,7 @@ import numpy as np
 
 from seaglint._jit import kernel
 from seaglint.render.sunlight import Sunlight
-from seaglint.sea.nested import BANDS, LIT_BANDS, between_bands, lit_table, ratio_table
+from seaglint.sea.nested import between_bands, lit_table, ratio_table
 from seaglint.sea.shadowing import leg_passage_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
@@ -54,11 +54,12 @@ def line_of_sight(sun: Sunlight, rough: Roughness, azimuth: float) -> Sight:
     return Sight(east, north, azimuth, leg_passage_kernel(azimuth + math.pi - sun.azimuth), deviation)
 
 
-def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float, *, sun_too: bool = True) -> Roughness:
-    """Facet slopes as kernels take them, with nested shadowing in so many bands (1: Smith's), of the Sun's leg too or not.
+def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float, *, shade_sun: bool = True) -> Roughness:
+    """Facet slopes as kernels take them, with nested shadowing in so many wave bands (1: Smith's), of both legs or of the viewer's alone.
 
-    Between whole numbers of bands the logarithms of the laws are interpolated, so that facets change evenly with their share of the slopes.
+    Between whole numbers of bands the laws are interpolated, so that facets change evenly with their share of the slopes.
     """
-    towards = float(np.sqrt(slopes.mss_along(solar_azimuth)))
-    nested, lit = between_bands(ratio_table, bands), between_bands(lit_table, bands * LIT_BANDS / BANDS if sun_too else 1.0)
+    nested, lit = between_bands(ratio_table, bands), between_bands(lit_table, bands if shade_sun else 1.0)
+    # without a deviation towards the Sun nothing stands in its way
+    towards = float(np.sqrt(slopes.mss_along(solar_azimuth))) if shade_sun else 0.0
     return Roughness(*slopes.covariance(), towards, nested.astype(np.float32), lit.astype(np.float32))

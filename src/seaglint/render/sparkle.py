@@ -123,7 +123,7 @@ def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
     slant = (ground.along * ground.grazing / camera.row_step)[rows][:, None]
     solid = (ground.reach * camera.column_step * camera.row_step)[rows][:, None] / slant
     theta = np.arccos(ground.grazing[rows])[:, None]
-    found = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes)
+    found = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing)
     shown = found.chance > 0.0
     if not shown.any():
         return 0.0

@@ -46,8 +46,8 @@ class SweptScene:
     Attributes
     ----------
     view : SeaView
-        Sea, air and Sun; its slopes are the total statistics. Without resolved waves facets hide each other from viewer and Sun by Smith's
-        law, or from the viewer band by band where its shadowing is nested.
+        Sea, air and Sun; its slopes are the total statistics. Facets hide each other from viewer and Sun as its shadowing says; resolved
+        waves hide what lies behind them, and shade it where the Sun's leg is shadowed.
     camera : Camera
         The image grid; stands at the view's sensor height or up to ``accuracy.height_step`` above it.
     waves : WaveField or None
@@ -298,7 +298,6 @@ class SweptScene:
             basis,
             self._domains(arcs),
             (camera.azimuth - half, camera.azimuth + half),
-            shade_sun=self.waves is not None,  # mean maps have the nested law for the viewer alone, and images without waves equal them
             emitted=bool({"emitted_radiance", "sky_radiance"} & set(self.layers)),
         )
         stage = stages(arcs, camera.column_step, levels.begins, levels.shortest, fine)
@@ -309,7 +308,7 @@ class SweptScene:
         """Facets of every level, and their grazing angles, with the crests' own."""
         view, waves, levels, eye = self.view, self.waves, self._levels, self.camera.height
         crest = 0.0 if waves is None else waves.significant_height
-        bands = view.shadowing.bands if waves is not None else view.shadowing.law_bands
+        bands = view.shadowing.law_bands(view.slopes)
         towards = view.slopes.wind_to_azimuth if waves is None else waves.spectrum.wind_to_azimuth
         floor = float(np.cos(view_zenith_of_range(eye, arcs[-1:]))[0])
         last = [*levels.begins[1:], arcs[-1]]
@@ -325,7 +324,7 @@ class SweptScene:
     def _shadows(self, sun: Sunlight) -> FloatArray:
         """Step [m] and steepest rise of shadow rays at every level; 0 where next to nothing is in shadow by Smith's law."""
         levels, fine = self._levels, self.accuracy
-        if self.waves is None or not sun.shining:
+        if self.waves is None or not sun.shining or not self.view.shadowing.sun:
             return np.zeros((levels.steps.size, 2))
         towards = self.waves.spectrum.wind_to_azimuth
         rms = np.sqrt([SlopeStatistics(*v.mss, wind_to_azimuth=towards).mss_along(sun.azimuth) for v in levels.detail.levels])

@@ -98,7 +98,6 @@ def facet_tables(
     domains: Sequence[FacetDomain],
     azimuths: tuple[float, float],
     *,
-    shade_sun: bool = True,
     emitted: bool = False,
 ) -> tuple[Sunlight, FacetLevels, PathTerms]:
     """Tables of the facets of every level of detail.
@@ -113,14 +112,12 @@ def facet_tables(
         Facets of every level.
     azimuths : (float, float)
         Least and greatest azimuth of the lines of sight [rad].
-    shade_sun : bool
-        Whether nested shadowing counts for the Sun's leg too.
     emitted : bool
         Whether emission is tabled apart from the mirrored sky.
     """
     sun, reflected_sun = sun_of(view, basis)
     sources = thermal_sources(basis, view)
-    roughs = [roughness_of(d.slopes, view.solar_azimuth, d.bands, sun_too=shade_sun) for d in domains]
+    roughs = [roughness_of(d.slopes, view.solar_azimuth, d.bands, shade_sun=view.shadowing.sun) for d in domains]
     found = [thermal_axes(d.slopes, d.resolved, d.sines, azimuths) for d in domains]
 
     def together(light: ThermalSources) -> FloatArray:

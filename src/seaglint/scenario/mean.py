@@ -20,10 +20,11 @@ class Mean(Record):
         ),
     ] = "spectral"
     shadowing: Annotated[
-        Literal["both", "viewer", "nested"] | None,
+        Literal["nested", "both", "viewer"] | None,
         Field(
-            description="legs that waves shadow: both (viewer and Sun, Smith's law), viewer alone, or nested (the viewer's leg wave band "
-            "by wave band, for Gaussian slopes; the Sun's by Smith); both where nothing is said, viewer in the mode article"
+            description="legs that waves shadow: nested (viewer and Sun, wave band by wave band), both (the same by Smith's law, too "
+            "bright near the horizon under a low Sun), or viewer (alone, Saunders' law); nested where nothing is said, viewer in the "
+            "mode article"
         ),
     ] = None
 

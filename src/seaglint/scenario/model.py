@@ -103,14 +103,6 @@ class Scenario(Record):
         return self
 
     @model_validator(mode="after")
-    def _nested_shadowing_is_for_gaussian_slopes(self) -> Self:
-        kind = self.sea.slopes.kind
-        if self.mean.shadowing == "nested" and kind in ("cox-munk-gram-charlier", "cox-munk-slick", "breon-henriot"):
-            text = f"= 'nested' needs Gaussian slopes and sea.slopes.kind = '{kind}' is none; set mean.shadowing = 'both' or another kind"
-            raise rule("mean.shadowing", f"{text}, e.g. 'cox-munk-anisotropic'")
-        return self
-
-    @model_validator(mode="after")
     def _wind_is_in_the_fits(self) -> Self:
         slopes, speed, ask = self.sea.slopes, self.wind.speed_m_s, "sea.slopes.extrapolate = true"
         if self.atmosphere.source == "table" and speed > NAVY_AEROSOL_WIND[1]:

@@ -87,7 +87,7 @@ def _frame_covariance(slopes: SlopeStatistics, azimuth: float) -> tuple[float, f
     )
 
 
-def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: float = 0.0, nested_bands: int = 1) -> FacetNodes:
+def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: float = 0.0, nested_bands: float = 1.0) -> FacetNodes:
     """Nodes and weights of the average over visible facets.
 
     Parameters
@@ -98,8 +98,9 @@ def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: f
         Slope statistics, Gaussian or not; a flat sea gives one mirror direction.
     view_azimuth : float
         Azimuth of the direction from the sea to the viewer [rad]; matters for a directional sea only.
-    nested_bands : int
-        Bands of nested shadowing (:mod:`seaglint.sea.nested`), for Gaussian slopes and views to the horizon; 1 is Smith's law.
+    nested_bands : float
+        Bands of nested shadowing (:mod:`seaglint.sea.nested`), for views to the horizon; 1 is Smith's law. The ratio is that of Gaussian
+        slopes of the same variances; the weights add up to 1 over any density.
 
     Returns
     -------

@@ -16,9 +16,17 @@ variance, the visible density over Smith's is therefore a function of two number
 :math:`\mu = \cot\theta_v/\sigma_1`, :math:`\sigma_1` the rms slope along the view: one small table per number of bands, for any sea.
 
 Without end the bands make a Brownian motion that never meets the slope seen edge on, and the ratio becomes
-:math:`(1 + \Lambda)(1 - e^{-2\mu(\mu - t)})`: at most :math:`1 + \Lambda`. Real waves are not infinitely far apart in scale. Against
-brute-force visibility on a surface of :math:`k^{-4}` elevation density five bands are within 0.04 (four 0.05, six 0.06, eight 0.09), so
-:data:`BANDS` is five: a number fitted to that surface, not a limit.
+:math:`(1 + \Lambda)(1 - e^{-2\mu(\mu - t)})`: at most :math:`1 + \Lambda`. Real waves are not infinitely far apart in scale: their number
+of bands is fitted to brute force, :func:`bands_of`.
+
+Facets that are seen and lit have a law of the same kind, each band hiding facets from both legs (:func:`coupling_table`). Over Smith's law
+for two legs, a Sun opposite to the viewer has
+
+.. math:: R(t) = R_v(t)\,R_s(-t)\,C(t), \qquad C = \frac{B}{R_v R_s}\Big|_{bands \times 0.55}
+
+with :math:`R_v` and :math:`R_s` the ratios of each leg alone and B that of the joint law. It is symmetric in viewer and Sun, and is
+:math:`R_v` under a high Sun. With as many bands as each leg alone the joint law is up to three times too dark where few facets are left:
+shadows of both legs fall on the same facets more often than bands that are independent allow.
 """
 
 from __future__ import annotations
@@ -35,12 +43,14 @@ from scipy.special import erf
 from seaglint._jit import kernel, njit
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
+from seaglint.sea.shadowing import projected_area, visible_area
+from seaglint.sea.slopes import SlopeStatistics
 
 BANDS: Final = 5
-"""Bands of equal slope variance; see the module's text."""
+"""Bands of equal slope variance of a sea of 7 to 8 m/s; see :func:`bands_of`."""
 
-LIT_BANDS: Final = 3
-"""The same for facets that are both seen and lit; see :func:`lit_table`."""
+_COUPLING: Final = 0.55
+"""Bands of the coupling of both legs over those of each alone."""
 
 _MOST_BANDS: Final = 64
 """At 64 bands the ratio is within 10 % of the limit without end, and the quadrature still resolves one band."""
@@ -83,6 +93,20 @@ def _log_ratio(t: FloatArray, mu: float, bands: int) -> FloatArray:
     return np.asarray(np.log(np.maximum(last * _area(np.asarray(mu)), 1e-300)) - np.log(_density(t)))
 
 
+def bands_of(mss: float) -> float:
+    """Bands of equal slope variance that stand for a sea of total slope variance ``mss`` [1]: ``0.55 + 110 mss``, from 2.6 to 5.3.
+
+    Fitted to brute force in the vertical plane of the Sun, on Gaussian seas with the shape of Elfouhaily's spectrum down to 3 mm and the
+    slope variances of Cox and Munk: depressions of 0.5-12 deg, Suns 30-85 deg from the zenith. Seen, and seen and lit, over Smith's law:
+    within 0.05 for winds of 3.5-10 m/s, 0.06 for 2 m/s, and for 14-20 m/s but for 0.1 with a Sun at 30 deg, whose facets are rare.
+    Rougher seas carry more of their slopes in ripples, apart in scale from the waves. ``tools/nested_bands.py`` makes the table anew.
+
+    >>> round(bands_of(0.0286), 1)
+    3.7
+    """
+    return min(max(0.55 + 110.0 * mss, 2.6), 5.3)
+
+
 @lru_cache(maxsize=8)
 def ratio_table(bands: int = BANDS) -> FloatArray:
     """Table for :func:`nested_ratio_kernel` [(rows, columns)]: logarithms; one band has none, an empty table.
@@ -94,7 +118,7 @@ def ratio_table(bands: int = BANDS) -> FloatArray:
     """
     if not 1 <= bands <= _MOST_BANDS:
         raise DomainError(
-            f"nested_bands = {bands} is outside 1-{_MOST_BANDS}; give 4 to 8 (1 is Saunders' law)",
+            f"nested_bands = {bands} is outside 1-{_MOST_BANDS}; give 2 to 8 (1 is Saunders' law)",
             name="nested_bands",
             value=bands,
             allowed=(1, _MOST_BANDS),
@@ -103,6 +127,21 @@ def ratio_table(bands: int = BANDS) -> FloatArray:
         return np.zeros((0, 0))
     t = np.asarray(_STEP * (np.arange(_COLUMNS, dtype=np.float64) - 1.0) - _REACH, dtype=np.float64)
     return np.stack([_log_ratio(t, _STEP * (row - 1.0), bands) for row in range(_ROWS)])
+
+
+@lru_cache(maxsize=16)
+def between_bands(table: Callable[[int], FloatArray], bands: float) -> FloatArray:
+    """A table of logarithms [1] (:func:`ratio_table`, :func:`lit_table`) for a number of bands that need not be whole; empty for one.
+
+    Ratios are mixed, not their logarithms, so that visible densities still add up to 1.
+    """
+    whole = max(int(bands), 1)
+    more = max(bands, 1.0) - whole
+    if more == 0.0:
+        return table(whole)
+    high = table(whole + 1)
+    low = table(whole) if whole > 1 else np.zeros_like(high)
+    return np.asarray(np.logaddexp(low + math.log1p(-more), high + math.log(more)))
 
 
 @kernel
@@ -157,7 +196,7 @@ def _map_ratio(slope: FloatArray, edge: FloatArray, deviation: FloatArray, table
         out[i] = nested_ratio_kernel(slope[i], edge[i], deviation[i], table)
 
 
-def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: ArrayLike, bands: int = BANDS) -> FloatArray:
+def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: ArrayLike, bands: float = BANDS) -> FloatArray:
     """Visible slope density of a nested sea over that of Smith's law.
 
     ``p_N(s) = ratio * p(s) max(0, v_z - v_h . s) / A+``
@@ -170,8 +209,8 @@ def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: Arra
         Zenith angle of the direction to the viewer [rad], 0..pi/2.
     mss_along : array_like
         Slope variance along the view azimuth [1]; broadcast with the others.
-    bands : int
-        Bands of equal variance; 1 gives 1 everywhere.
+    bands : float
+        Bands of equal variance, whole or not; 1 gives 1 everywhere.
 
     Returns
     -------
@@ -185,8 +224,7 @@ def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: Arra
 
     Notes
     -----
-    For Gaussian slopes. Interpolated within 3e-4. Against brute force the law holds within 0.04 for mirroring slopes up to two rms slopes;
-    beyond, for slopes towards the viewer, it is low by a tenth.
+    For Gaussian slopes. Interpolated within 3e-4. Accuracy: :func:`bands_of`.
 
     Examples
     --------
@@ -214,14 +252,64 @@ def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: Arra
     parts = np.broadcast_arrays(np.asarray(slope_along, dtype=np.float64), edge, np.sqrt(variance))
     slope, edge, deviation = (np.array(part, order="C").ravel() for part in parts)
     out = np.empty(slope.size)
-    _map_ratio(slope, edge, deviation, ratio_table(bands), out)
+    _map_ratio(slope, edge, deviation, between_bands(ratio_table, bands), out)
     return out.reshape(parts[0].shape)
+
+
+@lru_cache(maxsize=16)
+def _moments(bands: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """What skewness and excess along the view add to the visible area through the nested ratio, over A+, against the edge in rms slopes."""
+    ratio = np.exp(between_bands(ratio_table, bands)) - 1.0
+    t: FloatArray = np.asarray(_STEP * (np.arange(_COLUMNS) - 1.0) - _REACH, dtype=np.float64)
+    edge: FloatArray = np.asarray(_STEP * (np.arange(_ROWS) - 1.0), dtype=np.float64)
+    weight = ratio * np.maximum(edge[:, None] - t, 0.0) * _density(t) * _STEP / _area(edge)[:, None]
+    return edge, weight @ ((t**3 - 3.0 * t) / 6.0), weight @ ((t**4 - 6.0 * t * t + 3.0) / 24.0)
+
+
+def nested_area(view_zenith: ArrayLike, view_azimuth: ArrayLike, slopes: SlopeStatistics, bands: float) -> FloatArray:
+    r"""Area that normalises the visible density of a nested sea over any slope density, per unit area of sea.
+
+    .. math:: A = \int p(s)\, R(s)\, \max(0, v_z - v_h \cdot s)\, ds
+
+    with the ratio R of Gaussian slopes of the same variances (:func:`nested_ratio`): ``p R max(0, v_z - v_h . s)/A`` adds up to 1. For
+    Gaussian slopes A is A+; for a Gram-Charlier density skewness and excess along the view add to it. Its negative part, set to 0
+    in the density, counts without the ratio here: 1e-3 of the area at most.
+
+    Parameters
+    ----------
+    view_zenith, view_azimuth : array_like
+        Direction from the sea to the viewer [rad]; broadcast.
+    slopes : SlopeStatistics
+        Gaussian or not.
+    bands : float
+        Bands of the nested law; 1 gives :func:`seaglint.sea.shadowing.visible_area`.
+
+    Returns
+    -------
+    ndarray
+        Area [1], broadcast shape.
+    """
+    area = visible_area(view_zenith, view_azimuth, slopes)
+    if slopes.is_gaussian or bands <= 1.0:
+        return area
+    zenith, azimuth = np.asarray(view_zenith, dtype=np.float64), np.asarray(view_azimuth, dtype=np.float64)
+    variance = slopes.mss_along(azimuth)
+    turn = azimuth - slopes.wind_to_azimuth
+    p, q2 = np.sqrt(slopes.mss_up / variance) * np.cos(turn), slopes.mss_cross / variance * np.sin(turn) ** 2
+    c21, c03, c40, c22, c04 = slopes.coefficients
+    skewness = p * (p * p * c03 + 3.0 * q2 * c21)
+    excess = p**4 * c04 + 6.0 * p * p * q2 * c22 + q2 * q2 * c40
+    with np.errstate(divide="ignore"):
+        x = np.cos(zenith) / (np.sin(zenith) * np.sqrt(variance))
+    edge, third, fourth = _moments(bands)
+    more = skewness * np.interp(x, edge, third, right=0.0) + excess * np.interp(x, edge, fourth, right=0.0)
+    return np.asarray(area + projected_area(zenith, variance) * more)
 
 
 _PAIR_NODES: Final = 31
 _PAIR_TOP: Final = HIGHEST
 _PAIR_SHARES: Final = 33
-"""Table of :func:`lit_table`: elevations of viewer and Sun in rms slopes, and the slope's place between the two edges."""
+"""Tables of two legs: elevations of viewer and Sun in rms slopes, and the slope's place between the two edges."""
 
 
 @kernel
@@ -235,6 +323,12 @@ def _onward(view: float, sun: float, width: float) -> float:
     which viewer and Sun stand ``view`` and ``sun`` above the facet (cotangents).
     """
     return float(1.0 / (width * _area_kernel(view / width) + view * (width * _area_kernel(sun / width) / sun - 1.0)))
+
+
+@kernel
+def _pair_elevation(node: int) -> float:
+    """At an edge itself nothing is left: the least elevation stands for none."""
+    return max(_PAIR_TOP * node / (_PAIR_NODES - 1), 1e-3)
 
 
 @njit
@@ -276,43 +370,29 @@ def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, alone: FloatArray, out
     slopes = np.empty(shares)
     for i in range(nodes):
         for j in range(nodes):
-            # at an edge itself nothing is left: the least elevation stands for none
-            view, sun = max(_PAIR_TOP * i / (nodes - 1), 1e-3), max(_PAIR_TOP * j / (nodes - 1), 1e-3)
+            view, sun = _pair_elevation(i), _pair_elevation(j)
             for k in range(shares):
                 slopes[k] = (view + sun) * k / (shares - 1) - sun
             _pair_ratios(view, sun, bands, x, w, slopes, out[i, j])
             for k in range(shares):
                 out[i, j, k] -= math.log(nested_ratio_kernel(slopes[k], view, 1.0, alone))
+                out[i, j, k] -= math.log(nested_ratio_kernel(-slopes[k], sun, 1.0, alone))
+
+
+@njit
+def _fill_lit(alone: FloatArray, out: FloatArray) -> None:
+    """Add the Sun's leg alone to a coupling."""
+    shares = out.shape[2]
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            view, sun = _pair_elevation(i), _pair_elevation(j)
+            for k in range(shares):
+                out[i, j, k] += math.log(nested_ratio_kernel(sun - (view + sun) * k / (shares - 1), sun, 1.0, alone))
 
 
 @lru_cache(maxsize=8)
-def lit_table(bands: int = LIT_BANDS) -> FloatArray:
-    r"""Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: facets lit too, of those seen, band by band.
-
-    .. math::
-
-        p_n(s) = \int p_{n-1}(s_0)\, q(s - s_0)\, \frac{\max(0, v_z - v_h \cdot s)}{A_{n+}(s_0)}\,
-        \frac{1 + \Lambda_v(s_0)}{1 + \Lambda_v(s_0) + \Lambda_s(s_0)}\, ds_0
-
-    for a Sun opposite to the viewer: every band hides facets from both, by Smith's law for two legs about the tilt of the longer waves.
-    Logarithms of its ratio to the law of facets seen, over what Smith's law in one band has for it; one band has an empty table.
-
-    On a Gaussian surface of :math:`k^{-4}` elevation density the share of seen facets that are lit, found by brute force (depressions of
-    1, 4 and 10 degrees, Suns 60 to 85 degrees from the zenith), is met within 0.03 by three bands, but for 0.05 where it is 0.19
-    (1 and 85 degrees). So :data:`LIT_BANDS` is three, fitted to that surface as :data:`BANDS` is.
-
-    Raises
-    ------
-    DomainError
-        As :func:`ratio_table`.
-    """
-    if not 1 <= bands <= _MOST_BANDS:
-        raise DomainError(
-            f"nested_bands = {bands} is outside 1-{_MOST_BANDS}; give 4 to 8 (1 is Saunders' law)",
-            name="nested_bands",
-            value=bands,
-            allowed=(1, _MOST_BANDS),
-        )
+def _pair_table(bands: int) -> FloatArray:
+    """Coupling in whole bands."""
     if bands == 1:
         return np.zeros((0, 0, 0))
     x, w = np.polynomial.legendre.leggauss(48 + 16 * math.isqrt(bands))
@@ -321,9 +401,45 @@ def lit_table(bands: int = LIT_BANDS) -> FloatArray:
     return out
 
 
+def coupling_table(bands: float) -> FloatArray:
+    r"""Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: facets seen and lit over what the two legs alone leave.
+
+    .. math::
+
+        p_n(s) = \int p_{n-1}(s_0)\, q(s - s_0)\, \frac{\max(0, v_z - v_h \cdot s)}{A_{n+}(s_0)}\,
+        \frac{1 + \Lambda_v(s_0)}{1 + \Lambda_v(s_0) + \Lambda_s(s_0)}\, ds_0
+
+    for a Sun opposite to the viewer: every band hides facets from both, by Smith's law for two legs about the tilt of the longer waves.
+    The table holds the logarithm of the ratio of :math:`p_N` to Smith's law for two legs, over the product of the ratios of either leg
+    alone, N being 0.55 of ``bands``; 1 band has an empty table.
+    """
+    return between_bands(_pair_table, max(_COUPLING * bands, 1.0))
+
+
+@lru_cache(maxsize=8)
+def lit_table(bands: int = BANDS) -> FloatArray:
+    """Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: facets lit too, of those seen, band by band.
+
+    The Sun's leg alone and the coupling of both (:func:`coupling_table`): logarithms of the share of seen facets that are lit, over what
+    Smith's law in one band has for it; one band has an empty table.
+
+    Raises
+    ------
+    DomainError
+        As :func:`ratio_table`.
+    """
+    alone = ratio_table(bands)
+    if bands == 1:
+        return np.zeros((0, 0, 0))
+    coupling = coupling_table(bands)
+    out = coupling.copy() if coupling.size > 0 else np.zeros((_PAIR_NODES, _PAIR_NODES, _PAIR_SHARES))
+    _fill_lit(alone, out)
+    return out
+
+
 @kernel
 def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray) -> float:
-    """Logarithm of the share of seen facets that are lit, over that of Smith's law for two legs; linear in the table.
+    """Logarithm of :func:`lit_table` or :func:`coupling_table` between its nodes; linear in the table.
 
     ``slope`` along the view, ``view`` and ``sun`` the elevations of viewer and Sun over the facet (cotangents of their zenith angles), all
     in rms slopes; both elevations at least 0, the Sun opposite to the viewer.
@@ -341,13 +457,3 @@ def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray
     t = table[i1, j1, k] + h * (table[i1, j1, k1] - table[i1, j1, k])
     low, high = p + g * (q - p), r + g * (t - r)
     return float(low + f * (high - low))
-
-
-def between_bands(table: Callable[[int], FloatArray], bands: float) -> FloatArray:
-    """A table of logarithms [1] (:func:`ratio_table`, :func:`lit_table`) for a number of bands that need not be whole; empty for one."""
-    whole = max(int(bands), 1)
-    more = max(bands, 1.0) - whole
-    found = table(whole)
-    if more > 0.0:
-        found = more * table(whole + 1) + ((1.0 - more) * found if whole > 1 else 0.0)
-    return found
