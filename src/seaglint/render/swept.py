@@ -23,7 +23,7 @@ from seaglint.render.scene import joined
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles, sparkle_columns, sparkle_rows
 from seaglint.render.sunlight import Sunlight
 from seaglint.render.surface import Surface, course, height
-from seaglint.render.sweep import Frame, Swept, sweep_columns
+from seaglint.render.sweep import Rows, Swept, sweep_columns
 from seaglint.render.tables import FacetDomain, facet_slopes, facet_tables
 from seaglint.render.view import Attitude
 from seaglint.render.walk import PATH_EVERY, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
@@ -47,7 +47,7 @@ class SweptScene:
     ----------
     view : SeaView
         Sea, air and Sun; its slopes are the total statistics. Without resolved waves facets hide each other from viewer and Sun by Smith's
-        law, or from the viewer band by band where its shadowing is nested.
+        law, or from the viewer wave band by wave band where its shadowing is nested.
     camera : Camera
         The image grid; stands at the view's sensor height or up to ``accuracy.height_step`` above it.
     waves : WaveField or None
@@ -176,8 +176,8 @@ class SweptScene:
         if camera.height != walk.eye:
             rise, fall = sight_lines(walk.range_m, camera.height)
             walk = walk._replace(eye=camera.height, rise=rise, fall=fall)
-        frame = self._tables.frame if _same_rows(camera, self.camera) else sky_rows(self.view, replace(camera, height=made.height))
-        return replace(self, camera=camera, _tables=self._tables._replace(walk=walk, frame=frame))
+        rows = self._tables.rows if _same_rows(camera, self.camera) else sky_rows(self.view, replace(camera, height=made.height))
+        return replace(self, camera=camera, _tables=self._tables._replace(walk=walk, rows=rows))
 
     def reseeded(self, seed: int) -> Self:
         """Another realisation of the same sea, sparkles included, without preparing anything again."""
@@ -370,7 +370,7 @@ def require_dry(height: float, waves: WaveField) -> None:
         )
 
 
-def sky_rows(view: SeaView, camera: Camera) -> Frame:
+def sky_rows(view: SeaView, camera: Camera) -> Rows:
     """Rows of a camera and the sky in those that touch it."""
     elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
     # only rows that touch the sky are looked up; crests never lower the horizon by more than a few rows
@@ -380,7 +380,7 @@ def sky_rows(view: SeaView, camera: Camera) -> Frame:
         sky[rows] = view.in_band(view.atmosphere.sky_radiance(0.5 * np.pi - elevation[rows], camera.height))
     bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
     top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
-    return Frame(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky)
+    return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky)
 
 
 def _same_rows(one: Camera, other: Camera) -> bool:
