@@ -21,6 +21,7 @@ class _Called(ModuleType):
     """The room ``seaglint.render``, which renders when it is called: the package has the room and the function under one name."""
 
     def __call__(self, *args: Any, **options: Any) -> Any:
+        """Render a sequence: :func:`seaglint.api.render`."""
         return import_module("seaglint.api").render(*args, **options)
 
 

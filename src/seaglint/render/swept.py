@@ -254,7 +254,7 @@ class SweptScene:
         return out
 
     def planes(self, pose: Pose, time: float, surface: Surface, part: tuple[int, int]) -> NDArray[np.float32]:
-        """Planes of :func:`~seaglint.render.layers.planes_for` of some columns (planes, rows, columns), of a sea that is there already."""
+        """Planes of :func:`~seaglint.render.layers.planes_for` [(planes, rows, columns)] of some columns, of a sea at hand."""
         images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
         return self._planes(images[:, 0], planes_for(self.layers))
 
