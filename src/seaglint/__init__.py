@@ -1,3 +1,50 @@
-"""Infrared ocean clutter: what an infrared sensor sees when it looks at the sea."""
+"""Infrared ocean clutter: what an infrared sensor sees when it looks at the sea.
 
-__version__ = "0.1.0"
+``import seaglint as sg`` costs nothing; what a name below needs is imported when it is used first. :mod:`seaglint.api` says what each does.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from seaglint.api import analyze, apparent_temperature, image, load, mean, render
+    from seaglint.version import __version__
+
+__all__ = ["__version__", "analyze", "apparent_temperature", "image", "load", "mean", "render"]
+
+
+class _Called(ModuleType):
+    """The room ``seaglint.render``, which renders when it is called: the package has the room and the function under one name."""
+
+    def __call__(self, *args: Any, **options: Any) -> Any:
+        """Render a sequence: :func:`seaglint.api.render`."""
+        return import_module("seaglint.api").render(*args, **options)
+
+
+class _Package(ModuleType):
+    """The class of the package itself."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        # the import system binds a room here whenever it is first imported, by whomever
+        if name == "render" and type(value) is ModuleType:
+            value.__class__ = _Called
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module 'seaglint' has no attribute {name!r}; it has {', '.join(__all__)}, and its rooms as submodules")
+    if name == "render":
+        return import_module("seaglint.render")
+    return getattr(import_module("seaglint.version" if name == "__version__" else "seaglint.api"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -46,7 +46,7 @@ def recording(frames, **more) -> Recording:
 @pytest.fixture(autouse=True)
 def _coarse(monkeypatch):
     """Coarse pictures, for speed."""
-    monkeypatch.setattr("seaglint.plot.clutter._DOTS_PER_INCH", 40)
+    monkeypatch.setattr("seaglint.plot.clutter.figure._DOTS_PER_INCH", 40)
 
 
 @pytest.fixture(scope="module")

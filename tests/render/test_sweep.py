@@ -126,14 +126,14 @@ def test_elevation_is_the_arc_tangent():
 def _pieces_into_rows(edges, radiance, rows=7):
     """Pieces between falling-together edges [rad], the radiance leaning as the sweep has it, into rows of 1 mrad from 7 mrad down."""
     image = np.zeros((3, rows))
-    frame = sweep.Frame(rows * 1e-3, 1e3, rows, -1.0, 1.0, np.zeros(rows))
+    lines = sweep.Rows(rows * 1e-3, 1e3, rows, -1.0, 1.0, np.zeros(rows))
     centre = 0.5 * (edges[1:] + edges[:-1])
     light = np.stack([radiance(centre), 0.5 * radiance(centre), np.zeros_like(centre)], axis=1)
     for j in range(centre.size):
         before, here, after = centre[max(j - 1, 0)], centre[j], centre[min(j + 1, centre.size - 1)]
         width = edges[j + 1] - edges[j]
         lean = (*(sweep.leaning(light, j, k, before, here, after, width) for k in range(2)), 0.0, 0.0)
-        sweep.add_rows(image, frame, (edges[j], edges[j + 1]), 1.0, light[j], lean)
+        sweep.add_rows(image, lines, (edges[j], edges[j + 1]), 1.0, light[j], lean)
     return image
 
 

@@ -60,7 +60,7 @@ Progress = Annotated[ProgressMode, typer.Option("--progress", help="bar on a ter
 
 def _version(wanted: bool) -> None:
     if wanted:
-        from seaglint import __version__
+        from seaglint.version import __version__
 
         typer.echo(f"seaglint {__version__}")
         raise typer.Exit

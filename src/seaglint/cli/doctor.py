@@ -14,8 +14,8 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from seaglint import __version__
 from seaglint.io.provenance import package_version
+from seaglint.version import __version__
 
 CORE = ("numpy", "scipy", "numba", "xarray", "zarr", "h5netcdf", "pydantic", "pint", "typer", "rich", "matplotlib", "pvlib")
 EXTRAS = {

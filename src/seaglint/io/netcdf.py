@@ -15,6 +15,15 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
+def labelled(dataset: xr.Dataset) -> xr.Dataset:
+    """The same with units, names and CF names at the variables that :mod:`seaglint.schema` knows; what they have already stays."""
+    out = dataset.copy()
+    for name in map(str, out.variables):
+        if name in VARIABLES:
+            out[name].attrs = {**VARIABLES[name].attributes, **out[name].attrs}
+    return out
+
+
 def write_netcdf(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = False) -> Path:
     """Write a dataset; variables named in :mod:`seaglint.schema` get their CF attributes.
 
@@ -26,12 +35,8 @@ def write_netcdf(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = F
         No room or no rights; nothing is left behind.
     """
     output = refuse_existing(output, overwrite=overwrite)
-    labelled = dataset.copy()
-    for name in map(str, labelled.variables):
-        if name in VARIABLES:
-            labelled[name].attrs = {**VARIABLES[name].attributes, **labelled[name].attrs}
-    encoding = {name: {"zlib": True, "complevel": 3} for name, variable in labelled.data_vars.items() if variable.ndim >= 2}
-    content = labelled.to_netcdf(engine="h5netcdf", encoding=encoding)
+    encoding = {name: {"zlib": True, "complevel": 3} for name, variable in dataset.data_vars.items() if variable.ndim >= 2}
+    content = labelled(dataset).to_netcdf(engine="h5netcdf", encoding=encoding)
     with moved_when_whole(output) as partial:
         partial.write_bytes(content)
     return output

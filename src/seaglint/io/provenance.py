@@ -12,8 +12,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from seaglint import __version__
 from seaglint.optics.band import Band
+from seaglint.version import __version__
 
 VOLATILE: Final = frozenset({"history", "created_with"})
 """Attributes that may differ between two halves of one sequence; all others must agree before ``--resume`` goes on."""

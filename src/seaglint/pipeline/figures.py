@@ -88,7 +88,7 @@ def _view(band: Band, wind_speed: float, height: float) -> SeaView:
 
 
 def _attributes(title: str, band: tuple[float, float], height: float, **more: Any) -> dict[str, Any]:
-    from seaglint import __version__
+    from seaglint.version import __version__
 
     common = {"title": title, "seaglint_version": __version__, "atmosphere": f"LOWTRAN7 {MODEL}, Navy maritime aerosol", "band_um": band}
     return {**common, "sensor_height_m": height, "sea_temperature_k": SEA_TEMPERATURE, **more}

@@ -20,8 +20,8 @@ from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
 from seaglint.pipeline.memory import require_memory
 from seaglint.render.layers import Layers
-from seaglint.render.platform import Track
-from seaglint.render.scene import Scene, image
+from seaglint.render.platform import Pose, Track
+from seaglint.render.scene import image
 from seaglint.render.swept import SweptScene
 from seaglint.render.turned import TurnedScene
 from seaglint.scenario.model import Scenario
@@ -80,7 +80,7 @@ class Sequence:
 
     Attributes
     ----------
-    scene : Scene
+    scene : SweptScene or TurnedScene
         Sea, air, Sun and camera.
     track : Track
         Where the sensor is and how it is turned.
@@ -88,7 +88,7 @@ class Sequence:
         What the store holds.
     """
 
-    scene: Scene
+    scene: SweptScene | TurnedScene
     track: Track
     layout: Layout
 
@@ -149,22 +149,20 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None) -> Sequenc
     sensor, track = scenario.sensor, prepare.track(scenario)
     numbers = frames if frames is not None else range(sensor.frames)
     accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)
-    scene: Scene
-    poses: dict[str, FloatArray] = {}
+    scene: SweptScene | TurnedScene
     camera = prepare.upright_camera(scenario)
     if camera is not None:
         view = prepare.view(scenario)
         sea = prepare.sea(scenario, view.slopes)
         scene = SweptScene.prepare(view, camera, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
-        azimuth, elevation = camera.azimuths, camera.elevations
     else:
         sea, imager = prepare.sea(scenario, prepare.slopes(scenario)), prepare.imager(scenario)
         scene = TurnedScene.prepare(
             prepare.view_at(scenario), imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles
         )
         view = scene.view
-        azimuth, elevation = imager.centres(track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0).attitude)
-        poses = _poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
+    places = poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
+    azimuth, elevation = directions(scene, track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0))
     _require_step(scenario, sea.waves)
     derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()
     layout = Layout(
@@ -174,7 +172,7 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None) -> Sequenc
         frame_rate=sensor.frame_rate_hz,
         band=view.band,
         variables=("radiance", *derived, *scene.layers),
-        poses=poses,
+        poses=places,
         turning=track.turns,
         attributes=provenance(
             "Infrared image sequence of the sea",
@@ -191,14 +189,23 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None) -> Sequenc
     return Sequence(scene, track, layout)
 
 
-def _poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
-    """Where the sensor is and how it is turned in every frame, by the names of the store's variables."""
-    poses = [track.at(float(t)) for t in times]
+def directions(scene: SweptScene | TurnedScene, pose: Pose) -> tuple[FloatArray, FloatArray]:
+    """Azimuth and elevation of the pixel centres [rad]: of columns and rows of an upright camera, else of all pixels (rows, columns)."""
+    match scene:
+        case SweptScene(camera=camera):
+            return camera.azimuths, camera.elevations
+        case TurnedScene(imager=imager):
+            return imager.centres(pose.attitude)
+
+
+def poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
+    """Where the sensor is and how it is turned at some times [m, deg, (times,)], by the names of the store's variables."""
+    found = [track.at(float(t)) for t in times]
     return {
-        "sensor_east": np.array([p.east for p in poses]),
-        "sensor_north": np.array([p.north for p in poses]),
-        "sensor_height": np.array([p.height for p in poses]),
-        "sensor_azimuth": np.degrees([p.attitude.azimuth for p in poses]),
-        "sensor_elevation": np.degrees([p.attitude.elevation for p in poses]),
-        "sensor_roll": np.degrees([p.attitude.roll for p in poses]),
+        "sensor_east": np.array([p.east for p in found]),
+        "sensor_north": np.array([p.north for p in found]),
+        "sensor_height": np.array([p.height for p in found]),
+        "sensor_azimuth": np.degrees([p.attitude.azimuth for p in found]),
+        "sensor_elevation": np.degrees([p.attitude.elevation for p in found]),
+        "sensor_roll": np.degrees([p.attitude.roll for p in found]),
     }

@@ -9,10 +9,10 @@ from html import escape
 from pathlib import Path
 from typing import Any, Final
 
-from seaglint import __version__
 from seaglint.analysis import Analysis
 from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
+from seaglint.version import __version__
 
 Progress = Callable[[int, int], None]
 """Called with pictures drawn and pictures in all."""

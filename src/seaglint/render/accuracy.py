@@ -24,8 +24,8 @@ class Accuracy:
     lines_per_wave : float
         Lines across a shortest wave, which keep the variance of a column's mean within 2 %; a single one would add 8 %.
     shortest_wave_columns : float
-        Columns that a band's longest waves must span to stay geometry; 0 keeps all waves at any range. It moves means near the horizon by
-        less than 0.8 %.
+        Columns that an octave's longest waves must span to stay geometry; 0 keeps all waves at any range. It moves means near the horizon
+        by less than 0.8 %.
     crest : float
         Height above which no crest is expected, in significant heights: five standard deviations.
     negligible_shadow : float

@@ -109,7 +109,7 @@ def channels_for(names: Collection[str]) -> int:
 
 
 def planes_for(names: Collection[str]) -> NDArray[np.int64]:
-    """Planes that some layers are made of, the total and the Sun's first."""
+    """Planes that some layers are made of [(planes,)], the total and the Sun's first."""
     wanted = [TOTAL, SUN]
     for name in names:
         wanted += [plane for plane in _PLANES[name] if plane not in wanted]

@@ -295,17 +295,17 @@ def sparkle_factor(
     shape = 1.0 / (variance * cells_along * cells_across)  # of one cell
     # what a direction of many cells does to the shape
     many_along, many_across = cells_along > MOST_CELLS, cells_across > MOST_CELLS
-    level_across, side_across = 0, cell
+    doublings_across, side_across = 0, cell
     if many_across:
         shape *= cells_across + BORDER
-        level_across, power = power_below(FILLED * cells_across)
+        doublings_across, power = power_below(FILLED * cells_across)
         side_across = cell * power
     if many_along:
         shape *= cells_along + BORDER
-        level_along, power = power_below(FILLED * length / cell)
+        doublings_along, power = power_below(FILLED * length / cell)
     else:
-        level_along, power = power_below(stretch)
-    lattice = ((along_sight.sector * 256 + level_along + 128) * 256 + level_across + 128) * 4
+        doublings_along, power = power_below(stretch)
+    lattice = ((along_sight.sector * 256 + doublings_along + 128) * 256 + doublings_across + 128) * 4
     side_along = cell * power
     across = box(y, 0.0 if many_across else width, side_across)
     if many_along:
@@ -353,8 +353,8 @@ def facet_spread(
     if sparkle.cell <= 0.0 or factor <= 0.0:
         return 0.0
     chance = factor * math.pi * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS
-    sine, level = grazing
-    twice = 1.0 + level * (sight.east * sun.east + sight.north * sun.north) + sine * sun.up
+    sine, cosine = grazing
+    twice = 1.0 + cosine * (sight.east * sun.east + sight.north * sun.north) + sine * sun.up
     return piece_variance(sparkle, solar, chance, math.sqrt(max(0.5 * twice, 1e-12)), sine + sun.up, across)
 
 
@@ -374,8 +374,8 @@ def sparkle_column(
         solar = images[0, SUN, row]
         if solar > 0.0 and images[0, SPREAD, row] > 0.0:
             sine = rows.grazing[row]
-            level = math.sqrt(1.0 - sine * sine)
-            twice = 1.0 - level * (east * sun.east + north * sun.north) + sine * sun.up
+            cosine = math.sqrt(1.0 - sine * sine)
+            twice = 1.0 - cosine * (east * sun.east + north * sun.north) + sine * sun.up
             # cos(omega)/cos(beta) over the sine of the grazing angle
             stretch = twice / ((sine + sun.up) * sine)
             place = (origin[0] + rows.range_m[row] * east, origin[1] + rows.range_m[row] * north)

@@ -37,12 +37,12 @@ BUFFER = 1024
 """Visible pieces that are found before they are shaded; 48 kB stay near the processor."""
 
 
-class Frame(NamedTuple):
+class Rows(NamedTuple):
     """Rows of the image: elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the sky in each."""
 
     top: float
     per_radian: float
-    rows: int
+    number: int
     bottom_tangent: float
     top_tangent: float
     sky: np.ndarray
@@ -52,7 +52,7 @@ class Swept(NamedTuple):
     """All that columns look up: samples, rows, the Sun, facets and sparkles; no length depends on the instant."""
 
     walk: Walk
-    frame: Frame
+    rows: Rows
     sunlight: Sunlight
     levels: FacetLevels
     sparkle: Sparkle
@@ -95,7 +95,7 @@ def new_pieces(channels: int) -> Pieces:
 @kernel
 def add_rows(
     image: np.ndarray,
-    frame: Frame,
+    rows: Rows,
     edges: tuple[float, float],
     weight: float,
     light: np.ndarray,
@@ -106,10 +106,10 @@ def add_rows(
     ``image`` (channels, rows); ``light`` (channels,): the piece's mean; ``lean``: how total, Sun, emission and path change per radian.
     """
     low, high = edges
-    upper = max((frame.top - high) * frame.per_radian, 0.0)
-    lower = min((frame.top - low) * frame.per_radian, float(frame.rows))
-    centre = (frame.top - 0.5 * (low + high)) * frame.per_radian
-    total, solar = -lean[0] / frame.per_radian, -lean[1] / frame.per_radian
+    upper = max((rows.top - high) * rows.per_radian, 0.0)
+    lower = min((rows.top - low) * rows.per_radian, float(rows.number))
+    centre = (rows.top - 0.5 * (low + high)) * rows.per_radian
+    total, solar = -lean[0] / rows.per_radian, -lean[1] / rows.per_radian
     row = int(upper)
     while row < lower:
         first, last = max(upper, float(row)), min(lower, row + 1.0)
@@ -119,8 +119,8 @@ def add_rows(
         image[SUN, row] += (light[SUN] + solar * off) * overlap
         image[SPREAD, row] += light[SPREAD] * overlap
         if image.shape[0] > FEWEST:
-            image[EMITTED, row] += (light[EMITTED] - lean[2] / frame.per_radian * off) * overlap
-            image[PATH, row] += (light[PATH] - lean[3] / frame.per_radian * off) * overlap
+            image[EMITTED, row] += (light[EMITTED] - lean[2] / rows.per_radian * off) * overlap
+            image[PATH, row] += (light[PATH] - lean[3] / rows.per_radian * off) * overlap
             image[DISTANCE, row] += light[DISTANCE] * overlap
             image[COVERAGE, row] += overlap
         row += 1
@@ -143,8 +143,8 @@ def leaning(light: np.ndarray, j: int, k: int, before: float, here: float, after
 def distance(eye: float, z: float, r: float) -> float:
     """Straight way from the sensor, ``eye`` [m] above the mean sea, to a point ``z`` [m] above it at an arc ``r`` [m]."""
     half = math.sin(0.5 * r / EFFECTIVE_EARTH_RADIUS)
-    level = 4.0 * (EFFECTIVE_EARTH_RADIUS + eye) * (EFFECTIVE_EARTH_RADIUS + z) * half * half
-    return math.sqrt((eye - z) * (eye - z) + level)
+    across = 4.0 * (EFFECTIVE_EARTH_RADIUS + eye) * (EFFECTIVE_EARTH_RADIUS + z) * half * half
+    return math.sqrt((eye - z) * (eye - z) + across)
 
 
 @kernel
@@ -172,7 +172,7 @@ def shade_piece(swept: Swept, surface: Surface, optics: FacetOptics, line: Line,
         share = sun_share(surface, line.level, line.course, line.sunward, r, march, optics.sunlight)
         solar *= share
         factor *= share
-    across = line.width / swept.frame.per_radian * reach * reach / cosine
+    across = line.width / swept.rows.per_radian * reach * reach / cosine
     path = walk.path.radiance[p] + f * (walk.path.radiance[p + 1] - walk.path.radiance[p])
     light[j, TOTAL], light[j, SUN] = warm + path + solar, solar
     light[j, SPREAD] = facet_spread(swept.sparkle, optics.sunlight, line.sight, grazing, solar, factor, across)
@@ -217,22 +217,22 @@ def shade_line(
             emitted = leaning(light, j, EMITTED, before, here, after, width)
             path = leaning(light, j, PATH, before, here, after, width)
         lean = (leaning(light, j, TOTAL, before, here, after, width), leaning(light, j, SUN, before, here, after, width), emitted, path)
-        add_rows(images[0], swept.frame, (low, high), line.weight, light[j], lean)
+        add_rows(images[0], swept.rows, (low, high), line.weight, light[j], lean)
         if images.shape[0] > 1:
             interval = 0
             while interval < cuts.shape[0] and light[j, DISTANCE] >= cuts[interval]:
                 interval += 1
-            add_rows(images[1 + interval], swept.frame, (low, high), line.weight, light[j], lean)
+            add_rows(images[1 + interval], swept.rows, (low, high), line.weight, light[j], lean)
         low, high = high, beyond
         before, here = (here, after) if after != here else (0.5 * (low + high), 0.5 * (low + high))
 
 
 @kernel
-def add_sky(frame: Frame, tangent: float, weight: float, image: np.ndarray) -> None:
+def add_sky(rows: Rows, tangent: float, weight: float, image: np.ndarray) -> None:
     """Fill the rows above the horizon that a line ended with."""
-    upper = (frame.top - elevation(tangent)) * frame.per_radian
-    for row in range(min(frame.rows, math.ceil(max(upper, 0.0)))):
-        image[TOTAL, row] += weight * frame.sky[row] * (min(upper, row + 1.0) - row)
+    upper = (rows.top - elevation(tangent)) * rows.per_radian
+    for row in range(min(rows.number, math.ceil(max(upper, 0.0)))):
+        image[TOTAL, row] += weight * rows.sky[row] * (min(upper, row + 1.0) - row)
 
 
 @njit
@@ -244,12 +244,12 @@ def sweep_columns(
     ``images`` (columns, 1 or 2 + cuts, channels, rows): the whole, and the interval before each of the ``cuts`` (columns, cuts) [m] and
     beyond the last. Columns do not depend on each other; :func:`seaglint._jit.in_threads` shares them out.
     """
-    walk, frame = swept.walk, swept.frame
+    walk, rows = swept.walk, swept.rows
     pieces, strip, disc_rows = new_pieces(images.shape[2]), new_strip(), np.empty(DISC_ROWS)
     for column in range(part[0], part[1]):
         image = images[column]
         image[:] = 0.0
-        tangents = np.full(1, frame.bottom_tangent)
+        tangents = np.full(1, rows.bottom_tangent)
         for stage in range(walk.stage.shape[0] - 1):
             tangents = np.repeat(tangents, 1 << walk.stage[stage, 2])
             first, end, level = walk.stage[stage, 0], walk.stage[stage + 1, 0], walk.stage[stage, 1]
@@ -273,12 +273,12 @@ def sweep_columns(
                 )
                 i = first
                 while i < end:
-                    horizon = (tangents[j], frame.top_tangent)
+                    horizon = (tangents[j], rows.top_tangent)
                     count, i, tangent = walk_line(walk, surface, level, line.course, (i, end), horizon, strip, pieces.sample, pieces.extent)
                     # apart from the walk, so that the look-ups of one piece can overlap with those of the next
                     shade_line(swept, surface, optics, line, pieces, count, tangents[j], cuts[column], image)
                     tangents[j] = tangent
         for tangent in tangents:
-            add_sky(frame, tangent, 1.0 / tangents.shape[0], image[0])
+            add_sky(rows, tangent, 1.0 / tangents.shape[0], image[0])
             if image.shape[0] > 1:
-                add_sky(frame, tangent, 1.0 / tangents.shape[0], image[image.shape[0] - 1])
+                add_sky(rows, tangent, 1.0 / tangents.shape[0], image[image.shape[0] - 1])

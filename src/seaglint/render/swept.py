@@ -23,7 +23,7 @@ from seaglint.render.scene import joined
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles, sparkle_columns, sparkle_rows
 from seaglint.render.sunlight import Sunlight
 from seaglint.render.surface import Surface, course, height
-from seaglint.render.sweep import Frame, Swept, sweep_columns
+from seaglint.render.sweep import Rows, Swept, sweep_columns
 from seaglint.render.tables import FacetDomain, facet_slopes, facet_tables
 from seaglint.render.view import Attitude
 from seaglint.render.walk import PATH_EVERY, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
@@ -176,8 +176,8 @@ class SweptScene:
         if camera.height != walk.eye:
             rise, fall = sight_lines(walk.range_m, camera.height)
             walk = walk._replace(eye=camera.height, rise=rise, fall=fall)
-        frame = self._tables.frame if _same_rows(camera, self.camera) else sky_rows(self.view, replace(camera, height=made.height))
-        return replace(self, camera=camera, _tables=self._tables._replace(walk=walk, frame=frame))
+        rows = self._tables.rows if _same_rows(camera, self.camera) else sky_rows(self.view, replace(camera, height=made.height))
+        return replace(self, camera=camera, _tables=self._tables._replace(walk=walk, rows=rows))
 
     def reseeded(self, seed: int) -> Self:
         """Another realisation of the same sea, sparkles included, without preparing anything again."""
@@ -254,7 +254,7 @@ class SweptScene:
         return out
 
     def planes(self, pose: Pose, time: float, surface: Surface, part: tuple[int, int]) -> NDArray[np.float32]:
-        """Planes of :func:`~seaglint.render.layers.planes_for` of some columns (planes, rows, columns), of a sea that is there already."""
+        """Planes of :func:`~seaglint.render.layers.planes_for` [(planes, rows, columns)] of some columns, of a sea at hand."""
         images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
         return self._planes(images[:, 0], planes_for(self.layers))
 
@@ -369,7 +369,7 @@ def require_dry(height: float, waves: WaveField) -> None:
         )
 
 
-def sky_rows(view: SeaView, camera: Camera) -> Frame:
+def sky_rows(view: SeaView, camera: Camera) -> Rows:
     """Rows of a camera and the sky in those that touch it."""
     elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
     # only rows that touch the sky are looked up; crests never lower the horizon by more than a few rows
@@ -379,7 +379,7 @@ def sky_rows(view: SeaView, camera: Camera) -> Frame:
         sky[rows] = view.in_band(view.atmosphere.sky_radiance(0.5 * np.pi - elevation[rows], camera.height))
     bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
     top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
-    return Frame(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky)
+    return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky)
 
 
 def _same_rows(one: Camera, other: Camera) -> bool:

@@ -86,7 +86,7 @@ def sun_terms(basis: PathBasis, irradiance: FloatArray, water: WaterIndex) -> Fl
 
 
 def sun_of(view: SeaView, basis: PathBasis) -> tuple[Sunlight, FloatArray]:
-    """The Sun of a view, and the band terms of its reflection (:func:`sun_terms`)."""
+    """The Sun of a view, and the band terms of its reflection [W m-2] (:func:`sun_terms`)."""
     share, zenith = visible_sun(view.solar_zenith)
     irradiance = share * view.irradiance
     return sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0)), sun_terms(basis, irradiance, view.water)

@@ -116,7 +116,7 @@ class Imager:
         level = np.stack([np.cos(elevation) * np.sin(azimuth), np.cos(elevation) * np.cos(azimuth), np.sin(elevation)], axis=-1)
         if attitude.roll == 0.0:
             return level
-        # from the world's frame to the unrolled camera's, and back through the rolled one
+        # from the world's axes to the unrolled camera's, and back through the rolled one
         return np.asarray(level @ (Attitude(attitude.azimuth, attitude.elevation).axes.T @ axes))
 
     def corners(self, attitude: Attitude) -> FloatArray:

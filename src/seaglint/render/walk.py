@@ -1,7 +1,7 @@
 """The walk outward along a line of sight: where samples lie, and which pieces of sea rise above what was seen before.
 
-Detail falls with range: where a column has grown wider than half the waves of a level's last band (:mod:`seaglint.sea.detail`), the
-band goes to the facets and steps grow. Most samples are hidden at grazing views: strips of them are passed over where the largest
+Detail falls with range: where a column has grown wider than half the waves of a level's last octave (:mod:`seaglint.sea.detail`),
+that octave goes to the facets and steps grow. Most samples are hidden at grazing views: strips of them are passed over where the largest
 heights of the lattices (:mod:`seaglint.render.surface`) stay below the line of sight, and the image is that of the full walk.
 """
 

@@ -1,4 +1,4 @@
-"""Levels of detail: the same sea with its shortest waves left out, one band of about an octave after another.
+"""Levels of detail: the same sea with its shortest waves left out, one octave after another, more or less.
 
 Each tile of a :class:`~seaglint.sea.field.WaveField` comes as it is and low-passed on lattices of half, a quarter, ... of its points,
 as long as waves are left. A level is a choice of one version of every tile that still has waves. What a level leaves out belongs to

@@ -209,12 +209,28 @@ def open_labelled(path: Path, how: Reading) -> Recording:
     except Exception as error:
         what = "Zarr" if path.is_dir() else "NetCDF 4"
         raise DataError(f"{path}: cannot be read as {what} ({str(error).splitlines()[0]})") from error
+    return of_dataset(dataset, str(path), how)
+
+
+def of_dataset(dataset: Any, source: str, how: Reading) -> Recording:
+    """The image variable of an :class:`xarray.Dataset`: ``radiance``, the only one, or the one chosen; read when it is needed.
+
+    The frame rate is that of the time coordinate where this is even and the attributes say something else: a selection of every other
+    frame keeps the attributes.
+    """
     images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
-    name = _choose(images, how.variable or ("radiance" if "radiance" in images else None), path)
+    name = _choose(images, how.variable or ("radiance" if "radiance" in images else None), source)
     chosen = images[name]
-    rate = _rate(dataset.attrs) or _rate(dict(chosen.attrs)) or _spacing(dataset)
+    rate, even = _rate(dataset.attrs) or _rate(dict(chosen.attrs)), _spacing(dataset)
+    if rate is None or (even is not None and abs(even / rate - 1.0) > 1e-3):
+        rate = even
     return of_array(
-        _Lazy(chosen), f"{path}:{name}", how, frame_rate=rate, units=_text(chosen.attrs.get("units")), named_axes=chosen.dims[0] == "time"
+        _Lazy(chosen),
+        f"{source}:{name}",
+        how,
+        frame_rate=rate,
+        units=_text(chosen.attrs.get("units")),
+        named_axes=chosen.dims[0] == "time",
     )
 
 
@@ -255,7 +271,7 @@ def _text(value: Any) -> str | None:
     return str(text) if text else None
 
 
-def _choose(found: dict[str, Any], wanted: str | None, path: Path) -> str:
+def _choose(found: dict[str, Any], wanted: str | None, path: str | Path) -> str:
     names = ", ".join(found) or "none"
     if wanted is not None:
         if wanted not in found:

@@ -1,0 +1,210 @@
+"""``import seaglint as sg``: the way of a user in Python, through the same scenes, stores and numbers as the command line."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import seaglint as sg
+from seaglint.analysis import Analysis, Options
+from seaglint.analysis import analyze as run_analysis
+from seaglint.analysis.recording import Recording
+from seaglint.errors import DataError, DomainError, ScenarioError
+from seaglint.io.recording import open_recording
+from seaglint.optics.band import Band
+from seaglint.pipeline.mean import mean as pipeline_mean
+from seaglint.schema import LAYERS
+
+RATE = 20.0
+SCENE = {
+    "seed": 5,
+    "sun": {"zenith_deg": 70, "azimuth_deg": 240},
+    "sensor": {
+        "azimuth_deg": 240,
+        "elevation_deg": -3.0,
+        "fov_deg": [4, 6],
+        "pixels": [32, 40],
+        "frames": 4,
+        "frame_rate_hz": RATE,
+    },
+    "sea": {"shortest_wave_m": 4.0},
+    "render": {"tile_size": 128, "layers": ["glint_radiance"], "apparent_temperature": True},
+}
+
+
+@pytest.fixture(scope="module")
+def scene():
+    return sg.load(SCENE)
+
+
+@pytest.fixture(scope="module")
+def run(scene, tmp_path_factory) -> xr.Dataset:
+    return sg.render(scene, tmp_path_factory.mktemp("api") / "run.zarr")
+
+
+def in_new_interpreter(code: str) -> str:
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()
+
+
+@pytest.mark.parametrize(
+    "before",
+    ["", "import seaglint.render", "from seaglint.render.camera import Camera", "import seaglint.pipeline.render", "sg.mean"],
+)
+def test_render_is_a_function_and_a_room_whatever_was_imported_before(before: str) -> None:
+    after = "import seaglint.render.camera as camera\nprint(callable(sg.render), camera.Camera is sg.render.camera.Camera)"
+    code = f"import seaglint as sg\n{before}\n{after}"
+    assert in_new_interpreter(code) == "True True"
+
+
+def test_every_name_is_there_and_documented() -> None:
+    assert set(sg.__all__) <= set(dir(sg))
+    for name in set(sg.__all__) - {"__version__", "render"}:
+        assert "Examples" in getattr(sg, name).__doc__
+    with pytest.raises(AttributeError, match=r"'rendering'; it has .*render"):
+        sg.rendering  # noqa: B018
+
+
+def test_scenarios_come_from_files_and_mappings(tmp_path) -> None:
+    path = tmp_path / "my.toml"
+    path.write_text("[wind]\nspeed_m_s = 9\n")
+    assert sg.load(path) == sg.load(str(path)) == sg.load({"wind": {"speed_m_s": 9.0}})
+    with pytest.raises(ScenarioError, match=r"wind\.sped_m_s is an unknown key"):
+        sg.load({"wind": {"sped_m_s": 9.0}})
+
+
+def test_mean_is_that_of_the_pipeline_with_units_at_every_variable(scene) -> None:
+    found, expected = sg.mean(scene), pipeline_mean(scene)
+    for name in expected.data_vars:
+        np.testing.assert_array_equal(found[name], expected[name])
+        assert found[name].attrs["units"] == ("K" if name == "apparent_temperature" else "W m-2 sr-1")
+    assert found.elevation.attrs["units"] == "degree"
+
+
+def test_the_store_comes_back_opened_and_is_read_frame_by_frame(scene, run) -> None:
+    assert dict(run.radiance.sizes) == {"time": 4, "y": 40, "x": 32}
+    assert set(run.data_vars) >= {"radiance", "apparent_temperature", "glint_radiance"}
+    assert not run.radiance.variable._in_memory
+    with pytest.raises(DataError, match="exists already"):
+        sg.render(scene, run.encoding["source"])
+
+
+@pytest.mark.parametrize("number", [0, 3])
+def test_image_is_the_frame_of_its_time(scene, run, number: int) -> None:
+    found = sg.image(scene, time=number / RATE, layers=["range", "glint_radiance"])
+    frame = run.isel(time=number)
+    for name in ("radiance", "glint_radiance"):
+        np.testing.assert_array_equal(found[name], frame[name])
+    assert list(found.data_vars) == ["radiance", "glint_radiance", "range"]
+    np.testing.assert_array_equal(found.azimuth, frame.azimuth)
+    np.testing.assert_array_equal(found.elevation, frame.elevation)
+    assert float(found.time) == number / RATE
+
+
+def test_parts_of_an_image_add_up(scene) -> None:
+    found = sg.image(scene, layers=LAYERS)
+    parts = sum(found[name] for name in ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance"))
+    np.testing.assert_allclose(parts, found.radiance, rtol=1e-6)
+    assert bool(np.isnan(found["range"]).equals(found.coverage == 0.0))
+
+
+def test_image_of_a_turning_sensor_names_the_directions_of_its_time() -> None:
+    keyframes = [{"time_s": 0, "azimuth_deg": 170, "east_m": 0}, {"time_s": 2, "azimuth_deg": 190, "east_m": 20}]
+    sensor = {"pixels": [8, 6], "frames": 2}
+    scene = sg.load({"sensor": sensor, "sea": {"resolve_waves": False}, "platform": {"keyframes": keyframes}})
+    first, later = sg.image(scene), sg.image(scene, time=1.0)
+    np.testing.assert_allclose(later.azimuth - first.azimuth, 10.0, atol=1e-9)  # half of 20 degrees
+    assert float(later.sensor_east) == pytest.approx(10.0)
+    with pytest.raises(DomainError, match="keyframes"):
+        sg.image(scene, time=3.0)
+
+
+@pytest.mark.parametrize(
+    ("more", "match"), [({"time": float("nan")}, "seconds from the start"), ({"layers": ["rnage"]}, "'rnage' is not one of")]
+)
+def test_images_that_there_are_not_are_refused(scene, more, match: str) -> None:
+    with pytest.raises(DomainError, match=match):
+        sg.image(scene, **more)
+
+
+def test_apparent_temperature_is_that_of_the_store(run) -> None:
+    """Same band, same spectral grid: equal to rounding in single precision."""
+    stored = run.apparent_temperature
+    for given in (run, run.radiance):
+        found = sg.apparent_temperature(given)
+        np.testing.assert_array_equal(found, stored)
+        assert (found.dtype, found.name, found.attrs["units"]) == (np.float32, "apparent_temperature", "K")
+        assert found.attrs["standard_name"] == "brightness_temperature"
+        xr.testing.assert_equal(found.azimuth, run.azimuth)
+    frame = sg.apparent_temperature(run.radiance.isel(time=2))
+    np.testing.assert_array_equal(frame, stored.isel(time=2))
+    assert frame.attrs["band_wavelength_um"] == [3.5, 5.0]
+    # A blackbody of a known temperature, by another grid.
+    grid = np.arange(1990.0, 2870.0, 1.0)
+    warm = Band.rectangular(3.5, 5.0).radiance(np.array([[280.0, 300.0]]), grid)
+    assert sg.apparent_temperature(warm, (3.5, 5.0)).dims == ("y", "x")
+    np.testing.assert_allclose(sg.apparent_temperature(warm, Band.rectangular(3.5, 5.0)), [[280.0, 300.0]], atol=1e-3)
+
+
+def test_radiance_without_a_band_is_refused(run) -> None:
+    for given in (np.ones((2, 2)), run.radiance.drop_attrs()):
+        with pytest.raises(DataError, match=r"no band given.*give band=\(min_um, max_um\)"):
+            sg.apparent_temperature(given)
+    with pytest.raises(DataError, match="no variable 'radiance'"):
+        sg.apparent_temperature(run[["frame"]])
+
+
+def numbers(found: Analysis) -> dict:
+    return {name: value for name, value in found.as_dict().items() if name != "source"}
+
+
+def test_analysis_is_the_same_of_a_path_a_dataset_a_variable_and_an_array(run) -> None:
+    path = run.encoding["source"]
+    expected = numbers(run_analysis(open_recording(path)))
+    assert expected["frame_rate_hz"] == RATE
+    assert numbers(sg.analyze(path)) == expected
+    assert numbers(sg.analyze(run)) == expected
+    found = numbers(sg.analyze(run.radiance.transpose("y", "x", "time")))
+    assert found.pop("frame_rate_hz") == pytest.approx(RATE, rel=1e-12)
+    array = numbers(sg.analyze(run.radiance.to_numpy(), frame_rate=RATE, units="W m-2 sr-1"))
+    assert array == expected
+    given = Recording("mine", 4, 40, 32, lambda a, b: run.radiance[a:b].to_numpy(), RATE, "W m-2 sr-1")
+    assert numbers(sg.analyze(given)) == expected
+
+
+def test_every_other_frame_has_half_the_rate(run) -> None:
+    """The attribute still says that of the whole sequence."""
+    assert sg.analyze(run.isel(time=slice(None, None, 2))).recording.frame_rate == pytest.approx(0.5 * RATE)
+    assert sg.analyze(run.isel(time=slice(None, None, 2)), frame_rate=3.0).recording.frame_rate == 3.0
+
+
+def test_options_go_by_the_fields_of_the_record(run) -> None:
+    mask = run.radiance.isel(time=0) > float(run.radiance.mean())
+    seen = []
+    found = sg.analyze(
+        run, filter="top-hat", thresholds=[4.0], detectors=["ca-cfar"], mask=mask, seed=3, progress=lambda done, total: seen.append(done)
+    )
+    options = Options()
+    assert (found.options.filter.name, found.options.thresholds, found.options.seed) == ("top_hat", (4.0,), 3)
+    assert found.options.scope == options.scope
+    np.testing.assert_array_equal(found.regions["glint"].mask, mask)
+    assert list(found.regions["all"].alarms) == ["top_hat", "ca-cfar"]
+    assert seen[-1] == 8
+
+
+@pytest.mark.parametrize(
+    ("options", "match"),
+    [
+        ({"sigma": "frame"}, "option 'sigma' is not one of filter, thresholds"),
+        ({"scope": "frames"}, "scope = 'frames' is not one of frame, sequence, local"),
+        ({"border": "cut"}, "border = 'cut' is not one of auto, keep, drop"),
+        ({"filter": "laplace"}, "'laplace' is unknown"),
+        ({"variable": "radiance_"}, "no image variable 'radiance_'"),
+    ],
+)
+def test_options_that_there_are_not_are_refused(run, options, match: str) -> None:
+    with pytest.raises(DataError, match=match):
+        sg.analyze(run, **options)
