@@ -333,7 +333,12 @@ def camera(scenario: Scenario) -> Camera:
 def accuracy(scenario: Scenario) -> Accuracy:
     """How finely images are drawn."""
     wanted = scenario.render
-    return Accuracy(step=wanted.step_m, lines_per_column=wanted.lines_per_column, shortest_wave_columns=wanted.shortest_wave_columns)
+    return Accuracy(
+        step=wanted.step_m,
+        lines_per_column=wanted.lines_per_column,
+        shortest_wave_columns=wanted.shortest_wave_columns,
+        variance_error=wanted.variance_error,
+    )
 
 
 def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:

@@ -19,13 +19,13 @@ class Accuracy:
     steps_per_wave : float
         Steps of the sweep per shortest resolved wave, as many as its lattice has; twice as many move column means by less than 0.5 %.
     lines_per_column : int
-        Most lines of sight in a column, a power of two; where a column is wider than their spacing, the sea is sampled across it. One
-        line makes the variance of pixels up to 9 % too large, two up to 2 %.
-    lines_per_wave : float
-        Lines across a shortest wave, which keep the variance of a column's mean within 2 %; a single one would add 8 %.
+        Most lines of sight in a column, a power of two; as many are used as ``variance_error`` asks for.
     shortest_wave_columns : float
-        Columns that an octave's longest waves must span to stay geometry; 0 keeps all waves at any range. It moves means near the horizon
-        by less than 0.8 %.
+        Columns that an octave's longest waves must span to stay geometry, whatever their share of the variance; 0 keeps all waves at any
+        range.
+    variance_error : float
+        Error of the variance of pixels, to first order in the slopes, up to which levels of detail leave waves out and lines stand apart.
+        With the default, deviations of pixels are within 6 % of those of finer pictures averaged down, from 10 m to 3 km.
     crest : float
         Height above which no crest is expected, in significant heights: five standard deviations.
     negligible_shadow : float
@@ -43,9 +43,9 @@ class Accuracy:
 
     step: float | None = None
     steps_per_wave: float = 4.0
-    lines_per_column: int = 2
-    lines_per_wave: float = 4.0
+    lines_per_column: int = 16
     shortest_wave_columns: float = 2.0
+    variance_error: float = 0.02
     crest: float = 1.25
     negligible_shadow: float = 1e-3
     steepest_rise: float = 3.0

@@ -287,7 +287,7 @@ class SweptScene:
 
     def _tabled(self, arcs: FloatArray) -> Swept:
         """What columns look up for samples at ``arcs`` [m]."""
-        view, camera, levels, fine = self.view, self.camera, self._levels, self.accuracy
+        view, camera, levels = self.view, self.camera, self._levels
         every = 1 if self.waves is None else PATH_EVERY
         # of the middle of the piece that ends at a sample
         middle = np.concatenate([arcs[:1], 0.5 * (arcs[1:] + arcs[:-1])])
@@ -300,7 +300,7 @@ class SweptScene:
             (camera.azimuth - half, camera.azimuth + half),
             emitted=bool({"emitted_radiance", "sky_radiance"} & set(self.layers)),
         )
-        stage = stages(arcs, camera.column_step, levels.begins, levels.shortest, fine)
+        stage = stages(arcs, levels.begins, levels.parts)
         walk = Walk(arcs, camera.height, *sight_lines(arcs, camera.height), path, every, stage, self._shadows(sun))
         return Swept(walk, sky_rows(view, camera), sun, facets, self.sparkles.of(view, camera)[0])
 

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from seaglint._jit import kernel, njit
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
-from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
 from seaglint.render.surface import STRIP, Course, Strip, Surface, add_heights, height
 from seaglint.render.tables import PathTerms
@@ -104,16 +103,14 @@ def calm_ranges(camera: Camera) -> FloatArray:
     return np.asarray(np.maximum.accumulate(np.nan_to_num(arcs, nan=horizon_range(camera.height))))
 
 
-def stages(arcs: FloatArray, column_step: float, begins: FloatArray, shortest_waves: FloatArray, accuracy: Accuracy) -> NDArray[np.int64]:
+def stages(arcs: FloatArray, begins: FloatArray, parts: FloatArray) -> NDArray[np.int64]:
     """Rows of :attr:`Walk.stage` for samples at ``arcs`` [m].
 
-    Level ``l`` begins at the arc ``begins[l]``. A column has lines a quarter of a shortest wave apart or closer, up to
-    ``accuracy.lines_per_column``; they never join again, as each has its own horizon.
+    Level ``l`` begins at the arc ``begins[l]``; at each of ``parts`` the lines of a column part in two. They never join again, as each
+    has its own horizon.
     """
     level = np.searchsorted(begins, arcs, side="right") - 1
-    apart = accuracy.lines_per_wave * arcs * column_step / shortest_waves[level]
-    parted = np.clip(np.floor(np.log2(np.maximum(apart, 0.5))) + 1.0, 0.0, np.log2(accuracy.lines_per_column)).astype(np.int64)
-    parted = np.maximum.accumulate(parted)
+    parted = np.searchsorted(parts, arcs, side="right")
     starts = np.flatnonzero(np.concatenate([[True], (np.diff(level) != 0) | (np.diff(parted) != 0)]))
     doublings = np.diff(parted[starts], prepend=0)
     return np.concatenate([np.stack([starts, level[starts], doublings], axis=1), [[arcs.size, 0, 0]]]).astype(np.int64)

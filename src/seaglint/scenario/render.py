@@ -17,11 +17,18 @@ class Render(Record):
     lines_per_column: Annotated[
         Literal[1, 2, 4, 8, 16],
         Field(description="most lines of sight across a pixel column; one begins and parts in two as the column widens with range"),
-    ] = 2
+    ] = 16
+    variance_error: Annotated[
+        float,
+        Quantity(ge=0.001, le=1),
+        Field(
+            description="error of the variance of pixels up to which far waves are left to the facets and lines stand apart; more is faster"
+        ),
+    ] = 0.02
     shortest_wave_columns: Annotated[
         float,
         Quantity(ge=0, le=100),
-        Field(description="columns that waves must span to be geometry: far away, shorter ones go to the facets; 0 keeps all at any range"),
+        Field(description="columns that waves must span to stay geometry in any case; 0 keeps all waves at any range"),
     ] = 2.0
     step_m: Annotated[
         Annotated[float, Quantity("m", gt=0, le=100)] | None,
