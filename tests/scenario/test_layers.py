@@ -71,7 +71,7 @@ def test_template_and_schema_describe_the_key():
 def test_choices_are_read_off_the_models():
     assert choices_at(("render", "layers", 0)) == LAYERS
     assert choices_at(("sensor", "projection")) == ("equal-angle", "pinhole")
-    assert choices_at(("mean", "shadowing")) == ("both", "viewer", "nested")
+    assert choices_at(("mean", "shadowing")) == ("nested", "both", "viewer")
     assert choices_at(("sensor", "height_m")) == choices_at(("nix",)) == ()
 
 

@@ -59,7 +59,7 @@ def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | N
 
 def facet_bands(view: SeaView, waves: WaveField) -> float:
     """Bands of the facets' nested shadowing where all waves of the tile are geometry, as the renderer has them."""
-    return max(view.shadowing.bands * (1.0 - sum(waves.resolved_mss()) / view.slopes.mss), 1.0)
+    return max(view.shadowing.bands_for(view.slopes) * (1.0 - sum(waves.resolved_mss()) / view.slopes.mss), 1.0)
 
 
 def compared_rows(camera: Camera) -> slice:
