@@ -271,6 +271,20 @@ def test_tracked_files_stand_on_their_own(what: str) -> None:
     assert found == []
 
 
+def test_rooms_are_not_crowded() -> None:
+    """Files and the kernels' lists of parameters stay short enough to be read at once."""
+    long, wide = [], []
+    for path in sorted(SOURCE.rglob("*.py")):
+        text = path.read_text(encoding="utf-8")
+        if text.count("\n") > 450:
+            long.append(f"{path.name}: {text.count(chr(10))} lines")
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef) and is_kernel(node) and len(node.args.args) > 10:
+                wide.append(f"{path.name}: {node.name}")
+    assert long == []
+    assert wide == []
+
+
 def test_package_data_are_small() -> None:
     """The wheel stays downloadable anywhere: tables, spectra and optical constants within 15 MB."""
     size = sum(p.stat().st_size for p in SOURCE.rglob("*") if p.is_file() and "__pycache__" not in p.parts)

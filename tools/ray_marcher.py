@@ -20,7 +20,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seaglint.sea.field import WaveField
-from seaglint.sea.nested import HIGHEST, between_bands, lit_exponent_kernel, lit_table, nested_ratio
+from seaglint.sea.nested import HIGHEST, between_bands, nested_ratio
+from seaglint.sea.seen_and_lit import lit_exponent_kernel, lit_table
 
 FloatArray = NDArray[np.float64]
 

@@ -8,7 +8,8 @@ import pytest
 
 from seaglint.atmosphere.base import DEEPEST_LINE, slant_range
 from seaglint.atmosphere.isothermal import IsothermalAtmosphere
-from seaglint.atmosphere.sampled import PathSamples, SampledAtmosphere, SkySamples, SunSamples
+from seaglint.atmosphere.sampled import PathSamples, SampledAtmosphere, SunSamples
+from seaglint.atmosphere.sampled_sky import SkySamples
 from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.atmosphere.vacuum import VacuumAtmosphere
 from seaglint.conventions import horizon_range

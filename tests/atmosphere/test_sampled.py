@@ -5,7 +5,8 @@ import pytest
 
 from seaglint.atmosphere.base import Atmosphere, slant_range
 from seaglint.atmosphere.isothermal import IsothermalAtmosphere
-from seaglint.atmosphere.sampled import PathSamples, SampledAtmosphere, SkySamples, SunSamples, grazing_coordinate, grazing_share
+from seaglint.atmosphere.sampled import PathSamples, SampledAtmosphere, SunSamples
+from seaglint.atmosphere.sampled_sky import SkySamples, grazing_coordinate, grazing_share
 from seaglint.conventions import horizon_depression
 from seaglint.errors import DataError, DomainError
 from seaglint.optics.blackbody import planck_wavenumber

@@ -7,7 +7,7 @@ from seaglint.errors import DomainError
 from seaglint.pipeline.render import prepare_sequence
 from seaglint.render.swept import SweptScene
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.nested import coupling_table
+from seaglint.sea.seen_and_lit import coupling_table
 
 
 def _scenario(**tables):

@@ -8,16 +8,8 @@ from seaglint.radiance.glint import glint
 from seaglint.radiance.legs import NESTED_VIEWER, VIEWER, Shadowing
 from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
 from seaglint.sea.emissivity import facet_nodes
-from seaglint.sea.nested import (
-    BANDS,
-    coupling_table,
-    lit_exponent_kernel,
-    lit_table,
-    nested_area,
-    nested_exponent_kernel,
-    nested_ratio,
-    ratio_table,
-)
+from seaglint.sea.nested import BANDS, nested_area, nested_exponent_kernel, nested_ratio, ratio_table
+from seaglint.sea.seen_and_lit import coupling_table, lit_exponent_kernel, lit_table
 from seaglint.sea.shadowing import projected_area, smith_lambda, smith_nu
 from seaglint.sea.slopes import SlopeStatistics, flat
 

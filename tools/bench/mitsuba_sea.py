@@ -29,7 +29,8 @@ from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.view import SeaView
 from seaglint.render.camera import Camera
 from seaglint.sea.field import WaveField
-from seaglint.sea.nested import HIGHEST, between_bands, lit_table, nested_ratio
+from seaglint.sea.nested import HIGHEST, between_bands, nested_ratio
+from seaglint.sea.seen_and_lit import lit_table
 from seaglint.sea.slopes import SlopeStatistics
 
 INCIDENCE_NODES = 1025

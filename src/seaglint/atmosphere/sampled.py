@@ -6,7 +6,6 @@ effective air temperature of the path, encoded optical depth towards the Sun, br
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -17,26 +16,22 @@ from scipy.interpolate import CubicSpline
 
 from seaglint.atmosphere.base import FloatArray, require_line, require_range, slant_range
 from seaglint.atmosphere.coordinates import (
-    ELEVATION_SCALE,
     decode_optical_depth,
     elevation_coordinate,
     encode_optical_depth,
     path_coordinate,
 )
 from seaglint.atmosphere.line import heights_along
+from seaglint.atmosphere.sampled_sky import Sky, SkySamples, brightness_temperature, radiance_of
 from seaglint.atmosphere.vacuum import exoatmospheric_irradiance
 from seaglint.conventions import horizon_depression
 from seaglint.errors import DataError, DomainError
-from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION, planck_wavenumber
 
 OPAQUE = 25.0
 """Optical depths end here: transmittance 1e-11."""
 
 CLEAR = 1e-6
 """Smallest optical depth whose emission is told from nothing."""
-
-COLDEST, HOTTEST = 1.0, 1e5
-"""Temperatures that stand for radiances [K]; splines overshoot where radiance falls to nothing."""
 
 ANGLE_SLACK = 1e-6
 """Angles this far outside count as on the edge: rounding of degrees [rad]."""
@@ -90,98 +85,6 @@ class SunSamples:
 
 
 @dataclass(frozen=True, eq=False)
-class SkySamples:
-    """Thermal sky (k, n) seen from ``height`` [m] at ascending elevations above the horizontal [rad, (k,)].
-
-    ``dip`` is the depression of the horizon in the calculation that made them [rad]. ``kinks`` are node elevations at or below the
-    horizontal where the sky may have corners: a ray that grazes a level of the atmosphere.
-    """
-
-    height: float
-    elevation: FloatArray
-    radiance: FloatArray
-    dip: float = 0.0
-    kinks: tuple[float, ...] = ()
-
-
-def brightness_temperature(wavenumber_cm: FloatArray, radiance: FloatArray) -> FloatArray:
-    """Inverse of Planck's law [K], within :data:`COLDEST` ... :data:`HOTTEST`; 0 gives the coldest."""
-    ratio = FIRST_RADIATION * wavenumber_cm**3 / np.maximum(radiance, 1e-280)
-    return np.asarray(np.clip(SECOND_RADIATION * wavenumber_cm / np.log1p(ratio), COLDEST, HOTTEST))
-
-
-def radiance_of(wavenumber_cm: FloatArray, temperature: FloatArray) -> FloatArray:
-    """Planck's law for splined temperatures, which may overshoot [W m-2 sr-1 per cm-1]."""
-    return planck_wavenumber(wavenumber_cm, np.clip(temperature, COLDEST, HOTTEST))
-
-
-def grazing_coordinate(part: ArrayLike) -> FloatArray:
-    """Share [1] of an interval between kinks to a coordinate 0...1 that spreads root-like corners at its ends: ``arccos(1 - 2s)/pi``."""
-    return np.asarray(np.arccos(np.clip(1.0 - 2.0 * np.asarray(part, dtype=np.float64), -1.0, 1.0)) / np.pi)
-
-
-def grazing_share(coordinate: ArrayLike) -> FloatArray:
-    """Inverse of :func:`grazing_coordinate` [1]."""
-    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.asarray(coordinate, dtype=np.float64)))
-
-
-@dataclass(frozen=True, eq=False)
-class _Piece:
-    """Spline between two elevations."""
-
-    low: float
-    high: float
-    spline: CubicSpline[np.float64]
-
-    def __call__(self, elevation: FloatArray) -> FloatArray:
-        return np.asarray(self.spline(self.coordinate(elevation, self.low, self.high)))
-
-    @staticmethod
-    def coordinate(elevation: FloatArray, low: float, high: float) -> FloatArray:
-        """Below the horizontal from grazing ray to grazing ray, above it as the tables have it."""
-        if high <= 0.0:
-            return grazing_coordinate((elevation - low) / (high - low))
-        return elevation_coordinate(np.maximum(elevation, 0.0), 0.0) if low >= 0.0 else np.arcsinh(elevation / ELEVATION_SCALE)
-
-
-@dataclass(frozen=True, eq=False)
-class _Sky:
-    """Brightness temperature against elevation, in pieces."""
-
-    height: float
-    dip: float
-    lowest: float
-    highest: float
-    pieces: tuple[_Piece, ...]
-
-    @classmethod
-    def of(cls, samples: SkySamples, wavenumber_cm: FloatArray) -> _Sky:
-        e = np.asarray(samples.elevation, dtype=np.float64)
-        temperature = brightness_temperature(wavenumber_cm, samples.radiance)
-        edges = [e[0], *(k for k in sorted(samples.kinks) if e[0] < k < e[-1]), e[-1]]
-        pieces = []
-        for low, high in itertools.pairwise(edges):
-            inside = (e >= low) & (e <= high)
-            pieces.append(
-                _Piece(float(low), float(high), CubicSpline(_Piece.coordinate(e[inside], low, high), temperature[inside], axis=0))
-            )
-        return cls(samples.height, samples.dip, float(e[0]), float(e[-1]), tuple(pieces))
-
-    def __call__(self, elevation: FloatArray) -> FloatArray:
-        flat = np.clip(elevation, self.lowest, self.highest).ravel()
-        which = np.clip(np.searchsorted([piece.low for piece in self.pieces], flat, side="right") - 1, 0, len(self.pieces) - 1)
-        out: FloatArray | None = None
-        for index in np.unique(which):
-            mine = which == index
-            values = self.pieces[int(index)](flat[mine])
-            if out is None:
-                out = np.empty((flat.size, values.shape[-1]))
-            out[mine] = values
-        assert out is not None  # callers ask for one elevation at least
-        return out.reshape(*elevation.shape, -1)
-
-
-@dataclass(frozen=True, eq=False)
 class SampledAtmosphere:
     """Spectra at nodes and splines between them, for one sensor height. Make it with :meth:`create`.
 
@@ -219,7 +122,7 @@ class SampledAtmosphere:
     _depth: CubicSpline[np.float64]
     _temperature: CubicSpline[np.float64]
     _sun: CubicSpline[np.float64]
-    _skies: tuple[_Sky, ...] = field(default=())
+    _skies: tuple[Sky, ...] = field(default=())
     _line: LiveLine | None = None
 
     @classmethod
@@ -293,7 +196,7 @@ class SampledAtmosphere:
             _depth=CubicSpline(x[keep], encode_optical_depth(depth[keep]), axis=0),
             _temperature=CubicSpline(x[keep], temperature[keep], axis=0),
             _sun=CubicSpline(elevation_coordinate(elevation, 0.0), encode_optical_depth(toward[::-1]), axis=0),
-            _skies=tuple(_Sky.of(sky, nu) for sky in skies),
+            _skies=tuple(Sky.of(sky, nu) for sky in skies),
             _line=line,
         )
 

@@ -29,7 +29,8 @@ from typing import Any, Literal
 
 import numpy as np
 
-from seaglint.atmosphere.sampled import HEIGHT_SLACK, PathSamples, SampledAtmosphere, SkySamples, SunSamples
+from seaglint.atmosphere.sampled import HEIGHT_SLACK, PathSamples, SampledAtmosphere, SunSamples
+from seaglint.atmosphere.sampled_sky import SkySamples
 from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.errors import DataError, SeaglintError
 from seaglint.io.table_text import Row, TextTable, read_text_table

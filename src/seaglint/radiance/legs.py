@@ -12,16 +12,8 @@ from numpy.typing import ArrayLike
 from seaglint._jit import kernel
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
-from seaglint.sea.nested import (
-    HIGHEST,
-    bands_of,
-    between_bands,
-    coupling_table,
-    lit_exponent_kernel,
-    nested_area,
-    nested_ratio_kernel,
-    ratio_table,
-)
+from seaglint.sea.nested import HIGHEST, bands_of, between_bands, nested_area, nested_ratio_kernel, ratio_table
+from seaglint.sea.seen_and_lit import coupling_table, lit_exponent_kernel
 from seaglint.sea.shadowing import leg_passage_kernel
 from seaglint.sea.slopes import SlopeStatistics
 

@@ -23,7 +23,8 @@ from seaglint.render.roughness import Roughness, Sight
 from seaglint.render.solar_disc import DiscLine, disc_at, disc_edge, disc_of, mirror_factor, sharp
 from seaglint.render.sunlight import Sunlight
 from seaglint.render.thermal import between
-from seaglint.sea.nested import HIGHEST, lit_exponent_kernel, nested_exponent_kernel
+from seaglint.sea.nested import HIGHEST, nested_exponent_kernel
+from seaglint.sea.seen_and_lit import lit_exponent_kernel
 from seaglint.sea.shadowing import both_legs_kernel, quick_visible_area_kernel
 
 NEGLIGIBLE_EXPONENT = 30.0

@@ -9,7 +9,8 @@ import numpy as np
 
 from seaglint._jit import kernel
 from seaglint.render.sunlight import Sunlight
-from seaglint.sea.nested import between_bands, lit_table, ratio_table
+from seaglint.sea.nested import between_bands, ratio_table
+from seaglint.sea.seen_and_lit import lit_table
 from seaglint.sea.shadowing import leg_passage_kernel
 from seaglint.sea.slopes import SlopeStatistics
 

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from seaglint.atmosphere.base import slant_range, wavenumber_grid
 from seaglint.atmosphere.coordinates import Refraction, elevation_of_coordinate, straight_sea_cosine, straight_slant
 from seaglint.atmosphere.line import lowest_height
-from seaglint.atmosphere.sampled import PathSamples, SampledAtmosphere, SkySamples, SunSamples, grazing_share
+from seaglint.atmosphere.sampled import PathSamples, SampledAtmosphere, SunSamples
+from seaglint.atmosphere.sampled_sky import SkySamples, grazing_share
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray
 from seaglint.errors import BackendError, DomainError
