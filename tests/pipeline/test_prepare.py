@@ -141,3 +141,13 @@ def test_winds_above_a_slope_fit_are_told_with_its_range(kind, most):
         _scenario(wind={"speed_m_s": most + 0.5}, sea=sea, atmosphere=air)
     asked = _scenario(wind={"speed_m_s": most + 0.5}, sea={"slopes": {"kind": kind, "extrapolate": True}}, atmosphere=air)
     assert prepare.slopes(asked).mss > 0.0
+
+
+def test_slope_models_that_facets_cannot_draw_are_refused_unless_asked_for():
+    from seaglint.pipeline.render import prepare_sequence
+
+    small = {"sensor": {"pixels": [8, 4], "frames": 1}, "sea": {"resolve_waves": False, "slopes": {"kind": "breon-henriot"}}}
+    with pytest.raises(ScenarioError, match=r"breon-henriot.*render.gaussian_facets = true"):
+        prepare_sequence(parse_scenario(small))
+    drawn = prepare_sequence(parse_scenario(small | {"render": {"gaussian_facets": True}}))
+    assert drawn.at(0.0).radiance.shape == (4, 8)

@@ -47,3 +47,60 @@ def test_averaging_down_is_rendering_coarse(elevation, factors, mean):
         print(f"{elevation:g} deg, {factor} times: mean {coarse.mean() / down.mean():.4f}, variance {spread[0] / spread[1]:.3f}")
         assert coarse.mean() == pytest.approx(down.mean(), rel=mean)
         assert spread[0] == pytest.approx(spread[1], rel=0.05)
+
+
+def _far(factor, height, mrad, band, top, bottom, seed=1):
+    """A strip of columns ``mrad`` wide and its like ``factor`` times finer, all waves longer than a pixel's part as geometry."""
+    step = np.degrees(1e-3 * mrad) / factor
+    rows = round((bottom - top) / step / factor) * factor
+    scenario = {
+        "seed": seed,
+        "sun": {"zenith_deg": 75, "azimuth_deg": 180},
+        "wind": {"speed_m_s": 8, "from_deg": 225},
+        "sensor": {
+            "height_m": height,
+            "azimuth_deg": 180,
+            "elevation_deg": -(top + 0.5 * rows * step),
+            "fov_deg": [16 * factor * step, rows * step],
+            "pixels": [16 * factor, rows],
+            "pixel_shape": "any",
+        },
+        "band": {"min_um": band[0], "max_um": band[1]},
+        "render": {"subpixel_glint": "off"} | ({"shortest_wave_columns": 1.0} if factor > 1 else {}),
+    }
+    return prepare_sequence(parse_scenario(scenario))
+
+
+@pytest.mark.parametrize(
+    ("height", "mrad", "band", "top", "bottom", "seas"),
+    [
+        pytest.param(900.0, 1.75, (8.0, 12.0), 2.0, 6.0, 6, id="900 m"),
+        *(
+            pytest.param(*case, marks=pytest.mark.validation, id=f"{case[0]:g} m, {case[1]:g} mrad, {case[2]}")
+            for case in (
+                (10.0, 1.0, (3.5, 5.0), 0.15, 4.0, 24),
+                (30.0, 0.5, (3.5, 5.0), 0.25, 3.0, 24),
+                (100.0, 1.0, (3.5, 5.0), 0.4, 4.0, 24),
+                (900.0, 1.0, (3.5, 5.0), 1.0, 9.0, 16),
+                (900.0, 1.75, (8.0, 12.0), 1.0, 9.0, 16),
+                (3000.0, 1.0, (8.0, 12.0), 1.8, 9.0, 12),
+            )
+        ),
+    ],
+)
+def test_far_pixels_vary_as_fine_ones_averaged_down(height, mrad, band, top, bottom, seas):
+    """Waves that far columns hold unresolved count: deviations of rows in eighths of the picture."""
+    coarse, fine = (_far(factor, height, mrad, band, top, bottom) for factor in (1, 4))
+    seen, down = [], []
+    for seed in range(seas):
+        seen.append(coarse.reseeded(seed).at(0.0).radiance.astype(float))
+        image = fine.reseeded(seed).at(0.0).radiance.astype(float)
+        down.append(image.reshape(image.shape[0] // 4, 4, image.shape[1] // 4, 4).mean(axis=(1, 3)))
+    spread = [np.array(a).var(axis=(0, 2)) for a in (seen, down)]
+    parts = np.array_split(np.arange(spread[0].size), 8)
+    ratio = np.array([np.sqrt(spread[0][part].mean() / spread[1][part].mean()) for part in parts])
+    print(f"{height:g} m, {mrad:g} mrad, {band}: " + " ".join(f"{r:.3f}" for r in ratio))
+    np.testing.assert_allclose(ratio, 1.0, atol=0.05)
+    # means change by 1.5 % at most in the last rows above the horizon, where facets stand for waves
+    mean = np.array(seen).mean() / np.array(down).mean()
+    assert mean == pytest.approx(1.0, abs=0.01)

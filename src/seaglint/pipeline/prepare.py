@@ -391,6 +391,22 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:
     )
 
 
+def require_drawable(scenario: Scenario, statistics: SlopeStatistics) -> None:
+    """Refuse to draw a slope model with skewness and peakedness by its variances alone, unless the scenario asks for it.
+
+    Raises
+    ------
+    ScenarioError
+        For a model that is not Gaussian.
+    """
+    kind = scenario.sea.slopes.kind
+    if not (statistics.is_gaussian or scenario.render.gaussian_facets):
+        raise ScenarioError(
+            f"sea.slopes.kind = '{kind}' has skewness and peakedness, which mean maps have and the facets of images do not (up to twice "
+            "too little glint in the far tail); choose 'cox-munk-anisotropic', or set render.gaussian_facets = true to draw its variances alone"
+        )
+
+
 def facet_density(statistics: SlopeStatistics) -> str:
     """What the facets of an image are drawn from, in words: Gaussian always, which leaves something out of other slope models."""
     if statistics.is_gaussian:

@@ -146,6 +146,7 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None) -> Sequenc
     (4, 8)
     """
     require_memory(scenario)
+    prepare.require_drawable(scenario, prepare.slopes(scenario))
     sensor, track = scenario.sensor, prepare.track(scenario)
     numbers = frames if frames is not None else range(sensor.frames)
     accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)

@@ -39,6 +39,10 @@ class Render(Record):
         Literal["auto", "on", "off"],
         Field(description="sparkles that are smaller than a pixel make its sunlight fluctuate; auto: where that is not negligible"),
     ] = "auto"
+    gaussian_facets: Annotated[
+        StrictBool,
+        Field(description="draw slope models with skewness and peakedness by a Gaussian of the same variances, which images need"),
+    ] = False
     layers: Annotated[
         tuple[Layer, ...],
         Field(
