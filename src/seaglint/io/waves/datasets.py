@@ -50,10 +50,10 @@ def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
             rows, columns = data[latitude].size, data[longitude].size
             north, east = (a.ravel() for a in np.meshgrid(data[latitude].values, data[longitude].values, indexing="ij"))
             names = tuple(f"{n:g},{e:g}" for n, e in zip(north, east, strict=True))
-            places = (np.broadcast_to(north, (count, rows * columns)), np.broadcast_to(east, (count, rows * columns)))
+            places: list[FloatArray | None] = [np.broadcast_to(values, (count, rows * columns)) for values in (north, east)]
         else:
             names = _names(data, site)
-            places = tuple(_placed(data, name, time, site, (count, len(names))) for name in (latitude, longitude))
+            places = [_placed(data, name, time, site, (count, len(names))) for name in (latitude, longitude)]
 
     def bands(moment: int, place: int) -> Bands:
         chosen: dict[str, int] = {}

@@ -34,6 +34,8 @@ def read(path: Path) -> Held:
         for name in ("expver", "number"):
             if name in data["d2fd"].dims:
                 data = _one_of(data, name, path)
+        # wavespectra wants the numbers of frequencies and directions as coordinates; some files have bare dimensions.
+        data = data.assign_coords({name: np.arange(data.sizes[name]) for name in data["d2fd"].dims if name not in data.variables})
         if not np.any(np.isfinite(data["d2fd"].values)):
             raise DataError(f"{path}: has no spectrum there at that time (land, or outside); give a place at sea")
         found = from_era5(data)
@@ -43,9 +45,8 @@ def read(path: Path) -> Held:
                 f"{path}: has {spectrum.shape[0]} frequencies and {spectrum.shape[1]} directions, and ERA5 has 30 and 24 (forecasts 36 and "
                 "36); ask for all of them"
             )
-        return Bins(
-            *(np.asarray(found[name].values, dtype=np.float64) for name in ("freq", "dir")), np.asarray(spectrum.values, np.float64)
-        )
+        frequency, directions = (np.asarray(found[name].values, dtype=np.float64) for name in ("freq", "dir"))
+        return Bins(frequency, directions, np.asarray(spectrum.values, dtype=np.float64))
 
     return held_by(path, "d2fd", convert)
 

@@ -74,8 +74,8 @@ def read_waves(path: str | Path, choice: WaveChoice | None = None, wind_to_azimu
     held = _held(path, kind, choice)
     what = str(path)
     moment, off = (0, None) if held.times is None else choice.nearest_time(held.times, what)
-    places = [None if values is None else values[moment] for values in (held.latitude_deg, held.longitude_deg)]
-    site, away = choice.nearest_site(held.sites, *places, what)
+    latitude, longitude = (None if values is None else values[moment] for values in (held.latitude_deg, held.longitude_deg))
+    site, away = choice.nearest_site(held.sites, latitude, longitude, what)
     spectrum, directions = spectrum_of(held.bands(moment, site), choice, wind_to_azimuth, what)
     report: dict[str, Any] = {
         "file": path.name,
@@ -89,7 +89,7 @@ def read_waves(path: str | Path, choice: WaveChoice | None = None, wind_to_azimu
         report["seconds_from_time_wanted"] = off
     if len(held.sites) > 1:
         report["site"] = held.sites[site]
-    for name, values in zip(("latitude_deg", "longitude_deg"), places, strict=True):
+    for name, values in (("latitude_deg", latitude), ("longitude_deg", longitude)):
         if values is not None:
             report[name] = float(values[site])
     if away is not None:
@@ -115,7 +115,8 @@ def recognised(path: Path) -> Format:
     if found is None:
         hint = "; GRIB is not read: convert it to NetCDF" if beginning.startswith(b"GRIB") else ""
         raise DataError(
-            f"{path} is no file of wave spectra that is recognised{hint}; allowed: {', '.join(FORMATS)}: set sea.spectrum.format if it is one"
+            f"{path} is no file of wave spectra that is recognised{hint}; allowed: {', '.join(FORMATS)}: "
+            "set sea.spectrum.format if it is one"
         )
     return found
 

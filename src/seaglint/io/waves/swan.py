@@ -8,6 +8,7 @@ wavespectra takes them for nautical always.
 from __future__ import annotations
 
 import gzip
+import warnings
 from pathlib import Path
 from typing import Any, Final
 
@@ -30,7 +31,9 @@ def read_text(path: Path) -> Held:
         )
     read = reader("read_swan")
     # As sites always: for a grid wavespectra sorts the coordinates but not the spectra.
-    data = parsed(path, "a SWAN spectral file", lambda: read(str(path), as_site=True))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # rows that cannot be read are warned of and left as NaN: refused when they are wanted
+        data = parsed(path, "a SWAN spectral file", lambda: read(str(path), as_site=True))
     spherical = "LONLAT" in header
 
     def bands(moment: int, place: int) -> Bins:
