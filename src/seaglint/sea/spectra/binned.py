@@ -97,12 +97,8 @@ def of_bins(frequency_hz: FloatArray, azimuth: FloatArray, density: FloatArray, 
     if not np.all(np.isfinite(values)) or np.any(values < 0.0):
         raise DataError("densities over frequency and direction must be finite and not negative; fill or drop that record")
     azimuth = azimuth[order]
-    if azimuth.size * step < 2.0 * np.pi - 0.5 * step:  # a sector, with nothing beyond its last bins
-        beginning = int(np.argmax(np.diff(azimuth, append=azimuth[0] + 2.0 * np.pi))) + 1
-        azimuth, values = np.roll(azimuth, -beginning), np.roll(values, -beginning, axis=1)
-        azimuth = azimuth[0] + (azimuth - azimuth[0]) % (2.0 * np.pi)
-        azimuth = np.concatenate([[azimuth[0] - step], azimuth, [azimuth[-1] + step]])
-        values = np.pad(values, ((0, 0), (1, 1)))
+    if azimuth.size * step < 2.0 * np.pi - 0.5 * step:
+        azimuth, values = _with_empty_ends(azimuth, values, step)
     energy = values.sum(axis=1) * step
     azimuth, values, fine = _refined(azimuth, values, step)
     share = _filled(values, values.sum(axis=1) * fine)
@@ -160,6 +156,22 @@ def _sorted_directions(azimuth: FloatArray) -> tuple[FloatArray, float]:
         degrees = ", ".join(f"{np.degrees(value):.4g}" for value in (inner.min(), inner.max()))
         raise DataError(f"directions must be evenly spaced, each once; steps lie between {degrees} deg: interpolate them first")
     return wrapped, float(2.0 * np.pi / ordered.size) if gaps.max() < 1.5 * step else step
+
+
+def _with_empty_ends(azimuth: FloatArray, values: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
+    """A sector from its first direction on, followed by what makes it a whole turn, or with a bin of nothing at each end."""
+    beginning = int(np.argmax(np.diff(azimuth, append=azimuth[0] + 2.0 * np.pi))) + 1
+    azimuth, values = np.roll(azimuth, -beginning), np.roll(values, -beginning, axis=1)
+    azimuth = azimuth[0] + (azimuth - azimuth[0]) % (2.0 * np.pi)
+    missing = 2.0 * np.pi / step - azimuth.size
+    if abs(missing - round(missing)) < _UNEVEN * azimuth.size:
+        azimuth = azimuth[0] + np.arange(azimuth.size + round(missing)) * step
+        return azimuth, np.pad(values, ((0, 0), (0, round(missing))))
+    if missing < 3.0:
+        raise DataError(
+            f"directions leave out {np.degrees(missing * step):.4g} deg, no whole number of their steps: interpolate them first"
+        )
+    return np.concatenate([[azimuth[0] - step], azimuth, [azimuth[-1] + step]]), np.pad(values, ((0, 0), (1, 1)))
 
 
 def _refined(azimuth: FloatArray, values: FloatArray, step: float) -> tuple[FloatArray, FloatArray, float]:
