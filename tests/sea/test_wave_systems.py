@@ -8,6 +8,7 @@ import pytest
 from seaglint.constants import GRAVITY
 from seaglint.errors import DomainError
 from seaglint.sea.dispersion import angular_frequency
+from seaglint.render.tables import facet_slopes
 from seaglint.sea.field import WaveField
 from seaglint.sea.slopes import SlopeStatistics
 from seaglint.sea.spectra import ElfouhailySpectrum, JonswapSpectrum, PiersonMoskowitzSpectrum, WaveSystems
@@ -136,3 +137,28 @@ def test_geometry_stays_below_its_share_in_every_direction(turn: float) -> None:
     c, s = np.cos(angle), np.sin(angle)
     resolved = up * c**2 + 2 * both * s * c + cross * s**2
     assert np.max(resolved / (model.mss_up * c**2 + model.mss_cross * s**2)) == pytest.approx(0.8, rel=1e-4)
+
+
+def test_facets_and_geometry_add_up_to_the_model_in_every_direction() -> None:
+    waves = WaveField.create(SEA, plan_tiles(SEA, 3.0, 256), 0)
+    total, up, cross = SlopeStatistics(0.022, 0.016, WIND_TO), *waves.resolved_mss()
+    both = waves.resolved_covariance()
+    facets = facet_slopes(total, (up, cross), WIND_TO, both)
+    angle = np.radians(np.arange(0.0, 180.0, 5.0))
+    c, s = np.cos(angle - WIND_TO), np.sin(angle - WIND_TO)
+    resolved = up * c**2 + 2 * both * s * c + cross * s**2
+    assert facets.mss_along(angle) + resolved == pytest.approx(total.mss_along(angle), rel=1e-9)
+    assert np.ptp(facets.mss_along(angle) - SlopeStatistics(0.022 - up, 0.016 - cross, WIND_TO).mss_along(angle)) > 0.002
+
+
+def test_slopes_of_the_lattices_have_the_covariance_told() -> None:
+    waves = WaveField.create(SEA, plan_tiles(SEA, 3.0, 128), 0)
+    told, found = waves.resolved_covariance(), 0.0
+    assert told == pytest.approx(SEA.slope_covariance(waves.tiles[-1].k_max), rel=0.15)  # of which interpolation loses some
+    s, c = np.sin(WIND_TO), np.cos(WIND_TO)
+    for seed in range(20):
+        for lattice in waves.reseeded(seed).surfaces(0.0):
+            east, north = lattice[..., 1].astype(float), lattice[..., 2].astype(float)
+            found += float(np.mean((east * s + north * c) * (east * c - north * s))) / 20
+    assert found == pytest.approx(told, rel=0.15)
+    assert WaveField.create(ElfouhailySpectrum(7.0, WIND_TO), waves.tiles, 0).resolved_covariance() == 0.0

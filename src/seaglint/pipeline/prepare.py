@@ -356,6 +356,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:
             "resolved_significant_height_m": field.significant_height,
             "resolved_mss_up": up,
             "resolved_mss_cross": cross,
+            "resolved_slope_covariance": field.resolved_covariance(),
             "facet_mss_up": statistics.mss_up - up,
             "facet_mss_cross": statistics.mss_cross - cross,
             **told,
