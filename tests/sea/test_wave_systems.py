@@ -7,8 +7,8 @@ import pytest
 
 from seaglint.constants import GRAVITY
 from seaglint.errors import DomainError
-from seaglint.sea.dispersion import angular_frequency
 from seaglint.render.tables import facet_slopes
+from seaglint.sea.dispersion import angular_frequency
 from seaglint.sea.field import WaveField
 from seaglint.sea.slopes import SlopeStatistics
 from seaglint.sea.spectra import ElfouhailySpectrum, JonswapSpectrum, PiersonMoskowitzSpectrum, WaveSystems

@@ -100,8 +100,17 @@ class WaveSystems(Record):
     kind: Literal["systems"] = "systems"
     systems: Annotated[
         tuple[Annotated[System, Field(discriminator="kind")], ...],
-        Field(min_length=1, description="list of spectra of the other kinds, each a table; their energies add"),
+        Field(description="list of spectra of the other kinds, each a table; their energies add"),
     ]
+
+    @field_validator("systems")
+    @classmethod
+    def _one_or_more(cls, systems: tuple[System, ...]) -> tuple[System, ...]:
+        if not systems:
+            raise PydanticCustomError(
+                "quantity", "{text}", {"text": "must hold one spectrum or more; for a sea without waves set kind = 'flat'"}
+            )
+        return systems
 
 
 Spectrum = Annotated[Annotated[System | WaveSystems | FlatSea, Field(discriminator="kind")], default_tag("kind", "elfouhaily")]
