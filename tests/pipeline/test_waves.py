@@ -12,7 +12,7 @@ from wave_files import LATITUDE, LONGITUDE
 from seaglint.errors import ScenarioError
 from seaglint.pipeline import prepare
 from seaglint.pipeline.waves import spectrum, waves
-from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.load import load_scenario, parse_scenario
 
 SWELL = {"kind": "jonswap", "significant_height_m": 1.5, "peak_period_s": 8.0, "from_deg": 300.0, "spreading_deg": 15.0}
 
@@ -109,3 +109,12 @@ def test_waves_too_steep_are_told_by_their_key() -> None:
         ScenarioError, match=r"sea\.spectrum\.systems\[0\]\.significant_height_m: height = 1\.5 m .* allowed: up to 0\.437 m"
     ):
         waves(scenario({"kind": "systems", "systems": [steep]}))
+
+
+def test_the_example_has_two_systems_from_two_sides() -> None:
+    example = load_scenario(Path(__file__).parents[2] / "examples" / "swell.toml")
+    sea = spectrum(example)
+    wind_sea, swell = sea.systems
+    assert from_deg(swell) == pytest.approx(310.0, abs=0.1)
+    assert from_deg(wind_sea) == pytest.approx(205.0, abs=0.1)
+    assert from_deg(sea) == pytest.approx(310.0, abs=3.0)  # the swell is the higher one
