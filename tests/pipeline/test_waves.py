@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import wave_files
+import xarray as xr
 from wave_files import LATITUDE, LONGITUDE
 
 from seaglint.errors import ScenarioError
+from seaglint.io.netcdf import write_netcdf
 from seaglint.pipeline import prepare
+from seaglint.pipeline.export import export_sea
 from seaglint.pipeline.waves import spectrum, waves
 from seaglint.scenario.load import load_scenario, parse_scenario
 
@@ -70,7 +74,7 @@ def test_a_file_is_told_with_its_time_and_place(key: str, tmp_path: Path) -> Non
     file |= {"latitude_deg": LATITUDE, "longitude_deg": LONGITUDE}
     table = file if key == "sea.spectrum" else {"kind": "systems", "systems": [SWELL, file]}
     wanted = scenario(table)
-    (told,) = prepare.sea(wanted, prepare.slopes(wanted)).report["wave_spectra"]
+    (told,) = json.loads(prepare.sea(wanted, prepare.slopes(wanted)).report["wave_spectra"])
     assert told["file"] == "swan.spec"
     assert told["format"] == "swan"
     assert told["time"] == "2024-03-01T03:00:00Z"
@@ -118,3 +122,11 @@ def test_the_example_has_two_systems_from_two_sides() -> None:
     assert from_deg(swell) == pytest.approx(310.0, abs=0.1)
     assert from_deg(wind_sea) == pytest.approx(205.0, abs=0.1)
     assert from_deg(sea) == pytest.approx(310.0, abs=3.0)  # the swell is the higher one
+
+
+def test_an_exported_sea_tells_its_file(tmp_path: Path) -> None:
+    pytest.importorskip("wavespectra")
+    table = {"kind": "file", "path": str(wave_files.own(tmp_path)), "time": "2024-03-01T03:00:00Z", "site": "2"}
+    path = write_netcdf(export_sea(scenario(table), extent=(32.0, 32.0)).dataset(), tmp_path / "sea.nc")
+    with xr.open_dataset(path) as found:
+        assert json.loads(found.attrs["wave_spectra"])[0]["site"] == "2"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, assert_never
@@ -322,7 +323,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:
     spectral = wanted.spectrum
     told: dict[str, Any] = {"facet_density": facet_density(statistics)}
     if wanted.sources:
-        told["wave_spectra"] = list(wanted.sources)
+        told["wave_spectra"] = json.dumps(wanted.sources)  # NetCDF has no lists of tables
     none = {
         "resolved_mss_up": 0.0,
         "resolved_mss_cross": 0.0,
