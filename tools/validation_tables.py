@@ -172,14 +172,15 @@ def realisation(field: WaveField, time: float) -> tuple[float, float, float]:
 def buoy() -> Lines:
     """A week of spectra of buoy 41010 against the buoy's own summary."""
     from seaglint.errors import DataError
-    from seaglint.sea.spectra.measured import read_ndbc
+    from seaglint.io.waves import WaveChoice, read_waves
 
     path = folder("SEAGLINT_DATA_DIR") / "waves" / "41010"
     summary = [line.split() for line in path.with_suffix(".spec").read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
     own, field, count = [], [], 0
     for year, month, day, hour, minute, height, *_ in summary[::9]:
         try:
-            spectrum = read_ndbc(path, f"{year}-{month}-{day}T{hour}:{minute}", tolerance=900.0)
+            choice = WaveChoice(f"{year}-{month}-{day}T{hour}:{minute}", time_tolerance=900.0)
+            spectrum = read_waves(path, choice, format="ndbc").spectrum
         except DataError:
             continue  # the summary has hours that the spectra lack
         count += 1

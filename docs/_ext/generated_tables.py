@@ -56,6 +56,8 @@ def allowed(schema: Schema, root: Schema) -> str:
     if kind.get("type") == "array":
         items = kind.get("prefixItems") or [kind.get("items", {})]
         return "[" + ", ".join(allowed(i, root) for i in items) + "]"
+    if "properties" in kind:
+        return "table"
     bounds = [
         f"{sign} {kind[key]:g}"
         for sign, key in ((">", "exclusiveMinimum"), ("≥", "minimum"), ("<", "exclusiveMaximum"), ("≤", "maximum"))

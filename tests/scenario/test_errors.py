@@ -50,6 +50,46 @@ MISTAKES = {
     "a number for a table": ({"sea": 3}, ["sea = 3", "table [sea]", "temperature_k"]),
     "a text for a union": ({"sea": {"spectrum": "file"}}, ["sea.spectrum = 'file'", "table [sea.spectrum]"]),
     "unknown kind": ({"sea": {"spectrum": {"kind": "elfouhali"}}}, ["kind = 'elfouhali'", "'flat'", "did you mean 'elfouhaily'"]),
+    "unknown kind of a system": (
+        {"sea": {"spectrum": {"kind": "systems", "systems": [{"kind": "swell"}]}}},
+        ["sea.spectrum.systems[0].kind = 'swell' is not one of 'elfouhaily'", "'jonswap'"],
+    ),
+    "system without a kind": (
+        {"sea": {"spectrum": {"kind": "systems", "systems": [{}]}}},
+        ["sea.spectrum.systems[0].kind is missing; add one of 'elfouhaily'"],
+    ),
+    "no system": (
+        {"sea": {"spectrum": {"kind": "systems", "systems": []}}},
+        ["sea.spectrum.systems = []", "one spectrum or more", "'flat'"],
+    ),
+    "missing key of a system": (
+        {"sea": {"spectrum": {"kind": "systems", "systems": [{"kind": "elfouhaily"}, {"kind": "jonswap", "peak_period_s": 9}]}}},
+        ["sea.spectrum.systems[1].significant_height_m is missing"],
+    ),
+    "system out of range": (
+        {"sea": {"spectrum": {"kind": "systems", "systems": [{"kind": "jonswap", "significant_height_m": 40, "peak_period_s": 9}]}}},
+        ["sea.spectrum.systems[0].significant_height_m = 40", "0.01 to 30 m"],
+    ),
+    "key of another kind of system": (
+        {"sea": {"spectrum": {"kind": "systems", "systems": [{"kind": "elfouhaily", "gamma": 3}]}}},
+        ["sea.spectrum.systems[0].gamma", "does not go with this kind of sea.spectrum.systems[0]"],
+    ),
+    "unknown format of waves": (
+        {"sea": {"spectrum": {"kind": "file", "path": __file__, "format": "swn"}}},
+        ["sea.spectrum.format = 'swn' is not one of 'auto', 'ndbc'", "did you mean 'swan'?"],
+    ),
+    "latitude alone": (
+        {"sea": {"spectrum": {"kind": "file", "path": __file__, "latitude_deg": 3.0}}},
+        ["sea.spectrum.longitude_deg is missing"],
+    ),
+    "longitude alone": (
+        {"sea": {"spectrum": {"kind": "file", "path": __file__, "longitude_deg": 3.0}}},
+        ["sea.spectrum.longitude_deg = 3.0 needs latitude_deg beside it"],
+    ),
+    "spreading too wide": (
+        {"sea": {"spectrum": {"kind": "jonswap", "significant_height_m": 1, "peak_period_s": 9, "spreading_deg": 90}}},
+        ["sea.spectrum.spreading_deg = 90", "1 to 80 deg"],
+    ),
     "unknown choice": ({"atmosphere": {"model": "us-standard"}}, ["atmosphere.model = 'us-standard'", "did you mean 'us-standard-1976'"]),
     "lines that do not part": ({"render": {"lines_per_column": 3}}, ["render.lines_per_column = 3", "1, 2, 4, 8"]),
     "missing key": ({"sea": {"spectrum": {"kind": "file"}}}, ["sea.spectrum.path is missing"]),

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from seaglint.errors import BackendError, DataError
+from seaglint.io.waves import WaveChoice, read_waves
+from seaglint.io.waves.ndbc import SUFFIXES as NDBC_SUFFIXES
 from seaglint.sea.field import WaveField
-from seaglint.sea.spectra import MeasuredSpectrum, read_ndbc
-from seaglint.sea.spectra.measured import NDBC_SUFFIXES, possible_moments
+from seaglint.sea.spectra import MeasuredSpectrum
+from seaglint.sea.spectra.measured import possible_moments
 from seaglint.sea.tiles import plan_tiles
 
 pytest.importorskip("wavespectra", reason="measured spectra need the extra seaglint[waves]")
@@ -21,6 +23,10 @@ WIND_TO = np.radians(300.0)
 
 # WVHT [m] in NDBC's summary (41010.spec) ten minutes before each spectrum
 RECORDS = [("2020-06-08T03:50Z", 1.1), ("2020-06-05T12:50", 1.3), ("2020-06-02 05:50", 2.6)]
+
+
+def read_ndbc(path, time, wind_to_azimuth=0.0, tolerance=3600.0):
+    return read_waves(path, WaveChoice(time, time_tolerance=tolerance), wind_to_azimuth, format="ndbc").spectrum
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from seaglint.pipeline import prepare
 from seaglint.pipeline.memory import memory_available
 from seaglint.scenario.model import Scenario
 from seaglint.schema import VARIABLES
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.sea.slopes import SlopeStatistics, gaussian_slopes
 from seaglint.sea.tiles import Tile
 
 if TYPE_CHECKING:
@@ -185,7 +185,8 @@ def export_sea(
     _require_room(patch)
     lattices = waves.surfaces(time)
     up, cross = waves.resolved_mss()
-    facets = SlopeStatistics(statistics.mss_up - up, statistics.mss_cross - cross, wind_to_azimuth=waves.spectrum.wind_to_azimuth)
+    wind_to = waves.spectrum.wind_to_azimuth
+    facets = gaussian_slopes(statistics.mss_up - up, statistics.mss_cross - cross, -waves.resolved_covariance(), wind_to)
     attributes = provenance("Sea surface", scenario.model_dump_json(exclude_none=True), scenario.seed, time_s=time, **sea.report)
     return ExportedSea(time, waves.tiles, lattices, patch, _sampled(waves.tiles, lattices, patch), facets, attributes)
 

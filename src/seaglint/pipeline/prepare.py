@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, assert_never
@@ -20,6 +21,7 @@ from seaglint.limits import LOWTRAN_HEIGHTS, TABLE_HEIGHTS
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
+from seaglint.pipeline.waves import Waves, spectrum, waves
 from seaglint.radiance.correlation import capillary_length, correlation_length
 from seaglint.radiance.legs import VIEWER, Shadowing
 from seaglint.radiance.view import SeaView
@@ -30,7 +32,6 @@ from seaglint.render.sparkle import Sparkles
 from seaglint.render.view import Attitude, Imager
 from seaglint.scenario import atmosphere as wanted_air
 from seaglint.scenario import slopes as wanted_slopes
-from seaglint.scenario import spectrum as wanted_waves
 from seaglint.scenario.band import TABLE_BANDS_TEXT
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.platform import Keyframe
@@ -40,9 +41,6 @@ from seaglint.sea.breon_henriot import breon_henriot
 from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.field import WaveField
 from seaglint.sea.slopes import SlopeStatistics, flat
-from seaglint.sea.spectra.base import DirectionalSpectrum
-from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
-from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 from seaglint.sea.spectra.slopes import spectrum_slopes
 from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
 
@@ -143,8 +141,8 @@ def slopes(scenario: Scenario) -> SlopeStatistics:
         case wanted_slopes.BreonHenriot(extrapolate=extrapolate):
             return breon_henriot(speed, to, extrapolate=extrapolate)
         case wanted_slopes.SpectrumSlopes():
-            waves = spectrum(scenario)
-            return flat() if waves is None else spectrum_slopes(waves)
+            spectral = spectrum(scenario)
+            return flat() if spectral is None else spectrum_slopes(spectral)
         case wanted_slopes.FlatSlopes():
             return flat()
         case other:
@@ -170,29 +168,6 @@ def sparkles(scenario: Scenario) -> Sparkles:
     wanted = scenario.render.subpixel_glint
     wanted = "off" if wanted == "auto" and not scenario.sea.resolve_waves else wanted
     return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, wanted)
-
-
-def spectrum(scenario: Scenario) -> DirectionalSpectrum | None:
-    """Wave spectrum; None for a sea without waves."""
-    speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
-    match scenario.sea.spectrum:
-        case wanted_waves.FlatSea():
-            return None
-        case wanted_waves.SpectrumFile(path=path, time=time):
-            from seaglint.sea.spectra.measured import read_ndbc
-
-            when = time if time is not None else (scenario.time.utc if scenario.time is not None else None)
-            if when is None:
-                raise ScenarioError("sea.spectrum.time is missing: give the UTC time of the record wanted, or [time] utc")
-            return read_ndbc(path, when, wind_to_azimuth=to)
-        case _ if speed == 0.0:
-            return None  # no wind, no wind sea
-        case wanted_waves.Elfouhaily():
-            return ElfouhailySpectrum(speed, to)
-        case wanted_waves.PiersonMoskowitz():
-            return PiersonMoskowitzSpectrum.of_u10(speed, to)
-        case other:
-            assert_never(other)
 
 
 def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
@@ -349,15 +324,18 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:
     DomainError
         If waves are to be resolved on a mirror, or the tiles cannot hold them.
     """
-    density = {"facet_density": facet_density(statistics)}
+    wanted = waves(scenario) if scenario.sea.resolve_waves else Waves(None)
+    spectral = wanted.spectrum
+    told: dict[str, Any] = {"facet_density": facet_density(statistics)}
+    if wanted.sources:
+        told["wave_spectra"] = json.dumps(wanted.sources)  # NetCDF has no lists of tables
     none = {
         "resolved_mss_up": 0.0,
         "resolved_mss_cross": 0.0,
         "facet_mss_up": statistics.mss_up,
         "facet_mss_cross": statistics.mss_cross,
-        **density,
+        **told,
     }
-    spectral = spectrum(scenario) if scenario.sea.resolve_waves else None
     if spectral is None:
         return Sea(None, {"waves": "none", **none})
     if statistics.is_flat:
@@ -370,23 +348,24 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:
     if cut <= longest_wave_number(spectral):
         reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
         return Sea(None, {"waves": reason, **none}, reason)
-    waves = WaveField.create(spectral, plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size), scenario.seed)
-    up, cross = waves.resolved_mss()
+    field = WaveField.create(spectral, plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size), scenario.seed)
+    up, cross = field.resolved_mss()
     return Sea(
-        waves,
+        field,
         {
             "waves": "geometry down to the cut, facets below it",
             "cut_wavenumber_rad_m": cut,
             "cut_by": "sea.shortest_wave_m" if cut == asked else f"{100 * RESOLVED_SHARE:g} % of the slope variance",
-            "tile_length_m": [t.length for t in waves.tiles],
-            "tile_turn_deg": [float(np.degrees(t.rotation)) for t in waves.tiles],
-            "tile_shortest_wave_m": [2.0 * np.pi / t.k_max for t in waves.tiles],
-            "resolved_significant_height_m": waves.significant_height,
+            "tile_length_m": [t.length for t in field.tiles],
+            "tile_turn_deg": [float(np.degrees(t.rotation)) for t in field.tiles],
+            "tile_shortest_wave_m": [2.0 * np.pi / t.k_max for t in field.tiles],
+            "resolved_significant_height_m": field.significant_height,
             "resolved_mss_up": up,
             "resolved_mss_cross": cross,
+            "resolved_slope_covariance": field.resolved_covariance(),
             "facet_mss_up": statistics.mss_up - up,
             "facet_mss_cross": statistics.mss_cross - cross,
-            **density,
+            **told,
         },
     )
 
@@ -402,8 +381,8 @@ def require_drawable(scenario: Scenario, statistics: SlopeStatistics) -> None:
     kind = scenario.sea.slopes.kind
     if not (statistics.is_gaussian or scenario.render.gaussian_facets):
         raise ScenarioError(
-            f"sea.slopes.kind = '{kind}' has skewness and peakedness, which mean maps have and the facets of images do not (up to twice "
-            "too little glint in the far tail); choose 'cox-munk-anisotropic', or set render.gaussian_facets = true to draw its variances alone"
+            f"sea.slopes.kind = '{kind}' has skewness and peakedness, which the facets of images do not have (up to twice too little glint "
+            "in the far tail); choose 'cox-munk-anisotropic', or set render.gaussian_facets = true to draw its variances alone"
         )
 
 

@@ -30,7 +30,7 @@ from seaglint.render.walk import PATH_EVERY, Walk, calm_ranges, graded_ranges, s
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
 from seaglint.sea.shadowing import smith_lambda
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.sea.slopes import gaussian_slopes
 
 SUBMERGED = 0.75
 """A sensor below this many significant heights (three standard deviations) would be under water now and then."""
@@ -314,7 +314,7 @@ class SweptScene:
         last = [*levels.begins[1:], arcs[-1]]
         out = []
         for level, begin, end in zip(levels.detail.levels, levels.begins, last, strict=True):
-            facets = facet_slopes(view.slopes, level.mss, towards)
+            facets = facet_slopes(view.slopes, level.mss, towards, level.covariance)
             share = facets.mss / view.slopes.mss if view.slopes.mss > 0.0 else 1.0
             ends = np.clip([begin, end], arcs[0], arcs[-1])
             high, low = np.cos(view_zenith_of_range(eye, ends)) + np.array([1.0, -1.0]) * crest / np.maximum(ends, eye)
@@ -327,7 +327,7 @@ class SweptScene:
         if self.waves is None or not sun.shining or not self.view.shadowing.sun:
             return np.zeros((levels.steps.size, 2))
         towards = self.waves.spectrum.wind_to_azimuth
-        rms = np.sqrt([SlopeStatistics(*v.mss, wind_to_azimuth=towards).mss_along(sun.azimuth) for v in levels.detail.levels])
+        rms = np.sqrt([gaussian_slopes(*v.mss, v.covariance, towards).mss_along(sun.azimuth) for v in levels.detail.levels])
         shadow = smith_lambda(max(sun.lower_tangent, 0.0) / (np.sqrt(2.0) * np.maximum(rms, 1e-9)))
         return np.stack([np.where(shadow > fine.negligible_shadow, levels.steps, 0.0), fine.steepest_rise * rms], axis=1)
 

@@ -22,7 +22,7 @@ from seaglint.render.path_basis import TOGETHER, PathBasis, fewest_terms
 from seaglint.render.roughness import roughness_of
 from seaglint.render.sunlight import Sunlight, sunlight
 from seaglint.render.thermal import ThermalSources, band_reflectance, thermal_axes, thermal_sources, thermal_table
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.sea.slopes import SlopeStatistics, gaussian_slopes
 
 
 class PathTerms(NamedTuple):
@@ -58,9 +58,11 @@ class FacetDomain:
     sines: tuple[float, float]
 
 
-def facet_slopes(slopes: SlopeStatistics, resolved: tuple[float, float], wind_to_azimuth: float) -> SlopeStatistics:
+def facet_slopes(
+    slopes: SlopeStatistics, resolved: tuple[float, float], wind_to_azimuth: float, covariance: float = 0.0
+) -> SlopeStatistics:
     """Statistics left to the facets: the model's variances minus what the interpolated lattices carry, along and across the wind of
-    the waves.
+    the waves; with a covariance of the two, as swell from elsewhere has, the facets' own directions make up for it.
 
     Raises
     ------
@@ -74,7 +76,7 @@ def facet_slopes(slopes: SlopeStatistics, resolved: tuple[float, float], wind_to
             f"resolved waves carry slope variances {up:.4g} up and {cross:.4g} across the wind, more than the slope model's "
             f"{slopes.mss_up:.4g} and {slopes.mss_cross:.4g}; resolve longer waves only"
         )
-    return SlopeStatistics(*rest, wind_to_azimuth=wind_to_azimuth) if max(resolved) > 0.0 else slopes
+    return gaussian_slopes(*rest, -covariance, wind_to_azimuth) if max(resolved) > 0.0 else slopes
 
 
 def sun_terms(basis: PathBasis, irradiance: FloatArray, water: WaterIndex) -> FloatArray:

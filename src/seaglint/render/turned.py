@@ -333,7 +333,7 @@ class TurnedScene:
         towards = waves.spectrum.wind_to_azimuth if waves is not None else view.slopes.wind_to_azimuth
         return WalkedRays.prepare(
             view,
-            facet_slopes(view.slopes, resolved, towards),
+            facet_slopes(view.slopes, resolved, towards, waves.resolved_covariance() if waves is not None else 0.0),
             resolved,
             self._crest,
             survey.walk_from,

@@ -66,6 +66,9 @@ def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
         allowed = choices_at(location)
         text = f"{key} = {_shown(given)} is not one of {_listed(allowed)}{_meant(str(given), allowed)}"
         return Mistake(key, given, _listed(allowed), text)
+    if kind == "union_tag_not_found" and isinstance(given, Mapping):
+        allowed, tag = tags(location), f"{key}.{tag_name(location)}"
+        return Mistake(tag, None, _listed(allowed), f"{tag} is missing; add one of {_listed(allowed)}")
     value = None if kind == "missing" else given
     return Mistake(key, value, context.get("allowed"), _sentence(error, location))
 
@@ -113,7 +116,10 @@ def _unknown_key(location: Sequence[str | int]) -> str:
 
 
 def _without_tags(location: Sequence[str | int], raw: Mapping[str, Any]) -> tuple[str | int, ...]:
-    """Pydantic puts the tag of a union into the path (``sea.spectrum.file.path``); the file has no such level."""
+    """Pydantic puts the tag of a union into the path (``sea.spectrum.file.path``); the file has no such level.
+
+    In a list of unions (``sea.spectrum.systems[0].file.path``) the tag stands behind the place.
+    """
     out: list[str | int] = []
     skip = False
     for part in location:
@@ -121,7 +127,8 @@ def _without_tags(location: Sequence[str | int], raw: Mapping[str, Any]) -> tupl
             skip = False
             continue
         out.append(part)
-        skip = bool(tags(tuple(out)))
+        found = key_at(tuple(out)) if isinstance(part, str) else None
+        skip = bool(tags(tuple(out))) and not (found is not None and is_list(found.info.annotation))
     return tuple(out)
 
 

@@ -59,6 +59,31 @@ PRESETS: Final[dict[str, Preset]] = {
         ),
         {"sea": {"spectrum": {"kind": "file", "path": "41010.data_spec", "time": "2026-06-21T17:00:00Z"}}},
     ),
+    "swell": Preset(
+        "a long swell that crosses the wind sea",
+        (
+            "Swell of 2 m and 12 s (JONSWAP shape, Hasselmann et al. 1973), narrow, 60 deg off the wind;",
+            "the wind sea is Elfouhaily et al. 1997 at the scenario's wind.",
+        ),
+        {
+            "sea": {
+                "spectrum": {
+                    "kind": "systems",
+                    "systems": [
+                        {
+                            "kind": "jonswap",
+                            "significant_height_m": 2.0,
+                            "peak_period_s": 12.0,
+                            "gamma": 5.0,
+                            "from_deg": 330.0,
+                            "spreading_deg": 12.0,
+                        },
+                        {"kind": "elfouhaily"},
+                    ],
+                }
+            }
+        },
+    ),
     "furnace": Preset(
         "everything at one temperature: the picture must be flat",
         ("A closed isothermal cavity looks like a blackbody whatever its walls are: the test scene of every thermal renderer.",),

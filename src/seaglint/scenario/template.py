@@ -32,6 +32,9 @@ _EXAMPLES = {
     "longitude_deg": "-75.9",
     "step_m": "0.5",
     "sounding": '"sounding.csv"',
+    "site": '"1"',
+    "from_deg": "270",
+    "spreading_deg": "30",
     "visibility_km": "20",
     "wind_24h_m_s": "7.0",
     "track": '"track.csv"',
@@ -92,11 +95,11 @@ def _lines(preset: Preset) -> Iterator[str]:
 def _table(record: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
     """Plain keys first, then the tables inside, as TOML wants it."""
     keys = list(fields_of(type(record), path))
+    plain = [key for key in keys if not key.records or isinstance(getattr(record, key.path[-1]), tuple)]
+    for key in plain:
+        yield _entry(key, getattr(record, key.path[-1]))
     for key in keys:
-        if not key.records:
-            yield _entry(key, getattr(record, key.path[-1]))
-    for key in keys:
-        if key.records:
+        if key not in plain:
             yield ""
             yield from _section(key, getattr(record, key.path[-1]))
 
@@ -136,5 +139,8 @@ def _toml(value: Any) -> str:
         return repr(value)
     if isinstance(value, tuple):
         return "[" + ", ".join(_toml(item) for item in value) + "]"
+    if isinstance(value, BaseModel):
+        given = ((name, item) for name, item in value if item is not None)
+        return "{ " + ", ".join(f"{name} = {_toml(item)}" for name, item in given) + " }"
     text = str(value).replace("\\", "\\\\").replace('"', '\\"')
     return f'"{text}"'

@@ -35,11 +35,14 @@ class Level:
         Length of the shortest wave kept [m].
     mss : (float, float)
         Slope variance (up, cross) that a sampler of the lattices gets [1].
+    covariance : float
+        Covariance of its slopes along the wind and to the right of it [1].
     """
 
     parts: tuple[int, ...]
     shortest_wave: float
     mss: tuple[float, float]
+    covariance: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,4 +97,5 @@ class Detail:
 
 def _level(parts: list[WaveField], level: tuple[int, ...]) -> Level:
     mss = np.sum([parts[p].resolved_mss() for p in level], axis=0)
-    return Level(level, 2.0 * np.pi / parts[level[-1]].tiles[0].k_max, (float(mss[0]), float(mss[1])))
+    covariance = sum(parts[p].resolved_covariance() for p in level)
+    return Level(level, 2.0 * np.pi / parts[level[-1]].tiles[0].k_max, (float(mss[0]), float(mss[1])), covariance)

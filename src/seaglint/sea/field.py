@@ -13,7 +13,7 @@ A frame is a function of (amplitudes, time) alone; amplitudes are a function of 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -147,15 +147,29 @@ class WaveField:
         tuple of float
             Slope variance (up, cross) of all tiles together [1].
         """
-        s, c = np.sin(self.spectrum.wind_to_azimuth), np.cos(self.spectrum.wind_to_azimuth)
         up = cross = 0.0
+        for energy, along, across in self._slope_parts(interpolation):
+            up += float(np.sum(energy * along**2))
+            cross += float(np.sum(energy * across**2))
+        return up, cross
+
+    def resolved_covariance(self) -> float:
+        """Ensemble covariance of the slopes along the wind and to the right of it that a sampler gets, interpolated bilinearly [1].
+
+        Exactly 0 for a spectrum that lies evenly on both sides of the wind: what its lattices show is the error of their sums.
+        """
+        if self.spectrum.slope_covariance() == 0.0:
+            return 0.0
+        return float(sum(np.sum(energy * along * across) for energy, along, across in self._slope_parts("bilinear")))
+
+    def _slope_parts(self, interpolation: Literal["bilinear", "none"]) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
+        """Of every tile the variances of its waves, and their wavenumbers along the wind and to the right of it."""
+        s, c = np.sin(self.spectrum.wind_to_azimuth), np.cos(self.spectrum.wind_to_azimuth)
         for tile, waves in zip(self.tiles, self._lattices, strict=True):
             energy = waves.variance + waves.opposite
             if interpolation == "bilinear":
                 energy = energy * _bilinear_share(tile)
-            up += float(np.sum(energy * (waves.k_east * s + waves.k_north * c) ** 2))
-            cross += float(np.sum(energy * (waves.k_east * c - waves.k_north * s) ** 2))
-        return up, cross
+            yield energy, waves.k_east * s + waves.k_north * c, waves.k_east * c - waves.k_north * s
 
 
 def _lattice_numbers(tile: Tile) -> tuple[FloatArray, FloatArray]:

@@ -170,6 +170,31 @@ def series_bracket(x: Any, y: Any, coefficients: tuple[float, float, float, floa
     return 1.0 + skewness + peakedness
 
 
+def gaussian_slopes(up: float, cross: float, covariance: float, wind_to_azimuth: float) -> SlopeStatistics:
+    """Gaussian slopes whose covariance has directions of its own, told along these.
+
+    Parameters
+    ----------
+    up, cross : float
+        Variances along the wind and to the right of it [1].
+    covariance : float
+        Covariance of the two [1]; without it the directions are those of the wind.
+    wind_to_azimuth : float
+        Azimuth the wind blows TO [rad].
+
+    Examples
+    --------
+    >>> slopes = gaussian_slopes(0.02, 0.01, 0.003, 0.5)
+    >>> [round(float(slopes.mss_along(0.5 + a)), 4) for a in (0.0, np.pi / 4, np.pi / 2)]
+    [0.02, 0.018, 0.01]
+    """
+    if covariance == 0.0:
+        return SlopeStatistics(up, cross, wind_to_azimuth)
+    middle, half = 0.5 * (up + cross), 0.5 * (up - cross)
+    away = float(np.hypot(half, covariance))
+    return SlopeStatistics(middle + away, middle - away, wind_to_azimuth + 0.5 * float(np.arctan2(covariance, half)))
+
+
 def flat() -> SlopeStatistics:
     """A sea without any slope: a mirror."""
     return SlopeStatistics(0.0, 0.0)

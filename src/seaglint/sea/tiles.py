@@ -162,9 +162,11 @@ def longest_wave_number(spectrum: DirectionalSpectrum) -> float:
 
 
 def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fraction: float = 0.8) -> float:
-    """Wavenumber at which resolved slopes reach a fraction of the slope model, upwind or crosswind, whichever comes first.
+    """Wavenumber at which resolved slopes reach a fraction of the slope model in the direction where that comes first.
 
-    Geometry stops there, so that the facets of the energy rule keep a share of the variance in every direction.
+    Geometry stops there, so that the facets of the energy rule keep a share of the variance in every direction. For waves that run
+    with the wind the direction is upwind or crosswind; for swell from elsewhere it is where ``v.R v/(v.T v)`` is largest over the
+    directions v, R and T the covariances of resolved slopes and of the model.
 
     Parameters
     ----------
@@ -187,8 +189,10 @@ def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fracti
         return 0.0
 
     def excess(log_k: float) -> float:
-        up, cross = spectrum.mss(float(np.exp(log_k)))
-        return max(up / allowed[0], cross / allowed[1]) - 1.0
+        k = float(np.exp(log_k))
+        up, cross = (share / most for share, most in zip(spectrum.mss(k), allowed, strict=True))
+        both = spectrum.slope_covariance(k) / np.sqrt(allowed[0] * allowed[1])
+        return float(0.5 * (up + cross) + np.hypot(0.5 * (up - cross), both)) - 1.0
 
     low, high = spectrum.wavenumber_range
     if excess(float(np.log(high))) <= 0.0:

@@ -1,8 +1,19 @@
 """Directional wavenumber spectra of the sea: one model per file, one interface."""
 
 from seaglint.sea.spectra.base import DirectionalSpectrum
+from seaglint.sea.spectra.binned import BinnedSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
-from seaglint.sea.spectra.measured import MeasuredSpectrum, read_ndbc
+from seaglint.sea.spectra.jonswap import JonswapSpectrum
+from seaglint.sea.spectra.measured import MeasuredSpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
+from seaglint.sea.spectra.systems import WaveSystems
 
-__all__ = ["DirectionalSpectrum", "ElfouhailySpectrum", "MeasuredSpectrum", "PiersonMoskowitzSpectrum", "read_ndbc"]
+__all__ = [
+    "BinnedSpectrum",
+    "DirectionalSpectrum",
+    "ElfouhailySpectrum",
+    "JonswapSpectrum",
+    "MeasuredSpectrum",
+    "PiersonMoskowitzSpectrum",
+    "WaveSystems",
+]

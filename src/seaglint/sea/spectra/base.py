@@ -54,6 +54,10 @@ class DirectionalSpectrum(ABC):
     def second_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
         """Mean of ``cos 2(phi - phi_wind)`` over the spreading [1]: (1 + it)/2 is the upwind share of slope variance."""
 
+    def cross_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
+        """Mean of ``sin 2(phi - phi_wind)`` over the spreading [1]; 0 where energy lies evenly on both sides of the wind."""
+        return np.zeros(np.shape(np.asarray(wavenumber)))
+
     def breakpoints(self) -> FloatArray:
         """Wavenumbers where the spectrum is not smooth [rad m⁻¹]."""
         return np.empty(0)
@@ -106,6 +110,10 @@ class DirectionalSpectrum(ABC):
 
         both, split = self.integrate(total, k_min, k_max), self.integrate(difference, k_min, k_max)
         return 0.5 * (both + split), 0.5 * (both - split)
+
+    def slope_covariance(self, k_max: float = np.inf, k_min: float = 0.0) -> float:
+        """Covariance of the slopes along the wind and to the right of it, of waves with k_min <= k < k_max, ``int k^2 S b2/2 dk`` [1]."""
+        return 0.5 * self.integrate(lambda k: np.asarray(k * k * self.omnidirectional(k) * self.cross_harmonic(k)), k_min, k_max)
 
 
 def downwind(angle: ArrayLike) -> FloatArray:

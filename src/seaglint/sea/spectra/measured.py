@@ -2,8 +2,9 @@
 
 A buoy gives, per frequency band, the energy density and two Fourier moments of the directional distribution. The distribution used is the
 one of maximum entropy with exactly these moments, positive everywhere; the slope variances along and across the wind depend on the second
-moment alone. Above the buoy's last band with energy the spectrum goes on as ``f^-5`` (``S ~ k^-3``), the saturated range of Phillips 1958,
-with the mean level and the mean directions of the last bands that have energy.
+moment alone. What is given on directions instead is in :mod:`seaglint.sea.spectra.binned`. Above the last band with energy the spectrum
+goes on as ``f^-5`` (``S ~ k^-3``), the saturated range of Phillips 1958, with the mean level and the mean directions of the last bands that
+have energy.
 
 References
 ----------
@@ -14,29 +15,22 @@ NDBC, "Nondirectional and directional wave data analysis procedures", Technical 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from functools import cached_property
-from pathlib import Path
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.errors import BackendError, DataError
+from seaglint.errors import DataError
 from seaglint.sea.dispersion import angular_frequency, group_velocity, wavenumber
 from seaglint.sea.spectra.base import DirectionalSpectrum
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-NDBC_SUFFIXES: Final = (".data_spec", ".swdir", ".swdir2", ".swr1", ".swr2")
-"""The five files of one buoy: energy, mean and principal direction (degrees, from), and the lengths r1, r2 of the two moments."""
-
-_MISSING: Final = 99.0  # NDBC writes 999.0 or 999.00; no energy density or moment is as large
-_TAIL_BANDS: Final = 5  # the last band alone is one or two units of the last printed digit
+TAIL_BANDS: Final = 5  # the last band alone is one or two units of the last printed digit
 _TAIL_END: Final = 370.0  # gravity waves only, as in the Pierson-Moskowitz spectrum [rad/m]
 _SHARPEST: Final = 0.95  # of the largest second moment compatible with the first: a distribution at the limit is a pair of spikes
-_LOST_SHARE: Final = 0.1  # energy without directions that is tolerated
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +85,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
 
     @cached_property
     def _tail(self) -> _Tail:
-        used = np.flatnonzero(self.energy > 0.0)[-_TAIL_BANDS:]
+        used = np.flatnonzero(self.energy > 0.0)[-TAIL_BANDS:]
         saturation = self.energy[used] * _frequency_per_wavenumber(self._k[used]) * self._k[used] ** 3
         return _Tail(
             float(self._k[used[-1]]), float(saturation.mean()), complex(self.first[used].mean()), complex(self.second[used].mean())
@@ -147,6 +141,10 @@ class MeasuredSpectrum(DirectionalSpectrum):
         """Second moment along the wind [1]."""
         return np.asarray((self._moments(wavenumber)[1] * np.exp(-2j * self.wind_to_azimuth)).real)
 
+    def cross_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
+        """Second moment to the right of the wind [1]."""
+        return np.asarray((self._moments(wavenumber)[1] * np.exp(-2j * self.wind_to_azimuth)).imag)
+
 
 class _Tail(NamedTuple):
     """Continuation above the measured bands: ``S = level k^-3`` from ``start`` on."""
@@ -173,118 +171,3 @@ def possible_moments(first: ComplexArray, second: ComplexArray) -> tuple[Complex
     room = _SHARPEST * (1.0 - np.abs(first) ** 2)
     offset = second - first**2
     return first, first**2 + offset * np.minimum(1.0, room / np.maximum(np.abs(offset), room))
-
-
-def read_ndbc(
-    path: str | Path, time: str | datetime | np.datetime64, wind_to_azimuth: float = 0.0, *, tolerance: float = 3600.0
-) -> MeasuredSpectrum:
-    """Directional spectrum of an NDBC buoy at one time.
-
-    Parameters
-    ----------
-    path : path
-        The ``.data_spec`` file; ``.swdir``, ``.swdir2``, ``.swr1`` and ``.swr2`` of the same name must lie beside it.
-        The name without any ending will do.
-    time : str, datetime or datetime64
-        Time wanted, UTC; the nearest record is taken.
-    wind_to_azimuth : float
-        Azimuth the wind blows TO [rad].
-    tolerance : float
-        Farthest a record may be from ``time`` [s].
-
-    Returns
-    -------
-    MeasuredSpectrum
-
-    Raises
-    ------
-    DataError
-        Missing, cut or malformed files, missing values, no record near the time.
-    BackendError
-        If wavespectra is not installed.
-    """
-    base = Path(path)
-    base = base.with_name(base.name.removesuffix(NDBC_SUFFIXES[0]))
-    files = [base.with_name(base.name + suffix) for suffix in NDBC_SUFFIXES]
-    energy_table = _read(files[0])
-    moment = _nearest(energy_table, _utc(time), files[0], tolerance)
-    frequency = np.asarray(energy_table["freq"].values, dtype=np.float64)
-    energy, alpha1, alpha2, r1, r2 = (_record(_read(file), moment, frequency, file) for file in files)
-    if np.any(_lacks(energy)):
-        raise DataError(f"{files[0]}: the record of {moment} has missing energy; choose another time")
-    first = r1 * np.exp(1j * (np.radians(alpha1) + np.pi))  # from -> to; the second moment does not know the difference
-    second = r2 * np.exp(2j * np.radians(alpha2))
-    known = ~(_lacks(r1) | _lacks(r2) | (alpha1 > 360.0) | (alpha2 > 360.0) | ~np.isfinite(first) | ~np.isfinite(second))
-    _require_directions(energy, frequency, known, f"{base}: the record of {moment}")
-    if np.any(r1[known] > 1.0) or np.any(r2[known] > 1.0):
-        raise DataError(
-            f"{base}: r1 or r2 above 1 at {moment}; realtime files have them in 0-1, historical ones in hundredths: divide by 100"
-        )
-    first, second = (np.interp(frequency, frequency[known], c[known]) for c in (first, second))
-    return MeasuredSpectrum(frequency, energy, *possible_moments(first, second), wind_to_azimuth)
-
-
-def _read(file: Path) -> Any:
-    """One file as an xarray dataset with ``efth(time, freq, dir)``, whatever quantity it holds."""
-    try:
-        from wavespectra import read_ndbc_ascii
-    except ImportError as error:
-        raise BackendError("measured spectra are read by wavespectra, which is not installed; pip install 'seaglint[waves]'") from error
-    if not file.is_file():
-        raise DataError(
-            f"{file} does not exist; a buoy's directional spectrum needs the files {', '.join('NAME' + s for s in NDBC_SUFFIXES)}"
-        )
-    try:
-        return read_ndbc_ascii(str(file))
-    except Exception as error:  # a parser's errors for a file that is no NDBC file are of any kind
-        raise DataError(f"{file} cannot be read as an NDBC spectral file ({error}); it may be cut or of another kind") from error
-
-
-def _utc(time: str | datetime | np.datetime64) -> np.datetime64:
-    """Time as datetime64 in UTC; text and datetimes without a zone are UTC."""
-    if isinstance(time, np.datetime64):
-        return time
-    try:
-        moment = datetime.fromisoformat(time) if isinstance(time, str) else time
-    except ValueError as error:
-        raise DataError(f"time {time!r} is not an ISO date and time such as 2020-06-08T03:50Z") from error
-    if moment.tzinfo is not None:
-        moment = moment.astimezone(UTC).replace(tzinfo=None)
-    return np.datetime64(moment)
-
-
-def _nearest(table: Any, time: np.datetime64, file: Path, tolerance: float) -> np.datetime64:
-    """Time of the record nearest to ``time``."""
-    times = np.asarray(table["time"].values)
-    if times.size == 0:
-        raise DataError(f"{file} holds no record")
-    nearest = times[int(np.argmin(np.abs(times - time)))]
-    if abs(nearest - time) > np.timedelta64(round(tolerance), "s"):
-        raise DataError(
-            f"{file} has no record within {tolerance:g} s of {time}; it covers {times.min()} to {times.max()}, nearest is {nearest}"
-        )
-    return np.datetime64(nearest)
-
-
-def _record(table: Any, moment: np.datetime64, frequency: FloatArray, file: Path) -> FloatArray:
-    """Column of one file at one time, on the frequencies of the energy file."""
-    index = np.flatnonzero(np.asarray(table["time"].values) == moment)
-    if index.size == 0:
-        raise DataError(f"{file} has no record of {moment}, which the energy file has; the files do not belong together or one is cut")
-    values = np.asarray(table["efth"].values, dtype=np.float64)[int(index[0])].ravel()
-    if values.size != frequency.size or not np.allclose(table["freq"].values, frequency):
-        raise DataError(f"{file} has other frequencies than the energy file; the files do not belong together or one is cut")
-    return np.asarray(values, dtype=np.float64)
-
-
-def _lacks(values: FloatArray) -> NDArray[np.bool_]:
-    return ~np.isfinite(values) | (values >= _MISSING)
-
-
-def _require_directions(energy: FloatArray, frequency: FloatArray, known: NDArray[np.bool_], what: str) -> None:
-    """Refuse a record with more than a little energy in bands without directions."""
-    share = np.where(known, 0.0, energy) @ np.gradient(frequency) / max(float(energy @ np.gradient(frequency)), 1e-300)
-    if share > _LOST_SHARE or not np.any(known):
-        raise DataError(
-            f"{what} lacks directions for {100 * share:.0f} % of its energy ({100 * _LOST_SHARE:.0f} % allowed); choose another time"
-        )

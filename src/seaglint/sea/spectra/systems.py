@@ -1,0 +1,95 @@
+"""Several wave systems on one sea: wind sea and swells, each with its own directions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seaglint.errors import DomainError
+from seaglint.sea.dispersion import group_velocity
+from seaglint.sea.spectra.base import DirectionalSpectrum
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class WaveSystems(DirectionalSpectrum):
+    """Sum of spectra: ``Psi = sum Psi_i``, so that ``S = sum S_i`` and ``D = sum S_i D_i/S``.
+
+    Systems are independent of each other: variances of height and slopes add.
+
+    Attributes
+    ----------
+    systems : tuple of DirectionalSpectrum
+        One or more, with the same wind.
+
+    Raises
+    ------
+    DomainError
+        No system, or systems with different winds.
+
+    Examples
+    --------
+    >>> from seaglint.sea.spectra import ElfouhailySpectrum, JonswapSpectrum
+    >>> sea = WaveSystems((JonswapSpectrum(2.0, 12.0, 1.0), ElfouhailySpectrum(10.0)))
+    >>> round(sea.significant_height(), 2), round((2.0**2 + ElfouhailySpectrum(10.0).significant_height()**2)**0.5, 2)
+    (3.31, 3.31)
+    """
+
+    systems: tuple[DirectionalSpectrum, ...]
+
+    def __post_init__(self) -> None:
+        """Refuse systems that cannot be added."""
+        if not self.systems:
+            raise DomainError("a sea of systems needs at least one; give a spectrum, or no waves at all", name="systems", value=())
+        if len({system.wind_to_azimuth for system in self.systems}) > 1:
+            raise DomainError("systems on one sea have one wind; give all the same wind_to_azimuth", name="wind_to_azimuth")
+
+    @property
+    def wind_to_azimuth(self) -> float:  # type: ignore[override]
+        """Azimuth the wind blows TO [rad]."""
+        return self.systems[0].wind_to_azimuth
+
+    @property
+    def peak_wavenumber(self) -> float:
+        """Peak of the system whose own is highest in the FREQUENCY spectrum of the sum [rad m⁻¹]."""
+        peaks = np.array([system.peak_wavenumber for system in self.systems])
+        return float(peaks[int(np.argmax(self.omnidirectional(peaks) / group_velocity(peaks)))])
+
+    @property
+    def wavenumber_range(self) -> tuple[float, float]:
+        """From the longest waves of any system to the shortest [rad m⁻¹]."""
+        ranges = [system.wavenumber_range for system in self.systems]
+        return min(low for low, _ in ranges), max(high for _, high in ranges)
+
+    def breakpoints(self) -> FloatArray:
+        """Break points of all systems, and where each begins and ends [rad m⁻¹]."""
+        parts = [np.concatenate([system.breakpoints(), system.wavenumber_range]) for system in self.systems]
+        return np.unique(np.concatenate(parts))
+
+    def omnidirectional(self, wavenumber: ArrayLike) -> FloatArray:
+        """``sum S_i`` [m³]."""
+        return np.asarray(np.sum([system.omnidirectional(wavenumber) for system in self.systems], axis=0))
+
+    def _mean(self, wavenumber: ArrayLike, of: Callable[[DirectionalSpectrum], FloatArray]) -> FloatArray:
+        """Mean of what every system has, weighted with its energy; plain where there is none."""
+        energy = np.array([system.omnidirectional(wavenumber) for system in self.systems])
+        energy = np.where(energy.sum(axis=0) > 0.0, energy, 1.0)
+        values = np.array([of(system) for system in self.systems])
+        weights = energy.reshape(energy.shape[:1] + (1,) * (values.ndim - energy.ndim) + energy.shape[1:])
+        return np.asarray((weights * values).sum(axis=0) / weights.sum(axis=0))
+
+    def spreading(self, wavenumber: ArrayLike, azimuth: ArrayLike) -> FloatArray:
+        """``sum S_i D_i/sum S_i`` [rad⁻¹]."""
+        return self._mean(wavenumber, lambda system: system.spreading(wavenumber, azimuth))
+
+    def second_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
+        """Mean over the systems, weighted with their energies [1]."""
+        return self._mean(wavenumber, lambda system: system.second_harmonic(wavenumber))
+
+    def cross_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
+        """Mean over the systems, weighted with their energies [1]."""
+        return self._mean(wavenumber, lambda system: system.cross_harmonic(wavenumber))

@@ -1,0 +1,306 @@
+"""Small files of one known sea in the layout of every format that is read, made from the formats' own descriptions.
+
+The sea: 2 m high, 9 s, from 230 deg with a width of 30 deg; all numbers below are of this file, none of anybody's data.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+FROM = 230.0
+TIMES = np.array(["2024-03-01T00:00", "2024-03-01T03:00"], dtype="datetime64[ns]")
+FREQUENCY = np.round(0.04 * 1.08 ** np.arange(36), 5)  # 0.04-0.59 Hz
+POWER = 2.0 / np.radians(30.0) ** 2 - 1.0
+LATITUDE, LONGITUDE = 36.6, -122.4
+
+
+def energy(frequency: np.ndarray = FREQUENCY) -> np.ndarray:
+    """Height variance per hertz: Pierson-Moskowitz's shape at 2 m and 9 s [m2/Hz]."""
+    return 5.0 / 16.0 * 2.0**2 * (1 / 9.0) ** 4 * frequency**-5.0 * np.exp(-1.25 * (9.0 * frequency) ** -4.0)
+
+
+def density(from_deg: np.ndarray, frequency: np.ndarray = FREQUENCY) -> np.ndarray:
+    """The same per degree of the direction waves come from [m2/Hz/deg], whatever frame the caller writes that direction in."""
+    share = np.abs(np.cos(np.radians(from_deg - FROM) / 2.0)) ** (2.0 * POWER)
+    return energy(frequency)[:, None] * share / (share.sum() * 360.0 / share.size)
+
+
+def both_times(values: np.ndarray) -> np.ndarray:
+    """The first time has half the height of the second, so that a reader that mixes them up is caught."""
+    return np.stack([0.25 * values, values])
+
+
+def ndbc(folder: Path) -> Path:
+    """Realtime: five files, newest first."""
+    r1, r2 = POWER / (POWER + 1), POWER * (POWER - 1) / ((POWER + 1) * (POWER + 2))
+    columns = {
+        ".data_spec": energy(),
+        ".swdir": np.full(FREQUENCY.size, FROM),
+        ".swdir2": np.full(FREQUENCY.size, FROM),
+        ".swr1": np.full(FREQUENCY.size, r1),
+        ".swr2": np.full(FREQUENCY.size, r2),
+    }
+    for suffix, values in columns.items():
+        first = suffix == ".data_spec"
+        head = "#YY  MM DD hh mm " + ("Sep_Freq  < spec_1 (freq_1) ... >" if first else "alpha1_1 (freq_1) ... >")
+        lines = [head]
+        for hour, scale in ((3, 1.0), (0, 0.25 if first else 1.0)):
+            pairs = " ".join(f"{scale * value:.5f} ({f:.5f})" for value, f in zip(values, FREQUENCY, strict=True))
+            lines.append(f"2024 03 01 {hour:02d} 00 {'9.999 ' if first else ''}{pairs}")
+        (folder / f"46042{suffix}").write_text("\n".join(lines) + "\n")
+    return folder / "46042.data_spec"
+
+
+def ndbc_historical(folder: Path) -> Path:
+    """A year's files: one header of frequencies, r1 and r2 in hundredths."""
+    r1, r2 = POWER / (POWER + 1), POWER * (POWER - 1) / ((POWER + 1) * (POWER + 2))
+    constant = {"d": FROM, "i": FROM, "j": 100 * r1, "k": 100 * r2}
+    for letter in "wdijk":
+        rows = both_times(energy()) if letter == "w" else np.full((2, FREQUENCY.size), constant[letter])
+        lines = ["#YY  MM DD hh mm " + " ".join(f"{f:.5f}" for f in FREQUENCY)]
+        lines += [f"2024 03 01 {hour:02d} 00 " + " ".join(f"{v:.4f}" for v in row) for hour, row in zip((0, 3), rows, strict=True)]
+        (folder / f"46042{letter}2024.txt").write_text("\n".join(lines) + "\n")
+    return folder / "46042w2024.txt"
+
+
+def ndbc_netcdf(folder: Path) -> Path:
+    """The buoy's NetCDF: one place as two dimensions of length one."""
+    dims = ("time", "latitude", "longitude", "frequency")
+    r1, r2 = POWER / (POWER + 1), POWER * (POWER - 1) / ((POWER + 1) * (POWER + 2))
+    shape = (2, 1, 1, FREQUENCY.size)
+    values = {"mean_wave_dir": FROM, "principal_wave_dir": FROM, "wave_spectrum_r1": r1, "wave_spectrum_r2": r2}
+    data = xr.Dataset({name: (dims, np.full(shape, value)) for name, value in values.items()})
+    data["spectral_wave_density"] = (dims, both_times(energy()).reshape(shape))
+    coords = {"time": TIMES, "frequency": FREQUENCY, "latitude": [LATITUDE], "longitude": [LONGITUDE]}
+    return _netcdf(data.assign_coords(coords), folder / "46042w9999.nc")
+
+
+def spotter_records() -> list[dict]:
+    """Spectra: moments about the direction TO, counter-clockwise from east, so that direction = 270 - atan2(b1, a1)."""
+    to = np.radians(270.0 - FROM)
+    r1, r2 = POWER / (POWER + 1), POWER * (POWER - 1) / ((POWER + 1) * (POWER + 2))
+    moments = {"a1": r1 * np.cos(to), "b1": r1 * np.sin(to), "a2": r2 * np.cos(2 * to), "b2": r2 * np.sin(2 * to)}
+    flat = {name: [float(value)] * FREQUENCY.size for name, value in moments.items()}
+    rest = {"direction": [FROM] * FREQUENCY.size, "directionalSpread": [30.0] * FREQUENCY.size, "frequency": FREQUENCY.tolist()}
+    return [
+        flat
+        | rest
+        | {
+            "df": np.gradient(FREQUENCY).tolist(),
+            "varianceDensity": values.tolist(),
+            "timestamp": f"{time}Z",
+            "latitude": LATITUDE,
+            "longitude": LONGITUDE,
+        }
+        for values, time in zip(both_times(energy()), np.datetime_as_string(TIMES, unit="s"), strict=True)
+    ]
+
+
+def spotter_json(folder: Path) -> Path:
+    """Wave heights an hour later than the spectra, as older files have them."""
+    path = folder / "spotter.json"
+    heights = {"significantWaveHeight": 2.0, "peakPeriod": 9.0, "latitude": LATITUDE, "longitude": LONGITUDE}
+    waves = [heights | {"timestamp": f"{time}Z"} for time in np.datetime_as_string(TIMES + np.timedelta64(1, "h"), unit="s")]
+    path.write_text(json.dumps({"data": {"spotterId": "SPOT-0000", "waves": waves, "frequencyData": spotter_records()}}))
+    return path
+
+
+def spotter_csv(folder: Path) -> Path:
+    """One column a band and quantity, names padded with blanks."""
+    columns = ("df", "a1", "b1", "a2", "b2", "varianceDensity", "direction", "directionalSpread")
+    names = [f"{name}_{i}" for name in ("f", *columns) for i in range(FREQUENCY.size)]
+    header = ["Battery Voltage (V)", "Epoch Time", "Significant Wave Height (m)", "Latitude (deg)", "Longitude (deg)", *names]
+    lines = [" ,".join(header)]
+    for time, record in zip(TIMES.astype("datetime64[s]").astype(int), spotter_records(), strict=True):
+        values = [value for name in ("frequency", *columns) for value in record[name]]
+        lines.append(" ,".join(map(str, [4.07, int(time), 2.0, LATITUDE, LONGITUDE, *values])))
+    path = folder / "spotter.csv"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def swan(folder: Path, directions: str = "NDIR", locations: str = "LONLAT", times: bool = True) -> Path:
+    """Standard spectral file of two places; the second has the sea, the first half its height."""
+    values = np.arange(5.0, 360.0, 10.0) if directions == "NDIR" else np.arange(175.0, -185.0, -10.0)
+    come_from = values if directions == "NDIR" else 270.0 - values
+    lines = ["SWAN   1                                Swan standard spectral file", "$   made for a test"]
+    lines += ["TIME                                    time-dependent data", "     1                  time coding option"] if times else []
+    lines += [f"{locations}                                  locations", "     2                       number of locations"]
+    lines += [f"  {LONGITUDE + 1:.4f}  {LATITUDE:.4f}", f"  {LONGITUDE:.4f}  {LATITUDE:.4f}"]
+    lines += ["AFREQ                                   absolute frequencies in Hz", f"    {FREQUENCY.size}    number of frequencies"]
+    lines += [f"    {f:.5f}" for f in FREQUENCY]
+    lines += [f"{directions}                                    spectral directions in degr", f"    {values.size}    number of directions"]
+    lines += [f"   {value:.4f}" for value in values]
+    lines += [
+        "QUANT",
+        "     1                                  number of quantities in table",
+        "VaDens      variance densities in m2/Hz/degr",
+    ]
+    lines += ["m2/Hz/degr                              unit", "   -99                                  exception value"]
+    for hour in (0, 3) if times else (3,):
+        lines += [f"20240301.{hour:02d}0000                         date and time"] if times else []
+        for scale in (0.25, 1.0):
+            table = scale * (0.25 if hour == 0 else 1.0) * density(come_from)
+            factor = table.max() / 9998.0
+            lines += ["FACTOR", f"    {factor:.8E}", *("".join(f"{round(v / factor):5d}" for v in row) for row in table)]
+    path = folder / "swan.spec"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def swan_netcdf(folder: Path, convention: str = "nautical") -> Path:
+    """Points, radians, and the run's convention as an attribute."""
+    values = np.arange(5.0, 360.0, 10.0)
+    spectra = both_times(density(values if convention == "nautical" else 270.0 - values) * 180.0 / np.pi)
+    data = xr.Dataset(
+        {
+            "density": (("time", "points", "frequency", "direction"), np.stack([0.25 * spectra, spectra], axis=1)),
+            "longitude": (("points",), [LONGITUDE + 1, LONGITUDE]),
+            "latitude": (("points",), [LATITUDE, LATITUDE]),
+        },
+        {"time": TIMES, "frequency": FREQUENCY, "direction": np.radians(values)},
+        {"Directional_convention": convention},
+    )
+    return _netcdf(data, folder / "swan.nc")
+
+
+def ww3(folder: Path) -> Path:
+    """Station file with one point: directions TO in radians, from the east backwards, three digits."""
+    to = (90.0 - 10.0 * np.arange(36) - 5.0) % 360.0
+    spectrum = density(to + 180.0) * 180.0 / np.pi
+
+    def columns(values: np.ndarray, count: int) -> list[str]:
+        return ["".join(f" {v:.3E}" for v in values[i : i + count]) for i in range(0, values.size, count)]
+
+    lines = [f"'WAVEWATCH III SPECTRA'     {FREQUENCY.size}    36     1 'spectral resolution for points'"]
+    lines += columns(FREQUENCY, 8) + columns(np.radians(to), 7)
+    for hour, scale in ((0, 0.25), (3, 1.0)):
+        lines += [f"20240301 {hour:02d}0000", f"'46042     '  {LATITUDE:.2f} {LONGITUDE:.2f}    1000.0   5.00 225.6   0.18  94.1"]
+        lines += columns((scale * spectrum).T.ravel(), 7)
+    path = folder / "46042.spec"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def ww3_netcdf(folder: Path, standard_name: str = "sea_surface_wave_to_direction") -> Path:
+    """Point output: directions TO, backwards, and coordinates that depend on time."""
+    directions = (90.0 - 15.0 * np.arange(24)) % 360.0
+    to = "to_direction" in standard_name
+    spectra = both_times(density(directions + 180.0 if to else directions) * 180.0 / np.pi)
+    dims = ("time", "station", "frequency", "direction")
+    data = xr.Dataset(
+        {
+            "efth": (dims, np.stack([0.25 * spectra, spectra], axis=1).astype("f4")),
+            "longitude": (("time", "station"), np.tile([LONGITUDE + 1, LONGITUDE], (2, 1))),
+            "latitude": (("time", "station"), np.full((2, 2), LATITUDE)),
+            "station_name": (("station", "string16"), np.array([list("46041".ljust(16)), list("46042".ljust(16))], dtype="S1")),
+        },
+        {
+            "time": TIMES,
+            "station": [1, 2],
+            "frequency": FREQUENCY,
+            "direction": ("direction", directions, {"standard_name": standard_name}),
+        },
+    )
+    return _netcdf(data, folder / "ww3.nc")
+
+
+def era5(folder: Path, new: bool = True) -> Path:
+    """Decimal logarithm, directions TO by number, land and next to nothing left out; both layouts."""
+    frequency = 0.03453 * 1.1 ** np.arange(30)
+    to = 7.5 + 15.0 * np.arange(24)
+    values = np.log10(density(to + 180.0, frequency) * 180.0 / np.pi)
+    grid = np.full((2, 24, 30, 2, 2), np.nan)
+    for t, shift in ((0, np.log10(0.25)), (1, 0.0)):
+        grid[t, :, :, 0, 1] = (values + shift).T
+        grid[t, :, :, 1, 1] = (values + shift + np.log10(0.25)).T
+    grid[grid < -4.0] = np.nan
+    time, direction, number = ("valid_time", "directionNumber", "frequencyNumber") if new else ("time", "direction", "frequency")
+    data = xr.Dataset(
+        {"d2fd": ((time, direction, number, "latitude", "longitude"), grid)},
+        {time: TIMES, "latitude": [LATITUDE, LATITUDE - 0.5], "longitude": [LONGITUDE + 359.5, LONGITUDE + 360.0]},
+    )
+    if new:
+        data = data.assign_coords(number=0, expver=((time,), ["0001", "0001"]))
+        data = data.assign_coords({direction: np.arange(1.0, 25.0), number: np.arange(1.0, 31.0)})
+    return _netcdf(data, folder / "era5.nc")
+
+
+def triaxys(folder: Path) -> Path:
+    """One record; 0 and 360 degrees both."""
+    frequency = 0.01 * np.arange(60)
+    table = np.zeros((60, 121))
+    table[4:] = np.array(density(np.arange(0.0, 360.0, 3.0), frequency[4:]))[:, np.r_[0:120, 0]]
+    return _triaxys(folder / "a.DIRSPEC", "DIRECTIONAL SPECTRUM", table, ["COLUMNS = 0.00 TO 360.00 DEG", "ROWS\t= 0.00 TO   0.59 Hz"])
+
+
+def triaxys_plain(folder: Path) -> Path:
+    """Energy alone, frequencies beside it."""
+    frequency = 0.01 * np.arange(60)
+    values = np.r_[np.zeros(4), energy(frequency[4:])]
+    names = ["COLUMN 1 = FREQUENCY (Hz)", "COLUMN 2 = SPECTRAL DENSITY (M^2/Hz)"]
+    return _triaxys(folder / "a.NONDIRSPEC", "NON-DIRECTIONAL SPECTRUM", np.stack([frequency, values], axis=1), names)
+
+
+def _triaxys(path: Path, kind: str, table: np.ndarray, last: list[str]) -> Path:
+    lines = ["TRIAXYS BUOY DATA REPORT - TAS00000 - TAB00000", "VERSION = WV", f"TYPE    = {kind}", "DATE    = 2024-03-01 03:00(UTC)"]
+    lines += [f"NUMBER OF FREQUENCIES              =   {len(table)}", "INITIAL FREQUENCY (Hz)             =   0.000"]
+    lines += ["FREQUENCY SPACING (Hz)             =   0.010"]
+    if table.shape[1] > 2:
+        lines += [f"NUMBER OF DIRECTIONS               =     {table.shape[1]}", "DIRECTION SPACING (DEG)            =       3"]
+    lines += [*last, *(" ".join(f"{value:.5E}" for value in row) for row in table)]
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def octopus(folder: Path) -> Path:
+    """Variance per bin; a band is as wide as half the distance of its neighbours."""
+    directions = np.arange(5, 360, 10)
+    variance = density(directions) * np.gradient(FREQUENCY)[:, None] * 10.0
+    lines = ["Forecast valid for 01-Mar-2024 00:00:00", f"nfreqs,{FREQUENCY.size}", "ndir,36", "nrecs,2"]
+    lines += [f"Latitude, {LATITUDE}", f"Longitude, {LONGITUDE}", "Depth,1000.0", ""]
+    for day, table in zip(("'010000", "'010300"), both_times(variance), strict=True):
+        lines += [
+            "CCYYMM,DDHHmm,LPoint,WD,WS,ETot",
+            f"202403,{day},p,123,11.64,0.0759",
+            f"freq,{','.join(f'{f:.5f}' for f in FREQUENCY)},anspec",
+        ]
+        lines += [f"{d},{','.join(f'{v:.7f}' for v in column)},{column.sum():.7f}," for d, column in zip(directions, table.T, strict=True)]
+        lines += ["fSpec," + ",".join(f"{v:.5f}" for v in table.sum(axis=1)) + ",", "den,", ""]
+    path = folder / "forecast.oct"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def datawell(folder: Path) -> Path:
+    """Twelve lines about the buoy, then frequency, relative energy, direction FROM, width, skewness, kurtosis."""
+    largest = energy().max()
+    lines = ["10", "200.0", "6.5", f"{largest:.6E}", "25.05", "19.65", "7", "-0.2", "0.4", "0.3", "213.8", "68.2"]
+    lines += [f"{f:.5f},{value / largest:.6E},{FROM},30.0,0.1,3.0" for f, value in zip(FREQUENCY, energy(), strict=True)]
+    path = folder / "buoy}2024-03-01T03h00Z.spt"
+    path.write_text("\n".join(lines) + "\n")
+    return path
+
+
+def own(folder: Path) -> Path:
+    """What wavespectra writes itself."""
+    directions = np.arange(0.0, 360.0, 15.0)
+    spectra = both_times(density(directions))
+    data = xr.Dataset(
+        {
+            "efth": (("time", "site", "freq", "dir"), np.stack([0.25 * spectra, spectra], axis=1)),
+            "lon": (("site",), [LONGITUDE + 1, LONGITUDE]),
+            "lat": (("site",), [LATITUDE, LATITUDE]),
+        },
+        {"time": TIMES, "site": [1, 2], "freq": FREQUENCY, "dir": directions},
+    )
+    return _netcdf(data, folder / "own.nc")
+
+
+def _netcdf(data: xr.Dataset, path: Path) -> Path:
+    data.to_netcdf(path, engine="h5netcdf")
+    return path
