@@ -96,7 +96,12 @@ def test_fields_cannot_change_and_travel_between_processes(error, fields):
         ({"sensor": {"height_m": 1.5}}, "sensor.height_m", 1.5, (2.0, 10_000.0)),
         ({"wind": {"speed_m_s": 25}}, "wind.speed_m_s", 25.0, (0.0, 20.0)),
         ({"sensor": {"frames": "many"}}, "sensor.frames", "many", "1 to 10000000"),
-        ({"sea": {"spectrum": {"kind": "nix"}}}, "sea.spectrum.kind", "nix", "'elfouhaily', 'pierson-moskowitz', 'file', 'flat'"),
+        (
+            {"sea": {"spectrum": {"kind": "nix"}}},
+            "sea.spectrum.kind",
+            "nix",
+            "'elfouhaily', 'pierson-moskowitz', 'jonswap', 'file', 'systems', 'flat'",
+        ),
         ({"mean": {"shadowing": "nix"}}, "mean.shadowing", "nix", "'nested', 'both', 'viewer'"),
         ({"sensor": {"hieght_m": 3}}, "sensor.hieght_m", 3, None),
         ({"sea": {"spectrum": {"kind": "file"}}}, "sea.spectrum.path", None, None),

@@ -23,10 +23,13 @@ def test_all_tables_together_stay_small():
 
 @pytest.mark.parametrize("region", ["mwir", "lwir"])
 def test_reading_a_table_is_quick(region):
-    read_table.cache_clear()
-    start = time.process_time()  # of this process alone: a busy machine does not count
-    read_table("us-standard-1976", region)
-    assert time.process_time() - start < READ_SECONDS
+    seconds = []
+    for _ in range(4):  # the quickest: other work on the processor can only lengthen one
+        read_table.cache_clear()
+        start = time.process_time()
+        read_table("us-standard-1976", region)
+        seconds.append(time.process_time() - start)
+    assert min(seconds) < READ_SECONDS
 
 
 @pytest.mark.parametrize("region", ["mwir", "lwir"])
