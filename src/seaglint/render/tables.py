@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 from seaglint.optics.sea_water import WaterIndex
-from seaglint.radiance.glint import visible_sun
+from seaglint.radiance.local_sun import visible_sun
 from seaglint.radiance.view import SeaView
 from seaglint.render.facet import FacetLevels
 from seaglint.render.path_basis import TOGETHER, PathBasis, fewest_terms
