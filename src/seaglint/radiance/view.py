@@ -148,7 +148,7 @@ class SeaView:
         A disc cut by the horizon counts with the middle of what is left. A Sun that is below at the foot but may be up at a place in view
         counts as one that stands on the horizon; 0 for a Sun below everywhere.
         """
-        return self._irradiance(np.atleast_1d(self._sunlit_zenith))[0]
+        return np.asarray(self._irradiance(np.atleast_1d(self._sunlit_zenith))[0])
 
     @property
     def _sunlit_zenith(self) -> float:
