@@ -131,15 +131,14 @@ def test_a_sun_below_the_horizon_at_the_foot_may_be_up_towards_it():
     found = mean_radiance(view, -depression, [0.0, np.pi])
     psi = surface_range(10_000.0, depression) / EARTH_RADIUS
     theta = view_zenith(10_000.0, depression)
-    expected = np.array(
-        [float(glint(t, np.pi, view.solar_zenith - p, 0.0, view.slopes, VIEWER).chance) for t, p in zip(theta, psi, strict=True)]
-    )
+    zenith = view.solar_zenith - psi
+    expected = np.array([float(glint(t, np.pi, z, 0.0, view.slopes, VIEWER).chance) for t, z in zip(theta, zenith, strict=True)])
     assert expected[0] > 0.0
     np.testing.assert_allclose(found.chance[:, 0], expected, rtol=1e-6)
     assert not found.chance[3:, 0].any()
     assert not found.chance[:, 1].any()
     rho = reflectance(found.cos_incidence[0, 0], WATER.index(LINE))
-    irradiance = np.interp(LINE, AIR.wavenumber_cm, AIR.solar_irradiance(view.solar_zenith - psi[0]))
+    irradiance = np.interp(LINE, AIR.wavenumber_cm, AIR.solar_irradiance(zenith[0]))
     shown = float(rho * irradiance * expected[0] / (np.pi * SOLAR_ANGULAR_RADIUS**2))
     assert found.sun[0, 0] == pytest.approx(shown, rel=5e-3)  # sunlight in steps of the table
 

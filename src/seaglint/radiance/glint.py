@@ -174,7 +174,7 @@ class GlintModel:
         up, cross = math.sqrt(sea.mss_up), math.sqrt(sea.mss_cross)
         peak = 1.0 / (8.0 * math.pi * up * cross)
         numbers = _Sea(sea.mss_up, sea.mss_cross, up, cross, peak, s, c, sea.is_gaussian, np.array(sea.coefficients))
-        legs = legs_of(shadowing, sea, centroid, solar_azimuth, shining=_up_somewhere(solar_zenith))
+        legs = legs_of(shadowing, sea, centroid, solar_azimuth, shining=solar_zenith < 0.5 * math.pi + _DUSK)
         return cls(sea, shadowing, numbers, _disc(solar_zenith, solar_azimuth, sunlight), legs)
 
     def grid(
@@ -211,11 +211,6 @@ class GlintModel:
         if self.slopes.is_gaussian:
             return np.zeros((0,) * np.broadcast(theta, azimuth).ndim)
         return self.shadowing.area(theta, azimuth, self.slopes)
-
-
-def _up_somewhere(solar_zenith: float) -> bool:
-    """Whether a Sun is not so far below the horizon at the foot that no sensor sees a place where it is up."""
-    return solar_zenith < 0.5 * math.pi + _DUSK
 
 
 def _disc(solar_zenith: float, solar_azimuth: float, sunlight: SunTable) -> _Disc:
