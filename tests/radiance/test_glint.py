@@ -3,8 +3,9 @@ import pytest
 
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.errors import DomainError
-from seaglint.radiance.glint import direction, glint, visible_sun
+from seaglint.radiance.glint import direction, glint
 from seaglint.radiance.legs import VIEWER, Shadowing
+from seaglint.radiance.local_sun import visible_sun
 from seaglint.sea.breon_henriot import breon_henriot
 from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.emissivity import facet_nodes

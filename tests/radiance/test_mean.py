@@ -4,7 +4,7 @@ import pytest
 from seaglint.atmosphere.isothermal import IsothermalAtmosphere
 from seaglint.atmosphere.vacuum import VacuumAtmosphere
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
-from seaglint.conventions import horizon_depression, view_zenith
+from seaglint.conventions import horizon_depression, surface_range, view_zenith
 from seaglint.errors import DomainError
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band, apparent_temperature
@@ -12,6 +12,7 @@ from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.glint import glint
 from seaglint.radiance.legs import Shadowing
+from seaglint.radiance.local_sun import turn_at
 from seaglint.radiance.mean import MeanModel, mean_radiance
 from seaglint.radiance.view import SeaView
 from seaglint.sea.breon_henriot import breon_henriot
@@ -86,7 +87,7 @@ def test_sun_in_a_line_of_spectrum_is_eq_8(depression, azimuth):
     d, a = np.radians(depression), np.radians(azimuth)
     theta = float(view_zenith(30.0, d))
     cos2w = np.cos(theta) * np.cos(view.solar_zenith) - np.sin(theta) * np.sin(view.solar_zenith) * np.cos(a)
-    g = glint(theta, a + np.pi, view.solar_zenith, 0.0, slopes)
+    g = glint(theta, a + np.pi, view.solar_zenith, 0.0, slopes, turn=turn_at(surface_range(30.0, d)))
     cos_w = np.sqrt(0.5 * (1.0 + cos2w))
     rho = reflectance(cos_w, sea_water.hale_querry_sea().index(2500.0))
     irradiance = 1.03 * np.interp(2500.0, atmosphere.wavenumber_cm, atmosphere.solar_irradiance(view.solar_zenith))
@@ -171,7 +172,8 @@ def test_chance_and_incidence_come_with_the_sun_and_only_there():
     elevation, azimuth = np.radians([2.0, -1.0, -20.0]), np.radians([0.0, 15.0])
     seen = mean_radiance(view, elevation, azimuth)
     theta = view_zenith(30.0, -elevation[1:])
-    direct = glint(theta[:, None], azimuth + np.pi, view.solar_zenith, 0.0, view.slopes)
+    turn = turn_at(surface_range(30.0, -elevation[1:]))[:, None]
+    direct = glint(theta[:, None], azimuth + np.pi, view.solar_zenith, 0.0, view.slopes, turn=turn)
     np.testing.assert_allclose(seen.chance[1:], direct.chance, rtol=1e-3)  # tables of the view zenith
     np.testing.assert_allclose(seen.cos_incidence[1:], direct.cos_incidence, rtol=1e-9)
     assert not seen.chance[0].any()

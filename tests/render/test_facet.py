@@ -7,7 +7,7 @@ from render_scenes import BAND, SEA_TEMPERATURE, WarmSky, sea_view, table_air
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
-from seaglint.radiance.glint import visible_sun
+from seaglint.radiance.local_sun import visible_sun
 from seaglint.render import solar_disc, thermal
 from seaglint.render.facet import FacetOptics, FacetTables, sun_factor
 from seaglint.render.path_basis import TOGETHER, fewest_terms, path_basis

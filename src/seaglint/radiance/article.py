@@ -22,8 +22,9 @@ from seaglint.conventions import FloatArray, horizon_depression, horizon_range, 
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
-from seaglint.radiance.glint import glint, visible_sun
+from seaglint.radiance.glint import glint
 from seaglint.radiance.legs import VIEWER
+from seaglint.radiance.local_sun import solar_zenith_at, turn_at, visible_sun
 from seaglint.radiance.mean import SeaRadiance
 from seaglint.radiance.view import BandSum, SeaView
 
@@ -107,7 +108,8 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
     Returns
     -------
     SeaRadiance
-        ``emission`` is the blackbody sea behind the path; ``sky`` is 0 below the horizon.
+        ``emission`` is the blackbody sea behind the path; ``sky`` is 0 below the horizon. The Sun stands where it does at each place, but
+        one that is below the horizon at the sensor's foot is mirrored nowhere.
 
     References
     ----------
@@ -121,13 +123,16 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
     path, emission, sky = (np.zeros((rows.size, 1)) for _ in range(3))
     sun, chance, cos_incidence = (np.zeros((rows.size, columns.size)) for _ in range(3))
     sky[~sea, 0] = air.sky(0.5 * np.pi - rows[~sea])
-    slant = slant_range(view.sensor_height, surface_range(view.sensor_height, -rows[sea]))
+    arc = surface_range(view.sensor_height, -rows[sea])
+    slant = slant_range(view.sensor_height, arc)
     path[sea, 0] = air.path(np.log(slant))
     emission[sea, 0] = air.boundary(np.log(slant)) - path[sea, 0]
     share, zenith = visible_sun(view.solar_zenith)
     if share > 0.0:
-        mirrored = glint(theta[sea][:, None], columns + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, VIEWER)
-        irradiance = view.sun_distance_factor * float(air.sun(zenith))
+        turn = turn_at(arc)[:, None]
+        mirrored = glint(theta[sea][:, None], columns + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, VIEWER, turn)
+        zenith_there = np.minimum(solar_zenith_at(zenith, columns - view.solar_azimuth, turn), _ZENITHS[-1])
+        irradiance = view.sun_distance_factor * air.sun(zenith_there)
         rho = _mean_reflectance(view, mirrored.cos_incidence)
         chance[sea], cos_incidence[sea] = mirrored.chance, mirrored.cos_incidence
         sun[sea] = mirrored.chance * rho * irradiance * air.transmittance(slant)[:, None] / (np.pi * SOLAR_ANGULAR_RADIUS**2)

@@ -10,7 +10,8 @@ and the share of the visible projected area that mirrors the solar disc is
 
 A mirroring point shows :math:`\rho E / (\pi \epsilon^2)`. For a density much wider than the disc's image this is Eq. 8 of the source
 article, ``rho p S E / (4 cos^4(beta) cos(theta_v))``; for a calm sea, where that formula exceeds any possible value, P is the
-integral of the visible density over the disc and never above 1.
+integral of the visible density over the disc and never above 1. The Sun is taken against the vertical of the place that is looked at
+(:mod:`seaglint.radiance.local_sun`).
 """
 
 from __future__ import annotations
@@ -27,7 +28,8 @@ from seaglint._jit import kernel, njit_parallel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, unit_vector
 from seaglint.errors import DomainError
-from seaglint.radiance.legs import NESTED, Legs, Shadowing, legs_of, seen_and_lit_kernel
+from seaglint.radiance.legs import NESTED, Legs, Shadowing, legs_of, local_legs, seen_and_lit_kernel
+from seaglint.radiance.local_sun import STEADY, SunTable, strength_kernel, turn_kernel, turned_kernel, visible_part_kernel, visible_sun
 from seaglint.sea.nested import HIGHEST
 from seaglint.sea.shadowing import visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics, series_bracket
@@ -52,6 +54,9 @@ _HEX_W = np.array([0.25] + 6 * [0.125])
 
 _NEGLIGIBLE: Final = 9.0
 """Rms slopes beyond which the density is nothing (3e-18 of its peak) and no integral is taken."""
+
+_DUSK: Final = 0.3
+"""Depression of the Sun at the sensor's foot from which it is up nowhere in view [rad]: the horizon is this far from 250 km up."""
 
 _series_kernel = kernel(series_bracket)
 
@@ -89,40 +94,30 @@ class _Sea(NamedTuple):
 
 
 class _Disc(NamedTuple):
-    """The Sun as kernels take it."""
+    """The Sun as kernels take it, at the sensor's foot."""
 
-    zenith: float
-    sin_zenith: float
-    cos_zenith: float
-    sin_azimuth: float
-    cos_azimuth: float
-    is_whole: bool
-    centroid: FloatArray
-    """Direction of the middle of its visible part (east, north, up)."""
     points: FloatArray
-    """Directions of the seven points (east, north, up) and their weights [sr, (7, 4)]."""
+    """Directions of its centre and the hexagon about it (east, north, up) and their weights [sr, (7, 4)]."""
     rule: FloatArray
     """Gauss points and weights [(2, 24)]."""
+    first: float
+    """First sine of elevation, steps and values of a :class:`~seaglint.radiance.local_sun.SunTable`; as with the sea's coefficients,
+    no tuple."""
+    per_step: float
+    strength: FloatArray
 
 
-def visible_sun(solar_zenith: float) -> tuple[float, float]:
-    """Fraction of the disc above the horizon, and the zenith angle of that part's centroid [rad].
+class _Place(NamedTuple):
+    """Where a pixel looks: horizontal unit vector away from the sensor, turn of the vertical, and the Sun there.
 
-    A Sun cut by the horizon is cut. The zenith angle is the apparent one, at the sea. A Sun wholly below gives (0, solar_zenith).
-
-    >>> visible_sun(1.0)
-    (1.0, 1.0)
+    The Sun: its centre, visible share and the middle of that part (east, north, up).
     """
-    radius = SOLAR_ANGULAR_RADIUS
-    chord = (solar_zenith - 0.5 * np.pi) / radius  # the horizon's height above the disc's centre, in radii
-    if chord <= -1.0:
-        return 1.0, float(solar_zenith)
-    if chord >= 1.0:
-        return 0.0, float(solar_zenith)
-    rest = np.sqrt(1.0 - chord * chord)
-    area = np.arccos(chord) - chord * rest
-    centroid = 2.0 / 3.0 * rest**3 / area
-    return float(area / np.pi), float(solar_zenith - radius * centroid)
+
+    away: tuple[float, float]
+    turn: tuple[float, float]
+    centre: tuple[float, float, float]
+    share: float
+    middle: tuple[float, float, float]
 
 
 def direction(zenith: ArrayLike, azimuth: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -158,42 +153,58 @@ class GlintModel:
     slopes: SlopeStatistics
     shadowing: Shadowing
     _sea: _Sea
-    _disc: _Disc | None
+    _disc: _Disc
     _legs: Legs
 
     @classmethod
-    def prepare(cls, solar_zenith: float, solar_azimuth: float, slopes: SlopeStatistics, shadowing: Shadowing = NESTED) -> GlintModel:
-        """Constants of one Sun and one sea; parameters and errors as in :func:`glint`."""
+    def prepare(
+        cls,
+        solar_zenith: float,
+        solar_azimuth: float,
+        slopes: SlopeStatistics,
+        shadowing: Shadowing = NESTED,
+        sunlight: SunTable = STEADY,
+    ) -> GlintModel:
+        """Constants of one Sun and one sea; ``sunlight`` weighs what :meth:`grid` sums, other parameters and errors as in :func:`glint`."""
         sea = _floored(slopes)
         share, centroid = visible_sun(solar_zenith)
+        if share == 0.0:  # it may be up at places towards it
+            centroid = 0.5 * math.pi - SOLAR_ANGULAR_RADIUS
         s, c = math.sin(sea.wind_to_azimuth), math.cos(sea.wind_to_azimuth)
         up, cross = math.sqrt(sea.mss_up), math.sqrt(sea.mss_cross)
         peak = 1.0 / (8.0 * math.pi * up * cross)
         numbers = _Sea(sea.mss_up, sea.mss_cross, up, cross, peak, s, c, sea.is_gaussian, np.array(sea.coefficients))
-        legs = legs_of(shadowing, sea, centroid, solar_azimuth, shining=share > 0.0)
-        disc = _disc(solar_zenith, solar_azimuth, share, centroid) if share > 0.0 else None
-        return cls(sea, shadowing, numbers, disc, legs)
+        legs = legs_of(shadowing, sea, centroid, solar_azimuth, shining=solar_zenith < 0.5 * math.pi + _DUSK)
+        return cls(sea, shadowing, numbers, _disc(solar_zenith, solar_azimuth, sunlight), legs)
 
-    def grid(self, view_zenith: FloatArray, view_azimuth: FloatArray, terms: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    def grid(
+        self, view_zenith: FloatArray, view_azimuth: FloatArray, turn: FloatArray, terms: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mirrored Sun on rows of view zenith and columns of view azimuth [rad], each result (rows, columns); 0 in rows that are NaN.
 
-        ``terms`` (rows, j) are Chebyshev coefficients in the cosine of incidence of what a mirroring point shows, as
+        ``turn`` (rows,) is that of the vertical [rad], :func:`~seaglint.radiance.local_sun.turn_at` the row's arc. ``terms`` (rows, j)
+        are Chebyshev coefficients in the cosine of incidence of what a mirroring point shows, as
         :class:`seaglint.optics.fresnel.ReflectanceSeries` orders them; the results are their sum times the chance, the chance, and the
         cosine of incidence. The same bytes for any number of threads.
         """
         out = np.zeros((3, view_zenith.size, view_azimuth.size))
-        if self._disc is not None:
+        if self._shines(turn):
             area = self._area(view_zenith[:, None], view_azimuth)
-            _fill_grid(view_zenith, view_azimuth, area, self._sea, self._disc, self._legs, terms, out)
+            _fill_grid(view_zenith, view_azimuth, turn, area, self._sea, self._disc, self._legs, terms, out)
         return out[0], out[1], out[2]
 
-    def at(self, view_zenith: FloatArray, view_azimuth: FloatArray) -> Glint:
-        """Mirrored Sun at a list of views [rad, (n,) each]."""
+    def at(self, view_zenith: FloatArray, view_azimuth: FloatArray, turn: FloatArray) -> Glint:
+        """Mirrored Sun at a list of views, with the turn of the vertical at each [rad, (n,) each]."""
         chance, cosine = np.zeros(view_zenith.size), np.zeros(view_zenith.size)
-        if self._disc is not None:
+        if self._shines(turn):
             area = self._area(view_zenith, view_azimuth)
-            _fill_list(view_zenith, view_azimuth, area, self._sea, self._disc, self._legs, chance, cosine)
+            _fill_list(np.stack([view_zenith, view_azimuth, turn]), area, self._sea, self._disc, self._legs, chance, cosine)
         return Glint(chance, cosine)
+
+    def _shines(self, turn: FloatArray) -> bool:
+        """Whether the Sun may be up at a place where the vertical is turned by at most so much [rad]."""
+        farthest = float(np.nanmax(turn, initial=0.0))
+        return math.asin(self._disc.points[0, 2]) + farthest > -SOLAR_ANGULAR_RADIUS
 
     def _area(self, theta: FloatArray, azimuth: FloatArray) -> FloatArray:
         """A+ where it is no closed form of the kernel's; empty for Gaussian slopes."""
@@ -202,26 +213,15 @@ class GlintModel:
         return self.shadowing.area(theta, azimuth, self.slopes)
 
 
-def _disc(solar_zenith: float, solar_azimuth: float, share: float, centroid: float) -> _Disc:
-    """Constants of a Sun of which something is above the horizon."""
+def _disc(solar_zenith: float, solar_azimuth: float, sunlight: SunTable) -> _Disc:
+    """Constants of a Sun."""
     sz, cz, sa, ca = math.sin(solar_zenith), math.cos(solar_zenith), math.sin(solar_azimuth), math.cos(solar_azimuth)
     x, y = SOLAR_ANGULAR_RADIUS * _HEX_X, SOLAR_ANGULAR_RADIUS * _HEX_Y
     norm = 1.0 / np.sqrt(1.0 + x * x + y * y)
     # norm^3: solid angle of the tangent plane, so that a calm sea's whole density adds up to 1 and no more.
     weight = np.pi * SOLAR_ANGULAR_RADIUS**2 * _HEX_W * norm**3
     points = [norm * (sz * sa + x * ca - y * cz * sa), norm * (sz * ca - x * sa - y * cz * ca), norm * (cz + y * sz), weight]
-    middle = direction(centroid, solar_azimuth)
-    return _Disc(
-        float(solar_zenith),
-        sz,
-        cz,
-        sa,
-        ca,
-        share == 1.0,
-        np.array([float(c) for c in middle]),
-        np.stack(points, axis=1),
-        np.stack([_GAUSS_X, _GAUSS_W]),
-    )
+    return _Disc(np.stack(points, axis=1), np.stack([_GAUSS_X, _GAUSS_W]), *sunlight)
 
 
 def glint(
@@ -231,6 +231,7 @@ def glint(
     solar_azimuth: float,
     slopes: SlopeStatistics,
     shadowing: Shadowing = NESTED,
+    turn: ArrayLike = 0.0,
 ) -> Glint:
     """Share of the viewed sea that mirrors the Sun to the viewer, and the incidence there.
 
@@ -241,11 +242,14 @@ def glint(
     view_azimuth : array_like
         Azimuth of the direction from the sea to the sensor [rad]: that of the line of sight plus pi.
     solar_zenith, solar_azimuth : float
-        Direction from the sea to the Sun's centre [rad]; below the horizon is valid: no glint.
+        Direction from the sea to the Sun's centre where ``turn`` is 0 [rad]; below the horizon is valid: no glint.
     slopes : SlopeStatistics
         Slopes of the sea; a flat one mirrors the disc itself.
     shadowing : Shadowing
         Legs that are shadowed, and how.
+    turn : array_like
+        Turn of the vertical between the sensor's foot, where the Sun's angles hold, and the place [rad], broadcast;
+        :func:`~seaglint.radiance.local_sun.turn_at` gives that of an arc. 0 takes the Sun's angles as those at the place.
 
     Returns
     -------
@@ -269,11 +273,11 @@ def glint(
     ----------
     Source article Eqs. 8 and 12; Cox and Munk 1954, J. Opt. Soc. Am. 44, 838.
     """
-    theta, azimuth = np.asarray(view_zenith, dtype=np.float64), np.asarray(view_azimuth, dtype=np.float64)
+    theta, azimuth, psi = (np.asarray(a, dtype=np.float64) for a in (view_zenith, view_azimuth, turn))
     if not np.all((theta >= 0.0) & (theta <= 0.5 * np.pi)):
         raise DomainError("view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor")
-    shape = np.broadcast_shapes(theta.shape, azimuth.shape)
-    views = [np.array(np.broadcast_to(a, shape), order="C").ravel() for a in (theta, azimuth)]
+    shape = np.broadcast_shapes(theta.shape, azimuth.shape, psi.shape)
+    views = [np.array(np.broadcast_to(a, shape), order="C").ravel() for a in (theta, azimuth, psi)]
     found = GlintModel.prepare(solar_zenith, solar_azimuth, slopes, shadowing).at(*views)
     return Glint(found.chance.reshape(shape), found.cos_incidence.reshape(shape))
 
@@ -298,29 +302,44 @@ def _facet_share(east: float, north: float, up: float, sea: _Sea) -> float:
 
 
 @kernel
-def _wide(east: float, north: float, up: float, disc: _Disc, sea: _Sea) -> float:
+def _place(away: tuple[float, float], turn: tuple[float, float], disc: _Disc) -> _Place:
+    """The Sun over a place."""
+    foot = disc.points[0]
+    centre = turned_kernel(foot[0], foot[1], foot[2], away, turn)
+    share, lift = visible_part_kernel(centre[2])
+    # it stands on the horizon where a part is seen: raised by so little, its horizontal part keeps its length within 1e-5
+    middle = (centre[0] * (1.0 - lift * centre[2]), centre[1] * (1.0 - lift * centre[2]), centre[2] + lift)
+    return _Place(away, turn, centre, share, middle)
+
+
+@kernel
+def _wide(east: float, north: float, up: float, disc: _Disc, place: _Place, sea: _Sea) -> float:
     """Integral over the whole disc of a density that varies little on it; the view's direction comes first."""
     total = 0.0
     for i in range(disc.points.shape[0]):
         p = disc.points[i]
-        total += p[3] * _facet_share(east + p[0], north + p[1], up + p[2], sea)
+        sun = turned_kernel(p[0], p[1], p[2], place.away, place.turn)
+        total += p[3] * _facet_share(east + sun[0], north + sun[1], up + sun[2], sea)
     return total
 
 
 @kernel
-def _narrow(east: float, north: float, up: float, disc: _Disc, sea: _Sea) -> float:
+def _narrow(east: float, north: float, up: float, disc: _Disc, place: _Place, sea: _Sea) -> float:
     """Integral over the part of the disc that is above the horizon and where the density is not negligible.
 
     Along a line of the disc parallel to the horizon the mirroring slope moves in proportion to the distance, towards one azimuth, so the
     window of a Gaussian density on that line is exact, however grazing the light.
     """
     radius = SOLAR_ANGULAR_RADIUS
-    s, c, sz, cz = disc.sin_azimuth, disc.cos_azimuth, disc.sin_zenith, disc.cos_zenith
+    east_sun, north_sun, cz = place.centre
+    sz = math.sqrt(east_sun * east_sun + north_sun * north_sun)
+    # at the zenith any azimuth serves
+    s, c = (east_sun / sz, north_sun / sz) if sz > 1e-9 else (0.0, 1.0)
     # Up and down the disc: the slope towards the Sun's azimuth decides; a slope of sigma turns the mirrored ray by 2 sigma.
     mirror_y = up * sz + (east * s + north * c) * cz
     to_wind, off_wind = s * sea.wind_sine + c * sea.wind_cosine, s * sea.wind_cosine - c * sea.wind_sine
     reach = 2.0 * _WINDOW * math.sqrt(sea.mss_up * to_wind**2 + sea.mss_cross * off_wind**2)
-    bottom = max(-radius, -cz / sz) if disc.zenith > 0.0 else -radius
+    bottom = max(-radius, -cz / sz) if sz > 0.0 else -radius
     low, high = max(mirror_y - reach, bottom), min(mirror_y + reach, radius)
     half = 0.5 * max(high - low, 0.0)
     total = 0.0
@@ -354,15 +373,16 @@ def _narrow(east: float, north: float, up: float, disc: _Disc, sea: _Sea) -> flo
 
 @kernel
 def _chance(
-    view: tuple[float, float, float, float], azimuth: float, area: float, sea: _Sea, disc: _Disc, legs: Legs
-) -> tuple[float, float]:
-    """Chance and cosine of incidence for one view: sine and cosine of its zenith, then of its azimuth.
+    view: tuple[float, float, float, float], azimuth: float, turn: tuple[float, float], area: float, sea: _Sea, disc: _Disc, legs: Legs
+) -> tuple[float, float, float]:
+    """Chance, cosine of incidence and strength of sunlight for one view: sine and cosine of its zenith, then of its azimuth.
 
     A negative ``area`` asks for the A+ of a Gaussian sea.
     """
     sine, cosine, azimuth_sine, azimuth_cosine = view
     east, north = sine * azimuth_sine, sine * azimuth_cosine
-    sun = disc.centroid
+    place = _place((-azimuth_sine, -azimuth_cosine), turn, disc)
+    sun = place.middle
     # cos(2 w) = v.l; the floor only keeps exact grazing from dividing by zero.
     cos_incidence = math.sqrt(min(max(0.5 * (1.0 + east * sun[0] + north * sun[1] + cosine * sun[2]), 1e-18), 1.0))
     # Image of the Sun's radius in slopes, its long half axis: eps/(2 cos w), over the square of the facet's upward cosine.
@@ -371,26 +391,28 @@ def _chance(
     image = SOLAR_ANGULAR_RADIUS / (2.0 * cos_incidence * upward**2)
     slope = math.sqrt(max(1.0 / upward**2 - 1.0, 0.0))
     least, most = min(sea.deviation_up, sea.deviation_cross), max(sea.deviation_up, sea.deviation_cross)
-    if slope - 2.0 * image >= _NEGLIGIBLE * most:
-        return 0.0, cos_incidence
-    wide = disc.is_whole and image < _BROAD * least
-    share = _wide(east, north, cosine, disc, sea) if wide else _narrow(east, north, cosine, disc, sea)
+    if place.share == 0.0 or slope - 2.0 * image >= _NEGLIGIBLE * most:
+        return 0.0, cos_incidence, 0.0
+    wide = place.share == 1.0 and image < _BROAD * least
+    share = _wide(east, north, cosine, disc, place, sea) if wide else _narrow(east, north, cosine, disc, place, sea)
     to_wind = azimuth_sine * sea.wind_sine + azimuth_cosine * sea.wind_cosine
     off_wind = azimuth_sine * sea.wind_cosine - azimuth_cosine * sea.wind_sine
     deviation = math.sqrt(sea.mss_up * to_wind**2 + sea.mss_cross * off_wind**2)
     if area < 0.0:
         area = visible_area_kernel(cosine, sine * deviation)
     along = -((east + sun[0]) * azimuth_sine + (north + sun[1]) * azimuth_cosine) / (rise * deviation)
+    legs = local_legs(legs, sun[2])
     sunward = -((east + sun[0]) * legs.sine + (north + sun[1]) * legs.cosine) / (rise * legs.deviation)
     edge = cosine / (sine * deviation) if sine > 0.0 else HIGHEST
     share *= seen_and_lit_kernel(cosine / area, (along, edge), sunward, azimuth, legs)
-    return share / area, cos_incidence
+    return share / area, cos_incidence, strength_kernel(SunTable(disc.first, disc.per_step, disc.strength), sun[2])
 
 
 @njit_parallel
 def _fill_grid(
     zenith: FloatArray,
     azimuth: FloatArray,
+    turn: FloatArray,
     area: FloatArray,
     sea: _Sea,
     disc: _Disc,
@@ -403,22 +425,24 @@ def _fill_grid(
         if not zenith[row] <= 0.5 * math.pi:  # NaN: not of the sea
             continue
         sine, cosine = math.sin(zenith[row]), math.cos(zenith[row])
+        here = turn_kernel(turn[row])
         for column in range(azimuth.size):
             a = area[row, column] if area.size > 0 else -1.0
-            chance, cos_incidence = _chance((sine, cosine, sines[column], cosines[column]), azimuth[column], a, sea, disc, legs)
+            view = (sine, cosine, sines[column], cosines[column])
+            chance, cos_incidence, strength = _chance(view, azimuth[column], here, a, sea, disc, legs)
             # Clenshaw's sum of the series in 2 c - 1
             x, b1, b2 = 2.0 * cos_incidence - 1.0, 0.0, 0.0
             for j in range(terms.shape[1] - 1, 0, -1):
                 b1, b2 = terms[row, j] + 2.0 * x * b1 - b2, b1
-            out[0, row, column] = chance * (terms[row, 0] + x * b1 - b2)
+            out[0, row, column] = chance * strength * (terms[row, 0] + x * b1 - b2)
             out[1, row, column] = chance
             out[2, row, column] = cos_incidence
 
 
 @njit_parallel
-def _fill_list(
-    zenith: FloatArray, azimuth: FloatArray, area: FloatArray, sea: _Sea, disc: _Disc, legs: Legs, chance: FloatArray, cosine: FloatArray
-) -> None:
+def _fill_list(views: FloatArray, area: FloatArray, sea: _Sea, disc: _Disc, legs: Legs, chance: FloatArray, cosine: FloatArray) -> None:
+    zenith, azimuth, turn = views[0], views[1], views[2]
     for i in numba.prange(zenith.size):
         view = (math.sin(zenith[i]), math.cos(zenith[i]), math.sin(azimuth[i]), math.cos(azimuth[i]))
-        chance[i], cosine[i] = _chance(view, azimuth[i], area[i] if area.size > 0 else -1.0, sea, disc, legs)
+        here = turn_kernel(turn[i])
+        chance[i], cosine[i], _ = _chance(view, azimuth[i], here, area[i] if area.size > 0 else -1.0, sea, disc, legs)

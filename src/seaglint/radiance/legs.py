@@ -14,7 +14,7 @@ from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 from seaglint.sea.nested import HIGHEST, bands_of, between_bands, nested_area, nested_ratio_kernel, ratio_table
 from seaglint.sea.seen_and_lit import coupling_table, lit_exponent_kernel
-from seaglint.sea.shadowing import leg_passage_kernel
+from seaglint.sea.shadowing import leg_passage_kernel, visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
 Law = Literal["smith", "nested"]
@@ -94,6 +94,8 @@ class Legs(NamedTuple):
     edge: float
     """Cotangent of the Sun's zenith angle over the rms slope along its azimuth."""
     deviation: float
+    series: float
+    """``1 + hidden`` over that of Gaussian slopes."""
     ratio: FloatArray
     """Table of the nested law; empty for Smith's."""
     coupling: FloatArray
@@ -106,6 +108,7 @@ def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimut
     with_sun = shadowing.sun and shining
     hidden = float(shadowing.area(zenith, azimuth, slopes)) / math.cos(zenith) - 1.0 if with_sun else 0.0
     deviation = math.sqrt(float(slopes.mss_along(azimuth)))
+    gaussian = visible_area_kernel(math.cos(zenith), math.sin(zenith) * deviation) / math.cos(zenith)
     return Legs(
         with_sun,
         max(hidden, 0.0),
@@ -114,9 +117,26 @@ def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimut
         math.cos(azimuth),
         math.cos(zenith) / max(math.sin(zenith), 1e-12) / deviation,
         deviation,
+        (1.0 + hidden) / gaussian if with_sun else 1.0,
         between_bands(ratio_table, bands),
         coupling_table(bands) if with_sun else np.zeros((0, 0, 0)),
     )
+
+
+@kernel
+def local_legs(legs: Legs, up: float) -> Legs:
+    """Legs where the middle of the Sun's visible part has another sine of elevation than at the sensor's foot.
+
+    The area of skewed slopes changes as that of Gaussian ones. The Sun's azimuth stays the foot's: it moves by ``psi cot(zenith)`` at most,
+    little for the low Suns that shadows count for.
+    """
+    if not legs.sun:
+        return legs
+    deviation = math.sqrt(max(1.0 - up * up, 1e-24)) * legs.deviation
+    edge = up / deviation
+    # the area over the mean is 1 within 1e-9 from 6 deviations up
+    hidden = legs.series - 1.0 if edge > 6.0 else legs.series * visible_area_kernel(up, deviation) / up - 1.0
+    return Legs(True, max(hidden, 0.0), legs.azimuth, legs.sine, legs.cosine, edge, legs.deviation, legs.series, legs.ratio, legs.coupling)
 
 
 @kernel

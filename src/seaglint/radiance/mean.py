@@ -18,6 +18,7 @@ from seaglint.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.radiance.glint import GlintModel
+from seaglint.radiance.local_sun import turn_at
 from seaglint.radiance.surface import SeaSurface, azimuth_weights, wind_azimuths
 from seaglint.radiance.view import SeaView
 
@@ -68,7 +69,8 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
 
         L_{sun} = \int R\,\tau\,\frac{\rho(\omega)\,E}{\pi\epsilon^2}\,P\;d\nu
 
-    with P of :func:`seaglint.radiance.glint.glint`; for slopes much wider than the Sun's image this is Eq. 8.
+    with P of :func:`seaglint.radiance.glint.glint`; for slopes much wider than the Sun's image this is Eq. 8. The Sun's direction and its
+    irradiance E are those at the place looked at, E with the spectrum that it has at the sensor's foot.
 
     Parameters
     ----------
@@ -184,7 +186,7 @@ def _arc(height: float, gamma: FloatArray) -> FloatArray:
 
 
 def _glint_model(view: SeaView) -> GlintModel:
-    return GlintModel.prepare(view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing)
+    return GlintModel.prepare(view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, view.sun_table)
 
 
 def _sea_rows(view: SeaView, gamma: FloatArray, azimuths: FloatArray, surface: SeaSurface | None) -> FloatArray:
@@ -217,7 +219,8 @@ def _assembled(
     table[sea] = found
     wide = weights[:, :1] if view.slopes.is_isotropic else weights
     path, emission, sky = table[:, :1], table[:, 1 : 1 + k] @ wide, table[:, 1 + k : 1 + 2 * k] @ wide
-    mirrored = glint.grid(0.5 * np.pi - gamma, columns + np.pi, table[:, 1 + 2 * k :])
+    turn = turn_at(_arc(view.sensor_height, gamma))
+    mirrored = glint.grid(0.5 * np.pi - gamma, columns + np.pi, turn, table[:, 1 + 2 * k :])
     if not np.all(sea):
         above = view.atmosphere.sky_radiance(0.5 * np.pi - rows[~sea], view.sensor_height)
         sky[~sea] = view.in_band(above)[:, None]

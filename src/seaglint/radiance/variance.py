@@ -27,7 +27,7 @@ from seaglint.atmosphere.base import slant_range as slant_range_of
 from seaglint.conventions import FloatArray, surface_range
 from seaglint.conventions import view_zenith as view_zenith_of
 from seaglint.errors import DomainError
-from seaglint.radiance.glint import visible_sun
+from seaglint.radiance.local_sun import visible_sun
 from seaglint.radiance.mean import SeaRadiance
 from seaglint.radiance.view import SeaView
 

@@ -4,19 +4,26 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.atmosphere.base import Atmosphere
-from seaglint.conventions import FloatArray
+from seaglint.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.conventions import FloatArray, horizon_range
 from seaglint.errors import DomainError
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
-from seaglint.radiance.glint import visible_sun
 from seaglint.radiance.legs import NESTED, Shadowing
+from seaglint.radiance.local_sun import STEADY, SunTable, turn_at, visible_sun
 from seaglint.sea.slopes import SlopeStatistics
+
+_CREST: Final = 20.0
+"""Height of waves that may stand beyond the sea's horizon [m]."""
+
+_SUN_NODES: Final = 257
+"""Elevations of the Sun at which its light is tabulated: within 2e-3 of it for a Sun 2 deg above the horizon, seen from 10 km."""
 
 Background = Literal["facets", "blackbody"]
 """What the sea shows beside the Sun: facets that emit and mirror the sky, or a blackbody (Eqs. 6-7 of the source article)."""
@@ -78,7 +85,8 @@ class SeaView:
     sensor_height : float
         Height of the sensor [m].
     solar_zenith, solar_azimuth : float
-        Direction from the sea to the Sun's centre, apparent [rad]; below the horizon is valid.
+        Direction from the sea at the sensor's foot to the Sun's centre, apparent [rad]; below the horizon is valid. Elsewhere it is that
+        against the vertical there (:mod:`seaglint.radiance.local_sun`).
     sun_distance_factor : float
         ``1/d^2`` with d the distance of the Sun in au [1].
     shadowing : Shadowing
@@ -128,13 +136,50 @@ class SeaView:
         """Sums over the band on the atmosphere's samples."""
         return BandSum.of(self.band, self.atmosphere)
 
+    @property
+    def farthest_turn(self) -> float:
+        """Turn of the vertical between the sensor's foot and the farthest crest in view [rad]."""
+        return float(turn_at(horizon_range(self.sensor_height) + horizon_range(_CREST)))
+
     @cached_property
     def irradiance(self) -> FloatArray:
-        """Sunlight at the sea normal to the beam on the band's samples [W m-2 per cm-1, (n,)], of the whole disc; 0 for a Sun below.
+        """Sunlight at the sensor's foot normal to the beam on the band's samples [W m-2 per cm-1, (n,)], of the whole disc.
 
-        A disc cut by the horizon counts with the middle of what is left.
+        A disc cut by the horizon counts with the middle of what is left. A Sun that is below at the foot but may be up at a place in view
+        counts as one that stands on the horizon; 0 for a Sun below everywhere.
         """
+        return np.asarray(self._irradiance(np.atleast_1d(self._sunlit_zenith))[0])
+
+    @property
+    def _sunlit_zenith(self) -> float:
+        """Zenith angle [rad] for which :attr:`irradiance` is."""
         share, zenith = visible_sun(self.solar_zenith)
-        if share == 0.0:
-            return np.zeros(self.in_band.wavenumber_cm.size)
+        if share == 0.0 and zenith - self.farthest_turn < 0.5 * np.pi + SOLAR_ANGULAR_RADIUS:
+            return 0.5 * np.pi - SOLAR_ANGULAR_RADIUS
+        return zenith
+
+    @cached_property
+    def sun_table(self) -> SunTable:
+        """Sunlight in the band at places in view over :attr:`irradiance`, by the sine of the Sun's elevation there.
+
+        Where the atmosphere holds no sunlight for a zenith angle, that of the next one serves.
+        """
+        if not self.irradiance.any():
+            return STEADY
+        elevation = 0.5 * np.pi - self.solar_zenith
+        ends = np.array([elevation - self.farthest_turn, elevation + self.farthest_turn + SOLAR_ANGULAR_RADIUS])
+        first, last = np.sin(np.clip(ends, 0.0, 0.5 * np.pi))
+        up = np.linspace(first, last, _SUN_NODES)
+        zenith = np.arccos(np.minimum(up, 1.0))
+        try:
+            found = self._irradiance(zenith)
+        except DomainError as refused:
+            if refused.name != "solar_zenith" or not isinstance(refused.allowed, tuple):
+                raise
+            found = self._irradiance(np.clip(zenith, *refused.allowed))
+        weights = self.in_band.weights
+        return SunTable(float(first), (_SUN_NODES - 1) / float(last - first), (found @ weights) / float(self.irradiance @ weights))
+
+    def _irradiance(self, zenith: FloatArray) -> FloatArray:
+        """Sunlight for zenith angles [W m-2 per cm-1, (angles, n)]."""
         return np.asarray(self.sun_distance_factor * self.atmosphere.solar_irradiance(zenith)[..., self.in_band.grid])

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from seaglint._jit import in_threads, kernel, njit
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith_of_range
+from seaglint.radiance.local_sun import SunTable, strength_kernel
 from seaglint.radiance.view import SeaView
 from seaglint.render.facet import FacetLevels, FacetOptics, facet_sunlight, level_optics
 from seaglint.render.layers import CHANNELS, COVERAGE, DISTANCE, EMITTED, PATH, SUN, TOTAL
@@ -24,7 +25,7 @@ from seaglint.render.path_basis import path_basis
 from seaglint.render.roughness import Sight, line_of_sight
 from seaglint.render.shade import sun_share
 from seaglint.render.solar_disc import DiscLine, no_disc_line
-from seaglint.render.sunlight import Sunlight
+from seaglint.render.sunlight import Sunlight, sunlight_at
 from seaglint.render.surface import Bounds, Course, Surface, course, height, lay_course, slopes
 from seaglint.render.tables import FacetDomain, PathTerms, facet_tables
 from seaglint.render.thermal import facet_thermal, node, thermal_line
@@ -66,6 +67,7 @@ class RayTables(NamedTuple):
     """All that rays look up; ``thermal`` and ``emitted`` are the facets' tables, azimuth first."""
 
     sunlight: Sunlight
+    strength: SunTable
     levels: FacetLevels
     thermal: np.ndarray
     emitted: np.ndarray
@@ -166,10 +168,14 @@ def ray(
     sine = min(max(-climb, 0.0), 1.0)
     i = min(int(math.log(1.0 + arc / air.scale) * air.parts + 0.5), air.path.radiance.shape[0] - 1)
     warm = warm_light(tables.thermal, axes, air.path.thermal, i, sight, sine, slope)
-    solar, _ = facet_sunlight(optics, room.disc, air.path.sun, (i, 0.0), sight, (sine, math.sqrt(1.0 - sine * sine)), slope)
-    if solar > 0.0 and bounds.steepest > sun.lower_tangent:
+    there = sunlight_at(sun, -sight.east, -sight.north, arc)
+    lit = FacetOptics(there, optics.roughness, optics.tables)
+    solar, _ = facet_sunlight(lit, room.disc, air.path.sun, (i, 0.0), sight, (sine, math.sqrt(1.0 - sine * sine)), slope)
+    if solar > 0.0:
+        solar *= there.share * strength_kernel(tables.strength, there.up)
+    if solar > 0.0 and bounds.steepest > there.lower_tangent:
         lay_course(surface, 0, sun.horizontal_east, sun.horizontal_north, room.sunward)
-        solar *= sun_share(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), sun)
+        solar *= sun_share(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), there)
     out[TOTAL], out[SUN] = warm + air.path.radiance[i] + solar, solar
     out[EMITTED] = warm_light(tables.emitted, axes, air.path.emitted, i, sight, sine, slope)
     out[PATH], out[DISTANCE], out[COVERAGE] = air.path.radiance[i], s, 1.0
@@ -257,7 +263,7 @@ class WalkedRays:
         above = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_ROWS)
         sky = view.in_band(view.atmosphere.sky_radiance(np.maximum(0.5 * np.pi + dip - above**2, 0.0), eye))
         air = Air(scale, (PATH_NODES - 1) / float(log[-1]), path, sky, dip, 1.0 / float(above[1]))
-        return cls(RayTables(sun, levels, by_azimuth(levels.thermal), by_azimuth(levels.emitted), air))
+        return cls(RayTables(sun, view.sun_table, levels, by_azimuth(levels.thermal), by_azimuth(levels.emitted), air))
 
     def __call__(
         self, surface: Surface, bounds: Bounds, eye: float, corner: FloatArray, pixels: NDArray[np.int64], samples: NDArray[np.int64]

@@ -25,7 +25,7 @@ def disc_share(distance: float) -> float:
 
 @kernel
 def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: float, march: tuple[float, float], sun: Sunlight) -> float:
-    """Share of the solar disc seen from the sea ``r`` metres along a line, over the waves of a level between it and the Sun.
+    """Share of the solar disc seen from the sea ``r`` metres along a line, over the waves of a level between it and the Sun there.
 
     The skyline is looked for in the Sun's own azimuth, in steps [m] of ``march[0]`` or as many as a sea that rises by ``march[1]`` at
     most allows, as far as the highest crest could reach over the lower limb; the round sea's drop over that distance is left out.
@@ -51,4 +51,4 @@ def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: fl
         n = max(2.0 * n if n < 1.0 else n + 1.0, math.floor(n + (own + d * ray - z) / (max(rise - ray, 1e-6) * step)))
     if skyline <= low:
         return 1.0
-    return disc_share((sun.elevation - math.atan(skyline)) / SOLAR_ANGULAR_RADIUS)
+    return disc_share((math.asin(sun.up) - math.atan(skyline)) / SOLAR_ANGULAR_RADIUS)

@@ -91,13 +91,20 @@ def no_disc_line() -> DiscLine:
 
 
 @njit
-def disc_line(sun: Sunlight, rough: Roughness, sight: Sight, sines: tuple[float, float], rows: np.ndarray) -> DiscLine:
-    """Fill ``rows`` with the :class:`DiscLine` of a line of sight, over grazing angles with the sines ``sines``."""
+def disc_line(sun: Sunlight, rough: Roughness, sight: Sight, sines: tuple[float, float], rows: np.ndarray, turn: float = 0.0) -> DiscLine:
+    """Fill ``rows`` with the :class:`DiscLine` of a line of sight, over grazing angles with the sines ``sines``.
+
+    The Sun is that at the sensor's foot. Places where the vertical is turned by up to ``turn`` [rad] look it up at their own
+    ``1/(sin(grazing) + sin(Sun's elevation))``: a covariance so taken is off by about ``turn``, and the glint by that times the disc's
+    share of the slopes.
+    """
     low, high = sines
     none = DiscLine(rows[:0], 0.0, 0.0)
     if not sun.shining or rough.east_east + rough.north_north <= 0.0 or low + sun.up < 1e-3:
         return none
-    first, last = 1.0 / (high + sun.up), 1.0 / (low + sun.up)
+    lowest = low + sun.up
+    # a Sun behind the sensor is lower farther away
+    first, last = 1.0 / (high + sun.up), 1.0 / max(lowest - turn, 0.5 * lowest)
     step = max((last - first) / (rows.shape[0] - 1), 1e-9)
     for i in range(rows.shape[0]):
         mz = 1.0 / (first + i * step)

@@ -29,6 +29,7 @@ from seaglint._jit import kernel, njit_parallel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range
 from seaglint.radiance.glint import glint
+from seaglint.radiance.local_sun import turn_at
 from seaglint.radiance.variance import patches
 from seaglint.radiance.view import SeaView
 from seaglint.random import stream
@@ -36,7 +37,7 @@ from seaglint.render.camera import Camera
 from seaglint.render.counter import cell_key, gamma_deviate, last_event
 from seaglint.render.layers import FEWEST, SPREAD, SUN, TOTAL
 from seaglint.render.roughness import Sight
-from seaglint.render.sunlight import Sunlight
+from seaglint.render.sunlight import Sunlight, sunlight_at
 
 MOST_CELLS = 10.0
 """Cells in one direction up to which a pixel is their average. Beyond, pixels are independent, and a box of 10 x 10 cells has 7 % less
@@ -123,7 +124,8 @@ def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
     slant = (ground.along * ground.grazing / camera.row_step)[rows][:, None]
     solid = (ground.reach * camera.column_step * camera.row_step)[rows][:, None] / slant
     theta = np.arccos(ground.grazing[rows])[:, None]
-    found = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing)
+    turn = turn_at(ground.range_m[rows])[:, None]
+    found = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, turn)
     shown = found.chance > 0.0
     if not shown.any():
         return 0.0
@@ -375,9 +377,10 @@ def sparkle_column(
         if solar > 0.0 and images[0, SPREAD, row] > 0.0:
             sine = rows.grazing[row]
             cosine = math.sqrt(1.0 - sine * sine)
-            twice = 1.0 - cosine * (east * sun.east + north * sun.north) + sine * sun.up
+            there = sunlight_at(sun, east, north, rows.range_m[row])
+            twice = 1.0 - cosine * (east * there.east + north * there.north) + sine * there.up
             # cos(omega)/cos(beta) over the sine of the grazing angle
-            stretch = twice / ((sine + sun.up) * sine)
+            stretch = twice / ((sine + there.up) * sine)
             place = (origin[0] + rows.range_m[row] * east, origin[1] + rows.range_m[row] * north)
             footprint = (rows.along[row], rows.reach[row] * rows.column_step)
             factor = sparkle_factor(sparkle, place, along_sight, footprint, stretch, images[0, SPREAD, row] / (solar * solar), time)
@@ -419,7 +422,7 @@ def sparkle_image(
     camera : Camera
         The image's grid.
     sun : Sunlight
-        Direction of the Sun.
+        The Sun at the sensor's foot.
     variance : ndarray
         Relative variance ``(1/P - 1)/M`` of pixels that see many cells [1, (rows, columns)]; see :func:`piece_variance`.
     time : float

@@ -18,14 +18,15 @@ from typing import NamedTuple
 import numpy as np
 
 from seaglint._jit import kernel, njit
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
+from seaglint.radiance.local_sun import SunTable, strength_kernel
 from seaglint.render.facet import FacetLevels, FacetOptics, facet_sunlight, level_optics
 from seaglint.render.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, PATH, SPREAD, SUN, TOTAL
 from seaglint.render.roughness import Sight, line_of_sight
 from seaglint.render.shade import sun_share
 from seaglint.render.solar_disc import DISC_ROWS, DiscLine, disc_line
 from seaglint.render.sparkle import Sparkle, facet_spread
-from seaglint.render.sunlight import Sunlight
+from seaglint.render.sunlight import Sunlight, sunlight_at
 from seaglint.render.surface import Course, Surface, course, height, new_strip, slopes
 from seaglint.render.thermal import ThermalLine, facet_thermal, thermal_along
 from seaglint.render.walk import Walk, bend, elevation, walk_line
@@ -49,11 +50,14 @@ class Rows(NamedTuple):
 
 
 class Swept(NamedTuple):
-    """All that columns look up: samples, rows, the Sun, facets and sparkles; no length depends on the instant."""
+    """All that columns look up: samples, rows, the Sun at the sensor's foot and how its light changes with its elevation, facets and
+    sparkles; no length depends on the instant.
+    """
 
     walk: Walk
     rows: Rows
     sunlight: Sunlight
+    strength: SunTable
     levels: FacetLevels
     sparkle: Sparkle
 
@@ -166,16 +170,20 @@ def shade_piece(swept: Swept, surface: Surface, optics: FacetOptics, line: Line,
     sine_arc = reach * (1.0 / EFFECTIVE_EARTH_RADIUS)
     grazing = (-cosine * (tangent * cosine_arc + sine_arc), cosine * (cosine_arc - tangent * sine_arc))
     warm = facet_thermal(optics.tables.axes, line.thermal, walk.path.thermal, (p, f), line.sight, grazing[0], slope)
-    solar, factor = facet_sunlight(optics, line.disc, walk.path.sun, (p, f), line.sight, grazing, slope)
+    sun = sunlight_at(optics.sunlight, -line.sight.east, -line.sight.north, r)
+    lit = FacetOptics(sun, optics.roughness, optics.tables)
+    solar, factor = facet_sunlight(lit, line.disc, walk.path.sun, (p, f), line.sight, grazing, slope)
+    if solar > 0.0:
+        solar *= sun.share * strength_kernel(swept.strength, sun.up)
     march = (walk.shadow[line.level, 0], walk.shadow[line.level, 1])
     if march[0] > 0.0 and solar > NEGLIGIBLE_SUN * warm:
-        share = sun_share(surface, line.level, line.course, line.sunward, r, march, optics.sunlight)
+        share = sun_share(surface, line.level, line.course, line.sunward, r, march, sun)
         solar *= share
         factor *= share
     across = line.width / swept.rows.per_radian * reach * reach / cosine
     path = walk.path.radiance[p] + f * (walk.path.radiance[p + 1] - walk.path.radiance[p])
     light[j, TOTAL], light[j, SUN] = warm + path + solar, solar
-    light[j, SPREAD] = facet_spread(swept.sparkle, optics.sunlight, line.sight, grazing, solar, factor, across)
+    light[j, SPREAD] = facet_spread(swept.sparkle, sun, line.sight, grazing, solar, factor, across)
     if light.shape[1] > FEWEST:
         light[j, EMITTED] = facet_thermal(optics.tables.axes, line.emitted, walk.path.emitted, (p, f), line.sight, grazing[0], slope)
         light[j, PATH] = path
@@ -245,6 +253,7 @@ def sweep_columns(
     beyond the last. Columns do not depend on each other; :func:`seaglint._jit.in_threads` shares them out.
     """
     walk, rows = swept.walk, swept.rows
+    farthest = walk.range_m[walk.range_m.shape[0] - 1] / EARTH_RADIUS
     pieces, strip, disc_rows = new_pieces(images.shape[2]), new_strip(), np.empty(DISC_ROWS)
     for column in range(part[0], part[1]):
         image = images[column]
@@ -267,7 +276,7 @@ def sweep_columns(
                     sight,
                     thermal_along(tables.thermal, axes, sight),
                     thermal_along(tables.emitted, axes, sight),
-                    disc_line(optics.sunlight, optics.roughness, sight, sines, disc_rows),
+                    disc_line(optics.sunlight, optics.roughness, sight, sines, disc_rows, farthest),
                     1.0 / lines,
                     width,
                 )

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint._jit import in_threads
+from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression, view_zenith_of_range
 from seaglint.errors import DomainError
 from seaglint.radiance.view import SeaView
@@ -302,7 +303,7 @@ class SweptScene:
         )
         stage = stages(arcs, levels.begins, levels.parts)
         walk = Walk(arcs, camera.height, *sight_lines(arcs, camera.height), path, every, stage, self._shadows(sun))
-        return Swept(walk, sky_rows(view, camera), sun, facets, self.sparkles.of(view, camera)[0])
+        return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0])
 
     def _domains(self, arcs: FloatArray) -> list[FacetDomain]:
         """Facets of every level, and their grazing angles, with the crests' own."""
@@ -328,7 +329,9 @@ class SweptScene:
             return np.zeros((levels.steps.size, 2))
         towards = self.waves.spectrum.wind_to_azimuth
         rms = np.sqrt([gaussian_slopes(*v.mss, v.covariance, towards).mss_along(sun.azimuth) for v in levels.detail.levels])
-        shadow = smith_lambda(max(sun.lower_tangent, 0.0) / (np.sqrt(2.0) * np.maximum(rms, 1e-9)))
+        # where a Sun behind the sensor is lowest
+        lower = np.tan(max(0.5 * np.pi - self.view.solar_zenith - self.view.farthest_turn - SOLAR_ANGULAR_RADIUS, 0.0))
+        shadow = smith_lambda(lower / (np.sqrt(2.0) * np.maximum(rms, 1e-9)))
         return np.stack([np.where(shadow > fine.negligible_shadow, levels.steps, 0.0), fine.steepest_rise * rms], axis=1)
 
 

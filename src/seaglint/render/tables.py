@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 from seaglint.optics.sea_water import WaterIndex
-from seaglint.radiance.glint import visible_sun
 from seaglint.radiance.view import SeaView
 from seaglint.render.facet import FacetLevels
 from seaglint.render.path_basis import TOGETHER, PathBasis, fewest_terms
@@ -88,10 +87,9 @@ def sun_terms(basis: PathBasis, irradiance: FloatArray, water: WaterIndex) -> Fl
 
 
 def sun_of(view: SeaView, basis: PathBasis) -> tuple[Sunlight, FloatArray]:
-    """The Sun of a view, and the band terms of its reflection [W m-2] (:func:`sun_terms`)."""
-    share, zenith = visible_sun(view.solar_zenith)
-    irradiance = share * view.irradiance
-    return sunlight(zenith, view.solar_azimuth, bool(irradiance.max() > 0.0)), sun_terms(basis, irradiance, view.water)
+    """The Sun's centre at the sensor's foot, and the band terms of the reflection of the whole disc [W m-2] (:func:`sun_terms`)."""
+    shining = bool(view.irradiance.max() > 0.0)
+    return sunlight(view.solar_zenith, view.solar_azimuth, shining), sun_terms(basis, view.irradiance, view.water)
 
 
 def facet_tables(
