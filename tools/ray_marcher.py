@@ -20,8 +20,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seaglint.sea.field import WaveField
-from seaglint.sea.nested import HIGHEST, between_bands, nested_ratio
-from seaglint.sea.seen_and_lit import lit_exponent_kernel, lit_table
+from seaglint.sea.nested import HIGHEST, nested_ratio
+from seaglint.sea.seen_and_lit import coupling_table, lit_exponent_kernel
 
 FloatArray = NDArray[np.float64]
 
@@ -45,15 +45,15 @@ class Sea(NamedTuple):
 
 
 class Facets(NamedTuple):
-    """Covariance of the slopes on the facets (east-east, east-north, north-north) and logarithms of the nested tables, of facets seen and
-    of those lit too, empty for Smith.
+    """Covariance of the slopes on the facets (east-east, east-north, north-north) and logarithms of the nested tables, of one leg and of
+    what two do together, empty for Smith.
     """
 
     east_east: float
     east_north: float
     north_north: float
     nested: np.ndarray
-    lit: np.ndarray
+    coupling: np.ndarray
 
 
 def sea_of(waves: WaveField, time: float = 0.0, *, part: float = 0.1, radius: float = EARTH) -> Sea:
@@ -76,7 +76,7 @@ def facets_of(covariance: tuple[float, float, float], nested_bands: float = 1.0)
     if nested_bands > 1:
         edge, slope = np.linspace(0.0, EDGE_END, NODES[0])[:, None], np.linspace(-SLOPE_END, SLOPE_END, NODES[1])
         table = np.log(np.maximum(nested_ratio(slope, np.arctan2(1.0, edge), 1.0, nested_bands), 1e-300))
-    return Facets(*covariance, table, between_bands(lit_table, nested_bands))
+    return Facets(*covariance, table, coupling_table(nested_bands))
 
 
 @njit(cache=True)
@@ -183,19 +183,25 @@ def facet_glint(
     area = visible_area(view_mean, view_deviation)
     if area < 1e-12 or sun_mean <= 0.0:
         return 0.0, cosine
-    if view_deviation > 0.0:
-        q *= nested_density(facets.nested, (view[0] * dx + view[1] * dy) / view_deviation, view_mean / view_deviation)
     angle = abs(math.atan2(view[0] * sun[1] - view[1] * sun[0], view[0] * sun[0] + view[1] * sun[1]))
     # Heitz et al. 2014, passage between full correlation (same side) and none (opposite sides)
     passage = 4.41 * angle / (4.41 * angle + 1.0) * (4.41 * math.pi + 1.0) / (4.41 * math.pi)
-    both = 1.0
-    if view_mean > 0.0:
-        lambda_view = area / view_mean - 1.0
-        lambda_sun = visible_area(sun_mean, sun_deviation) / sun_mean - 1.0
-        both = (1.0 + lambda_view) / (1.0 + max(lambda_view, lambda_sun) + passage * min(lambda_view, lambda_sun))
-    if facets.lit.size > 0 and sun_mean < HIGHEST * sun_deviation:
-        mirroring = (view[0] * dx + view[1] * dy) / view_deviation
-        both *= math.exp(passage * lit_exponent_kernel(mirroring, view_mean / view_deviation, sun_mean / sun_deviation, facets.lit))
+    to_view = (view[0] * dx + view[1] * dy) / max(view_deviation, 1e-12)
+    to_sun = (sun[0] * dx + sun[1] * dy) / max(sun_deviation, 1e-12)
+    view_edge, sun_edge = view_mean / max(view_deviation, 1e-12), sun_mean / max(sun_deviation, 1e-12)
+    seen = nested_density(facets.nested, to_view, view_edge)
+    if sun_edge >= HIGHEST:
+        both = seen
+    else:
+        lit, pair = nested_density(facets.nested, to_sun, sun_edge), 0.0
+        if facets.coupling.size > 0 and view_edge < HIGHEST:
+            pair = lit_exponent_kernel(0.5 * (to_view - to_sun), view_edge, sun_edge, facets.coupling)
+        # shares of the visible area: of the viewer's leg alone, of the Sun's, of independent legs
+        upright = max(view_mean, 0.0) / area
+        shadow = visible_area(sun_mean, sun_deviation) / sun_mean - 1.0
+        one_side = min(seen, lit / max(upright * (1.0 + shadow), 1e-12))
+        apart = min(seen * lit * math.exp(pair) / (1.0 + upright * shadow), one_side)
+        both = 1.0 / ((1.0 - passage) / one_side + passage / max(apart, 1e-300))
     return q * both * (1.0 + sx * sx + sy * sy) ** 2 / (4.0 * area), cosine
 
 

@@ -28,7 +28,7 @@ def test_facets_with_little_more_than_one_band():
     assert run.scene.tables is not None
     bands, view = run.scene.tables.levels, run.scene.view
     assert not bands.smith
-    assert bands.lit.shape[1] > 1
+    assert bands.nested.shape[1] > 1
     assert coupling_table(0.25 * view.shadowing.bands_for(view.slopes)).size == 0
     image = run.at(0.0)
     assert np.isfinite(image.radiance).all()

@@ -25,7 +25,7 @@ from seaglint.render.sunlight import Sunlight
 from seaglint.render.thermal import between
 from seaglint.sea.nested import HIGHEST, nested_exponent_kernel
 from seaglint.sea.seen_and_lit import lit_exponent_kernel
-from seaglint.sea.shadowing import both_legs_kernel, quick_visible_area_kernel
+from seaglint.sea.shadowing import quick_visible_area_kernel
 
 NEGLIGIBLE_EXPONENT = 30.0
 """Slope densities below exp(-30) of their peak are taken as zero: 1e-13 of the glint's."""
@@ -56,14 +56,14 @@ class FacetOptics(NamedTuple):
 class FacetLevels(NamedTuple):
     """The facets of every level of detail, in arrays.
 
-    ``roughness[l] = (ee, en, nn, towards the Sun)``; ``nested[l]`` and ``lit[l]`` its tables, unless all are Smith's and ``smith`` is
-    set; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu, nchi, na, nc)`` and ``axes[l]``; ``sun``
+    ``roughness[l] = (ee, en, nn, towards the Sun)``; ``nested[l]`` and ``coupling[l]`` its tables, unless all are Smith's and ``smith``
+    is set; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu, nchi, na, nc)`` and ``axes[l]``; ``sun``
     as in :class:`FacetTables`.
     """
 
     roughness: np.ndarray
     nested: np.ndarray
-    lit: np.ndarray
+    coupling: np.ndarray
     smith: bool
     thermal: np.ndarray
     emitted: np.ndarray
@@ -85,10 +85,10 @@ def level_optics(sunlight: Sunlight, levels: FacetLevels, level: int) -> FacetOp
     end = first + nu * nx * na * nc
     thermal = levels.thermal[first:end].reshape((nu, nx, na, nc, levels.thermal.shape[1]))
     emitted = levels.emitted[first:end].reshape((nu, nx, na, nc, levels.emitted.shape[1]))
-    nested, lit = levels.nested[level, : 0 if levels.smith else levels.nested.shape[1]], levels.lit[level]
+    nested, coupling = levels.nested[level, : 0 if levels.smith else levels.nested.shape[1]], levels.coupling[level]
     q = levels.roughness[level]
     tables = FacetTables(thermal, emitted, levels.axes[level], levels.sun)
-    return FacetOptics(sunlight, Roughness(q[0], q[1], q[2], q[3], nested, lit), tables)
+    return FacetOptics(sunlight, Roughness(q[0], q[1], q[2], q[3], nested, coupling), tables)
 
 
 @kernel
@@ -122,38 +122,45 @@ def sun_factor(
     tilt = sight.east * slope_east + sight.north * slope_north
     above = (vz - horizontal * tilt, sun.up - sun.east * slope_east - sun.north * slope_north)
     deviation = (horizontal * sight.deviation, sun.t_up * rough.towards_sun)
-    mirroring = sight.east * se + sight.north * sn - tilt
-    shared, log_ratio = shadowed(rough, sight, mirroring / max(sight.deviation, 1e-12), above, deviation)
-    if shared <= 0.0:
+    sunward = sun.horizontal_east * (se - slope_east) + sun.horizontal_north * (sn - slope_north)
+    mirroring = ((sight.east * se + sight.north * sn - tilt) / max(sight.deviation, 1e-12), sunward / max(rough.towards_sun, 1e-12))
+    share = seen_and_lit(rough, sight.passage, mirroring, above, deviation)
+    if share <= 0.0:
         return 0.0, 0.0
-    return math.exp(disc.peak - exponent + log_ratio) * (1.0 + tan2) * (1.0 + tan2) / shared, cosine
+    return math.exp(disc.peak - exponent) * (1.0 + tan2) * (1.0 + tan2) * share, cosine
 
 
 @kernel
-def shadowed(
-    rough: Roughness, sight: Sight, mirroring: float, above: tuple[float, float], deviation: tuple[float, float]
-) -> tuple[float, float]:
-    """``A+/(S (1+Lambda_v))`` by Smith's law, 0 where nothing is seen and lit, and the logarithm by which nested bands exceed it.
+def seen_and_lit(
+    rough: Roughness, passage: float, mirroring: tuple[float, float], above: tuple[float, float], deviation: tuple[float, float]
+) -> float:
+    """Share of a facet's mirroring slopes that is seen and lit, over its visible area: ``S (1 + Lambda_v)/A+``; 0 where nothing is.
 
-    ``mirroring``: slope that mirrors the Sun from the facet's tilt, towards the viewer, in deviations. ``above``: mean over the facet's
-    slopes of ``v_z - v_h.s`` for the directions to viewer and Sun, and ``deviation`` its spread.
+    ``mirroring``: slope that mirrors the Sun from the facet's tilt, towards the viewer and towards the Sun, in deviations. ``above``: mean
+    over the facet's slopes of ``v_z - v_h.s`` for the directions to viewer and Sun, and ``deviation`` its spread. The law is that of
+    :func:`seaglint.radiance.legs.seen_and_lit_kernel`, about the tilt.
     """
     view, sun = above
     area = quick_visible_area_kernel(view, deviation[0])
     if area <= 0.0 or sun <= 0.0:
-        return 0.0, 0.0
-    ratio = 0.0
-    if rough.nested.shape[0] > 0:
-        per_deviation = view / max(deviation[0], 1e-12)
-        ratio = nested_exponent_kernel(mirroring, per_deviation, 1.0, rough.nested)
-        if sun < HIGHEST * deviation[1] and rough.lit.shape[0] > 1:
-            ratio += sight.passage * lit_exponent_kernel(mirroring, per_deviation, sun / deviation[1], rough.lit)
+        return 0.0
+    many = rough.nested.shape[0] > 0
+    edge = view / max(deviation[0], 1e-12)
+    seen = math.exp(nested_exponent_kernel(mirroring[0], edge, 1.0, rough.nested)) if many else 1.0
     # above 4.5 deviations Smith's Lambda, the visible area over the mean less one, is below 1e-6
-    if sun >= 4.5 * deviation[1] or view <= 0.0:
-        return area, ratio
-    lambda_sun = quick_visible_area_kernel(sun, deviation[1]) / sun - 1.0
-    lambda_view = area / view - 1.0
-    return view / both_legs_kernel(lambda_view, lambda_sun, sight.passage), ratio
+    if sun >= (HIGHEST if many else 4.5) * deviation[1]:
+        return seen / area
+    hidden = quick_visible_area_kernel(sun, deviation[1]) / sun - 1.0
+    upright, lit, both = max(view, 0.0) / area, 1.0, seen
+    if many:
+        sun_edge = sun / deviation[1]
+        lit = math.exp(nested_exponent_kernel(mirroring[1], sun_edge, 1.0, rough.nested))
+        both = seen * lit
+        if rough.coupling.shape[0] > 1 and edge < HIGHEST:
+            both *= math.exp(lit_exponent_kernel(0.5 * (mirroring[0] - mirroring[1]), edge, sun_edge, rough.coupling))
+    same = max(1.0 / max(seen, 1e-300), upright * (1.0 + hidden) / max(lit, 1e-300))
+    opposite = max((1.0 + upright * hidden) / max(both, 1e-300), same)
+    return 1.0 / (same + passage * (opposite - same)) / area
 
 
 @kernel

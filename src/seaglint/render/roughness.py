@@ -10,15 +10,15 @@ import numpy as np
 from seaglint._jit import kernel
 from seaglint.render.sunlight import Sunlight
 from seaglint.sea.nested import between_bands, ratio_table
-from seaglint.sea.seen_and_lit import lit_table
+from seaglint.sea.seen_and_lit import coupling_table
 from seaglint.sea.shadowing import leg_passage_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
 
 class Roughness(NamedTuple):
     """Covariance of unresolved slopes towards east and north (zero means mirror facets), the deviation along the Sun's azimuth, and the
-    tables of their nested shadowing, from the viewer and from viewer and Sun (:func:`seaglint.sea.nested.ratio_table`,
-    :func:`seaglint.sea.nested.lit_table`; empty for Smith's).
+    tables of their nested shadowing: of either leg (:func:`seaglint.sea.nested.ratio_table`) and of what both do together
+    (:func:`seaglint.sea.seen_and_lit.coupling_table`); empty for Smith's.
     """
 
     east_east: float
@@ -26,7 +26,7 @@ class Roughness(NamedTuple):
     north_north: float
     towards_sun: float
     nested: np.ndarray
-    lit: np.ndarray
+    coupling: np.ndarray
 
 
 class Sight(NamedTuple):
@@ -60,7 +60,7 @@ def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float, *,
 
     Between whole numbers of bands the laws are interpolated, so that facets change evenly with their share of the slopes.
     """
-    nested, lit = between_bands(ratio_table, bands), between_bands(lit_table, bands if shade_sun else 1.0)
+    nested, coupling = between_bands(ratio_table, bands), coupling_table(bands) if shade_sun else np.zeros((0, 0, 0))
     # without a deviation towards the Sun nothing stands in its way
     towards = float(np.sqrt(slopes.mss_along(solar_azimuth))) if shade_sun else 0.0
-    return Roughness(*slopes.covariance(), towards, nested.astype(np.float32), lit.astype(np.float32))
+    return Roughness(*slopes.covariance(), towards, nested.astype(np.float32), coupling.astype(np.float32))

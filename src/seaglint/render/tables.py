@@ -134,7 +134,7 @@ def facet_tables(
     levels = FacetLevels(
         np.array([rough[:4] for rough in roughs]),
         _stacked([rough.nested for rough in roughs]),
-        _stacked([rough.lit for rough in roughs]),
+        _stacked([rough.coupling for rough in roughs]),
         all(rough.nested.size == 0 for rough in roughs),
         thermal.astype(np.float32),
         alone.astype(np.float32),
