@@ -175,9 +175,10 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
     thresholds = tuple(sorted({*ALWAYS, *wanted.thresholds}))
     counted, border_notes = _interior(recording, wanted, masks["all"])
     results, slices = _count(recording, wanted, first, masks, counted, thresholds, progress)
+    deaf: list[str] = []
     for detector in wanted.detectors:
-        _judge(recording, detector, first.dead, results, thresholds)
-    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, wanted.filter.name)]
+        deaf += _judge(recording, detector, first.dead, results, thresholds)
+    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, wanted.filter.name), *deaf]
     image = first.moments.image + recording.offset
     return Analysis(recording, wanted, found, image, results, slices, tuple(notes), bool(counted.all()))
 
@@ -367,8 +368,10 @@ def _sequence_scales(
     return scales
 
 
-def _judge(recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...]) -> None:
-    """One pass of a detector through the same counting."""
+def _judge(
+    recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...]
+) -> list[str]:
+    """One pass of a detector through the same counting; what is to be said of one that gives no numbers."""
 
     def prepare(block: FrameArray) -> FrameArray:
         if dead.any():
@@ -382,6 +385,12 @@ def _judge(recording: Recording, detector: Detector, dead: BoolArray, results: d
             alarms[name].add(z)
     for name, result in results.items():
         result.alarms[detector.name] = alarms[name]
+    if alarms["all"].pixels:
+        return []
+    return [
+        f"detector {detector.name} gave no pixel with a number that varies within its frame: it must return a finite statistic where the "
+        "frames it gets have values; look at what it returns for one frame"
+    ]
 
 
 class _Slicer:
