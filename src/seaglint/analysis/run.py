@@ -128,7 +128,9 @@ class Analysis:
                 "method": "mask given" if found is None else found.method,
                 "separability": None if found is None or not np.isfinite(found.separability) else found.separability,
                 "contrast": None if found is None or not np.isfinite(found.contrast) else found.contrast,
+                "border_step": None if found is None or not np.isfinite(found.border_step) else found.border_step,
                 "reason": None if found is None else found.reason or None,
+                "doubt": None if found is None else found.doubt or None,
                 "sky_pixels": 0 if found is None else int(found.sky.sum()),
             },
             "regions": {name: self.regions[name].as_dict(rate) if name in self.regions else None for name in REGIONS},
@@ -254,6 +256,10 @@ def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Se
         glint, background = found.glint & good, found.background & good
         if not found.found:
             notes.append(f"no glint corridor found: {found.reason}")
+        elif found.doubt:
+            notes.append(
+                f"the glint corridor is not sure, it passes narrowly: {found.doubt}; look at the picture of the regions or give --mask"
+            )
     masks = {"all": good}
     for name, pixels in (("glint", glint), ("background", background)):
         count = int(pixels.sum())
