@@ -140,7 +140,8 @@ def _refusal(separability: float, contrast: float, texture: float, spanning: flo
     if not (texture <= TEXTURE_ALIKE[0] or texture >= TEXTURE_ALIKE[1]):
         return f"brighter part has the background's texture (ratio {texture:.2f}): shading, not glint"
     if step > SHARPEST_BORDER:
-        return f"brighter part has a sharp border: {100 * step:.0f} % of the step at once, glint at most {100 * SHARPEST_BORDER:.0f} %; a shore"
+        share = f"{100 * step:.0f} % of the step at once, glint at most {100 * SHARPEST_BORDER:.0f} %"
+        return f"brighter part has a sharp border ({share}): a shore"
     return ""
 
 
@@ -296,4 +297,4 @@ def _border_step(image: FloatArray, corridor: BoolArray, valid: BoolArray) -> fl
     core = [min(2.0 * length, 0.6 * float((side * depth).max())) for side in (1.0, -1.0)]
     far = level(core[0], 4.0 * length, 1.0) - level(core[1], 4.0 * length, -1.0)
     step = level(0.5 * near, 2.0 * near, 1.0) - level(0.5 * near, 2.0 * near, -1.0)
-    return step / far if far > 0.0 else float("nan")
+    return float(step / far) if far > 0.0 else float("nan")
