@@ -333,3 +333,15 @@ def test_report_leaves_nothing_behind_on_a_full_disk(constant, tmp_path, monkeyp
 )
 def test_numbers_in_tables(value, shown):
     assert number(value) == shown
+
+
+def test_tables_of_many_columns_may_wrap_and_say_what_is_saturated(sequence):
+    """At a width of 1240 pixels the last columns were beyond the edge: numbers kept to one line and padding was wide."""
+    text = report(sequence)
+    tables = re.findall(r'<div class="([^"]*)"><table>\n<thead>(.*?)</thead>', text, re.DOTALL)
+    assert len(tables) >= 8
+    assert {("wide" in kind) == (head.count("<th") >= 9) for kind, head in tables} == {True}
+    assert sum("wide" in kind for kind, _ in tables) >= 5
+    assert ".table.wide td { white-space: normal;" in text
+    assert ".table { overflow-x: auto;" in text
+    assert "<th>saturated [%]</th>" in text
