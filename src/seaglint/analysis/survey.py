@@ -119,8 +119,8 @@ class _Top:
         return where.reshape(dead.shape) if enough and count > SPIKE * self.below and more > 5.0 * np.sqrt(count + self.below) else None
 
 
-def survey(recording: Recording, progress: Progress) -> Survey:
-    """Read everything once.
+def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
+    """Read everything once; ``progress`` is told the frames read.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def survey(recording: Recording, progress: Progress) -> Survey:
         repeats += int(same[1 if last is None else 0 :].sum())
         last = lines[-1].copy()
         done += block.shape[0]
-        progress(done, 2 * recording.frames)
+        progress(done)
     missing = recording.frames * recording.rows * recording.columns - int(moments.count.sum())
     if not (moments.count > 0).any():
         raise DataError(f"{recording.source}: no pixel has a finite value; nothing can be said of it")
