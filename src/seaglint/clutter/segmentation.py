@@ -265,7 +265,7 @@ def _corridor(image: FloatArray, spread: FloatArray | None, valid: BoolArray) ->
 
 def _envelope_length(image: FloatArray) -> float:
     """Standard deviation of the smoothing that leaves the envelope [px]."""
-    return max(min(image.shape) / 24.0, 1.0)
+    return float(max(min(image.shape) / 24.0, 1.0))
 
 
 def _border_step(image: FloatArray, corridor: BoolArray, valid: BoolArray) -> float:

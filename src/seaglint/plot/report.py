@@ -224,7 +224,7 @@ def _segmentation(results: dict[str, Any]) -> str:
     if found["doubt"]:
         text += f" The corridor is not sure: {found['doubt']}."
     if found["sky_pixels"]:
-        text += f" {number(found['sky_pixels'])} pixels are sky and belong to neither region."
+        text += f" {number(found['sky_pixels'])} pixels lie in smooth rows on top, sky or far sea, and belong to neither region."
     return text
 
 
