@@ -91,8 +91,8 @@ def test_the_border_of_a_gaussian_corridor_is_as_steep_as_its_density():
     border = np.abs(X[0] - 128)[found.glint[100]].max() + 0.5
     profile = lambda x: 10.0 * np.exp(-((x / width) ** 2))  # noqa: E731
     near = np.linspace(smoothing / 4, smoothing, 99)
-    far_in, far_out = np.linspace(2 * smoothing, 4 * smoothing, 99), np.linspace(2 * smoothing, 4 * smoothing, 99)
-    expected = (profile(border - near) - profile(border + near)).mean() / (profile(border - far_in) - profile(border + far_out)).mean()
+    core, rest = np.linspace(0.0, border / 2, 99), np.linspace((border + 128.0) / 2, 128.0, 99)
+    expected = (profile(border - near) - profile(border + near)).mean() / (profile(core).mean() - profile(rest).mean())
     # The border is looked for again and rounded to whole pixels.
     assert found.border_step == pytest.approx(expected, rel=0.1)
 
@@ -160,6 +160,7 @@ def test_measured_corridor(data_dir):
     assert not found.glint[245:].any()
     assert 0.2 < found.glint.mean() < 0.5
     assert "separability 0.71" in found.doubt
+    assert found.border_step < 0.3
 
 
 @pytest.mark.parametrize(("name", "corridor_there"), [("Misc_107", True), ("Misc_26", False)])

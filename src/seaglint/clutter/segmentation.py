@@ -32,11 +32,11 @@ LEAST_SEPARABILITY = 0.69  # between 0.64 of a split Gaussian and 0.71 of the we
 LEAST_CONTRAST = 2.0  # noise of any correlation that fits several times into the picture stays below 1.5
 TEXTURE_ALIKE = (0.85, 1.2)  # shading leaves texture within 5 %; glint at least 1.6 times, or 0.6 times where it saturates
 MOST_SPANNING_ROWS = 0.5
-SHARPEST_BORDER = 0.6  # of the step, within 1/24 of the shorter side; corridors have at most 0.46, shores 0.65 and more
+SHARPEST_BORDER = 0.44  # of the step, within 1/24 of the shorter side; measured and rendered corridors have at most 0.40, shores 0.47
 CLEAR_SEPARABILITY = 0.75  # that of a uniform density: shading across the picture comes near it, two classes exceed it
 CLEAR_CONTRAST = 3.0
 CLEAR_TEXTURE = (0.6, 1.6)
-CLEAR_BORDER = 0.5
+CLEAR_BORDER = 0.38
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,8 @@ class Segmentation:
     texture_ratio : float
         Root mean square of fine structure (in time where frames were given) in the corridor over that in the background.
     border_step : float
-        Share of the brightness between inside and outside that is stepped within half of the envelope's length of the border [1]; NaN
-        where there is no border.
+        Step of brightness within the envelope's length of the border over that between the inner half of the corridor and the outer
+        half of the background [1]; NaN where there is no border.
     reason : str
         Why there is none; empty if found.
     doubt : str
@@ -269,7 +269,7 @@ def _envelope_length(image: FloatArray) -> float:
 
 
 def _border_step(image: FloatArray, corridor: BoolArray, valid: BoolArray) -> float:
-    """Step of brightness near the border over that between well inside and well outside; NaN without a corridor.
+    """Step of brightness near the border over that between the inner half of the corridor and the outer half of the background, or NaN.
 
     The border is looked for again after half of the smoothing: the envelope's own border lies pixels off that of a ragged shore.
     """
@@ -293,8 +293,8 @@ def _border_step(image: FloatArray, corridor: BoolArray, valid: BoolArray) -> fl
         there = (side * depth > low) & (side * depth < high) & valid
         return float(image[there].mean()) if there.any() else float("nan")
 
-    # A narrow corridor has its core nearer to the border.
-    core = [min(2.0 * length, 0.6 * float((side * depth).max())) for side in (1.0, -1.0)]
-    far = level(core[0], 4.0 * length, 1.0) - level(core[1], 4.0 * length, -1.0)
+    # The inner half of the corridor and the outer half of the background: a glint goes on rising towards its middle.
+    inner, outer = (0.5 * float((side * depth).max()) for side in (1.0, -1.0))
+    far = level(inner, np.inf, 1.0) - level(outer, np.inf, -1.0)
     step = level(0.5 * near, 2.0 * near, 1.0) - level(0.5 * near, 2.0 * near, -1.0)
     return float(step / far) if far > 0.0 else float("nan")

@@ -218,7 +218,7 @@ def _segmentation(results: dict[str, Any]) -> str:
     if found["separability"] is not None:
         text += f" Separability {number(found['separability'])} (a corridor has at least 0.69), contrast {number(found['contrast'])}"
         text += " standard deviations of the background (at least 2)"
-        text += "." if found["border_step"] is None else f", {100 * found['border_step']:.0f} % of the step at the border (at most 60 %)."
+        text += "." if found["border_step"] is None else f", {100 * found['border_step']:.0f} % of the step at the border (at most 44 %)."
     if found["reason"]:
         text += f" No corridor: {found['reason']}."
     if found["doubt"]:
