@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
 from seaglint.analysis.region import Gatherer, Region, region
-from seaglint.analysis.survey import Progress, Survey, ahead, survey
+from seaglint.analysis.survey import Passes, Progress, Survey, ahead, survey
 from seaglint.clutter.false_alarms import FalseAlarms, lone_lines
 from seaglint.clutter.filters import Filter, Laplacian
 from seaglint.clutter.segmentation import Segmentation, segment
@@ -138,22 +138,6 @@ class Analysis:
         }
 
 
-class _Passes:
-    """Progress of several passes over a recording, told as a share of its frames."""
-
-    def __init__(self, progress: Progress, frames: int, passes: int) -> None:
-        self._progress, self._frames, self._passes, self._ended = progress, frames, passes, 0
-        progress(0, frames)
-
-    def read(self, frames: int) -> None:
-        """So many frames of the present pass are read."""
-        self._progress((self._ended * self._frames + frames) // self._passes, self._frames)
-
-    def end(self) -> None:
-        """The present pass is over."""
-        self._ended += 1
-
-
 @single_threaded_algebra()
 def analyze(recording: Recording, options: Options | None = None, progress: Progress = lambda done, total: None) -> Analysis:
     """Analyse a recording.
@@ -187,7 +171,7 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
             f"the mask has {wanted.mask.shape[0]} x {wanted.mask.shape[1]} pixels, the frames have {recording.rows} x {recording.columns}; "
             "give one value per pixel"
         )
-    passes = _Passes(progress, recording.frames, 2 + (wanted.scope == "sequence") + len(wanted.detectors))
+    passes = Passes(progress, recording.frames, 2 + (wanted.scope == "sequence") + len(wanted.detectors))
     first = survey(recording, passes.read)
     passes.end()
     found, masks, notes = _regions(first, rows, wanted.mask)
@@ -303,7 +287,7 @@ def _count(
     masks: dict[str, BoolArray],
     interior: BoolArray,
     thresholds: tuple[float, ...],
-    passes: _Passes,
+    passes: Passes,
 ) -> tuple[dict[str, Region], Slices]:
     """Second pass: false alarms of the filter, and what statistics in space and time need."""
     most = min(max(KEPT_VALUES // (recording.rows * recording.columns), 4), KEPT_FRAMES, recording.frames)
@@ -371,7 +355,7 @@ def _saturated_share(first: Survey, mask: BoolArray) -> float:
 
 
 def _sequence_scales(
-    recording: Recording, options: Options, dead: BoolArray, masks: dict[str, BoolArray], passes: _Passes
+    recording: Recording, options: Options, dead: BoolArray, masks: dict[str, BoolArray], passes: Passes
 ) -> dict[str, tuple[float, float]]:
     """Mean and deviation of the filtered sequence in each region: a pass of its own."""
     sums = {name: np.zeros(3) for name in masks}
@@ -395,7 +379,7 @@ def _sequence_scales(
 
 
 def _judge(
-    recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...], passes: _Passes
+    recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...], passes: Passes
 ) -> list[str]:
     """One pass of a detector through the same counting; what is to be said of one that gives no numbers."""
 

@@ -38,6 +38,22 @@ MOST_DEAD = 0.25
 """Above this share of never-changing pixels the scene or the recording is still, not the pixels dead."""
 
 
+class Passes:
+    """Progress of several passes over a recording, told as a share of its frames."""
+
+    def __init__(self, progress: Progress, frames: int, passes: int) -> None:
+        self._progress, self._frames, self._passes, self._ended = progress, frames, passes, 0
+        progress(0, frames)
+
+    def read(self, frames: int) -> None:
+        """So many frames of the present pass are read."""
+        self._progress((self._ended * self._frames + frames) // self._passes, self._frames)
+
+    def end(self) -> None:
+        """The present pass is over."""
+        self._ended += 1
+
+
 @dataclass(frozen=True)
 class Survey:
     """What the first pass found.
