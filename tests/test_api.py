@@ -192,7 +192,7 @@ def test_options_go_by_the_fields_of_the_record(run) -> None:
     assert found.options.scope == options.scope
     np.testing.assert_array_equal(found.regions["glint"].mask, mask)
     assert list(found.regions["all"].alarms) == ["top_hat", "ca-cfar"]
-    assert seen[-1] == 8
+    assert seen[-1] == 4
 
 
 @pytest.mark.parametrize(

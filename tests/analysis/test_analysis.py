@@ -396,3 +396,31 @@ def test_dead_rows_of_a_file_that_is_mapped(tmp_path: Path) -> None:
     found = of(open_recording(tmp_path / "clip.npy"), Options(detectors=(named("ca-cfar"),)))
     assert any("1 rows left out (7)" in note for note in found["notes"])
     assert found["regions"]["all"]["pixels"] == 47 * 64
+
+
+@quick
+@pytest.mark.parametrize(("scope", "detectors"), [("frame", ()), ("sequence", ("frame-difference",))])
+def test_progress_counts_the_frames_of_the_recording(scope: Any, detectors: tuple[str, ...]) -> None:
+    from seaglint.detection.choice import named
+
+    told: list[tuple[int, int]] = []
+    frames = SMALL[:12]
+    recording = Recording("made here", *frames.shape, read_block=lambda start, stop: frames[start:stop])
+    options = Options(scope=scope, detectors=tuple(named(name) for name in detectors))
+    analyze(recording, options, lambda done, total: told.append((done, total)))
+    assert told[0] == (0, 12)
+    assert told[-1] == (12, 12)
+    assert told == sorted(told)
+    # Half of the recording after the first of two passes, a quarter after the first of four.
+    assert (12 // (2 if scope == "frame" else 4), 12) in told
+
+
+@quick
+def test_large_levels_of_few_values_are_not_given() -> None:
+    from scipy.ndimage import gaussian_filter
+
+    waves = gaussian_filter(np.random.default_rng(2).normal(size=(1, 96, 96)), (0, 8, 8), mode="wrap").astype(np.float32)
+    fit = result(waves)["regions"]["all"]["fits"]["gaussian"]
+    assert fit["effective_count"] < 50
+    assert fit["ks"] is not None
+    assert fit["ks_p"] is None or fit["ks_p"] <= 0.05

@@ -52,7 +52,7 @@ def test_what_cannot_be_is_refused_in_one_line(seaglint, raw, arguments, says):
 
 
 def fit(ks: float, level: float | None) -> dict[str, object]:
-    return {"ks": ks, "ks_p": level, "shape": 2.0, "scale": 1.0}
+    return {"ks": ks, "ks_p": level, "shape": 2.0, "scale": 1.0, "effective_count": 4.0 if level is None else 400.0}
 
 
 @pytest.mark.parametrize(
@@ -63,6 +63,7 @@ def test_a_fit_at_the_floor_is_not_called_the_best(levels, says):
     region = {
         "pixels": 10,
         **dict.fromkeys(("mean", "std", "skewness", "excess_kurtosis", "correlation_time_s"), 1.0),
+        "saturated": 0.25,
         "correlation_length_px": {"x": 1.0, "y": 1.0},
         "correlation_length_reason": None,
         "fits": {"gamma": fit(0.01, levels[0]), "weibull": fit(0.2, levels[1])},
@@ -71,3 +72,31 @@ def test_a_fit_at_the_floor_is_not_called_the_best(levels, says):
     }
     result = {"source": "a", "frames": 1, "rows": 1, "columns": 1, "units": "K", "frame_rate_hz": None, "notes": []}
     assert says in "\n".join(lines({**result, "regions": {"all": region, "glint": None, "background": None}}))
+
+
+def test_text_tells_saturation_of_the_region_and_no_fit_of_few_values(seaglint, tmp_path):
+    """Smooth waves of some 16 independent values, a quarter of them cut."""
+    from scipy.ndimage import gaussian_filter
+
+    waves = gaussian_filter(np.random.default_rng(2).normal(size=(96, 96)), 8.0, mode="wrap")
+    np.save(tmp_path / "waves.npy", np.minimum(waves, np.quantile(waves, 0.75)))
+    answer = seaglint("analyze", tmp_path / "waves.npy")
+    assert "all: 9216 pixels" in answer.out
+    line = next(line for line in answer.out.splitlines() if line.startswith("all:"))
+    assert line.endswith(", 25 % saturated")
+    assert "independent values, too few (below 50) to say which family fits" in answer.out
+    assert "best fit" not in answer.out
+
+
+def test_warnings_of_numbers_that_do_not_exist_are_not_shown(tmp_path, monkeypatch):
+    """In a process of its own: Python prints warnings past the command's own error output."""
+    import subprocess
+    import sys
+
+    (tmp_path / "loud.py").write_text("import numpy as np\n\n\ndef detector(frames):\n    return np.log(frames - 100) / np.zeros(1)\n")
+    frames = np.random.default_rng(1).normal(100.0, 5.0, (9, 24, 32)).astype(np.float32)
+    np.save(tmp_path / "clip.npy", frames)
+    command = [sys.executable, "-W", "default", "-m", "seaglint.cli.app", "analyze", "clip.npy", "--detector", "loud:detector"]
+    told = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "Warning" not in told.stderr
+    assert "loud:detector" in told.stdout

@@ -49,6 +49,17 @@ def test_mean_then_info(seaglint, pipeline, scenario, tmp_path):
     assert one_line(again.err)
 
 
+@pytest.mark.parametrize("command", ["mean", "render"])
+def test_the_scale_of_previews_is_chosen(seaglint, pipeline, scenario, tmp_path, command):
+    output = tmp_path / ("mean.nc" if command == "mean" else "run.zarr")
+    pictures = []
+    for scale in ("linear", "log"):
+        assert seaglint(command, scenario, "-o", output, "--preview", "--scale", scale, "--overwrite").code == 0
+        pictures.append(output.with_suffix(".png").read_bytes())
+    assert pictures[0] != pictures[1]
+    assert "'auto', 'linear', 'log'" in seaglint(command, scenario, "-o", output, "--preview", "--scale", "square").err
+
+
 def test_one_frame_alone_is_that_of_the_sequence(seaglint, pipeline, scenario, tmp_path):
     from seaglint.io.store import open_sequence
 

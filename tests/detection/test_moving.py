@@ -112,3 +112,10 @@ def test_unusable_input_is_refused() -> None:
         displacement(np.zeros((4, 4)), np.zeros((4, 5)))
     with pytest.raises(DataError, match="without any value"):
         displacement(np.full((4, 4), np.nan), np.zeros((4, 4)))
+
+
+def test_a_frame_without_values_costs_only_the_sums_that_it_is_in():
+    frames = np.random.default_rng(8).standard_normal((6, 32, 32)).astype(np.float32)
+    frames[2] = np.nan
+    summed = RegisteredIntegration(count=2)(frames)
+    assert np.isnan(summed).all(axis=(1, 2)).tolist() == [False, True, True, False, False]

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.detection.base import Detector, load, statistics
+from seaglint.analysis import Options, Recording, analyze
+from seaglint.detection.base import Detector, UserDetector, filled, load, statistics
 from seaglint.detection.choice import named
 from seaglint.errors import DataError
 
@@ -93,3 +94,52 @@ def test_our_detectors_have_names(name: str) -> None:
     detector = named(name)
     assert isinstance(detector, Detector)
     assert detector.name == name.lower().replace("_", "-")
+
+
+GUIDE = Path(__file__).parents[2] / "docs" / "guide" / "clutter.md"
+
+
+def sea_with_gaps() -> np.ndarray:
+    """White noise below six even rows of sky, with a dead row, a missing patch and a missing frame."""
+    frames = np.random.default_rng(5).normal(100.0, 5.0, (20, 64, 64)).astype(np.float32)
+    frames[:, :6] = 7.0
+    frames[:, 40] = 0.0
+    frames[3, 20:24, 20:30] = np.nan
+    frames[8] = np.nan
+    return frames
+
+
+def test_the_detector_of_the_guide_works_on_sky_dead_lines_and_nan(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code = GUIDE.read_text(encoding="utf-8").split("```python\n# mine.py\n")[1].split("```")[0]
+    (tmp_path / "mine_of_the_guide.py").write_text(code)
+    monkeypatch.chdir(tmp_path)
+    frames = sea_with_gaps()
+    recording = Recording("made here", *frames.shape, read_block=lambda start, stop: frames[start:stop], frame_rate=20.0)
+    found = analyze(recording, Options(detectors=(named("mine_of_the_guide:detector"),)))
+    alarms = found.regions["all"].alarms["mine_of_the_guide:detector"]
+    # 57 rows of 64 pixels in 19 frames, less the patch: what is missing is not counted, what is there is, all of it
+    assert alarms.pixels == 57 * 64 * 19 - 40
+    # Gaussian tail at 3 sigma, 94 expected: 4 standard deviations
+    assert alarms.rates()[0].exceedances == pytest.approx(1.349898e-3 * alarms.pixels, abs=4 * 94**0.5)
+    assert not any("gave no pixel" in note for note in found.notes)
+
+
+def test_gaps_take_the_nearest_value_and_what_is_said_of_them_does_not_count() -> None:
+    frames = sea_with_gaps()[2:5]
+    whole = filled(frames)
+    gap = np.isnan(frames)
+    assert np.isfinite(whole).all()
+    assert np.array_equal(whole[~gap], frames[~gap])
+    assert whole[1, 20, 25] == frames[1, 19, 25]
+    assert whole[1, 21, 20] == frames[1, 21, 19]
+    step = UserDetector(lambda x: x[1:] - x[:-1], "step", lead=1)
+    assert np.array_equal(np.isnan(step(frames)), gap[1:] | gap[:-1])
+    assert np.isnan(UserDetector(lambda x: x, "own", takes_nan=True)(frames)).sum() == 40
+    assert filled(np.full((2, 3, 3), np.nan, np.float32)).tolist() == np.zeros((2, 3, 3)).tolist()
+
+
+def test_a_detector_without_numbers_is_named() -> None:
+    frames = sea_with_gaps()
+    recording = Recording("made here", *frames.shape, read_block=lambda start, stop: frames[start:stop])
+    notes = analyze(recording, Options(detectors=(UserDetector(lambda x: np.nan * x, "mute"),))).notes
+    assert any(note.startswith("detector mute gave no pixel") for note in notes)

@@ -15,6 +15,7 @@ import scipy.stats
 
 from seaglint.analysis import Analysis, Options, analyze
 from seaglint.analysis.recording import Recording
+from seaglint.clutter.segmentation import segment
 from seaglint.detection.base import UserDetector
 from seaglint.errors import DataError, StorageError
 from seaglint.plot.clutter import (
@@ -333,3 +334,28 @@ def test_report_leaves_nothing_behind_on_a_full_disk(constant, tmp_path, monkeyp
 )
 def test_numbers_in_tables(value, shown):
     assert number(value) == shown
+
+
+def test_tables_of_many_columns_may_wrap_and_say_what_is_saturated(sequence):
+    """At a width of 1240 pixels the last columns were beyond the edge: numbers kept to one line and padding was wide."""
+    text = report(sequence)
+    tables = re.findall(r'<div class="([^"]*)"><table>\n<thead>(.*?)</thead>', text, re.DOTALL)
+    assert len(tables) >= 8
+    assert {("wide" in kind) == (head.count("<th") >= 9) for kind, head in tables} == {True}
+    assert sum("wide" in kind for kind, _ in tables) >= 5
+    assert ".table.wide td { white-space: normal;" in text
+    assert ".table { overflow-x: auto;" in text
+    assert "<th>saturated [%]</th>" in text
+
+
+def test_smooth_rows_on_top_are_not_called_sky_alone(sequence):
+    """Sea beyond the waves that a pixel resolves is as smooth as the sky."""
+    import dataclasses
+
+    rng = np.random.default_rng(6)
+    image = rng.normal(size=(SIDE, SIDE))
+    top = np.arange(SIDE)[:, None] < 10
+    found = dataclasses.replace(segment(image), sky=np.broadcast_to(top, image.shape))
+    legend = draw_regions(dataclasses.replace(sequence, segmentation=found)).axes[0].get_legend()
+    labels = [text.get_text() for text in legend.get_texts()]
+    assert "smooth rows on top (sky, far sea), in neither region" in labels

@@ -14,9 +14,10 @@ from seaglint.io.provenance import band_attributes
 from seaglint.io.store import Layout, open_sequence, write_sequence
 from seaglint.optics.band import Band
 from seaglint.plot import preview, video
-from seaglint.plot.preview import draw, scale_limits, write_picture
+from seaglint.plot.preview import draw, write_picture
+from seaglint.plot.scale import Scale, scale_limits, scale_of, sea_pixels
 from seaglint.plot.summary import GLINT_FACTOR, grid_of, summarise, to_temperature
-from seaglint.plot.video import grey, video_available, write_video
+from seaglint.plot.video import captioned, grey, video_available, write_video
 
 BAND = Band.rectangular(3.5, 5.0)
 SEA = 288.15
@@ -125,7 +126,7 @@ def test_a_failed_picture_leaves_nothing(tmp_path, monkeypatch):
             Path(path).write_bytes(b"half")
             raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(preview, "draw", lambda dataset: Full())
+    monkeypatch.setattr(preview, "draw", lambda dataset, scale: Full())
     with pytest.raises(StorageError, match="no room"):
         write_picture(dataset, tmp_path / "run.png")
     assert [path.name for path in tmp_path.iterdir()] == ["run.zarr"]
@@ -166,3 +167,70 @@ def test_without_pyav_a_video_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setattr(video, "video_available", lambda: False)
     with pytest.raises(BackendError, match=r"seaglint\[video\]"):
         write_video(sequence(tmp_path, np.ones((1, 4, 8))), tmp_path / "run.mp4")
+
+
+def panorama(tmp_path, frames=1):
+    """A corridor 30 times as bright as a sea of slow ripples, in a tenth of the columns."""
+    x = np.arange(240)
+    image = 1.0 + 0.05 * np.sin(x / 7.0) + 30.0 * (abs(x - 120) < 12)
+    return sequence(tmp_path, np.repeat(np.repeat(image[None, None], 40, axis=1), frames, axis=0))
+
+
+def test_glint_of_decades_leaves_the_sea_visible(tmp_path):
+    dataset = panorama(tmp_path)
+    figure = draw(dataset)
+    for axes in (figure.axes[0], figure.axes[1]):
+        image = axes.images[0]
+        shown = np.asarray(image.norm(image.get_array()))[20]
+        assert np.ptp(shown[:100]) > 0.1  # about ln(1 + 0.1/0.07) / ln(1 + 30/0.07) = 0.146, width from the median; on a linear scale 0.003
+        assert shown[120] > 0.9
+    linear = draw(dataset, "linear").axes[0].images[0]
+    assert np.ptp(np.asarray(linear.norm(linear.get_array()))[20, :100]) < 0.005
+
+
+def test_a_logarithmic_scale_is_even_in_decades_and_turns_back():
+    scale = Scale(2.0, 1002.0, width=1.0)
+    shares = scale.share(np.array([2.0, 11.0, 101.0, 1001.0]))
+    assert np.diff(shares) == pytest.approx(np.log(10.0) / np.log(1001.0), rel=1e-12)
+    np.testing.assert_allclose(scale.value(shares), [2.0, 11.0, 101.0, 1001.0])
+    # low 0.2 %, middle of 1 to 2: half of the pixels within one width of the lower limit
+    assert scale_of(np.linspace(1.0, 2.0, 10_001), kind="log").width == pytest.approx(0.498, rel=1e-3)
+    assert not scale_of(np.linspace(1.0, 2.0, 10_001)).logarithmic
+
+
+def test_a_bright_horizon_does_not_set_the_limits(tmp_path):
+    """Sensor at 20 m: horizon 0.14 deg below the horizontal; rows from 1 to -7 deg."""
+    image = np.full((1, 64, 32), 40.0)
+    image[0, 20:] = 30.0 + np.linspace(0.0, 0.5, 32)
+    image[0, 10:20] = 45.0
+    scenario = json.dumps({"sensor": {"height_m": 20.0}, "sea": {"temperature_k": SEA}})
+    dataset = sequence(tmp_path, image, scenario=scenario)
+    sea = sea_pixels(dataset)
+    # elevation[k] = -7 k / 63 deg; a tenth of the 6.86 deg below the horizon is left out
+    assert np.flatnonzero(sea[:, 0])[0] == 8
+    found = scale_of(image[0], np.repeat((np.arange(64) >= 20)[:, None], 32, axis=1))
+    assert (found.low, found.high, found.logarithmic) == (pytest.approx(30.0, abs=0.01), pytest.approx(30.5, abs=0.01), False)
+
+
+def test_the_caption_has_time_bar_and_ends():
+    picture = np.full((10, 600), 77, np.uint8)
+    scale = Scale(1.0, 100.0, width=1.0)
+    one, other = (captioned(picture, scale, "1 … 100 W m⁻² sr⁻¹", time) for time in (0.0, 1.25))
+    assert one.shape == (66, 600)
+    assert (one[:10] == 77).all()
+    assert np.diff(one[10 + 14, 120:592].astype(int)).min() >= 0
+    assert (one[10 + 14, 120], one[10 + 14, 591]) == (0, 255)
+    assert (one != other).any()
+    assert (one != other)[:, 120:].sum() == 0  # only the time differs
+    assert captioned(picture[:, :20], scale, "", None).shape[1] % 2 == 0
+
+
+@pytest.mark.skipif(not video_available(), reason="PyAV (extra 'video') is not installed")
+def test_the_video_shows_the_sea_beside_glint(tmp_path):
+    import av
+
+    path = write_video(panorama(tmp_path, frames=2), tmp_path / "run.mp4")
+    with av.open(str(path)) as container:
+        frame = next(container.decode(container.streams.video[0])).to_ndarray(format="gray").astype(float)
+    assert frame.shape[0] == 40 * 4 + 56
+    assert np.ptp(frame[80, :400]) > 30.0  # 0.17 of 255 grey levels are 44; on a linear scale below 1

@@ -22,7 +22,7 @@ from seaglint.clutter.correlation import (
 from seaglint.clutter.extremes import TailFit, fit_tail
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
 from seaglint.clutter.fits import FAMILIES, Fit, fit
-from seaglint.clutter.goodness import Goodness, goodness
+from seaglint.clutter.goodness import FEWEST_JUDGED, Goodness, goodness
 from seaglint.clutter.moments import Moments
 from seaglint.clutter.spectrum import Spectrum, power_spectrum
 from seaglint.clutter.stationarity import Stationarity, stationarity
@@ -201,6 +201,18 @@ def _tail(tail: TailFit | None, reason: str | None) -> dict[str, Any]:
     }
 
 
+TELLING: Final = 0.05
+"""Level up to which a test of few values still speaks against a family."""
+
+
+def _only_telling(found: Goodness) -> Goodness:
+    """Levels that say something: of few independent values, only small ones."""
+    if found.effective_count >= FEWEST_JUDGED:
+        return found
+    ks_p, ad_p = (p if p <= TELLING else math.nan for p in (found.ks_p, found.ad_p))
+    return replace(found, ks_p=ks_p, ad_p=ad_p)
+
+
 class Gatherer:
     """What the second pass keeps of a region's raw values: a sample, some frames, some pixels in time."""
 
@@ -270,7 +282,7 @@ def region(
         found = fit(values, family, effective_count=independent, blocks=blocks if enough_blocks else None)
         fits[family] = found
         if found.is_valid:
-            tests[family] = goodness(values, found, effective_count=independent, seed=seed)
+            tests[family] = _only_telling(goodness(values, found, effective_count=independent, seed=seed))
     still = stationarity(kept, mask, length_x=spatial.length_x, length_y=spatial.length_y, seed=seed)
     try:
         spectrum = power_spectrum(kept, mask, mean=trend)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
 from seaglint.analysis.region import Gatherer, Region, region
-from seaglint.analysis.survey import Progress, Survey, ahead, survey
+from seaglint.analysis.survey import Passes, Progress, Survey, ahead, survey
 from seaglint.clutter.false_alarms import FalseAlarms, lone_lines
 from seaglint.clutter.filters import Filter, Laplacian
 from seaglint.clutter.segmentation import Segmentation, segment
@@ -128,7 +128,9 @@ class Analysis:
                 "method": "mask given" if found is None else found.method,
                 "separability": None if found is None or not np.isfinite(found.separability) else found.separability,
                 "contrast": None if found is None or not np.isfinite(found.contrast) else found.contrast,
+                "border_step": None if found is None or not np.isfinite(found.border_step) else found.border_step,
                 "reason": None if found is None else found.reason or None,
+                "doubt": None if found is None else found.doubt or None,
                 "sky_pixels": 0 if found is None else int(found.sky.sum()),
             },
             "regions": {name: self.regions[name].as_dict(rate) if name in self.regions else None for name in REGIONS},
@@ -147,7 +149,7 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
     options : Options, optional
         Filter, thresholds, mask, detectors.
     progress : callable
-        Called with (frames read, frames to read in all).
+        Called with (frames, frames of the recording): what is done of all passes over it, as whole frames.
 
     Returns
     -------
@@ -169,15 +171,17 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
             f"the mask has {wanted.mask.shape[0]} x {wanted.mask.shape[1]} pixels, the frames have {recording.rows} x {recording.columns}; "
             "give one value per pixel"
         )
-    progress(0, 2 * recording.frames)
-    first = survey(recording, progress)
+    passes = Passes(progress, recording.frames, 2 + (wanted.scope == "sequence") + len(wanted.detectors))
+    first = survey(recording, passes.read)
+    passes.end()
     found, masks, notes = _regions(first, rows, wanted.mask)
     thresholds = tuple(sorted({*ALWAYS, *wanted.thresholds}))
     counted, border_notes = _interior(recording, wanted, masks["all"])
-    results, slices = _count(recording, wanted, first, masks, counted, thresholds, progress)
+    results, slices = _count(recording, wanted, first, masks, counted, thresholds, passes)
+    deaf: list[str] = []
     for detector in wanted.detectors:
-        _judge(recording, detector, first.dead, results, thresholds)
-    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, wanted.filter.name)]
+        deaf += _judge(recording, detector, first.dead, results, thresholds, passes)
+    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, wanted.filter.name), *deaf]
     image = first.moments.image + recording.offset
     return Analysis(recording, wanted, found, image, results, slices, tuple(notes), bool(counted.all()))
 
@@ -253,6 +257,8 @@ def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Se
         glint, background = found.glint & good, found.background & good
         if not found.found:
             notes.append(f"no glint corridor found: {found.reason}")
+        elif found.doubt:
+            notes.append(f"the glint corridor is not sure: {found.doubt}; look at the picture of the regions or give --mask")
     masks = {"all": good}
     for name, pixels in (("glint", glint), ("background", background)):
         count = int(pixels.sum())
@@ -281,7 +287,7 @@ def _count(
     masks: dict[str, BoolArray],
     interior: BoolArray,
     thresholds: tuple[float, ...],
-    progress: Progress,
+    passes: Passes,
 ) -> tuple[dict[str, Region], Slices]:
     """Second pass: false alarms of the filter, and what statistics in space and time need."""
     most = min(max(KEPT_VALUES // (recording.rows * recording.columns), 4), KEPT_FRAMES, recording.frames)
@@ -290,7 +296,7 @@ def _count(
     gatherers = {name: Gatherer(mask, recording.frames, kept_numbers, options.seed, recording.offset) for name, mask in masks.items()}
     alarms = {name: FalseAlarms(thresholds) for name in masks}
     counted = {name: mask & interior for name, mask in masks.items()}
-    scales = _sequence_scales(recording, options, first.dead, counted) if options.scope == "sequence" else {}
+    scales = _sequence_scales(recording, options, first.dead, counted, passes) if options.scope == "sequence" else {}
     slicer = _Slicer(masks.get("glint", masks["all"]), recording, options, masks["all"])
     done = 0
 
@@ -320,7 +326,8 @@ def _count(
             inside = (kept_numbers >= done) & (kept_numbers < done + block.shape[0])
             kept[inside] = block[kept_numbers[inside] - done]
             done += block.shape[0]
-            progress(recording.frames + done, 2 * recording.frames)
+            passes.read(done)
+    passes.end()
     spacing = float(recording.frames - 1) / max(kept_numbers.size - 1, 1)
     # Two at a time, for the sake of memory.
     with ThreadPoolExecutor(2) as workers:
@@ -348,16 +355,20 @@ def _saturated_share(first: Survey, mask: BoolArray) -> float:
 
 
 def _sequence_scales(
-    recording: Recording, options: Options, dead: BoolArray, masks: dict[str, BoolArray]
+    recording: Recording, options: Options, dead: BoolArray, masks: dict[str, BoolArray], passes: Passes
 ) -> dict[str, tuple[float, float]]:
     """Mean and deviation of the filtered sequence in each region: a pass of its own."""
     sums = {name: np.zeros(3) for name in masks}
+    done = 0
     for _, filtered in _filtered(recording, options, dead):
+        done += filtered.shape[0]
+        passes.read(done)
         for name, mask in masks.items():
             mean, std = frame_scale(filtered, mask)
             count = np.isfinite(filtered[:, mask]).sum(axis=1)
             with np.errstate(invalid="ignore"):
                 sums[name] += np.nansum([count, count * mean, count * (std**2 + mean**2)], axis=1)
+    passes.end()
     scales = {}
     for name, parts in sums.items():
         count, total, squares = (float(v) for v in parts)
@@ -367,8 +378,10 @@ def _sequence_scales(
     return scales
 
 
-def _judge(recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...]) -> None:
-    """One pass of a detector through the same counting."""
+def _judge(
+    recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...], passes: Passes
+) -> list[str]:
+    """One pass of a detector through the same counting; what is to be said of one that gives no numbers."""
 
     def prepare(block: FrameArray) -> FrameArray:
         if dead.any():
@@ -376,12 +389,22 @@ def _judge(recording: Recording, detector: Detector, dead: BoolArray, results: d
         return block
 
     alarms = {name: FalseAlarms(thresholds) for name in results}
+    done = detector.lead
     for statistic in statistics(detector, ahead(recording, prepare)):
+        done += statistic.shape[0]
+        passes.read(done)
         for name, result in results.items():
             z = np.where(result.mask, statistic, np.nan).astype(np.float32) if detector.calibrated else standardise(statistic, result.mask)
             alarms[name].add(z)
+    passes.end()
     for name, result in results.items():
         result.alarms[detector.name] = alarms[name]
+    if alarms["all"].pixels:
+        return []
+    return [
+        f"detector {detector.name} gave no pixel with a number that varies within its frame: it must return a finite statistic where the "
+        "frames it gets have values; look at what it returns for one frame"
+    ]
 
 
 class _Slicer:

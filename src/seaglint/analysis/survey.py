@@ -38,6 +38,22 @@ MOST_DEAD = 0.25
 """Above this share of never-changing pixels the scene or the recording is still, not the pixels dead."""
 
 
+class Passes:
+    """Progress of several passes over a recording, told as a share of its frames."""
+
+    def __init__(self, progress: Progress, frames: int, passes: int) -> None:
+        self._progress, self._frames, self._passes, self._ended = progress, frames, passes, 0
+        progress(0, frames)
+
+    def read(self, frames: int) -> None:
+        """So many frames of the present pass are read."""
+        self._progress((self._ended * self._frames + frames) // self._passes, self._frames)
+
+    def end(self) -> None:
+        """The present pass is over."""
+        self._ended += 1
+
+
 @dataclass(frozen=True)
 class Survey:
     """What the first pass found.
@@ -119,8 +135,8 @@ class _Top:
         return where.reshape(dead.shape) if enough and count > SPIKE * self.below and more > 5.0 * np.sqrt(count + self.below) else None
 
 
-def survey(recording: Recording, progress: Progress) -> Survey:
-    """Read everything once.
+def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
+    """Read everything once; ``progress`` is told the frames read.
 
     Raises
     ------
@@ -155,7 +171,7 @@ def survey(recording: Recording, progress: Progress) -> Survey:
         repeats += int(same[1 if last is None else 0 :].sum())
         last = lines[-1].copy()
         done += block.shape[0]
-        progress(done, 2 * recording.frames)
+        progress(done)
     missing = recording.frames * recording.rows * recording.columns - int(moments.count.sum())
     if not (moments.count > 0).any():
         raise DataError(f"{recording.source}: no pixel has a finite value; nothing can be said of it")

@@ -92,12 +92,18 @@ def analyze(
         saturation=saturation,
     )
     options = _options(filter_name, kernel, signature, threshold or [], sigma, rows, mask, detector or [], seed, border)
-    with patient_progress(show, "frames") as progress:
-        found = run(opened, options, progress)
-    if report is not None:
-        from seaglint.plot.report import write_report
+    import warnings
 
-        write_report(found, report, overwrite=overwrite)
+    with warnings.catch_warnings():
+        # Of numbers that do not exist (a constant frame, a detector that divides by 0): the result says what is absent and why.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        with patient_progress(show, "frames") as progress:
+            found = run(opened, options, progress)
+        if report is not None:
+            from seaglint.plot.report import write_report
+
+            write_report(found, report, overwrite=overwrite)
+    if report is not None:
         typer.echo(f"{report} written", err=True)
     if as_json:
         import json
@@ -238,7 +244,7 @@ def lines(result: dict[str, Any]) -> list[str]:
             continue
         out.append(
             f"{name}: {region['pixels']} pixels, mean {_resolved(region['mean'], region['std'])}, std {_short(region['std'])}, "
-            f"skewness {_short(region['skewness'])}, excess kurtosis {_short(region['excess_kurtosis'])}"
+            f"skewness {_short(region['skewness'])}, excess kurtosis {_short(region['excess_kurtosis'])}{_cut(region['saturated'])}"
         )
         lengths, reason = region["correlation_length_px"], region["correlation_length_reason"]
         out.append(
@@ -249,6 +255,11 @@ def lines(result: dict[str, Any]) -> list[str]:
         out.extend(f"  note: {note}" for note in region["notes"])
     out.extend(f"note: {note}" for note in result["notes"])
     return out
+
+
+def _cut(saturated: float) -> str:
+    """Share of saturated values, where there are any."""
+    return f", {100 * saturated:.3g} % saturated" if saturated > 0.0 else ""
 
 
 def _alarm(entry: dict[str, Any]) -> str:
@@ -265,6 +276,10 @@ FLOOR = 0.0051
 """Level of the goodness bootstrap's smallest answer, 1 in 200: not one of its draws was as far from the fit."""
 
 
+FEWEST_JUDGED = 50
+"""Independent values below which no family is called the best, as in :mod:`seaglint.clutter.goodness`, which is slow to import."""
+
+
 def _best(fits: dict[str, Any]) -> str:
     valid = {name: fit for name, fit in fits.items() if fit["ks"] is not None}
     if not valid:
@@ -272,14 +287,17 @@ def _best(fits: dict[str, Any]) -> str:
     name = min(valid, key=lambda n: float(valid[n]["ks"]))
     fit = valid[name]
     shape = "" if fit["shape"] is None else f"shape {_short(fit['shape'])}, "
+    count = fit["effective_count"]
+    if count is not None and count < FEWEST_JUDGED:
+        return (
+            f"{count:.0f} independent values, too few (below {FEWEST_JUDGED}) to say which family fits; "
+            f"nearest: {name} ({shape}scale {_short(fit['scale'])}, KS {_short(fit['ks'])})"
+        )
     judged = [f["ks_p"] for f in valid.values() if f["ks_p"] is not None]
-    what = "best fit"
-    if judged and max(judged) <= FLOOR:
-        what = "none of the families fits; nearest:"
-    elif not judged:
-        what = "too few independent values to judge fits; nearest:"
+    what = "none of the families fits; nearest:" if judged and max(judged) <= FLOOR else "best fit"
     level = "p not known" if fit["ks_p"] is None else f"p <= {FLOOR:.1g}" if fit["ks_p"] <= FLOOR else f"p {_short(fit['ks_p'])}"
-    return f"{what} {name} ({shape}scale {_short(fit['scale'])}, KS {_short(fit['ks'])}, {level})"
+    of = "" if count is None else f" of {count:.0f} independent values"
+    return f"{what} {name} ({shape}scale {_short(fit['scale'])}, KS {_short(fit['ks'])}, {level}{of})"
 
 
 def _resolved(mean: float | None, std: float | None) -> str:

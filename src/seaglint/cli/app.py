@@ -7,6 +7,7 @@ inside the command that needs it, so that ``seaglint --help`` answers at once.
 from __future__ import annotations
 
 import sys
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,6 +21,14 @@ from seaglint.cli.messages import log, naming_file, print_json
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
 from seaglint.errors import SeaglintError
+
+
+class PreviewScale(StrEnum):
+    """Brightness of previews."""
+
+    AUTO = "auto"
+    LINEAR = "linear"
+    LOG = "log"
 
 
 class _Commands(TyperGroup):
@@ -55,6 +64,9 @@ app.command("export-sea")(export_sea)
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")]
+ScaleOption = Annotated[
+    PreviewScale, typer.Option("--scale", help="brightness of previews; auto is log where glint would leave the sea black")
+]
 Progress = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]
 
 
@@ -110,6 +122,7 @@ def mean(
     output: Annotated[Path, typer.Option("-o", "--output", help="NetCDF file to write")],
     overwrite: Overwrite = False,
     preview: Annotated[bool, typer.Option("--preview", help="write a picture beside the file")] = False,
+    scale: ScaleOption = PreviewScale.AUTO,
 ) -> None:
     """Map the mean radiance and apparent temperature over the field of view."""
     from seaglint.cli.logs import show_logs
@@ -132,7 +145,7 @@ def mean(
     if preview:
         from seaglint.plot.preview import write_picture
 
-        write_picture(dataset, picture)
+        write_picture(dataset, picture, scale.value)
         log(f"{picture} written")
 
 
@@ -145,6 +158,7 @@ def render(
     resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished sequence")] = False,
     overwrite: Overwrite = False,
     preview: Annotated[bool, typer.Option("--preview", help="write a picture and a video beside the store")] = False,
+    scale: ScaleOption = PreviewScale.AUTO,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
     """Render the sequence: radiance at the aperture, frame by frame."""
@@ -168,7 +182,7 @@ def render(
 
     with open_sequence(output) as dataset:
         if pictures is not None:
-            pictures.write(dataset)
+            pictures.write(dataset, scale)
         log(f"{output}: {summarise(dataset).line}")
 
 
@@ -187,15 +201,15 @@ class _Pictures:
         else:
             log(f"no {self.video}: PyAV is not installed; pip install 'seaglint[video]' adds it")
 
-    def write(self, dataset: Any) -> None:
+    def write(self, dataset: Any, scale: PreviewScale) -> None:
         """Write the picture, and the video where PyAV is installed."""
         from seaglint.plot.preview import write_picture
         from seaglint.plot.video import write_video
 
-        write_picture(dataset, self.picture)
+        write_picture(dataset, self.picture, scale.value)
         log(f"{self.picture} written")
         if self.with_video:
-            write_video(dataset, self.video)
+            write_video(dataset, self.video, scale.value)
             log(f"{self.video} written")
 
 

@@ -25,6 +25,8 @@ FloatArray = NDArray[np.float64]
 METHOD = "parametric bootstrap of the fit with the effective number of independent values"
 MOST_INDEPENDENT = 2000
 FEWEST_INDEPENDENT = 8
+FEWEST_JUDGED = 50
+"""Independent values below which a large level says nothing: of so few, a test at 5 % does not see a distance of 0.12."""
 
 
 @dataclass(frozen=True)

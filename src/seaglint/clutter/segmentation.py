@@ -9,8 +9,9 @@ Method, unsupervised, on the time-averaged image (and the temporal standard devi
    angle, which a convex curve follows; a corridor, also one wider than the picture, rises above it.
 4. Two classes by Otsu's threshold, the largest connected part of the upper one, holes filled.
 5. It is a corridor only if the classes separate (Otsu's criterion at least 0.69; a Gaussian split at its mean has 0.64), its
-   mean is two standard deviations of the background's pixels above it, it does not span the picture from side to side, and
-   its texture differs from the background's: brightness alone is shading of the lens or haze.
+   mean is two standard deviations of the background's pixels above it, it does not span the picture from side to side, its
+   texture differs from the background's (brightness alone is shading of the lens or haze), and its border is gradual: the chance
+   of a glint falls off over many waves, a shore is an edge. What passes narrowly is found, and is said to be doubtful.
 """
 
 from __future__ import annotations
@@ -31,6 +32,11 @@ LEAST_SEPARABILITY = 0.69  # between 0.64 of a split Gaussian and 0.71 of the we
 LEAST_CONTRAST = 2.0  # noise of any correlation that fits several times into the picture stays below 1.5
 TEXTURE_ALIKE = (0.85, 1.2)  # shading leaves texture within 5 %; glint at least 1.6 times, or 0.6 times where it saturates
 MOST_SPANNING_ROWS = 0.5
+SHARPEST_BORDER = 0.44  # of the step, within 1/24 of the shorter side; measured and rendered corridors have at most 0.40, shores 0.47
+CLEAR_SEPARABILITY = 0.75  # that of a uniform density: shading across the picture comes near it, two classes exceed it
+CLEAR_CONTRAST = 3.0
+CLEAR_TEXTURE = (0.6, 1.6)
+CLEAR_BORDER = 0.38
 
 
 @dataclass(frozen=True)
@@ -49,8 +55,13 @@ class Segmentation:
         Mean of the corridor above the background's in standard deviations of the background's pixels [1].
     texture_ratio : float
         Root mean square of fine structure (in time where frames were given) in the corridor over that in the background.
+    border_step : float
+        Step of brightness within the envelope's length of the border over that between the inner half of the corridor and the outer
+        half of the background [1]; NaN where there is no border.
     reason : str
         Why there is none; empty if found.
+    doubt : str
+        What of a corridor found passes only narrowly; empty where it is clear, and where there is none.
     method : str
         One line for reports.
     """
@@ -62,7 +73,9 @@ class Segmentation:
     separability: float
     contrast: float
     texture_ratio: float
+    border_step: float
     reason: str
+    doubt: str = ""
     method: str = METHOD
 
 
@@ -97,23 +110,26 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
     nothing = np.zeros(image.shape, dtype=bool)
     if min(image.shape) < SHORTEST_SIDE:
         reason = f"picture of {image.shape[0]} x {image.shape[1]} px is too small to tell; at least {SHORTEST_SIDE} px a side are needed"
-        return Segmentation(nothing, valid, nothing, False, np.nan, np.nan, np.nan, reason)
+        return Segmentation(nothing, valid, nothing, False, np.nan, np.nan, np.nan, np.nan, reason)
     if valid.sum() < image.size / 2 or np.ptp(image[valid]) == 0.0:
-        return Segmentation(nothing, valid, nothing, False, np.nan, np.nan, np.nan, "constant picture, or less than half of it has data")
+        reason = "constant picture, or less than half of it has data"
+        return Segmentation(nothing, valid, nothing, False, np.nan, np.nan, np.nan, np.nan, reason)
 
     first = _rows_of_sky(np.where(valid, image, np.nan))
     sky = nothing.copy()
     sky[:first] = valid[:first]
     sea = slice(first, None)
     corridor, separability, contrast, texture, spanning = _corridor(image[sea], None if spread is None else spread[sea], valid[sea])
-    reason = _refusal(separability, contrast, texture, spanning)
+    step = _border_step(image[sea], corridor, valid[sea])
+    reason = _refusal(separability, contrast, texture, spanning, step)
+    doubt = "" if reason else _doubt(separability, contrast, texture, step)
     glint = nothing.copy()
     if not reason:
         glint[sea] = corridor & valid[sea]
-    return Segmentation(glint, valid & ~sky & ~glint, sky, not reason, separability, contrast, texture, reason)
+    return Segmentation(glint, valid & ~sky & ~glint, sky, not reason, separability, contrast, texture, step, reason, doubt)
 
 
-def _refusal(separability: float, contrast: float, texture: float, spanning: float) -> str:
+def _refusal(separability: float, contrast: float, texture: float, spanning: float, step: float) -> str:
     """Why the brighter class is no corridor, or nothing."""
     if not separability >= LEAST_SEPARABILITY:
         return f"brightness has no two classes: separability {separability:.2f}, a corridor has at least {LEAST_SEPARABILITY}"
@@ -123,7 +139,24 @@ def _refusal(separability: float, contrast: float, texture: float, spanning: flo
         return "brighter part goes from side to side: a band along the horizon or haze"
     if not (texture <= TEXTURE_ALIKE[0] or texture >= TEXTURE_ALIKE[1]):
         return f"brighter part has the background's texture (ratio {texture:.2f}): shading, not glint"
+    if step > SHARPEST_BORDER:
+        share = f"{100 * step:.0f} % of the step at once, glint at most {100 * SHARPEST_BORDER:.0f} %"
+        return f"brighter part has a sharp border ({share}): a shore"
     return ""
+
+
+def _doubt(separability: float, contrast: float, texture: float, step: float) -> str:
+    """Which criteria pass narrowly, or nothing."""
+    narrow = []
+    if separability < CLEAR_SEPARABILITY:
+        narrow.append(f"separability {separability:.2f} (clear from {CLEAR_SEPARABILITY:g})")
+    if contrast < CLEAR_CONTRAST:
+        narrow.append(f"contrast {contrast:.1f} (clear from {CLEAR_CONTRAST:g})")
+    if CLEAR_TEXTURE[0] < texture < CLEAR_TEXTURE[1]:
+        narrow.append(f"texture {texture:.2f} of the background's (clear below {CLEAR_TEXTURE[0]:g} or above {CLEAR_TEXTURE[1]:g})")
+    if step > CLEAR_BORDER:
+        narrow.append(f"{100 * step:.0f} % of the step at the border (clear to {100 * CLEAR_BORDER:.0f} %)")
+    return ", ".join(narrow)
 
 
 def _rows_of_sky(image: FloatArray) -> int:
@@ -199,7 +232,7 @@ def _corridor(image: FloatArray, spread: FloatArray | None, valid: BoolArray) ->
     from scipy import ndimage
 
     # A quantile is shifted by single rows of missing data less than a mean is; 1/24 leaves some twenty patches a side.
-    sigma = max(min(image.shape) / 24.0, 1.0)
+    sigma = _envelope_length(image)
     excess = []
     for layer in (image,) if spread is None else (image, spread):
         smooth = _smoothed(layer, valid, sigma)
@@ -228,3 +261,40 @@ def _corridor(image: FloatArray, spread: FloatArray | None, valid: BoolArray) ->
     rows = np.flatnonzero(corridor.any(axis=1))
     spanning = float(np.mean(corridor[rows, 0] & corridor[rows, -1]))
     return corridor, separability, contrast, texture, spanning
+
+
+def _envelope_length(image: FloatArray) -> float:
+    """Standard deviation of the smoothing that leaves the envelope [px]."""
+    return float(max(min(image.shape) / 24.0, 1.0))
+
+
+def _border_step(image: FloatArray, corridor: BoolArray, valid: BoolArray) -> float:
+    """Step of brightness near the border over that between the inner half of the corridor and the outer half of the background, or NaN.
+
+    The border is looked for again after half of the smoothing: the envelope's own border lies pixels off that of a ragged shore.
+    """
+    from scipy import ndimage
+
+    if not corridor.any() or corridor.all():
+        return float("nan")
+    length = _envelope_length(image)
+    near = max(0.5 * length, 1.5)
+    smooth = _smoothed(image, valid, near)
+    within, beyond = ndimage.distance_transform_edt(corridor), ndimage.distance_transform_edt(~corridor)
+    threshold, _ = otsu_threshold(smooth[np.maximum(within, beyond) < 1.5 * length])
+    label, parts = ndimage.label(smooth > threshold)
+    shared = np.bincount(label[corridor], minlength=parts + 1)[1:]
+    if parts == 0 or not shared.any():
+        return float("nan")
+    part = ndimage.binary_fill_holes(label == 1 + int(shared.argmax()))
+    depth = np.where(part, ndimage.distance_transform_edt(part) - 0.5, 0.5 - ndimage.distance_transform_edt(~part))
+
+    def level(low: float, high: float, side: float) -> float:
+        there = (side * depth > low) & (side * depth < high) & valid
+        return float(image[there].mean()) if there.any() else float("nan")
+
+    # The inner half of the corridor and the outer half of the background: a glint goes on rising towards its middle.
+    inner, outer = (0.5 * float((side * depth).max()) for side in (1.0, -1.0))
+    far = level(inner, np.inf, 1.0) - level(outer, np.inf, -1.0)
+    step = level(0.5 * near, 2.0 * near, 1.0) - level(0.5 * near, 2.0 * near, -1.0)
+    return float(step / far) if far > 0.0 else float("nan")

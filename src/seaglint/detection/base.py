@@ -5,6 +5,10 @@ A detector is called with frames of shape (k, rows, columns) and returns a stati
 deviations: the probability of a false alarm above m is the Gaussian tail Q(m) on the clutter it is designed for, so that its
 own promise is what is judged. The statistic of any other is divided by its measured sigma first
 (:func:`seaglint.clutter.thresholds.standardise`).
+
+Recordings have missing pixels: dead lines and pixels, even rows of sky, NaN. A user's function gets whole frames (:func:`filled`), as few
+functions are made for NaN and a median or mean over a frame would be lost for all of it; what it says where a value is missing does not
+count. With an attribute ``takes_nan = True`` it gets NaN instead.
 """
 
 from __future__ import annotations
@@ -48,6 +52,43 @@ class Detector(Protocol):
         ...
 
 
+def filled(frames: Frames) -> Frames:
+    """Frames without missing values: each takes that of the nearest pixel of its frame that has one.
+
+    As filters repeat the nearest pixel beyond the border, so that no edge appears where a line is dead. A frame without any value takes the
+    mean of the others, 0 where there is none.
+
+    Parameters
+    ----------
+    frames : ndarray, shape (k, rows, columns)
+        NaN or infinite where missing.
+
+    Returns
+    -------
+    ndarray, shape (k, rows, columns)
+        The caller's own, finite.
+
+    Examples
+    --------
+    >>> filled(np.array([[[np.nan, 2.0, np.nan, np.nan, 5.0]]], np.float32)).ravel().tolist()
+    [2.0, 2.0, 2.0, 5.0, 5.0]
+    """
+    from scipy.ndimage import distance_transform_edt
+
+    out = frames.copy()
+    missing = ~np.isfinite(frames)
+    whole = missing.all(axis=(1, 2))
+    if whole.any():
+        out[whole] = frames[~missing].mean(dtype=np.float64) if not whole.all() else 0.0
+    nearest: tuple[NDArray[Any], ...] = ()
+    for k in np.flatnonzero(missing.any(axis=(1, 2)) & ~whole):
+        # Dead lines are the same in every frame: their neighbours are looked for once.
+        if not nearest or not np.array_equal(missing[k], missing[k - 1]):
+            nearest = tuple(distance_transform_edt(missing[k], return_distances=False, return_indices=True))
+        out[k] = out[k][nearest]
+    return out
+
+
 def statistics(detector: Detector, blocks: Iterable[Frames]) -> Iterator[Frames]:
     """Statistic of a sequence that comes in blocks, as if it had come at once; the first ``lead`` frames give none.
 
@@ -84,15 +125,20 @@ class UserDetector:
         Earlier frames needed [frames].
     calibrated : bool
         Whether the statistic is in equivalent standard deviations.
+    takes_nan : bool
+        Whether the function gets NaN where values are missing, rather than frames filled by :func:`filled`.
     """
 
     function: Callable[[Frames], Any]
     name: str
     lead: int = 0
     calibrated: bool = False
+    takes_nan: bool = False
 
     def __call__(self, frames: Frames) -> Frames:
         """Statistic of the frames from ``lead`` on, shape (k - lead, rows, columns) [1].
+
+        NaN where the pixel is missing in its frame or in one of the ``lead`` before it, unless the function takes NaN.
 
         Raises
         ------
@@ -100,8 +146,9 @@ class UserDetector:
             The function fails, or what it returns is not an array of numbers of that shape.
         """
         # A copy: a function that works in place must not change what the next detector sees.
+        whole = frames.copy() if self.takes_nan else filled(frames)
         try:
-            result = self.function(frames.copy())
+            result = self.function(whole)
         except Exception as error:
             raise DataError(f"detector {self.name} failed on frames of shape {frames.shape}: {type(error).__name__}: {error}") from error
         wanted = (frames.shape[0] - self.lead, *frames.shape[1:])
@@ -116,14 +163,24 @@ class UserDetector:
                 f"detector {self.name} returned shape {out.shape} for frames of shape {frames.shape}; {wanted} is needed "
                 f"(set the function's attribute lead, now {self.lead}, if it uses earlier frames)"
             )
-        return out
+        return out if self.takes_nan else self._only_known(out, frames)
+
+    def _only_known(self, statistic: Frames, frames: Frames) -> Frames:
+        """NaN where the function looked at filled values of the same pixel."""
+        missing = ~np.isfinite(frames)
+        if not missing.any():
+            return statistic
+        gone = missing[self.lead :].copy()
+        for back in range(1, self.lead + 1):
+            gone |= missing[self.lead - back : frames.shape[0] - back]
+        return np.where(gone, np.float32(np.nan), statistic)
 
 
 def load(path: str) -> Detector:
     """Detector behind ``package.module:attribute``; modules in the current folder are found as well.
 
-    The attribute is a function of frames, which may carry attributes ``lead`` and ``calibrated``, or an object with the interface of
-    :class:`Detector`, or a class of such objects that needs no arguments.
+    The attribute is a function of frames, which may carry attributes ``lead``, ``calibrated`` and ``takes_nan``, or an object with the
+    interface of :class:`Detector`, or a class of such objects that needs no arguments.
 
     Raises
     ------
@@ -156,4 +213,5 @@ def load(path: str) -> Detector:
     if not isinstance(lead, int) or lead < 0:
         raise DataError(f"detector {path!r}: lead = {lead!r} is not a number of frames of 0 or more")
     # Wrapped also where it has the whole interface: what it returns is checked all the same.
-    return UserDetector(found, str(getattr(found, "name", path)), lead, bool(getattr(found, "calibrated", False)))
+    flags = (bool(getattr(found, flag, False)) for flag in ("calibrated", "takes_nan"))
+    return UserDetector(found, str(getattr(found, "name", path)), lead, *flags)

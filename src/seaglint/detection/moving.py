@@ -47,7 +47,14 @@ class FrameDifference:
         if not self.register:
             return frames[self.lag :] - frames[: -self.lag]
         pairs = zip(frames[self.lag :], frames[: -self.lag], strict=True)
-        return np.stack([later - moved(earlier, displacement(earlier, later)) for later, earlier in pairs])
+        return np.stack([later - moved(earlier, _displacement(earlier, later)) for later, earlier in pairs])
+
+
+def _displacement(earlier: Frames, later: Frames) -> tuple[float, float]:
+    """Displacement of two frames; none where one of them has no value, and its differences and sums have none either."""
+    if not (np.isfinite(earlier).any() and np.isfinite(later).any()):
+        return 0.0, 0.0
+    return displacement(earlier, later)
 
 
 @dataclass(frozen=True)
@@ -87,7 +94,7 @@ class RegisteredIntegration:
             total = latest.astype(np.float64)
             for back in range(1, self.count):
                 frame = frames[k + self.lead - back]
-                shift = displacement(frame, latest) if self.register else (0.0, 0.0)
+                shift = _displacement(frame, latest) if self.register else (0.0, 0.0)
                 total += moved(frame, (shift[0] + back * self.velocity[0], shift[1] + back * self.velocity[1]))
             out[k] = total / self.count
         return out

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,26 +13,17 @@ from seaglint.conventions import FloatArray
 from seaglint.io.directions import directions
 from seaglint.io.outputs import moved_when_whole
 from seaglint.io.provenance import stored_band
+from seaglint.plot.scale import Kind, Scale, scale_of, sea_pixels
 from seaglint.plot.summary import images, to_temperature
 from seaglint.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.colors import Normalize
     from matplotlib.figure import Figure
 
-PERCENTILES: Final = (0.2, 99.8)
-"""Scale limits: a few sparkles are tens of times brighter than the sea and would turn the rest black."""
-
-
-def scale_limits(values: NDArray[Any]) -> tuple[float, float]:
-    """Limits of a colour scale, never empty."""
-    finite = values[np.isfinite(values)]
-    if finite.size == 0:
-        return 0.0, 1.0
-    low, high = (float(v) for v in np.percentile(finite, PERCENTILES))
-    margin = 1e-4 * max(abs(low), abs(high), 1e-12)  # a flat image must not show its rounding errors
-    return (low, high) if high - low > margin else (low - margin, high + margin)
+    from seaglint.optics.band import Band
 
 
 def _edges(centres: FloatArray) -> tuple[float, float]:
@@ -59,17 +50,64 @@ def _title(dataset: xr.Dataset) -> str:
     return " · ".join(facts)
 
 
-def _panel(figure: Figure, axes: Axes, values: NDArray[Any], extent: tuple[float, float, float, float], name: str, colours: str) -> Any:
-    low, high = scale_limits(values)
+def _panel(
+    figure: Figure, axes: Axes, values: NDArray[Any], extent: tuple[float, float, float, float], name: str, colours: str, norm: Normalize
+) -> Any:
     shape: Literal["equal", "auto"] = "equal" if 0.2 < abs((extent[3] - extent[2]) / (extent[1] - extent[0])) < 5.0 else "auto"
-    image = axes.imshow(values, cmap=colours, vmin=low, vmax=high, extent=extent, origin="upper", aspect=shape, interpolation="nearest")
+    image = axes.imshow(values, cmap=colours, norm=norm, extent=extent, origin="upper", aspect=shape, interpolation="nearest")
     axes.set_xlabel("azimuth [deg]")
     axes.set_ylabel("elevation [deg]")
     axes.set_title(VARIABLES[name].long_name, fontsize=10)
     finite = values[np.isfinite(values)]
-    above, below = bool(np.any(finite > high)), bool(np.any(finite < low))
+    above, below = bool(np.any(finite > norm.vmax)), bool(np.any(finite < norm.vmin))
     extend = {(True, True): "both", (True, False): "max", (False, True): "min", (False, False): "neither"}[above, below]
     return figure.colorbar(image, ax=axes, extend=extend, pad=0.02)
+
+
+def _norms(scale: Scale, band: Band) -> tuple[Normalize, Normalize]:
+    """Of radiance and of apparent temperature: on a logarithmic scale a temperature is as bright as its radiance."""
+    from matplotlib.colors import FuncNorm, Normalize
+
+    low, high = (float(t) for t in to_temperature(np.array([max(scale.low, 0.0), scale.high]), band))
+    known = bool(np.isfinite([low, high]).all()) and high > low
+    if not scale.logarithmic:
+        return Normalize(scale.low, scale.high), Normalize(*((low, high) if known else (None, None)))
+    bright = FuncNorm((scale.share, scale.value), scale.low, scale.high)
+    if not known:
+        return bright, Normalize()
+    share = np.linspace(0.0, 1.0, 257)
+    kelvin = to_temperature(scale.value(share), band)
+
+    def forward(temperature: Any) -> FloatArray:
+        return np.asarray(np.interp(temperature, kelvin, share))
+
+    def back(brightness: Any) -> FloatArray:
+        return np.asarray(np.interp(brightness, share, kelvin))
+
+    return bright, FuncNorm((forward, back), low, high)
+
+
+def _bars(bar: Any, thermal: Any, scale: Scale, warm: Normalize) -> None:
+    """Units on the colour bars: both of radiance, the article's reads 100 times the SI number."""
+    symbol = VARIABLES["radiance"].symbol
+    thermal.set_label(VARIABLES["apparent_temperature"].units, fontsize=8)
+    if scale.logarithmic:
+        # A second axis would be linear beside this one.
+        even = np.linspace(0.0, 1.0, 9)
+        ticks = scale.value(even)
+        bar.set_ticks(ticks, labels=[f"{v:.3g} ({ARTICLE_RADIANCE_PER_SI * v:.3g})" for v in ticks])
+        bar.set_label(f"{symbol} ({ARTICLE_RADIANCE_SYMBOL}), logarithmic", fontsize=8)
+        kelvin = np.asarray(warm.inverse(even))
+        thermal.set_ticks(kelvin, labels=[f"{t:.4g}" for t in kelvin])
+        bar.minorticks_off()
+        thermal.minorticks_off()
+    else:
+        bar.set_label(symbol, fontsize=8)
+        second = bar.ax.secondary_yaxis("left", functions=(lambda v: ARTICLE_RADIANCE_PER_SI * v, lambda v: v / ARTICLE_RADIANCE_PER_SI))
+        second.set_ylabel(ARTICLE_RADIANCE_SYMBOL, fontsize=8)
+        second.tick_params(labelsize=7)
+    for drawn in (bar, thermal):
+        drawn.ax.tick_params(labelsize=7)
 
 
 def _graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> None:
@@ -87,13 +125,16 @@ def _graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> None:
         axes.clabel(lines, fmt=lambda value, unit=unit: f"{value:g}{unit}", fontsize=7)
 
 
-def draw(dataset: xr.Dataset) -> Figure:
-    """Figure of the first frame of a sequence, or of a map."""
+def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:
+    """Figure of the first frame of a sequence, or of a map; see :func:`seaglint.plot.scale.scale_of` for the scale."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
     radiance = images(dataset)[0]
-    temperature = to_temperature(radiance, stored_band(dataset.attrs))
+    band = stored_band(dataset.attrs)
+    temperature = to_temperature(radiance, band)
+    chosen = scale_of(radiance, sea_pixels(dataset), scale)
+    bright, warm = _norms(chosen, band)
     azimuth, elevation = directions(dataset)
     upright = azimuth.ndim == 1
     if upright:
@@ -105,16 +146,9 @@ def draw(dataset: xr.Dataset) -> Figure:
     figure = Figure(figsize=(9.0, 9.0) if wide else (12.0, 6.0), layout="constrained")
     FigureCanvasAgg(figure)
     upper, lower = figure.subplots(2, 1) if wide else figure.subplots(1, 2)
-    bar = _panel(figure, upper, radiance, extent, "radiance", "inferno")
-    # Both units beside one bar: the article's reads 100 times the SI number.
-    bar.set_label(VARIABLES["radiance"].symbol, fontsize=8)
-    second = bar.ax.secondary_yaxis("left", functions=(lambda v: ARTICLE_RADIANCE_PER_SI * v, lambda v: v / ARTICLE_RADIANCE_PER_SI))
-    second.set_ylabel(ARTICLE_RADIANCE_SYMBOL, fontsize=8)
-    second.tick_params(labelsize=7)
-    bar.ax.tick_params(labelsize=7)
-    thermal = _panel(figure, lower, temperature, extent, "apparent_temperature", "gray")
-    thermal.set_label(VARIABLES["apparent_temperature"].units, fontsize=8)
-    thermal.ax.tick_params(labelsize=7)
+    bar = _panel(figure, upper, radiance, extent, "radiance", "inferno", bright)
+    thermal = _panel(figure, lower, temperature, extent, "apparent_temperature", "gray", warm)
+    _bars(bar, thermal, chosen, warm)
     if not upright:
         for axes in (upper, lower):
             _graticule(axes, azimuth, elevation)
@@ -122,8 +156,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def write_picture(dataset: xr.Dataset, output: str | Path) -> Path:
-    """Write the picture as PNG.
+def write_picture(dataset: xr.Dataset, output: str | Path, scale: Kind = "auto") -> Path:
+    """Write the picture as PNG; ``scale`` as in :func:`draw`.
 
     Raises
     ------
@@ -132,5 +166,5 @@ def write_picture(dataset: xr.Dataset, output: str | Path) -> Path:
     """
     output = Path(output)
     with moved_when_whole(output, "make room and run the same command with --resume") as partial:
-        draw(dataset).savefig(partial, format="png", dpi=130)
+        draw(dataset, scale).savefig(partial, format="png", dpi=130)
     return output

@@ -19,9 +19,12 @@ Progress = Callable[[int, int], None]
 
 _ABSENT: Final = "–"
 
+_WIDE: Final = 9
+"""Columns from which a table is set smaller, and its numbers may break, so that the last ones stay in view."""
+
 _STYLE: Final = """
 body { font: 15px/1.5 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c2430; background: #fff;
-  max-width: 1180px; margin: 0 auto; padding: 1.5rem 1.2rem 4rem; }
+  max-width: 1800px; margin: 0 auto; padding: 1.5rem 1.2rem 4rem; }
 h1 { font-size: 1.5rem; line-height: 1.25; margin: 0 0 .3rem; overflow-wrap: anywhere; }
 h2 { font-size: 1.15rem; margin: 2.4rem 0 .5rem; padding-top: .8rem; border-top: 1px solid #d5dbe3; }
 h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
@@ -29,12 +32,16 @@ p { margin: .4rem 0 .8rem; max-width: 78ch; }
 .facts { color: #4a5666; }
 .notes { background: #fff6e0; border-left: 4px solid #e0a100; padding: .6rem 1rem .6rem 2rem; margin: 1rem 0; }
 .none { background: #eef6ee; border-left-color: #4c9a4c; padding-left: 1rem; }
-.table { overflow-x: auto; }
+.table { overflow-x: auto; max-width: 100%; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .88rem; margin: .4rem 0 .8rem; }
-th, td { padding: .25rem .7rem; text-align: right; border-bottom: 1px solid #e4e8ee; white-space: nowrap; }
-th { background: #f3f5f8; font-weight: 600; vertical-align: bottom; }
+th, td { padding: .25rem .5rem; text-align: right; border-bottom: 1px solid #e4e8ee; white-space: nowrap; }
+th { background: #f3f5f8; font-weight: 600; vertical-align: bottom; white-space: normal; }
 th:first-child, td:first-child, .text { text-align: left; }
-td.text { white-space: normal; min-width: 14rem; color: #4a5666; }
+td.text { white-space: normal; min-width: 11rem; color: #4a5666; }
+.table.wide table { font-size: .8rem; }
+.table.wide th, .table.wide td { padding: .25rem .35rem; }
+.table.wide td { white-space: normal; overflow-wrap: break-word; }
+.table.wide td.text { min-width: 9rem; }
 figure { margin: .8rem 0 1.2rem; }
 figure img { max-width: 100%; height: auto; border: 1px solid #e4e8ee; }
 figcaption, .small { font-size: .85rem; color: #4a5666; max-width: 95ch; }
@@ -138,7 +145,8 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[i
 
     lines = ["<tr>" + "".join(cell("td", i, text) for i, text in enumerate(row)) + "</tr>" for row in rows]
     top = "<tr>" + "".join(cell("th", i, text) for i, text in enumerate(head)) + "</tr>"
-    return '<div class="table"><table>\n<thead>' + top + "</thead>\n<tbody>\n" + "\n".join(lines) + "\n</tbody></table></div>"
+    kind = "table wide" if len(head) >= _WIDE else "table"
+    return f'<div class="{kind}"><table>\n<thead>' + top + "</thead>\n<tbody>\n" + "\n".join(lines) + "\n</tbody></table></div>"
 
 
 def _section(title: str, *parts: str) -> str:
@@ -209,20 +217,23 @@ def _segmentation(results: dict[str, Any]) -> str:
     text = f"Method: {found['method']}."
     if found["separability"] is not None:
         text += f" Separability {number(found['separability'])} (a corridor has at least 0.69), contrast {number(found['contrast'])}"
-        text += " standard deviations of the background (at least 2)."
+        text += " standard deviations of the background (at least 2)"
+        text += "." if found["border_step"] is None else f", {100 * found['border_step']:.0f} % of the step at the border (at most 44 %)."
     if found["reason"]:
         text += f" No corridor: {found['reason']}."
+    if found["doubt"]:
+        text += f" The corridor is not sure: {found['doubt']}."
     if found["sky_pixels"]:
-        text += f" {number(found['sky_pixels'])} pixels are sky and belong to neither region."
+        text += f" {number(found['sky_pixels'])} pixels lie in smooth rows on top, sky or far sea, and belong to neither region."
     return text
 
 
 def _moments(results: dict[str, Any]) -> str:
     unit = unit_of(results["units"])
     keys = ("pixels", 3), ("values", 3), ("mean", 5), ("std", 5), ("minimum", 5), ("maximum", 5), ("skewness", 3), ("excess_kurtosis", 3)
-    rows = [[name, *(number(r[key], digits) for key, digits in keys)] for name, r in _regions(results)]
+    rows = [[name, *(number(r[key], digits) for key, digits in keys), number(100.0 * r["saturated"])] for name, r in _regions(results)]
     head = ["region", "pixels", "values", f"mean [{unit}]", f"standard deviation [{unit}]", f"minimum [{unit}]", f"maximum [{unit}]"]
-    return _table([*head, "skewness", "excess kurtosis"], rows)
+    return _table([*head, "skewness", "excess kurtosis", "saturated [%]"], rows)
 
 
 def _events(results: dict[str, Any]) -> str:
@@ -281,7 +292,7 @@ def _fits(analysis: Analysis, results: dict[str, Any]) -> list[str]:
 
 def _level(p: float | None, least: float | None) -> str:
     """A level; the smallest that the bootstrap can give is an upper bound."""
-    return f"≤ {number(p, 2)}" if p is not None and least is not None and p <= 1.001 * least else number(p, 2)
+    return f"≤\u00a0{number(p, 2)}" if p is not None and least is not None and p <= 1.001 * least else number(p, 2)
 
 
 def _memory(results: dict[str, Any]) -> str:

@@ -101,13 +101,13 @@ class Images:
     """Radiance images read one at a time."""
 
     def __init__(self, radiance: xr.DataArray, indices: NDArray[np.intp]) -> None:
-        self._radiance, self._indices = radiance, indices
+        self._radiance, self.indices = radiance, indices
 
     def __len__(self) -> int:
-        return int(self._indices.size)
+        return int(self.indices.size)
 
     def __getitem__(self, position: int) -> NDArray[np.float32]:
-        return np.asarray(self._radiance[int(self._indices[position])].to_numpy(), dtype=np.float32)
+        return np.asarray(self._radiance[int(self.indices[position])].to_numpy(), dtype=np.float32)
 
     def __iter__(self) -> Iterator[NDArray[np.float32]]:
         return (self[position] for position in range(len(self)))

@@ -71,7 +71,7 @@ def histogram_edges(values: NDArray[Any]) -> FloatArray:
     # Never more cells than can be told apart, and never cells that single precision could not.
     width = max(width, (high - low) / _MOST_BINS, 1e-6 * max(abs(low), abs(high)))
     if np.all(values == np.rint(values)):
-        step = max(math.ceil(width - 1e-9), 1)
+        step = float(max(math.ceil(width - 1e-9), 1))
         return np.arange(low - 0.5, high + 0.5 + step, step)
     number = min(max(math.ceil((high - low) / width), 1), _MOST_BINS)
     return np.linspace(low, high, number + 1)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from seaglint.analysis import Analysis
 from seaglint.plot.clutter.figure import COLOURS, beyond, new_figure, say, unit_of, values_label
-from seaglint.plot.preview import scale_limits
+from seaglint.plot.scale import scale_limits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,7 +34,7 @@ def draw_regions(analysis: Analysis) -> Figure:
     handles = []
     outlines = [("glint", COLOURS["glint"], analysis.regions["glint"].mask)] if "glint" in analysis.regions else []
     if analysis.segmentation is not None and analysis.segmentation.sky.any():
-        outlines.append(("sky, in neither region", "#66c2a5", analysis.segmentation.sky))
+        outlines.append(("smooth rows on top (sky, far sea), in neither region", "#66c2a5", analysis.segmentation.sky))
     for name, colour, mask in outlines:
         # Padded, so that a region that ends at the picture's border is closed there.
         axes.contour(
