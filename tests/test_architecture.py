@@ -18,6 +18,7 @@ import numpy as np
 import pytest
 
 import seaglint
+from seaglint._kernel_cache import ROOMS, sources_digest
 
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = ROOT / "src" / "seaglint"
@@ -219,7 +220,10 @@ def test_kernels_are_made_of_what_their_cache_is_named_by() -> None:
     trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in sorted(SOURCE.rglob("*.py"))}
     module = {path: "seaglint." + ".".join(path.relative_to(SOURCE).with_suffix("").parts) for path in trees}
     texts = {path: path.read_text(encoding="utf-8") for path in trees}
-    seen = {module[path] for path in trees if "_jit import" in texts[path] or "(NamedTuple)" in texts[path]} | {"seaglint.constants"}
+    rooms = {module[path] for path in trees if path.relative_to(SOURCE).parts[0] in ROOMS}
+    seen = (
+        rooms | {module[path] for path in trees if "_jit import" in texts[path] or "(NamedTuple)" in texts[path]} | {"seaglint.constants"}
+    )
     unseen = []
     for path, tree in trees.items():
         origin = {
@@ -269,6 +273,17 @@ def test_tracked_files_stand_on_their_own(what: str) -> None:
             continue
         found += [f"{path.relative_to(ROOT)}:{i}: {line.strip()[:100]}" for i, line in enumerate(lines, 1) if FORBIDDEN[what].search(line)]
     assert found == []
+
+
+def test_a_plain_function_that_becomes_a_kernel_elsewhere_counts(tmp_path: Path) -> None:
+    """``series_bracket`` of the slopes is compiled by the glint: its file imports no ``_jit``."""
+    import shutil
+
+    copy = tmp_path / "seaglint"
+    shutil.copytree(SOURCE, copy, ignore=shutil.ignore_patterns("__pycache__", "data"))
+    before = sources_digest(copy)
+    (copy / "sea" / "slopes.py").write_text((copy / "sea" / "slopes.py").read_text(encoding="utf-8") + "\n# changed\n", encoding="utf-8")
+    assert sources_digest(copy) != before == sources_digest(SOURCE)
 
 
 def test_rooms_are_not_crowded() -> None:

@@ -23,6 +23,9 @@ PACKAGE: Final = Path(__file__).parent
 
 PREFIX: Final = "seaglint-kernels-"
 
+ROOMS: Final = ("optics", "sea", "atmosphere", "radiance", "render", "clutter", "detection")
+"""Folders of which every file counts: plain functions become kernels elsewhere."""
+
 KEPT: Final = 5
 """Folders of other sources that stay: branches and versions between which somebody changes."""
 
@@ -31,7 +34,7 @@ IN_USE: Final = 86400.0
 
 
 def sources_digest(package: Path = PACKAGE) -> str:
-    """Digest of everything that compiled kernels are made of: the files that import ``_jit`` or define tuples, that file, the constants."""
+    """Digest of everything that compiled kernels are made of: physics, other files that import ``_jit`` or define tuples, the constants."""
     # Without pathlib, whose walk through some hundred files takes longer than reading them.
     root, paths = str(package), []
     for folder, folders, names in os.walk(root):
@@ -42,7 +45,7 @@ def sources_digest(package: Path = PACKAGE) -> str:
         with open(path, "rb") as file:
             content = file.read()
         name = path[len(root) + 1 :].replace(os.sep, "/")
-        if b"_jit import" in content or b"(NamedTuple)" in content or name in ("_jit.py", "constants.py"):
+        if name.split("/")[0] in ROOMS or b"_jit import" in content or b"(NamedTuple)" in content or name in ("_jit.py", "constants.py"):
             digest.update(f"{name}\n{len(content)}\n".encode())
             digest.update(content)
     return digest.hexdigest()

@@ -49,7 +49,7 @@ VARIABLES: Final[dict[str, Variable]] = {
         _radiance("radiance", "in-band radiance at the aperture"),
         _radiance("path_radiance", "in-band radiance of the path (thermal)"),
         _radiance("emitted_radiance", "in-band radiance emitted by the sea, at the aperture"),
-        _radiance("sky_radiance", "in-band sky radiance reflected by the sea, at the aperture"),
+        _radiance("sky_radiance", "in-band sky radiance reflected by the sea, at the aperture; above the horizon that of the sky"),
         _radiance("glint_radiance", "in-band sunlight reflected by the sea, at the aperture"),
         _radiance("glint_std", "standard deviation of in-band sunlight reflected by the sea, in a pixel"),
         Variable("apparent_temperature", "K", "apparent temperature", "brightness_temperature"),

@@ -114,6 +114,9 @@ def test_cuts_in_range_compose_to_the_whole_image(swept, cuts):
     back = composed(parts)
     for name in whole:
         assert back[name].tobytes() == whole[name].tobytes(), name
+        if name != "range":
+            # parts are sums of their own, not what is left of the whole: nothing is negative
+            assert min(float(part[name].min()) for part in parts) >= (-1e-12 if name == "sky_radiance" else 0.0), name
 
 
 def test_an_interval_shows_what_stands_in_it(swept):
@@ -203,6 +206,42 @@ def test_a_turned_scene_takes_other_cameras_inside_its_view(air):
     assert shown(scene.with_camera(narrow), 0.0).radiance.mean() == pytest.approx(shown(scene, 0.0).radiance[5:15, 7:21].mean(), rel=0.05)
     with pytest.raises(DomainError, match="prepare a scene"):
         scene.with_camera(Imager("pinhole", np.radians(20.0), np.radians(5.0), 14, 10))
+
+
+@pytest.mark.parametrize(
+    "pose",
+    [
+        Pose(0.0, 0.0, 30.0, Attitude(0.2 + 0.5 * np.pi, np.radians(-5.0), 0.35)),
+        Pose(0.0, 0.0, 300.0, Attitude(0.2, np.radians(-5.0), np.radians(20.0))),
+        Pose(np.nan, 0.0, 30.0, Attitude(0.2, np.radians(-5.0), np.radians(20.0))),
+    ],
+)
+def test_a_turned_scene_refuses_poses_off_its_track(air, pose):
+    scene = turned(air, -5.0)
+    with pytest.raises(DomainError, match="prepare"):
+        image(scene, pose, 0.0)
+    again = Pose(0.0, 0.0, 30.0, Attitude(0.2 + 2.0 * np.pi, np.radians(-5.0), np.radians(20.0)))
+    assert image(scene, again, 0.0).radiance.shape == (20, 28)
+
+
+@pytest.mark.parametrize("part", [(4, 40), (-4, 2), (3, 3)])
+def test_columns_that_there_are_not_are_refused(swept, part):
+    with pytest.raises(DomainError, match="0 <= first < end <= 24"):
+        swept.columns(swept.pose, 0.0, part)
+
+
+@pytest.mark.parametrize("cuts", [np.empty(0), np.ones((3, 2)), np.ones((24, 2, 1)), np.array([np.nan])])
+def test_cuts_that_are_none_are_refused(swept, cuts):
+    with pytest.raises(DomainError, match="cuts"):
+        swept.intervals(swept.pose, 0.0, cuts)
+
+
+def test_a_panorama_can_be_cut_into_looks(air):
+    eye = camera(30.0, -1.0, -6.0, 20, width=360.0, columns=72)
+    whole = swept_scene(sea_view(air, SLOPES, 30.0, 70.0), eye, elfouhaily(WIND))
+    look = camera(30.0, -1.0, -6.0, 20, azimuth=370.0, width=20.0, columns=4)  # ten degrees, once round
+    one, all_round = shown(whole.with_camera(look), 0.0).radiance, shown(whole, 0.0).radiance
+    np.testing.assert_allclose(one, all_round[:, 36:40], rtol=1e-3)
 
 
 @pytest.mark.parametrize("pose", [Pose(0.0, 0.0, 31.0, Attitude(0.0, np.radians(-4.2))), Pose(0.0, 0.0, 30.0, Attitude(0.0, -0.3))])

@@ -97,8 +97,9 @@ class Sequence:
         return image(self.scene, self.track.at(time), time)
 
     def reseeded(self, seed: int) -> Sequence:
-        """Another realisation of the same sea, without preparing anything again; the layout stays."""
-        return replace(self, scene=self.scene.reseeded(seed))
+        """Another realisation of the same sea, without preparing anything again; a store of it says its seed."""
+        layout = replace(self.layout, attributes={**self.layout.attributes, "seed": seed})
+        return replace(self, scene=self.scene.reseeded(seed), layout=layout)
 
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
         """What is stored of a frame, by variable.

@@ -128,6 +128,10 @@ class Track:
         """Whether the attitude changes."""
         return bool(np.ptp(self.values[:, 3:], axis=0).max() > 0.0)
 
+    def reach(self) -> tuple[tuple[float, float], ...]:
+        """Least and greatest azimuth, elevation and roll [rad], azimuth and roll unwrapped."""
+        return tuple((float(angles.min()), float(angles.max())) for angles in self.values[:, 3:].T)
+
     @property
     def moves(self) -> bool:
         """Whether anything changes."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from seaglint._jit import in_threads
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
-from seaglint.conventions import FloatArray, horizon_depression, view_zenith_of_range
+from seaglint.conventions import FloatArray, horizon_depression, view_zenith_of_range, wrap_angle
 from seaglint.errors import DomainError
 from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
@@ -36,7 +36,7 @@ from seaglint.sea.slopes import gaussian_slopes
 SUBMERGED = 0.75
 """A sensor below this many significant heights (three standard deviations) would be under water now and then."""
 
-_SAME = 1e-9
+SAME = 1e-9
 """Difference of angles [rad], of steps and of heights (relative) that counts as none."""
 
 
@@ -154,19 +154,18 @@ class SweptScene:
         """
         made, highest = self._prepared_for, self._prepared_for.height * self.accuracy.height_step
         own, other = made.column_step, camera.column_step
-        if abs(other - own) > _SAME * own or abs(camera.row_step - made.row_step) > _SAME * made.row_step:
+        if abs(other - own) > SAME * own or abs(camera.row_step - made.row_step) > SAME * made.row_step:
             raise DomainError(
                 f"pixels of {1e3 * other:.6g} x {1e3 * camera.row_step:.6g} mrad, and the scene was prepared for "
                 f"{1e3 * own:.6g} x {1e3 * made.row_step:.6g} mrad; keep the pixels or prepare a scene for this camera"
             )
-        aside = abs(camera.azimuth - made.azimuth) + 0.5 * (camera.width - made.width)
-        beyond = max(aside, camera.top - made.top, made.bottom - camera.bottom)
-        if beyond > _SAME:
+        outside = beyond(made, camera)
+        if outside > SAME:
             raise DomainError(
-                f"the camera looks {np.degrees(beyond):.4g} deg beyond the view that the scene was prepared for; "
+                f"the camera looks {np.degrees(outside):.4g} deg beyond the view that the scene was prepared for; "
                 "stay inside it or prepare a scene for this camera"
             )
-        if not made.height * (1.0 - _SAME) <= camera.height <= highest * (1.0 + _SAME):
+        if not made.height * (1.0 - SAME) <= camera.height <= highest * (1.0 + SAME):
             raise DomainError(
                 f"camera at {camera.height:g} m, and the scene was prepared for {made.height:g} to {highest:g} m; "
                 "stay between them or prepare a scene for this height"
@@ -200,7 +199,15 @@ class SweptScene:
         return self.columns(pose, time, (0, self.camera.columns))
 
     def columns(self, pose: Pose, time: float, part: tuple[int, int]) -> Layers:
-        """Columns ``part = (first, end)`` of the image alone: their bytes are those of the whole image."""
+        """Columns ``part = (first, end)`` of the image alone: their bytes are those of the whole image.
+
+        Raises
+        ------
+        DomainError
+            Columns that there are not.
+        """
+        if not 0 <= part[0] < part[1] <= self.camera.columns:
+            raise DomainError(f"columns {part[0]} to {part[1]} of {self.camera.columns}; give 0 <= first < end <= {self.camera.columns}")
         images = self._swept(pose, time, part, self.surface(time, (pose.east, pose.north)), np.zeros((part[1] - part[0], 0)))
         return self._layers(images[:, 0])
 
@@ -227,15 +234,16 @@ class SweptScene:
         Returns
         -------
         tuple of Layers
-            n + 1 parts, near to far, in double precision; the sky belongs to the last. ``radiance`` and its parts are what an interval
-            adds to each pixel and ``coverage`` the share that it fills; :func:`composed` puts them together.
+            n + 1 parts, near to far, in double precision, each summed for itself; the sky belongs to the last. ``radiance`` and its parts
+            are what an interval adds to each pixel and ``coverage`` the share that it fills; :func:`composed` puts them together.
         """
-        cut = np.ascontiguousarray(np.broadcast_to(np.asarray(cuts, np.float64), (self.camera.columns, np.shape(cuts)[-1])))
-        if cut.shape[1] and (not np.all(np.isfinite(cut)) or np.any(np.diff(cut, axis=1) < 0.0)):
+        given, count = np.atleast_1d(np.asarray(cuts, np.float64)), self.camera.columns
+        if given.size == 0 or given.ndim > 2 or (given.ndim == 2 and given.shape[0] != count):
+            raise DomainError(f"cuts of shape {np.shape(cuts)} for {count} columns; give one distance or more, for all columns or for each")
+        cut = np.ascontiguousarray(np.broadcast_to(given, (count, given.shape[-1])))
+        if not np.all(np.isfinite(cut)) or np.any(np.diff(cut, axis=1) < 0.0):
             raise DomainError("cuts in range must be finite and ascend from the sensor in every column; sort them")
         images = self._swept(pose, time, (0, self.camera.columns), self.surface(time, (pose.east, pose.north)), cut)
-        # what rounding leaves of the whole is the last part's, so that the parts add up to the image
-        images[:, -1] = images[:, 0] - images[:, 1:-1].sum(axis=1)
         return tuple(self._interval(images[:, k]) for k in range(1, images.shape[1]))
 
     def _interval(self, columns: FloatArray) -> Layers:
@@ -279,8 +287,9 @@ class SweptScene:
 
     def _require_pose(self, pose: Pose) -> None:
         camera, attitude = self.camera, pose.attitude
-        off = max(abs(attitude.azimuth - camera.azimuth), abs(attitude.elevation - camera.elevation), abs(attitude.roll))
-        if off > _SAME or abs(pose.height - camera.height) > _SAME * camera.height:
+        turn = (float(wrap_angle(attitude.azimuth - camera.azimuth)), float(wrap_angle(attitude.roll)))
+        off = max(abs(turn[0]), abs(turn[1]), abs(attitude.elevation - camera.elevation))
+        if off > SAME or not np.isfinite(pose.east + pose.north) or abs(pose.height - camera.height) > SAME * camera.height:
             raise DomainError(
                 f"pose at {pose.height:g} m, turned by {np.degrees(off):.4g} deg from the camera's; this scene is for {camera.height:g} m "
                 "and an upright camera: use with_camera, or prepare a scene for turned cameras"
@@ -333,6 +342,13 @@ class SweptScene:
         lower = np.tan(max(0.5 * np.pi - self.view.solar_zenith - self.view.farthest_turn - SOLAR_ANGULAR_RADIUS, 0.0))
         shadow = smith_lambda(lower / (np.sqrt(2.0) * np.maximum(rms, 1e-9)))
         return np.stack([np.where(shadow > fine.negligible_shadow, levels.steps, 0.0), fine.steepest_rise * rms], axis=1)
+
+
+def beyond(made: Camera, other: Camera) -> float:
+    """Angle by which a camera looks beyond another [rad]; 0 or less where it stays inside."""
+    aside = abs(float(wrap_angle(other.azimuth - made.azimuth))) + 0.5 * (other.width - made.width)
+    around = made.width >= 2.0 * np.pi - SAME
+    return max(-np.inf if around else aside, other.top - made.top, made.bottom - other.bottom)
 
 
 def composed(parts: Sequence[Layers]) -> Layers:

@@ -23,7 +23,7 @@ from seaglint.render.platform import Pose, Track
 from seaglint.render.rays import WalkedRays, rays_per_side
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles
 from seaglint.render.surface import course, height
-from seaglint.render.swept import SweptScene, require_above, require_dry
+from seaglint.render.swept import SAME, SweptScene, beyond, require_above, require_dry
 from seaglint.render.tables import facet_slopes
 from seaglint.render.view import (
     Attitude,
@@ -341,8 +341,32 @@ class TurnedScene:
             emitted=bool({"emitted_radiance", "sky_radiance"} & set(self.layers)),
         )
 
+    def _require_pose(self, pose: Pose) -> None:
+        """Refuse heights and attitudes off the track that was prepared for."""
+        low, high = self.track.lowest, self.track.highest
+        if not low * (1.0 - SAME) <= pose.height <= high * (1.0 + SAME) or not np.isfinite(pose.east + pose.north):
+            raise DomainError(
+                f"pose at {pose.height:g} m, {pose.east:g} m east, {pose.north:g} m north: this scene was prepared for {low:g} to {high:g} "
+                "m; stay on its track or prepare a scene for another",
+                name="sensor_height",
+                value=pose.height,
+                allowed=(low, high),
+            )
+        own = (pose.attitude.azimuth, pose.attitude.elevation, pose.attitude.roll)
+        outside = 0.0
+        for angle, (first, last) in zip(own, self.track.reach(), strict=True):
+            middle = 0.5 * (first + last)
+            outside = max(outside, abs(float(wrap_angle(angle - middle))) - 0.5 * (last - first))
+        # turning tracks were surveyed with half a degree to spare
+        if outside > (math.radians(0.5) if self.track.turns else SAME):
+            raise DomainError(
+                f"pose turned {np.degrees(outside):.4g} deg off the attitudes that this scene was prepared for; prepare one with a track "
+                "that has it, or see with_camera for other cameras"
+            )
+
     def drawn(self, pose: Pose, time: float) -> Layers:
         """The image from a pose at a time [s]."""
+        self._require_pose(pose)
         plan = self._still if self._still is not None else self._plan(pose.attitude)
         prepared, kinds = self._prepared(pose.height), planes_for(self.layers)
         levels = prepared.swept.levels if prepared.swept is not None else self._whole
@@ -377,20 +401,14 @@ def _resample(plan: _Plan, images: NDArray[np.float32], out: NDArray[np.float32]
 def _covers(made: _Survey, wanted: _Survey) -> bool:
     """Whether what was prepared serves another camera."""
     one, other = made.grid, wanted.grid
-    if other is not None:
-        if one is None:
-            return False
-        slack = 1e-9
-        aside = abs(other.azimuth - one.azimuth) + 0.5 * (other.width - one.width)
-        if (
-            aside > slack
-            or other.top > one.top + slack
-            or other.bottom < one.bottom - slack
-            or other.row_step < one.row_step * (1.0 - slack)
-        ):
-            return False
+    if other is not None and (one is None or beyond(one, other) > SAME or other.row_step < one.row_step * (1.0 - SAME)):
+        return False
     (left, right), (first, last) = made.walk_azimuths, wanted.walk_azimuths
-    return wanted.walk_from <= made.walk_from + 1e-9 and left <= first + 1e-9 and last <= right + 1e-9
+    if first == last:
+        return True
+    turn = 2.0 * np.pi * np.round((0.5 * (first + last) - 0.5 * (left + right)) / (2.0 * np.pi))
+    around = right - left >= 2.0 * np.pi - SAME
+    return wanted.walk_from <= made.walk_from + SAME and (around or (left <= first - turn + SAME and last - turn <= right + SAME))
 
 
 def _corners_of(azimuth: FloatArray, swept: NDArray[np.bool_]) -> tuple[float, float]:
