@@ -28,7 +28,7 @@ from seaglint._jit import kernel, njit_parallel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, unit_vector
 from seaglint.errors import DomainError
-from seaglint.radiance.legs import NESTED, Legs, Shadowing, legs_of, local_legs, seen_and_lit_kernel
+from seaglint.radiance.legs import NESTED, Legs, Shadowing, legs_of, local_leg, seen_and_lit_kernel
 from seaglint.radiance.local_sun import STEADY, SunTable, strength_kernel, turn_kernel, turned_kernel, visible_part_kernel, visible_sun
 from seaglint.sea.nested import HIGHEST
 from seaglint.sea.shadowing import visible_area_kernel
@@ -401,10 +401,11 @@ def _chance(
     if area < 0.0:
         area = visible_area_kernel(cosine, sine * deviation)
     along = -((east + sun[0]) * azimuth_sine + (north + sun[1]) * azimuth_cosine) / (rise * deviation)
-    legs = local_legs(legs, sun[2])
+    hidden, leg_edge = local_leg(legs, sun[2])
+    there = Legs(legs.sun, hidden, legs.azimuth, legs.sine, legs.cosine, leg_edge, legs.deviation, legs.series, legs.ratio, legs.coupling)
     sunward = -((east + sun[0]) * legs.sine + (north + sun[1]) * legs.cosine) / (rise * legs.deviation)
     edge = cosine / (sine * deviation) if sine > 0.0 else HIGHEST
-    share *= seen_and_lit_kernel(cosine / area, (along, edge), sunward, azimuth, legs)
+    share *= seen_and_lit_kernel(cosine / area, (along, edge), sunward, azimuth, there)
     return share / area, cos_incidence, strength_kernel(SunTable(disc.first, disc.per_step, disc.strength), sun[2])
 
 

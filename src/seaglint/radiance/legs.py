@@ -124,19 +124,19 @@ def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimut
 
 
 @kernel
-def local_legs(legs: Legs, up: float) -> Legs:
-    """Legs where the middle of the Sun's visible part has another sine of elevation than at the sensor's foot.
+def local_leg(legs: Legs, up: float) -> tuple[float, float]:
+    """``hidden`` and ``edge`` where the middle of the Sun's visible part has another sine of elevation than at the foot.
 
     The area of skewed slopes changes as that of Gaussian ones. The Sun's azimuth stays the foot's: it moves by ``psi cot(zenith)`` at most,
     little for the low Suns that shadows count for.
     """
     if not legs.sun:
-        return legs
+        return legs.hidden, legs.edge
     deviation = math.sqrt(max(1.0 - up * up, 1e-24)) * legs.deviation
     edge = up / deviation
     # the area over the mean is 1 within 1e-9 from 6 deviations up
     hidden = legs.series - 1.0 if edge > 6.0 else legs.series * visible_area_kernel(up, deviation) / up - 1.0
-    return Legs(True, max(hidden, 0.0), legs.azimuth, legs.sine, legs.cosine, edge, legs.deviation, legs.series, legs.ratio, legs.coupling)
+    return max(hidden, 0.0), edge
 
 
 @kernel
