@@ -14,6 +14,7 @@ import typer
 from typer.core import TyperGroup
 
 from seaglint.cli.analyze import analyze
+from seaglint.cli.atmosphere import atmosphere
 from seaglint.cli.evaluate import evaluate
 from seaglint.cli.export import export_sea
 from seaglint.cli.messages import log, naming_file, print_json
@@ -49,6 +50,7 @@ app = typer.Typer(
 )
 app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
+app.add_typer(atmosphere, name="atmosphere")
 app.command()(analyze)
 app.command("export-sea")(export_sea)
 
