@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.messages import log, naming_file
+from seaglint.cli.messages import files_read, log, naming_file
 
 atmosphere = typer.Typer(help="The air of a scenario as a file.", no_args_is_help=True)
 
@@ -30,7 +30,7 @@ def export(
 
     require_kind(output)
     loaded = load_scenario(scenario)
-    refuse_existing(output, overwrite=overwrite)
+    refuse_existing(output, overwrite=overwrite, inputs=files_read(scenario, loaded))
     from seaglint.pipeline.air import export_air
 
     with naming_file(scenario, loaded):

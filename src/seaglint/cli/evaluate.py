@@ -44,7 +44,7 @@ def _run(path: Path, output: Path, overwrite: bool, show: ProgressMode, compute:
     from seaglint.io.cases import read_cases, write_cases
     from seaglint.io.outputs import refuse_existing
 
-    refuse_existing(output, overwrite=overwrite)
+    refuse_existing(output, overwrite=overwrite, inputs=[path])
     cases = read_cases(path)
     with patient_progress(show, "rows x bands") as report:
         columns = compute(cases, report)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
 from seaglint.io.provenance import provenance
-from seaglint.io.store import Layout, Progress, write_sequence
+from seaglint.io.store import Layout, Progress, check_output, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
 from seaglint.pipeline.memory import require_memory
@@ -69,6 +69,7 @@ def render(
     SeaglintError
         See :func:`seaglint.io.store.write_sequence` and :mod:`seaglint.pipeline.prepare`.
     """
+    check_output(output, resume=resume, overwrite=overwrite)
     with thread_limit(threads):
         run = prepare_sequence(scenario, frames)
         return write_sequence(output, run.layout, run.images, resume=resume, overwrite=overwrite, progress=progress)
