@@ -6,6 +6,7 @@ inside the command that needs it, so that ``seaglint --help`` answers at once.
 
 from __future__ import annotations
 
+import errno
 import signal
 import sys
 import threading
@@ -60,6 +61,11 @@ class _Commands(TyperGroup):
             for line in str(error).splitlines():
                 log(f"seaglint: {line}")
             sys.exit(error.exit_code)
+        except OSError as error:
+            if error.errno != errno.ENAMETOOLONG:
+                raise
+            log(f"seaglint: {str(error.filename)[:80]}...: a name in it is too long for this file system; give a shorter one")
+            sys.exit(2)
         except KeyboardInterrupt:
             log("seaglint: interrupted; nothing unfinished has taken its final name")
             sys.exit(130)

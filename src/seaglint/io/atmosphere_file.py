@@ -32,7 +32,7 @@ import numpy as np
 from seaglint.atmosphere.sampled import HEIGHT_SLACK, PathSamples, SampledAtmosphere, SkySamples, SunSamples
 from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.errors import DataError, SeaglintError
-from seaglint.io.netcdf import write_netcdf
+from seaglint.io.netcdf import open_netcdf, write_netcdf
 from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.io.table_text import Row, TextTable, read_text_table
 
@@ -217,15 +217,11 @@ def _gridded(table: TextTable, key: tuple[str, float], block: dict[tuple[float, 
 
 
 def _from_netcdf(path: Path) -> dict[tuple[str, float], _Spectra]:
-    import xarray as xr
-
     try:
-        with xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False) as dataset:
+        with open_netcdf(path, decode_timedelta=False, decode_times=False) as dataset:
             return _of_dataset(path, dataset.load())
     except SeaglintError:
         raise
-    except FileNotFoundError:
-        raise DataError(f"{path}: no such file; give a NetCDF 4 file of transmittance and radiance") from None
     except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
         raise DataError(f"{path}: cannot be read as NetCDF 4: {' '.join(str(error).split())[:200]}") from None
 

@@ -6,13 +6,36 @@ The file is made in memory and its bytes are written by Python: HDF5 that meets 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from seaglint.errors import DataError
 from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.schema import VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
+    """Open a NetCDF 4 file; keywords go to :func:`xarray.open_dataset`.
+
+    Raises
+    ------
+    DataError
+        Nothing there, another kind of file, or a damaged one.
+    """
+    import h5py
+    import xarray as xr
+
+    try:
+        # h5netcdf that fails to open a file complains once more when it is collected: this comes to the same first, and quietly.
+        h5py.File(path, "r").close()
+        return xr.open_dataset(path, engine="h5netcdf", **how)
+    except FileNotFoundError:
+        raise DataError(f"{path}: no such file; give a NetCDF 4 file") from None
+    except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
+        told = " ".join(str(error).split())[:200] or type(error).__name__
+        raise DataError(f"{path}: cannot be read as NetCDF 4, or is cut ({told}); give a whole NetCDF 4 file") from None
 
 
 def labelled(dataset: xr.Dataset) -> xr.Dataset:
