@@ -5,6 +5,8 @@ The file is made in memory and its bytes are written by Python: HDF5 that meets 
 
 from __future__ import annotations
 
+import sys
+import traceback
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,18 +26,27 @@ def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
     DataError
         Nothing there, another kind of file, or a damaged one.
     """
-    import h5py
     import xarray as xr
 
     try:
-        # h5netcdf that fails to open a file complains once more when it is collected: this comes to the same first, and quietly.
-        h5py.File(path, "r").close()
         return xr.open_dataset(path, engine="h5netcdf", **how)
     except FileNotFoundError:
         raise DataError(f"{path}: no such file; give a NetCDF 4 file") from None
     except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
         told = " ".join(str(error).split())[:200] or type(error).__name__
+        _drop_quietly(error)
         raise DataError(f"{path}: cannot be read as NetCDF 4, or is cut ({told}); give a whole NetCDF 4 file") from None
+
+
+def _drop_quietly(error: BaseException | None) -> None:
+    """Let go of what failed half-way: an h5netcdf file that was never opened complains on the standard error when it is collected."""
+    before, sys.unraisablehook = sys.unraisablehook, lambda _: None
+    try:
+        while error is not None:
+            traceback.clear_frames(error.__traceback__)
+            error = error.__cause__ or error.__context__
+    finally:
+        sys.unraisablehook = before
 
 
 def labelled(dataset: xr.Dataset) -> xr.Dataset:
