@@ -41,6 +41,10 @@ def refused(text, tmp_path):
         ('[time]\nutc = "3"\n[place]\nlatitude_deg = 1\nlongitude_deg = 2', "time.utc = '3' is not a date and time"),
         ("[time]\nutc = 9999-12-31T23:59:59-14:00\n[place]\nlatitude_deg = 1\nlongitude_deg = 2", "outside the years 1800 to 2200"),
         ("[time]\nutc = 0001-01-01T00:00:00+14:00\n[place]\nlatitude_deg = 1\nlongitude_deg = 2", "outside the years 1800 to 2200"),
+        (
+            "[time]\nutc = 2026-01-01\n[place]\nlatitude_deg = 1\nlongitude_deg = 2\n[sensor]\nframe_rate_hz = 1e-5\nframes = 90000",
+            "sensor.frames = 90000 at 1e-05 Hz end after the year 2200",
+        ),
         ("[sensor]\nframe_rate_hz = 1e-320", "outside the allowed range: 1e-05 to 100000 Hz"),
     ],
 )

@@ -12,6 +12,7 @@ import shutil
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -69,6 +70,8 @@ class Layout:
     """Provenance."""
     poses: Mapping[str, FloatArray] = field(default_factory=dict)
     """Place and attitude of a moving sensor in every frame, by variable [(frames,)]."""
+    start: datetime | None = None
+    """UTC of the first frame of the whole sequence, where a date is known."""
     turning: bool = False
     """Whether the attitude changes: azimuth and elevation are then those of the first frame and not stored."""
 
@@ -334,7 +337,8 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
     frames, rows, columns = layout.shape
     group: Any = zarr.open_group(fresh, mode="w-", zarr_format=3, attributes=layout.all_attributes)
     directions = () if layout.turning else ("azimuth", "elevation")
-    coordinates = " ".join((*directions, "frame", "wavelength", *layout.poses))
+    dated = () if layout.start is None else ("utc",)
+    coordinates = " ".join((*directions, "frame", *dated, "wavelength", *layout.poses))
     for name in layout.variables:
         group.create_array(
             name,
@@ -350,6 +354,8 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
     low, high = layout.band.min_um, layout.band.max_um
     _put(group, "time", numbers / layout.frame_rate, ("time",))
     _put(group, "frame", numbers, ("time",))
+    if layout.start is not None:
+        _put(group, "utc", numbers / layout.frame_rate, ("time",), units=f"seconds since {_cf_moment(layout.start)}", calendar="standard")
     whole = layout.azimuth_deg.ndim == 2
     if not layout.turning:
         _put(group, "azimuth", layout.azimuth_deg, ("y", "x") if whole else ("x",))
@@ -363,6 +369,11 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
         "frame_done", shape=(frames,), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("time",),
         attributes=VARIABLES["frame_done"].attributes,
     )  # fmt: skip
+
+
+def _cf_moment(moment: datetime) -> str:
+    """UTC as CF writes it."""
+    return moment.astimezone(UTC).replace(tzinfo=None).isoformat(sep=" ")
 
 
 def _compressor() -> Any:

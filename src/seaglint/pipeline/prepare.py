@@ -35,7 +35,7 @@ from seaglint.scenario.band import TABLE_BANDS_TEXT
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.platform import Keyframe
 from seaglint.scenario.sensor import HIGHEST_SENSOR
-from seaglint.scenario.sun import sun_position
+from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.breon_henriot import breon_henriot
 from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.field import WaveField
@@ -301,6 +301,11 @@ def view(scenario: Scenario) -> SeaView:
         sun_distance_factor=sun.irradiance_factor,
         shadowing=Shadowing.of(scenario.mean.shadowing or "nested"),
     )
+
+
+def under(view: SeaView, sun: SunPosition) -> SeaView:
+    """The same sea and air under another Sun."""
+    return replace(view, solar_zenith=sun.zenith, solar_azimuth=sun.azimuth, sun_distance_factor=sun.irradiance_factor)
 
 
 def article_view(scenario: Scenario) -> SeaView:
