@@ -58,11 +58,7 @@ def test_inputs_are_never_replaced(seaglint, pipeline, scenario, tmp_path, comma
     assert read.read_text() == before
 
 
-def test_cases_and_recordings_are_never_replaced(seaglint, tmp_path):
-    cases = tmp_path / "cases.csv"
-    cases.write_text("wavelength_um,wind_speed_m_s,zenith_deg\n4,5,30\n")
-    answer = seaglint("evaluate", "emissivity", cases, "-o", cases, "--overwrite")
-    assert (answer.code, "is read by this command" in answer.err) == (2, True)
+def test_masks_are_never_replaced(seaglint, tmp_path):
     mask = tmp_path / "mask.html"
     mask.write_text("x")
     answer = seaglint("analyze", tmp_path / "none.npy", "--mask", mask, "--report", mask, "--overwrite")
