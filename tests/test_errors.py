@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from seaglint.render.renderer import require_above
 
 from seaglint.atmosphere.base import require_height, require_range, wavenumber_grid
 from seaglint.atmosphere.batch import BatchAtmosphere
@@ -24,6 +23,7 @@ from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import hale_querry_sea
+from seaglint.render.swept import require_above
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.cox_munk import cox_munk_isotropic
 from seaglint.sea.dispersion import angular_frequency

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from seaglint import limits
-from seaglint.atmosphere.table import models, read_table
+from seaglint.atmosphere.table_file import models, read_table
 from seaglint.errors import DomainError, ScenarioError
 from seaglint.io.lowtran.deck import Aerosol
 from seaglint.pipeline.memory import BYTES_PER_LATTICE_POINT, memory_needed
