@@ -65,6 +65,7 @@ VARIABLES: Final[dict[str, Variable]] = {
         Variable("range", "m", "distance from the sensor to the sea, mean over what a pixel sees of it"),
         Variable("coverage", "1", "share of a pixel that the sea fills", symbol=" "),
         Variable("time", "s", "time from the start of the sequence"),
+        Variable("utc", "seconds since the first frame's date", "UTC of the frame, where the scenario has a date", "time", symbol=" "),
         Variable("height", "m", "height of the sea above its mean level"),
         Variable("slope_east", "1", "slope of the resolved waves towards east", symbol=" "),
         Variable("slope_north", "1", "slope of the resolved waves towards north", symbol=" "),

@@ -157,6 +157,34 @@ def test_mean_is_that_of_the_command_mean(cases):
         assert found[f"{quantity}[3.5-5]"] == pytest.approx(float(expected[name][0, 0]), rel=5e-4)
 
 
+def test_mean_with_a_wind_that_has_a_direction(cases):
+    """Wind from 100 deg clockwise of the Sun, against a map; from across it gives another glint."""
+    from seaglint.io.cases import read_cases
+    from seaglint.pipeline.mean import mean
+    from seaglint.scenario.load import parse_scenario
+
+    degrees = 0.03
+    scenario = parse_scenario(
+        {
+            "band": {"min_um": 3.5, "max_um": 5.0},
+            "wind": {"speed_m_s": 9.0, "from_deg": 340},
+            "sun": {"zenith_deg": 60, "azimuth_deg": 240},
+            "sensor": {"height_m": 30, "azimuth_deg": 250, "elevation_deg": -6, "fov_deg": [degrees, degrees], "pixels": [1, 1]},
+            "sea": {"temperature_k": 289.0, "slopes": {"kind": "cox-munk-anisotropic"}},
+        }
+    )
+    expected = mean(scenario)
+    # a map's pixel is narrower than its step of azimuth by the cosine of its elevation
+    row = f"{scenario.atmosphere.model},9,30,6,60,10,289,{1e3 * np.radians(degrees) * np.sqrt(np.cos(np.radians(6)))}"
+    rows = read_cases(cases(f"{MEAN},wind_from_deg", f"{row},100", f"{row},-260", f"{row},10"))
+    found = evaluate_mean(rows, parse_bands(["3.5-5"]))
+    for name, quantity in (("radiance", "radiance_W_m2_sr"), ("glint_std", "std_W_m2_sr")):
+        values = found[f"{quantity}[3.5-5]"]
+        assert values[0] == pytest.approx(float(expected[name][0, 0]), rel=5e-4)
+        assert values[1] == pytest.approx(values[0], rel=1e-9)
+        assert abs(values[2] / values[0] - 1.0) > 0.01
+
+
 def test_mean_rows_stand_for_themselves(seaglint, cases, tmp_path):
     """Rows that share air or view give what each gives alone; left and right of the Sun are the same; away from it there is no glint."""
     lines = [

@@ -108,3 +108,18 @@ def test_empty_bands_are_refused(low, high):
 def test_unusable_responses_are_refused(wavelength, response, text):
     with pytest.raises(DataError, match=text):
         Band.from_response(wavelength, response)
+
+
+def test_apparent_temperature_keeps_the_coordinates_of_labelled_arrays():
+    import xarray as xr
+
+    band, grid = Band.rectangular(3.5, 5.0), np.arange(1995.0, 2865.0, 5.0)
+    values = np.array([[1.0, 2.0, 0.5], [0.1, 1.5, 3.0]])
+    coordinates = {"elevation": ("y", [1.0, -1.0]), "azimuth": ("x", [3.0, 4.0, 5.0])}
+    given = xr.DataArray(values, dims=("y", "x"), coords=coordinates, name="radiance", attrs={"units": "W m-2 sr-1"})
+    found = apparent_temperature(given, band, grid)
+    assert isinstance(found, xr.DataArray)
+    np.testing.assert_array_equal(found, apparent_temperature(values, band, grid))
+    assert (found.name, found.attrs["units"], given.attrs["units"]) == ("apparent_temperature", "K", "W m-2 sr-1")
+    xr.testing.assert_equal(found.azimuth, given.azimuth)
+    xr.testing.assert_equal(found.elevation, given.elevation)

@@ -84,3 +84,50 @@ def test_provenance_names_cut_and_energies(scenario, tmp_path):
     text = str(stored.attrs)
     for word in ("cut_wavenumber_rad_m", "resolved_mss_up", "facet_mss_cross", "sweep_step_m", "solar_zenith_deg", "atmosphere_table"):
         assert word in text
+
+
+DATED = {key: value for key, value in SMALL.items() if key != "sun"} | {
+    "time": {"utc": "2026-06-21T05:30:00.25Z"},
+    "place": {"latitude_deg": 40.0, "longitude_deg": 0.0},
+    "sensor": SMALL["sensor"] | {"azimuth_deg": 65.0, "frames": 4, "frame_rate_hz": 0.01},
+}
+
+
+@pytest.mark.parametrize("more", [{}, {"projection": "pinhole", "roll_deg": 5.0}], ids=["swept", "turned"])
+def test_the_sun_of_a_dated_sequence_goes_on_and_any_frame_alone_is_its_own(tmp_path, more):
+    """300 s later, frame 3 has the Sun of its own date: what a scenario that begins 25 steps of 11.97 s later sees of the same waves."""
+    scenario = parse_scenario(DATED | {"sensor": DATED["sensor"] | more})
+    whole = open_sequence(render(scenario, tmp_path / "whole.zarr"))
+    alone = open_sequence(render(scenario, tmp_path / "alone.zarr", frames=range(3, 4)))
+    assert whole.radiance.values[3].tobytes() == alone.radiance.values[0].tobytes()
+    run = prepare_sequence(scenario)
+    first, later = run.scene.view, run.scene_at(300.0).view
+    turned = np.degrees(np.arccos(_along(first) @ _along(later)))
+    # the Earth turns by 1.254 deg in 300 s, which shows as cos(declination 23.4 deg) on the sky, less one step
+    assert turned == pytest.approx(0.05 * 25 * np.cos(np.radians(23.44)), abs=0.02)
+    held = run.scene_at(250.0)
+    assert run.scene_at(251.0) is held
+    assert run.scene_at(263.0) is not held
+    assert run.scene_at(11.9) is run.scene
+
+
+def _along(view):
+    sine = np.sin(view.solar_zenith)
+    return np.array([sine * np.sin(view.solar_azimuth), sine * np.cos(view.solar_azimuth), np.cos(view.solar_zenith)])
+
+
+def test_a_sun_given_by_angles_stands(scenario):
+    run = prepare_sequence(scenario)
+    assert run.scene_at(1e5) is run.scene
+
+
+def test_dated_sequences_carry_utc(tmp_path, scenario):
+    import xarray as xr
+
+    stored = open_sequence(render(parse_scenario(DATED), tmp_path / "run.zarr", frames=range(1, 3)))
+    assert stored.utc.attrs["units"] == "seconds since 2026-06-21 05:30:00.250000"
+    assert stored.utc.attrs["standard_name"] == "time"
+    np.testing.assert_allclose(stored.time, [100.0, 200.0])
+    decoded = xr.decode_cf(stored).utc.values
+    np.testing.assert_array_equal(decoded, np.array(["2026-06-21T05:31:40.250", "2026-06-21T05:33:20.250"], "datetime64[ns]"))
+    assert "utc" not in open_sequence(render(scenario, tmp_path / "undated.zarr", frames=range(1)))

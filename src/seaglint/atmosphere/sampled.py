@@ -7,7 +7,7 @@ effective air temperature of the path, encoded optical depth towards the Sun, br
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -124,6 +124,7 @@ class SampledAtmosphere:
     _sun: CubicSpline[np.float64]
     _skies: tuple[Sky, ...] = field(default=())
     _line: LiveLine | None = None
+    _free: tuple[bool, bool] = (False, False)
 
     @classmethod
     def create(
@@ -211,9 +212,11 @@ class SampledAtmosphere:
             )
         first, last = self._ranges
         # Straight down is one path, however the arcs are rounded there.
-        nearest = first if first > 0.05 * self.height else 0.0
-        if np.any(arc < nearest * (1.0 - 1e-6)) or (not self._beyond and np.any(arc > last * (1.0 + 1e-6))):
-            wrong = arc[(arc < nearest * (1.0 - 1e-6)) | (arc > last)].ravel()[0]
+        nearest = 0.0 if self._free[0] or first <= 0.05 * self.height else first * (1.0 - 1e-6)
+        farthest = np.inf if self._free[1] or self._beyond else last * (1.0 + 1e-6)
+        outside = (arc < nearest) | (arc > farthest)
+        if outside.any():
+            wrong = arc[outside].ravel()[0]
             raise DomainError(
                 f"range = {wrong:.4g} m is outside {first:g}-{last:g} m of {self.name}; look elsewhere or add paths to it",
                 name="range_m",
@@ -221,6 +224,35 @@ class SampledAtmosphere:
                 allowed=(first, last),
             )
         return path_coordinate(slant_range(height, arc), height, self._longest)
+
+    def seen_between(self, nearest: float, farthest: float | None) -> SampledAtmosphere:
+        """The same air for a picture that sees the sea between two arcs only [m]; None: up to the horizon. These must be held.
+
+        Models tabulate a view in all directions, whatever part of it they draw: what their tables take from outside the picture is the
+        samples' continuation (by the power of the length below them, along their tangent above) and reaches no pixel.
+
+        Raises
+        ------
+        DomainError
+            The samples do not hold an end of the picture.
+        """
+        self._coordinate(self.height, [nearest] if farthest is None else [nearest, farthest])
+        return replace(self, _free=(True, farthest is not None))
+
+    def _sea_depth(self, x: FloatArray, arc: FloatArray) -> FloatArray:
+        """Optical depth [1, (..., n)] of paths from the sea at coordinates ``x`` that belong to arcs [m]."""
+        depth = decode_optical_depth(_along(self._depth, x))
+        slant, shortest = slant_range(self.height, arc), float(slant_range(self.height, self._ranges[0]))
+        return depth * self._shortened(slant, np.maximum(slant, shortest)) if np.any(slant < shortest) else depth
+
+    def _shortened(self, slant: FloatArray, inside: FloatArray) -> FloatArray:
+        """Share [1, (..., n)] of the optical depth of paths ``inside`` the samples that shorter ones have [m, (...)]."""
+        if not np.any(slant < inside):
+            return np.ones((1,))
+        shortest = float(slant_range(self.height, self._ranges[0]))
+        ends = path_coordinate(shortest * np.array([1.0, 1.3]), self.height, self._longest)
+        near, next_to_it = np.maximum(decode_optical_depth(_along(self._depth, ends)), CLEAR)
+        return np.asarray((slant / inside)[..., np.newaxis] ** np.clip(np.log(next_to_it / near) / np.log(1.3), *GROWTH))
 
     def path(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
         """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] in one go, both (..., n).
@@ -233,7 +265,7 @@ class SampledAtmosphere:
         arc, target = require_line(height, range_m, target_height)
         if not target.any():
             x = self._coordinate(height, arc)
-            depth = decode_optical_depth(_along(self._depth, x))
+            depth = self._sea_depth(x, arc)
             return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, _along(self._temperature, x))
         self._coordinate(height, arc[target == 0.0])  # refuses what it would alone
         shape, n = arc.shape, self.wavenumber_cm.size
@@ -258,17 +290,13 @@ class SampledAtmosphere:
                 f"{self._longest:.4g} m; leave the point out or add longer paths"
             )
         x = path_coordinate(inside, self.height, self._longest)
-        depth = decode_optical_depth(_along(self._depth, x))
-        if np.any(slant < shortest):
-            ends = path_coordinate(shortest * np.array([1.0, 1.3]), self.height, self._longest)
-            near, next_to_it = np.maximum(decode_optical_depth(_along(self._depth, ends)), CLEAR)
-            depth *= (slant / inside)[:, np.newaxis] ** np.clip(np.log(next_to_it / near) / np.log(1.3), *GROWTH)
+        depth = decode_optical_depth(_along(self._depth, x)) * self._shortened(slant, inside)
         return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, _along(self._temperature, x))
 
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """Transmittance of the path from a point at arcs ``range_m`` [m, (...)] and a height to the sensor [1, (..., n)]."""
         if not np.any(target_height):
-            return np.asarray(np.exp(-decode_optical_depth(_along(self._depth, self._coordinate(height, range_m)))))
+            return np.asarray(np.exp(-self._sea_depth(self._coordinate(height, range_m), require_range(range_m))))
         return self.path(height, range_m, target_height)[0]
 
     def path_radiance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:

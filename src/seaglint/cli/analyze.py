@@ -80,7 +80,7 @@ def analyze(
     if report is not None:
         if report.suffix.lower() not in (".html", ".htm"):
             raise DataError(f"--report {report}: a report is an HTML file; give a name that ends in .html")
-        refuse_existing(report, overwrite=overwrite)
+        refuse_existing(report, overwrite=overwrite, inputs=[path for path in (recording, mask, kernel, signature) if path is not None])
     opened = open_recording(
         recording,
         frame_rate=frame_rate,

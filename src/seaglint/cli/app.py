@@ -6,7 +6,12 @@ inside the command that needs it, so that ``seaglint --help`` answers at once.
 
 from __future__ import annotations
 
+import errno
+import signal
 import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -15,12 +20,34 @@ import typer
 from typer.core import TyperGroup
 
 from seaglint.cli.analyze import analyze
+from seaglint.cli.atmosphere import atmosphere
 from seaglint.cli.evaluate import evaluate
 from seaglint.cli.export import export_sea
-from seaglint.cli.messages import log, naming_file, print_json
+from seaglint.cli.messages import files_read, log, naming_file, print_json
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
-from seaglint.errors import SeaglintError
+from seaglint.errors import DataError, SeaglintError
+
+
+class _Terminated(BaseException):
+    """SIGTERM, as Ctrl-C is a KeyboardInterrupt."""
+
+
+@contextmanager
+def _termination() -> Iterator[None]:
+    """Let SIGTERM end a command as Ctrl-C does, with a line and its own exit code."""
+
+    def end(*_: object) -> None:
+        raise _Terminated
+
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals reach the main thread only
+        return
+    before = signal.signal(signal.SIGTERM, end)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 class PreviewScale(StrEnum):
@@ -37,14 +64,23 @@ class _Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command chosen."""
         try:
-            return super().invoke(ctx)
+            with _termination():
+                return super().invoke(ctx)
         except SeaglintError as error:
             for line in str(error).splitlines():
                 log(f"seaglint: {line}")
             sys.exit(error.exit_code)
+        except OSError as error:
+            if error.errno != errno.ENAMETOOLONG:
+                raise
+            log(f"seaglint: {str(error.filename)[:80]}...: a name in it is too long for this file system; give a shorter one")
+            sys.exit(2)
         except KeyboardInterrupt:
             log("seaglint: interrupted; nothing unfinished has taken its final name")
             sys.exit(130)
+        except _Terminated:
+            log("seaglint: terminated; nothing unfinished has taken its final name")
+            sys.exit(143)
 
 
 app = typer.Typer(
@@ -58,8 +94,12 @@ app = typer.Typer(
 )
 app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
+app.add_typer(atmosphere, name="atmosphere")
 app.command()(analyze)
 app.command("export-sea")(export_sea)
+
+_NO_MAPS = frozenset({".zarr", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
+"""Endings that say another kind of file is meant than a mean map."""
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
@@ -102,8 +142,10 @@ def init(
     presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list the presets and leave")] = False,
 ) -> None:
     """Write a commented scenario file."""
+    from seaglint.io.outputs import refuse_existing
     from seaglint.scenario.template import write_template
 
+    refuse_existing(output, overwrite=overwrite)
     write_template(output, preset, overwrite=overwrite)
     log(f"{output} written; next: seaglint render {output} -o {output.with_suffix('.zarr')} --preview")
 
@@ -131,11 +173,14 @@ def mean(
     from seaglint.scenario.load import load_scenario
 
     show_logs()
+    if output.suffix.lower() in _NO_MAPS:
+        sequence = "; 'seaglint render' makes sequences, in .zarr" if output.suffix.lower() == ".zarr" else ""
+        raise DataError(f"{output}: a mean map is a NetCDF file; give a name that ends in .nc{sequence}")
     loaded = load_scenario(scenario)
-    picture = output.with_suffix(".png")
-    refuse_existing(output, overwrite=overwrite)
+    picture, inputs = output.with_suffix(".png"), files_read(scenario, loaded)
+    refuse_existing(output, overwrite=overwrite, inputs=inputs)
     if preview:
-        refuse_existing(picture, overwrite=overwrite)
+        _refuse_preview(picture, overwrite, inputs)
     from seaglint.pipeline.mean import mean as mean_map
 
     with naming_file(scenario, loaded):
@@ -165,6 +210,7 @@ def render(
     from seaglint.cli.frames import parse_frames
     from seaglint.cli.logs import show_logs
     from seaglint.cli.progress import progress
+    from seaglint.io.store import check_output
     from seaglint.scenario.load import load_scenario
 
     show_logs(quiet=show is ProgressMode.NONE)
@@ -172,7 +218,9 @@ def render(
     wanted = parse_frames(frames, loaded.sensor.frames)
     # A trailing slash or a bare name would put the previews elsewhere than beside the store.
     output = Path(str(output).rstrip("/\\"))
-    pictures = _Pictures(output, replace=overwrite or resume) if preview else None
+    inputs = files_read(scenario, loaded)
+    check_output(output, resume=resume, overwrite=overwrite, inputs=inputs)
+    pictures = _Pictures(output, inputs, replace=overwrite or resume) if preview else None
     from seaglint.pipeline.render import render as render_sequence
 
     with naming_file(scenario, loaded), progress(show, "frames") as report:
@@ -186,18 +234,29 @@ def render(
         log(f"{output}: {summarise(dataset).line}")
 
 
+def _refuse_preview(path: Path, replace: bool, inputs: list[Path]) -> None:
+    """Refuse to write a preview over what may be somebody's, and say why a name is taken that was not given."""
+    from seaglint.io.outputs import refuse_existing
+
+    if path.exists() and not replace:
+        raise DataError(
+            f"{path}: --preview writes this file, which exists already (of another run, or your own); "
+            "replace it with --overwrite, give -o another name, or leave --preview out"
+        )
+    refuse_existing(path, overwrite=replace, inputs=inputs)
+
+
 class _Pictures:
     """Previews beside a store, refused before the work rather than after it."""
 
-    def __init__(self, output: Path, *, replace: bool) -> None:
-        from seaglint.io.outputs import refuse_existing
+    def __init__(self, output: Path, inputs: list[Path], *, replace: bool) -> None:
         from seaglint.plot.video import video_available
 
         self.picture, self.video = output.with_suffix(".png"), output.with_suffix(".mp4")
         self.with_video = video_available()
-        refuse_existing(self.picture, overwrite=replace)
+        _refuse_preview(self.picture, replace, inputs)
         if self.with_video:
-            refuse_existing(self.video, overwrite=replace)
+            _refuse_preview(self.video, replace, inputs)
         else:
             log(f"no {self.video}: PyAV is not installed; pip install 'seaglint[video]' adds it")
 

@@ -44,6 +44,7 @@ def _run(path: Path, output: Path, overwrite: bool, show: ProgressMode, compute:
     from seaglint.io.cases import read_cases, write_cases
     from seaglint.io.outputs import refuse_existing
 
+    # The cases themselves may be the output: all their rows and columns are in it.
     refuse_existing(output, overwrite=overwrite)
     cases = read_cases(path)
     with patient_progress(show, "rows x bands") as report:
@@ -103,8 +104,9 @@ def mean(
 
     Columns needed: atmosphere (a model's name), wind_speed_m_s (at 10 m), sensor_height_m, depression_deg, solar_zenith_deg,
     relative_azimuth_deg (0 looks towards the Sun), sea_temperature_k, ifov_mrad (side of the square pixel). Columns made, per band:
-    radiance_W_m2_sr, apparent_temperature_K, std_W_m2_sr. The wind has no direction here: isotropic Cox-Munk slopes, shadowed towards
-    viewer and Sun; salt water; Sun at 1 au; glint forgotten after 0.07 s.
+    radiance_W_m2_sr, apparent_temperature_K, std_W_m2_sr. Cox-Munk slopes, shadowed towards viewer and Sun: isotropic, or with the
+    column wind_from_deg (where the wind comes from, clockwise from the Sun's azimuth) along and across the wind; salt water; Sun at
+    1 au; glint forgotten after 0.07 s.
     """
     _one_thread()
     from seaglint.pipeline.evaluate import evaluate_mean, parse_bands

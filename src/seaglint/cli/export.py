@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.messages import log, naming_file
+from seaglint.cli.messages import files_read, log, naming_file
 from seaglint.errors import DataError
 
 KINDS = (".ply", ".nc")
@@ -39,7 +39,7 @@ def export_sea(
     if kind not in KINDS:
         raise DataError(f"{output}: is neither {' nor '.join(KINDS)}; the ending says what is written")
     loaded = load_scenario(scenario)
-    refuse_existing(output, overwrite=overwrite)
+    refuse_existing(output, overwrite=overwrite, inputs=files_read(scenario, loaded))
     from seaglint.pipeline.export import export_sea as export
 
     with naming_file(scenario, loaded):

@@ -6,8 +6,9 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from seaglint.errors import DataError
+from seaglint.errors import DataError, SeaglintError
 from seaglint.io.directions import directions
+from seaglint.io.netcdf import open_netcdf
 from seaglint.io.store import open_sequence
 from seaglint.plot.summary import images, summarise
 
@@ -25,21 +26,15 @@ def describe(path: Path) -> dict[str, Any]:
     DataError
         Nothing is there, or it cannot be read.
     """
-    dataset = open_sequence(path, allow_partial=True) if path.is_dir() or not path.exists() else _open_map(path)
+    dataset = open_sequence(path, allow_partial=True) if path.is_dir() or not path.exists() else open_netcdf(path, decode_times=False)
     with dataset:
         try:
             return _facts(path, dataset)
-        except (KeyError, ValueError, OSError, RuntimeError) as error:
-            raise DataError(f"{path}: cannot be read as a seaglint file ({error}); make it again") from error
-
-
-def _open_map(path: Path) -> xr.Dataset:
-    import xarray as xr
-
-    try:
-        return xr.open_dataset(path, engine="h5netcdf", decode_times=False)
-    except Exception as error:
-        raise DataError(f"{path}: is not a NetCDF file, or is cut ({error}); give what 'seaglint render' or 'seaglint mean' made") from None
+        except SeaglintError:
+            raise
+        except Exception as error:  # what a damaged file holds may be of any type, and h5py raises nearly anything
+            told = " ".join(str(error).split())[:200] or type(error).__name__
+            raise DataError(f"{path}: cannot be read as a seaglint file ({told}); make it again") from error
 
 
 def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
@@ -54,7 +49,7 @@ def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
             "frames_done": done,
             "complete": done == radiance.sizes["time"],
             "first_frame": int(dataset["frame"][0]),
-            "frame_rate_hz": dataset.attrs["frame_rate_hz"],
+            "frame_rate_hz": float(dataset.attrs["frame_rate_hz"]),
         }
     facts |= {
         "pixels": [int(radiance.sizes["x"]), int(radiance.sizes["y"])],

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -35,6 +35,19 @@ def naming_file(path: Path, scenario: Scenario) -> Iterator[None]:
             raise ScenarioError(f"{path}: {error}") from error
         mistake = Mistake(key, error.value, error.allowed, f"{key}: {error}")
         raise ScenarioError(f"{path}: {mistake.text}", mistakes=(mistake,)) from error
+
+
+def files_read(path: Path, scenario: Scenario) -> list[Path]:
+    """The scenario file and the files that it names: what no output may replace."""
+
+    def named(value: Any) -> Iterator[Path]:
+        if isinstance(value, Path):
+            yield value
+        elif isinstance(value, Mapping):
+            for inner in value.values():
+                yield from named(inner)
+
+    return [path, *named(scenario.model_dump())]
 
 
 def print_json(value: Any) -> None:

@@ -25,7 +25,7 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
@@ -33,9 +33,16 @@ from seaglint.atmosphere.sampled import HEIGHT_SLACK, PathSamples, SampledAtmosp
 from seaglint.atmosphere.sampled_sky import SkySamples
 from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.errors import DataError, SeaglintError
+from seaglint.io.netcdf import open_netcdf, write_netcdf
+from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.io.table_text import Row, TextTable, read_text_table
 
+if TYPE_CHECKING:
+    import xarray as xr
+
 COLUMNS = ("kind", "height_m", "range_m", "zenith_deg", "wavenumber_cm", "transmittance", "radiance", "irradiance")
+
+NETCDF_ENDINGS: Final = (".nc", ".nc4", ".netcdf", ".h5")
 
 Kind = Literal["path", "sky", "sun"]
 
@@ -67,8 +74,48 @@ def read_atmosphere(path: str | Path, sensor_height: float) -> SampledAtmosphere
         Naming the file and the line, column or variable that cannot be used.
     """
     path = Path(path)
-    blocks = _from_netcdf(path) if path.suffix.lower() in (".nc", ".nc4", ".netcdf", ".h5") else _from_csv(path)
+    blocks = _from_netcdf(path) if path.suffix.lower() in NETCDF_ENDINGS else _from_csv(path)
     return _assembled(path, blocks, sensor_height)
+
+
+def require_kind(output: Path) -> None:
+    """Refuse endings that do not say what is to be written."""
+    if output.suffix.lower() not in (".csv", *NETCDF_ENDINGS):
+        raise DataError(f"{output}: is neither .csv nor .nc; the ending says what is written")
+
+
+def write_atmosphere(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = False) -> Path:
+    """Write air laid out as the NetCDF form, as CSV where the name ends so.
+
+    Raises
+    ------
+    DataError
+        The output exists, or its ending is not known.
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    output = refuse_existing(output, overwrite=overwrite)
+    require_kind(output)
+    if output.suffix.lower() in NETCDF_ENDINGS:
+        return write_netcdf(dataset, output, overwrite=overwrite)
+    lines = ["# radiance in W m-2 sr-1 per cm-1, irradiance in W m-2 per cm-1, Sun at 1 au", ",".join(COLUMNS)]
+    height = f"{float(dataset.attrs['sensor_height_m'])!r}"
+    nu = [repr(value) for value in dataset["wavenumber_cm"].to_numpy().tolist()]
+
+    def add(kind: str, at: str, node: str, *variables: str, cells: str) -> None:
+        fields = [dataset[name].transpose(node, "wavenumber_cm").to_numpy() for name in variables]
+        for i, where in enumerate(dataset[node].to_numpy().tolist()):
+            start = f"{kind},{at},{where!r},," if kind == "path" else f"{kind},{at},,{where!r},"
+            values = zip(*(field[i].tolist() for field in fields), strict=True)
+            lines.extend(start + v + cells.format(*(f"{x:.9g}" for x in found)) for v, found in zip(nu, values, strict=True))
+
+    add("path", height, "range_m", "path_transmittance", "path_radiance", cells=",{},{},")
+    add("sky", "0", "sky_zenith_deg", "sky_radiance", cells=",,{},")
+    add("sky", height, "sensor_sky_zenith_deg", "sensor_sky_radiance", cells=",,{},")
+    add("sun", "", "sun_zenith_deg", "sun_irradiance", cells=",,,{}")
+    with moved_when_whole(output) as partial:
+        partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return output
 
 
 def _assembled(path: Path, blocks: Mapping[tuple[str, float], _Spectra], sensor_height: float) -> SampledAtmosphere:
@@ -171,15 +218,11 @@ def _gridded(table: TextTable, key: tuple[str, float], block: dict[tuple[float, 
 
 
 def _from_netcdf(path: Path) -> dict[tuple[str, float], _Spectra]:
-    import xarray as xr
-
     try:
-        with xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False) as dataset:
+        with open_netcdf(path, decode_timedelta=False, decode_times=False) as dataset:
             return _of_dataset(path, dataset.load())
     except SeaglintError:
         raise
-    except FileNotFoundError:
-        raise DataError(f"{path}: no such file; give a NetCDF 4 file of transmittance and radiance") from None
     except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
         raise DataError(f"{path}: cannot be read as NetCDF 4: {' '.join(str(error).split())[:200]}") from None
 

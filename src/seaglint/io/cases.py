@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError
 from seaglint.io.outputs import moved_when_whole, refuse_existing
+from seaglint.io.table_text import plain_number
 
 _SEPARATORS: Final = (",", ";", "\t")
 
@@ -101,7 +102,10 @@ class Cases:
     def numbers(self, name: str) -> FloatArray:
         """Cells of a column as finite numbers [(cases,)]."""
         cells = self.text(name)
+        written = "".join(cells)
         try:
+            if not written.isascii() or "_" in written:
+                raise ValueError
             values = np.array(cells, dtype=np.float64)
         except ValueError:
             values = np.array([_number(cell) for cell in cells])
@@ -138,7 +142,7 @@ class Cases:
 
 def _number(cell: str) -> float:
     try:
-        return float(cell)
+        return plain_number(cell)
     except ValueError:
         return float("nan")
 

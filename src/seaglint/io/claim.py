@@ -69,8 +69,13 @@ def exclusive(folder: Path) -> Iterator[Claim]:
     descriptor = _open_locked(folder, path)
     claim = Claim(folder, secrets.token_hex(16))
     try:
-        os.ftruncate(descriptor, 0)
-        os.write(descriptor, f"{os.getpid()} {claim.token}\n".encode("ascii"))
+        try:
+            os.ftruncate(descriptor, 0)
+            os.write(descriptor, f"{os.getpid()} {claim.token}\n".encode("ascii"))
+        except OSError:
+            with suppress(OSError):  # a full disk: the file is ours, and empty
+                path.unlink()
+            raise
         yield claim
     finally:
         _release(descriptor, claim)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import errno
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Final
 
@@ -24,8 +24,11 @@ def _system_error(error: BaseException | None) -> OSError | None:
 
 
 @contextmanager
-def storage_errors(target: object, remedy: str) -> Iterator[None]:
-    """Turn the system's refusals into a :class:`StorageError`, which ends with ``remedy`` where room or rights are missing."""
+def storage_errors(target: object, remedy: str | Callable[[], str]) -> Iterator[None]:
+    """Turn the system's refusals into a :class:`StorageError`, which ends with ``remedy`` where room or rights are missing.
+
+    A remedy that depends on what is on the disk by then is a function.
+    """
     try:
         yield
     except SeaglintError:
@@ -34,7 +37,7 @@ def storage_errors(target: object, remedy: str) -> Iterator[None]:
         system = _system_error(error)
         if system is None:
             raise
-        raise StorageError(f"{target}: {_sentence(system, remedy)}") from error
+        raise StorageError(f"{target}: {_sentence(system, remedy if isinstance(remedy, str) else remedy())}") from error
 
 
 def _sentence(error: OSError, remedy: str) -> str:
@@ -42,6 +45,8 @@ def _sentence(error: OSError, remedy: str) -> str:
         return f"no room left (disk full, or over the quota or file size limit); {remedy}"
     if error.errno in _DENIED:
         return f"no right to write there; {remedy}"
+    if error.errno == errno.ENAMETOOLONG:
+        return "a name in it is too long for this file system; choose a shorter one"
     told = error.strerror or str(error)
     what = f"{told}: {error.filename}" if error.filename else told
     if error.errno in _GONE:

@@ -5,14 +5,48 @@ The file is made in memory and its bytes are written by Python: HDF5 that meets 
 
 from __future__ import annotations
 
+import sys
+import traceback
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from seaglint.errors import DataError
 from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.schema import VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
+
+
+def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
+    """Open a NetCDF 4 file; keywords go to :func:`xarray.open_dataset`.
+
+    Raises
+    ------
+    DataError
+        Nothing there, another kind of file, or a damaged one.
+    """
+    import xarray as xr
+
+    try:
+        return xr.open_dataset(path, engine="h5netcdf", **how)
+    except FileNotFoundError:
+        raise DataError(f"{path}: no such file; give a NetCDF 4 file") from None
+    except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
+        told = " ".join(str(error).split())[:200] or type(error).__name__
+        _drop_quietly(error)
+        raise DataError(f"{path}: cannot be read as NetCDF 4, or is cut ({told}); give a whole NetCDF 4 file") from None
+
+
+def _drop_quietly(error: BaseException | None) -> None:
+    """Let go of what failed half-way: an h5netcdf file that was never opened complains on the standard error when it is collected."""
+    before, sys.unraisablehook = sys.unraisablehook, lambda _: None
+    try:
+        while error is not None:
+            traceback.clear_frames(error.__traceback__)
+            error = error.__cause__ or error.__context__
+    finally:
+        sys.unraisablehook = before
 
 
 def labelled(dataset: xr.Dataset) -> xr.Dataset:

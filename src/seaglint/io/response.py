@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 from seaglint.errors import DataError
+from seaglint.io.table_text import plain_number, rows_of_cells
 from seaglint.optics.band import Band
 
 
@@ -25,7 +25,7 @@ def read_response(path: str | Path) -> Band:
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: cannot be read as text: {error}") from None
     lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
-    rows = list(csv.reader(line for _, line in lines))
+    rows = rows_of_cells(path, lines)
     if not rows:
         raise DataError(f"{path}: is empty; it needs columns wavelength_um, response")
     header = [name.strip() for name in rows[0]]
@@ -36,7 +36,7 @@ def read_response(path: str | Path) -> Band:
     points: list[tuple[float, float]] = []
     for (number, line), row in zip(lines[1:], rows[1:], strict=True):
         try:
-            points.append((float(row[columns[0]]), float(row[columns[1]])))
+            points.append((plain_number(row[columns[0]]), plain_number(row[columns[1]])))
         except (ValueError, IndexError):
             raise DataError(f"{path}: line {number}: '{line.strip()}' does not hold two numbers; is the file whole?") from None
     try:

@@ -9,13 +9,11 @@ a missing one).
 from __future__ import annotations
 
 import shutil
-import signal
-import threading
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
 from pathlib import Path
-from types import FrameType
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -25,7 +23,9 @@ from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, SeaglintError
 from seaglint.io.claim import Claim, exclusive
 from seaglint.io.failures import storage_errors
+from seaglint.io.outputs import ELSEWHERE, refuse_inputs, require_folder
 from seaglint.io.provenance import band_attributes, differences
+from seaglint.io.stopping import stop_on_signal
 from seaglint.optics.band import Band
 from seaglint.schema import VARIABLES
 
@@ -39,6 +39,9 @@ Progress = Callable[[int, int], None]
 """Called with (frames done, frames in all): once at the start and after each frame."""
 
 _FORMAT: Final = "seaglint-sequence-1"
+
+_OTHER_KINDS: Final = frozenset({".nc", ".nc4", ".h5", ".hdf5", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
+"""Endings that say another kind of file is meant."""
 
 
 class Interrupted(SeaglintError):  # noqa: N818 (an answer to a request, not a mistake)
@@ -67,6 +70,8 @@ class Layout:
     """Provenance."""
     poses: Mapping[str, FloatArray] = field(default_factory=dict)
     """Place and attitude of a moving sensor in every frame, by variable [(frames,)]."""
+    start: datetime | None = None
+    """UTC of the first frame of the whole sequence, where a date is known."""
     turning: bool = False
     """Whether the attitude changes: azimuth and elevation are then those of the first frame and not stored."""
 
@@ -131,13 +136,14 @@ def write_sequence(
     Interrupted
         After SIGINT or SIGTERM, when the frame at hand is in.
     """
-    output = Path(output)
+    output = _checked_name(output, resume=resume, overwrite=overwrite)
     partial = partial_path(output)
-    remedy = f"what is done stays in {partial}: make room and run the same command with --resume"
-    if resume and overwrite:
-        raise DataError("--resume keeps what is there and --overwrite replaces it; give one of the two")
-    if not output.parent.is_dir():
-        raise DataError(f"{output}: the folder {output.parent} does not exist; make it first")
+
+    def remedy() -> str:
+        if (partial / "zarr.json").exists():
+            return f"what is done stays in {partial}: make room and run the same command with --resume"
+        return "nothing was written; make room or choose another place"
+
     if not _stands(output, layout, resume=resume, overwrite=overwrite):
         with ExitStack() as held:
             with storage_errors(partial, remedy):
@@ -147,6 +153,7 @@ def write_sequence(
                 _require_free(partial, resume=resume, overwrite=overwrite)
                 _fill(partial, layout, frame, claim, remedy, resume=resume, progress=progress)
                 with storage_errors(output, remedy):
+                    _sweep(partial)
                     _require_whole(partial, claim)
                     _give_name(partial, output)
                 return output
@@ -155,7 +162,47 @@ def write_sequence(
     return output
 
 
-def _fill(partial: Path, layout: Layout, frame: Frame, claim: Claim, remedy: str, *, resume: bool, progress: Progress | None) -> None:
+def check_output(output: str | Path, *, resume: bool = False, overwrite: bool = False, inputs: Iterable[str | Path] = ()) -> Path:
+    """Path of a sequence to be written, refused where that can be told without its layout: before anything is computed.
+
+    Raises
+    ------
+    DataError
+        A folder missing, an ending of another kind of file, one of the ``inputs``, something there that may not be replaced.
+    StorageError
+        Nothing can be written in the folder.
+    """
+    output = _checked_name(output, resume=resume, overwrite=overwrite)
+    partial = partial_path(output)
+    with storage_errors(output, ELSEWHERE):
+        refuse_inputs(output, inputs)
+        if output.exists():
+            if not resume:
+                _require_replaceable(output, overwrite=overwrite)
+        elif partial.exists():
+            with exclusive(partial):  # who writes there now is told first
+                _require_free(partial, resume=resume, overwrite=overwrite)
+    return output
+
+
+def _checked_name(output: str | Path, *, resume: bool, overwrite: bool) -> Path:
+    """What can be told from the name and its folder."""
+    output = Path(output)
+    if resume and overwrite:
+        raise DataError("--resume keeps what is there and --overwrite replaces it; give one of the two")
+    if output.suffix.lower() in _OTHER_KINDS:
+        raise DataError(
+            f"{output}: a sequence is a Zarr store; give a name that ends in .zarr "
+            f"(a mean map, {output.stem}.nc, is made by 'seaglint mean')"
+        )
+    with storage_errors(output, ELSEWHERE):
+        require_folder(output)
+    return output
+
+
+def _fill(
+    partial: Path, layout: Layout, frame: Frame, claim: Claim, remedy: Callable[[], str], *, resume: bool, progress: Progress | None
+) -> None:
     """Compute and write the frames that are missing."""
     with storage_errors(partial, remedy):
         group = _open_partial(partial, layout) if resume and partial.exists() else _create_partial(partial, layout)
@@ -163,7 +210,7 @@ def _fill(partial: Path, layout: Layout, frame: Frame, claim: Claim, remedy: str
     count = int(done.sum())
     if progress is not None:
         progress(count, done.size)
-    with _stop_on_signal() as stopped:
+    with stop_on_signal() as stopped:
         for index in np.flatnonzero(~done):
             if stopped:
                 raise Interrupted(
@@ -186,10 +233,21 @@ def _stands(output: Path, layout: Layout, *, resume: bool, overwrite: bool) -> b
     if resume:
         _require_same(output, layout)
         return True
+    _require_replaceable(output, overwrite=overwrite)
+    return False
+
+
+def _require_replaceable(output: Path, *, overwrite: bool) -> None:
     if not overwrite:
         raise DataError(f"{output}: exists already; choose another name, or replace it with --overwrite")
     _require_ours(output)
-    return False
+
+
+def _sweep(partial: Path) -> None:
+    """Remove chunks that a killed process left half-written: Zarr writes them beside their place."""
+    for path in partial.rglob("*.partial"):
+        if path.is_file():
+            path.unlink()
 
 
 def _require_free(partial: Path, *, resume: bool, overwrite: bool) -> None:
@@ -260,14 +318,27 @@ def _create_partial(partial: Path, layout: Layout) -> Any:
 
     if partial.exists():
         shutil.rmtree(partial)
-    frames, rows, columns = layout.shape
     # Metadata that stands is complete: the group is made under another name first, so that an interrupted start leaves no half.
     fresh = partial.with_name(partial.name + ".new")
     if fresh.exists():
         shutil.rmtree(fresh)
+    try:
+        _make_arrays(fresh, layout)
+        fresh.rename(partial)
+    except BaseException:
+        shutil.rmtree(fresh, ignore_errors=True)
+        raise
+    return zarr.open_group(partial, mode="r+", zarr_format=3)
+
+
+def _make_arrays(fresh: Path, layout: Layout) -> None:
+    import zarr
+
+    frames, rows, columns = layout.shape
     group: Any = zarr.open_group(fresh, mode="w-", zarr_format=3, attributes=layout.all_attributes)
     directions = () if layout.turning else ("azimuth", "elevation")
-    coordinates = " ".join((*directions, "frame", "wavelength", *layout.poses))
+    dated = () if layout.start is None else ("utc",)
+    coordinates = " ".join((*directions, "frame", *dated, "wavelength", *layout.poses))
     for name in layout.variables:
         group.create_array(
             name,
@@ -283,6 +354,8 @@ def _create_partial(partial: Path, layout: Layout) -> Any:
     low, high = layout.band.min_um, layout.band.max_um
     _put(group, "time", numbers / layout.frame_rate, ("time",))
     _put(group, "frame", numbers, ("time",))
+    if layout.start is not None:
+        _put(group, "utc", numbers / layout.frame_rate, ("time",), units=f"seconds since {_cf_moment(layout.start)}", calendar="standard")
     whole = layout.azimuth_deg.ndim == 2
     if not layout.turning:
         _put(group, "azimuth", layout.azimuth_deg, ("y", "x") if whole else ("x",))
@@ -296,8 +369,11 @@ def _create_partial(partial: Path, layout: Layout) -> Any:
         "frame_done", shape=(frames,), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("time",),
         attributes=VARIABLES["frame_done"].attributes,
     )  # fmt: skip
-    fresh.rename(partial)
-    return zarr.open_group(partial, mode="r+", zarr_format=3)
+
+
+def _cf_moment(moment: datetime) -> str:
+    """UTC as CF writes it."""
+    return moment.astimezone(UTC).replace(tzinfo=None).isoformat(sep=" ")
 
 
 def _compressor() -> Any:
@@ -335,27 +411,6 @@ def _give_name(partial: Path, output: Path) -> None:
     partial.rename(output)
     if old.exists():
         shutil.rmtree(old)
-
-
-@contextmanager
-def _stop_on_signal() -> Iterator[list[int]]:
-    """List that gets an entry on the first SIGINT or SIGTERM; a second one interrupts at once."""
-    caught: list[int] = []
-    if threading.current_thread() is not threading.main_thread():
-        yield caught  # signals reach the main thread only
-        return
-
-    def note(number: int, _: FrameType | None) -> None:
-        if caught:
-            raise KeyboardInterrupt
-        caught.append(number)
-
-    before = {number: signal.signal(number, note) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield caught
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def is_sequence(path: Path) -> bool:

@@ -11,6 +11,42 @@ from pathlib import Path
 from seaglint.errors import DataError
 
 
+def plain_number(text: str) -> float:
+    """Number of a cell as programs write them; Python takes digits of all scripts and underscores too, which are typing errors here.
+
+    Raises
+    ------
+    ValueError
+        Anything else.
+
+    Examples
+    --------
+    >>> plain_number(" 1.5e-3 ")
+    0.0015
+    """
+    if not text.isascii() or "_" in text:
+        raise ValueError(f"'{text}' is not a number in digits 0-9")
+    return float(text)
+
+
+def rows_of_cells(path: Path, lines: Sequence[tuple[int, str]], separator: str = ",") -> list[list[str]]:
+    """Cells of numbered lines, one list a line.
+
+    Raises
+    ------
+    DataError
+        Quotes that do not end in their line, or cells that are no text.
+    """
+    found = []
+    for number, line in lines:
+        try:
+            (row,) = csv.reader([line], delimiter=separator, strict=True)
+        except (csv.Error, ValueError) as error:
+            raise DataError(f"{path}: line {number}: is no row of cells ({error}); repair its quotes") from None
+        found.append(row)
+    return found
+
+
 @dataclass(frozen=True)
 class Row:
     """Cells of one line by column name, as text."""
@@ -50,7 +86,7 @@ class TextTable:
         """Finite number within a range."""
         text = row.cells.get(column, "")
         try:
-            value = float(text)
+            value = plain_number(text)
         except ValueError:
             raise self.error(row.line, f"{column} = '{text}' is not a number") from None
         if not low <= value <= high:  # also where it is NaN
@@ -84,7 +120,7 @@ def read_text_table(path: str | Path, needed: Sequence[str]) -> TextTable:
     if not lines:
         raise DataError(f"{path}: is empty; {hint}")
     separator = max(",;\t", key=lines[0][1].count)
-    cells = [[cell.strip() for cell in row] for row in csv.reader((line for _, line in lines), delimiter=separator)]
+    cells = [[cell.strip() for cell in row] for row in rows_of_cells(path, lines, separator)]
     names = tuple(cells[0])
     if len(set(names)) < len(names):
         raise DataError(f"{path}: line {lines[0][0]}: a column name stands twice: {', '.join(names)}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import difflib
 from pathlib import Path
 from typing import Final
@@ -11,6 +10,7 @@ import numpy as np
 
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError
+from seaglint.io.table_text import plain_number, rows_of_cells
 
 COLUMNS: Final = ("time_s", "east_m", "north_m", "height_m", "azimuth_deg", "elevation_deg", "roll_deg")
 """Columns a file may have; the time is needed, and one more."""
@@ -39,7 +39,7 @@ def read_track(path: str | Path) -> tuple[dict[str, FloatArray], list[str]]:
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: cannot be read as text: {error}") from None
     lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
-    rows = list(csv.reader(line for _, line in lines))
+    rows = rows_of_cells(path, lines)
     if not rows:
         raise DataError(f"{path}: is empty; {_WANTED}")
     header = [name.strip() for name in rows[0]]
@@ -50,7 +50,7 @@ def read_track(path: str | Path) -> tuple[dict[str, FloatArray], list[str]]:
             raise DataError(f"{path}: line {number}: '{line.strip()}' has {len(row)} cells, the header {len(header)}; is the file whole?")
         for j, cell in enumerate(row):
             try:
-                table[i, j] = float(cell)
+                table[i, j] = plain_number(cell)
             except ValueError:
                 raise DataError(f"{path}: line {number}: {header[j]} = '{cell.strip()}' is not a number; correct it") from None
             if not np.isfinite(table[i, j]):

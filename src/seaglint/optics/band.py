@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -207,7 +207,8 @@ def apparent_temperature(band_radiance: ArrayLike, band: Band, wavenumber_cm: Ar
     Returns
     -------
     ndarray
-        Temperature [K], same shape; NaN for radiances of no temperature between 100 and 6500 K.
+        Temperature [K], same shape; NaN for radiances of no temperature between 100 and 6500 K. An xarray.DataArray keeps its
+        dimensions and coordinates.
 
     Examples
     --------
@@ -218,4 +219,11 @@ def apparent_temperature(band_radiance: ArrayLike, band: Band, wavenumber_cm: Ar
     """
     nu = _ascending(wavenumber_cm)
     inverse = _cached_inverse(band.wavelength_um.tobytes(), band.response.tobytes(), nu.tobytes())
-    return inverse(band_radiance)
+    found = inverse(band_radiance)
+    # Labelled arrays (xarray) say how to dress results by NumPy's own protocol: dimensions and coordinates stay, name and units are new.
+    if isinstance(band_radiance, np.ndarray | np.generic) or not hasattr(band_radiance, "__array_wrap__"):
+        return found
+    labelled: Any = band_radiance.__array_wrap__(found)
+    labelled.name = "apparent_temperature"
+    labelled.attrs = {"units": "K", "long_name": "apparent temperature"}
+    return labelled  # type: ignore[no-any-return]

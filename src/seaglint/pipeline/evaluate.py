@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 
 from seaglint.atmosphere.batch import BatchAtmosphere
 from seaglint.atmosphere.table_file import table_models
-from seaglint.conventions import FloatArray, horizon_depression
+from seaglint.conventions import FloatArray, horizon_depression, travel_azimuth
 from seaglint.errors import DomainError
 from seaglint.io.cases import Cases, Column
 from seaglint.limits import COX_MUNK_WIND, WIND_PROFILE
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_isotropic
+from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_isotropic
 
 Columns = dict[str, FloatArray | list[str]]
 Report = Callable[[int, int], None]
@@ -43,6 +43,9 @@ MEAN_INPUTS: Final = (
     "atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "relative_azimuth_deg", "sea_temperature_k",
     "ifov_mrad",
 )  # fmt: skip
+
+WIND_FROM: Final = "wind_from_deg"
+"""Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth."""
 
 _CHUNK: Final = 1024
 """Rows at a time: their spectra (2 MB each) stay near the processor."""
@@ -203,13 +206,15 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Re
 def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Report | None = None) -> Columns:
     """Mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
 
-    Isotropic Cox-Munk slopes of the wind at 10 m, salt water, both legs shadowed, Sun at 1 au, cells of glint by a correlation time of
-    0.07 s and the full dispersion relation; geometry of the command ``mean`` (straight rays over an effective Earth).
+    Cox-Munk slopes of the wind at 10 m, isotropic where it has no direction, salt water, both legs shadowed, Sun at 1 au, cells of glint
+    by a correlation time of 0.07 s and the full dispersion relation; geometry of the command ``mean`` (straight rays over an effective
+    Earth).
 
     Parameters
     ----------
     cases : Cases
-        With the columns :data:`MEAN_INPUTS`; a relative azimuth of 0 looks towards the Sun, the pixel is ``ifov_mrad`` square.
+        With the columns :data:`MEAN_INPUTS`; a relative azimuth of 0 looks towards the Sun, the pixel is ``ifov_mrad`` square. With the
+        column :data:`WIND_FROM` as well, slopes are Cox and Munk's along and across that wind; 0 comes from the Sun's side.
     bands : sequence of NamedBand
         Inside the tables.
     extrapolate : bool
@@ -246,6 +251,8 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     temperature = cases.within(Column("sea_temperature_k", 260.0, 320.0, what="K"))
     ifov = 1e-3 * cases.within(Column("ifov_mrad", 0.0, 1000.0, above=True, what="mrad"))
     _hits_sea(cases, depression, np.array([horizon_depression(h) for h in height]))
+    directed = WIND_FROM in cases.header
+    wind_from = _angles(cases, WIND_FROM, -360.0, 360.0) if directed else np.zeros(len(cases))
     length = correlation_length(CORRELATION_TIME)
     water = hale_querry_sea()
     columns = {
@@ -258,13 +265,17 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
         for key, same_air in groups_of(zip(cases.text("atmosphere"), wind.tolist(), strict=True)):
             model, speed = key if isinstance(key, tuple) else ("", 0.0)
             air = TableAtmosphere.load(model, speed, band.edges, extrapolate=extrapolate)
-            slopes = cox_munk_isotropic(speed, extrapolate=extrapolate)
             over = BandSum.of(band.band, air)
             surface = SeaSurface.create(air, water, float(temperature[same_air[0]]), over.grid)
-            views = zip(*(values[same_air].tolist() for values in (height, sun, temperature, azimuth)), strict=True)
-            for (at, solar_zenith, kelvin, towards), of_air in ((k, r) for k, r in groups_of(views) if isinstance(k, tuple)):
+            views = zip(*(values[same_air].tolist() for values in (height, sun, temperature, azimuth, wind_from)), strict=True)
+            for (at, solar_zenith, kelvin, towards, origin), of_air in ((k, r) for k, r in groups_of(views) if isinstance(k, tuple)):
                 _tell(progress, done, total)
                 rows = same_air[of_air]
+                slopes = (
+                    cox_munk_anisotropic(speed, float(travel_azimuth(origin)), extrapolate=extrapolate)
+                    if directed
+                    else cox_munk_isotropic(speed, extrapolate=extrapolate)
+                )
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith)
                 # What costs most, the table of the sky, is that of the air alone.
                 of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))

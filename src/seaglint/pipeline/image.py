@@ -56,7 +56,7 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     settings = scenario.render.model_copy(update={"layers": wanted, "apparent_temperature": False})
     run = prepare_sequence(scenario.model_copy(update={"render": settings}), range(1))
     found = run.at(time)
-    azimuth, elevation = directions(run.scene, run.track.at(time))
+    azimuth, elevation = directions(run.scene_at(time), run.track.at(time))
     whole = azimuth.ndim == 2
     place = {name: float(values[0]) for name, values in poses(run.track, np.array([time])).items()} if run.track.moves else {}
     return xr.Dataset(

@@ -13,7 +13,7 @@ from seaglint.atmosphere.base import Atmosphere, wavenumber_grid
 from seaglint.atmosphere.isothermal import IsothermalAtmosphere
 from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.atmosphere.vacuum import VacuumAtmosphere
-from seaglint.conventions import FloatArray, travel_azimuth
+from seaglint.conventions import FloatArray, surface_range, travel_azimuth
 from seaglint.errors import DomainError, Mistake, ScenarioError
 from seaglint.io.response import read_response
 from seaglint.io.track import read_track
@@ -36,7 +36,7 @@ from seaglint.scenario.band import TABLE_BANDS_TEXT
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.platform import Keyframe
 from seaglint.scenario.sensor import HIGHEST_SENSOR
-from seaglint.scenario.sun import sun_position
+from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.breon_henriot import breon_henriot
 from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
 from seaglint.sea.field import WaveField
@@ -87,13 +87,27 @@ def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
         case wanted_air.FileAtmosphere(path=path):
             from seaglint.io.atmosphere_file import read_atmosphere
 
-            return read_atmosphere(path, scenario.sensor.height_m)
+            found, seen = read_atmosphere(path, scenario.sensor.height_m), sea_in_view(scenario)
+            return found if seen is None else found.seen_between(*seen)
         case wanted_air.IsothermalAtmosphere(temperature_k=temperature, extinction_per_km=extinction):
             return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
         case wanted_air.NoAtmosphere():
             return VacuumAtmosphere(wavenumber_grid(over.min_um, over.max_um))
         case other:
             assert_never(other)
+
+
+def sea_in_view(scenario: Scenario) -> tuple[float, float | None] | None:
+    """Arcs along the sea of the nearest and farthest pixel [m], the latter None where the horizon is in view; None for moving sensors."""
+    if scenario.platform is not None:
+        return None
+    pose, pixels = track(scenario).at(0.0), imager(scenario)
+    # The extremes stand on the border, or at the nadir: a grid of pixels has both closely enough.
+    across, down = (np.linspace(0.5, n - 0.5, min(n, 129)) for n in (pixels.columns, pixels.rows))
+    sight = pixels.directions(pose.attitude, across, down[:, None])
+    arc = surface_range(pose.height, -np.arcsin(np.clip(sight[..., 2], -1.0, 1.0)))
+    sea = np.isfinite(arc)
+    return (float(arc[sea].min()), float(arc.max()) if sea.all() else None) if sea.any() else None
 
 
 def _lowtran(scenario: Scenario, wanted: wanted_air.LowtranAtmosphere, over: Band) -> Atmosphere:
@@ -262,6 +276,11 @@ def view(scenario: Scenario) -> SeaView:
         sun_distance_factor=sun.irradiance_factor,
         shadowing=Shadowing.of(scenario.mean.shadowing or "nested"),
     )
+
+
+def under(view: SeaView, sun: SunPosition) -> SeaView:
+    """The same sea and air under another Sun."""
+    return replace(view, solar_zenith=sun.zenith, solar_azimuth=sun.azimuth, sun_distance_factor=sun.irradiance_factor)
 
 
 def article_view(scenario: Scenario) -> SeaView:

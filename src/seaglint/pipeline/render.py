@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,16 +15,18 @@ from numpy.typing import NDArray
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
 from seaglint.io.provenance import provenance
-from seaglint.io.store import Layout, Progress, write_sequence
+from seaglint.io.store import Layout, Progress, check_output, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
 from seaglint.pipeline.memory import require_memory
+from seaglint.radiance.view import SeaView
 from seaglint.render.layers import Layers
 from seaglint.render.platform import Pose, Track
 from seaglint.render.scene import image
 from seaglint.render.swept import SweptScene
 from seaglint.render.turned import TurnedScene
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.sun import SunPosition, sun_position, sun_step
 from seaglint.sea.field import WaveField
 from seaglint.threads import single_threaded_algebra, thread_limit
 
@@ -69,9 +71,36 @@ def render(
     SeaglintError
         See :func:`seaglint.io.store.write_sequence` and :mod:`seaglint.pipeline.prepare`.
     """
+    check_output(output, resume=resume, overwrite=overwrite)
     with thread_limit(threads):
         run = prepare_sequence(scenario, frames)
         return write_sequence(output, run.layout, run.images, resume=resume, overwrite=overwrite, progress=progress)
+
+
+class MovingSun:
+    """Scenes of one sea under the Sun as it goes on, prepared when a frame wants them; the latest is kept.
+
+    A scene is a function of the time asked for, so that any frame alone is that of its sequence. Waves and seed are those of the start.
+    """
+
+    def __init__(self, scenario: Scenario, prepared: Callable[[SunPosition], SweptScene | TurnedScene]) -> None:
+        self._scenario, self._prepared = scenario, prepared
+        self._latest: tuple[int, SweptScene | TurnedScene] | None = None
+
+    def scene(self, first: SweptScene | TurnedScene, time: float) -> SweptScene | TurnedScene:
+        """The scene of a time from the start [s]; ``first`` is that of the start."""
+        step = sun_step(self._scenario, time)
+        if step == 0:
+            return first
+        latest = self._latest
+        if latest is None or latest[0] != step:
+            with single_threaded_algebra():  # as at the start: the bytes do not depend on threads
+                latest = self._latest = (step, self._prepared(sun_position(self._scenario, step)))
+        return latest[1]
+
+    def reseeded(self, seed: int) -> MovingSun:
+        """The same for another realisation of the sea."""
+        return MovingSun(self._scenario, lambda sun: self._prepared(sun).reseeded(seed))
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,25 +110,33 @@ class Sequence:
     Attributes
     ----------
     scene : SweptScene or TurnedScene
-        Sea, air, Sun and camera.
+        Sea, air, Sun and camera, at the start.
     track : Track
         Where the sensor is and how it is turned.
     layout : Layout
         What the store holds.
+    sun : MovingSun, optional
+        Scenes for later positions of the Sun; None where it stands.
     """
 
     scene: SweptScene | TurnedScene
     track: Track
     layout: Layout
+    sun: MovingSun | None = None
 
     def at(self, time: float) -> Layers:
         """The image at a time from the start [s]."""
-        return image(self.scene, self.track.at(time), time)
+        return image(self.scene_at(time), self.track.at(time), time)
+
+    def scene_at(self, time: float) -> SweptScene | TurnedScene:
+        """The scene under the Sun of a time from the start [s]."""
+        return self.scene if self.sun is None else self.sun.scene(self.scene, time)
 
     def reseeded(self, seed: int) -> Sequence:
         """Another realisation of the same sea, without preparing anything again; a store of it says its seed."""
         layout = replace(self.layout, attributes={**self.layout.attributes, "seed": seed})
-        return replace(self, scene=self.scene.reseeded(seed), layout=layout)
+        sun = None if self.sun is None else self.sun.reseeded(seed)
+        return replace(self, scene=self.scene.reseeded(seed), layout=layout, sun=sun)
 
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
         """What is stored of a frame, by variable.
@@ -151,18 +188,25 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None) -> Sequenc
     sensor, track = scenario.sensor, prepare.track(scenario)
     numbers = frames if frames is not None else range(sensor.frames)
     accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)
-    scene: SweptScene | TurnedScene
     camera = prepare.upright_camera(scenario)
     if camera is not None:
-        view = prepare.view(scenario)
-        sea = prepare.sea(scenario, view.slopes)
-        scene = SweptScene.prepare(view, camera, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
+        first = prepare.view(scenario)
+        sea = prepare.sea(scenario, first.slopes)
+
+        def prepared(sun: SunPosition) -> SweptScene | TurnedScene:
+            view = prepare.under(first, sun)
+            return SweptScene.prepare(view, camera, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
     else:
-        sea, imager = prepare.sea(scenario, prepare.slopes(scenario)), prepare.imager(scenario)
-        scene = TurnedScene.prepare(
-            prepare.view_at(scenario), imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles
-        )
-        view = scene.view
+        sea, imager, at = prepare.sea(scenario, prepare.slopes(scenario)), prepare.imager(scenario), prepare.view_at(scenario)
+
+        def prepared(sun: SunPosition) -> SweptScene | TurnedScene:
+            def view(height: float) -> SeaView:
+                return prepare.under(at(height), sun)
+
+            return TurnedScene.prepare(view, imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
+
+    scene = prepared(sun_position(scenario))
+    view = scene.view
     places = poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
     azimuth, elevation = directions(scene, track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0))
     _require_step(scenario, sea.waves)
@@ -176,6 +220,7 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None) -> Sequenc
         variables=("radiance", *derived, *scene.layers),
         poses=places,
         turning=track.turns,
+        start=None if scenario.time is None else scenario.time.utc,
         attributes=provenance(
             "Infrared image sequence of the sea",
             scenario.model_dump_json(exclude_none=True),
@@ -188,7 +233,7 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None) -> Sequenc
             atmosphere_table=prepare.atmosphere_provenance(view.atmosphere),
         ),
     )
-    return Sequence(scene, track, layout)
+    return Sequence(scene, track, layout, None if scenario.time is None else MovingSun(scenario, prepared))
 
 
 def directions(scene: SweptScene | TurnedScene, pose: Pose) -> tuple[FloatArray, FloatArray]:

@@ -39,6 +39,10 @@ def load_scenario(path: str | Path) -> Scenario:
         raw = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise ScenarioError(f"{path}: is not valid TOML: {error}; is the file whole, and is text in quotes?") from None
+    except ValueError:
+        raise ScenarioError(f"{path}: holds a number of thousands of digits; write numbers as 1.5 or 2e3") from None
+    except RecursionError:
+        raise ScenarioError(f"{path}: holds lists or tables nested hundreds deep; 'seaglint init' writes a file to start from") from None
     return parse_scenario(raw, name=str(path), base=path.parent)
 
 
@@ -147,6 +151,9 @@ def _meant(given: str, allowed: Sequence[str]) -> str:
 
 def _shown(value: object) -> str:
     text = {True: "true", False: "false"}.get(value) if isinstance(value, bool) else None
-    text = text or (f"'{value}'" if isinstance(value, str | Path) else f"{value}")
+    try:
+        text = text or (f"'{value}'" if isinstance(value, str | Path) else f"{value}")
+    except ValueError:  # a hexadecimal number of thousands of digits
+        text = "(a number of thousands of digits)"
     text = " ".join(text.split())
     return text if len(text) <= 80 else text[:77] + "..."

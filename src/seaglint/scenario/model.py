@@ -7,6 +7,7 @@ horizontal, so that looking down is negative.
 
 from __future__ import annotations
 
+from datetime import UTC, datetime
 from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
@@ -18,7 +19,7 @@ from seaglint.scenario.mean import Mean
 from seaglint.scenario.place import Place, Sun, Time
 from seaglint.scenario.platform import Platform
 from seaglint.scenario.quantity import Quantity
-from seaglint.scenario.record import Record, rule
+from seaglint.scenario.record import YEARS, Record, rule
 from seaglint.scenario.render import Render
 from seaglint.scenario.sea import Sea
 from seaglint.scenario.sensor import HIGHEST_SENSOR, Sensor
@@ -60,6 +61,16 @@ class Scenario(Record):
             raise rule("place", "is missing: [time] needs [place] latitude_deg, longitude_deg to find the Sun; or give [sun] instead")
         if self.sun is None and self.time is None:
             raise rule("time", "is missing: [place] needs [time] utc to find the Sun; or give [sun] instead")
+        return self
+
+    @model_validator(mode="after")
+    def _the_calendar_lasts(self) -> Self:
+        if self.time is None:
+            return self
+        left = (datetime(YEARS[1] + 1, 1, 1, tzinfo=UTC) - self.time.utc).total_seconds()
+        if (self.sensor.frames - 1) / self.sensor.frame_rate_hz >= left:
+            text = f"= {self.sensor.frames} at {self.sensor.frame_rate_hz:g} Hz end after the year {YEARS[1]}; give fewer or a higher rate"
+            raise rule("sensor.frames", text, value=self.sensor.frames)
         return self
 
     @model_validator(mode="after")

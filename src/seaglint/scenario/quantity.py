@@ -15,7 +15,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-_NUMBER_AND_UNIT = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*$")
+_NUMBER_AND_UNIT = re.compile(r"^\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*$")
 
 # Spellings of the field that pint reads otherwise ("kn" would be a kilo-something) or not at all.
 _SPELLINGS = {
@@ -70,7 +70,8 @@ def convert(text: str, unit: str) -> float:
         quantity = ureg.Quantity(value, ureg.Unit(spelling))
     except Exception:
         raise ValueError(f"has the unknown unit '{written}'; write a number in {unit} or text such as '{example}'") from None
-    if not quantity.is_compatible_with(unit):
+    # To pint, angles, decibels and shares are all numbers: only what rests on the same units is of one kind.
+    if quantity.to_root_units().units != ureg.Quantity(1.0, ureg.Unit(unit)).to_root_units().units:
         raise ValueError(f"has a unit of another kind ('{written}'); allowed is {unit} or what converts to it, such as '{example}'")
     return float(quantity.to(unit).magnitude)
 
@@ -113,7 +114,11 @@ class Quantity:
             value = raw
         if self.integer and not isinstance(value, int):
             raise self._error(f"is not {kind} (allowed: {self.allowed})")
-        if not math.isfinite(value):
+        try:
+            finite = math.isfinite(value)
+        except OverflowError:  # a whole number beyond any float
+            finite = False
+        if not finite:
             raise self._error(f"is not finite (allowed: {self.allowed})")
         inside = (
             (self.gt is None or value > self.gt)

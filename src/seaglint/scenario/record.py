@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -32,7 +32,23 @@ def default_tag(tag: str, value: str) -> BeforeValidator:
     return BeforeValidator(fill)
 
 
+YEARS = (1800, 2200)
+"""Years for which the Sun's position is computed: the Earth's rotation is known well enough, and no calendar ends."""
+
+
+def _moment(raw: Any) -> Any:
+    """Dates and times as TOML or text have them; numbers, which would be seconds since 1970, are mistyped dates."""
+    if isinstance(raw, str) and raw.strip() and not raw.strip().lstrip("+-").replace(".", "").isdecimal():
+        return raw
+    if isinstance(raw, date):
+        return raw
+    raise PydanticCustomError("datetime_type", "is no date and time")
+
+
 def _as_utc(moment: datetime) -> datetime:
+    if not YEARS[0] <= moment.year <= YEARS[1]:
+        text = f"is outside the years {YEARS[0]} to {YEARS[1]}; give a date within them"
+        raise PydanticCustomError("quantity", "{text}", {"text": text, "allowed": f"{YEARS[0]} to {YEARS[1]}"})
     return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
 
 
@@ -44,13 +60,17 @@ def _from_scenario_folder(path: Path, info: ValidationInfo) -> Path:
 
 def _must_exist(path: Path, info: ValidationInfo) -> Path:
     # A preset is written before its files are there.
-    if (info.context or {}).get("files", True) and not path.is_file():
+    try:
+        there = path.is_file()
+    except OSError:  # a name that no file system takes
+        there = False
+    if (info.context or {}).get("files", True) and not there:
         raise PydanticCustomError(
             "missing_file", "{text}", {"text": "is not a file that exists; a relative path counts from the scenario file's folder"}
         )
     return path
 
 
-Utc = Annotated[datetime, AfterValidator(_as_utc)]
+Utc = Annotated[datetime, BeforeValidator(_moment), AfterValidator(_as_utc)]
 InputPath = Annotated[Path, AfterValidator(_from_scenario_folder)]
 InputFile = Annotated[InputPath, AfterValidator(_must_exist)]

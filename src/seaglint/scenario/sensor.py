@@ -59,7 +59,7 @@ class Sensor(Record):
             "reversed); square refuses pixels not square within 1 %; any refuses none"
         ),
     ] = "auto"
-    frame_rate_hz: Annotated[float, Quantity("Hz", gt=0, le=100_000), Field(description="frames per second")] = 25.0
+    frame_rate_hz: Annotated[float, Quantity("Hz", ge=1e-5, le=100_000), Field(description="frames per second")] = 25.0
     frames: Annotated[int, Quantity(ge=1, le=10_000_000, integer=True), Field(description="number of frames")] = 100
 
     @property

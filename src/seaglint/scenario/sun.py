@@ -4,8 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from datetime import timedelta
+from typing import Final
 
 from seaglint.scenario.model import Scenario
+
+SUN_STEP: Final = math.radians(0.05)
+"""Angle that the Sun goes on by before a sequence takes its new position [rad]: a tenth of its diameter."""
+
+SUN_STEP_TIME: Final = 86_400.0 * SUN_STEP / math.radians(360.985647)
+"""Time in which the Sun goes on by :data:`SUN_STEP` at most [s], 11.97 s: that of the Earth's turn against the stars."""
 
 
 @dataclass(frozen=True)
@@ -25,11 +33,23 @@ class SunPosition:
         return self.distance_au**-2
 
 
-def sun_position(scenario: Scenario) -> SunPosition:
-    """Direction and distance of the Sun at the scenario's first frame.
+def sun_step(scenario: Scenario, time: float) -> int:
+    """Which of the Sun's positions a time from the first frame [s] has: a function of the time alone; 0 where angles are given.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> sun_step(parse_scenario({"time": {"utc": "2026-06-21T17:30:00Z"}, "place": {"latitude_deg": 40, "longitude_deg": 0}}), 60.0)
+    5
+    """
+    return 0 if scenario.sun is not None else math.floor(time / SUN_STEP_TIME)
+
+
+def sun_position(scenario: Scenario, step: int = 0) -> SunPosition:
+    """Direction and distance of the Sun at the scenario's first frame, or at the beginning of a later step (:func:`sun_step`).
 
     Date and place go through the NREL solar position algorithm (Reda and Andreas 2004) of pvlib, with its standard
-    atmosphere for refraction: the sea mirrors the Sun from where it is seen. The position stays the same over a sequence.
+    atmosphere for refraction: the sea mirrors the Sun from where it is seen. Over a sequence it stays for :data:`SUN_STEP_TIME` at a time.
 
     Examples
     --------
@@ -46,7 +66,7 @@ def sun_position(scenario: Scenario) -> SunPosition:
     import pandas as pd
     from pvlib import solarposition
 
-    times = pd.DatetimeIndex([scenario.time.utc])
+    times = pd.DatetimeIndex([scenario.time.utc + timedelta(seconds=step * SUN_STEP_TIME)])
     found = solarposition.get_solarposition(times, scenario.place.latitude_deg, scenario.place.longitude_deg, method="nrel_numpy")
     distance = float(solarposition.nrel_earthsun_distance(times).iloc[0])
     return SunPosition(math.radians(float(found["apparent_zenith"].iloc[0])), math.radians(float(found["azimuth"].iloc[0])), distance)

@@ -75,9 +75,9 @@ def write_template(output: str | Path, preset: str = "glint", *, overwrite: bool
         It cannot be written.
     """
     output, text = Path(output), template(preset)
-    if output.exists() and not overwrite:
-        raise DataError(f"{output}: exists already; choose another name, or replace it with --overwrite")
     try:
+        if output.exists() and not overwrite:
+            raise DataError(f"{output}: exists already; choose another name, or replace it with --overwrite")
         output.write_text(text, encoding="utf-8")
     except OSError as error:
         raise StorageError(f"{output}: cannot be written: {error.strerror}; choose another place") from error

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
 from seaglint.errors import BackendError, DataError
+from seaglint.io.netcdf import open_netcdf
 from seaglint.io.recording.stored import full_scale, grey
 
 RESOLVED: Final = 1000.0
@@ -202,13 +203,14 @@ def open_labelled(path: Path, how: Reading) -> Recording:
     """NetCDF and Zarr: ours, or anybody's with a variable of (time, rows, columns)."""
     import xarray as xr
 
-    engine = "zarr" if path.is_dir() else "h5netcdf"
-    more: dict[str, Any] = {"consolidated": False} if path.is_dir() else {}
-    try:
-        dataset = xr.open_dataset(str(path), engine=engine, chunks=None, decode_times=False, **more)
-    except Exception as error:
-        what = "Zarr" if path.is_dir() else "NetCDF 4"
-        raise DataError(f"{path}: cannot be read as {what} ({str(error).splitlines()[0]})") from error
+    if path.is_dir():
+        try:
+            dataset = xr.open_dataset(str(path), engine="zarr", chunks=None, decode_times=False, consolidated=False)
+        except Exception as error:
+            told = " ".join(str(error).split())[:200] or type(error).__name__
+            raise DataError(f"{path}: cannot be read as Zarr ({told})") from error
+    else:
+        dataset = open_netcdf(path, chunks=None, decode_times=False)
     return of_dataset(dataset, str(path), how)
 
 

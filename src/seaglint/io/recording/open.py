@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import glob
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from seaglint.analysis.recording import Recording
-from seaglint.errors import DataError
+from seaglint.analysis.recording import FrameArray, Recording
+from seaglint.errors import DataError, SeaglintError
 from seaglint.io.recording import arrays, images, video
 from seaglint.io.recording.raw import RawLayout, open_raw
 from seaglint.io.recording.stored import CHANNELS
@@ -77,14 +79,35 @@ def open_recording(
     if saturation is not None and not np.isfinite(saturation):
         raise DataError(f"saturation = {saturation:g}; give a finite number")
     how = arrays.Reading(variable, channel, axes)
-    found = _open(Path(path), raw, how)
+    with _damage(path):
+        found = _open(Path(path), raw, how)
     notes = found.notes
     if axes == "yxt" and Path(path).suffix.lower() not in _ARRAY_ENDINGS:
         raise DataError(f"{path}: --axes yxt is for arrays ({', '.join(_ARRAY_ENDINGS)}); frames of other formats have their order")
     if frame_rate is not None and found.frame_rate is not None and abs(frame_rate / found.frame_rate - 1.0) > RATE_TOLERANCE:
         notes = (*notes, f"frame rate {frame_rate:g} Hz as given; the file says {found.frame_rate:g} Hz")
     full = found.saturation if saturation is None else saturation - found.offset
-    return replace(found, frame_rate=frame_rate or found.frame_rate, units=units or found.units, saturation=full, notes=notes)
+    read_block = found.read_block
+
+    def read(start: int, stop: int) -> FrameArray:
+        with _damage(path):
+            return read_block(start, stop)
+
+    return replace(
+        found, frame_rate=frame_rate or found.frame_rate, units=units or found.units, saturation=full, notes=notes, read_block=read
+    )
+
+
+@contextmanager
+def _damage(path: str | Path) -> Iterator[None]:
+    """Tell what libraries raise for files that are cut or changed, which is nearly anything, in a line of ours."""
+    try:
+        yield
+    except SeaglintError:
+        raise
+    except Exception as error:
+        told = " ".join(str(error).split())[:200] or type(error).__name__
+        raise DataError(f"{path}: cannot be read ({told}); is the file whole?") from error
 
 
 def _open(path: Path, raw: RawLayout | None, how: arrays.Reading) -> Recording:

@@ -1,0 +1,89 @@
+"""A file of air made from the package's own table gives the table's results; only the ranges in view are asked of a file."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from seaglint.errors import DomainError
+from seaglint.io.atmosphere_file import read_atmosphere
+from seaglint.pipeline.mean import mean
+from seaglint.pipeline.render import prepare_sequence
+from seaglint.scenario.load import load_scenario
+
+SCENE = """[band]
+min_um = 3.9
+max_um = 4.1
+[sensor]
+height_m = {height}
+elevation_deg = {elevation}
+fov_deg = [4, {fov}]
+pixels = [4, {rows}]
+pixel_shape = "any"
+"""
+WAVES = "[sea]\nshortest_wave_m = 4.0\n[render]\ntile_size = 128\n"
+
+
+def scene(folder, name="table.toml", *, height=30.0, elevation=-3.5, fov=8.0, rows=256, more=""):
+    path = folder / name
+    path.write_text(SCENE.format(height=height, elevation=elevation, fov=fov, rows=rows) + more)
+    return path
+
+
+@pytest.mark.parametrize("ending", ["nc", "csv"])
+@pytest.mark.parametrize(("height", "elevation"), [(30.0, -3.5), (2500.0, -8.0)])
+def test_the_table_as_a_file_gives_equal_maps(seaglint, tmp_path, ending, height, elevation):
+    """Nodes dense enough that the spline between them costs less than 1e-4 of any pixel; horizon and sky in view at 30 m."""
+    ours = scene(tmp_path, height=height, elevation=elevation)
+    answer = seaglint("atmosphere", "export", ours, "-o", tmp_path / f"air.{ending}")
+    assert (answer.code, answer.out) == (0, "")
+    assert 'source = "file"' in answer.err
+    theirs = scene(
+        tmp_path, "file.toml", height=height, elevation=elevation, more=f'[atmosphere]\nsource = "file"\npath = "air.{ending}"\n'
+    )
+    a, b = (mean(load_scenario(path)) for path in (ours, theirs))
+    for name in ("radiance", "path_radiance", "sky_radiance", "glint_radiance", "glint_std"):
+        np.testing.assert_allclose(b[name], a[name], rtol=2e-4, atol=1e-6 * float(a.radiance.max()), err_msg=name)
+
+
+def test_the_table_as_a_file_gives_equal_pictures(seaglint, tmp_path):
+    ours = scene(tmp_path, rows=32, more=WAVES)
+    assert seaglint("atmosphere", "export", ours, "-o", tmp_path / "air.nc").code == 0
+    theirs = scene(tmp_path, "file.toml", rows=32, more=WAVES + '[atmosphere]\nsource = "file"\npath = "air.nc"\n')
+    a, b = (prepare_sequence(load_scenario(path)).at(0.0).radiance for path in (ours, theirs))
+    np.testing.assert_allclose(b, a, rtol=5e-4)
+
+
+def test_ranges_outside_the_picture_are_not_asked_for(seaglint, tmp_path):
+    """Rows from 2 to 6 deg below the horizontal see 284 to 850 m; a file from 250 to 1000 m serves, one that lacks 850 m does not."""
+    ours = scene(tmp_path, elevation=-4.0, fov=4.0)
+    assert seaglint("atmosphere", "export", ours, "-o", tmp_path / "air.nc").code == 0
+    whole = xr.load_dataset(tmp_path / "air.nc")
+    part = '[atmosphere]\nsource = "file"\npath = "part.nc"\n'
+    theirs = scene(tmp_path, "part.toml", elevation=-4.0, fov=4.0, more=part)
+    waves = scene(tmp_path, "waves.toml", elevation=-4.0, fov=4.0, rows=32, more=part + WAVES)
+
+    def cut(low, high):
+        inside = (whole.range_m > low) & (whole.range_m < high)
+        whole.isel(range_m=np.flatnonzero(inside)).to_netcdf(tmp_path / "part.nc", engine="h5netcdf")
+
+    cut(230.0, 1000.0)
+    a, b = (mean(load_scenario(path)) for path in (ours, theirs))
+    np.testing.assert_allclose(b.radiance, a.radiance, rtol=1e-3)
+    assert np.isfinite(prepare_sequence(load_scenario(waves)).at(0.0).radiance).all()
+    cut(230.0, 800.0)
+    with pytest.raises(DomainError, match=r"range = 8\d\d(\.\d)? m is outside .* add paths"):
+        mean(load_scenario(theirs))
+    with pytest.raises(DomainError, match="range = 0 m is outside"):
+        read_atmosphere(tmp_path / "part.nc", 30.0).transmittance(30.0, 0.0)
+
+
+def test_what_is_no_table_is_refused(seaglint, tmp_path):
+    ours = scene(tmp_path)
+    answer = seaglint("atmosphere", "export", ours, "-o", tmp_path / "air.txt")
+    assert answer.code == 2
+    assert "neither .csv nor .nc" in answer.err
+    assert seaglint("atmosphere", "export", ours, "-o", tmp_path / "air.nc").code == 0
+    theirs = scene(tmp_path, "file.toml", more='[atmosphere]\nsource = "file"\npath = "air.nc"\n')
+    answer = seaglint("atmosphere", "export", theirs, "-o", tmp_path / "b.nc")
+    assert answer.code == 2
+    assert "is such a file already" in answer.err
