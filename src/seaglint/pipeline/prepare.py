@@ -370,7 +370,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:
     if cut <= longest_wave_number(spectral):
         reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
         return Sea(None, {"waves": reason, **none}, reason)
-    waves = WaveField.create(spectral, plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size), scenario.seed)
+    waves = WaveField.create(spectral, plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size), scenario.seed, wander=True)
     up, cross = waves.resolved_mss()
     return Sea(
         waves,
