@@ -97,11 +97,9 @@ def above_sphere(height: float, run: float, rise: float, s: float) -> tuple[floa
 @kernel
 def mean_arc(eye: float, run: float, rise: float) -> float:
     """Arc [m] at which a ray meets the mean sea, or comes nearest to it; ``run`` and ``rise`` make its unit vector."""
-    nearest = -rise * (EFFECTIVE_EARTH_RADIUS + eye)
+    nearest = max(-rise * (EFFECTIVE_EARTH_RADIUS + eye), 0.0)
     power = eye * (2.0 * EFFECTIVE_EARTH_RADIUS + eye)
-    if nearest <= 0.0:
-        return 0.0
-    s = power / (nearest + math.sqrt(max(nearest * nearest - power, 0.0)))
+    s = power / (nearest + math.sqrt(nearest * nearest - power)) if nearest * nearest > power else nearest
     return above_sphere(eye, run, rise, s)[1]
 
 

@@ -31,8 +31,8 @@ _WAVES: Final = np.array(
 )
 """Wave vectors [cycles per period of the tile] and amplitudes [periods], along the tile's axes.
 
-Chosen by search: among waves of 3 to 14 periods, with gradients of 2.5 % rms, those that leave the least correlation at all lags of up to 50
-periods. Of waves an eighteenth of the period long and shorter it is below 0.02, of those a twelfth long and shorter below 0.07.
+Chosen by search: among waves of 3 to 14 periods, with gradients of 2.5 % rms, those that leave the least correlation at all lags of up to
+50 periods: below 0.02 for waves an eighteenth of the period long and shorter, below 0.07 for those a twelfth long and shorter.
 """
 
 
