@@ -19,10 +19,12 @@ def sea():
     return export_sea(parse_scenario(SMALL), 3.2, centre=(1234.5, -77.0), extent=(60.0, 40.0), spacing=0.9)
 
 
-def test_patch_is_the_sum_of_the_tiles_read_bilinearly(sea):
+def test_patch_is_the_sum_of_the_tiles_read_where_they_have_wandered_to(sea):
     x, y = np.meshgrid(*sea.patch.axes)
-    tiles = zip(sea.tiles, sea.lattices, strict=True)
-    expected = sum(bilinear(lattice.astype(float), tile.spacing, tile.rotation, x, y) for tile, lattice in tiles)
+    expected = 0.0
+    for tile, wander, lattice in zip(sea.tiles, sea.wander, sea.lattices, strict=True):
+        east, north = wander(x, y)
+        expected = expected + bilinear(lattice.astype(float), tile.spacing, tile.rotation, x + east, y + north)
     assert np.abs(sea.patch_surface - expected).max() < 1e-5  # single precision of metres
 
 
@@ -51,7 +53,13 @@ def test_netcdf_holds_patch_tiles_and_roughness(sea, tmp_path):
         assert found.attrs["time_s"] == 3.2
         for i, tile in enumerate(sea.tiles):
             assert np.array_equal(found[f"height_{i}"].values, sea.lattices[i][..., 0])
-            assert found[f"height_{i}"].attrs["turn_deg"] == pytest.approx(np.degrees(tile.rotation))
+            told = found[f"height_{i}"].attrs
+            assert told["turn_deg"] == pytest.approx(np.degrees(tile.rotation))
+            # the displacement, by the formula in the comment
+            turns = told["wander_wave_vector_east_rad_m"] * 70.0 - told["wander_wave_vector_north_rad_m"] * 30.0 + told["wander_phase_rad"]
+            place = sea.wander[i](np.array(70.0), np.array(-30.0))
+            for axis, displacement in zip(("east", "north"), place, strict=True):
+                assert np.sum(told[f"wander_amplitude_{axis}_m"] * np.sin(turns)) == pytest.approx(float(displacement))
             assert float(found[f"u_{i}"][-1]) == pytest.approx(tile.length - tile.spacing)
         assert float(found.facet_slope_east_east) == sea.facets.covariance()[0]
     assert set(sea.dataset(lattices=False).data_vars) == {

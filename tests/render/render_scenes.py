@@ -116,10 +116,10 @@ def shown(scene: Scene, time: float) -> Layers:
 
 
 @cache
-def elfouhaily(wind, travel_deg=30.0, shortest_wave=2.0, seed=1) -> WaveField:
+def elfouhaily(wind, travel_deg=30.0, shortest_wave=2.0, seed=1, wander=False) -> WaveField:
     """Small, quick field of a fully developed sea; ``elfouhaily.__wrapped__`` makes another one."""
     spectrum = ElfouhailySpectrum(wind, np.radians(travel_deg))
-    return WaveField.create(spectrum, plan_tiles(spectrum, shortest_wave, 128 if wind < 12.0 else 256), seed)
+    return WaveField.create(spectrum, plan_tiles(spectrum, shortest_wave, 128 if wind < 12.0 else 256), seed, wander=wander)
 
 
 @cache

@@ -9,6 +9,8 @@ from render_scenes import bilinear, elfouhaily, one_tile
 from seaglint.errors import DomainError
 from seaglint.render import surface as surface_module
 from seaglint.render.surface import corners, surface_of
+from seaglint.sea.tiles import Tile
+from seaglint.sea.wander import Wander
 
 SPACING, TURN = np.array([2.0, 0.7]), np.array([0.4, 1.9])
 
@@ -95,6 +97,70 @@ def test_strips_are_read_like_single_samples(first):
             # positions are told in 2**-16 of a cell, and noise changes by several of its deviations from cell to cell
             np.testing.assert_allclose(strip.height[:count] - 0.5, expected, atol=3e-4)
             assert np.all(strip.height[count:] == 0.5)
+
+
+def _wander():
+    """Displacements of the two tiles of noise, as those of a sea."""
+    return tuple(Wander.of(Tile(16 * d, 16, a, 0.0, 0.5 * np.pi / d), 7, i) for i, (d, a) in enumerate(zip(SPACING, TURN, strict=True)))
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("origin", [(0.0, 0.0), (371.3, -4128.6)])
+def test_lines_read_tiles_where_they_have_wandered_to(origin):
+    """At the knots of a line; between them its displacement is within 2e-4 of a period."""
+    tiles, wander, angle, first = _tiles(), _wander(), 2.1, 55.0
+    sea = surface_of(tiles, SPACING, TURN, origin=origin, wander=wander)
+    line = surface_module.course(sea, 0, np.sin(angle), np.cos(angle), (first, 400.0))
+    for m in (0, 1, 7, 40):
+        for j in range(2):
+            knot = first + m * 16 * SPACING[j] / surface_module.KNOTS_PER_PERIOD
+            for r, near in ((knot, 1e-5), (knot + 0.4 * SPACING[j], 2e-4 * 16)):
+                east, north = origin[0] + r * np.sin(angle), origin[1] + r * np.cos(angle)
+                shift = wander[j](np.array([east]), np.array([north]))
+                c, s = np.cos(TURN[j]), np.sin(TURN[j])
+                x, y = float(east + shift[0][0]), float(north + shift[1][0])
+                expected = np.array([c * x + s * y, c * y - s * x]) / SPACING[j]
+                off = np.array(surface_module.position(line, j, r)) - expected
+                assert np.abs(off - 16 * np.round(off / 16)).max() < near
+
+
+@pytest.mark.kernel
+def test_heights_and_slopes_are_read_at_one_place():
+    """Of tiles whose slopes are their heights, along a line that wanders, and in strips with uneven steps."""
+    tiles = tuple(np.repeat(t[..., :1], 3, axis=2) for t in _tiles())
+    sea = surface_of(tiles, SPACING, TURN, wander=_wander())
+    arcs = 90.0 + np.cumsum(np.random.default_rng(2).uniform(0.1, 1.4, 900))
+    line = surface_module.course(sea, 0, np.sin(1.3), np.cos(1.3), (float(arcs[0]), float(arcs[-1])))
+    strip, first = surface_module.new_strip(), 0
+    while first < arcs.size:
+        count = min(surface_module.STRIP, arcs.size - first)
+        strip.height[:] = 0.0
+        for j in range(2):
+            surface_module.add_heights(sea, line, j, arcs, first, count, strip)
+        single = [surface_module.height(sea, line, 0, 2, r) for r in arcs[first : first + count]]
+        np.testing.assert_allclose(strip.height[:count], single, atol=3e-4)  # as above
+        for r, z in zip(arcs[first : first + count], single, strict=True):
+            assert surface_module.slopes(sea, line, r) == pytest.approx((z, z), abs=2e-6)
+        first += count
+
+
+@pytest.mark.kernel
+def test_a_line_for_one_arc_is_straight_and_displaced_as_there():
+    sea, direction = surface_of(_tiles(), SPACING, TURN, wander=_wander()), (np.sin(0.4), np.cos(0.4))
+    whole = surface_module.course(sea, 0, *direction, (100.0, 300.0))
+    one = surface_module.course(sea, 0, *direction, (100.0, 100.0))
+    still = surface_module.course(surface_of(_tiles(), SPACING, TURN), 0, *direction)
+    for j in range(2):
+        assert surface_module.position(one, j, 100.0) == pytest.approx(surface_module.position(whole, j, 100.0), abs=1e-9)
+        moved = np.subtract(surface_module.position(one, j, 170.0), surface_module.position(one, j, 100.0))
+        expected = np.subtract(surface_module.position(still, j, 170.0), surface_module.position(still, j, 100.0))
+        np.testing.assert_allclose(moved, expected, atol=1e-9)
+
+
+@pytest.mark.kernel
+def test_the_quick_sine():
+    cycles = np.linspace(-3.2, 3.2, 4001)
+    assert [surface_module.sine(c) for c in cycles] == pytest.approx(np.sin(2.0 * np.pi * cycles), abs=3e-7)
 
 
 def test_crests_are_what_the_lattices_of_a_level_can_still_add():

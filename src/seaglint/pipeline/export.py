@@ -17,8 +17,10 @@ from seaglint.pipeline import prepare
 from seaglint.pipeline.memory import memory_available
 from seaglint.scenario.model import Scenario
 from seaglint.schema import VARIABLES
+from seaglint.sea.field import WaveField
 from seaglint.sea.slopes import SlopeStatistics, gaussian_slopes
 from seaglint.sea.tiles import Tile
+from seaglint.sea.wander import Wander
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,6 +35,11 @@ _BYTES_PER_POINT: Final = 12 + 80
 """Height and slopes in single precision, and the copies of labelling and compressing them."""
 
 _BLOCK: Final = 1 << 18
+
+_READING: Final = (
+    "one period of a tile; the sea is the sum of all tiles, each read at the place x + d(x), with d = sum of wander_amplitude times "
+    "sin(wander_wave_vector . x + wander_phase), east and north"
+)
 
 
 @dataclass(frozen=True)
@@ -79,11 +86,12 @@ class ExportedSea:
     """The sea of one instant.
 
     ``lattices[i]`` (n, n, 3) and ``patch_surface`` (rows, columns, 3) hold height [m] and slopes towards east and north [1]; ``facets``
-    are the slopes left to roughness.
+    are the slopes left to roughness. ``wander[i]`` is by how much each tile is read aside.
     """
 
     time: float
     tiles: tuple[Tile, ...]
+    wander: tuple[Wander, ...]
     lattices: tuple[NDArray[np.float32], ...]
     patch: Patch
     patch_surface: NDArray[np.float32]
@@ -113,15 +121,21 @@ class ExportedSea:
         )
         covariance = zip(("east_east", "east_north", "north_north"), self.facets.covariance(), strict=True)
         out = out.assign({f"facet_slope_{name}": ((), value) for name, value in covariance})
-        for i, (tile, lattice) in enumerate(zip(self.tiles, self.lattices, strict=True) if lattices else ()):
+        parts = zip(self.tiles, self.wander, self.lattices, strict=True)
+        for i, (tile, wander, lattice) in enumerate(parts if lattices else ()):
             dimensions = (f"v_{i}", f"u_{i}")
             for j, name in enumerate(names):
                 attributes = {
                     **VARIABLES[name].attributes,
-                    "comment": "one period of a tile; the sea is the sum of all tiles",
+                    "comment": _READING,
                     "length_m": tile.length,
                     "turn_deg": math.degrees(tile.rotation),
                     "shortest_wave_m": 2.0 * math.pi / tile.k_max,
+                    "wander_amplitude_east_m": wander.amplitude[:, 0],
+                    "wander_amplitude_north_m": wander.amplitude[:, 1],
+                    "wander_wave_vector_east_rad_m": wander.wave_vector[:, 0],
+                    "wander_wave_vector_north_rad_m": wander.wave_vector[:, 1],
+                    "wander_phase_rad": wander.phase,
                 }
                 out[f"{name}_{i}"] = (dimensions, lattice[..., j], attributes)
             axis = np.arange(tile.n) * tile.spacing
@@ -188,7 +202,7 @@ def export_sea(
     wind_to = waves.spectrum.wind_to_azimuth
     facets = gaussian_slopes(statistics.mss_up - up, statistics.mss_cross - cross, -waves.resolved_covariance(), wind_to)
     attributes = provenance("Sea surface", scenario.model_dump_json(exclude_none=True), scenario.seed, time_s=time, **sea.report)
-    return ExportedSea(time, waves.tiles, lattices, patch, _sampled(waves.tiles, lattices, patch), facets, attributes)
+    return ExportedSea(time, waves.tiles, waves.wander, lattices, patch, _sampled(waves, lattices, patch), facets, attributes)
 
 
 def _require_room(patch: Patch) -> None:
@@ -203,16 +217,17 @@ def _require_room(patch: Patch) -> None:
         )
 
 
-def _sampled(tiles: tuple[Tile, ...], lattices: tuple[NDArray[np.float32], ...], patch: Patch) -> NDArray[np.float32]:
-    """Sum of the tiles, read bilinearly, at the points of a patch (rows, columns, 3)."""
+def _sampled(waves: WaveField, lattices: tuple[NDArray[np.float32], ...], patch: Patch) -> NDArray[np.float32]:
+    """Sum of the tiles, each read bilinearly where it has wandered to, at the points of a patch (rows, columns, 3)."""
     rows, columns = patch.shape
     x, y = patch.axes
     out = np.zeros((rows, columns, 3), np.float32)
     step = max(1, _BLOCK // columns)
     for first in range(0, rows, step):
         part = slice(first, min(first + step, rows))
-        for tile, lattice in zip(tiles, lattices, strict=True):
-            out[part] += _bilinear(tile, lattice, x, y[part, None])
+        for tile, wander, lattice in zip(waves.tiles, waves.wander, lattices, strict=True):
+            east, north = wander(x, y[part, None])
+            out[part] += _bilinear(tile, lattice, x + east, y[part, None] + north)
     return out
 
 

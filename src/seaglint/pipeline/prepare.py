@@ -367,7 +367,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:
     if cut <= longest_wave_number(spectral):
         reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
         return Sea(None, {"waves": reason, **none}, reason)
-    field = WaveField.create(spectral, plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size), scenario.seed)
+    field = WaveField.create(spectral, plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size), scenario.seed, wander=True)
     up, cross = field.resolved_mss()
     return Sea(
         field,

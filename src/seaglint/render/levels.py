@@ -76,7 +76,8 @@ class Levels:
     def surface(self, lattices: tuple[NDArray[np.float32], ...], origin: tuple[float, float]) -> Surface:
         """The sea of one instant, with the sensor above ``origin``, east and north [m]."""
         turn = np.array([part.tiles[0].rotation for part in self.detail.parts])
-        return surface_of(lattices, self.spacing, turn, tuple(level.parts for level in self.detail.levels), origin)
+        wander = tuple(part.wander[0] for part in self.detail.parts if part.wander)
+        return surface_of(lattices, self.spacing, turn, tuple(level.parts for level in self.detail.levels), origin, wander)
 
     def bounds(self, lattices: tuple[NDArray[np.float32], ...]) -> Bounds:
         """What rays over the finest level step by."""

@@ -2,7 +2,8 @@
 
 A ray at height ``f`` above the sea below it cannot meet the sea before ``f / (fall + L run)``, with ``fall`` and ``run`` what it goes down
 and outwards per metre and ``L`` the steepest slope of the sea: steps of that length never pass through a crest, and get the closer the
-shorter they are. Steep rays arrive in a few steps, a vertical one in two. They read the sea as the sweep does, in full detail.
+shorter they are. Steep rays arrive in a few steps, a vertical one in two. They read the sea as the sweep does, in full detail; the
+displacement of its tiles is that of the place where a ray meets the mean sea.
 """
 
 from __future__ import annotations
@@ -96,6 +97,15 @@ def above_sphere(height: float, run: float, rise: float, s: float) -> tuple[floa
 
 
 @kernel
+def mean_arc(eye: float, run: float, rise: float) -> float:
+    """Arc [m] at which a ray meets the mean sea, or comes nearest to it; ``run`` and ``rise`` make its unit vector."""
+    nearest = max(-rise * (EFFECTIVE_EARTH_RADIUS + eye), 0.0)
+    power = eye * (2.0 * EFFECTIVE_EARTH_RADIUS + eye)
+    s = power / (nearest + math.sqrt(nearest * nearest - power)) if nearest * nearest > power else nearest
+    return above_sphere(eye, run, rise, s)[1]
+
+
+@kernel
 def meet(surface: Surface, line: Course, bounds: Bounds, eye: float, run: float, rise: float) -> float:
     """Distance at which a ray from ``eye`` [m] above the line's beginning meets the sea [m], -1 where it does not.
 
@@ -153,7 +163,8 @@ def ray(
     rise = direction[2]
     run = math.sqrt(direction[0] * direction[0] + direction[1] * direction[1])
     azimuth = math.atan2(direction[0], direction[1])
-    lay_course(surface, 0, math.sin(azimuth), math.cos(azimuth), room.line)
+    foot = mean_arc(eye, run, rise)
+    lay_course(surface, 0, (math.sin(azimuth), math.cos(azimuth)), (foot, foot), room.line)
     s = meet(surface, room.line, bounds, eye, run, rise)
     out[:] = 0.0
     if s < 0.0:
@@ -174,7 +185,7 @@ def ray(
     if solar > 0.0:
         solar *= there.share * strength_kernel(tables.strength, there.up)
     if solar > 0.0 and bounds.steepest > there.lower_tangent:
-        lay_course(surface, 0, sun.horizontal_east, sun.horizontal_north, room.sunward)
+        lay_course(surface, 0, (sun.horizontal_east, sun.horizontal_north), (0.0, 0.0), room.sunward)
         solar *= sun_share(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), there)
     out[TOTAL], out[SUN] = warm + air.path.radiance[i] + solar, solar
     out[EMITTED] = warm_light(tables.emitted, axes, air.path.emitted, i, sight, sine, slope)

@@ -7,7 +7,7 @@ import math
 from seaglint._jit import kernel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.render.sunlight import Sunlight
-from seaglint.render.surface import Course, Surface, bilinear, height
+from seaglint.render.surface import Course, Surface, bilinear, height, position
 
 FARTHEST = 4000
 """Steps after which a Sun at the very horizon is taken as seen."""
@@ -28,7 +28,8 @@ def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: fl
     """Share of the solar disc seen from the sea ``r`` metres along a line, over the waves of a level between it and the Sun there.
 
     The skyline is looked for in the Sun's own azimuth, in steps [m] of ``march[0]`` or as many as a sea that rises by ``march[1]`` at
-    most allows, as far as the highest crest could reach over the lower limb; the round sea's drop over that distance is left out.
+    most allows, as far as the highest crest could reach over the lower limb; the round sea's drop over that distance is left out. Tiles are
+    displaced on the whole way as where it begins.
     """
     step, rise = march
     tiles = line.part.shape[0]
@@ -40,8 +41,8 @@ def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: fl
     while n <= steps:
         d, z = n * step, 0.0
         for j in range(tiles):
-            u = line.start[j, 0] + r * line.step[j, 0] + d * sunward.step[j, 0]
-            v = line.start[j, 1] + r * line.step[j, 1] + d * sunward.step[j, 1]
+            u, v = position(line, j, r)
+            u, v = u + d * sunward.step[j, 0, 0], v + d * sunward.step[j, 0, 1]
             z += bilinear(surface, line.part[j, 0], line.part[j, 1], u, v)
         skyline = max(skyline, (z - own) / d)
         if skyline >= sun.upper_tangent:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from seaglint._jit import kernel, njit
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
+from seaglint.sea.wander import Wander
 
 STRIP = 64
 """Samples of a line that are read together."""
@@ -33,6 +34,9 @@ LONGEST_STRIP = 1 << 14
 WHOLE_TURNS = LONGEST_STRIP * SUBCELLS
 """Offset that keeps positions positive; a whole number of periods of any lattice."""
 
+KNOTS_PER_PERIOD = 8
+"""Knots of a line in a period of a tile that wanders: between them its displacement is linear, within 0.02 % of the period."""
+
 
 class Surface(NamedTuple):
     """One instant of the sea.
@@ -40,7 +44,9 @@ class Surface(NamedTuple):
     ``height`` [m] and ``slope[:, (east, north)]`` are all lattices one after another: ``part[i] = (first address, points along a side,
     their binary logarithm)``. Within a lattice squares of 4 x 4 points lie together in memory, because lines cross it in any direction; see
     :func:`bilinear`. ``grid[i] = (1/spacing, cos, sin of the lattice's turn, u, v under the sensor)``. ``level[l]``: parts of the level, -1
-    where there are no more; ``crest[l, j]``: largest height that its parts from ``j`` on add [m].
+    where there are no more; ``crest[l, j]``: largest height that its parts from ``j`` on add [m]. ``wander[i, w] = (u, v, east, north,
+    phase)``: amplitude [cells], wave vector [cycles/m] and phase under the sensor [cycles] of the waves that make up a part's displacement
+    (:mod:`seaglint.sea.wander`); none where tiles lie still.
     """
 
     height: np.ndarray
@@ -49,6 +55,7 @@ class Surface(NamedTuple):
     grid: np.ndarray
     level: np.ndarray
     crest: np.ndarray
+    wander: np.ndarray
 
 
 class Bounds(NamedTuple):
@@ -60,14 +67,16 @@ class Bounds(NamedTuple):
 
 
 class Course(NamedTuple):
-    """A horizontal line over the lattices of one level.
+    """A horizontal line over the lattices of one level: straight between the knots at which the displacement of a part is known.
 
-    ``start[j]``, ``step[j]``: position (u, v) at its beginning and its change per metre [cells]; ``part[j]`` as in :class:`Surface`.
+    ``start[j, m] + r step[j, m]``: position (u, v) [cells] at ``r`` metres, between the knots ``m`` and ``m + 1``; ``part[j]`` as in
+    :class:`Surface`, and the last ``m``; ``knot[j] = (arc of the first knot [m], knots per metre)``.
     """
 
     start: np.ndarray
     step: np.ndarray
     part: np.ndarray
+    knot: np.ndarray
 
 
 class Strip(NamedTuple):
@@ -86,25 +95,86 @@ def new_strip() -> Strip:
 
 
 @kernel
-def lay_course(surface: Surface, level: int, east: float, north: float, line: Course) -> None:
-    """Make ``line`` the line from under the sensor along a horizontal unit vector."""
+def sine(cycles: float) -> float:
+    """Sine of an angle in cycles, within 3e-7: a minimax polynomial times its zeros, which the processor takes several at a time."""
+    x = cycles - math.floor(cycles + 0.5)
+    q = x * x
+    return x * (1.0 - 4.0 * q) * (6.2831842 + q * (-16.2087243 + q * (16.7611333 + q * (-9.5276694 + q * 3.0445527))))
+
+
+@kernel
+def knots(surface: Surface, i: int, arcs: tuple[float, float]) -> tuple[int, float]:
+    """Straight pieces of a line between two arcs [m] over a part, and pieces per metre; one where the part lies still."""
+    if surface.wander.shape[1] == 0 or arcs[1] <= arcs[0]:
+        return 1, 0.0
+    per_metre = KNOTS_PER_PERIOD * surface.grid[i, 0] / surface.part[i, 1]
+    return int((arcs[1] - arcs[0]) * per_metre) + 1, per_metre
+
+
+@kernel
+def displace(surface: Surface, i: int, direction: tuple[float, float], arcs: tuple[float, float], at: np.ndarray) -> None:
+    """Displacement of a part [cells] at the knots ``at[m]``, ``arcs = (first, distance of knots)`` [m], of a line under the sensor."""
+    at[:] = 0.0
+    for w in range(surface.wander.shape[1]):
+        wave = surface.wander[i, w]
+        along = wave[2] * direction[0] + wave[3] * direction[1]
+        phase, turn, u, v = wave[4] + along * arcs[0], along * arcs[1], wave[0], wave[1]
+        for m in range(at.shape[0]):
+            height = sine(phase + m * turn)
+            at[m, 0] += u * height
+            at[m, 1] += v * height
+
+
+@kernel
+def lay_course(surface: Surface, level: int, direction: tuple[float, float], arcs: tuple[float, float], line: Course) -> None:
+    """Make ``line`` the line from under the sensor along a horizontal unit vector (east, north), to be read between two arcs [m].
+
+    With one arc, twice, it is straight, and displaced all along as it is there.
+    """
+    east, north = direction
     for j in range(line.part.shape[0]):
         i = surface.level[level, j]
         scale, c, s = surface.grid[i, 0], surface.grid[i, 1], surface.grid[i, 2]
-        line.start[j, 0], line.start[j, 1] = surface.grid[i, 3], surface.grid[i, 4]
-        line.step[j, 0], line.step[j, 1] = (c * east + s * north) * scale, (c * north - s * east) * scale
+        step_u, step_v = (c * east + s * north) * scale, (c * north - s * east) * scale
         line.part[j, 0], line.part[j, 1], line.part[j, 2] = surface.part[i, 0], surface.part[i, 1], surface.part[i, 2]
+        pieces, per_metre = knots(surface, i, arcs)
+        line.part[j, 3] = pieces - 1
+        line.knot[j, 0], line.knot[j, 1] = arcs[0], per_metre
+        start, step = line.start[j], line.step[j]
+        between = 1.0 / per_metre if per_metre > 0.0 else 0.0
+        displace(surface, i, direction, (arcs[0], between), start[: pieces + 1])
+        for m in range(pieces):
+            bend_u, bend_v = (start[m + 1, 0] - start[m, 0]) * per_metre, (start[m + 1, 1] - start[m, 1]) * per_metre
+            r = arcs[0] + m * between
+            start[m, 0] += surface.grid[i, 3] - r * bend_u
+            start[m, 1] += surface.grid[i, 4] - r * bend_v
+            step[m, 0], step[m, 1] = step_u + bend_u, step_v + bend_v
 
 
 @njit
-def course(surface: Surface, level: int, east: float, north: float) -> Course:
-    """The line from under the sensor along a horizontal unit vector."""
-    count = 0
+def course(surface: Surface, level: int, east: float, north: float, arcs: tuple[float, float] = (0.0, 0.0)) -> Course:
+    """The line from under the sensor along a horizontal unit vector; see :func:`lay_course`."""
+    count, most = 0, 1
     while count < surface.level.shape[1] and surface.level[level, count] >= 0:
+        most = max(most, knots(surface, surface.level[level, count], arcs)[0])
         count += 1
-    line = Course(np.empty((count, 2)), np.empty((count, 2)), np.empty((count, 3), np.int64))
-    lay_course(surface, level, east, north, line)
+    positions = np.empty((2, count, most + 1, 2))
+    line = Course(positions[0], positions[1], np.empty((count, 4), np.int64), np.empty((count, 2)))
+    lay_course(surface, level, (east, north), arcs, line)
     return line
+
+
+@kernel
+def piece(line: Course, j: int, r: float) -> int:
+    """Straight piece of a line over a level's part ``j``, ``r`` metres along; the first and the last go on beyond their ends."""
+    return int(min(max(int((r - line.knot[j, 0]) * line.knot[j, 1]), 0), line.part[j, 3]))
+
+
+@kernel
+def position(line: Course, j: int, r: float) -> tuple[float, float]:
+    """Position (u, v) [cells] over a level's part ``j``, ``r`` metres along a line."""
+    m = piece(line, j, r)
+    return line.start[j, m, 0] + r * line.step[j, m, 0], line.start[j, m, 1] + r * line.step[j, m, 1]
 
 
 @kernel
@@ -136,7 +206,7 @@ def height(surface: Surface, line: Course, first: int, last: int, r: float) -> f
     """Height of a level's parts ``first`` to ``last`` (not included) together [m], ``r`` metres along a line."""
     total = 0.0
     for j in range(first, last):
-        u, v = line.start[j, 0] + r * line.step[j, 0], line.start[j, 1] + r * line.step[j, 1]
+        u, v = position(line, j, r)
         total += bilinear(surface, line.part[j, 0], line.part[j, 1], u, v)
     return total
 
@@ -146,7 +216,7 @@ def slopes(surface: Surface, line: Course, r: float) -> tuple[float, float]:
     """Slopes of a level towards east and north [1], ``r`` metres along a line."""
     east, north = 0.0, 0.0
     for j in range(line.part.shape[0]):
-        u, v = line.start[j, 0] + r * line.step[j, 0], line.start[j, 1] + r * line.step[j, 1]
+        u, v = position(line, j, r)
         y0, y1, x0, x1, fy, fx = corners(line.part[j, 1], u, v)
         y0, y1 = y0 + line.part[j, 0], y1 + line.part[j, 0]
         a, b = (1.0 - fy) * (1.0 - fx), (1.0 - fy) * fx
@@ -159,21 +229,31 @@ def slopes(surface: Surface, line: Course, r: float) -> tuple[float, float]:
 
 
 @kernel
-def add_heights(surface: Surface, line: Course, j: int, range_m: np.ndarray, first: int, count: int, strip: Strip) -> None:
-    """Add the heights of a level's part ``j`` at ``count`` samples of a line, those from ``range_m[first]`` on, to the strip's.
+def address(line: Course, j: int, range_m: np.ndarray, first: int, some: tuple[int, int], strip: Strip) -> int:
+    """Fractions and corners over a level's part ``j`` of the samples ``some = (begin, end)`` of a strip, as far as the line is straight.
 
-    As :func:`height`, to a ``SUBCELLS``-th of a cell, for strips of up to :data:`LONGEST_STRIP` cells. Addresses are found apart from
-    the reading, in whole numbers of 32 bits, which the processor takes several at a time.
+    Returns the sample to go on with. Apart from the reading, in whole numbers of 32 bits, which the processor takes several at a time.
     """
     v, u = strip.fraction
     p00, p01, p10, p11 = strip.corner
-    r = range_m[first]
-    start_u, start_v = line.start[j, 0] + r * line.step[j, 0], line.start[j, 1] + r * line.step[j, 1]
+    begin, end = some
+    r = range_m[first + begin]
+    m = piece(line, j, r)
+    knot = line.knot[j, 0] + (m + 1) / line.knot[j, 1] if m < line.part[j, 3] else math.inf
+    if range_m[first + end - 1] >= knot:
+        # the samples before the next knot: a guess from their mean distance, put right
+        span = max(range_m[first + end - 1] - r, 1e-9)
+        end = begin + 1 + int(max(knot - r, 0.0) / span * (end - 1 - begin))
+        while end > begin + 1 and range_m[first + end - 1] >= knot:
+            end -= 1
+        while range_m[first + end] < knot:
+            end += 1
+    start_u, start_v = line.start[j, m, 0] + r * line.step[j, m, 0], line.start[j, m, 1] + r * line.step[j, m, 1]
     cell_u, cell_v = math.floor(start_u), math.floor(start_v)
     size = line.part[j, 1]
     x, y = np.uint32(int(cell_u) & (size - 1)), np.uint32(int(cell_v) & (size - 1))
     offset_u, offset_v = (start_u - cell_u) * SUBCELLS + WHOLE_TURNS, (start_v - cell_v) * SUBCELLS + WHOLE_TURNS
-    move_u, move_v = line.step[j, 0] * SUBCELLS, line.step[j, 1] * SUBCELLS
+    move_u, move_v = line.step[j, m, 0] * SUBCELLS, line.step[j, m, 1] * SUBCELLS
     last, row = np.uint32(size - 1), np.uint32(line.part[j, 2] + 2)
     one, two, three, four, bits, low = (
         np.uint32(1),
@@ -184,8 +264,11 @@ def add_heights(surface: Surface, line: Course, j: int, range_m: np.ndarray, fir
         np.uint32(SUBCELLS - 1),
     )
     part = np.float32(1.0 / SUBCELLS)
-    for k in range(count):
-        along = range_m[first + k] - r
+    # unsigned, as an address that could be negative is looked at once more
+    room, at = np.uint64(begin), np.uint64(first + begin)
+    for n in range(end - begin):
+        k = room + np.uint64(n)
+        along = range_m[at + np.uint64(n)] - r
         at_u, at_v = np.uint32(np.int32(offset_u + along * move_u)), np.uint32(np.int32(offset_v + along * move_v))
         u[k], v[k] = np.float32(np.int32(at_u & low)) * part, np.float32(np.int32(at_v & low)) * part
         x0, y0 = np.uint32(x + np.uint32(at_u >> bits)) & last, np.uint32(y + np.uint32(at_v >> bits)) & last
@@ -196,6 +279,20 @@ def add_heights(surface: Surface, line: Course, j: int, range_m: np.ndarray, fir
             np.uint32((y1 >> two) << row) | np.uint32((y1 & three) << two),
         )
         p00[k], p01[k], p10[k], p11[k] = row0 | column0, row0 | column1, row1 | column0, row1 | column1
+    return end
+
+
+@kernel
+def add_heights(surface: Surface, line: Course, j: int, range_m: np.ndarray, first: int, count: int, strip: Strip) -> None:
+    """Add the heights of a level's part ``j`` at ``count`` samples of a line, those from ``range_m[first]`` on, to the strip's.
+
+    As :func:`height`, to a ``SUBCELLS``-th of a cell, for strips of up to :data:`LONGEST_STRIP` cells.
+    """
+    v, u = strip.fraction
+    p00, p01, p10, p11 = strip.corner
+    done = 0
+    while done < count:
+        done = address(line, j, range_m, first, (done, count), strip)
     origin = np.uint64(line.part[j, 0])
     for k in range(count):
         a, b = surface.height[origin + np.uint64(p00[k])], surface.height[origin + np.uint64(p01[k])]
@@ -230,6 +327,7 @@ def surface_of(
     turn: FloatArray,
     levels: tuple[tuple[int, ...], ...] | None = None,
     origin: tuple[float, float] = (0.0, 0.0),
+    wander: tuple[Wander, ...] = (),
 ) -> Surface:
     """Bundle the lattices of one instant; none are a sea without resolved waves.
 
@@ -243,6 +341,8 @@ def surface_of(
         Lattices of every level of detail, longest waves first; one of all by default.
     origin : (float, float)
         Point under the sensor, east and north [m].
+    wander : tuple of Wander
+        Displacement of each lattice; none where all lie still.
     """
     sizes = np.array([z.shape[0] for z in lattices], dtype=np.int64)
     for n in sizes:
@@ -270,4 +370,16 @@ def surface_of(
         np.stack([1.0 / spacing, c, s, u, v], axis=1),
         level,
         crest,
+        _wander_rows(wander, spacing, turn, origin),
     )
+
+
+def _wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
+    """:attr:`Surface.wander` for a sensor above ``origin``."""
+    out = np.zeros((len(wander), max((w.phase.size for w in wander), default=0), 5))
+    for row, one, d, angle in zip(out, wander, spacing, turn, strict=False):
+        c, s = np.cos(angle), np.sin(angle)
+        row[:, :2] = one.amplitude @ np.array([[c, -s], [s, c]]) / d
+        row[:, 2:4] = one.wave_vector / (2.0 * np.pi)
+        row[:, 4] = np.mod(row[:, 2:4] @ np.array(origin) + one.phase / (2.0 * np.pi), 1.0)
+    return out

@@ -266,12 +266,13 @@ def sweep_columns(
             axes, tables = optics.tables.axes, optics.tables
             sines = (max(axes[0, 0], 0.0), min(axes[0, 0] + (tables.thermal.shape[0] - 1) / axes[0, 1], 1.0))
             sunward = course(surface, level, swept.sunlight.horizontal_east, swept.sunlight.horizontal_north)
+            arcs = (walk.range_m[first], walk.range_m[end - 1])
             lines = tangents.shape[0]
             for j in range(lines):
                 sight = line_of_sight(optics.sunlight, optics.roughness, azimuths[column] + width * ((j + 0.5) / lines - 0.5))
                 line = Line(
                     level,
-                    course(surface, level, -sight.east, -sight.north),
+                    course(surface, level, -sight.east, -sight.north, arcs),
                     sunward,
                     sight,
                     thermal_along(tables.thermal, axes, sight),

@@ -5,8 +5,9 @@
     zeta(x, t) = Re sum_k a_k exp[i (k.x - omega t)],     <|a_k|^2> = 2 int_cell Psi dk,     omega by :mod:`seaglint.sea.dispersion`
 
 Every tile carries its own band of wavenumbers, so that the sum over tiles has the whole spectrum once. Lengths are incommensurate and
-axes turned against each other, so the sum does not repeat where each tile does. The energy of a lattice wave is the integral of the
-spectrum over its cell, not a sample of it: heights and slopes have the variance of the spectrum for any grid size and tile length.
+axes turned against each other; where the sea is not to show the period of any tile, tiles wander (:mod:`seaglint.sea.wander`). The
+energy of a lattice wave is the integral of the spectrum over its cell, not a sample of it: heights and slopes have the variance of the
+spectrum for any grid size and tile length.
 
 A frame is a function of (amplitudes, time) alone; amplitudes are a function of (spectrum, tiles, seed) alone.
 """
@@ -27,6 +28,7 @@ from seaglint.random import stream
 from seaglint.sea.dispersion import angular_frequency
 from seaglint.sea.spectra.base import DirectionalSpectrum
 from seaglint.sea.tiles import Tile, require_bands
+from seaglint.sea.wander import Wander
 
 FloatArray = NDArray[np.float64]
 SurfaceArray = NDArray[np.float32]
@@ -60,17 +62,22 @@ class _Amplitudes:
 
 @dataclass(frozen=True, eq=False)
 class WaveField:
-    """A moving sea; make it with :meth:`create`."""
+    """A moving sea; make it with :meth:`create`.
+
+    ``wander``: by how much each tile is read aside (:mod:`seaglint.sea.wander`); empty where tiles lie still.
+    """
 
     spectrum: DirectionalSpectrum
     tiles: tuple[Tile, ...]
     seed: int
+    wander: tuple[Wander, ...]
     _lattices: tuple[_Lattice, ...]
     _amplitudes: tuple[_Amplitudes, ...]
 
     @classmethod
-    def create(cls, spectrum: DirectionalSpectrum, tiles: Sequence[Tile], seed: int) -> WaveField:
-        """Put a spectrum on tiles and draw the amplitudes of each from ``stream(seed, "waves", tile index)``.
+    def create(cls, spectrum: DirectionalSpectrum, tiles: Sequence[Tile], seed: int, *, wander: bool = False) -> WaveField:
+        """Put a spectrum on tiles and draw the amplitudes of each from ``stream(seed, "waves", tile index)``; ``wander``: so that the sea
+        does not repeat with the periods of its tiles.
 
         Raises
         ------
@@ -79,15 +86,19 @@ class WaveField:
         """
         require_bands(spectrum, tiles)
         lattices = tuple(_lattice_waves(spectrum, tile) for tile in tiles)
-        return cls(spectrum, tuple(tiles), seed, lattices, _draw(lattices, seed))
+        return cls(spectrum, tuple(tiles), seed, _wander(tiles, seed) if wander else (), lattices, _draw(lattices, seed))
 
     def reseeded(self, seed: int) -> WaveField:
         """Another realisation of the same sea, as :meth:`create` would make it, without integrating the spectrum again."""
-        return replace(self, seed=seed, _amplitudes=_draw(self._lattices, seed))
+        wander = _wander(self.tiles, seed) if self.wander else ()
+        return replace(self, seed=seed, wander=wander, _amplitudes=_draw(self._lattices, seed))
 
     def only(self, tile: int) -> WaveField:
         """The waves of one tile alone."""
-        return replace(self, tiles=(self.tiles[tile],), _lattices=(self._lattices[tile],), _amplitudes=(self._amplitudes[tile],))
+        one = slice(tile, tile + 1)
+        return replace(
+            self, tiles=self.tiles[one], wander=self.wander[one], _lattices=self._lattices[one], _amplitudes=self._amplitudes[one]
+        )
 
     def halved(self) -> WaveField:
         """The same waves but for those of the upper half of each tile's wavenumbers, on half as many points a side."""
@@ -244,6 +255,10 @@ def _low_pass(tile: Tile, lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_
 def _draw(lattices: Sequence[_Lattice], seed: int) -> tuple[_Amplitudes, ...]:
     """Gaussian amplitudes of every tile."""
     return tuple(_draw_tile(lattice, stream(seed, "waves", i)) for i, lattice in enumerate(lattices))
+
+
+def _wander(tiles: Sequence[Tile], seed: int) -> tuple[Wander, ...]:
+    return tuple(Wander.of(tile, seed, i) for i, tile in enumerate(tiles))
 
 
 def _draw_tile(lattice: _Lattice, rng: np.random.Generator) -> _Amplitudes:

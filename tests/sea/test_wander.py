@@ -1,0 +1,134 @@
+"""Tiles that wander: the sea does not repeat with their periods, and keeps its statistics."""
+
+import numpy as np
+import pytest
+import scipy.fft
+from scipy.ndimage import map_coordinates
+
+from seaglint.sea.field import WaveField
+from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.tiles import Tile, plan_tiles
+from seaglint.sea.wander import Wander
+
+SIDE, SPACING, SEEDS = 8000.0, 6.0, 8
+"""A plane of 8 km: seven to sixteen periods of the two smaller tiles."""
+
+APART = 150.0
+"""Lags [m] from which on nothing is left of the waves' own correlation; the longest are 170 m."""
+
+
+@pytest.fixture(scope="module")
+def still():
+    """Tiles of 2.6, 1.1 and 0.5 km with waves down to 16 m."""
+    spectrum = ElfouhailySpectrum(10.0, 0.5)
+    return WaveField.create(spectrum, plan_tiles(spectrum, 16.0, 128), 0)
+
+
+@pytest.fixture(scope="module")
+def wandering(still):
+    return WaveField.create(still.spectrum, still.tiles, 0, wander=True)
+
+
+def _plane(waves):
+    """Height and slopes (3, rows, columns) of a square of sea."""
+    x = np.arange(0.0, SIDE, SPACING)[None, :]
+    y = x.T
+    out = 0.0
+    for i, (tile, lattice) in enumerate(zip(waves.tiles, waves.surfaces(0.0), strict=True)):
+        east, north = waves.wander[i](x, y) if waves.wander else (0.0, 0.0)
+        c, s = np.cos(tile.rotation) / tile.spacing, np.sin(tile.rotation) / tile.spacing
+        u, v = c * (x + east) + s * (y + north), c * (y + north) - s * (x + east)
+        out = out + np.stack(
+            [map_coordinates(part, [v % tile.n, u % tile.n], order=1, mode="grid-wrap") for part in np.rollaxis(lattice, 2)]
+        )
+    return out
+
+
+def _largest(waves, seeds):
+    """Largest autocorrelation of either slope at lags from :data:`APART` to half the plane, the mean of some seas."""
+    total = 0.0
+    for seed in range(seeds):
+        slopes = _plane(waves.reseeded(seed))[1:]
+        n = slopes.shape[1]
+        size = scipy.fft.next_fast_len(3 * n // 2)
+        pairs = scipy.fft.irfft2(np.abs(scipy.fft.rfft2(np.ones((n, n)), (size, size))) ** 2, (size, size))
+        power = np.abs(scipy.fft.rfft2(slopes, (size, size))) ** 2
+        products = scipy.fft.irfft2(power, (size, size)) / np.maximum(pairs, 1.0)
+        total = total + products / products[:, :1, :1] / seeds
+    lag = np.minimum(np.arange(size), size - np.arange(size))
+    distance = SPACING * np.hypot(lag[:, None], lag[None, :])
+    wanted = (distance > APART) & (lag[:, None] <= n // 2) & (lag[None, :] <= n // 2)
+    return float(np.abs(total[:, wanted]).max())
+
+
+def test_tiles_that_lie_still_repeat(still):
+    """So that the next test can fail."""
+    assert _largest(still, 1) > 0.4
+
+
+def test_tiles_that_wander_do_not_repeat_in_any_direction(wandering):
+    """8 seas of 8 km leave an uncertainty of 0.005 (one deviation) at a lag, and the largest of 10^5 lags four times that."""
+    assert _largest(wandering, SEEDS) < 0.03
+
+
+def test_variances_are_those_of_tiles_that_lie_still(still, wandering):
+    """Of one sea: the mean over places is over other places of the tiles, nothing else."""
+    one, other = _plane(still), _plane(wandering)
+    to = still.spectrum.wind_to_azimuth
+    turn = np.array([[1.0, 0.0, 0.0], [0.0, np.sin(to), np.cos(to)], [0.0, np.cos(to), -np.sin(to)]])
+    expected, found = (np.mean(np.tensordot(turn, p, 1) ** 2, axis=(1, 2)) for p in (one, other))
+    # a plane of three periods of the longest tile: its height has an uncertainty of 2 %
+    assert found[1:] == pytest.approx(expected[1:], rel=0.01)
+    assert found[0] == pytest.approx(expected[0], rel=0.05)
+
+
+def test_directions_stay(still, wandering):
+    """Axis of the slopes and of the wave vectors of a plane, the second from its heights alone, within half a degree."""
+
+    def slope_axis(plane):
+        east, north = plane[1], plane[2]
+        return 0.5 * np.arctan2(2.0 * np.mean(east * north), np.mean(east**2) - np.mean(north**2))
+
+    def wave_axis(plane):
+        n = plane.shape[1]
+        window = np.hanning(n)[:, None] * np.hanning(n)[None, :]
+        power = np.abs(np.fft.fft2(plane[0] * window)) ** 2
+        k = np.fft.fftfreq(n)
+        ee, nn, en = (power * k[None, :] ** 2).sum(), (power * k[:, None] ** 2).sum(), (power * k[None, :] * k[:, None]).sum()
+        return 0.5 * np.arctan2(2.0 * en, ee - nn)
+
+    one, other = _plane(still), _plane(wandering)
+    for axis in (slope_axis, wave_axis):
+        assert abs(np.degrees(axis(other) - axis(one))) < 0.5
+
+
+def test_displacement_stretches_waves_by_two_per_cent():
+    tile = Tile(400.0, 128, 0.7, 0.1, 0.4)
+    wander, step = Wander.of(tile, 3, 1), 0.5
+    x = np.linspace(0.0, 40.0 * tile.length, 1500)
+    here, east, north = (np.stack(wander(x[None, :] + a, x[:, None] + b)) for a, b in ((0.0, 0.0), (step, 0.0), (0.0, step)))
+    gradient = np.stack([east - here, north - here]) / step
+    rms = np.sqrt(np.mean(gradient**2, axis=(2, 3)))
+    assert np.all(rms > 0.015)
+    assert np.all(rms < 0.03)
+    assert np.all(np.abs(here.mean(axis=(1, 2))) < 0.002 * tile.length)
+
+
+def test_displacement_is_a_function_of_seed_and_tile():
+    tile, longer = Tile(400.0, 128, 0.7, 0.1, 0.4), Tile(800.0, 128, 0.7, 0.1, 0.2)
+    place = np.array([123.0]), np.array([-45.0])
+    first = Wander.of(tile, 3, 1)(*place)
+    assert np.array_equal(first, Wander.of(tile, 3, 1)(*place))
+    assert not np.allclose(first, Wander.of(tile, 4, 1)(*place))
+    assert not np.allclose(first, Wander.of(tile, 3, 2)(*place))
+    doubled = Wander.of(longer, 3, 1)(2.0 * place[0], 2.0 * place[1])
+    assert doubled == pytest.approx(2.0 * np.array(first))
+
+
+def test_versions_of_a_tile_share_its_displacement(wandering):
+    part = wandering.only(1)
+    assert len(part.wander) == 1
+    for field in (part, part.halved()):
+        assert field.wander[0] is wandering.wander[1]
+    assert not np.array_equal(wandering.reseeded(5).wander[0].phase, wandering.wander[0].phase)
+    assert wandering.reseeded(0).wander[0].phase.tobytes() == wandering.wander[0].phase.tobytes()
