@@ -208,3 +208,13 @@ def test_options_go_by_the_fields_of_the_record(run) -> None:
 def test_options_that_there_are_not_are_refused(run, options, match: str) -> None:
     with pytest.raises(DataError, match=match):
         sg.analyze(run, **options)
+
+
+@pytest.mark.parametrize("resolve", [True, False])
+def test_results_can_be_saved_by_xarray(tmp_path, resolve):
+    scene = sg.load(
+        {"sensor": {"pixels": [8, 4], "frames": 1}, "sea": {"resolve_waves": resolve, "shortest_wave_m": 8}, "render": {"tile_size": 64}}
+    )
+    for name, dataset in (("mean", sg.mean(scene)), ("image", sg.image(scene)), ("run", sg.render(scene, tmp_path / "run.zarr"))):
+        dataset.to_netcdf(tmp_path / f"{name}.nc", engine="h5netcdf")
+        assert (tmp_path / f"{name}.nc").exists()

@@ -318,9 +318,11 @@ def _band_of(attributes: Mapping[Any, Any]) -> Band:
 
 
 def _with_band(dataset: xr.Dataset) -> xr.Dataset:
-    """The same with the band at every in-band radiance too, so that a variable is complete without its dataset."""
+    """The same with the band at every in-band radiance too, so that a variable is complete without its dataset, ready for any file."""
+    from seaglint.io.netcdf import plain_attributes
     from seaglint.schema import VARIABLES
 
+    dataset.attrs = plain_attributes(dataset.attrs)
     band = {key: dataset.attrs[key] for key in ("band_wavelength_um", "band_response")}
     for name, variable in dataset.data_vars.items():
         if variable.attrs.get("units") == VARIABLES["radiance"].units:

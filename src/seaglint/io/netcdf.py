@@ -5,8 +5,10 @@ The file is made in memory and its bytes are written by Python: HDF5 that meets 
 
 from __future__ import annotations
 
+import json
 import sys
 import traceback
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,6 +57,23 @@ def labelled(dataset: xr.Dataset) -> xr.Dataset:
     for name in map(str, out.variables):
         if name in VARIABLES:
             out[name].attrs = {**VARIABLES[name].attributes, **out[name].attrs}
+    return out
+
+
+def plain_attributes(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Attributes that any file can hold: tables as JSON text, truth values as 0 and 1, nothing that is empty.
+
+    >>> plain_attributes({"table": {"winds": [0, 20]}, "step": None, "whole": True})
+    {'table': '{"winds": [0, 20]}', 'whole': 1}
+    """
+    out: dict[str, Any] = {}
+    for name, value in attributes.items():
+        if isinstance(value, bool):
+            out[str(name)] = int(value)
+        elif isinstance(value, Mapping) or (isinstance(value, list | tuple) and any(isinstance(part, Mapping | list) for part in value)):
+            out[str(name)] = json.dumps(value)
+        elif value is not None and not (isinstance(value, list | tuple) and len(value) == 0):
+            out[str(name)] = value
     return out
 
 

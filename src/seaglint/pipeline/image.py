@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from seaglint.errors import DomainError
+from seaglint.io.netcdf import plain_attributes
 from seaglint.io.provenance import band_attributes
 from seaglint.pipeline.render import directions, poses, prepare_sequence
 from seaglint.render.layers import require_layers
@@ -67,5 +68,5 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
             "time": float(time),
             **place,
         },
-        attrs={**run.layout.attributes, "title": "Infrared image of the sea", **band_attributes(run.layout.band)},
+        attrs=plain_attributes({**run.layout.attributes, "title": "Infrared image of the sea", **band_attributes(run.layout.band)}),
     )
