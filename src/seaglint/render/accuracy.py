@@ -25,7 +25,7 @@ class Accuracy:
         range.
     variance_error : float
         Error of the variance of pixels, to first order in the slopes, up to which levels of detail leave waves out and lines stand apart.
-        With the default, deviations of pixels are within 6 % of those of finer pictures averaged down, from 10 m to 3 km.
+        With the default, deviations of pixels are within 5 % of those of finer pictures averaged down, from 10 m to 3 km.
     crest : float
         Height above which no crest is expected, in significant heights: five standard deviations.
     negligible_shadow : float

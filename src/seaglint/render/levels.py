@@ -20,7 +20,7 @@ _ARCS = 2000
 """Ranges at which the beginning of levels is looked for: to half a per cent."""
 
 
-_LINES_PER_WAVE = 2.5
+_LINES_PER_WAVE = 3.0
 """Lines that see a wave for themselves, per its length: with fewer the variance of pixels grows, as seen from 10 m to 3 km."""
 
 
