@@ -131,3 +131,17 @@ def require_line(height: float, range_m: ArrayLike, target_height: ArrayLike) ->
             f"{-lowest[deep][0]:.0f} m below the mean sea, more than {DEEPEST_LINE:g} m; leave out points that the sea hides"
         )
     return arc, target
+
+
+def require_solar_zenith(solar_zenith: ArrayLike) -> FloatArray:
+    """Zenith angles of the Sun as an array [rad]; those outside 0-pi are refused."""
+    zenith = np.asarray(solar_zenith, dtype=np.float64)
+    inside = (zenith >= 0.0) & (zenith <= np.pi)
+    if not np.all(inside):
+        raise DomainError(
+            "solar_zenith has values outside 0-pi rad; give zenith angles in radians",
+            name="solar_zenith",
+            value=float(zenith[~inside].ravel()[0]),
+            allowed=(0.0, np.pi),
+        )
+    return zenith

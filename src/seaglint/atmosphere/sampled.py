@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from seaglint.atmosphere.base import FloatArray, require_line, require_range, slant_range
+from seaglint.atmosphere.base import FloatArray, require_line, require_range, require_solar_zenith, slant_range
 from seaglint.atmosphere.coordinates import (
     decode_optical_depth,
     elevation_coordinate,
@@ -305,14 +305,7 @@ class SampledAtmosphere:
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
         """Direct sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)]; 0 beyond a zenith angle of pi/2."""
-        zenith = np.asarray(solar_zenith, dtype=np.float64)
-        if not np.all((zenith >= 0.0) & (zenith <= np.pi)):
-            raise DomainError(
-                "solar_zenith has values outside 0-pi rad; give zenith angles in radians",
-                name="solar_zenith",
-                value=float(zenith[~((zenith >= 0.0) & (zenith <= np.pi))].ravel()[0]),
-                allowed=(0.0, np.pi),
-            )
+        zenith = require_solar_zenith(solar_zenith)
         up = zenith <= 0.5 * np.pi + ANGLE_SLACK
         first, last = self._zeniths
         outside = up & ((zenith < first - ANGLE_SLACK) | (np.minimum(zenith, 0.5 * np.pi) > last + ANGLE_SLACK))

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.atmosphere.absorbers import Region
-from seaglint.atmosphere.base import wavenumber_grid
+from seaglint.atmosphere.base import require_solar_zenith, wavenumber_grid
 from seaglint.atmosphere.coordinates import Refraction, decode_optical_depth, elevation_coordinate, height_coordinate
 from seaglint.atmosphere.stencil import Stencil
 from seaglint.conventions import FloatArray
@@ -229,14 +229,7 @@ class BandTable:
     @staticmethod
     def sun_coordinate(solar_zenith: ArrayLike) -> FloatArray:
         """Zenith angles of the Sun [rad] as the coordinate in which its light is splined [1]; those outside 0-pi are refused."""
-        zenith = np.asarray(solar_zenith, dtype=np.float64)
-        if not np.all((zenith >= 0.0) & (zenith <= np.pi)):
-            raise DomainError(
-                "solar_zenith has values outside 0-pi rad; give zenith angles in radians",
-                name="solar_zenith",
-                value=float(zenith[~((zenith >= 0.0) & (zenith <= np.pi))].ravel()[0]),
-                allowed=(0.0, np.pi),
-            )
+        zenith = require_solar_zenith(solar_zenith)
         return elevation_coordinate(np.maximum(0.5 * np.pi - zenith, 0.0), 0.0)
 
     def sunlight(self, solar_zenith: ArrayLike, encoded: FloatArray) -> FloatArray:
