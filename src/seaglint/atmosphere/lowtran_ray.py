@@ -16,6 +16,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from seaglint._jit import njit
+from seaglint.conventions import FloatArray
 
 AEROSOLS: Final = 4
 """Regions of the aerosol: boundary layer, troposphere, stratosphere, above; the first columns of the amounts."""
@@ -34,9 +35,34 @@ WORK_ROWS: Final = 6
 """Rows [(columns,)] of scratch space that the kernels take."""
 
 _NODES, _WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(4)[0]), 0.5 * np.polynomial.legendre.leggauss(4)[1])
+"""Along the ray, down to where it runs level."""
+
+GRID_NODES: Final = 5
+_FINE_NODES: Final = 12
+"""Heights of a whole layer, and those at which its densities are summed once."""
+
+_STRAIGHT: Final = 2.5
+"""A layer in which the squared cosine of the zenith angle grows by less than this factor is summed on its fixed heights."""
+
+_THIN: Final = 1e-4
+"""LOWTRAN7 makes no layers of less than this [km]."""
 
 SHADE: Final = -1.0
 """Stands for a ray that the Earth blocks."""
+
+
+class LayerGrid(NamedTuple):
+    """Every whole layer at its quadrature heights, for rays that are far from level there: the sums need no exponentials.
+
+    ``invariant[l, g]``: ``n r`` there [km], and at the levels ``at_level[l]``; ``amount[l, g, k]``: weights of ``1/cos(zenith)`` for the
+    amounts; ``bending[l, g]`` and ``turn[l, g]`` those of ``tan(zenith)`` for bending and for the angle at the Earth's centre.
+    """
+
+    at_level: np.ndarray
+    invariant: np.ndarray
+    amount: np.ndarray
+    bending: np.ndarray
+    turn: np.ndarray
 
 
 class Laws(NamedTuple):
@@ -45,7 +71,7 @@ class Laws(NamedTuple):
     ``density[k, l]``: scaled densities at the levels of four aerosols, molecules, then absorbers; ``humidity`` relative [%] and ``tops``
     the highest levels of the aerosol regions. ``linear[k, i]``: coefficients of the columns whose optical depth is proportional to the
     amount; ``scattering[k, i]`` those of the aerosols' scattering. ``segments[s] = (column, first, end)``: bands with optical depth
-    ``exp(power ln W + log_coefficient)`` in channels first...end, listed one after another.
+    ``exp(power ln W + log_coefficient)`` in channels first...end, listed one after another. ``grid`` follows from the levels.
     """
 
     earth_radius: float
@@ -61,6 +87,7 @@ class Laws(NamedTuple):
     segments: np.ndarray
     power: np.ndarray
     log_coefficient: np.ndarray
+    grid: LayerGrid
 
 
 @njit
@@ -115,6 +142,16 @@ def _level_values(laws: Laws, z: float, layer: int, out: np.ndarray) -> None:
 
 
 @njit
+def _cold(p1: float, p2: float, kelvin1: float, kelvin2: float) -> float:
+    """Share of the water continuum that counts as cold (260 K: all, 296 K: none) between two points of a layer."""
+    kelvin = kelvin1
+    rho1, rho2 = p1 / kelvin1, p2 / kelvin2
+    if abs(rho2 / rho1 - 1.0) > 1e-9 and abs(p2 / p1 - 1.0) > 1e-9:
+        kelvin = (p1 - p2) / math.log(p1 / p2) / ((rho1 - rho2) / math.log(rho1 / rho2))
+    return min(max((296.0 - kelvin) / 36.0, 0.0), 1.0)
+
+
+@njit
 def piece(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
     """Adds the amounts between two heights of one layer to ``out`` [(columns,)]; angle at the Earth's centre and bending [rad].
 
@@ -166,38 +203,57 @@ def piece(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndarray, 
     # Temperature of the layer, weighted with the density of air, says how much of the continuum counts as cold.
     p1 = _interpolated(laws.pressure[layer], laws.pressure[layer + 1], (z1 - laws.height[layer]) / thick)
     p2 = _interpolated(laws.pressure[layer], laws.pressure[layer + 1], (z2 - laws.height[layer]) / thick)
-    kelvin = kelvin1
-    rho1, rho2 = p1 / kelvin1, p2 / kelvin2
-    if abs(rho2 / rho1 - 1.0) > 1e-9 and abs(p2 / p1 - 1.0) > 1e-9:
-        kelvin = (p1 - p2) / math.log(p1 / p2) / ((rho1 - rho2) / math.log(rho1 / rho2))
     for k in range(columns):
         out[k] += sums[k]
-    out[SELF_COLD] += sums[SELF] * min(max((296.0 - kelvin) / 36.0, 0.0), 1.0)
+    out[SELF_COLD] += sums[SELF] * _cold(p1, p2, kelvin1, kelvin2)
     return turned, bending
 
 
 @njit
-def _to_space(laws: Laws, z: float, invariant: float, work: np.ndarray, out: np.ndarray) -> float:
-    """Adds the amounts of the rising ray from z to the top; its bending [rad]."""
-    bending = 0.0
-    top = laws.height.size - 1
-    start = z
-    for i in range(_layer_of(laws, z), top):
-        if laws.height[i + 1] - start > 1e-4:
-            bending += piece(laws, start, laws.height[i + 1], invariant, work, out)[1]
-            start = laws.height[i + 1]
-    return bending
+def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
+    """:func:`piece` of the layers first...last - 1 from level to level."""
+    grid = laws.grid
+    columns, nodes = out.size, grid.invariant.shape[1]
+    turn, bending = 0.0, 0.0
+    for layer in range(first, last):
+        low, high = invariant / grid.at_level[layer], invariant / grid.at_level[layer + 1]
+        if (1.0 - high * high) > _STRAIGHT * (1.0 - low * low):
+            part = piece(laws, laws.height[layer], laws.height[layer + 1], invariant, work, out)
+            turn += part[0]
+            bending += part[1]
+            continue
+        for g in range(nodes):
+            sine = invariant / grid.invariant[layer, g]
+            secant = 1.0 / math.sqrt((1.0 - sine) * (1.0 + sine))
+            turn += grid.turn[layer, g] * sine * secant
+            bending += grid.bending[layer, g] * sine * secant
+            for k in range(columns):
+                out[k] += secant * grid.amount[layer, g, k]
+    return turn, bending
 
 
 @njit
-def _between(laws: Laws, low: float, high: float, invariant: float, work: np.ndarray, out: np.ndarray) -> float:
-    """Adds the amounts of the rising ray between two heights; its bending [rad]."""
-    bending, start = 0.0, low
-    while high - start > 1e-9:
-        end = min(laws.height[_layer_of(laws, start) + 1], high)
-        bending += piece(laws, start, end, invariant, work, out)[1]
-        start = end
-    return bending
+def between(laws: Laws, low: float, high: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
+    """:func:`piece` of a rising ray between any two heights; what sticks out of whole layers by less than 0.1 m is left out."""
+    turn, bending = 0.0, 0.0
+    first, last = _layer_of(laws, low), _layer_of(laws, high)
+    if laws.height[first] < low:
+        end = min(laws.height[first + 1], high)
+        if end - low > _THIN:
+            turn, bending = piece(laws, low, end, invariant, work, out)
+        first += 1
+    if high >= laws.height[last + 1]:
+        last += 1
+    if last > first:
+        part = _layers(laws, first, last, invariant, work, out)
+        turn += part[0]
+        bending += part[1]
+    start = max(laws.height[last], low)
+    if last >= first and high - start > _THIN:
+        part = piece(laws, start, high, invariant, work, out)
+        turn += part[0]
+        bending += part[1]
+    return turn, bending
 
 
 @njit
@@ -212,10 +268,10 @@ def sun_amounts(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.n
         lowest = tangent_height(laws, invariant, z)
         if lowest < 0.0:
             return SHADE
-        bending = 2.0 * _between(laws, lowest, z, invariant, work, out)
+        bending = 2.0 * between(laws, lowest, z, invariant, work, out)[1]
         for k in range(out.size):
             out[k] *= 2.0
-    return bending + _to_space(laws, z, invariant, work, out)
+    return bending + between(laws, z, laws.height[-1], invariant, work, out)[1]
 
 
 class Line(NamedTuple):
@@ -267,7 +323,7 @@ def trace(laws: Laws, z: float, zenith: float, line: Line, work: np.ndarray) -> 
             if line.height[n] - end < 1e-4 and end > lowest:  # as LOWTRAN7, no pieces of less than 0.1 m
                 start = end
                 continue
-            arc += piece(laws, end, start, invariant, work, amount)[0]
+            arc += between(laws, end, start, invariant, work, amount)[0]
             n += 1
             level -= 1
             _rung(line, n, end, math.pi - zenith_at(laws, invariant, end), arc, level)
@@ -288,7 +344,7 @@ def trace(laws: Laws, z: float, zenith: float, line: Line, work: np.ndarray) -> 
         if end - start < 1e-4:
             start = end
             continue
-        arc += piece(laws, start, end, invariant, work, amount)[0]
+        arc += between(laws, start, end, invariant, work, amount)[0]
         n += 1
         level += 1
         _rung(line, n, end, zenith_at(laws, invariant, end), arc, level)
@@ -320,3 +376,54 @@ def transmittances(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
             at += end - first
     for i in range(channels):
         out[i] = math.exp(-out[i]) if out[i] < 700.0 else 0.0
+
+
+def layer_grid(
+    earth_radius: float, height: FloatArray, refractivity: FloatArray, cold: FloatArray, density: FloatArray
+) -> LayerGrid:
+    """Quadrature of whole layers: heights [km, (levels,)], ``n - 1``, share of the water continuum that counts as cold [(layers,)],
+    densities [(columns, levels)].
+    """
+    x, weight = np.polynomial.legendre.leggauss(GRID_NODES)
+    node, weight = 0.5 * (1.0 + x), 0.5 * weight
+    thick = np.diff(height)
+    z = height[:-1, None] + thick[:, None] * node
+    n = refractivity + 1e-20
+    fall = np.log(n[:-1] / n[1:]) / thick
+    at_node = n[:-1, None] * np.exp(-fall[:, None] * (z - height[:-1, None]))
+    return LayerGrid(
+        (1.0 + n) * (earth_radius + height),
+        (1.0 + at_node) * (earth_radius + z),
+        np.ascontiguousarray(with_cold(layer_amounts(thick, density), cold)),
+        weight * thick[:, None] * fall[:, None] * at_node / (1.0 + at_node),
+        weight * thick[:, None] / (earth_radius + z),
+    )
+
+
+def layer_amounts(thick: FloatArray, density: FloatArray) -> FloatArray:
+    """Weights [(layers, GRID_NODES, columns)] of a smooth function at the quadrature heights for its integral times the density."""
+    node = 0.5 * (1.0 + np.polynomial.legendre.leggauss(GRID_NODES)[0])
+    x, weight = np.polynomial.legendre.leggauss(_FINE_NODES)
+    fine, weight = 0.5 * (1.0 + x), 0.5 * weight
+    a, b = density[:, :-1, None], density[:, 1:, None]
+    both = (a > 0.0) & (b > 0.0)
+    ratio = np.where(both, b, 1.0) / np.where(both, a, 1.0)
+    there = np.where(both, a * ratio**fine, a + (b - a) * fine)
+    lagrange = np.linalg.solve(np.vander(node, increasing=True).T, np.vander(fine, GRID_NODES, increasing=True).T)
+    return np.asarray(np.einsum("clf,gf,f,l->lgc", there, lagrange, weight, thick, optimize=True))
+
+
+def with_cold(amount: FloatArray, cold: FloatArray) -> FloatArray:
+    """Layer weights with the cold continuum's column made of the whole one's."""
+    out = amount.copy()
+    out[:, :, SELF_COLD] = out[:, :, SELF] * cold[:, None]
+    return out
+
+
+def cold_share(height: FloatArray, pressure: FloatArray, temperature: FloatArray) -> FloatArray:
+    """Share of the water continuum of every layer that counts as cold, from its temperature weighted with the density of air."""
+    return np.array([_cold(*(float(v) for v in (p[0], p[1], t[0], t[1]))) for p, t in zip(_pairs(pressure), _pairs(temperature), strict=True)])
+
+
+def _pairs(values: FloatArray) -> FloatArray:
+    return np.stack([values[:-1], values[1:]], axis=1)

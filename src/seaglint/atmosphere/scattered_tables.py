@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 from seaglint.atmosphere.base import slant_range
 from seaglint.atmosphere.coordinates import elevation_of_coordinate, straight_sea_cosine, straight_slant
 from seaglint.atmosphere.lowtran_ray import invariant_of
+from seaglint.atmosphere.sampled_sky import grazing_coordinate, grazing_share
 from seaglint.atmosphere.scattered import ScatteredLight, ScatteredTable
 from seaglint.atmosphere.scattered_line import KINDS, horizon_zenith
 from seaglint.atmosphere.scattering_laws import ScatteringAir
@@ -25,11 +26,12 @@ ANGLES: Final = 721
 
 ELEVATION_NODES: Final = 26
 DIP_NODES: Final = 12
+DIP_PIECE_NODES: Final = 6
 PATH_NODES: Final = 26
-"""Lines computed from the horizontal up, down to the horizon, and to the sea."""
+"""Lines computed from the horizontal up, down to the horizon (fewer between two grazed levels), and to the sea."""
 
 ROWS: Final = 257
-DIP_ROWS: Final = 48
+DIP_ROWS: Final = 128
 COLUMNS: Final = 17
 """Rows and columns of the tables, splined from those."""
 
@@ -46,9 +48,14 @@ LEAST_COSINE: Final = 1e-5
 
 _LEAST: Final = 1e-30
 
-_SUNS: Final = 5
-_SUN_ROWS: Final = 9
-"""Zenith angles of the Sun computed for the places in view, and tabulated."""
+_SUNS: Final = 7
+_SUN_ROWS: Final = 13
+"""Zenith angles of the Sun computed for the places in view (three if they differ little), and tabulated."""
+
+_SMALL_TURN: Final = np.radians(1.0)
+
+_LOWEST_SUN: Final = 0.5 * math.pi - SOLAR_ANGULAR_RADIUS
+"""Apparent zenith angle of a Sun that stands on the horizon [rad]: one that sets scatters like it, by the share that is up."""
 
 _HIGH_SUN, _LOW_SUN = np.radians((60.0, 80.0))
 
@@ -80,7 +87,7 @@ def scattered_light(
     nothing, twilight is left out. Against line by line sums the tables are within 0.3 % from the horizontal up and along paths.
     """
     one = np.asarray(weights, dtype=np.float64)[None]
-    sun = air.unrefracted_zenith(solar_zenith)
+    sun = air.unrefracted_zenith(min(solar_zenith, _LOWEST_SUN))
     share = float(visible_part_kernel(0.5 * math.pi - solar_zenith)[0])
     aloft = float(air.apparent_zenith(sun, height))
     azimuths = _azimuth_nodes(solar_zenith)
@@ -94,17 +101,16 @@ def scattered_light(
     zenith, rows = _sky_lines(air, 0.0)
     first, last = _sun_range(solar_zenith, farthest_turn)
     if last <= first:
-        sea = _table(air, None, 0.0, zenith, azimuths, [sun], rows, share)._replace(sun=(solar_zenith, 0.0))
+        sea = _table(air, None, 0.0, zenith, azimuths, [sun], rows, share)._replace(sun=(min(solar_zenith, _LOWEST_SUN), 0.0))
     else:
-        suns = [air.unrefracted_zenith(z) for z in np.linspace(first, last, _SUNS)]
+        suns = [air.unrefracted_zenith(z) for z in np.linspace(first, last, 3 if last - first < _SMALL_TURN else _SUNS)]
         sea = _table(air, None, 0.0, zenith, _azimuth_nodes(last), suns, rows)._replace(sun=(first, (_SUN_ROWS - 1) / (last - first)))
     return ScatteredLight(path, sky, sea)
 
 
 def _sun_range(solar_zenith: float, turn: float) -> tuple[float, float]:
-    """Apparent zenith angles of the Sun at the places in view whose share above the horizon is not 0 [rad]."""
-    highest = 0.5 * math.pi + SOLAR_ANGULAR_RADIUS
-    return min(max(solar_zenith - turn, 0.0), highest), min(solar_zenith + turn, highest)
+    """Apparent zenith angles between which the Sun stands wholly above the horizon of places in view [rad]."""
+    return min(max(solar_zenith - turn, 0.0), _LOWEST_SUN), min(solar_zenith + turn, _LOWEST_SUN)
 
 
 def _azimuth_nodes(solar_zenith: float) -> FloatArray:
@@ -133,16 +139,32 @@ def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, Resample]
     even = np.linspace(0.0, 1.0, ROWS)
     if height <= 0.0:
         return above, lambda nodes: np.asarray(CubicSpline(y, nodes, axis=1)(even))
-    x = np.linspace(0.0, 1.0, DIP_NODES)
-    dip = horizon_zenith(air.laws, 1e-3 * height) - 0.5 * math.pi
-    below = 0.5 * math.pi + dip * np.minimum((1.0 - x) ** 2, 1.0 - 2e-3)  # the lowest ray has to clear the sea
-    fine = np.arange(DIP_ROWS) / DIP_ROWS
+    edges = _grazed(air, height)
+    pieces = len(edges) - 1
+    nodes_each = DIP_NODES if pieces == 1 else DIP_PIECE_NODES
+    share = np.linspace(0.0, 1.0, nodes_each)
+    below = [low + (high - low) * grazing_share(share)[:-1] for low, high in zip(edges[:-1], edges[1:], strict=True)]
+    fine = edges[0] * (1.0 - np.arange(DIP_ROWS) / DIP_ROWS) ** 2
+    piece = np.clip(np.searchsorted(edges, fine, side="right") - 1, 0, pieces - 1)
 
     def rows(nodes: FloatArray) -> FloatArray:
-        low, high = CubicSpline(x, nodes[:, :DIP_NODES], axis=1), CubicSpline(y, nodes[:, DIP_NODES - 1 :], axis=1)
-        return np.concatenate([low(fine), high(even)], axis=1)
+        low = np.empty((nodes.shape[0], DIP_ROWS, *nodes.shape[2:]))
+        for i in range(pieces):
+            mine, first = piece == i, i * (nodes_each - 1)
+            where = grazing_coordinate((fine[mine] - edges[i]) / (edges[i + 1] - edges[i]))
+            low[:, mine] = CubicSpline(share, nodes[:, first : first + nodes_each], axis=1)(where)
+        return np.concatenate([low, CubicSpline(y, nodes[:, pieces * (nodes_each - 1) :], axis=1)(even)], axis=1)
 
-    return np.concatenate([below[:-1], above]), rows
+    return np.concatenate([0.5 * math.pi - np.concatenate(below), above]), rows
+
+
+def _grazed(air: ScatteringAir, height: float) -> FloatArray:
+    """Elevations, up to the horizontal, of the rays that clear the sea or touch a level [rad]: the sky has corners there."""
+    here = invariant_of(air.laws, 1e-3 * height, 1.0)
+    levels = air.laws.height[(air.laws.height > 0.0) & (1e3 * air.laws.height < height - 10.0)]
+    touching = [-math.acos(min(invariant_of(air.laws, float(z), 1.0) / here, 1.0)) for z in levels]
+    horizon = (0.5 * math.pi - horizon_zenith(air.laws, 1e-3 * height)) * (1.0 - 1e-3)
+    return np.array([horizon, *(e for e in touching if e > horizon), 0.0])
 
 
 def _table(

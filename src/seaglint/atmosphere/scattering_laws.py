@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.atmosphere.lowtran_ray import SELF_COLD, WORK_ROWS, Laws
+from seaglint.atmosphere.lowtran_ray import SELF_COLD, WORK_ROWS, Laws, cold_share, layer_grid
 from seaglint.atmosphere.scattered_line import KINDS, apparent_zenith, line_arc, many_amplitudes
 from seaglint.conventions import FloatArray
 
@@ -155,6 +155,7 @@ class ScatteringAir:
         linear = np.concatenate([aerosol.extinction, spectral.continuum])
         density = levels.density.copy()
         density[SELF_COLD] = 0.0  # made of the column before it, by temperature
+        cold = cold_share(levels.height, levels.pressure, levels.temperature)
         laws = Laws(
             float(levels.earth_radius),
             levels.height,
@@ -167,6 +168,7 @@ class ScatteringAir:
             np.ascontiguousarray(linear),
             np.ascontiguousarray(aerosol.extinction - aerosol.absorption),
             *bands,
+            layer_grid(float(levels.earth_radius), levels.height, levels.refractivity, cold, density),
         )
         return cls(spectral.wavenumber_cm, source, laws, aerosol)
 
