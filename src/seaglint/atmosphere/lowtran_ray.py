@@ -37,9 +37,14 @@ WORK_ROWS: Final = 6
 _NODES, _WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(4)[0]), 0.5 * np.polynomial.legendre.leggauss(4)[1])
 """Along the ray, down to where it runs level."""
 
-GRID_NODES: Final = 5
-_FINE_NODES: Final = 12
-"""Heights of a whole layer, and those at which its densities are summed once."""
+_HEIGHTS, _HEIGHT_WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(5)[0]), 0.5 * np.polynomial.legendre.leggauss(5)[1])
+"""Of a whole layer."""
+
+_FINE, _FINE_WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(12)[0]), 0.5 * np.polynomial.legendre.leggauss(12)[1])
+"""Where the densities of a whole layer are summed, once."""
+
+_TO_HEIGHTS = np.linalg.solve(np.vander(_HEIGHTS, increasing=True).T, np.vander(_FINE, 5, increasing=True).T).T * _FINE_WEIGHTS[:, None]
+"""Sums of a function's values at the one times those of its polynomial through the other."""
 
 _STRAIGHT: Final = 2.5
 """A layer in which the squared cosine of the zenith angle grows by less than this factor is summed on its fixed heights."""
@@ -378,46 +383,33 @@ def transmittances(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
         out[i] = math.exp(-out[i]) if out[i] < 700.0 else 0.0
 
 
-def layer_grid(
-    earth_radius: float, height: FloatArray, refractivity: FloatArray, cold: FloatArray, density: FloatArray
-) -> LayerGrid:
+def layer_grid(earth_radius: float, height: FloatArray, refractivity: FloatArray, cold: FloatArray, density: FloatArray) -> LayerGrid:
     """Quadrature of whole layers: heights [km, (levels,)], ``n - 1``, share of the water continuum that counts as cold [(layers,)],
     densities [(columns, levels)].
     """
-    x, weight = np.polynomial.legendre.leggauss(GRID_NODES)
-    node, weight = 0.5 * (1.0 + x), 0.5 * weight
     thick = np.diff(height)
-    z = height[:-1, None] + thick[:, None] * node
+    z = height[:-1, None] + thick[:, None] * _HEIGHTS
     n = refractivity + 1e-20
     fall = np.log(n[:-1] / n[1:]) / thick
     at_node = n[:-1, None] * np.exp(-fall[:, None] * (z - height[:-1, None]))
+    amount = layer_amounts(thick, density)
+    amount[:, :, SELF_COLD] = amount[:, :, SELF] * cold[:, None]
     return LayerGrid(
         (1.0 + n) * (earth_radius + height),
         (1.0 + at_node) * (earth_radius + z),
-        np.ascontiguousarray(with_cold(layer_amounts(thick, density), cold)),
-        weight * thick[:, None] * fall[:, None] * at_node / (1.0 + at_node),
-        weight * thick[:, None] / (earth_radius + z),
+        amount,
+        _HEIGHT_WEIGHTS * thick[:, None] * fall[:, None] * at_node / (1.0 + at_node),
+        _HEIGHT_WEIGHTS * thick[:, None] / (earth_radius + z),
     )
 
 
 def layer_amounts(thick: FloatArray, density: FloatArray) -> FloatArray:
-    """Weights [(layers, GRID_NODES, columns)] of a smooth function at the quadrature heights for its integral times the density."""
-    node = 0.5 * (1.0 + np.polynomial.legendre.leggauss(GRID_NODES)[0])
-    x, weight = np.polynomial.legendre.leggauss(_FINE_NODES)
-    fine, weight = 0.5 * (1.0 + x), 0.5 * weight
+    """Weights [(layers, nodes, columns)] of a smooth function at the quadrature heights for its integral times the density."""
     a, b = density[:, :-1, None], density[:, 1:, None]
     both = (a > 0.0) & (b > 0.0)
-    ratio = np.where(both, b, 1.0) / np.where(both, a, 1.0)
-    there = np.where(both, a * ratio**fine, a + (b - a) * fine)
-    lagrange = np.linalg.solve(np.vander(node, increasing=True).T, np.vander(fine, GRID_NODES, increasing=True).T)
-    return np.asarray(np.einsum("clf,gf,f,l->lgc", there, lagrange, weight, thick, optimize=True))
-
-
-def with_cold(amount: FloatArray, cold: FloatArray) -> FloatArray:
-    """Layer weights with the cold continuum's column made of the whole one's."""
-    out = amount.copy()
-    out[:, :, SELF_COLD] = out[:, :, SELF] * cold[:, None]
-    return out
+    slope = np.log(np.where(both, b, 1.0) / np.where(both, a, 1.0))
+    there = np.where(both, a * np.exp(slope * _FINE), a + (b - a) * _FINE)
+    return np.ascontiguousarray(np.moveaxis(there @ _TO_HEIGHTS, 0, -1) * thick[:, None, None])
 
 
 def cold_share(height: FloatArray, pressure: FloatArray, temperature: FloatArray) -> FloatArray:

@@ -103,7 +103,7 @@ def scattered_light(
     if last <= first:
         sea = _table(air, None, 0.0, zenith, azimuths, [sun], rows, share)._replace(sun=(min(solar_zenith, _LOWEST_SUN), 0.0))
     else:
-        suns = [air.unrefracted_zenith(z) for z in np.linspace(first, last, 3 if last - first < _SMALL_TURN else _SUNS)]
+        suns = [air.unrefracted_zenith(z) for z in _sun_nodes(first, last)]
         sea = _table(air, None, 0.0, zenith, _azimuth_nodes(last), suns, rows)._replace(sun=(first, (_SUN_ROWS - 1) / (last - first)))
     return ScatteredLight(path, sky, sea)
 
@@ -111,6 +111,12 @@ def scattered_light(
 def _sun_range(solar_zenith: float, turn: float) -> tuple[float, float]:
     """Apparent zenith angles between which the Sun stands wholly above the horizon of places in view [rad]."""
     return min(max(solar_zenith - turn, 0.0), _LOWEST_SUN), min(solar_zenith + turn, _LOWEST_SUN)
+
+
+def _sun_nodes(first: float, last: float) -> FloatArray:
+    """Zenith angles of the Sun that are computed [rad], closer together the lower it stands."""
+    t = np.linspace(0.0, 1.0, 3 if last - first < _SMALL_TURN else _SUNS)
+    return np.asarray(last - (last - first) * (1.0 - t) ** 2)
 
 
 def _azimuth_nodes(solar_zenith: float) -> FloatArray:
@@ -235,7 +241,6 @@ def _fine(values: FloatArray, azimuths: FloatArray, rows: Resample) -> FloatArra
     both = np.moveaxis(np.tensordot(to_columns, both, axes=(1, 2)), 0, 2)
     both = rows(both)
     if both.shape[0] > 1:
-        t = np.linspace(0.0, 1.0, both.shape[0])
-        both = CubicSpline(t, both, axis=0)(np.linspace(0.0, 1.0, _SUN_ROWS))
+        both = CubicSpline(1.0 - (1.0 - np.linspace(0.0, 1.0, both.shape[0])) ** 2, both, axis=0)(np.linspace(0.0, 1.0, _SUN_ROWS))
     whole = np.exp(both[..., :1]) * both[..., 1:]
     return np.ascontiguousarray(whole.reshape(*whole.shape[:3], *values.shape[3:]))

@@ -20,8 +20,8 @@ from zipfile import BadZipFile
 
 import numpy as np
 
-from seaglint.atmosphere.lowtran_ray import AEROSOLS
-from seaglint.atmosphere.scattering_laws import AerosolLaws, AirLevels, ScatteringAir, SpectralLaws
+from seaglint.atmosphere.lowtran_ray import AEROSOLS, layer_amounts
+from seaglint.atmosphere.scattering_laws import AerosolLaws, AirLevels, ScatteringAir, Segments, SpectralLaws, grid_of
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
 
@@ -111,6 +111,16 @@ class ScatteringTable:
         part = ((um - nodes[left]) / (nodes[left + 1] - nodes[left]))[:, None]
         self._log_phase = (1.0 - part) * held["log_phase"][:, left] + part * held["log_phase"][:, left + 1]
 
+        self._grid = grid_of(self._levels(held["aerosol_density"][self._index, 0]))
+
+    def _levels(self, aerosol_density: FloatArray) -> AirLevels:
+        held, m = self._held, self._index
+        return AirLevels(
+            float(held["earth_radius"][m]),
+            *(held[name][m] for name in ("height", "pressure", "temperature", "refractivity", "humidity", "tops")),
+            np.concatenate([aerosol_density, held["density"][m]]),
+        )
+
     def at_wind(self, wind_speed: float) -> ScatteringAir:
         """The air at a wind [m s-1]; above 20 m/s that of 20, as in LOWTRAN7."""
         held, m, keep = self._held, self._index, self._keep
@@ -126,16 +136,14 @@ class ScatteringTable:
         extinction[1:], absorption[1:] = held["aloft_extinction"][:, keep], held["aloft_absorption"][:, keep]
         extinction[0] = np.interp(self._um, held["node_um"], between("node_extinction"))
         absorption[0] = np.interp(self._um, held["node_um"], between("node_absorption"))
-        levels = AirLevels(
-            float(held["earth_radius"][m]),
-            *(held[name][m] for name in ("height", "pressure", "temperature", "refractivity", "humidity", "tops")),
-            np.concatenate([between("aerosol_density"), held["density"][m]]),
-        )
+        levels = self._levels(between("aerosol_density"))
+        amount = self._grid.amount.copy()
+        amount[:, :, :AEROSOLS] = layer_amounts(np.diff(levels.height), levels.density[:AEROSOLS])
         aerosol = AerosolLaws(extinction, absorption, held["phase_angle"], self._log_phase)
-        return ScatteringAir.assembled(self._spectral, self._bands, levels, aerosol, held["source"][keep])
+        return ScatteringAir.assembled(self._spectral, self._bands, levels, aerosol, held["source"][keep], self._grid._replace(amount=amount))
 
 
-def _renumbered(spectral: SpectralLaws, order: list[int]) -> tuple[Any, FloatArray, FloatArray]:
+def _renumbered(spectral: SpectralLaws, order: list[int]) -> Segments:
     """Bands of some channels, with the places of their amounts among those of all channels."""
     segments, power, log = spectral.segments()
     own = spectral.columns

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.atmosphere.lowtran_ray import SELF_COLD, WORK_ROWS, Laws, cold_share, layer_grid
+from seaglint.atmosphere.lowtran_ray import SELF_COLD, WORK_ROWS, LayerGrid, Laws, cold_share, layer_grid
 from seaglint.atmosphere.scattered_line import KINDS, apparent_zenith, line_arc, many_amplitudes
 from seaglint.conventions import FloatArray
 
@@ -28,6 +28,10 @@ NO_BAND: Final = -20.0
 
 _PER_MOLECULE: Final = 1e-20
 """The water continuum's coefficients are for this many molecules per cm2."""
+
+
+Segments = tuple[NDArray[np.int64], FloatArray, FloatArray]
+"""Bands one after another as :class:`Laws` has them: (column, first, end), powers and logarithms of all their channels."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,8 +60,8 @@ class SpectralLaws:
         """LOWTRAN7's numbers of the amounts in the order of :attr:`Laws.density`."""
         return [*AEROSOL_COLUMNS, *CONTINUA, *sorted({int(c) for c in np.unique(self.band_column)} - {0})]
 
-    def segments(self) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
-        """Bands one after another as :class:`Laws` has them: (column, first, end), powers and logarithms of all their channels."""
+    def segments(self) -> Segments:
+        """Bands, gas by gas."""
         place = {number: i for i, number in enumerate(self.columns)}
         found, power, log = [], [], []
         for column, exponent, coefficient in zip(self.band_column, self.band_power, self.band_log, strict=True):
@@ -139,36 +143,29 @@ class ScatteringAir:
     @classmethod
     def of(cls, spectral: SpectralLaws, levels: AirLevels, aerosol: AerosolLaws, source: FloatArray) -> ScatteringAir:
         """Put together for the kernels."""
-        segments, power, log = spectral.segments()
-        return cls.assembled(spectral, (segments, power, log), levels, aerosol, source)
+        return cls.assembled(spectral, spectral.segments(), levels, aerosol, source, grid_of(levels))
 
     @classmethod
     def assembled(
-        cls,
-        spectral: SpectralLaws,
-        bands: tuple[NDArray[np.int64], FloatArray, FloatArray],
-        levels: AirLevels,
-        aerosol: AerosolLaws,
-        source: FloatArray,
+        cls, spectral: SpectralLaws, bands: Segments, levels: AirLevels, aerosol: AerosolLaws, source: FloatArray, grid: LayerGrid
     ) -> ScatteringAir:
-        """As :meth:`of`, with the result of :meth:`SpectralLaws.segments` to be shared among winds."""
-        linear = np.concatenate([aerosol.extinction, spectral.continuum])
-        density = levels.density.copy()
+        """As :meth:`of`, with the results of :meth:`SpectralLaws.segments` and :func:`grid_of` made before."""
+        # Copies, which can be written to: kernels are compiled once for them, wherever the arrays are from.
+        density = np.array(levels.density)
         density[SELF_COLD] = 0.0  # made of the column before it, by temperature
-        cold = cold_share(levels.height, levels.pressure, levels.temperature)
         laws = Laws(
             float(levels.earth_radius),
-            levels.height,
-            levels.pressure,
-            levels.temperature,
-            levels.refractivity,
-            np.ascontiguousarray(density),
-            levels.humidity,
-            levels.tops,
-            np.ascontiguousarray(linear),
-            np.ascontiguousarray(aerosol.extinction - aerosol.absorption),
+            np.array(levels.height),
+            np.array(levels.pressure),
+            np.array(levels.temperature),
+            np.array(levels.refractivity),
+            density,
+            np.array(levels.humidity),
+            np.array(levels.tops),
+            np.concatenate([aerosol.extinction, spectral.continuum]),
+            aerosol.extinction - aerosol.absorption,
             *bands,
-            layer_grid(float(levels.earth_radius), levels.height, levels.refractivity, cold, density),
+            grid,
         )
         return cls(spectral.wavenumber_cm, source, laws, aerosol)
 
@@ -214,6 +211,12 @@ class ScatteringAir:
         where = np.ascontiguousarray(lines, dtype=np.float64)
         in_threads(lambda part: many_amplitudes(self.laws, 1e-3 * height, where, part, out, arc), len(lines))
         return out, arc
+
+
+def grid_of(levels: AirLevels) -> LayerGrid:
+    """Quadrature of the atmosphere's whole layers."""
+    cold = cold_share(levels.height, levels.pressure, levels.temperature)
+    return layer_grid(float(levels.earth_radius), levels.height, levels.refractivity, cold, levels.density)
 
 
 def molecular_phase(angle: ArrayLike) -> FloatArray:

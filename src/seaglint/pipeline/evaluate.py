@@ -44,6 +44,10 @@ MEAN_INPUTS: Final = (
     "ifov_mrad",
 )  # fmt: skip
 
+SCATTERED_INPUTS: Final = (
+    "kind", "atmosphere", "wind_speed_m_s", "sensor_height_m", "elevation_deg", "azimuth_from_sun_deg", "solar_zenith_deg",
+)  # fmt: skip
+
 WIND_FROM: Final = "wind_from_deg"
 """Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth."""
 
@@ -291,6 +295,83 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     return {**columns, **marks}
 
 
+def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Report | None = None) -> Columns:
+    """Sunlight that the air scatters once into paths to the sea and into the clear sky, and their thermal radiance.
+
+    Parameters
+    ----------
+    cases : Cases
+        With the columns :data:`SCATTERED_INPUTS`; elevation is that of LOWTRAN7's own refracted ray at the sensor, below 0 for paths,
+        the Sun's zenith angle at the sensor that without refraction, as LOWTRAN7 takes it.
+    bands : sequence of NamedBand
+        Inside the tables; in 7.5-14 um, where the air scatters next to none, scattered radiance is 0.
+    extrapolate : bool
+        Take winds and heights outside the table and mark them in a column; elsewhere they are refused.
+    progress : callable, optional
+        Called with (done, total).
+
+    Returns
+    -------
+    dict
+        Per band ``scattered_W_m2_sr`` and ``thermal_W_m2_sr``, Sun at 1 au.
+
+    Raises
+    ------
+    DataError
+        A column missing, or a value that cannot be used; names row and column.
+    DomainError
+        A band outside the tables.
+    """
+    from seaglint.atmosphere.scattered_cases import scattered_cases
+    from seaglint.atmosphere.scattering_file import covers
+
+    cases.require(SCATTERED_INPUTS)
+    airs = _airs(cases, bands, extrapolate)
+    covered = next(iter(airs[bands[0].label].values()))
+    is_path = np.array([kind == "path" for kind in cases.choice("kind", ("path", "sky"))])
+    wind, windy = _ranged(cases, "wind_speed_m_s", covered.wind_range, WIND_PROFILE, "m/s of the atmosphere tables", extrapolate)
+    heights = (0.0, covered.height_range[1])
+    height, high = _ranged(cases, "sensor_height_m", heights, (0.0, _HIGHEST), "m of the atmosphere tables", extrapolate)
+    lowest = 1e-3 if extrapolate else covered.height_range[0]
+    cases.check(~is_path | (height >= lowest), "sensor_height_m", lambda i: f"{height[i]:g} m is below {lowest:g} m, the lowest of paths")
+    elevation = _angles(cases, "elevation_deg", -90.0, 90.0)
+    azimuth, sun = _angles(cases, "azimuth_from_sun_deg", -360.0, 360.0), _angles(cases, "solar_zenith_deg", 0.0, 180.0)
+    groups = groups_of(zip(cases.text("atmosphere"), is_path.tolist(), strict=True))
+    dip = np.empty(len(cases))
+    for key, rows in groups:
+        dip[rows] = airs[bands[0].label][_model_of(key)].dip(height[rows])
+    _hits_sea(cases, np.where(is_path, -elevation, np.inf), dip, "elevation_deg", -1.0)
+    cases.check(
+        is_path | (elevation >= -dip * (1.0 - 1e-9)),
+        "elevation_deg",
+        lambda i: f"{np.degrees(elevation[i]):.6g} deg sees the sea, whose horizon lies at {-np.degrees(dip[i]):.6g} deg; say kind = path",
+    )
+    columns = {f"{q}_W_m2_sr[{band.label}]": np.zeros(len(cases)) for band in bands for q in ("scattered", "thermal")}
+    parts = [(key, all_rows[i : i + _CHUNK]) for key, all_rows in groups for i in range(0, all_rows.size, _CHUNK)]
+    done, total = 0, len(cases) * len(bands)
+    seen = [band for band in bands if covers(band.edges)]
+    for key, rows in parts:
+        _tell(progress, done, total)
+        for band in bands:
+            air = airs[band.label][_model_of(key)]
+            thermal = (
+                air.path(wind[rows], height[rows], -elevation[rows])[1]
+                if is_path[rows[0]]
+                else air.sky_radiance(wind[rows], 0.5 * np.pi - elevation[rows], height[rows])
+            )
+            columns[f"thermal_W_m2_sr[{band.label}]"][rows] = thermal @ band.band.weights(air.wavenumber_cm)
+        lines = np.stack([wind, height, elevation, azimuth, sun], axis=1)[rows]
+        for band, found in zip(seen, scattered_cases(_model_of(key), lines, [band.band for band in seen]), strict=True):
+            columns[f"scattered_W_m2_sr[{band.label}]"][rows] = found
+        done += rows.size * len(bands)
+    _tell(progress, done, total)
+    return {**columns, **({EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {})}
+
+
+def _model_of(key: Hashable) -> str:
+    return str(key[0]) if isinstance(key, tuple) else str(key)
+
+
 def groups_of(keys: Iterable[Hashable]) -> list[tuple[Hashable, NDArray[np.intp]]]:
     """Rows that share a key, in order of first appearance.
 
@@ -346,11 +427,12 @@ def _angles(cases: Cases, name: str, low: float, high: float) -> FloatArray:
     return np.radians(cases.within(Column(name, low, high, what="deg")))
 
 
-def _hits_sea(cases: Cases, depression: FloatArray, dip: FloatArray) -> None:
-    """Refuse lines of sight that end in the sky."""
+def _hits_sea(cases: Cases, depression: FloatArray, dip: FloatArray, column: str = "depression_deg", sign: float = 1.0) -> None:
+    """Refuse lines of sight that end in the sky; ``sign`` is -1 for a column of elevations."""
 
     def say(row: int) -> str:
-        seen, horizon = np.degrees(depression[row]), np.degrees(dip[row])
-        return f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give a depression between that and 90 deg"
+        seen, horizon = sign * np.degrees(depression[row]), sign * np.degrees(dip[row])
+        what = "a depression" if sign > 0.0 else "an elevation"
+        return f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give {what} between that and {sign * 90.0:g} deg"
 
-    cases.check(depression > dip, "depression_deg", say)
+    cases.check(depression > dip, column, say)
