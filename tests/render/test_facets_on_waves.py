@@ -1,10 +1,10 @@
 """Facets on waves that are geometry are as often seen and lit as on a sea whose waves are all geometry, brute force in one plane."""
 
-import facet_bands
 import numpy as np
 import pytest
-from facet_bands import differences
 
+import facet_bands
+from facet_bands import differences
 from seaglint.sea.nested import bands_of_facets
 
 
