@@ -20,7 +20,7 @@ from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray
 
 HIGHEST_ELEVATION: Final = float(np.radians(0.5))
-"""From this elevation up the sky is LOWTRAN7's own [rad]."""
+"""From this elevation up the sky is LOWTRAN7's own, up to the horizontal that of continuous air [rad]."""
 
 HEIGHTS: Final = (100.0, 300.0)
 """Sensors up to the one see the sky of continuous air near the horizon, from the other up LOWTRAN7's own [m]."""
@@ -29,19 +29,15 @@ _TOP: Final = 10e3
 """Height at which the lines of sight end [m]: above it the band law knows no absorbers."""
 
 _THIN: Final = _TOP * (np.arange(1, 80) / 80.0) ** 2
-"""Levels of layers thin enough to stand for continuous air [m]: 1.6, 6.25, 14 ... 100, 127 m; twice as many change less than 0.01 K."""
+"""How far above and below the sensor's height the levels lie whose layers stand for continuous air [m]: 1.6, 6.25, 14, 25 ..."""
 
 
-def share(height: float) -> float:
-    """Share [1] of continuous air in the sky near the horizon: 1 up to the first of :data:`HEIGHTS`, 0 from the second."""
+def share(height: float, elevation: FloatArray) -> FloatArray:
+    """Share [1] of continuous air in the sky at elevations [rad] seen from a height [m]; without corners along the elevation."""
     low, high = HEIGHTS
-    return float(np.clip(np.log(high / height) / np.log(high / low), 0.0, 1.0)) if height > 0.0 else 0.0
-
-
-def fading(elevation: FloatArray) -> FloatArray:
-    """The same against elevation [rad]: 1 up to the horizontal, 0 from :data:`HIGHEST_ELEVATION`, without corners."""
+    near = np.clip(np.log(high / height) / np.log(high / low), 0.0, 1.0) if height > 0.0 else 0.0
     t = np.clip(elevation / HIGHEST_ELEVATION, 0.0, 1.0)
-    return np.asarray((1.0 - t) ** 2 * (1.0 + 2.0 * t))
+    return np.asarray(near * (1.0 - t) ** 3 * (1.0 + 3.0 * t + 6.0 * t * t))
 
 
 def nodes(dip: float) -> FloatArray:
@@ -49,16 +45,17 @@ def nodes(dip: float) -> FloatArray:
 
     None lies just below the horizontal, where the sky of layers changes as the root of the angle.
     """
-    return np.concatenate([-dip * np.array([1.0, 2.0 / 3.0, 1.0 / 3.0]), np.linspace(0.0, HIGHEST_ELEVATION, 9)])
+    return np.concatenate([-dip * np.array([1.0, 2.0 / 3.0, 1.0 / 3.0]), np.linspace(0.0, HIGHEST_ELEVATION, 5)])
 
 
 def continuous_over_layered(law: BandLaw, height: float, elevation: FloatArray) -> FloatArray:
     """Ratio [1, (cases, n)] of the sky's radiance in continuous air to that in LOWTRAN7's layers, from a height [m] at elevations [rad]."""
     rise = (EFFECTIVE_EARTH_RADIUS + height) * np.sin(elevation)
     slant = np.sqrt(rise * rise + (_TOP - height) * (2.0 * EFFECTIVE_EARTH_RADIUS + _TOP + height)) - rise
+    air = np.sort(np.concatenate([height - _THIN[height > _THIN], [height], height + _THIN]))
+    layers = np.union1d(height, np.arange(LEVEL_STEP, _TOP, LEVEL_STEP))
     start, one = np.full_like(slant, height), np.ones((slant.size, law.wavenumber_cm.size))
-    thin, thick = (
-        law.emission(law.absorbers.along(start, np.full_like(slant, _TOP), slant, np.union1d(levels, height)), one)
-        for levels in (_THIN, np.arange(LEVEL_STEP, _TOP, LEVEL_STEP))
+    continuous, layered = (
+        law.emission(law.absorbers.along(start, np.full_like(slant, _TOP), slant, levels), one) for levels in (air, layers)
     )
-    return np.asarray(thin / thick)
+    return np.asarray(continuous / layered)

@@ -338,9 +338,10 @@ class TableAtmosphere:
                 "directions below the sea horizon see the sea"
             )
         temperature = self._layered_sky(at, dip, elevation)
-        share, low = low_sky.share(at), elevation < low_sky.HIGHEST_ELEVATION
-        if share > 0.0 and low.any():
-            temperature[low] += share * (self._low_sky(at, dip, elevation[low]) - temperature[low])
+        share = low_sky.share(at, elevation)
+        low = share > 0.0
+        if low.any():
+            temperature[low] += share[low][:, None] * (self._continuous_sky(at, dip, elevation[low]) - temperature[low])
         return planck_wavenumber(self.wavenumber_cm, temperature)
 
     def _layered_sky(self, height: float, dip: float, elevation: FloatArray) -> FloatArray:
@@ -361,11 +362,10 @@ class TableAtmosphere:
             temperature[below] = _along(self._sky_dip, np.tensordot(weights, self._sky_dip.scores[1:], axes=1), x)
         return temperature
 
-    def _low_sky(self, height: float, dip: float, elevation: FloatArray) -> FloatArray:
-        """The same in continuous air, which fades into LOWTRAN7's layers, at elevations [rad, (cases,)] near the sea horizon."""
+    def _continuous_sky(self, height: float, dip: float, elevation: FloatArray) -> FloatArray:
+        """The same in continuous air [K, (cases, n)], at elevations near the sea horizon [rad, (cases,)]."""
         nodes = low_sky.nodes(dip)
-        layered = self._layered_sky(height, dip, nodes)
-        ratio = low_sky.continuous_over_layered(self._law, height, nodes)
-        continuous = brightness_temperature(self.wavenumber_cm, planck_wavenumber(self.wavenumber_cm, layered) * ratio)
-        temperature = layered + low_sky.fading(nodes)[:, None] * (continuous - layered)
-        return np.asarray(PchipInterpolator(nodes, temperature)(np.maximum(elevation, nodes[0])))
+        layered = planck_wavenumber(self.wavenumber_cm, self._layered_sky(height, dip, nodes))
+        continuous = layered * low_sky.continuous_over_layered(self._law, height, nodes)
+        smooth = PchipInterpolator(nodes, brightness_temperature(self.wavenumber_cm, continuous))
+        return np.asarray(smooth(np.maximum(elevation, nodes[0])))
