@@ -66,7 +66,9 @@ class TableAtmosphere:
 
     Against LOWTRAN7 runs off the nodes (random heights 2 m-10 km, angles and winds; 3-5 um) the 95th percentile of the error is 0.15 % of
     band transmittance, 0.1 % of path radiance and sunlight, 0.05 % of the sky seen from the sea, and 1.5 % (largest 5 %) of the sky seen
-    from a height within four dips of the sea horizon, where LOWTRAN7's layers are met almost along (0.9 % from below 5 km).
+    from a height within four dips of the sea horizon, where LOWTRAN7's layers are met almost along (0.9 % from below 5 km). Sensors below
+    300 m see less of these layers below 0.5 deg of elevation, from 100 m down none (:mod:`seaglint.atmosphere.low_sky`): within 0.03 K of
+    apparent temperature in 3.5-5 um, 0.06 K in 8-12 um, of LOWTRAN7 runs with layers some metres thick.
 
     To points above the sea, against 840 random LOWTRAN7 runs between two heights (sensors 2 m-10 km, ranges 0.1-60 km, all models and
     winds; 3-5, 3.5-5 and 8-12 um), the 95th percentile of the error of band transmittance and path radiance is 0.2 % and 0.4 % for
