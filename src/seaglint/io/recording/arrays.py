@@ -215,22 +215,15 @@ def open_labelled(path: Path, how: Reading) -> Recording:
 
 
 def of_dataset(dataset: Any, source: str, how: Reading) -> Recording:
-    """The image variable of an :class:`xarray.Dataset`: ``radiance``, the only one, or the one chosen; read when it is needed.
-
-    The frame rate is that of the time coordinate where this is even and the attributes say something else: a selection of every other
-    frame keeps the attributes.
-    """
+    """The image variable of an :class:`xarray.Dataset`: ``radiance``, the only one, or the one chosen; read when it is needed."""
     images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
     name = _choose(images, how.variable or ("radiance" if "radiance" in images else None), source)
     chosen = images[name]
-    rate, even = _rate(dataset.attrs) or _rate(dict(chosen.attrs)), _spacing(dataset)
-    if rate is None or (even is not None and abs(even / rate - 1.0) > 1e-3):
-        rate = even
     return of_array(
         _Lazy(chosen),
         f"{source}:{name}",
         how,
-        frame_rate=rate,
+        frame_rate=stored_frame_rate(dataset, chosen),
         units=_text(chosen.attrs.get("units")),
         named_axes=chosen.dims[0] == "time",
     )
@@ -244,6 +237,16 @@ class _Lazy:
 
     def __getitem__(self, key: Any) -> NDArray[Any]:
         return np.asarray(self._variable[key].to_numpy())
+
+
+def stored_frame_rate(dataset: Any, images: Any) -> float | None:
+    """Frames per second [Hz] of images in a dataset.
+
+    That of the time coordinate where this is even and the attributes say something else: a selection of every other frame keeps the
+    attributes.
+    """
+    rate, even = _rate(dataset.attrs) or _rate(dict(images.attrs)), _spacing(dataset)
+    return even if rate is None or (even is not None and abs(even / rate - 1.0) > 1e-3) else rate
 
 
 def _spacing(dataset: Any) -> float | None:
