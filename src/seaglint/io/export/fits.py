@@ -118,13 +118,13 @@ def cards(stack: Stack, numbers: Numbers) -> list[Card]:
 
 def _scaling(numbers: Numbers, stored: np.dtype[Any]) -> list[Card]:
     """Physical values of the numbers: ``BZERO + BSCALE * stored``."""
-    half = float(1 << (8 * stored.itemsize - 1))
+    half = 1 << (8 * stored.itemsize - 1)
     if numbers.counts is not None:
         scale, offset = numbers.counts.scale, numbers.counts.offset
-        return [("BSCALE", scale, ""), ("BZERO", offset + scale * half, ""), ("BLANK", -int(half), "where there is no value")]
+        return [("BSCALE", scale, ""), ("BZERO", offset + scale * half, ""), ("BLANK", -half, "where there is no value")]
     if stored == numbers.dtype:
         return []
-    return [("BSCALE", 1.0, ""), ("BZERO", -half if numbers.dtype == np.int8 else half, "")]
+    return [("BSCALE", 1, ""), ("BZERO", -half if numbers.dtype == np.int8 else half, "")]
 
 
 def _linear(values: xr.DataArray) -> tuple[float, float] | None:

@@ -212,4 +212,7 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     before = f"{out.attrs['history']}\n" if "history" in out.attrs else ""
     out.attrs = {**out.attrs, "history": f"{before}{now} {chosen} exported by seaglint {__version__}"}
-    return Stack(out, chosen)
+    stack = Stack(out, chosen)
+    if "frame_rate_hz" in out.attrs:
+        out.attrs["frame_rate_hz"] = stack.frame_rate  # of every other frame it is another
+    return stack

@@ -157,7 +157,8 @@ def open_hdf5(path: Path, how: Reading) -> Recording:
     file.visititems(visit)
     name = _choose(found, how.variable, path)
     array = found[name]
-    return of_array(array, f"{path}:{name}", how, frame_rate=_rate(dict(array.attrs)), units=_text(array.attrs.get("units")))
+    rate = _rate(dict(array.attrs)) or _rate(dict(file.attrs))
+    return of_array(array, f"{path}:{name}", how, frame_rate=rate, units=_text(array.attrs.get("units")))
 
 
 def open_fits(path: Path, how: Reading) -> Recording:
