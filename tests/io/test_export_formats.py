@@ -269,6 +269,13 @@ def test_our_own_analysis_reads_what_is_exported(run, tmp_path, ending):
         assert (opened.frame_rate, opened.units) == (pytest.approx(RATE / 2), "W m-2 sr-1")
 
 
+@pytest.mark.parametrize("ending", ["nc", "h5", "fits"])
+def test_our_own_analysis_takes_the_scale_of_counts(run, tmp_path, ending):
+    told = write_stack(select(run), tmp_path / f"x.{ending}", dtype="uint16", limits=EXTREMES)
+    opened = open_recording(tmp_path / f"x.{ending}")
+    np.testing.assert_allclose(opened.read(0, 5), FRAMES, rtol=0.0, atol=HALF * told.scale_factor)
+
+
 def test_large_stacks_are_bigtiff(run, tmp_path, monkeypatch):
     monkeypatch.setattr(tiff, "_SMALL", 1000)
     write_stack(select(run), tmp_path / "x.tif")

@@ -92,6 +92,14 @@ def test_rate_of_the_frames_chosen_or_asked_for(run, tmp_path, rate, frames, del
     assert decoded_gif(tmp_path / "x.gif")[1] == pytest.approx(delay)
 
 
+def test_a_gif_that_would_be_too_fast_is_slower_and_says_so(run, tmp_path):
+    fast = run.assign_coords(time=run["time"] / 5.0)
+    fast["time"].attrs = run["time"].attrs
+    told = export_run(fast, tmp_path / "x.gif")
+    assert decoded_gif(tmp_path / "x.gif")[1] == pytest.approx(0.02)
+    assert "50 per second (the run has 100)" in told.line
+
+
 def test_other_variables_have_their_units_below(run, tmp_path, monkeypatch):
     seen = []
     drawn = video.captioned

@@ -113,7 +113,10 @@ def _show(
         raise BackendError(f"{output}: a video needs PyAV, which is not installed; pip install 'seaglint[video]'")
     (file,) = output_files(output)
     refuse_existing(file, overwrite=overwrite)
+    shown = rate or video.shown_rate(stack.dataset, stack.variable, file.suffix.lower())
     video.write_video(
-        stack.dataset, file, scale or "auto", variable=stack.variable, colours=colours, limits=limits, rate=rate, progress=progress
-    )  # fmt: skip
-    return Exported((file,), stack.variable, stack.units, stack.shape, f"{colours} pictures")
+        stack.dataset, file, scale or "auto", variable=stack.variable, colours=colours, limits=limits, rate=shown, progress=progress
+    )
+    own = stack.frame_rate
+    other = f" (the run has {own:g})" if own is not None and abs(shown / own - 1.0) > 1e-3 else ""
+    return Exported((file,), stack.variable, stack.units, stack.shape, f"{colours} pictures, {shown:g} per second{other}")
