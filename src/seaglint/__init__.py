@@ -11,10 +11,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from seaglint.api import analyze, apparent_temperature, image, load, mean, render
+    from seaglint.api import analyze, apparent_temperature, export, image, load, mean, render
     from seaglint.version import __version__
 
-__all__ = ["__version__", "analyze", "apparent_temperature", "image", "load", "mean", "render"]
+__all__ = ["__version__", "analyze", "apparent_temperature", "export", "image", "load", "mean", "render"]
 
 
 class _Called(ModuleType):

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from seaglint.analysis import Analysis, Options, Recording
+    from seaglint.io.export import Exported
     from seaglint.io.store import Progress
     from seaglint.optics.band import Band
     from seaglint.scenario.model import Scenario
@@ -188,6 +189,61 @@ def render(
 
     path = written(scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
     return _with_band(open_sequence(path))
+
+
+def export(
+    run: xr.Dataset | str | Path,
+    output: str | Path,
+    *,
+    variable: str | None = None,
+    frames: range | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Exported:
+    """Write frames of a run for another program; the ending of ``output`` is the format.
+
+    Parameters
+    ----------
+    run : xarray.Dataset or path
+        What :func:`render` gives or a part of it, or a finished store.
+    output : path
+        ``.nc``, ``.h5``, ``.tif``, ``.fits``, ``.npy``, ``.raw`` (the last two with a JSON header beside them), ``.mp4`` or ``.gif``.
+    variable : str, optional
+        Images to export; ``signal`` if there, else ``radiance``.
+    frames : range, optional
+        Numbers of the frames, counted in the whole sequence.
+    overwrite : bool
+        Replace what is there.
+    progress : callable, optional
+        Called with (frames done, frames in all).
+    **options
+        ``dtype`` and ``limits`` of numbers; ``colours``, ``limits``, ``rate`` and ``scale`` of videos; see
+        :func:`seaglint.plot.export.export_run`.
+
+    Returns
+    -------
+    Exported
+        Files, shape and type of the numbers, scale and offset of counts.
+
+    Raises
+    ------
+    SeaglintError
+        A format, variable, frames or options that cannot be, an unfinished run, a file that is there already, no room.
+
+    Examples
+    --------
+    >>> import seaglint as sg, tempfile
+    >>> scene = sg.load({"sensor": {"pixels": [8, 4], "frames": 3}, "sea": {"resolve_waves": False}})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     sg.export(sg.render(scene, f"{folder}/run.zarr"), f"{folder}/run.tif", dtype="uint16", limits=(0.0, 2.0)).shape
+    (3, 4, 8)
+    """
+    from seaglint.io.store import open_sequence
+    from seaglint.plot.export import export_run
+
+    opened = open_sequence(run) if isinstance(run, str | Path) else run
+    return export_run(opened, output, variable=variable, frames=frames, overwrite=overwrite, progress=progress, **options)
 
 
 def analyze(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from seaglint.conventions import surface_range
 from seaglint.pipeline.render import prepare_sequence
 from seaglint.scenario.load import parse_scenario
 
@@ -104,3 +105,35 @@ def test_far_pixels_vary_as_fine_ones_averaged_down(height, mrad, band, top, bot
     # means change by 1.5 % at most in the last rows above the horizon, where facets stand for waves
     mean = np.array(seen).mean() / np.array(down).mean()
     assert mean == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize(
+    ("height", "mrad", "band", "top", "bottom"),
+    [(100.0, 0.5, (3.5, 5.0), 0.5, 3.0), (900.0, 0.5, (3.5, 5.0), 1.2, 8.0), (900.0, 0.5, (8.0, 12.0), 1.2, 8.0)],
+)
+def test_no_step_shows_where_a_level_of_detail_begins(height, mrad, band, top, bottom):
+    """Means and deviations of rows over 64 seas: lines through eight rows on either side meet within 3 % where a level begins."""
+    run = _far(1, height, mrad, band, top, bottom)
+    scene = run.scene
+    seen = np.array([run.reseeded(seed).at(0.0).radiance.astype(float) for seed in range(64)])
+    depression = -np.asarray(scene.camera.elevations)
+    arcs = surface_range(height, depression)
+    begins = [*scene.levels.begins[1:], *scene.levels.parts]
+    per_sea = np.stack([seen.mean(axis=2), seen.std(axis=2)], axis=1)
+    for name, values in zip(("mean", "deviation"), np.moveaxis(per_sea, 1, 0), strict=True):
+        for begin in begins:
+            edge = int(np.argmin(np.abs(arcs - begin)))
+            if not 8 <= edge <= depression.size - 9:
+                continue
+            rows = np.arange(-8, 8) + 0.5
+
+            def step(profile, edge=edge, rows=rows):
+                logs = np.log(profile[edge - 8 : edge + 8])
+                return np.polyval(np.polyfit(rows[8:], logs[8:], 1), 0.0) - np.polyval(np.polyfit(rows[:8], logs[:8], 1), 0.0)
+
+            groups = [np.sqrt((values[i::8] ** 2).mean(axis=0)) for i in range(8)]
+            found = [step(g) for g in groups]
+            error = np.std(found, ddof=1) / np.sqrt(8.0)
+            print(f"{height:g} m, {band}: {name} steps by {np.mean(found):+.3f} +- {error:.3f} at {begin:.0f} m")
+            assert abs(np.mean(found)) < 0.03 + 2.0 * error

@@ -7,6 +7,7 @@ from seaglint.errors import DomainError
 from seaglint.pipeline.render import prepare_sequence
 from seaglint.render.swept import SweptScene
 from seaglint.scenario.load import parse_scenario
+from seaglint.sea.nested import bands_of_facets
 from seaglint.sea.seen_and_lit import coupling_table
 
 
@@ -22,14 +23,16 @@ def _scenario(**tables):
 
 
 def test_facets_with_little_more_than_one_band():
-    """A quarter of the slopes on facets is more than one band for either leg alone, less than one for what both do together."""
-    run = prepare_sequence(_scenario())
+    """Half of the slopes on facets is more than one band for either leg alone, less than one for what both do together."""
+    run = prepare_sequence(_scenario(sea={"shortest_wave_m": 0.5}))
     assert isinstance(run.scene, SweptScene)
     assert run.scene.tables is not None
     bands, view = run.scene.tables.levels, run.scene.view
     assert not bands.smith
     assert bands.nested.shape[1] > 1
-    assert coupling_table(0.25 * view.shadowing.bands_for(view.slopes)).size == 0
+    left = bands_of_facets(0.5, view.shadowing.bands_for(view.slopes))
+    assert left > 1.0
+    assert coupling_table(left).size == 0
     image = run.at(0.0)
     assert np.isfinite(image.radiance).all()
     assert image.glint_radiance.mean() > 1e-3
@@ -39,3 +42,15 @@ def test_facets_with_little_more_than_one_band():
 def test_steps_that_do_not_suit_the_waves_are_refused(step):
     with pytest.raises(DomainError, match=r"render.step_m = .* m does not suit waves down to 0.05"):
         prepare_sequence(_scenario(render={"step_m": step}))
+
+
+def test_facets_of_next_to_no_slopes_shade_less_than_smiths():
+    run = prepare_sequence(_scenario())
+    assert isinstance(run.scene, SweptScene)
+    assert run.scene.tables is not None
+    assert run.scene.tables.levels.smith
+    east, _, north, towards = run.scene.tables.levels.roughness[0]
+    slopes = run.scene.view.slopes
+    share = bands_of_facets((east + north) / slopes.mss, run.scene.view.shadowing.bands_for(slopes))
+    assert share < 0.9
+    assert towards == pytest.approx(share * np.sqrt(north), rel=1e-6)

@@ -126,9 +126,13 @@ class Absorbers:
         between = np.where(both, low * ratio**part, low + part * (high - low))
         return np.where(height > (values.shape[-1] - 1.0) * LEVEL_STEP, 0.0, between)
 
-    def along(self, start: FloatArray, end: FloatArray, slant: FloatArray) -> Pieces:
-        """Amounts and temperatures on straight lines of length ``slant`` from height ``start`` to ``end`` [m, (cases,)]."""
-        levels = LEVEL_STEP * np.arange(1.0, self.air.size)
+    def along(self, start: FloatArray, end: FloatArray, slant: FloatArray, levels: FloatArray | None = None) -> Pieces:
+        """Amounts and temperatures on straight lines of length ``slant`` from height ``start`` to ``end`` [m, (cases,)].
+
+        The pieces end where a line crosses ``levels`` [m]: those of the model atmosphere where none are given.
+        """
+        if levels is None:
+            levels = LEVEL_STEP * np.arange(1.0, self.air.size)
         met = levels[(levels > lowest_height(start, end, slant).min()) & (levels < max(start.max(), end.max()))]
         shares = level_shares(start, end, slant, met)
         width = np.diff(shares, axis=1)

@@ -12,7 +12,6 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -22,8 +21,9 @@ from typer.core import TyperGroup
 from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
 from seaglint.cli.evaluate import evaluate
-from seaglint.cli.export import export_sea
+from seaglint.cli.export import export, export_sea
 from seaglint.cli.messages import files_read, log, naming_file, print_json
+from seaglint.cli.options import Overwrite, PreviewScale, Progress
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
 from seaglint.errors import DataError, SeaglintError
@@ -48,14 +48,6 @@ def _termination() -> Iterator[None]:
         yield
     finally:
         signal.signal(signal.SIGTERM, before)
-
-
-class PreviewScale(StrEnum):
-    """Brightness of previews."""
-
-    AUTO = "auto"
-    LINEAR = "linear"
-    LOG = "log"
 
 
 class _Commands(TyperGroup):
@@ -96,6 +88,7 @@ app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
 app.add_typer(atmosphere, name="atmosphere")
 app.command()(analyze)
+app.command()(export)
 app.command("export-sea")(export_sea)
 
 _NO_MAPS = frozenset({".zarr", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
@@ -103,11 +96,9 @@ _NO_MAPS = frozenset({".zarr", ".toml", ".csv", ".png", ".mp4", ".html", ".ply",
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
-Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")]
 ScaleOption = Annotated[
     PreviewScale, typer.Option("--scale", help="brightness of previews; auto is log where glint would leave the sea black")
 ]
-Progress = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]
 
 
 def _version(wanted: bool) -> None:
@@ -268,7 +259,7 @@ class _Pictures:
         write_picture(dataset, self.picture, scale.value)
         log(f"{self.picture} written")
         if self.with_video:
-            write_video(dataset, self.video, scale.value)
+            write_video(dataset, self.video, scale.value, remedy="make room and run the same command with --resume")
             log(f"{self.video} written")
 
 

@@ -1,16 +1,83 @@
-"""``seaglint export-sea``: the sea of one instant for other programs."""
+"""``seaglint export`` and ``export-sea``: a run, and the sea of one instant, for other programs."""
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from seaglint.cli.messages import files_read, log, naming_file
+from seaglint.cli.options import Overwrite, PreviewScale, Progress
+from seaglint.cli.progress import ProgressMode
 from seaglint.errors import DataError
 
 KINDS = (".ply", ".nc")
+
+
+class NumberType(StrEnum):
+    """Types of exported numbers."""
+
+    UINT16 = "uint16"
+    FLOAT32 = "float32"
+
+
+class ColourMap(StrEnum):
+    """Colours of videos."""
+
+    WHITE_HOT = "white-hot"
+    BLACK_HOT = "black-hot"
+    PERCEPTUAL = "perceptual"
+
+
+def export(
+    run: Annotated[Path, typer.Argument(metavar="RUN.zarr", help="finished sequence of 'seaglint render'")],
+    output: Annotated[
+        Path,
+        typer.Option("-o", "--output", help="file to write: .nc, .h5, .tif, .fits, .npy, .raw (with a JSON header), .mp4 or .gif"),
+    ],
+    variable: Annotated[str | None, typer.Option("--variable", help="images to export; signal if there, else radiance")] = None,
+    frames: Annotated[
+        str | None, typer.Option("--frames", help="frames to export, by number: 37, 37:38 (end not included), 0:100:2")
+    ] = None,
+    dtype: Annotated[
+        NumberType | None, typer.Option("--dtype", help="type of the numbers; as stored where nothing is said (not .mp4, .gif)")
+    ] = None,
+    limits: Annotated[
+        tuple[float, float] | None,
+        typer.Option("--range", metavar="LOW HIGH", help="values of the first and last count of uint16, or of black and white"),
+    ] = None,
+    colours: Annotated[ColourMap | None, typer.Option("--map", help="colours of .mp4 and .gif; white-hot")] = None,
+    rate: Annotated[float | None, typer.Option("--fps", help="frames per second shown by .mp4 and .gif; those of the run")] = None,
+    scale: Annotated[PreviewScale | None, typer.Option("--scale", help="brightness of .mp4 and .gif; auto")] = None,
+    overwrite: Overwrite = False,
+    show: Progress = ProgressMode.AUTO,
+) -> None:
+    """Write frames of a run for another program."""
+    from seaglint.cli.frames import parse_frames
+    from seaglint.cli.progress import patient_progress
+    from seaglint.io.export.stack import held_frames
+    from seaglint.io.store import open_sequence
+    from seaglint.plot.export import export_run
+
+    with open_sequence(run) as dataset:
+        wanted = parse_frames(frames, held_frames(dataset), steps=True)
+        with patient_progress(show, "frames") as report:
+            written = export_run(
+                dataset,
+                output,
+                variable=variable,
+                frames=wanted,
+                dtype=dtype.value if dtype else None,
+                limits=limits,
+                colours=colours.value if colours else None,
+                rate=rate,
+                scale=scale.value if scale else None,
+                overwrite=overwrite,
+                progress=report,
+            )
+    log(written.line)
 
 
 def export_sea(
@@ -29,7 +96,7 @@ def export_sea(
         typer.Option("--centre", metavar="EAST NORTH", help="middle of the patch in metres from the sensor's foot"),
     ] = (0.0, 0.0),
     lattices: Annotated[bool, typer.Option("--lattices/--no-lattices", help="with the periodic tiles beside the patch (.nc)")] = True,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    overwrite: Overwrite = False,
 ) -> None:
     """Write heights, slopes and facet roughness of the sea at one time."""
     from seaglint.io.outputs import refuse_existing

@@ -41,7 +41,8 @@ def storage_errors(target: object, remedy: str | Callable[[], str]) -> Iterator[
 
 
 def _sentence(error: OSError, remedy: str) -> str:
-    if error.errno in _FULL:
+    # NumPy's tofile tells that fewer numbers were written, not why; there is no other common reason.
+    if error.errno in _FULL or (error.errno is None and "requested and" in str(error)):
         return f"no room left (disk full, or over the quota or file size limit); {remedy}"
     if error.errno in _DENIED:
         return f"no right to write there; {remedy}"

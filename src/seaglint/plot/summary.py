@@ -98,25 +98,25 @@ def summarise(dataset: xr.Dataset) -> Summary:
 
 
 class Images:
-    """Radiance images read one at a time."""
+    """Images of one variable read one at a time."""
 
-    def __init__(self, radiance: xr.DataArray, indices: NDArray[np.intp]) -> None:
-        self._radiance, self.indices = radiance, indices
+    def __init__(self, variable: xr.DataArray, indices: NDArray[np.intp]) -> None:
+        self._variable, self.indices = variable, indices
 
     def __len__(self) -> int:
         return int(self.indices.size)
 
     def __getitem__(self, position: int) -> NDArray[np.float32]:
-        return np.asarray(self._radiance[int(self.indices[position])].to_numpy(), dtype=np.float32)
+        return np.asarray(self._variable[int(self.indices[position])].to_numpy(), dtype=np.float32)
 
     def __iter__(self) -> Iterator[NDArray[np.float32]]:
         return (self[position] for position in range(len(self)))
 
 
-def images(dataset: xr.Dataset) -> Images:
-    """Radiance frame by frame (a map is one frame); frames not done are left out."""
-    radiance = dataset["radiance"]
-    if "time" not in radiance.dims:
-        return Images(radiance.expand_dims("time").transpose("time", "y", "x"), np.arange(1))
-    done = dataset["frame_done"].to_numpy() if "frame_done" in dataset else np.ones(radiance.sizes["time"])
-    return Images(radiance, np.flatnonzero(done))
+def images(dataset: xr.Dataset, variable: str = "radiance") -> Images:
+    """Images frame by frame (a map is one frame); frames not done are left out."""
+    values = dataset[variable]
+    if "time" not in values.dims:
+        return Images(values.expand_dims("time").transpose("time", "y", "x"), np.arange(1))
+    done = dataset["frame_done"].to_numpy() if "frame_done" in dataset else np.ones(values.sizes["time"])
+    return Images(values, np.flatnonzero(done))

@@ -1,11 +1,11 @@
-"""A sequence as a video, white hot, on one grey scale for all frames, with time and scale below (PyAV, extra ``video``)."""
+"""A sequence as a video, MP4 or GIF, on one scale for all frames, with time and scale below (PyAV, extra ``video``)."""
 
 from __future__ import annotations
 
 from fractions import Fraction
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 from seaglint.errors import BackendError
 from seaglint.io.outputs import moved_when_whole
 from seaglint.io.provenance import stored_band
+from seaglint.io.recording.arrays import stored_frame_rate
+from seaglint.io.store import Progress
 from seaglint.plot.scale import Kind, Scale, scale_of, sea_pixels
-from seaglint.plot.summary import images, to_temperature
+from seaglint.plot.summary import Images, images, to_temperature
 from seaglint.schema import VARIABLES
 
 if TYPE_CHECKING:
@@ -25,11 +27,39 @@ _MAX_SIDE: Final = 4096  # what H.264 decoders take; wider panoramas are average
 _SAMPLED_FRAMES: Final = 16  # frames that set the grey scale
 _CAPTION: Final = 56  # px; two lines of text
 _LEAST_WIDTH: Final = 480  # px that the caption takes; narrower pictures get black beside them
+_CODECS: Final = {".mp4": ("libx264", "yuv420p", {"crf": "18", "preset": "veryfast"}), ".gif": ("gif", "pal8", {})}
+_USUAL_RATE: Final = 25.0  # Hz, where the run does not tell its own
+_REMEDY: Final = "make room or choose another place; nothing was written"
+
+ENDINGS: Final = tuple(_CODECS)
+"""Endings of what :func:`write_video` writes."""
+
+RATES: Final = {".mp4": (0.01, 1000.0), ".gif": (0.01, 50.0)}
+"""Frames per second that a format holds [Hz]; players show GIFs of shorter delays than 20 ms at a tenth of their speed."""
+
+Colours = Literal["white-hot", "black-hot", "perceptual"]
+"""Colours of brightness: grey, dark to bright or the other way, or an even rise of lightness and hue (Matplotlib's inferno)."""
 
 
 def video_available() -> bool:
     """Whether PyAV is installed."""
     return find_spec("av") is not None
+
+
+def palette(colours: Colours) -> NDArray[np.uint8]:
+    """Red, green and blue of the 256 levels (256, 3), the darkest value first."""
+    if colours == "perceptual":
+        from matplotlib import colormaps
+
+        return np.asarray(colormaps["inferno"](np.arange(256), bytes=True)[:, :3], dtype=np.uint8)
+    levels = np.arange(256, dtype=np.uint8) if colours == "white-hot" else np.arange(255, -1, -1, dtype=np.uint8)
+    return np.repeat(levels[:, np.newaxis], 3, axis=1)
+
+
+def shown_rate(dataset: xr.Dataset, variable: str, ending: str) -> float:
+    """Frames per second of a video [Hz]: that of the run, within what the format holds."""
+    low, high = RATES[ending]
+    return min(max(stored_frame_rate(dataset, dataset[variable]) or _USUAL_RATE, low), high)
 
 
 def grey(image: NDArray[np.floating], low: float, high: float) -> NDArray[np.uint8]:
@@ -67,8 +97,40 @@ def captioned(picture: NDArray[np.uint8], scale: Scale, ends: str, time: float |
     return np.concatenate([beside, np.asarray(strip, dtype=np.uint8)])
 
 
-def write_video(dataset: xr.Dataset, output: str | Path, scale: Kind = "auto") -> Path:
-    """Write an MP4 at the sequence's frame rate; ``scale`` as in :func:`seaglint.plot.scale.scale_of`, one for all frames.
+def write_video(
+    dataset: xr.Dataset,
+    output: str | Path,
+    scale: Kind = "auto",
+    *,
+    variable: str = "radiance",
+    colours: Colours = "white-hot",
+    limits: tuple[float, float] | None = None,
+    rate: float | None = None,
+    remedy: str = _REMEDY,
+    progress: Progress | None = None,
+) -> Path:
+    """Write an MP4 or a GIF, by the ending.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A sequence or map.
+    output : path
+        File to write.
+    scale : {"auto", "linear", "log"}
+        As in :func:`seaglint.plot.scale.scale_of`, one for all frames.
+    variable : str
+        Images that are shown.
+    colours : {"white-hot", "black-hot", "perceptual"}
+        Colours of brightness.
+    limits : (float, float), optional
+        Ends of a linear scale instead [units of the variable].
+    rate : float, optional
+        Frames per second [Hz]; :func:`shown_rate` by default.
+    remedy : str
+        How a full disk's error ends.
+    progress : callable, optional
+        ``progress(done, total)``.
 
     Raises
     ------
@@ -82,28 +144,59 @@ def write_video(dataset: xr.Dataset, output: str | Path, scale: Kind = "auto") -
     import av
 
     output = Path(output)
-    frames = images(dataset)
+    ending = output.suffix.lower()
+    codec, pixels, options = _CODECS[ending]
+    frames = images(dataset, variable)
     count = len(frames)
-    sampled = np.stack([frames[i] for i in np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).astype(int))])
-    grey_scale = scale_of(sampled, sea_pixels(dataset), scale)
-    limits = np.array([grey_scale.low, grey_scale.high])
-    kelvin = to_temperature(np.maximum(limits, 0.0), stored_band(dataset.attrs))
-    ends = f"{limits[0]:.4g} … {limits[1]:.4g} {VARIABLES['radiance'].symbol} ({kelvin[0]:.1f} … {kelvin[1]:.1f} K)"
-    times = dataset["time"].to_numpy().astype(np.float64)[frames.indices] if "time" in dataset["radiance"].dims else None
-    rate = Fraction(float(dataset.attrs.get("frame_rate_hz", 25.0))).limit_denominator(1000)
-    with (
-        moved_when_whole(output, "make room and run the same command with --resume") as partial,
-        av.open(str(partial), mode="w", format="mp4") as container,
-    ):
-        stream = container.add_stream("libx264", rate=rate, options={"crf": "18", "preset": "veryfast"})
-        stream.pix_fmt = "yuv420p"
+    shown_scale = Scale(*limits) if limits is not None else _scale(dataset, frames, scale)
+    ends = _ends(dataset, variable, shown_scale)
+    times = dataset["time"].to_numpy().astype(np.float64)[frames.indices] if "time" in dataset[variable].dims else None
+    hertz = Fraction(rate or shown_rate(dataset, variable, ending)).limit_denominator(1000)
+    levels = palette(colours)
+    if progress is not None:
+        progress(0, count)
+    with moved_when_whole(output, remedy) as partial, av.open(str(partial), mode="w", format=ending[1:]) as container:
+        stream: Any = container.add_stream(codec, rate=hertz, options=options)
+        stream.pix_fmt = pixels
         for index in range(count):
-            shown = grey(grey_scale.share(frames[index]), 0.0, 1.0)
-            picture = captioned(shown, grey_scale, ends, None if times is None else float(times[index]))
+            shown = grey(shown_scale.share(frames[index]), 0.0, 1.0)
+            picture = captioned(shown, shown_scale, ends, None if times is None else float(times[index]))
             if index == 0:
                 stream.height, stream.width = picture.shape
-            for packet in stream.encode(av.VideoFrame.from_ndarray(picture, format="gray")):
+            for packet in stream.encode(_coloured(picture, levels, pixels)):
                 container.mux(packet)
+            if progress is not None:
+                progress(index + 1, count)
         for packet in stream.encode(None):
             container.mux(packet)
     return output
+
+
+def _scale(dataset: xr.Dataset, frames: Images, kind: Kind) -> Scale:
+    """Scale from some of the frames."""
+    count = len(frames)
+    sampled = np.stack([frames[i] for i in np.unique(np.linspace(0, count - 1, min(count, _SAMPLED_FRAMES)).astype(int))])
+    return scale_of(sampled, sea_pixels(dataset), kind)
+
+
+def _ends(dataset: xr.Dataset, variable: str, scale: Scale) -> str:
+    """What the ends of the scale are, for radiance also as apparent temperatures."""
+    known = VARIABLES.get(variable)
+    unit = str((known.symbol or known.units) if known else dataset[variable].attrs.get("units", "")).strip()
+    text = f"{scale.low:.4g} … {scale.high:.4g} {unit}".rstrip()
+    if variable != "radiance" or "band_response" not in dataset.attrs:
+        return text
+    kelvin = to_temperature(np.maximum([scale.low, scale.high], 0.0), stored_band(dataset.attrs))
+    return f"{text} ({kelvin[0]:.1f} … {kelvin[1]:.1f} K)"
+
+
+def _coloured(picture: NDArray[np.uint8], levels: NDArray[np.uint8], pixels: str) -> Any:
+    """Frame of a video from levels."""
+    import av
+
+    if pixels != "pal8":
+        return av.VideoFrame.from_ndarray(levels[picture], format="rgb24")
+    # Opacity, red, green, blue.
+    table = np.concatenate([np.full((256, 1), 255, np.uint8), levels], axis=1)
+    indexed: Any = (picture, table)
+    return av.VideoFrame.from_ndarray(indexed, format="pal8")

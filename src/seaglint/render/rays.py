@@ -30,6 +30,7 @@ from seaglint.render.sunlight import Sunlight, sunlight_at
 from seaglint.render.surface import Bounds, Course, Surface, course, height, lay_course, slopes
 from seaglint.render.tables import FacetDomain, PathTerms, facet_tables
 from seaglint.render.thermal import facet_thermal, node, thermal_line
+from seaglint.sea.nested import bands_of_facets
 from seaglint.sea.slopes import SlopeStatistics
 
 PATH_NODES = 2048
@@ -249,9 +250,8 @@ class WalkedRays:
     ) -> WalkedRays:
         """Tables for rays that look down at least as steeply as ``elevation`` and between two azimuths [rad].
 
-        ``facets``: slopes left to the facets, which shadow each other by Smith's law: steep rays see few shadows; ``resolved``: slope
-        variances of the waves, along and across the wind; ``crest``: height of the highest [m]; ``emitted``: whether emission is wanted
-        apart from the sky.
+        ``facets``: slopes left to the facets; ``resolved``: slope variances of the waves, along and across the wind; ``crest``: height of
+        the highest [m]; ``emitted``: whether emission is wanted apart from the sky.
         """
         eye = view.sensor_height
         dip = horizon_depression(eye)
@@ -264,7 +264,8 @@ class WalkedRays:
         arcs = scale * np.expm1(log)
         basis = path_basis(view.atmosphere, view.band, eye, np.maximum(arcs, 1e-3 * eye))
         lowest = max(float(np.cos(view_zenith_of_range(eye, farthest))), 0.0) if -elevation > 1.05 * dip else 0.0
-        domain = FacetDomain(facets, resolved, 1.0, (lowest, 1.0))
+        bands = bands_of_facets(facets.mss / max(view.slopes.mss, 1e-12), view.shadowing.law_bands(view.slopes))
+        domain = FacetDomain(facets, resolved, bands, (lowest, 1.0))
         sun, levels, path = facet_tables(view, basis, [domain], azimuths, emitted=emitted)
         shape = levels.shape[0, 1:]
 

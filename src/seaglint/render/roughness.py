@@ -58,9 +58,11 @@ def line_of_sight(sun: Sunlight, rough: Roughness, azimuth: float) -> Sight:
 def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float, *, shade_sun: bool = True) -> Roughness:
     """Facet slopes as kernels take them, with nested shadowing in so many wave bands (1: Smith's), of both legs or of the viewer's alone.
 
-    Between whole numbers of bands the laws are interpolated, so that facets change evenly with their share of the slopes.
+    Between whole numbers of bands the laws are interpolated, so that facets change evenly with their share of the slopes. Less than one
+    band is Smith's law with as much less deviation in the Sun's way (:func:`seaglint.sea.nested.bands_of_facets`).
     """
-    nested, coupling = between_bands(ratio_table, bands), coupling_table(bands) if shade_sun else np.zeros((0, 0, 0))
+    whole = max(bands, 1.0)
+    nested, coupling = between_bands(ratio_table, whole), coupling_table(whole) if shade_sun else np.zeros((0, 0, 0))
     # without a deviation towards the Sun nothing stands in its way
-    towards = float(np.sqrt(slopes.mss_along(solar_azimuth))) if shade_sun else 0.0
+    towards = min(bands, 1.0) * float(np.sqrt(slopes.mss_along(solar_azimuth))) if shade_sun else 0.0
     return Roughness(*slopes.covariance(), towards, nested.astype(np.float32), coupling.astype(np.float32))

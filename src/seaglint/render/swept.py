@@ -30,6 +30,7 @@ from seaglint.render.view import Attitude
 from seaglint.render.walk import PATH_EVERY, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
+from seaglint.sea.nested import bands_of_facets
 from seaglint.sea.shadowing import smith_lambda
 from seaglint.sea.slopes import gaussian_slopes
 
@@ -328,7 +329,7 @@ class SweptScene:
             share = facets.mss / view.slopes.mss if view.slopes.mss > 0.0 else 1.0
             ends = np.clip([begin, end], arcs[0], arcs[-1])
             high, low = np.cos(view_zenith_of_range(eye, ends)) + np.array([1.0, -1.0]) * crest / np.maximum(ends, eye)
-            out.append(FacetDomain(facets, level.mss, bands * share, (max(float(low), floor), min(float(high), 1.0))))
+            out.append(FacetDomain(facets, level.mss, bands_of_facets(share, bands), (max(float(low), floor), min(float(high), 1.0))))
         return out
 
     def _shadows(self, sun: Sunlight) -> FloatArray:

@@ -46,7 +46,7 @@ class FacetDomain:
     resolved : (float, float)
         Slope variance of the waves that tilt them, along and across the wind [1].
     bands : float
-        Bands of nested shadowing (1: Smith's law).
+        Bands of nested shadowing (1: Smith's law; less: :func:`~seaglint.render.roughness.roughness_of`).
     sines : (float, float)
         Least and greatest sine of the grazing angle [1].
     """

@@ -157,7 +157,18 @@ def open_hdf5(path: Path, how: Reading) -> Recording:
     file.visititems(visit)
     name = _choose(found, how.variable, path)
     array = found[name]
-    return of_array(array, f"{path}:{name}", how, frame_rate=_rate(dict(array.attrs)), units=_text(array.attrs.get("units")))
+    rate = _rate(dict(array.attrs)) or _rate(dict(file.attrs))
+    return of_array(_unpacked(array), f"{path}:{name}", how, frame_rate=rate, units=_text(array.attrs.get("units")))
+
+
+def _unpacked(array: Any) -> Any:
+    """A dataset with its scale and offset by their CF names applied, where it has any."""
+    scale, zero, blank = (
+        None if array.attrs.get(name) is None else np.ravel(array.attrs[name])[0] for name in ("scale_factor", "add_offset", "_FillValue")
+    )
+    if scale is None and zero is None:
+        return array
+    return _Scaled(array, 1.0 if scale is None else float(scale), 0.0 if zero is None else float(zero), blank)
 
 
 def open_fits(path: Path, how: Reading) -> Recording:
@@ -175,7 +186,8 @@ def open_fits(path: Path, how: Reading) -> Recording:
     hdu = images[name]
     scaled = hdu.header.get("BSCALE", 1) != 1 or hdu.header.get("BZERO", 0) != 0 or "BLANK" in hdu.header
     try:
-        array = _Scaled(hdu) if scaled else hdu.data
+        card = hdu.header.get
+        array = _Scaled(hdu.data, float(card("BSCALE", 1.0)), float(card("BZERO", 0.0)), card("BLANK")) if scaled else hdu.data
         recording = of_array(array, f"{path}:{name}", how, units=_text(hdu.header.get("BUNIT")))
     except (TypeError, ValueError, OSError) as error:
         raise DataError(f"{path}: is cut ({error}); copy it again") from error
@@ -186,12 +198,11 @@ def open_fits(path: Path, how: Reading) -> Recording:
 
 
 class _Scaled:
-    """A FITS image whose scale, offset and blank value are applied to what is asked for only."""
+    """Stored numbers whose scale, offset and blank value are applied to what is asked for only."""
 
-    def __init__(self, hdu: Any) -> None:
-        self._stored, self.shape, self.dtype = hdu.data, hdu.shape, np.dtype(np.float32)
-        self._scale, self._zero = float(hdu.header.get("BSCALE", 1.0)), float(hdu.header.get("BZERO", 0.0))
-        self._blank = hdu.header.get("BLANK")
+    def __init__(self, stored: Any, scale: float, zero: float, blank: Any) -> None:
+        self._stored, self.shape, self.dtype = stored, stored.shape, np.dtype(np.float32)
+        self._scale, self._zero, self._blank = scale, zero, blank
 
     def __getitem__(self, key: Any) -> NDArray[Any]:
         stored = np.asarray(self._stored[key])
@@ -215,22 +226,15 @@ def open_labelled(path: Path, how: Reading) -> Recording:
 
 
 def of_dataset(dataset: Any, source: str, how: Reading) -> Recording:
-    """The image variable of an :class:`xarray.Dataset`: ``radiance``, the only one, or the one chosen; read when it is needed.
-
-    The frame rate is that of the time coordinate where this is even and the attributes say something else: a selection of every other
-    frame keeps the attributes.
-    """
+    """The image variable of an :class:`xarray.Dataset`: ``radiance``, the only one, or the one chosen; read when it is needed."""
     images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
     name = _choose(images, how.variable or ("radiance" if "radiance" in images else None), source)
     chosen = images[name]
-    rate, even = _rate(dataset.attrs) or _rate(dict(chosen.attrs)), _spacing(dataset)
-    if rate is None or (even is not None and abs(even / rate - 1.0) > 1e-3):
-        rate = even
     return of_array(
         _Lazy(chosen),
         f"{source}:{name}",
         how,
-        frame_rate=rate,
+        frame_rate=stored_frame_rate(dataset, chosen),
         units=_text(chosen.attrs.get("units")),
         named_axes=chosen.dims[0] == "time",
     )
@@ -244,6 +248,16 @@ class _Lazy:
 
     def __getitem__(self, key: Any) -> NDArray[Any]:
         return np.asarray(self._variable[key].to_numpy())
+
+
+def stored_frame_rate(dataset: Any, images: Any) -> float | None:
+    """Frames per second [Hz] of images in a dataset.
+
+    That of the time coordinate where this is even and the attributes say something else: a selection of every other frame keeps the
+    attributes.
+    """
+    rate, even = _rate(dataset.attrs) or _rate(dict(images.attrs)), _spacing(dataset)
+    return even if rate is None or (even is not None and abs(even / rate - 1.0) > 1e-3) else rate
 
 
 def _spacing(dataset: Any) -> float | None:

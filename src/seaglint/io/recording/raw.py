@@ -1,7 +1,7 @@
 """Frames without a format: a header to skip, then numbers.
 
 The layout comes as options or from a TOML or JSON file beside the data (``clip.raw`` and ``clip.toml``) with the names of
-:class:`RawLayout`.
+:class:`RawLayout`, and with a table ``metadata`` of anything else, which is not read.
 """
 
 from __future__ import annotations
@@ -68,6 +68,7 @@ class RawLayout:
     def of(cls, table: dict[str, Any], source: str) -> RawLayout:
         """Check a table of the layout's names."""
         known = {f.name for f in fields(cls)}
+        table = {name: value for name, value in table.items() if name != "metadata"}
         unknown = sorted(set(table) - known)
         missing = [name for name in ("rows", "columns") if name not in table]
         if unknown or missing:
