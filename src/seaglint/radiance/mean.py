@@ -36,11 +36,11 @@ class SeaRadiance:
     Attributes
     ----------
     path : ndarray
-        Thermal radiance of the air between sea and sensor; 0 above the horizon.
+        Thermal radiance of the air between sea and sensor, and sunlight that it scatters; 0 above the horizon.
     emission : ndarray
         Emission of the sea, attenuated; 0 above the horizon.
     sky : ndarray
-        Sky mirrored by the sea, attenuated; above the horizon the sky itself.
+        Sky mirrored by the sea, attenuated, with the sunlight scattered there; above the horizon the sky itself.
     sun : ndarray
         Sun mirrored by the sea, attenuated; the Sun itself is not drawn above the horizon.
     chance : ndarray
@@ -112,7 +112,9 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     azimuths, weights = wind_azimuths(view.slopes), azimuth_weights(view.slopes, columns + np.pi)
     if columns.size < azimuths.size:
         azimuths, weights = columns + np.pi, np.eye(columns.size)
-    return _assembled(view, rows, columns, gamma, _sea_rows(view, gamma[sea], azimuths, surface), weights, _glint_model(view))
+    found = _sea_rows(view, gamma[sea], azimuths, surface)
+    light = ScatteredTables.prepare(view, surface, exact=columns.size < _FEW)
+    return _assembled(view, rows, columns, gamma, found, weights, _glint_model(view), light)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,6 +135,7 @@ class MeanModel:
     _scale: float
     _spline: CubicSpline[np.float64]
     _glint: GlintModel
+    _scattered: ScatteredTables | None
 
     @classmethod
     def prepare(cls, view: SeaView, surface: SeaSurface | None = None) -> MeanModel:
