@@ -9,7 +9,7 @@ from seaglint.cli.info import describe, lines
 from seaglint.conventions import horizon_depression
 from seaglint.io.netcdf import open_netcdf, write_netcdf
 from seaglint.optics.band import Band
-from seaglint.pipeline import prepare
+from seaglint.pipeline import mean_pixels, prepare
 from seaglint.pipeline.mean import mean
 from seaglint.pipeline.render import prepare_sequence
 from seaglint.plot.preview import draw
@@ -172,3 +172,17 @@ def test_pictures_round_the_nadir_have_lines_of_azimuth(sensor, lines_of_azimuth
     figure = draw(mean(scene(sensor)))
     labels = [text.get_text() for text in figure.axes[0].texts]
     assert sum(label.endswith("° az") for label in labels) == lines_of_azimuth
+
+
+@pytest.mark.parametrize(("sensor", "sun"), [({"elevation_deg": -7}, 75), (DOWN, 20)])
+def test_the_middle_of_a_small_pixel_serves(monkeypatch, sensor, sun):
+    """A pixel of 1.7 mrad, in the glint of a Sun that is low and of one near the nadir: the middle against nine lines of sight."""
+    raw = sensor | {"projection": "pinhole", "roll_deg": 10, "fov_deg": [2.4, 1.8]}
+    tables = {"sun": {"zenith_deg": sun, "azimuth_deg": 185}}
+    middles = mean(scene(raw, **tables))
+    monkeypatch.setattr(mean_pixels, "SMALL", 0.0)
+    averages = mean(scene(raw, **tables))
+    assert not np.array_equal(middles.radiance, averages.radiance)
+    assert float(averages.glint_radiance.min()) > 0.0
+    for name in ("radiance", "glint_radiance", "glint_std"):
+        np.testing.assert_allclose(middles[name], averages[name], rtol=2e-4)

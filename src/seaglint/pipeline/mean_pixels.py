@@ -24,7 +24,10 @@ EDGE_POINTS: Final = 24
 """The same along each side of a pixel that the horizon cuts: glint of a low Sun may end there, and 8 are up to 3 % off."""
 
 SIDE: Final = 3
-"""Lines of sight along each side of any other pixel, as many as the cells of a turned image."""
+"""Lines of sight along each side of any other pixel that is not small, as many as the cells of a turned image."""
+
+SMALL: Final = 2e-3
+"""Root of the solid angle of a pixel below which its middle serves [rad]: glint varies over degrees, the middle is within 1e-4."""
 
 BLOCK: Final = 1 << 17
 """Lines of sight at a time: memory stays below 100 MB."""
@@ -42,15 +45,17 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights) -> dict[str, FloatArra
     rows, columns = imager.rows, imager.columns
     out = np.empty((len(MAPS), rows * columns))
     dip, attitude = horizon_depression(pose.height), pose.attitude
-    size = BLOCK // ROW_POINTS**2
+    size = BLOCK // 4
     for first in range(0, rows * columns, size):
         pixels = np.arange(first, min(first + size, rows * columns))
-        elevation = np.arctan2(*_rise_and_run(imager.directions(attitude, *_points(pixels, columns, SIDE))))
-        middle, spread = elevation.mean(axis=1), SIDE / (SIDE - 1) * np.ptp(elevation, axis=1)
+        quarters = _points(pixels, columns, 2)
+        elevation = np.arctan2(*_rise_and_run(imager.directions(attitude, *quarters)))
+        middle, spread = elevation.mean(axis=1), 2.0 * np.ptp(elevation, axis=1)
         below = np.abs(middle + dip)
-        sides = np.where(spread > ROW_SHARE * below, ROW_POINTS, SIDE)
+        sides = np.where(imager.solid_angle(attitude, *quarters).mean(axis=1) < SMALL**2, 1, SIDE)
+        sides[spread > ROW_SHARE * below] = ROW_POINTS
         sides[0.5 * spread > below] = EDGE_POINTS
-        for side in (SIDE, ROW_POINTS, EDGE_POINTS):
+        for side in (1, SIDE, ROW_POINTS, EDGE_POINTS):
             chosen, most = pixels[sides == side], BLOCK // side**2
             for some in (chosen[i : i + most] for i in range(0, chosen.size, most)):
                 out[:, some] = _means(imager, attitude, _points(some, columns, side), seen)
