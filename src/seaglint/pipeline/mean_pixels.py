@@ -15,10 +15,11 @@ MAPS: Final = ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radia
 """What is mapped, beside the sum of the radiances and its temperature."""
 
 ROW_SHARE: Final = 0.02
-"""Height of a pixel over its distance from the horizon from which it is sampled finely: below it the middle is within 1e-4 of the mean."""
+"""Height of a pixel, or of a part of it, over its distance from the horizon, from which it is sampled more finely: below it the middle is
+within 1e-4 of the mean."""
 
 ROW_POINTS: Final = 8
-"""Elevations averaged in such a pixel, and azimuths where columns are not upright."""
+"""Elevations averaged in such a pixel, and azimuths where columns are not upright and :data:`SIDE` do not serve."""
 
 EDGE_POINTS: Final = 24
 """The same along each side of a pixel that the horizon cuts: glint of a low Sun may end there, and 8 are up to 3 % off."""
@@ -53,7 +54,8 @@ def over_pixels(imager: Imager, pose: Pose, seen: Sights) -> dict[str, FloatArra
         middle, spread = elevation.mean(axis=1), 2.0 * np.ptp(elevation, axis=1)
         below = np.abs(middle + dip)
         sides = np.where(imager.solid_angle(attitude, *quarters).mean(axis=1) < SMALL**2, 1, SIDE)
-        sides[spread > ROW_SHARE * below] = ROW_POINTS
+        sides[spread > ROW_SHARE * below] = SIDE
+        sides[spread > SIDE * ROW_SHARE * below] = ROW_POINTS
         sides[0.5 * spread > below] = EDGE_POINTS
         for side in (1, SIDE, ROW_POINTS, EDGE_POINTS):
             chosen, most = pixels[sides == side], BLOCK // side**2
