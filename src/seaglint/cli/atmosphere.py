@@ -66,7 +66,9 @@ def write(
 
     with naming_file(scenario, loaded):
         decks = write_decks(loaded, output, form.value, scattered=scattered, overwrite=overwrite)
-    what = "no scattered sunlight" if decks.solar_zenith_deg is None else f"sunlight scattered under a Sun at {decks.solar_zenith_deg:g} deg"
+    what = (
+        "no scattered sunlight" if decks.solar_zenith_deg is None else f"sunlight scattered under a Sun at {decks.solar_zenith_deg:g} deg"
+    )
     log(f"{decks.deck} written, {decks.cases} cases, {what}; run it in {output}, then: seaglint atmosphere read {output} -o air.nc")
 
 
@@ -74,7 +76,9 @@ def write(
 def read(
     files: Annotated[
         list[Path],
-        typer.Argument(metavar="FILE...", help="tape7, .tp7, .7sc, CSV or JSON of LOWTRAN7 or MODTRAN 4-6, or the folder of atmosphere write"),
+        typer.Argument(
+            metavar="FILE...", help="tape7, .tp7, .7sc, CSV or JSON of LOWTRAN7 or MODTRAN 4-6, or the folder of atmosphere write"
+        ),
     ],
     output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")],
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,

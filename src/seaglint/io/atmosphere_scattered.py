@@ -121,7 +121,7 @@ class ScatteredRows:
         self.table.require(*COLUMNS)
         azimuth, solar = self.table.number(row, AZIMUTH, 0.0, 180.0), self.table.number(row, SUN, 0.0, 90.0)
         if self.solar is not None and solar != self.solar:
-            raise self.table.error(row.line, f"{SUN} = {solar:g}, {self.solar:g} before; a file holds scattered sunlight of one Sun: leave one")
+            raise self.table.error(row.line, f"{SUN} = {solar:g}, {self.solar:g} before; leave the lines of one Sun")
         self.solar = solar
         block = self.cells.setdefault((KINDS[kind], height), {})
         if (node, azimuth, nu) in block:
@@ -150,7 +150,7 @@ class ScatteredRows:
                     "(places, azimuths, wavenumbers); complete them",
                 )
             values = np.array([[[block[x, a, v][1] for v in axes[2]] for a in axes[1]] for x in axes[0]])
-            out.append(Block(kind, height, *axes, values))
+            out.append(Block(kind, height, axes[0], axes[1], axes[2], values))
         return out
 
 
@@ -173,7 +173,9 @@ def assembled(
             raise DataError(f"{what} has another spectral grid than the paths to {height:g} m; give all on one")
         thermal = next((x for (kind, h), x in nodes.items() if kind == b.kind and abs(h - b.height) <= HEIGHT_SLACK), None)
         if thermal is None or thermal.size != b.node.size or not np.allclose(thermal, b.node, rtol=1e-9, atol=1e-9):
-            raise DataError(f"{what} is at other {'ranges' if b.kind == 'path' else 'zenith angles'} than the thermal radiance; give both at all")
+            raise DataError(
+                f"{what} is at other {'ranges' if b.kind == 'path' else 'zenith angles'} than the thermal one; give both at all"
+            )
         if b.azimuth.size != mine[0].azimuth.size or not np.array_equal(b.azimuth, mine[0].azimuth):
             raise DataError(f"{what} is at other azimuths than scattered {mine[0].kind}; give all at the same ones")
     paths = [b for b in mine if b.kind == "path"]

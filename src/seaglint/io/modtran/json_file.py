@@ -83,7 +83,7 @@ def _spectrum(path: Path, number: int, case: Any) -> Spectrum:
             columns["wavenumber"] = grid
     for column, values in columns.items():
         if values.size != size:
-            raise DataError(f"{where}: {column.replace('_', ' ')} has {values.size} of {size} spectral samples; the file was cut, {_AS_WRITTEN}")
+            raise DataError(f"{where}: {column.replace('_', ' ')} has {values.size} of {size} spectral samples; {_AS_WRITTEN}")
     return spectrum_of(Table(path, f"case {number}", columns, tuple(map(str, block)), _sight(case)))
 
 
@@ -104,7 +104,7 @@ def _grid(case: Any, size: int) -> FloatArray | None:
     flags = str(_inside(spectral, "FLAGS") or " ")
     if not (np.isfinite([low, high, step]).all() and step > 0.0 and high > low) or flags[:1].upper() not in ("W", " "):
         return None
-    return low + step * np.arange(size) if 1 < size == round((high - low) / step) + 1 else None
+    return np.asarray(low + step * np.arange(size, dtype=np.float64)) if 1 < size == round((high - low) / step) + 1 else None
 
 
 def _sight(case: Any) -> Sight | None:

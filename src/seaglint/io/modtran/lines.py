@@ -21,7 +21,7 @@ VERSION: Final = 1
 
 PATH_NODES: Final = 28
 SKY_NODES: Final = 28
-DIP_NODES: Final = 16
+DIP_NODES: Final = 24
 """Paths from straight down to the horizon; sky and Sun from the zenith to the horizontal; sky from there down to the horizon."""
 
 AZIMUTHS: Final = (0.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 150.0, 180.0)

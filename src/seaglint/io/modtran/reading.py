@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
@@ -153,8 +153,8 @@ def _sky_line(sight: Sight, height: float, azimuth: float | None) -> Line:
 def _path_line(spectrum: Spectrum, sight: Sight, height: float, azimuth: float | None) -> Line:
     if sight.end_km > 1e-6 or sight.zenith_deg <= 90.0 or height <= 0.0:
         raise DataError(
-            f"{spectrum.where}: goes from {height:g} m at a zenith angle of {sight.zenith_deg:g} deg to {1e3 * sight.end_km:g} m; paths go from "
-            "the sensor down to the sea: H1 the sensor, H2 = 0, ANGLE above 90 deg"
+            f"{spectrum.where}: goes from {height:g} m at a zenith angle of {sight.zenith_deg:g} deg to {1e3 * sight.end_km:g} m; paths "
+            "go from the sensor down to the sea: H1 the sensor, H2 = 0, ANGLE above 90 deg"
         )
     depression = np.radians(sight.zenith_deg - 90.0)
     arc = float(surface_range(height, depression))
@@ -174,7 +174,7 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
     paths = [s for s in seen if s.line.kind == "path"]
     heights = sorted({round(s.line.height_m, 4) for s in paths})
     if not heights:
-        raise DataError(f"{seen[0].spectrum.where.split(': case')[0]}: holds no path from a sensor to the sea (ITYPE = 2, H2 = 0); add them")
+        raise DataError(f"{_file(seen[0])}: holds no path from a sensor to the sea (ITYPE = 2, H2 = 0); add them")
     if len(heights) > 1:
         odd = next(s for s in paths if round(s.line.height_m, 4) != round(paths[0].line.height_m, 4))
         raise DataError(
@@ -185,16 +185,16 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
     for s in seen:
         if s.line.kind == "sky" and min(s.line.height_m, abs(s.line.height_m - height)) > 1e-3:
             raise DataError(
-                f"{s.spectrum.where}: is sky seen from {s.line.height_m:g} m; give that from the sea (H1 = 0) and from the sensor at {height:g} m"
+                f"{s.spectrum.where}: is sky seen from {s.line.height_m:g} m; give it from the sea (H1 = 0) and the sensor ({height:g} m)"
             )
     from_sea = [s for s in seen if s.line.kind == "sky" and s.line.height_m <= 1e-3]
     from_sensor = [s for s in seen if s.line.kind == "sky" and s.line.height_m > 1e-3]
     suns = [s for s in seen if s.line.kind == "sun"]
     for group, what in ((paths, "paths from the sensor to the sea"), (from_sea, "sky seen from the sea (H1 = 0, ITYPE = 3)")):
         if len({_node(s.line) for s in group}) < 2:
-            raise DataError(f"{seen[0].spectrum.where.split(': case')[0]}: holds fewer than 2 {what}; add them")
+            raise DataError(f"{_file(seen[0])}: holds fewer than 2 {what}; add them")
     if len({_node(s.line) for s in suns}) < 2:
-        raise DataError(f"{seen[0].spectrum.where.split(': case')[0]}: holds fewer than 2 zenith angles of the Sun (IEMSCT = 3); add them")
+        raise DataError(f"{_file(seen[0])}: holds fewer than 2 zenith angles of the Sun (IEMSCT = 3); add them")
     out: dict[str, tuple[tuple[str, ...], FloatArray]] = {}
     coords: dict[str, FloatArray] = {"wavenumber_cm": nu}
     layout = (
@@ -210,7 +210,7 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
         coords[dimension] = np.array(list(first))
         for variable in variables:
             if variable is not None:
-                values = [s.spectrum.need(variable[1]) for s in first.values()]  # type: ignore[index,arg-type]
+                values = [s.spectrum.need(variable[1]) for s in first.values()]  # type: ignore[arg-type]
                 out[variable[0]] = ((dimension, "wavenumber_cm"), np.array(values))
         if scattered is not None:
             _add_scattered(out, coords, group, dimension, scattered)
@@ -218,8 +218,7 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
     solar = sorted({round(s.solar_zenith_deg, 3) for s in seen if s.solar_zenith_deg is not None})
     if len(solar) > 1:
         raise DataError(
-            f"{seen[0].spectrum.where.split(': case')[0]}: scattered sunlight is of Suns at {', '.join(f'{z:g}' for z in solar[:4])} deg; "
-            "give the files of one Sun"
+            f"{_file(seen[0])}: scattered sunlight is of Suns at {', '.join(f'{z:g}' for z in solar[:4])} deg; give the files of one Sun"
         )
     if solar and any(name.endswith("scattered") for name in out):
         attributes["solar_zenith_deg"] = solar[0]
@@ -227,8 +226,14 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
     if _reaches_horizon(lowest):
         attributes["paths_reach_horizon"] = 1
     return xr.Dataset(
-        {name: (dims, np.maximum(values, 0.0), {"units": _unit(name)}) for name, (dims, values) in out.items()}, coords=coords, attrs=attributes
+        {name: (dims, np.maximum(values, 0.0), {"units": _unit(name)}) for name, (dims, values) in out.items()},
+        coords=coords,
+        attrs=attributes,
     )
+
+
+def _file(seen: _Seen) -> str:
+    return seen.spectrum.where.split(": case")[0]
 
 
 def _reaches_horizon(line: Line) -> bool:
@@ -285,13 +290,8 @@ def _add_scattered(
     cells = {(_node(s.line), s.line.azimuth_deg): s for s in lit}
     if known.tolist() != azimuths or len(cells) != len(nodes) * len(azimuths) or len(azimuths) < 2:
         raise DataError(
-            f"{lit[0].spectrum.where.split(': case')[0]}: {name} has {len(cells)} cases for {len(nodes)} lines of sight and "
+            f"{_file(lit[0])}: {name} has {len(cells)} cases for {len(nodes)} lines of sight and "
             f"{known.size} azimuths from the Sun; give each line at each azimuth, at 2 azimuths or more"
         )
     values = [[cells[node, azimuth].spectrum.need("scattered") for azimuth in azimuths] for node in nodes]
     out[name] = ((dimension, "azimuth_from_sun_deg", "wavenumber_cm"), np.array(values))
-
-
-def without_scattered(lines: Sequence[Line]) -> list[Line]:
-    """Lines without azimuth, each once."""
-    return list(dict.fromkeys(replace(line, azimuth_deg=None) for line in lines))

@@ -57,7 +57,7 @@ NAMES: Final[dict[str, Column]] = {
 }
 """Meaning of a column by its name in capitals without anything but letters and digits."""
 
-SPECTRAL: Final = ("wavenumber", "wavelength_um", "wavelength_nm")
+SPECTRAL: Final[tuple[Column, ...]] = ("wavenumber", "wavelength_um", "wavelength_nm")
 
 PER_SQUARE_METRE: Final = 1e4
 """W cm-2 to W m-2."""
@@ -179,7 +179,7 @@ def spectrum_of(table: Table) -> Spectrum:
     """
     nu, reverse, per = _wavenumbers(table)
     if "transmittance" not in table.columns and "sun_at_observer" not in table.columns:
-        raise DataError(f"{table.where}: its columns are {', '.join(table.labels)}; TOT_TRANS or TRANS is missing: is it the output of a run?")
+        raise DataError(f"{table.where}: its columns are {', '.join(table.labels)}; TOT_TRANS (TRANS) is missing; give the output of a run")
     for name, values in table.columns.items():
         if name not in SPECTRAL:
             _possible(table, name, values)
@@ -210,7 +210,7 @@ def _wavenumbers(table: Table) -> tuple[FloatArray, bool, FloatArray | float]:
     """Wavenumbers in the file's order [cm-1], whether they fall, and what makes values per cm-1 of printed ones."""
     name = next((name for name in SPECTRAL if name in table.columns), None)
     if name is None:
-        raise DataError(f"{table.where}: its columns are {', '.join(table.labels)}; FREQ (or WAVLEN) is missing: is it the output of a run?")
+        raise DataError(f"{table.where}: its columns are {', '.join(table.labels)}; FREQ (WAVLEN) is missing; give the output of a run")
     x = table.columns[name]
     if x.size < 2:
         raise DataError(f"{table.where}: has {x.size} spectral samples; at least 2 are needed: widen V1 to V2")

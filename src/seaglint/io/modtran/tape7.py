@@ -80,7 +80,7 @@ def read_tape7(path: Path, text: str) -> list[Spectrum]:
     lines = text.splitlines()
     heads = [i for i, line in enumerate(lines) if _is_header(line)]
     if not heads:
-        raise DataError(f"{path}: has no line of column names (FREQ TOT_TRANS ..., FREQ TRANS ...); give a tape7 of LOWTRAN7 or MODTRAN 4-5")
+        raise DataError(f"{path}: has no line of column names (FREQ TOT_TRANS ...); give a tape7 of LOWTRAN7 or MODTRAN 4-5")
     found, last = [], -1
     for number, head in enumerate(heads, 1):
         stop = heads[number] if number < len(heads) else len(lines)
@@ -90,7 +90,7 @@ def read_tape7(path: Path, text: str) -> list[Spectrum]:
                 f"{path}: case {number}: ends at line {stop} without -9999., so it is cut short; run it to its end and give the whole file"
             )
         if any(_END.match(line) for line in lines[last + 1 : head]):
-            raise DataError(f"{path}: line {head + 1}: a case before case {number} has no spectrum; its run failed, see tape6 and mend its deck")
+            raise DataError(f"{path}: line {head + 1}: a case before case {number} has no spectrum; its run failed: mend its deck")
         cards = [line for line in lines[last + 1 : head] if line.strip()]
         found.append(spectrum_of(_table(path, number, lines, (head, end), cards)))
         last = end
@@ -110,24 +110,67 @@ def _table(path: Path, number: int, lines: list[str], span: tuple[int, int], car
     names = tuple(label.text for label in labels)
     if "LOS" in names:
         raise DataError(f"{path}: {case}: holds several lines of sight side by side (LOS); run them one after the other (IRPT = 1)")
-    rows = [_row(path, case, i, lines[i], labels) for i in range(first, end)]
-    if not rows:
+    if first >= end:
         raise DataError(f"{path}: {case}: has no spectral samples; the run failed, so see tape6 and run it again")
-    columns: dict[Column, list[float]] = {name: [] for name in rows[0]}
-    for i, row in enumerate(rows):
+    columns: dict[Column, list[float]] = {}
+    fields = _Fields()
+    for i in range(first, end):
+        row = fields.values(lines[i])
+        if row is None:
+            row = _row(path, case, i, lines[i], labels)
+            fields = _Fields.of(lines[i], row)
+        columns = columns or {name: [] for name in row}
         if row.keys() != columns.keys():
             odd = sorted(row.keys() ^ columns.keys())
             raise DataError(
-                f"{path}: {case}: line {first + i + 1}: columns differ from the line before ({', '.join(odd)}); "
+                f"{path}: {case}: line {i + 1}: columns differ from the line before ({', '.join(odd)}); "
                 "it was cut or edited, so give the file as the program wrote it"
             )
-        for name, value in row.items():
+        for name, (value, _) in row.items():
             columns[name].append(value)
-    return Table(path, case, {name: np.array(values) for name, values in columns.items()}, names, _sight(cards), first + 1, UNNAMED_DEPTH == labels[-1].end)
+    return Table(
+        path,
+        case,
+        {name: np.array(values) for name, values in columns.items()},
+        names,
+        _sight(cards),
+        first + 1,
+        labels[-1].end == UNNAMED_DEPTH,
+    )
+
+
+@dataclass(frozen=True)
+class _Fields:
+    """Where the numbers of a line stood: most lines have theirs in the same places, and are then cut there."""
+
+    length: int = -1
+    ends: tuple[tuple[int, Column | None], ...] = ()
+
+    @classmethod
+    def of(cls, line: str, row: dict[Column, tuple[float, int]]) -> _Fields:
+        """Places of a line that was told apart by grammar."""
+        by_end: dict[int, Column | None] = {end: name for name, (_, end) in row.items()}
+        return cls(len(line), tuple((match.end(), by_end.get(match.end())) for match in _NUMBER.finditer(line)))
+
+    def values(self, line: str) -> dict[Column, tuple[float, int]] | None:
+        """Values and ends of another line; None where it is not alike."""
+        if len(line) != self.length or "_" in line or not line.isascii():
+            return None
+        found: dict[Column, tuple[float, int]] = {}
+        start = 0
+        try:
+            for end, column in self.ends:
+                value = float(line[start:end])
+                if column is not None:
+                    found[column] = (value, end)
+                start = end
+        except ValueError:
+            return None
+        return found if not line[start:].strip() else None
 
 
 def _labels(header: str) -> list[_Label]:
-    found = []
+    found: list[_Label] = []
     for match in _LABEL.finditer(header):
         column = column_of(match.group())
         if column == "transmittance" and any(label.column == column for label in found):
@@ -138,15 +181,15 @@ def _labels(header: str) -> list[_Label]:
     return found
 
 
-def _row(path: Path, case: str, index: int, line: str, labels: list[_Label]) -> dict[Column, float]:
-    """Values of a line by column; what is blank is left out."""
+def _row(path: Path, case: str, index: int, line: str, labels: list[_Label]) -> dict[Column, tuple[float, int]]:
+    """Values of a line by column and where they end; what is blank is left out."""
     where = f"{path}: {case}: line {index + 1}"
     rest = _NUMBER.sub(lambda match: " " * len(match.group()), line)
     if rest.strip():
         at = len(rest) - len(rest.lstrip())
         what = "a number that did not fit its column" if "*" in rest else "no number"
-        raise DataError(f"{where}: '{rest.strip()[:20]}' at column {at + 1} is {what}; run the case again, or give the file as it was written")
-    values: dict[Column, float] = {}
+        raise DataError(f"{where}: '{rest.strip()[:20]}' at column {at + 1} is {what}; run the case again, or give the file as written")
+    values: dict[Column, tuple[float, int]] = {}
     taken: dict[int, str] = {}
     for position, match in enumerate(_NUMBER.finditer(line)):
         if position == 0:
@@ -163,7 +206,7 @@ def _row(path: Path, case: str, index: int, line: str, labels: list[_Label]) -> 
         taken[nearest] = match.group()
         column = labels[nearest].column
         if column is not None:
-            values[column] = fortran_number(match.group())
+            values[column] = (fortran_number(match.group()), match.end())
     return values
 
 
