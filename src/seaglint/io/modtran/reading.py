@@ -171,6 +171,7 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
     import xarray as xr
 
     nu = _common_grid(seen)
+    _require_once(seen)
     paths = [s for s in seen if s.line.kind == "path"]
     heights = sorted({round(s.line.height_m, 4) for s in paths})
     if not heights:
@@ -252,6 +253,14 @@ def _node(line: Line) -> float:
     return round(line.range_m or 0.0, 6) if line.kind == "path" else round(horizon_zenith_deg(line), 7)
 
 
+def _require_once(seen: list[_Seen]) -> None:
+    lines: dict[tuple[str, float, float, float | None], _Seen] = {}
+    for s in seen:
+        before = lines.setdefault((s.line.kind, round(s.line.height_m, 4), _node(s.line), s.line.azimuth_deg), s)
+        if before is not s:
+            raise DataError(f"{s.spectrum.where}: is the same line of sight as {before.spectrum.where}; give each once")
+
+
 def _common_grid(seen: list[_Seen]) -> FloatArray:
     if not seen:
         raise DataError("no cases were given; name the files that MODTRAN wrote")
@@ -270,10 +279,7 @@ def _first_of_each(group: list[_Seen]) -> dict[float, _Seen]:
     """One case a node, ascending; of several azimuths the one farthest from the Sun."""
     found: dict[float, _Seen] = {}
     for s in sorted(group, key=lambda s: (_node(s.line), -(s.line.azimuth_deg or 0.0))):
-        node = _node(s.line)
-        before = found.setdefault(node, s)
-        if before is not s and s.line.azimuth_deg == before.line.azimuth_deg:
-            raise DataError(f"{s.spectrum.where}: is the same line of sight as {before.spectrum.where}; give each once")
+        found.setdefault(_node(s.line), s)
     return found
 
 

@@ -233,12 +233,13 @@ def _wavenumbers(table: Table) -> tuple[FloatArray, bool, FloatArray | float]:
 
 
 def _possible(table: Table, name: Column, values: FloatArray) -> None:
-    # Difference of printed numbers near nothing may come out below 0; what is -99 was never computed.
+    # Rests of differences may come out a little below 0; what is -99 was never computed.
     bad = ~np.isfinite(values)
+    largest = float(np.max(np.abs(values), where=~bad, initial=0.0))
     if name in ("direct", "ground", "single", "thermal_scattered", "surface", "total"):
         bad |= values <= -9.0
     else:
-        bad |= values < 0.0
+        bad |= (values < -1e-4 * largest) | (values <= -9.0)
     if name == "transmittance":
         bad |= values > 1.0 + 1e-4
     if bad.any():
@@ -276,7 +277,7 @@ def _parted(table: Table) -> tuple[FloatArray | None, FloatArray | None]:
         best = 0
     if misses[best] > AGREES * largest:
         raise DataError(
-            f"{table.where}: its parts miss the total radiance (TOTAL_RAD) by {misses[best] / largest:.0%} of it; "
+            f"{table.where}: its parts miss the total radiance (TOTAL_RAD) by {misses[best] / max(largest, 1e-300):.3g} times itself; "
             "columns have moved or are of another version, so give the tape7, CSV or JSON as MODTRAN 4-6 wrote it"
         )
     found = choices[best]
@@ -306,5 +307,5 @@ def _something(table: Table, thermal: FloatArray | None, sun: FloatArray | None)
     outside = table.columns.get("sun_outside")
     if thermal is not None and not thermal.any():
         raise DataError(f"{table.where}: thermal radiance is 0 everywhere; is IEMSCT 1 or 2, and did the run end well?")
-    if thermal is None and sun is not None and not sun.any() and (outside is None or not outside.any()):
+    if thermal is None and "scattered" not in table.columns and sun is not None and not sun.any() and (outside is None or not outside.any()):
         raise DataError(f"{table.where}: sunlight is 0 everywhere, outside the air too; run it again with the Sun above the horizon")
