@@ -138,14 +138,29 @@ def scanned(cases, unit="MCRN"):
             um = 1e4 / NU[i]
             per = NU[i] ** 2 / 1e4 * (1.0 if unit == "MCRN" else 1e3)
             parts = (0.0, c.scattered[i], c.scattered[i], 0.0, 0.0, c.total[i])
-            row = (f"{um:12.6f}" if unit == "MCRN" else f"{1e3 * um:12.3f}") + f"{c.transmittance[i]:7.4f}" + fortran_e(c.thermal[i] * per, 11, 4)
+            row = (
+                (f"{um:12.6f}" if unit == "MCRN" else f"{1e3 * um:12.3f}")
+                + f"{c.transmittance[i]:7.4f}"
+                + fortran_e(c.thermal[i] * per, 11, 4)
+            )
             row += " " * 11 + "".join(fortran_e(x * per, 11, 4) for x in parts) + fortran_e(0.0, 9, 2) * 2 + f"{c.depth[i]:9.4f}"
             out.append(row)
         out.append(" -9999.")
     return "\n".join(out) + "\n"
 
 
-JSON_NAMES = ("TOT_TRANS", "THRML_EM", "THRML_SCT", "SURF_EMIS", "MULT_SCAT", "SING_SCAT", "GRND_RFLT", "DRCT_RFLT", "TOTAL_RAD", "SOL_AT_OBS")
+JSON_NAMES = (
+    "TOT_TRANS",
+    "THRML_EM",
+    "THRML_SCT",
+    "SURF_EMIS",
+    "MULT_SCAT",
+    "SING_SCAT",
+    "GRND_RFLT",
+    "DRCT_RFLT",
+    "TOTAL_RAD",
+    "SOL_AT_OBS",
+)
 CSV_NAMES = (
     "total transmittance,path emission,path thermal scat,surface emission,path multiple scat,path single scat,"
     "ground reflect,direct reflect,total radiance,irradiance at observer"
@@ -176,7 +191,11 @@ def modtran6_json(cases):
     out = []
     for c in cases:
         geometry = {"ITYPE": c.kind, "H1ALT": c.h1_km, "H2ALT": 0.0, "OBSZEN": c.angle, "IPARM": 2, "PARM1": c.azimuth, "PARM2": c.solar}
-        given = {"RTOPTIONS": {"IEMSCT": names[c.mode]}, "GEOMETRY": geometry, "SPECTRAL": {"V1": NU[0], "V2": NU[-1], "DV": 5.0, "FLAGS": "W"}}
+        given = {
+            "RTOPTIONS": {"IEMSCT": names[c.mode]},
+            "GEOMETRY": geometry,
+            "SPECTRAL": {"V1": NU[0], "V2": NU[-1], "DV": 5.0, "FLAGS": "W"},
+        }
         spectra = {name: values.tolist() for name, values in zip(JSON_NAMES, columns(c), strict=True)}
         out.append({"MODTRANINPUT": given, "MODTRANOUTPUT": {"SPECTRA": {"RADIANCE": spectra}}})
     return json.dumps({"MODTRAN": out})

@@ -72,7 +72,14 @@ def test_what_lowtran7_printed(tmp_path):
     np.testing.assert_allclose(found.need("thermal"), [5.22e-4, 4.59e-4])
     np.testing.assert_allclose(found.need("scattered"), [1.19e-5, 1.61e-5])
     sight = found.sight
-    assert (sight.mode, sight.kind, sight.height_km, sight.zenith_deg, sight.azimuth_deg, sight.solar_zenith_deg) == (2, 2, 0.03, 91.0, 20.0, 76.0)
+    assert (sight.mode, sight.kind, sight.height_km, sight.zenith_deg, sight.azimuth_deg, sight.solar_zenith_deg) == (
+        2,
+        2,
+        0.03,
+        91.0,
+        20.0,
+        76.0,
+    )
 
 
 def test_columns_that_touch_and_exponents_without_e(tmp_path):
@@ -155,7 +162,10 @@ MISTAKES = {
     "cut in a case": (four(lambda t: t[: len(t) // 2]), r"case \d+: (ends at line \d+ without -9999|line \d+: )"),
     "cut cards": (four(lambda t: t + "TM   2    2\n"), "something follows case 40"),
     "no names": (four(lambda t: t.replace("FREQ", "WAVE")), "has no line of column names"),
-    "without a spectrum": (four(lambda t: t.replace("\n -9999.\n", "\n -9999.\n    0\n -9999.\n", 1)), "a case before case 2 has no spectrum"),
+    "without a spectrum": (
+        four(lambda t: t.replace("\n -9999.\n", "\n -9999.\n    0\n -9999.\n", 1)),
+        "a case before case 2 has no spectrum",
+    ),
     "repeated": (four(lambda t: t.replace(" 2405.00", " 2400.00", 1)), r"case 1: line 14: wavenumber = 2400 repeats the one before"),
     "unsorted": (four(lambda t: t.replace(" 2405.00", " 2415.00", 1)), r"case 1: line 15: wavenumber = 2410 is out of order"),
     "stars": (four(lambda t: t.replace("0.00E+00", "********", 1).replace(" 0.0000E+00", " **********", 1)), "did not fit its column"),
@@ -169,8 +179,14 @@ MISTAKES = {
         keyed(lambda m: m[2]["MODTRANOUTPUT"]["SPECTRA"]["RADIANCE"].pop("THRML_EM")),
         "case 3: has no thermal path radiance",
     ),
-    "no transmittance": (comma(lambda t: t.replace("total transmittance", "x").replace("irradiance at observer", "y")), "TOT_TRANS .* missing"),
-    "moved": (four(lambda t: t.replace("SOL SCAT  SING SCAT", "SING SCAT  SOL SCAT").replace("PTH THRML", "REF THRML")), "case 3: has no thermal"),
+    "no transmittance": (
+        comma(lambda t: t.replace("total transmittance", "x").replace("irradiance at observer", "y")),
+        "TOT_TRANS .* missing",
+    ),
+    "moved": (
+        four(lambda t: t.replace("SOL SCAT  SING SCAT", "SING SCAT  SOL SCAT").replace("PTH THRML", "REF THRML")),
+        "case 3: has no thermal",
+    ),
     "cells": (comma(lambda t: t.replace(",0,0", ",0", 1)), "the file is cut"),
     "no number": (comma(lambda t: t.replace("\n2405,", "\n2405,x", 1)), r"case 1: line 5: total transmittance = 'x"),
     "fewer rows": (comma(lambda t: t.replace(line_with(t, "2430,") + "\n", "", 1)), "has 6 of the 7 spectral samples"),
@@ -178,8 +194,14 @@ MISTAKES = {
     "input only": (keyed(lambda m: m[3].pop("MODTRANOUTPUT")), "case 4: has no MODTRANOUTPUT.SPECTRA"),
     "short list": (keyed(lambda m: m[0]["MODTRANOUTPUT"]["SPECTRA"]["RADIANCE"]["THRML_EM"].pop()), "has 6 of 7 spectral samples"),
     "other grid": (keyed(lambda m: m[2]["MODTRANINPUT"]["SPECTRAL"].update(V1=2500.0, V2=2530.0)), "give all lines of sight on one grid"),
-    "other height": (keyed(lambda m: m[3]["MODTRANINPUT"]["GEOMETRY"].update(H1ALT=0.035)), "case 4: is a path from 35 m, those before are from 30 m"),
-    "above the horizon": (keyed(lambda m: m[9]["MODTRANINPUT"]["GEOMETRY"].update(OBSZEN=90.01)), r"passes above the sea.*does H1 fit the sensor"),
+    "other height": (
+        keyed(lambda m: m[3]["MODTRANINPUT"]["GEOMETRY"].update(H1ALT=0.035)),
+        "case 4: is a path from 35 m, those before are from 30 m",
+    ),
+    "above the horizon": (
+        keyed(lambda m: m[9]["MODTRANINPUT"]["GEOMETRY"].update(OBSZEN=90.01)),
+        r"passes above the sea.*does H1 fit the sensor",
+    ),
     "up": (keyed(lambda m: m[9]["MODTRANINPUT"]["GEOMETRY"].update(OBSZEN=60.0)), "paths go from the sensor down to the sea"),
     "other Sun": (keyed(lambda m: m[3]["MODTRANINPUT"]["GEOMETRY"].update(PARM2=70.0)), "of Suns at 70, 76 deg"),
     "twice": (keyed(lambda m: m.append(m[0])), "same line of sight as"),
@@ -232,11 +254,11 @@ def mutated(text, rng):
 
 @pytest.mark.parametrize("name", WRITERS)
 def test_mutated_files_are_read_or_refused_in_a_line(tmp_path, name):
-    """150 seeded mutations a format: never anything but an error of seaglint's own, of one line."""
+    """60 seeded mutations a format: never anything but an error of seaglint's own, of one line."""
     rng = np.random.default_rng([19, list(WRITERS).index(name)])
     text = WRITERS[name][0](made.all_cases(azimuths=(0.0, 180.0)))
     refused = 0
-    for _ in range(150):
+    for _ in range(60):
         (tmp_path / name).write_bytes(mutated(text, rng))
         try:
             read_air([tmp_path / name])
@@ -244,4 +266,4 @@ def test_mutated_files_are_read_or_refused_in_a_line(tmp_path, name):
             refused += 1
             assert "\n" not in str(error)
             assert len(str(error)) < 600
-    assert name == "six.csv" or 40 < refused < 150
+    assert 15 < refused <= 60

@@ -104,8 +104,8 @@ def read_manifest(path: Path) -> Manifest:
 
 def _line(entry: dict[str, Any]) -> Line:
     line = Line(**entry)
-    numbers = [value for value in asdict(line).values() if not isinstance(value, str) and value is not None]
-    if line.kind not in ("path", "sky", "sun") or not np.isfinite(np.array(numbers, dtype=np.float64)).all():
+    numbers = [value for name, value in asdict(line).items() if name != "kind" and value is not None]
+    if line.kind not in ("path", "sky", "sun") or not all(isinstance(x, int | float) and abs(x) < 1e9 for x in numbers):
         raise ValueError(f"line {entry}")
     if line.kind == "path" and line.range_m is None:
         raise ValueError("a path without range_m")

@@ -307,5 +307,11 @@ def _something(table: Table, thermal: FloatArray | None, sun: FloatArray | None)
     outside = table.columns.get("sun_outside")
     if thermal is not None and not thermal.any():
         raise DataError(f"{table.where}: thermal radiance is 0 everywhere; is IEMSCT 1 or 2, and did the run end well?")
-    if thermal is None and "scattered" not in table.columns and sun is not None and not sun.any() and (outside is None or not outside.any()):
+    if (
+        thermal is None
+        and "scattered" not in table.columns
+        and sun is not None
+        and not sun.any()
+        and (outside is None or not outside.any())
+    ):
         raise DataError(f"{table.where}: sunlight is 0 everywhere, outside the air too; run it again with the Sun above the horizon")
