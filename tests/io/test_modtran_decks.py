@@ -1,5 +1,6 @@
 """Decks of the lines of sight: where rays meet the sea, cards in their columns, JSON by its keys, the manifest that orders them."""
 
+import itertools
 import json
 
 import numpy as np
@@ -52,7 +53,7 @@ def test_the_lines_of_a_scenario(refraction):
     assert kinds.count(("sky", 30.0)) == SKY_NODES + DIP_NODES - 1
     paths = [line for line in plain if line.kind == "path"]
     assert paths[0].zenith_deg == 180.0
-    assert all(a.range_m < b.range_m for a, b in zip(paths, paths[1:], strict=False))
+    assert all(a.range_m < b.range_m for a, b in itertools.pairwise(paths))
     lit = needed_lines(refraction, 30.0, np.radians(76.0))
     assert len(lit) == (len(plain) - SKY_NODES) * len(AZIMUTHS) + SKY_NODES
     assert {line.azimuth_deg for line in lit if line.kind == "sun"} == {None}

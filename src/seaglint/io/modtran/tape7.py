@@ -105,9 +105,9 @@ def _table(path: Path, number: int, lines: list[str], span: tuple[int, int], car
     head, end = span
     case, labels = f"case {number}", _labels(lines[head])
     first = head + 1
-    if end > first and not _NUMBER.match(lines[first].strip()):
-        first += 1  # the second line of names in transmittance mode
     names = tuple(label.text for label in labels)
+    if "H2O" in names:
+        raise DataError(f"{path}: {case}: is of transmittance mode (IEMSCT = 0), which has no radiance; run it again with IEMSCT = 1, 2 or 3")
     if "LOS" in names:
         raise DataError(f"{path}: {case}: holds several lines of sight side by side (LOS); run them one after the other (IRPT = 1)")
     if first >= end:
