@@ -101,7 +101,7 @@ def test_scattered_light_of_a_known_case(program, tmp_path):
 
 @pytest.mark.parametrize(
     ("form", "deck_name", "output", "writer"),
-    [("tape5", "seaglint.tp5", "seaglint.tp7", made.modtran), ("modtran6-json", "seaglint-input.json", "seaglint.csv", made.modtran6_csv)],
+    [("tape5", "lines.tp5", "lines.tp7", made.modtran), ("modtran6-json", "lines-input.json", "lines.csv", made.modtran6_csv)],
 )
 def test_modtran_decks_and_results_belong_together_by_the_manifest(seaglint, tmp_path, form, deck_name, output, writer):
     """Results in MODTRAN's layouts, one a line of the manifest, come back at its ranges and angles."""
@@ -136,6 +136,16 @@ def test_modtran_decks_and_results_belong_together_by_the_manifest(seaglint, tmp
     assert "holds 100 cases, manifest.json beside it" in answer.err
 
 
+def test_scattered_light_of_an_unknown_azimuth_is_left_out_and_told(seaglint, tmp_path):
+    """IPARM = 1 gives the Sun by place and time: its azimuth from the line of sight is not among the cards."""
+    text = made.modtran(made.all_cases(azimuths=(0.0,))).replace("    2    2   93    0", "    1    2   93    0")
+    (tmp_path / "a.tp7").write_text(text)
+    answer = seaglint("atmosphere", "read", tmp_path / "a.tp7", "-o", tmp_path / "air.nc")
+    assert answer.code == 0
+    assert "scattered sunlight of 12 cases is left out" in answer.err
+    assert "path_scattered" not in xr.load_dataset(tmp_path / "air.nc")
+
+
 def test_a_sun_below_the_horizon_scatters_nothing(seaglint, tmp_path):
     assert seaglint("atmosphere", "write", scene(tmp_path, "a.toml", 'source = "table"\n', sun=95), "-o", tmp_path / "d").code == 0
     manifest = json.loads((tmp_path / "d" / "manifest.json").read_text())
@@ -152,7 +162,7 @@ def test_what_cannot_be_written_or_read_is_refused_in_a_line(seaglint, tmp_path)
         ("exists already", "write", ours, "-o", tmp_path / "d"),
         ("is a file; give the name of a folder", "write", ours, "-o", tmp_path / "f"),
         ("is no air that MODTRAN could compute", "write", none, "-o", tmp_path / "e"),
-        ("holds none of seaglint.tp7, tape7", "read", tmp_path / "d", "-o", tmp_path / "a.nc"),
+        ("holds none of lines.tp7, tape7", "read", tmp_path / "d", "-o", tmp_path / "a.nc"),
         ("no such file", "read", tmp_path / "x.tp7", "-o", tmp_path / "a.nc"),
         ("neither .csv nor .nc", "read", tmp_path / "x.tp7", "-o", tmp_path / "a.txt"),
         ("is of no known format", "read", tmp_path / "f", "-o", tmp_path / "a.nc"),

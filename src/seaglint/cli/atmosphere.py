@@ -95,6 +95,11 @@ def read(
     write_atmosphere(air, output, overwrite=overwrite)
     sizes = ", ".join(f"{air.sizes[name]} {what}" for name, what in _HELD.items() if name in air.sizes)
     sun = f"; scattered sunlight of a Sun at {air.attrs['solar_zenith_deg']:g} deg" if "solar_zenith_deg" in air.attrs else ""
+    if "cases_without_azimuth" in air.attrs:
+        log(
+            f"scattered sunlight of {air.attrs['cases_without_azimuth']} cases is left out: nothing tells their azimuth from the Sun; "
+            "run them with IPARM = 2"
+        )
     log(
         f"{output} written: sensor.height_m = {air.attrs['sensor_height_m']:g}, {sizes}{sun}; "
         f'in a scenario: [atmosphere] source = "file", path = "{output.name}"'

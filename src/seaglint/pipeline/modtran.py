@@ -26,7 +26,7 @@ from seaglint.scenario.sun import sun_position
 
 DeckFormat = Literal["tape5", "tape5-lowtran7", "modtran6-json"]
 
-NAME: Final = "seaglint"
+NAME: Final = "lines"
 
 DECKS: Final[dict[DeckFormat, str]] = {"tape5": f"{NAME}.tp5", "tape5-lowtran7": "TAPE5", "modtran6-json": f"{NAME}-input.json"}
 """Name of the deck of each format."""

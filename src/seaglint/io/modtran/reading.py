@@ -223,6 +223,9 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
         )
     if solar and any(name.endswith("scattered") for name in out):
         attributes["solar_zenith_deg"] = solar[0]
+    untold = sum(_has_untold_scattered(s) for s in seen)
+    if untold:
+        attributes["cases_without_azimuth"] = untold
     lowest = max(paths, key=lambda s: _node(s.line)).line
     if _reaches_horizon(lowest):
         attributes["paths_reach_horizon"] = 1
@@ -231,6 +234,12 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
         coords=coords,
         attrs=attributes,
     )
+
+
+def _has_untold_scattered(seen: _Seen) -> bool:
+    """Scattered sunlight whose azimuth from the Sun nothing tells, so that it is left out."""
+    scattered = seen.spectrum.scattered
+    return seen.line.kind != "sun" and seen.line.azimuth_deg is None and scattered is not None and bool(scattered.any())
 
 
 def _file(seen: _Seen) -> str:

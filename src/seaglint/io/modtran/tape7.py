@@ -107,7 +107,9 @@ def _table(path: Path, number: int, lines: list[str], span: tuple[int, int], car
     first = head + 1
     names = tuple(label.text for label in labels)
     if "H2O" in names:
-        raise DataError(f"{path}: {case}: is of transmittance mode (IEMSCT = 0), which has no radiance; run it again with IEMSCT = 1, 2 or 3")
+        raise DataError(
+            f"{path}: {case}: is of transmittance mode (IEMSCT = 0), which has no radiance; run it again with IEMSCT = 1, 2 or 3"
+        )
     if "LOS" in names:
         raise DataError(f"{path}: {case}: holds several lines of sight side by side (LOS); run them one after the other (IRPT = 1)")
     if first >= end:
