@@ -3,6 +3,7 @@
 import json
 import shutil
 import subprocess
+from dataclasses import replace
 
 import modtran_files as made
 import numpy as np
@@ -130,6 +131,10 @@ def test_modtran_decks_and_results_belong_together_by_the_manifest(seaglint, tmp
         answer = seaglint("atmosphere", "read", tmp_path / "d", "-o", tmp_path / "air.nc", "--overwrite")
         assert answer.code == 2
         assert "case 1: looks from 35 m" in answer.err
+        (tmp_path / "d" / output).write_text(writer([replace(c, solar=70.0) for c in cases]))
+        answer = seaglint("atmosphere", "read", tmp_path / "d", "-o", tmp_path / "air.nc", "--overwrite")
+        assert answer.code == 2
+        assert "case 1: has a Sun at 70 deg" in answer.err
     (tmp_path / "d" / output).write_text(writer(cases[:100]))
     answer = seaglint("atmosphere", "read", tmp_path / "d", "-o", tmp_path / "air.nc", "--overwrite")
     assert answer.code == 2

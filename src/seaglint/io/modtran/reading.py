@@ -110,11 +110,11 @@ def _of_manifest(path: Path, manifest: Manifest) -> list[_Seen]:
             "the run stopped early or the output is of another deck: run the deck again"
         )
     for line, spectrum in zip(manifest.lines, spectra, strict=True):
-        _require_same(line, spectrum)
+        _require_same(line, spectrum, manifest.solar_zenith_deg)
     return [_Seen(line, s, manifest.solar_zenith_deg) for line, s in zip(manifest.lines, spectra, strict=True)]
 
 
-def _require_same(line: Line, spectrum: Spectrum) -> None:
+def _require_same(line: Line, spectrum: Spectrum, solar_zenith_deg: float | None) -> None:
     """Refuse output whose own cards tell another line of sight than the manifest."""
     sight = spectrum.sight
     if sight is None or (line.kind == "sun" and sight.mode != 3):
@@ -123,6 +123,13 @@ def _require_same(line: Line, spectrum: Spectrum) -> None:
         raise DataError(
             f"{spectrum.where}: looks from {1e3 * sight.height_km:g} m at a zenith angle of {sight.zenith_deg:g} deg, {MANIFEST} says from "
             f"{line.height_m:g} m at {line.zenith_deg:g} deg; the output is of another deck: run the one beside the manifest"
+        )
+    if line.azimuth_deg is None or solar_zenith_deg is None or math.isnan(sight.solar_zenith_deg):
+        return
+    if max(abs(sight.solar_zenith_deg - solar_zenith_deg), abs(abs(sight.azimuth_deg) - line.azimuth_deg)) > SAME_ANGLE:
+        raise DataError(
+            f"{spectrum.where}: has a Sun at {sight.solar_zenith_deg:g} deg, {sight.azimuth_deg:g} deg aside, {MANIFEST} says at "
+            f"{solar_zenith_deg:g} deg, {line.azimuth_deg:g} deg aside; the output is of another deck: run the one beside the manifest"
         )
 
 
