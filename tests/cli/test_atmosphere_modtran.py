@@ -119,6 +119,7 @@ def test_modtran_decks_and_results_belong_together_by_the_manifest(seaglint, tmp
     air = xr.load_dataset(tmp_path / "air.nc")
     ranges = sorted({x["range_m"] for x in lines if x["kind"] == "path"})
     np.testing.assert_allclose(air.range_m, ranges, atol=1e-5)
+    assert air.attrs["paths_reach_horizon"] == 1
     some = next(x for x in lines if x["kind"] == "path" and x["range_m"] > 1000.0)
     here = air.sel(range_m=some["range_m"], method="nearest")
     wanted = made.case(2, 2, 0.03, some["zenith_deg"], some["azimuth_deg"])

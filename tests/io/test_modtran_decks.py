@@ -67,7 +67,7 @@ def test_lowtran7_cards_stand_in_their_columns():
     found = cards(False)
     assert [int(found[0][k : k + 5]) for k in (0, 5, 10)] == [3, 2, 2]
     assert found[1].startswith("    3    0    0    3")
-    assert [float(found[2][k : k + 10]) for k in (0, 10, 20)] == pytest.approx([0.03, 0.0, 91.2345678])
+    assert [float(found[2][k : k + 10]) for k in (0, 10, 20)] == pytest.approx([0.03, 0.0, 91.234568])
     assert [int(found[3][k : k + 5]) for k in (0, 5, 10, 15)] == [2, 2, 93, 0]
     assert [float(found[4][k : k + 10]) for k in (0, 10)] == [20.0, 76.0]
     assert [float(found[5][k : k + 10]) for k in (0, 10, 20)] == [2435.0, 2565.0, 5.0]
@@ -81,6 +81,7 @@ def test_modtran_cards_stand_in_their_columns():
     assert (found[0][:2], int(found[0][2:5]), int(found[0][5:10]), int(found[0][10:15])) == ("TM", 3, 2, 2)
     assert (float(found[0][65:73]), float(found[0][73:80])) == (0.001, 0.0)
     assert (found[1][:2], int(found[1][2:5]), float(found[1][10:20])) == ("FF", 2, 365.0)
+    assert found[1][40:] == " F F F F F     0.000"  # LSUNFL, LBMNAM, LFLTNM, H2OAER, LDATDR, SOLCON in columns 51-60
     assert found[2] == cards(False)[1]
     assert found[6][30:40].split() == ["20.0"]
     assert found[6][40:42] == "RW"

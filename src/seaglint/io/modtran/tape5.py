@@ -41,7 +41,7 @@ def _cards(line: Line, air: Air, solar_zenith_deg: float | None, *, modtran: boo
     if modtran:
         # MODTRN = T, SPEED = M (slow), no correlated k; SURREF = 0.
         yield f"TM{model:3d}{between}{'0.00':>7}"
-        yield f"FF{2:3d}{0:5d}{365.0:10.3f}{'0':>10}{'0':>10} F F F F F{0.0:14.3f}"
+        yield f"FF{2:3d}{0:5d}{365.0:10.3f}{'0':>10}{'0':>10} F F F F F{0.0:10.3f}"
     else:
         yield f"{model:5d}{between}{'0.00':>7}"
     yield air.aerosol.card()
@@ -59,9 +59,9 @@ def _cards(line: Line, air: Air, solar_zenith_deg: float | None, *, modtran: boo
 
 
 def fixed(value: float) -> str:
-    """Ten columns with as many digits as they take; a point in them overrules the decimals of the format.
+    """Ten columns, the first blank, with as many decimals as fit; a point in them overrules those of the format.
 
-    >>> fixed(0.03), fixed(101.2345678901), fixed(12.0)
-    ('0.03000000', '101.234568', '12.0000000')
+    >>> fixed(0.03), fixed(101.2345678901), fixed(90.1653187)
+    (' 0.0300000', ' 101.23457', ' 90.165319')
     """
-    return f"{value:10.8f}"[:10] if value < 10.0 else f"{value:10.7f}" if value < 100.0 else f"{value:10.6f}"
+    return f"{value:10.{7 if value < 10.0 else 6 if value < 100.0 else 5}f}"
