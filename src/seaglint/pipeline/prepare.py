@@ -88,6 +88,8 @@ def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
             from seaglint.io.atmosphere_file import read_atmosphere
 
             found, seen = read_atmosphere(path, scenario.sensor.height_m), sea_in_view(scenario)
+            if found.scattered is not None:
+                found.scattered.require_sun(sun_position(scenario).zenith, str(path))
             return found if seen is None else found.seen_between(*seen)
         case wanted_air.IsothermalAtmosphere(temperature_k=temperature, extinction_per_km=extinction):
             return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
