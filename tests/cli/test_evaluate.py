@@ -9,6 +9,7 @@ import pytest
 
 from seaglint.atmosphere.table_file import table_models
 from seaglint.cli.progress import PATIENCE, ProgressMode, patient_progress
+from seaglint.errors import DataError
 from seaglint.pipeline.evaluate import evaluate_mean, groups_of, parse_bands
 
 QUANTITIES = ("tau_mean", "path_radiance_W_m2_sr", "sun_normal_irradiance_W_m2", "sun_times_tau_W_m2", "sky_radiance_W_m2_sr")
@@ -183,6 +184,30 @@ def test_mean_with_a_wind_that_has_a_direction(cases):
         assert values[0] == pytest.approx(float(expected[name][0, 0]), rel=5e-4)
         assert values[1] == pytest.approx(values[0], rel=1e-9)
         assert abs(values[2] / values[0] - 1.0) > 0.01
+
+
+def test_slopes_of_a_row_are_those_of_the_scenarios_model(cases):
+    """Gram and Charlier's series tells upwind from downwind, Gaussian slopes do not; one row has no direction."""
+    from seaglint.io.cases import read_cases
+    from seaglint.pipeline.mean import mean
+    from seaglint.scenario.load import parse_scenario
+
+    def expected(kind, wind_from):
+        degrees = 0.03
+        sensor = {"height_m": 30, "azimuth_deg": 190, "elevation_deg": -6, "fov_deg": [degrees, degrees], "pixels": [1, 1]}
+        raw = {"wind": {"speed_m_s": 9.0, "from_deg": wind_from}, "sun": {"zenith_deg": 60, "azimuth_deg": 180}, "sensor": sensor}
+        return float(mean(parse_scenario(raw | {"sea": {"temperature_k": 289.0, "slopes": {"kind": kind}}})).radiance[0, 0])
+
+    air = parse_scenario({}).atmosphere.model
+    kinds = [(kind, side) for kind in ("cox-munk-gram-charlier", "cox-munk-anisotropic", "cox-munk-isotropic") for side in (30, 210)]
+    rows = read_cases(cases(f"{MEAN},wind_from_deg,slopes", *(f"{air},9,30,6,60,10,289,1,{side},{kind}" for kind, side in kinds)))
+    found = evaluate_mean(rows, parse_bands(["3.5-5"]))["radiance_W_m2_sr[3.5-5]"]
+    # A wind's direction counts from the Sun's azimuth, 180 deg. Maps average over the pixel's height: 1e-4.
+    np.testing.assert_allclose(found, [expected(kind, (180 + side) % 360) for kind, side in kinds], rtol=5e-4)
+    assert abs(found[0] / found[1] - 1.0) > 0.02
+    assert found[2] == pytest.approx(found[3], rel=1e-9)
+    with pytest.raises(DataError, match=r"column slopes: 'cox-munk-gram-charlier' depends on the wind's direction; add a column wind_from"):
+        evaluate_mean(read_cases(cases(f"{MEAN},slopes", f"{air},9,30,6,60,10,289,1,cox-munk-gram-charlier")), parse_bands(["3.5-5"]))
 
 
 def test_mean_rows_stand_for_themselves(seaglint, cases, tmp_path):

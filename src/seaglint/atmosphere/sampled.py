@@ -23,6 +23,7 @@ from seaglint.atmosphere.coordinates import (
 )
 from seaglint.atmosphere.line import heights_along
 from seaglint.atmosphere.sampled_sky import Sky, SkySamples, brightness_temperature, radiance_of
+from seaglint.atmosphere.scattered_samples import ScatteredSamples
 from seaglint.atmosphere.vacuum import exoatmospheric_irradiance
 from seaglint.conventions import horizon_depression
 from seaglint.errors import DataError, DomainError
@@ -125,6 +126,8 @@ class SampledAtmosphere:
     _skies: tuple[Sky, ...] = field(default=())
     _line: LiveLine | None = None
     _free: tuple[bool, bool] = (False, False)
+    scattered: ScatteredSamples | None = None
+    """Sunlight scattered by the air, where the calculation tells it."""
 
     @classmethod
     def create(
@@ -136,6 +139,7 @@ class SampledAtmosphere:
         sun: SunSamples,
         skies: Sequence[SkySamples],
         line: LiveLine | None = None,
+        scattered: ScatteredSamples | None = None,
         name: str = "sampled atmosphere",
         provenance: dict[str, Any] | None = None,
     ) -> SampledAtmosphere:
@@ -151,6 +155,8 @@ class SampledAtmosphere:
             The samples; one sky must be that seen from the sea (height 0).
         line : LiveLine, optional
             The calculation itself, for paths to points above the sea.
+        scattered : ScatteredSamples, optional
+            Sunlight scattered by the air.
         name : str
             What error messages call the atmosphere.
         provenance : dict, optional
@@ -199,6 +205,7 @@ class SampledAtmosphere:
             _sun=CubicSpline(elevation_coordinate(elevation, 0.0), encode_optical_depth(toward[::-1]), axis=0),
             _skies=tuple(Sky.of(sky, nu) for sky in skies),
             _line=line,
+            scattered=scattered,
         )
 
     def _coordinate(self, height: float, range_m: ArrayLike) -> FloatArray:

@@ -6,6 +6,7 @@ r"""Mean radiance of the sea at the aperture (Eqs. 1-8 of the source article), i
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -24,6 +25,9 @@ from seaglint.radiance.view import SeaView
 
 NODES: Final = 160
 """Elevations at which a view is tabulated."""
+
+SKY_NODES: Final = 4096
+"""Elevations at which the sky is tabulated for lines of sight, even in the square root of the elevation above the horizon."""
 
 _FINEST: Final = 2e-4
 """Least scale of the elevations tabulated [rad]: a mirror's grazing light changes over hundredths."""
@@ -160,6 +164,31 @@ class MeanModel:
         found = self._spline(np.arcsinh(gamma[np.isfinite(gamma)] / self._scale))
         weights = azimuth_weights(self.view.slopes, columns + np.pi)
         return _assembled(self.view, rows, columns, gamma, found, weights, self._glint)
+
+    def along(self, elevation: FloatArray, azimuth: FloatArray) -> SeaRadiance:
+        """Mean radiance along lines of sight in no order, elevation and azimuth of each [rad, (n,)]; components are (n, 1)."""
+        gamma = _sea_elevation(self.view.sensor_height, elevation)
+        sea = np.isfinite(gamma)
+        found = self._spline(np.arcsinh(gamma[sea] / self._scale))
+        weights = azimuth_weights(self.view.slopes, azimuth[sea] + np.pi)
+        k = weights.shape[0]
+        path, emission, sky = (np.zeros((elevation.size, 1)) for _ in range(3))
+        terms = np.zeros((elevation.size, found.shape[1] - 1 - 2 * k))
+        path[sea], terms[sea] = found[:, :1], found[:, 1 + 2 * k :]
+        emission[sea, 0] = np.sum(found[:, 1 : 1 + k] * weights.T, axis=1)
+        sky[sea, 0] = np.sum(found[:, 1 + k : 1 + 2 * k] * weights.T, axis=1)
+        above, table = self._sky
+        sky[~sea, 0] = np.interp(elevation[~sea], above, table)
+        turn = turn_at(_arc(self.view.sensor_height, gamma))
+        return SeaRadiance(path, emission, sky, *self._glint.grid(0.5 * np.pi - gamma, azimuth[:, None] + np.pi, turn, terms))
+
+    @cached_property
+    def _sky(self) -> tuple[FloatArray, FloatArray]:
+        """Elevations from the horizon to the zenith [rad], and the sky's radiance there [W m-2 sr-1]."""
+        dip = horizon_depression(self.view.sensor_height)
+        elevation = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_NODES) ** 2 - dip
+        zenith = np.clip(0.5 * np.pi - elevation, 0.0, 0.5 * np.pi + dip)
+        return elevation, self.view.in_band(self.view.atmosphere.sky_radiance(zenith, self.view.sensor_height))
 
 
 def _lines(elevation: ArrayLike, azimuth: ArrayLike) -> tuple[FloatArray, FloatArray]:
