@@ -375,6 +375,8 @@ def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate:
 
 def _model_of(key: Hashable) -> str:
     return str(key[0]) if isinstance(key, tuple) else str(key)
+
+
 def _slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
     """Slope model of every row; those that have a direction need the wind's."""
     if SLOPES not in cases.header:

@@ -14,6 +14,7 @@ disc itself is no part of it: its mirror image is the glint.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Final, NamedTuple
 
@@ -21,19 +22,23 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from seaglint._jit import in_threads, kernel, njit
-from seaglint.atmosphere.scattered import ScatteredTable, scattered_path_at, scattered_sky_at, shares_at, sky_row
+from seaglint.atmosphere.scattered import ScatteredTable, scattered_path_at, scattered_shares, scattered_sky_at, shares_at, sky_row
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray
 from seaglint.optics.fresnel import ReflectanceSeries
-from seaglint.radiance.local_sun import turn_kernel
-from seaglint.radiance.view import SeaView
+from seaglint.radiance.local_sun import turn_at, turn_kernel
+from seaglint.radiance.view import SeaView, sea_arc
 from seaglint.sea.nested import between_bands, nested_ratio_kernel, ratio_table
 from seaglint.sea.slopes import SlopeStatistics, series_bracket
 
 _ROWS: Final = 48
 """Elevations of the viewer at which the mirrored sky is tabulated."""
 
-_MIRRORED: Final, _STRAIGHT: Final = 48, 64
-"""Intervals in azimuth of the mirrored sky, all round, and of the path, on one side of the Sun; they crowd at the Sun."""
+_MIRRORED: Final = 48
+"""Intervals in azimuth of the mirrored sky, all round, ..."""
+
+_STRAIGHT: Final = 64
+"""... and of the path, on one side of the Sun; they crowd at the Sun, by these factors:"""
 
 _CROWDING: Final = {_MIRRORED: 3.0, _STRAIGHT: 5.0}
 
@@ -45,7 +50,8 @@ _ALONG_X, _ALONG_W = np.polynomial.legendre.leggauss(32)
 _CUT: Final = 5.0
 """Deviations of slope that are summed."""
 
-_ELEVATIONS: Final, _AZIMUTHS: Final = 129, 181
+_ELEVATIONS: Final = 129
+_AZIMUTHS: Final = 181
 """Nodes of the sky over the sea: even in the square root of elevation, and in azimuth."""
 
 _LEAST_SLOPE: Final = 1e-4
@@ -80,7 +86,8 @@ def _fill_sky(table: ScatteredTable, suns: np.ndarray, out: np.ndarray) -> None:
 def _add_sky(sky: np.ndarray, at: tuple[float, float, float], weight: float, out: np.ndarray) -> None:
     """Add to ``out[r]`` the sky at a Sun's place among the nodes, an elevation and an azimuth from the Sun [rad]."""
     x, y = at[0], math.sqrt(at[1] / (0.5 * math.pi)) * (sky.shape[1] - 1)
-    z = abs(math.remainder(at[2], 2.0 * math.pi)) / math.pi * (sky.shape[2] - 1)
+    beside = abs(at[2]) % (2.0 * math.pi)
+    z = min(beside, 2.0 * math.pi - beside) / math.pi * (sky.shape[2] - 1)
     t, e, a = min(int(x), max(sky.shape[0] - 2, 0)), min(int(y), sky.shape[1] - 2), min(int(z), sky.shape[2] - 2)
     f, g = y - e, z - a
     for step in range(2 if x > t else 1):
@@ -100,7 +107,7 @@ def _sun_at(zenith: float, beside: float, psi: float) -> tuple[float, float]:
     return math.acos(min(max(lifted, -1.0), 1.0)), math.atan2(aside, along * turn[0] - up * turn[1])
 
 
-@kernel
+@njit
 def _mirror(
     facets: _Facets, rule: np.ndarray, sky: np.ndarray, view: tuple[float, float], sun: tuple[float, float], out: np.ndarray
 ) -> None:
@@ -174,8 +181,8 @@ def _fill_mirrored(
 ) -> None:
     """Mirrored sky in band over the area of all visible facets: rows of elevation and turn ``where``, azimuths of lines of sight.
 
-    ``sun``: zenith angle and azimuth at the sensor's foot, first zenith angle of the sky and its nodes per rad. ``sums[i, j, r]``: band sums
-    of reflectance and path for every row.
+    ``sun``: zenith angle and azimuth at the sensor's foot, first zenith angle of the sky and its nodes per rad. ``sums[i, j, r]``: sums
+    over the band of reflectance and path for every row.
     """
     moments = np.empty((sums.shape[1], sums.shape[2]))
     for row in range(rows[0], rows[1]):
@@ -204,67 +211,6 @@ def _fill_above(rows: tuple[int, int], elevations: np.ndarray, azimuths: np.ndar
     for row in range(rows[0], rows[1]):
         for column in range(azimuths.size):
             out[row, column] = scattered_sky_at(elevations[row], azimuths[column], table)
-
-
-@dataclass(frozen=True, eq=False)
-class ScatteredSun:
-    """Scattered sunlight over one view's sea. Make it with :meth:`prepare`.
-
-    Attributes
-    ----------
-    view : SeaView
-        Who looks at which sea.
-    """
-
-    view: SeaView
-    _reflectance: ReflectanceSeries
-    _facets: _Facets
-    _sky: FloatArray
-    _sun: FloatArray
-    _spectral: FloatArray
-
-    @classmethod
-    def prepare(cls, view: SeaView, reflectance: ReflectanceSeries) -> ScatteredSun | None:
-        """For water of a reflectance; None where nothing is scattered."""
-        table = view.scattered.sea_sky
-        if not (table.amplitude.any() or view.scattered.path.amplitude.any()):
-            return None
-        count = table.amplitude.shape[0] if table.sun[1] > 0.0 else 1
-        suns = table.sun[0] + np.arange(count) / (table.sun[1] if table.sun[1] > 0.0 else 1.0)
-        sky = np.empty((count, _ELEVATIONS, _AZIMUTHS, table.amplitude.shape[4]))
-        _fill_sky(table, suns, sky)
-        sun = np.array([view.solar_zenith, view.solar_azimuth, suns[0], table.sun[1]])
-        return cls(view, reflectance, _facets_of(view), sky, sun, view.sun_distance_factor * table.spectral)
-
-    def mirrored(self, gamma: FloatArray, turn: FloatArray, azimuth: FloatArray, seen: FloatArray) -> FloatArray:
-        """Mirrored in band at the aperture [W m-2 sr-1, (rows, columns)].
-
-        Rows: elevation of the viewer over the sea and turn of the vertical there [rad], and transmittance times quadrature weight [cm-1,
-        (rows, n)]. Columns: azimuth of the line of sight [rad].
-        """
-        terms = self._reflectance.coefficients[:_TERMS]
-        sums = np.stack([seen @ (terms[:, None] * self._spectral).reshape(-1, seen.shape[1]).T]).reshape(seen.shape[0], terms.shape[0], -1)
-        out = np.empty((gamma.size, azimuth.size))
-        rows = np.stack([gamma, turn], axis=1)
-        rule = np.stack([_ALONG_X, _ALONG_W])
-        in_threads(lambda part: _fill_mirrored(part, rows, azimuth, self._facets, rule, self._sky, self._sun, sums, out), gamma.size)
-        view = self.view
-        area = view.shadowing.area(0.5 * np.pi - gamma[:, None], azimuth + np.pi, _rough(view.slopes))
-        return np.asarray(np.maximum(out, 0.0) / area)
-
-    def path(self, arc: FloatArray, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """Of paths to the sea at arcs [m] and elevations of the line of sight [rad] (rows), azimuths (columns) [W m-2 sr-1]."""
-        out = np.empty((arc.size, azimuth.size))
-        beside, table = azimuth - self.view.solar_azimuth, self.view.scattered.path
-        in_threads(lambda part: _fill_path(part, arc, elevation, beside, table, out), arc.size)
-        return self.view.sun_distance_factor * out
-
-    def above(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """Of the sky seen from the sensor at elevations (rows) and azimuths (columns) [rad], in band [W m-2 sr-1]."""
-        out = np.empty((elevation.size, azimuth.size))
-        beside, table = azimuth - self.view.solar_azimuth, self.view.scattered.sky
-        in_threads(lambda part: _fill_above(part, elevation, beside, table, out), elevation.size)
-        return self.view.sun_distance_factor * out
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,6 +249,86 @@ class Around:
         return np.asarray(CubicSpline(self._u, np.eye(self._u.size))(u).T)
 
 
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Rows of sea: elevation of the viewer and turn of the vertical at the place, elevation of the line of sight [rad], arc [m], and
+    transmittance times quadrature weight [cm-1, (rows, n)].
+    """
+
+    gamma: FloatArray
+    turn: FloatArray
+    elevation: FloatArray
+    arc: FloatArray
+    seen: FloatArray
+
+    @classmethod
+    def of(cls, view: SeaView, gamma: FloatArray) -> Rows:
+        """Of elevations of the viewer over the sea [rad]."""
+        arc = sea_arc(view.sensor_height, gamma)
+        seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., view.in_band.grid] * view.in_band.weights
+        return cls(gamma, turn_at(arc), -(gamma + arc / EFFECTIVE_EARTH_RADIUS), arc, seen)
+
+
+@dataclass(frozen=True, eq=False)
+class ScatteredSun:
+    """Scattered sunlight over one view's sea. Make it with :meth:`prepare`.
+
+    Attributes
+    ----------
+    view : SeaView
+        Who looks at which sea.
+    """
+
+    view: SeaView
+    _reflectance: ReflectanceSeries
+    _facets: _Facets
+    _sky: FloatArray
+    _sun: FloatArray
+    _spectral: FloatArray
+
+    @classmethod
+    def prepare(cls, view: SeaView, reflectance: Callable[[], ReflectanceSeries]) -> ScatteredSun | None:
+        """For water of a reflectance, asked for where it matters; None where nothing is scattered."""
+        table = view.scattered.sea_sky
+        if not (table.amplitude.any() or view.scattered.path.amplitude.any()):
+            return None
+        count = table.amplitude.shape[0] if table.sun[1] > 0.0 else 1
+        suns = table.sun[0] + np.arange(count) / (table.sun[1] if table.sun[1] > 0.0 else 1.0)
+        sky = np.empty((count, _ELEVATIONS, _AZIMUTHS, table.amplitude.shape[4]))
+        _fill_sky(table, suns, sky)
+        sun = np.array([view.solar_zenith, view.solar_azimuth, suns[0], table.sun[1]])
+        return cls(view, reflectance(), _facets_of(view), sky, sun, view.sun_distance_factor * table.spectral)
+
+    def mirrored(self, rows: Rows, azimuth: FloatArray) -> FloatArray:
+        """Mirrored by the sea, at the aperture in band [W m-2 sr-1, (rows, columns)]; azimuths of lines of sight [rad, (columns,)]."""
+        terms = self._reflectance.coefficients[:_TERMS]
+        shapes = (terms[:, None] * self._spectral).reshape(-1, rows.seen.shape[1])
+        sums = np.ascontiguousarray((rows.seen @ shapes.T).reshape(rows.gamma.size, terms.shape[0], -1))
+        out, rule = np.empty((rows.gamma.size, azimuth.size)), np.stack([_ALONG_X, _ALONG_W])
+        where = np.stack([rows.gamma, rows.turn], axis=1)
+        in_threads(lambda part: _fill_mirrored(part, where, azimuth, self._facets, rule, self._sky, self._sun, sums, out), len(where))
+        area = self.view.shadowing.area(0.5 * np.pi - rows.gamma[:, None], azimuth + np.pi, _rough(self.view.slopes))
+        return np.asarray(np.maximum(out, 0.0) / area)
+
+    def path(self, rows: Rows, azimuth: FloatArray) -> FloatArray:
+        """Of paths to the sea in band [W m-2 sr-1, (rows, columns)]; azimuths of lines of sight [rad, (columns,)]."""
+        out = np.empty((rows.arc.size, azimuth.size))
+        beside, table = azimuth - self.view.solar_azimuth, self.view.scattered.path
+        in_threads(lambda part: _fill_path(part, rows.arc, rows.elevation, beside, table, out), rows.arc.size)
+        return self.view.sun_distance_factor * out
+
+    def above(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
+        """Of the sky seen from the sensor at elevations (rows) and azimuths (columns) [rad], in band [W m-2 sr-1]."""
+        out = np.empty((elevation.size, azimuth.size))
+        beside, table = azimuth - self.view.solar_azimuth, self.view.scattered.sky
+        in_threads(lambda part: _fill_above(part, elevation, beside, table, out), elevation.size)
+        return self.view.sun_distance_factor * out
+
+    def above_along(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
+        """The same for lines of sight in no order [(n,)]."""
+        return self.view.sun_distance_factor * scattered_shares(elevation, azimuth - self.view.solar_azimuth, self.view.scattered.sky)[:, 0]
+
+
 def _rough(slopes: SlopeStatistics) -> SlopeStatistics:
     """The same slopes, a mirror's so small that they do not matter."""
     least = max(_LEAST_SLOPE**2, 1e-4 * max(slopes.mss_up, slopes.mss_cross))
@@ -320,3 +346,39 @@ def _facets_of(view: SeaView) -> _Facets:
         np.array(slopes.coefficients),
         between_bands(ratio_table, bands),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class ScatteredMap:
+    """Scattered sunlight of one view, tabulated along elevation and azimuth: maps of any size are then quick. Make it with :meth:`prepare`.
+
+    Paths and the mirrored sky are splined over the elevation of the viewer as seen from the sea, in ``arsinh(elevation / scale)``, and over
+    the azimuth from the Sun.
+    """
+
+    light: ScatteredSun
+    _scale: float
+    _path: CubicSpline[np.float64]
+    _mirrored: CubicSpline[np.float64]
+    _beside: Around
+    _around: Around
+
+    @classmethod
+    def prepare(cls, light: ScatteredSun, scale: float, x: FloatArray) -> ScatteredMap:
+        """Tabulate at coordinates ``x`` of the elevation, the mirrored sky at fewer of them."""
+        view, beside, around = light.view, Around.path(), Around.mirrored()
+        few = np.linspace(x[0], x[-1], _ROWS)
+        path = light.path(Rows.of(view, np.minimum(scale * np.sinh(x), 0.5 * np.pi)), view.solar_azimuth + beside.azimuth)
+        mirrored = light.mirrored(Rows.of(view, np.minimum(scale * np.sinh(few), 0.5 * np.pi)), view.solar_azimuth + around.azimuth)
+        return cls(light, scale, CubicSpline(x, path), CubicSpline(few, mirrored), beside, around)
+
+    def map(self, gamma: FloatArray, azimuth: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Path and mirrored sky for elevations of the viewer (rows) and azimuths of lines of sight (columns) [rad]."""
+        x, turned = np.arcsinh(gamma / self._scale), azimuth - self.light.view.solar_azimuth
+        return self._path(x) @ self._beside.weights(turned), self._mirrored(x) @ self._around.weights(turned)
+
+    def along(self, gamma: FloatArray, azimuth: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The same along lines of sight in no order [(n,)]."""
+        x, turned = np.arcsinh(gamma / self._scale), azimuth - self.light.view.solar_azimuth
+        path = np.sum(self._path(x) * self._beside.weights(turned).T, axis=1)
+        return path, np.sum(self._mirrored(x) * self._around.weights(turned).T, axis=1)

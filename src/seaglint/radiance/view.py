@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from seaglint.atmosphere.base import Atmosphere
 from seaglint.atmosphere.scattered import ScatteredLight
 from seaglint.atmosphere.scattered_tables import scattered_in
-from seaglint.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_range
 from seaglint.errors import DomainError
 from seaglint.optics.band import Band
@@ -195,3 +195,10 @@ class SeaView:
     def _irradiance(self, zenith: FloatArray) -> FloatArray:
         """Sunlight for zenith angles [W m-2 per cm-1, (angles, n)]."""
         return np.asarray(self.sun_distance_factor * self.atmosphere.solar_irradiance(zenith)[..., self.in_band.grid])
+
+
+def sea_arc(height: float, gamma: FloatArray) -> FloatArray:
+    """Arc along the sea to the point from which the viewer stands at elevation ``gamma`` [m]: ``R' (depression - gamma)``."""
+    excess = height / EFFECTIVE_EARTH_RADIUS
+    depression = 2.0 * np.arcsin(np.sqrt(np.minimum((0.5 * excess + np.sin(0.5 * gamma) ** 2) / (1.0 + excess), 1.0)))
+    return np.asarray(EFFECTIVE_EARTH_RADIUS * np.maximum(depression - gamma, 0.0))
