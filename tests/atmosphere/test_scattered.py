@@ -120,7 +120,7 @@ def test_more_air_scatters_more_and_the_aureole_is_brightest(air, weights):
 
 
 def test_sun_sets_without_a_step():
-    """Down to nothing as the disc sets (LOWTRAN7's angle is without refraction, half a degree more), in steps that shrink with the angle."""
+    """Down to nothing as the disc sets, in steps that shrink with the angle; LOWTRAN7's angle is half a degree more."""
     zenith = np.radians(np.arange(89.0, 91.5, 0.02))
     for elevation, least in ((0.1, 0.01), (-0.02, 1e-3)):  # sky and path
         lines = np.array([(7.0, 30.0, elevation, 0.2, z) for z in zenith])
