@@ -8,7 +8,7 @@ from seaglint.atmosphere.isothermal import IsothermalAtmosphere
 from seaglint.atmosphere.scattered import in_band, scattered_path, scattered_path_at, scattered_shares, scattered_sky_at
 from seaglint.atmosphere.scattered_cases import scattered_cases
 from seaglint.atmosphere.scattered_line import KINDS, horizon_zenith, local_zenith
-from seaglint.atmosphere.scattered_tables import scattered_in, scattered_light
+from seaglint.atmosphere.scattered_tables import ScatteredLight, scattered_in
 from seaglint.atmosphere.scattering_file import ScatteringTable, covers
 from seaglint.atmosphere.scattering_laws import AerosolLaws, AirLevels, ScatteringAir, SpectralLaws, molecular_phase, scattering_angle
 from seaglint.atmosphere.table import TableAtmosphere
@@ -135,7 +135,7 @@ def test_sun_sets_without_a_step():
 def test_tables_against_line_by_line(air, weights, height, sun, turn):
     """0.3 %: path and sky from the horizontal up; twice that among Suns of places in view."""
     sun = np.radians(sun)
-    light = scattered_light(air, weights, height, sun, turn)
+    light = ScatteredLight(air, weights, height, sun, turn)
     rng = np.random.default_rng(3)
     azimuth = np.pi * rng.random(24) ** 2
     elevation = 0.5 * np.pi * rng.random(24) ** 3
@@ -159,14 +159,14 @@ def test_tables_against_line_by_line(air, weights, height, sun, turn):
 
 def test_spectral_shapes_hold_the_spectrum(air, weights):
     """Products with a reflectance that doubles through the band are as good as the band's own sums."""
-    light = scattered_light(air, weights, 30.0, 1.3)
+    light = ScatteredLight(air, weights, 30.0, 1.3)
     slope = np.linspace(1.0, 2.0, weights.size) * weights
     direct, _ = line_by_line(air, slope, 0.0, 0.3, 0.5, 1.3)
     assert float(scattered_shares(0.3, 0.5, light.sea_sky) @ (light.sea_sky.spectral @ slope)) == pytest.approx(float(direct[0]), rel=3e-3)
 
 
 def test_paths_beyond_the_horizon_stay_those_of_the_horizon(air, weights):
-    light = scattered_light(air, weights, 30.0, 1.3)
+    light = ScatteredLight(air, weights, 30.0, 1.3)
     edge = np.sqrt(light.path.longest**2 - 900.0) * EFFECTIVE_EARTH_RADIUS / (EFFECTIVE_EARTH_RADIUS + 15.0)
     assert float(slant_range(30.0, edge)) == pytest.approx(light.path.longest, rel=1e-6)
     ends = scattered_path([edge, 1.3 * edge], -0.003, 0.1, light.path)
@@ -195,7 +195,7 @@ def test_night_and_the_far_infrared_are_dark():
 def test_places_in_view_see_their_own_sun(air, weights):
     """Sky over a place towards the Sun is that under a Sun so much higher; beyond its horizon a Sun scatters nothing."""
     sun, turn = 0.5 * np.pi - 0.01, 0.02
-    light = scattered_light(air, weights, 1000.0, sun, turn)
+    light = ScatteredLight(air, weights, 1000.0, sun, turn)
     direct, _ = line_by_line(air, weights, 0.0, 0.1, 0.3, sun - turn)
     found = scattered_shares(0.1, 0.3, light.sea_sky, sun - turn) @ (light.sea_sky.spectral @ weights)
     assert float(found) == pytest.approx(float(direct[0]), rel=1e-2)

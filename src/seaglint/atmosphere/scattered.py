@@ -9,7 +9,7 @@ spectral shapes.
 
 Use
 ---
-:func:`seaglint.atmosphere.scattered_tables.scattered_light` makes three tables. A map or an image adds, in band,
+:class:`seaglint.atmosphere.scattered_tables.ScatteredLight` makes three tables. A map or an image adds, in band,
 
 - ``path``: :func:`scattered_path_at` to the path radiance of every line of sight to the sea;
 - ``sky``: :func:`scattered_sky_at` to the sky seen from the sensor, above the horizon;
@@ -24,7 +24,6 @@ All are for the Sun at 1 au; multiply by ``1/d^2``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -55,23 +54,6 @@ class ScatteredTable(NamedTuple):
     longest: float
     dip: float
     dip_rows: int
-
-
-@dataclass(frozen=True, eq=False)
-class ScatteredLight:
-    """Scattered sunlight of one band, wind, sensor height and Sun; see the module's notes.
-
-    Attributes
-    ----------
-    path, sky : ScatteredTable
-        In band [W m-2 sr-1]: one spectral shape, which is 1.
-    sea_sky : ScatteredTable
-        Spectra.
-    """
-
-    path: ScatteredTable
-    sky: ScatteredTable
-    sea_sky: ScatteredTable
 
 
 @njit

@@ -122,10 +122,10 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
         azimuths, weights = columns + np.pi, np.eye(columns.size)
     found = _sea_rows(view, gamma[sea], azimuths, surface)
     out = _assembled(view, rows, columns, gamma, found, weights, _glint_model(view))
-    light = _scattered(view, surface)
+    where = Rows.of(view, gamma[sea])
+    light = _scattered(view, surface, float(where.turn.max(initial=0.0)))
     if light is None:
         return out
-    where = Rows.of(view, gamma[sea])
     if columns.size <= _FEW:
         scattered = light.path(where, columns), light.mirrored(where, columns)
     else:
@@ -242,10 +242,10 @@ def _glint_model(view: SeaView) -> GlintModel:
     return GlintModel.prepare(view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, view.sun_table)
 
 
-def _scattered(view: SeaView, surface: SeaSurface | None) -> ScatteredSun | None:
-    """Scattered sunlight over the view's sea, if there is any."""
+def _scattered(view: SeaView, surface: SeaSurface | None, turn: float | None = None) -> ScatteredSun | None:
+    """Scattered sunlight over the view's sea, if there is any, with places ``turn`` of the vertical away."""
     return ScatteredSun.prepare(
-        view, lambda: ReflectanceSeries.of(view.water.index(view.in_band.wavenumber_cm)) if surface is None else surface.reflectance
+        view, lambda: ReflectanceSeries.of(view.water.index(view.in_band.wavenumber_cm)) if surface is None else surface.reflectance, turn
     )
 
 

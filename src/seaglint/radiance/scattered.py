@@ -54,6 +54,9 @@ _ELEVATIONS: Final = 129
 _AZIMUTHS: Final = 181
 """Nodes of the sky over the sea: even in the square root of elevation, and in azimuth."""
 
+_FEW_LINES: Final = 64
+"""Paths up to which each is a sum of its own: a table is as dear as twice as many."""
+
 _LEAST_SLOPE: Final = 1e-4
 """Least rms slope summed [1]: mirrors see a spot of the sky 0.01 deg wide."""
 
@@ -287,11 +290,13 @@ class ScatteredSun:
     _spectral: FloatArray
 
     @classmethod
-    def prepare(cls, view: SeaView, reflectance: Callable[[], ReflectanceSeries]) -> ScatteredSun | None:
-        """For water of a reflectance, asked for where it matters; None where nothing is scattered."""
-        table = view.scattered.sea_sky
-        if not (table.amplitude.any() or view.scattered.path.amplitude.any()):
+    def prepare(cls, view: SeaView, reflectance: Callable[[], ReflectanceSeries], turn: float | None = None) -> ScatteredSun | None:
+        """For water of a reflectance, asked for where it matters, and places where the vertical is turned by at most ``turn`` [rad]: all in
+        view by default. None where nothing is scattered.
+        """
+        if view.scattered.air is None:
             return None
+        table = view.scattered.sea_sky if turn is None else view.scattered.sea_sky_within(turn)
         count = table.amplitude.shape[0] if table.sun[1] > 0.0 else 1
         suns = table.sun[0] + np.arange(count) / (table.sun[1] if table.sun[1] > 0.0 else 1.0)
         sky = np.empty((count, _ELEVATIONS, _AZIMUTHS, table.amplitude.shape[4]))
@@ -312,6 +317,8 @@ class ScatteredSun:
 
     def path(self, rows: Rows, azimuth: FloatArray) -> FloatArray:
         """Of paths to the sea in band [W m-2 sr-1, (rows, columns)]; azimuths of lines of sight [rad, (columns,)]."""
+        if rows.arc.size * azimuth.size <= _FEW_LINES:
+            return self.view.sun_distance_factor * self.view.scattered.paths(rows.arc, azimuth - self.view.solar_azimuth)
         out = np.empty((rows.arc.size, azimuth.size))
         beside, table = azimuth - self.view.solar_azimuth, self.view.scattered.path
         in_threads(lambda part: _fill_path(part, rows.arc, rows.elevation, beside, table, out), rows.arc.size)
@@ -319,6 +326,8 @@ class ScatteredSun:
 
     def above(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
         """Of the sky seen from the sensor at elevations (rows) and azimuths (columns) [rad], in band [W m-2 sr-1]."""
+        if elevation.size == 0:
+            return np.zeros((0, azimuth.size))
         out = np.empty((elevation.size, azimuth.size))
         beside, table = azimuth - self.view.solar_azimuth, self.view.scattered.sky
         in_threads(lambda part: _fill_above(part, elevation, beside, table, out), elevation.size)
@@ -326,6 +335,8 @@ class ScatteredSun:
 
     def above_along(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
         """The same for lines of sight in no order [(n,)]."""
+        if elevation.size == 0:
+            return np.zeros(0)
         return self.view.sun_distance_factor * scattered_shares(elevation, azimuth - self.view.solar_azimuth, self.view.scattered.sky)[:, 0]
 
 

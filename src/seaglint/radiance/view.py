@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.atmosphere.base import Atmosphere
-from seaglint.atmosphere.scattered import ScatteredLight
-from seaglint.atmosphere.scattered_tables import scattered_in
+from seaglint.atmosphere.scattered_tables import ScatteredLight, scattered_in
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_range
 from seaglint.errors import DomainError
