@@ -96,7 +96,7 @@ def scattered_in(
 
 def _darkness(channels: int) -> ScatteredLight:
     """Tables of the same types that hold nothing."""
-    one = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), (0.0, 0.0), 1.0, 2.0, 1.0, 0)
+    one = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), 0.0, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
     return ScatteredLight(one, one, one._replace(spectral=np.zeros((1, channels))))
 
 
@@ -131,18 +131,19 @@ def scattered_light(
     zenith, arcs, coordinate = _path_lines(air, height)
     even = np.linspace(0.0, 1.0, ROWS)
     path = _table(air, one, height, zenith, azimuths, [sun], lambda nodes: CubicSpline(coordinate, nodes, axis=1)(even), share)
-    path = path._replace(sun=(aloft, 0.0), height=height, longest=float(slant_range(height, arcs[-1])))
+    path = path._replace(solar_zenith=aloft, height=height, longest=float(slant_range(height, arcs[-1])))
     zenith, rows = _sky_lines(air, height)
     sky = _table(air, one, height, zenith, azimuths, [sun], rows, share)
-    sky = sky._replace(sun=(aloft, 0.0), height=height, dip=horizon_depression(height), dip_rows=DIP_ROWS)
+    sky = sky._replace(solar_zenith=aloft, height=height, dip=horizon_depression(height), dip_rows=DIP_ROWS)
     zenith, rows = _sky_lines(air, 0.0)
     first, last = _sun_range(solar_zenith, farthest_turn)
     if last <= first:
-        sea = _table(air, None, 0.0, zenith, azimuths, [sun], rows, share)._replace(sun=(min(solar_zenith, _LOWEST_SUN), 0.0))
+        sea = _table(air, None, 0.0, zenith, azimuths, [sun], rows)
     else:
         suns = [air.unrefracted_zenith(z) for z in _sun_nodes(first, last)]
-        sea = _table(air, None, 0.0, zenith, _azimuth_nodes(last), suns, rows)._replace(sun=(first, (_SUN_ROWS - 1) / (last - first)))
-    return ScatteredLight(path, sky, sea)
+        sea = _table(air, None, 0.0, zenith, _azimuth_nodes(last), suns, rows)
+        sea = sea._replace(suns=(first, (_SUN_ROWS - 1) / (last - first)))
+    return ScatteredLight(path, sky, sea._replace(solar_zenith=solar_zenith, sets=True))
 
 
 def _sun_range(solar_zenith: float, turn: float) -> tuple[float, float]:
@@ -230,7 +231,7 @@ def _table(
     for r, weight in enumerate(sums):
         by_shape[:, :, r] = found.reshape(len(found), -1) @ (kinds * weight).reshape(kinds.shape[0], -1).T
     values = by_shape.reshape(len(suns), zenith.size, azimuths.size, *by_shape.shape[1:])
-    return ScatteredTable(angular, share * _fine(values, azimuths, rows), spectral, (0.0, 0.0), height, 0.0, 0.0, 0)
+    return ScatteredTable(angular, share * _fine(values, azimuths, rows), spectral, 0.0, (0.0, 0.0), False, height, 0.0, 0.0, 0)
 
 
 def _spectral_shapes(air: ScatteringAir, found: FloatArray) -> FloatArray:
