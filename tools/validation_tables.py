@@ -3,7 +3,8 @@
     python tools/validation_tables.py               all tables
     python tools/validation_tables.py headline sea  some of them
 
-The tables ``lowtran``, ``scattered`` and ``emissivity`` need SEAGLINT_REFERENCE_DIR, ``buoy`` needs SEAGLINT_DATA_DIR; without it they stay as they are.
+The tables ``lowtran``, ``scattered`` and ``emissivity`` need SEAGLINT_REFERENCE_DIR, ``buoy`` needs SEAGLINT_DATA_DIR; without it they stay
+as they are.
 """
 
 from __future__ import annotations

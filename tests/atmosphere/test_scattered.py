@@ -5,7 +5,7 @@ import pytest
 
 from seaglint.atmosphere.base import slant_range
 from seaglint.atmosphere.isothermal import IsothermalAtmosphere
-from seaglint.atmosphere.scattered import in_band, scattered_path, scattered_path_at, scattered_shares, scattered_sky_at
+from seaglint.atmosphere.scattered import in_band, mirrored_sky_at, scattered_path, scattered_path_at, scattered_shares, scattered_sky_at
 from seaglint.atmosphere.scattered_cases import scattered_cases
 from seaglint.atmosphere.scattered_line import KINDS, horizon_zenith, local_zenith
 from seaglint.atmosphere.scattered_tables import ScatteredLight, scattered_in
@@ -129,6 +129,38 @@ def test_sun_sets_without_a_step():
         assert seen[-1] == 0.0
         assert np.abs(np.diff(seen)).max() < 0.06 * seen[0]
         assert np.all(np.diff(seen) <= 0.0)
+
+
+def test_tables_of_a_setting_sun_have_no_step(air, weights):
+    """Path, sky and mirrored sky as the disc sets: every 0.05 deg a fifth less at most, of what it was at first, down to darkness."""
+    seen = []
+    for zenith in np.radians(np.arange(89.5, 90.31, 0.05)):
+        light = scattered_in(_Only(air), slice(None), weights, 30.0, float(zenith), 0.002)
+        mirrored = in_band(light.sea_sky, weights)
+        seen.append(
+            [
+                scattered_path_at(3e3, -0.01, 0.2, light.path),
+                scattered_sky_at(0.1, 0.2, light.sky),
+                scattered_sky_at(0.1, 0.2, mirrored),
+                mirrored_sky_at(0.1, 0.2, float(zenith) - 0.001, mirrored),
+            ]
+        )
+    seen = np.array(seen)
+    assert np.all(seen[0] > 1e-4)
+    assert not seen[-1, :3].any()
+    assert np.all(np.abs(np.diff(seen, axis=0)) < 0.22 * seen[0])
+    assert np.all(np.diff(seen, axis=0) <= 0.0)
+    np.testing.assert_allclose(seen[:-1, 2], seen[:-1, 1], rtol=0.2, atol=1e-12)  # the same sky, 30 m apart
+
+
+class _Only:
+    """An atmosphere of scatterers alone."""
+
+    def __init__(self, air):
+        self.air = air
+
+    def scattering(self, grid):
+        return self.air.cut(grid)
 
 
 @pytest.mark.parametrize(("height", "sun", "turn"), [(30.0, 76.0, 0.004), (2.0, 30.0, 0.0), (900.0, 85.0, 0.02), (9000.0, 60.0, 0.055)])

@@ -55,7 +55,7 @@ def _brute_force(view, elevation, azimuth):
     zenith = float(solar_zenith_at(view.solar_zenith, view.solar_azimuth - azimuth, arc / 6371e3))
     table, over = view.scattered.sea_sky, view.in_band
     directions = np.arcsin(np.minimum(up[:, 2], 1.0)), np.arctan2(up[:, 0], up[:, 1]) - view.solar_azimuth
-    shares = scattered_shares(*directions, table, zenith if table.sun[1] > 0.0 else None)
+    shares = scattered_shares(*directions, table, zenith)
     nodes = np.linspace(0.0, 1.0, 401)
     seen = view.atmosphere.transmittance(view.sensor_height, [arc])[0][over.grid] * over.weights
     rho = (reflectance(nodes[:, None], view.water.index(over.wavenumber_cm)) * seen) @ table.spectral.T

@@ -99,7 +99,7 @@ def scattered_in(
     return ScatteredLight(air, np.asarray(weights, dtype=np.float64), height, solar_zenith, farthest_turn)
 
 
-_DARK: Final = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), (0.0, 0.0), 1.0, 2.0, 1.0, 0)
+_DARK: Final = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), 0.0, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,10 +162,11 @@ class ScatteredLight:
         first, last = _sun_range(self.solar_zenith, turn)
         if last - first <= _ONE_SUN:
             azimuths = _azimuth_nodes(self.solar_zenith)
-            return _table(self.air, None, 0.0, zenith, azimuths, [self._sun], rows, self._share)._replace(sun=(self._apparent, 0.0))
+            table = _table(self.air, None, 0.0, zenith, azimuths, [self._sun], rows)
+            return table._replace(solar_zenith=self.solar_zenith, sets=True)
         suns = [self.air.unrefracted_zenith(z) for z in _sun_nodes(first, last)]
         table = _table(self.air, None, 0.0, zenith, _azimuth_nodes(last), suns, rows)
-        return table._replace(sun=(first, (_SUN_ROWS - 1) / (last - first)))
+        return table._replace(suns=(first, (_SUN_ROWS - 1) / (last - first)), solar_zenith=self.solar_zenith, sets=True)
 
     def paths(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
         """Line by line: paths to the sea at arcs [m] (rows), azimuths from the Sun [rad] (columns), in band [W m-2 sr-1]."""
@@ -204,7 +205,7 @@ class ScatteredLight:
         """Table of lines of sight from the sensor."""
         air = cast(ScatteringAir, self.air)
         table = _table(air, self.weights[None], self.height, zenith, _azimuth_nodes(self.solar_zenith), [self._sun], rows, self._share)
-        return table._replace(sun=(self._aloft, 0.0), height=self.height)
+        return table._replace(solar_zenith=self._aloft, height=self.height)
 
 
 def _sun_range(solar_zenith: float, turn: float) -> tuple[float, float]:
@@ -297,7 +298,7 @@ def _table(
     for r, weight in enumerate(sums):
         by_shape[:, :, r] = found.reshape(len(found), -1) @ (kinds * weight).reshape(kinds.shape[0], -1).T
     values = by_shape.reshape(len(suns), zenith.size, azimuths.size, *by_shape.shape[1:])
-    return ScatteredTable(angular, share * _fine(values, azimuths, rows), spectral, (0.0, 0.0), height, 0.0, 0.0, 0)
+    return ScatteredTable(angular, share * _fine(values, azimuths, rows), spectral, 0.0, (0.0, 0.0), False, height, 0.0, 0.0, 0)
 
 
 def _spectral_shapes(air: ScatteringAir, found: FloatArray) -> FloatArray:

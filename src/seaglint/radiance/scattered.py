@@ -22,7 +22,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from seaglint._jit import in_threads, kernel, njit
-from seaglint.atmosphere.scattered import ScatteredTable, scattered_path_at, scattered_shares, scattered_sky_at, shares_at, sky_row
+from seaglint.atmosphere.scattered import ScatteredTable, scattered_path_at, scattered_shares, scattered_sky_at, share_at, sky_row
+from seaglint.atmosphere.setting_sun import visible_part_kernel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray
 from seaglint.optics.fresnel import ReflectanceSeries
@@ -82,7 +83,8 @@ def _fill_sky(table: ScatteredTable, suns: np.ndarray, out: np.ndarray) -> None:
             elevation = 0.5 * math.pi * (e / (out.shape[1] - 1)) ** 2
             row = sky_row(elevation, table)
             for a in range(out.shape[2]):
-                shares_at(row, elevation, math.pi * a / (out.shape[2] - 1), suns[t], table, out[t, e, a])
+                for r in range(out.shape[3]):
+                    out[t, e, a, r] = share_at(row, elevation, math.pi * a / (out.shape[2] - 1), suns[t], table, r)
 
 
 @kernel
@@ -197,7 +199,7 @@ def _fill_mirrored(
             for j in range(moments.shape[0]):
                 for r in range(moments.shape[1]):
                     total += moments[j, r] * sums[row, j, r]
-            out[row, column] = total
+            out[row, column] = total * visible_part_kernel(0.5 * math.pi - zenith)[0]
 
 
 @njit
@@ -297,11 +299,12 @@ class ScatteredSun:
         if view.scattered.air is None:
             return None
         table = view.scattered.sea_sky if turn is None else view.scattered.sea_sky_within(turn)
-        count = table.amplitude.shape[0] if table.sun[1] > 0.0 else 1
-        suns = table.sun[0] + np.arange(count) / (table.sun[1] if table.sun[1] > 0.0 else 1.0)
+        first, per_rad = table.suns if table.suns[1] > 0.0 else (table.solar_zenith, 0.0)
+        count = table.amplitude.shape[0] if per_rad > 0.0 else 1
+        suns = first + np.arange(count) / (per_rad if per_rad > 0.0 else 1.0)
         sky = np.empty((count, _ELEVATIONS, _AZIMUTHS, table.amplitude.shape[4]))
-        _fill_sky(table, suns, sky)
-        sun = np.array([view.solar_zenith, view.solar_azimuth, suns[0], table.sun[1]])
+        _fill_sky(table._replace(sets=False), suns, sky)
+        sun = np.array([view.solar_zenith, view.solar_azimuth, first, per_rad])
         return cls(view, reflectance(), _facets_of(view), sky, sun, view.sun_distance_factor * table.spectral)
 
     def mirrored(self, rows: Rows, azimuth: FloatArray) -> FloatArray:
