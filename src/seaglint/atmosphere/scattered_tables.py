@@ -18,7 +18,9 @@ from seaglint.atmosphere.coordinates import elevation_of_coordinate, straight_se
 from seaglint.atmosphere.lowtran_ray import invariant_of
 from seaglint.atmosphere.sampled_sky import grazing_coordinate, grazing_share
 from seaglint.atmosphere.scattered import ScatteredTable
+from seaglint.atmosphere.scattered_file import SampledLight
 from seaglint.atmosphere.scattered_line import KINDS, horizon_zenith
+from seaglint.atmosphere.scattered_samples import ScatteredSamples
 from seaglint.atmosphere.scattering_laws import ScatteringAir, scattering_angle
 from seaglint.atmosphere.setting_sun import visible_part_kernel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
@@ -79,22 +81,26 @@ class Scattering(Protocol):
 
 def scattered_in(
     atmosphere: object, grid: slice, weights: FloatArray, height: float, solar_zenith: float, farthest_turn: float = 0.0
-) -> ScatteredLight:
+) -> ScatteredLight | SampledLight:
     """Scattered sunlight of a band in any atmosphere.
 
-    Vacuum and isothermal air scatter nothing, nor does air in 7.5-14 um, nor a Sun below the horizon of all places in view. A file
-    with scattered radiances of its own would make the three tables from them here.
+    Vacuum and isothermal air scatter nothing, nor does air in 7.5-14 um, nor a Sun below the horizon of all places in view. Air from a
+    file has what the file tells.
 
     Parameters
     ----------
     atmosphere : Atmosphere
-        Asked for ``scattering(grid)`` if it has such a method.
+        Asked for samples of its own, ``scattered``, and for ``scattering(grid)``, if it has them.
     grid, weights : slice, ndarray
         Samples in the band and its quadrature weights there [cm-1, (n,)], as :class:`seaglint.radiance.view.BandSum` has them.
     height, solar_zenith, farthest_turn : float
         As for :class:`ScatteredLight`; ``seaglint.radiance.view.SeaView`` has all three.
     """
     up = solar_zenith - farthest_turn < 0.5 * math.pi + SOLAR_ANGULAR_RADIUS
+    samples = getattr(atmosphere, "scattered", None)
+    if up and isinstance(samples, ScatteredSamples):
+        samples.require_sun(solar_zenith, "the file of air")
+        return SampledLight(samples, grid, np.asarray(weights, dtype=np.float64), height)
     air = cast(Scattering, atmosphere).scattering(grid) if up and hasattr(atmosphere, "scattering") else None
     return ScatteredLight(air, np.asarray(weights, dtype=np.float64), height, solar_zenith, farthest_turn)
 
@@ -130,6 +136,11 @@ class ScatteredLight:
     height: float
     solar_zenith: float
     farthest_turn: float = 0.0
+
+    @property
+    def is_dark(self) -> bool:
+        """Whether nothing is scattered."""
+        return self.air is None
 
     @cached_property
     def path(self) -> ScatteredTable:

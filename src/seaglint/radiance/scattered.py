@@ -296,7 +296,7 @@ class ScatteredSun:
         """For water of a reflectance, asked for where it matters, and places where the vertical is turned by at most ``turn`` [rad]: all in
         view by default. None where nothing is scattered.
         """
-        if view.scattered.air is None:
+        if view.scattered.is_dark:
             return None
         table = view.scattered.sea_sky if turn is None else view.scattered.sea_sky_within(turn)
         first, per_rad = table.suns if table.suns[1] > 0.0 else (table.solar_zenith, 0.0)

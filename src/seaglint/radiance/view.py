@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.atmosphere.base import Atmosphere
+from seaglint.atmosphere.scattered_file import SampledLight
 from seaglint.atmosphere.scattered_tables import ScatteredLight, scattered_in
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_range
@@ -141,7 +142,7 @@ class SeaView:
         return BandSum.of(self.band, self.atmosphere)
 
     @cached_property
-    def scattered(self) -> ScatteredLight:
+    def scattered(self) -> ScatteredLight | SampledLight:
         """Sunlight that the air scatters towards the sensor and the sea, Sun at 1 au; darkness where there is none."""
         over = self.in_band
         atmosphere = self.atmosphere if self.scattering and self.background == "facets" else None
