@@ -267,6 +267,10 @@ def sweep_columns(
             sines = (max(axes[0, 0], 0.0), min(axes[0, 0] + (tables.thermal.shape[0] - 1) / axes[0, 1], 1.0))
             sunward = course(surface, level, swept.sunlight.horizontal_east, swept.sunlight.horizontal_north)
             arcs = (walk.range_m[first], walk.range_m[end - 1])
+            # lines of a column share the tables of its middle: their azimuths differ by less than its width
+            middle = line_of_sight(optics.sunlight, optics.roughness, azimuths[column])
+            thermal, emitted = thermal_along(tables.thermal, axes, middle), thermal_along(tables.emitted, axes, middle)
+            disc = disc_line(optics.sunlight, optics.roughness, middle, sines, disc_rows, farthest)
             lines = tangents.shape[0]
             for j in range(lines):
                 sight = line_of_sight(optics.sunlight, optics.roughness, azimuths[column] + width * ((j + 0.5) / lines - 0.5))
@@ -275,9 +279,9 @@ def sweep_columns(
                     course(surface, level, -sight.east, -sight.north, arcs),
                     sunward,
                     sight,
-                    thermal_along(tables.thermal, axes, sight),
-                    thermal_along(tables.emitted, axes, sight),
-                    disc_line(optics.sunlight, optics.roughness, sight, sines, disc_rows, farthest),
+                    thermal,
+                    emitted,
+                    disc,
                     1.0 / lines,
                     width,
                 )
