@@ -35,8 +35,8 @@ WHOLE_TURNS = LONGEST_STRIP * SUBCELLS
 """Offset that keeps positions positive; a whole number of periods of any lattice."""
 
 READS_PER_CELL = 2.5
-"""Readings of a lattice in a cell, at least, where samples lie closer; heights are linear between them: within 3.3 % of the amplitude of the
-lattice's shortest waves, which are four cells long. Slopes are read wherever they are needed.
+"""Readings of a lattice in a cell, at least, where samples lie closer. Heights are linear between them: within 3.3 % of the amplitude of
+the lattice's shortest waves, which are four cells long. Slopes are read wherever they are needed.
 """
 
 KNOTS_PER_PERIOD = 8

@@ -154,7 +154,7 @@ def in_view(walk: Walk, strip: Strip, first: int, count: int, crest: float, tang
     for n in range(count):
         k = np.uint64(n)
         seen += walk.rise[at + k] * (strip.height[k] + crest) - walk.fall[at + k] > tangent
-    return seen > 0
+    return bool(seen > 0)
 
 
 @kernel
