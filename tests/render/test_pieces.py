@@ -25,24 +25,24 @@ def _found(count, seed=3, spread=0.03):
 
 @pytest.mark.kernel
 def test_a_merged_piece_has_the_moments_of_its_parts():
-    made, lowest = _found(4), -0.05
-    weight = np.diff(np.append(lowest, made.extent[:4, 1]))
-    slope, arc, length, top = made.slope[:4].copy(), made.arc[:4].copy(), made.extent[:4, 0].sum(), made.extent[3, 1]
-    left = pieces.merge(made, 4, lowest, roughness_of(SLOPES, 0.0, 1.0), (10.0, 1.0, np.inf))
-    assert left == 1
-    assert (made.begin[0], made.sample[0]) == (7, 10)
-    assert made.extent[0] == pytest.approx((length, top), rel=1e-12)
-    mean = np.average(slope, axis=0, weights=weight)
-    assert made.slope[0] == pytest.approx(mean, rel=1e-12)
+    """The first stays alone."""
+    made, count = _found(5), 5
+    weight = np.diff(made.extent[:count, 1])
+    slope, arc, length, top = made.slope[1:count].copy(), made.arc[1:count].copy(), made.extent[1:count, 0].sum(), made.extent[4, 1]
+    left = pieces.merge(made, count, -0.05, roughness_of(SLOPES, 0.0, 1.0), (10.0, 1.0, np.inf, 0.5))
+    assert left == 2
+    assert (made.begin[0], made.sample[0], made.begin[1], made.sample[1]) == (7, 7, 8, 11)
+    assert made.extent[1] == pytest.approx((length, top), rel=1e-12)
+    assert made.slope[1] == pytest.approx(np.average(slope, axis=0, weights=weight), rel=1e-12)
     covariance = np.cov(slope.T, aweights=weight, ddof=0)
-    assert made.spread[0] == pytest.approx((covariance[0, 0], covariance[0, 1], covariance[1, 1]), rel=1e-9)
-    assert made.arc[0] == pytest.approx(np.average(arc, weights=weight), rel=1e-12)
+    assert made.spread[1] == pytest.approx((covariance[0, 0], covariance[0, 1], covariance[1, 1]), rel=1e-9)
+    assert made.arc[1] == pytest.approx(np.average(arc, weights=weight), rel=1e-12)
 
 
 @pytest.mark.kernel
 @pytest.mark.parametrize(
     ("limits", "left"),
-    [((0.0, 1.0, np.inf), 4), ((10.0, 0.0, np.inf), 4), ((10.0, 1.0, -1.0), 4), ((10.0, 1.0, np.inf), 1)],
+    [((0.0, 1.0, np.inf, 0.5), 4), ((10.0, 1e5, np.inf, 0.5), 4), ((10.0, 1.0, -1.0, 0.5), 4), ((10.0, 1.0, np.inf, 0.5), 2)],
 )
 def test_limits_keep_pieces_apart(limits, left):
     """Of slope variance, extent and elevation."""
@@ -53,9 +53,9 @@ def test_limits_keep_pieces_apart(limits, left):
 def test_gaps_and_mirrors_are_not_merged():
     made = _found(4)
     made.sample[2:4] += 1
-    assert pieces.merge(made, 4, -0.05, roughness_of(SLOPES, 0.0, 1.0), (10.0, 1.0, np.inf)) == 2
+    assert pieces.merge(made, 4, -0.05, roughness_of(SLOPES, 0.0, 1.0), (10.0, 1.0, np.inf, 0.5)) == 3
     calm = roughness_of(gaussian_slopes(0.0, 0.0, 0.0, 0.0), 0.0, 1.0)
-    assert pieces.merge(_found(4), 4, -0.05, calm, (10.0, 1.0, np.inf)) == 4
+    assert pieces.merge(_found(4), 4, -0.05, calm, (10.0, 1.0, np.inf, 0.5)) == 4
 
 
 @pytest.mark.kernel

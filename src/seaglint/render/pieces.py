@@ -8,6 +8,7 @@ and lit is averaged over it (:func:`seaglint.render.facet.merged_share`): the me
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from seaglint._jit import kernel, njit
 from seaglint.render.roughness import Roughness
 from seaglint.render.surface import LONGEST_STRIP, STRIP, Course, Strip, Surface, address
+from seaglint.render.walk import elevation
 
 BUFFER = 1024
 """Visible pieces that are found before they are shaded; 150 kB stay near the processor."""
@@ -37,12 +39,12 @@ class Pieces(NamedTuple):
 
 
 class Merging(NamedTuple):
-    """How far neighbours are taken together: their slope variance over that of their facets, the tangent of elevation that they fill, and
-    at every level of detail the tangent of elevation up to which this is done.
+    """How far neighbours are taken together: their slope variance over that of their facets, cells of elevation per radian that they share
+    (so that they do not depend on where a view begins), and at every level of detail the tangent of elevation up to which this is done.
     """
 
     spread: float
-    extent: float
+    cells: float
     highest: np.ndarray
 
 
@@ -97,10 +99,12 @@ def read_slopes(surface: Surface, line: Course, range_m: np.ndarray, pieces: Pie
 
 
 @kernel
-def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: tuple[float, float, float]) -> int:
-    """Take neighbours among the first ``count`` pieces together, in place; returns how many are left.
+def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: tuple[float, float, float, float]) -> int:
+    """Take neighbours among the first ``count`` pieces together, in place; returns how many are left. The first, which the view's edge may
+    cut, stays alone.
 
-    ``lowest``: tangent at the lower edge of the first; ``limits``: those of :class:`Merging` at a level.
+    ``lowest``: tangent at the lower edge of the first; ``limits``: those of :class:`Merging` at a level, and the elevation of a cell's
+    edge [rad].
     """
     det = rough.east_east * rough.north_north - rough.east_north * rough.east_north
     most = limits[0] * det if rough.east_east + rough.north_north > 0.0 else -1.0  # mirrors stay apart
@@ -114,12 +118,14 @@ def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: t
         sums = (0.0, 0.0, 0.0, 0.0, 0.0)
         mean, spread = (0.0, 0.0), (0.0, 0.0, 0.0)
         arc = pieces.arc[j] * weight
+        cell = math.floor((limits[3] - elevation(top)) * limits[1])
         n += 1
-        while n < count and begin > 0:
+        while n < count and left > 0:
             k = np.uint64(n)
-            if pieces.sample[k] != sample + 1 or pieces.extent[k, 1] > min(below + limits[1], limits[2]):
+            above = pieces.extent[k, 1]
+            if pieces.sample[k] != sample + 1 or above > limits[2] or math.floor((limits[3] - elevation(above)) * limits[1]) != cell:
                 break
-            w, e, f = pieces.extent[k, 1] - top, pieces.slope[k, 0] - east, pieces.slope[k, 1] - north
+            w, e, f = above - top, pieces.slope[k, 0] - east, pieces.slope[k, 1] - north
             share = 1.0 / (weight + w)
             more = (sums[0] + w * e, sums[1] + w * f, sums[2] + w * e * e, sums[3] + w * e * f, sums[4] + w * f * f)
             middle = (more[0] * share, more[1] * share)
@@ -129,7 +135,7 @@ def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: t
                 break
             sums, mean, spread = more, middle, (ee, en, nn)
             arc, weight, length = arc + w * pieces.arc[k], weight + w, length + pieces.extent[k, 0]
-            sample, top = pieces.sample[k], pieces.extent[k, 1]
+            sample, top = pieces.sample[k], above
             n += 1
         at = np.uint64(left)
         pieces.arc[at] = arc / weight if sample > begin else pieces.arc[j]

@@ -251,7 +251,7 @@ def sweep_columns(
             sines = (max(axes[0, 0], 0.0), min(axes[0, 0] + (tables.thermal.shape[0] - 1) / axes[0, 1], 1.0))
             sunward = course(surface, level, swept.sunlight.horizontal_east, swept.sunlight.horizontal_north)
             arcs = (walk.range_m[first], walk.range_m[end - 1])
-            limits = (swept.merging.spread, swept.merging.extent, swept.merging.highest[level])
+            limits = (swept.merging.spread, swept.merging.cells, swept.merging.highest[level], rows.top)
             # lines of a column share the tables of its middle: their azimuths differ by less than its width
             middle = line_of_sight(optics.sunlight, optics.roughness, azimuths[column])
             thermal, emitted = thermal_along(tables.thermal, axes, middle), thermal_along(tables.emitted, axes, middle)

@@ -37,6 +37,9 @@ from seaglint.sea.slopes import gaussian_slopes
 SUBMERGED = 0.75
 """A sensor below this many significant heights (three standard deviations) would be under water now and then."""
 
+CELLS_PER_ROW = 2.0
+"""Cells of elevation in a row within which neighbouring pieces are shaded as one."""
+
 RARE_SHADOW = 0.005
 """Share of the sea in shadow below which one ray to the Sun serves neighbours that are shaded as one; where more is in shadow none are."""
 
@@ -320,7 +323,7 @@ class SweptScene:
         stage = stages(arcs, levels.begins, levels.parts)
         march, highest = self._shadows(sun)
         walk = Walk(arcs, camera.height, *sight_lines(arcs, camera.height), path, every, stage, march)
-        merging = Merging(self.accuracy.merged_spread, self.accuracy.merged_rows * camera.row_step, highest)
+        merging = Merging(self.accuracy.merged_spread, CELLS_PER_ROW / camera.row_step, highest)
         return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0], merging)
 
     def _domains(self, arcs: FloatArray) -> list[FacetDomain]:
