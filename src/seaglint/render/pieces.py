@@ -74,13 +74,16 @@ def read_slopes(surface: Surface, line: Course, range_m: np.ndarray, pieces: Pie
         j = np.uint64(n)
         pieces.arc[j] = range_m[np.uint64(pieces.sample[j])] - 0.5 * pieces.extent[j, 0]
         pieces.slope[j, 0], pieces.slope[j, 1] = 0.0, 0.0
+    finest = 1e-9
+    for i in range(line.part.shape[0]):
+        finest = max(finest, abs(line.step[i, 0, 0]) + abs(line.step[i, 0, 1]))
+    stretch = 0.25 * LONGEST_STRIP / finest
     first = 0
     while first < count:
-        begin, some = pieces.arc[first], min(STRIP, count - first)
-        for i in range(line.part.shape[0]):
-            cells = abs(line.step[i, 0, 0]) + abs(line.step[i, 0, 1])
-            while some > 1 and (pieces.arc[first + some - 1] - begin) * cells > LONGEST_STRIP // 2:
-                some -= 1
+        # counted from fixed places, so that roundings do not depend on where a view begins
+        begin, some = stretch * math.floor(pieces.arc[first] / stretch), min(STRIP, count - first)
+        while some > 1 and pieces.arc[first + some - 1] >= begin + stretch:
+            some -= 1
         for n in range(some):
             strip.arc[np.uint64(n)] = pieces.arc[np.uint64(first + n)] - begin
         for i in range(line.part.shape[0]):

@@ -37,7 +37,7 @@ from seaglint.sea.slopes import gaussian_slopes
 SUBMERGED = 0.75
 """A sensor below this many significant heights (three standard deviations) would be under water now and then."""
 
-CELLS_PER_ROW = 2.0
+CELLS_PER_ROW = 3.0
 """Cells of elevation in a row within which neighbouring pieces are shaded as one."""
 
 RARE_SHADOW = 0.005
