@@ -27,8 +27,8 @@ class Accuracy:
         Error of the variance of pixels, to first order in the slopes, up to which levels of detail leave waves out and lines stand apart.
         With the default, deviations of pixels are within 5 % of those of finer pictures averaged down, from 10 m to 3 km.
     merged_spread : float
-        Slope variance among neighbouring pieces of sea in a third of a row, over that of their facets, up to which they are shaded as one; 0
-        shades each for itself. Mean radiance moves by less than 0.1 %, the deviation of pixels by less than 1 %.
+        Slope variance among neighbouring pieces of sea in a third of a row, over that of their facets, up to which they are shaded as one;
+        0 shades each for itself. Mean radiance moves by less than 0.1 %, the deviation of pixels by less than 1 %.
     crest : float
         Height above which no crest is expected, in significant heights: five standard deviations.
     negligible_shadow : float
