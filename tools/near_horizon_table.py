@@ -13,7 +13,7 @@ import csv
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,7 @@ from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.conventions import view_zenith
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
-from seaglint.radiance.legs import BOTH
+from seaglint.radiance.legs import BOTH, NESTED
 from seaglint.radiance.mean import mean_radiance
 from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
@@ -82,9 +82,9 @@ def ratios(
     step: float | None = None,
     shortest_wave_columns: float = 0.0,
 ) -> list[Ratio]:
-    """Ratio of the mean over realisations to the model in ``bands`` of (name, lowest, highest depression) [deg]."""
+    """Ratio of the mean over realisations, facets nested, to the model in ``bands`` of (name, lowest, highest depression) [deg]."""
     accuracy = Accuracy(step=step, shortest_wave_columns=shortest_wave_columns)
-    scene = SweptScene.prepare(view, camera, waves, accuracy=accuracy)
+    scene = SweptScene.prepare(replace(view, shadowing=NESTED), camera, waves, accuracy=accuracy)
     depression = -np.degrees(camera.elevations)
     rows = [np.flatnonzero((depression >= low) & (depression <= high)) for _, low, high in bands]
     samples = np.empty((len(frames), 2, len(bands)))

@@ -196,3 +196,24 @@ def test_sampled_slopes_have_the_variance_that_the_facets_are_told():
 def test_one_tile_is_steep_enough_to_hide_parts_of_itself():
     """The small sea of the ray-marching test has slopes that a grazing view can hide."""
     assert max(one_tile().resolved_mss()) > 1e-3
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize(("step", "worst"), [(0.02, 2e-3), (0.09, 2e-3), (0.3, 2e-6)])
+def test_smooth_lattices_are_read_at_some_samples(step, worst):
+    """A long wave read at every sixteenth, fourth and every sample: linear between the readings, the same beyond a strip's end."""
+    n, spacing = 64, 1.0
+    phase = 2.0 * np.pi * np.arange(n) / n
+    tile = np.zeros((n, n, 3), np.float32)
+    tile[..., 0] = np.sin(phase)[None, :] + 0.5 * np.cos(phase)[:, None]
+    sea = surface_of((tile,), np.array([spacing]), np.zeros(1))
+    line = surface_module.course(sea, 0, np.sin(0.7), np.cos(0.7))
+    strip, count = surface_module.new_strip(), surface_module.STRIP
+    arcs = 1000.0 + step * np.arange(2 * count)
+    for first in (0, 5):
+        strip.height[:] = 0.25
+        surface_module.add_heights(sea, line, 0, arcs, first, count, strip)
+        expected = [surface_module.height(sea, line, 0, 1, r) for r in arcs[first : first + count]]
+        np.testing.assert_allclose(strip.height - 0.25, expected, atol=worst + 3e-6)
+    moved = (arcs[count - 1] - arcs[0]) / spacing
+    assert surface_module.stride(line, 0, arcs[count - 1] - arcs[0], count) == {0.02: 4, 0.09: 2, 0.3: 0}[step], moved

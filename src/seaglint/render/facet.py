@@ -20,7 +20,7 @@ import numpy as np
 
 from seaglint._jit import kernel, njit
 from seaglint.render.roughness import Roughness, Sight
-from seaglint.render.solar_disc import DiscLine, disc_at, disc_edge, disc_of, mirror_factor, sharp
+from seaglint.render.solar_disc import DiscLine, broadened, disc_at, disc_edge, disc_of, mirror_factor, sharp
 from seaglint.render.sunlight import Sunlight
 from seaglint.render.thermal import between
 from seaglint.sea.nested import HIGHEST, nested_exponent_kernel
@@ -93,9 +93,18 @@ def level_optics(sunlight: Sunlight, levels: FacetLevels, level: int) -> FacetOp
 
 @kernel
 def sun_factor(
-    sun: Sunlight, rough: Roughness, line: DiscLine, sight: Sight, grazing: tuple[float, float], slope: tuple[float, float]
+    sun: Sunlight,
+    rough: Roughness,
+    line: DiscLine,
+    sight: Sight,
+    grazing: tuple[float, float],
+    slope: tuple[float, float],
+    spread: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[float, float]:
-    """Glint factor ``q S (1+Lambda_v)/(4 cos^4(beta) A+)`` [1/sr] and the cosine of incidence; ``grazing`` is its sine and cosine."""
+    """Glint factor ``q S (1+Lambda_v)/(4 cos^4(beta) A+)`` [1/sr] and the cosine of incidence; ``grazing`` is its sine and cosine.
+
+    ``spread``: covariance (ee, en, nn) of resolved slopes about ``slope`` (:mod:`seaglint.render.pieces`), which ``q`` is averaged over.
+    """
     vz, horizontal = grazing
     slope_east, slope_north = slope
     ve, vn = sight.east * horizontal, sight.north * horizontal
@@ -116,18 +125,68 @@ def sun_factor(
     exponent = disc.ee * de * de + disc.en * de * dn + disc.nn * dn * dn
     if exponent > NEGLIGIBLE_EXPONENT:
         return 0.0, 0.0
+    merged = spread[0] + spread[2] > 0.0
+    if merged:
+        share, shift_e, shift_n = merged_share(sun, rough, sight, grazing, (se, sn), slope, spread)
+        disc = broadened(disc, spread)
+        de, dn = de - shift_e, dn - shift_n
+        exponent = disc.ee * de * de + disc.en * de * dn + disc.nn * dn * dn
+    else:
+        share = facet_share(sun, rough, sight, grazing, (se, sn), slope)
+    if share <= 0.0:
+        return 0.0, 0.0
     if sharp(rough, covariance):
         exponent += disc_edge(covariance, rough, (de, dn))
     tan2 = se * se + sn * sn
-    tilt = sight.east * slope_east + sight.north * slope_north
-    above = (vz - horizontal * tilt, sun.up - sun.east * slope_east - sun.north * slope_north)
-    deviation = (horizontal * sight.deviation, sun.t_up * rough.towards_sun)
-    sunward = sun.horizontal_east * (se - slope_east) + sun.horizontal_north * (sn - slope_north)
-    mirroring = ((sight.east * se + sight.north * sn - tilt) / max(sight.deviation, 1e-12), sunward / max(rough.towards_sun, 1e-12))
-    share = seen_and_lit(rough, sight.passage, mirroring, above, deviation)
-    if share <= 0.0:
-        return 0.0, 0.0
     return math.exp(disc.peak - exponent) * (1.0 + tan2) * (1.0 + tan2) * share, cosine
+
+
+@kernel
+def facet_share(
+    sun: Sunlight,
+    rough: Roughness,
+    sight: Sight,
+    grazing: tuple[float, float],
+    mirror: tuple[float, float],
+    slope: tuple[float, float],
+) -> float:
+    """:func:`seen_and_lit` of a facet of a slope, for the slope ``mirror`` that mirrors the Sun; ``grazing`` as in :func:`sun_factor`."""
+    vz, horizontal = grazing
+    tilt = sight.east * slope[0] + sight.north * slope[1]
+    above = (vz - horizontal * tilt, sun.up - sun.east * slope[0] - sun.north * slope[1])
+    deviation = (horizontal * sight.deviation, sun.t_up * rough.towards_sun)
+    viewward = sight.east * mirror[0] + sight.north * mirror[1] - tilt
+    sunward = sun.horizontal_east * (mirror[0] - slope[0]) + sun.horizontal_north * (mirror[1] - slope[1])
+    mirroring = (viewward / max(sight.deviation, 1e-12), sunward / max(rough.towards_sun, 1e-12))
+    return float(seen_and_lit(rough, sight.passage, mirroring, above, deviation))
+
+
+@kernel
+def merged_share(
+    sun: Sunlight,
+    rough: Roughness,
+    sight: Sight,
+    grazing: tuple[float, float],
+    mirror: tuple[float, float],
+    slope: tuple[float, float],
+    spread: tuple[float, float, float],
+) -> tuple[float, float, float]:
+    """Mean of :func:`facet_share` over slopes of a covariance ``spread`` (ee, en, nn) about ``slope``, and the shift of their mean, east
+    and north, when they are weighted with it.
+
+    ``<q h> = <h> q(s* - s - V g)``, with g the logarithmic gradient of the share h, to second order in the slopes. The share changes along
+    the line of sight, where it is taken at one deviation to either side; across it next to nothing.
+    """
+    ve, vn = spread[0] * sight.east + spread[1] * sight.north, spread[1] * sight.east + spread[2] * sight.north
+    step = math.sqrt(max(ve * sight.east + vn * sight.north, 1e-12))
+    aside_e, aside_n = step * sight.east, step * sight.north
+    low = facet_share(sun, rough, sight, grazing, mirror, (slope[0] - aside_e, slope[1] - aside_n))
+    high = facet_share(sun, rough, sight, grazing, mirror, (slope[0] + aside_e, slope[1] + aside_n))
+    both = low + high
+    if both <= 0.0:
+        return 0.0, 0.0, 0.0
+    gradient = (high - low) / (both * step)
+    return 0.5 * both, gradient * ve, gradient * vn
 
 
 @kernel
@@ -172,13 +231,14 @@ def facet_sunlight(
     sight: Sight,
     grazing: tuple[float, float],
     slope: tuple[float, float],
+    spread: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> tuple[float, float]:
     """Mirrored sunlight of a facet, attenuated [W m-2 sr-1], and its glint factor [1/sr].
 
     ``line`` is :func:`disc_line` of the line of sight, ``grazing`` the sine and cosine of the grazing angle; ``path`` and ``at`` as for
-    :func:`facet_thermal`.
+    :func:`facet_thermal`, ``spread`` for :func:`sun_factor`.
     """
-    factor, cosine = sun_factor(optics.sunlight, optics.roughness, line, sight, grazing, slope)
+    factor, cosine = sun_factor(optics.sunlight, optics.roughness, line, sight, grazing, slope, spread)
     if factor <= 0.0:
         return 0.0, 0.0
     table = optics.tables.sun

@@ -84,6 +84,18 @@ def disc_at(line: DiscLine, per_mz: float) -> Disc:
     )
 
 
+@kernel
+def broadened(disc: Disc, spread: tuple[float, float, float]) -> Disc:
+    """The disc with a covariance of slopes (ee, en, nn) added to that of facet and disc: ``(P^-1 + V)^-1 = (1 + P V)^-1 P``."""
+    p, q, r = 2.0 * disc.ee, disc.en, 2.0 * disc.nn
+    a, b = 1.0 + p * spread[0] + q * spread[1], p * spread[1] + q * spread[2]
+    c, d = q * spread[0] + r * spread[1], 1.0 + q * spread[1] + r * spread[2]
+    det = a * d - b * c
+    per_det = 1.0 / det
+    ee, en, nn = (d * p - b * q) * per_det, (d * q - b * r) * per_det, (a * r - c * q) * per_det
+    return Disc(disc.east, disc.north, 0.5 * ee, en, 0.5 * nn, disc.peak - 0.5 * math.log(det))
+
+
 @njit
 def no_disc_line() -> DiscLine:
     """For single rays: without a table."""

@@ -34,6 +34,11 @@ LONGEST_STRIP = 1 << 14
 WHOLE_TURNS = LONGEST_STRIP * SUBCELLS
 """Offset that keeps positions positive; a whole number of periods of any lattice."""
 
+READS_PER_CELL = 2.5
+"""Readings of a lattice in a cell, at least, where samples lie closer. Heights are linear between them: within 3.3 % of the amplitude of
+the lattice's shortest waves, which are four cells long. Slopes are read wherever they are needed.
+"""
+
 KNOTS_PER_PERIOD = 8
 """Knots of a line in a period of a tile that wanders: between them its displacement is linear, within 0.02 % of the period."""
 
@@ -80,9 +85,13 @@ class Course(NamedTuple):
 
 
 class Strip(NamedTuple):
-    """Up to :data:`STRIP` samples: their heights [m], and room for their fractions (v, u) and the addresses of the points around them."""
+    """Up to :data:`STRIP` samples: their heights [m], and room for those that are read: arcs from the strip's beginning and heights [m],
+    fractions (v, u) and addresses of the points around them.
+    """
 
     height: np.ndarray
+    arc: np.ndarray
+    read: np.ndarray
     fraction: tuple[np.ndarray, np.ndarray]
     corner: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
@@ -91,7 +100,8 @@ class Strip(NamedTuple):
 def new_strip() -> Strip:
     """An empty strip."""
     room = (np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32))
-    return Strip(np.empty(STRIP, np.float32), (np.empty(STRIP, np.float32), np.empty(STRIP, np.float32)), room)
+    fraction = (np.empty(STRIP, np.float32), np.empty(STRIP, np.float32))
+    return Strip(np.empty(STRIP, np.float32), np.empty(STRIP, np.float32), np.empty(STRIP, np.float32), fraction, room)
 
 
 @kernel
@@ -229,31 +239,32 @@ def slopes(surface: Surface, line: Course, r: float) -> tuple[float, float]:
 
 
 @kernel
-def address(line: Course, j: int, range_m: np.ndarray, first: int, some: tuple[int, int], strip: Strip) -> int:
-    """Fractions and corners over a level's part ``j`` of the samples ``some = (begin, end)`` of a strip, as far as the line is straight.
+def address(line: Course, j: int, first: float, some: tuple[int, int], strip: Strip) -> int:
+    """Fractions and corners over a level's part ``j`` of the readings ``some = (begin, end)`` of a strip, as far as the line is straight.
 
-    Returns the sample to go on with. Apart from the reading, in whole numbers of 32 bits, which the processor takes several at a time.
+    ``first`` [m]: where ``strip.arc`` counts from. Returns the reading to go on with. Apart from the reading, in numbers of 32 bits, which
+    the processor takes several at a time.
     """
     v, u = strip.fraction
     p00, p01, p10, p11 = strip.corner
     begin, end = some
-    r = range_m[first + begin]
+    r = first + strip.arc[begin]
     m = piece(line, j, r)
-    knot = line.knot[j, 0] + (m + 1) / line.knot[j, 1] if m < line.part[j, 3] else math.inf
-    if range_m[first + end - 1] >= knot:
-        # the samples before the next knot: a guess from their mean distance, put right
-        span = max(range_m[first + end - 1] - r, 1e-9)
-        end = begin + 1 + int(max(knot - r, 0.0) / span * (end - 1 - begin))
-        while end > begin + 1 and range_m[first + end - 1] >= knot:
+    knot = line.knot[j, 0] + (m + 1) / line.knot[j, 1] - first if m < line.part[j, 3] else math.inf
+    if strip.arc[end - 1] >= knot:
+        # the readings before the next knot: a guess from their mean distance, put right
+        span = max(float(strip.arc[end - 1] - strip.arc[begin]), 1e-9)
+        end = begin + 1 + int(max(knot - strip.arc[begin], 0.0) / span * (end - 1 - begin))
+        while end > begin + 1 and strip.arc[end - 1] >= knot:
             end -= 1
-        while range_m[first + end] < knot:
+        while strip.arc[end] < knot:
             end += 1
-    start_u, start_v = line.start[j, m, 0] + r * line.step[j, m, 0], line.start[j, m, 1] + r * line.step[j, m, 1]
+    start_u, start_v = line.start[j, m, 0] + first * line.step[j, m, 0], line.start[j, m, 1] + first * line.step[j, m, 1]
     cell_u, cell_v = math.floor(start_u), math.floor(start_v)
     size = line.part[j, 1]
     x, y = np.uint32(int(cell_u) & (size - 1)), np.uint32(int(cell_v) & (size - 1))
-    offset_u, offset_v = (start_u - cell_u) * SUBCELLS + WHOLE_TURNS, (start_v - cell_v) * SUBCELLS + WHOLE_TURNS
-    move_u, move_v = line.step[j, m, 0] * SUBCELLS, line.step[j, m, 1] * SUBCELLS
+    offset_u, offset_v = np.int32((start_u - cell_u) * SUBCELLS + WHOLE_TURNS), np.int32((start_v - cell_v) * SUBCELLS + WHOLE_TURNS)
+    move_u, move_v = np.float32(line.step[j, m, 0] * SUBCELLS), np.float32(line.step[j, m, 1] * SUBCELLS)
     last, row = np.uint32(size - 1), np.uint32(line.part[j, 2] + 2)
     one, two, three, four, bits, low = (
         np.uint32(1),
@@ -265,11 +276,11 @@ def address(line: Course, j: int, range_m: np.ndarray, first: int, some: tuple[i
     )
     part = np.float32(1.0 / SUBCELLS)
     # unsigned, as an address that could be negative is looked at once more
-    room, at = np.uint64(begin), np.uint64(first + begin)
+    room = np.uint64(begin)
     for n in range(end - begin):
         k = room + np.uint64(n)
-        along = range_m[at + np.uint64(n)] - r
-        at_u, at_v = np.uint32(np.int32(offset_u + along * move_u)), np.uint32(np.int32(offset_v + along * move_v))
+        along = strip.arc[k]
+        at_u, at_v = np.uint32(offset_u + np.int32(along * move_u)), np.uint32(offset_v + np.int32(along * move_v))
         u[k], v[k] = np.float32(np.int32(at_u & low)) * part, np.float32(np.int32(at_v & low)) * part
         x0, y0 = np.uint32(x + np.uint32(at_u >> bits)) & last, np.uint32(y + np.uint32(at_v >> bits)) & last
         x1, y1 = np.uint32(x0 + one) & last, np.uint32(y0 + one) & last
@@ -283,22 +294,73 @@ def address(line: Course, j: int, range_m: np.ndarray, first: int, some: tuple[i
 
 
 @kernel
+def stride(line: Course, j: int, span: float, count: int) -> int:
+    """Binary logarithm of the distance, in samples, of those at which a level's part ``j`` is read: 0, 2 or 4.
+
+    ``span``: length of the strip's ``count`` samples [m]; a strip that is not full is read at every sample.
+    """
+    u, v = line.step[j, 0, 0], line.step[j, 0, 1]
+    moved = span * math.sqrt(u * u + v * v) * READS_PER_CELL
+    if count < STRIP or 4.0 * moved > STRIP:
+        return 0
+    return 2 if 16.0 * moved > STRIP else 4
+
+
+@kernel
+def add_between(strip: Strip, bits: int) -> None:
+    """Add heights that are known at every ``2**bits``-th sample to the strip's, linear between; fast where ``bits`` is a constant."""
+    apart = 1 << bits
+    part = np.float32(1.0 / apart)
+    for m in range(STRIP >> bits):
+        low = strip.read[np.uint64(m)]
+        rise = (strip.read[np.uint64(m + 1)] - low) * part
+        for k in range(apart):
+            strip.height[np.uint64(m * apart + k)] += low + np.float32(k) * rise
+
+
+@kernel
 def add_heights(surface: Surface, line: Course, j: int, range_m: np.ndarray, first: int, count: int, strip: Strip) -> None:
     """Add the heights of a level's part ``j`` at ``count`` samples of a line, those from ``range_m[first]`` on, to the strip's.
 
-    As :func:`height`, to a ``SUBCELLS``-th of a cell, for strips of up to :data:`LONGEST_STRIP` cells.
+    As :func:`height`, to a ``SUBCELLS``-th of a cell, for strips of up to :data:`LONGEST_STRIP` cells; linear between the samples that are
+    read (:func:`stride`).
     """
+    at, begin = np.uint64(first), range_m[first]
+    last = range_m[first + count - 1] - begin
+    bits = stride(line, j, last, count)
+    if bits == 0:
+        for k in range(count):
+            strip.arc[np.uint64(k)] = range_m[at + np.uint64(k)] - begin
+        read_heights(surface, line, j, begin, count, strip)
+        for k in range(count):
+            strip.height[np.uint64(k)] += strip.read[np.uint64(k)]
+        return
+    readings = (STRIP >> bits) + 1
+    for m in range(readings - 1):
+        strip.arc[np.uint64(m)] = range_m[at + (np.uint64(m) << np.uint64(bits))] - begin
+    strip.arc[readings - 1] = 2.0 * last - (range_m[first + count - 2] - begin)
+    read_heights(surface, line, j, begin, readings, strip)
+    if bits == 2:
+        add_between(strip, 2)
+    else:
+        add_between(strip, 4)
+
+
+@kernel
+def read_heights(surface: Surface, line: Course, j: int, first: float, count: int, strip: Strip) -> None:
+    """Heights of a level's part ``j`` at ``count`` arcs of ``strip.arc``, counted from ``first`` [m], into ``strip.read``."""
     v, u = strip.fraction
     p00, p01, p10, p11 = strip.corner
     done = 0
     while done < count:
-        done = address(line, j, range_m, first, (done, count), strip)
+        done = address(line, j, first, (done, count), strip)
     origin = np.uint64(line.part[j, 0])
-    for k in range(count):
+    for n in range(count):
+        k = np.uint64(n)
         a, b = surface.height[origin + np.uint64(p00[k])], surface.height[origin + np.uint64(p01[k])]
         c, d = surface.height[origin + np.uint64(p10[k])], surface.height[origin + np.uint64(p11[k])]
         near, far = a + u[k] * (b - a), c + u[k] * (d - c)
-        strip.height[k] += near + v[k] * (far - near)
+        strip.read[k] = near + v[k] * (far - near)
 
 
 @kernel

@@ -22,20 +22,18 @@ from seaglint.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
 from seaglint.radiance.local_sun import SunTable, strength_kernel
 from seaglint.render.facet import FacetLevels, FacetOptics, facet_sunlight, level_optics
 from seaglint.render.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, PATH, SPREAD, SUN, TOTAL
+from seaglint.render.pieces import Merging, Pieces, merge, new_pieces, read_slopes
 from seaglint.render.roughness import Sight, line_of_sight
 from seaglint.render.shade import sun_share
 from seaglint.render.solar_disc import DISC_ROWS, DiscLine, disc_line
 from seaglint.render.sparkle import Sparkle, facet_spread
 from seaglint.render.sunlight import Sunlight, sunlight_at
-from seaglint.render.surface import Course, Surface, course, height, new_strip, slopes
+from seaglint.render.surface import Course, Surface, course, height, new_strip
 from seaglint.render.thermal import ThermalLine, facet_thermal, thermal_along
 from seaglint.render.walk import Walk, bend, elevation, walk_line
 
 NEGLIGIBLE_SUN = 3e-4
 """Share of a facet's thermal radiance below which its sunlight is not asked for shadows."""
-
-BUFFER = 1024
-"""Visible pieces that are found before they are shaded; 48 kB stay near the processor."""
 
 
 class Rows(NamedTuple):
@@ -50,8 +48,8 @@ class Rows(NamedTuple):
 
 
 class Swept(NamedTuple):
-    """All that columns look up: samples, rows, the Sun at the sensor's foot and how its light changes with its elevation, facets and
-    sparkles; no length depends on the instant.
+    """All that columns look up: samples, rows, the Sun at the sensor's foot and how its light changes with its elevation, facets,
+    sparkles, and which pieces are shaded as one; no length depends on the instant.
     """
 
     walk: Walk
@@ -60,6 +58,7 @@ class Swept(NamedTuple):
     strength: SunTable
     levels: FacetLevels
     sparkle: Sparkle
+    merging: Merging
 
 
 class Line(NamedTuple):
@@ -77,23 +76,6 @@ class Line(NamedTuple):
     disc: DiscLine
     weight: float
     width: float
-
-
-class Pieces(NamedTuple):
-    """Visible pieces of a line as :func:`~seaglint.render.walk.walk_line` finds them, and room for what they send, channel by channel.
-
-    Piece ``j`` ends at the sample ``sample[j]``; ``extent[j]`` is its length [m] and the tangent at its upper edge.
-    """
-
-    sample: np.ndarray
-    extent: np.ndarray
-    light: np.ndarray
-
-
-@njit
-def new_pieces(channels: int) -> Pieces:
-    """Room for :data:`BUFFER` pieces."""
-    return Pieces(np.empty(BUFFER, np.int64), np.empty((BUFFER, 2)), np.empty((BUFFER, channels)))
 
 
 @kernel
@@ -152,27 +134,24 @@ def distance(eye: float, z: float, r: float) -> float:
 
 
 @kernel
-def shade_piece(swept: Swept, surface: Surface, optics: FacetOptics, line: Line, pieces: Pieces, j: int, below: float) -> None:
-    """Find what a piece sends, from its upper edge down to the tangent ``below``, into ``pieces.light[j]``."""
-    walk, light = swept.walk, pieces.light
-    i, above = pieces.sample[j], pieces.extent[j, 1]
+def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pieces: Pieces, j: int, below: float) -> None:
+    """Find what a piece sends, from its upper edge down to the tangent ``below``, into ``pieces.light[j]``; ``lit`` has the Sun there."""
+    walk, light, sun = swept.walk, pieces.light, lit.sunlight
+    i, above, r = (pieces.begin[j] + pieces.sample[j]) >> 1, pieces.extent[j, 1], pieces.arc[j]
     if i == 0:
         for k in range(light.shape[1]):
             light[j, k] = 0.0
         return
-    r = walk.range_m[i] - 0.5 * pieces.extent[j, 0]
     p, f = i // walk.every, (i % walk.every) / walk.every
-    slope = slopes(surface, line.course, r)
+    slope, spread = (pieces.slope[j, 0], pieces.slope[j, 1]), (pieces.spread[j, 0], pieces.spread[j, 1], pieces.spread[j, 2])
     # the grazing angle is the depression less the arc's angle
     tangent = 0.5 * (max(below, -1e3) + above)
     cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
     cosine_arc, reach, _ = bend(r)
     sine_arc = reach * (1.0 / EFFECTIVE_EARTH_RADIUS)
     grazing = (-cosine * (tangent * cosine_arc + sine_arc), cosine * (cosine_arc - tangent * sine_arc))
-    warm = facet_thermal(optics.tables.axes, line.thermal, walk.path.thermal, (p, f), line.sight, grazing[0], slope)
-    sun = sunlight_at(optics.sunlight, -line.sight.east, -line.sight.north, r)
-    lit = FacetOptics(sun, optics.roughness, optics.tables)
-    solar, factor = facet_sunlight(lit, line.disc, walk.path.sun, (p, f), line.sight, grazing, slope)
+    warm = facet_thermal(lit.tables.axes, line.thermal, walk.path.thermal, (p, f), line.sight, grazing[0], slope)
+    solar, factor = facet_sunlight(lit, line.disc, walk.path.sun, (p, f), line.sight, grazing, slope, spread)
     if solar > 0.0:
         solar *= sun.share * strength_kernel(swept.strength, sun.up)
     march = (walk.shadow[line.level, 0], walk.shadow[line.level, 1])
@@ -185,7 +164,7 @@ def shade_piece(swept: Swept, surface: Surface, optics: FacetOptics, line: Line,
     light[j, TOTAL], light[j, SUN] = warm + path + solar, solar
     light[j, SPREAD] = facet_spread(swept.sparkle, sun, line.sight, grazing, solar, factor, across)
     if light.shape[1] > FEWEST:
-        light[j, EMITTED] = facet_thermal(optics.tables.axes, line.emitted, walk.path.emitted, (p, f), line.sight, grazing[0], slope)
+        light[j, EMITTED] = facet_thermal(lit.tables.axes, line.emitted, walk.path.emitted, (p, f), line.sight, grazing[0], slope)
         light[j, PATH] = path
         light[j, DISTANCE] = distance(walk.eye, height(surface, line.course, 0, line.course.part.shape[0], r), r)
 
@@ -207,10 +186,15 @@ def shade_line(
     ``lowest``: tangent at the lower edge of the first piece. With ``images[1:]`` every piece is added to that of its interval too: piece
     by piece as many as there are ``cuts`` [m] nearer than it.
     """
-    sample, extent, light = pieces
-    below = lowest
+    sample, begin, extent, light = pieces.sample, pieces.begin, pieces.extent, pieces.light
+    below, known = lowest, -1
+    sun = optics.sunlight
     for j in range(count):
-        shade_piece(swept, surface, optics, line, pieces, j, below)
+        # over the samples between two nodes of the path the Sun stands still: the vertical turns by some 1e-6 rad
+        if sample[j] // swept.walk.every != known:
+            known = sample[j] // swept.walk.every
+            sun = sunlight_at(optics.sunlight, -line.sight.east, -line.sight.north, pieces.arc[j])
+        shade_piece(swept, surface, FacetOptics(sun, optics.roughness, optics.tables), line, pieces, j, below)
         below = extent[j, 1]
     # Radiance changes linearly over a piece; beside a gap it is that of the neighbour on the other side.
     low = elevation(lowest)
@@ -219,7 +203,7 @@ def shade_line(
     emitted = path = 0.0
     for j in range(count):
         beyond = elevation(extent[j + 1, 1]) if j + 1 < count else high
-        after = 0.5 * (high + beyond) if j + 1 < count and sample[j + 1] == sample[j] + 1 else here
+        after = 0.5 * (high + beyond) if j + 1 < count and begin[j + 1] == sample[j] + 1 else here
         width = max(high - low, 1e-15)
         if light.shape[1] > FEWEST:
             emitted = leaning(light, j, EMITTED, before, here, after, width)
@@ -267,6 +251,11 @@ def sweep_columns(
             sines = (max(axes[0, 0], 0.0), min(axes[0, 0] + (tables.thermal.shape[0] - 1) / axes[0, 1], 1.0))
             sunward = course(surface, level, swept.sunlight.horizontal_east, swept.sunlight.horizontal_north)
             arcs = (walk.range_m[first], walk.range_m[end - 1])
+            limits = (swept.merging.spread, swept.merging.cells, swept.merging.highest[level], rows.top)
+            # lines of a column share the tables of its middle: their azimuths differ by less than its width
+            middle = line_of_sight(optics.sunlight, optics.roughness, azimuths[column])
+            thermal, emitted = thermal_along(tables.thermal, axes, middle), thermal_along(tables.emitted, axes, middle)
+            disc = disc_line(optics.sunlight, optics.roughness, middle, sines, disc_rows, farthest)
             lines = tangents.shape[0]
             for j in range(lines):
                 sight = line_of_sight(optics.sunlight, optics.roughness, azimuths[column] + width * ((j + 0.5) / lines - 0.5))
@@ -275,9 +264,9 @@ def sweep_columns(
                     course(surface, level, -sight.east, -sight.north, arcs),
                     sunward,
                     sight,
-                    thermal_along(tables.thermal, axes, sight),
-                    thermal_along(tables.emitted, axes, sight),
-                    disc_line(optics.sunlight, optics.roughness, sight, sines, disc_rows, farthest),
+                    thermal,
+                    emitted,
+                    disc,
                     1.0 / lines,
                     width,
                 )
@@ -286,6 +275,8 @@ def sweep_columns(
                     horizon = (tangents[j], rows.top_tangent)
                     count, i, tangent = walk_line(walk, surface, level, line.course, (i, end), horizon, strip, pieces.sample, pieces.extent)
                     # apart from the walk, so that the look-ups of one piece can overlap with those of the next
+                    read_slopes(surface, line.course, walk.range_m, pieces, count, strip)
+                    count = merge(pieces, count, tangents[j], optics.roughness, limits)
                     shade_line(swept, surface, optics, line, pieces, count, tangents[j], cuts[column], image)
                     tangents[j] = tangent
         for tangent in tangents:

@@ -19,6 +19,7 @@ from seaglint.render.camera import Camera
 from seaglint.render.layers import CHANNELS, Layers, channels_for, layers_of, mean_distance, planes_for, require_layers, upright
 from seaglint.render.levels import Levels
 from seaglint.render.path_basis import path_basis
+from seaglint.render.pieces import Merging
 from seaglint.render.platform import Pose
 from seaglint.render.scene import joined
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles, sparkle_columns, sparkle_rows
@@ -36,6 +37,15 @@ from seaglint.sea.slopes import gaussian_slopes
 
 SUBMERGED = 0.75
 """A sensor below this many significant heights (three standard deviations) would be under water now and then."""
+
+CELLS_PER_ROW = 3.0
+"""Cells of elevation in a row within which neighbouring pieces are shaded as one."""
+
+RARE_SHADOW = 0.005
+"""Share of the sea in shadow below which one ray to the Sun serves neighbours that are shaded as one; where more is in shadow none are."""
+
+SHADOW_GRAZING = 0.25
+"""Tangent of depression, in rms slopes, from which on this holds: glint changes by less than 0.2 %; at the horizon it would by 2 %."""
 
 SAME = 1e-9
 """Difference of angles [rad], of steps and of heights (relative) that counts as none."""
@@ -312,8 +322,10 @@ class SweptScene:
             emitted=bool({"emitted_radiance", "sky_radiance"} & set(self.layers)),
         )
         stage = stages(arcs, levels.begins, levels.parts)
-        walk = Walk(arcs, camera.height, *sight_lines(arcs, camera.height), path, every, stage, self._shadows(sun))
-        return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0])
+        march, highest = self._shadows(sun)
+        walk = Walk(arcs, camera.height, *sight_lines(arcs, camera.height), path, every, stage, march)
+        merging = Merging(self.accuracy.merged_spread, CELLS_PER_ROW / camera.row_step, highest)
+        return Swept(walk, sky_rows(view, camera), sun, view.sun_table, facets, self.sparkles.of(view, camera)[0], merging)
 
     def _domains(self, arcs: FloatArray) -> list[FacetDomain]:
         """Facets of every level, and their grazing angles, with the crests' own."""
@@ -332,17 +344,24 @@ class SweptScene:
             out.append(FacetDomain(facets, level.mss, bands_of_facets(share, bands), (max(float(low), floor), min(float(high), 1.0))))
         return out
 
-    def _shadows(self, sun: Sunlight) -> FloatArray:
-        """Step [m] and steepest rise of shadow rays at every level; 0 where next to nothing is in shadow by Smith's law."""
+    def _shadows(self, sun: Sunlight) -> tuple[FloatArray, FloatArray]:
+        """Step [m] and steepest rise of shadow rays at every level, 0 where next to nothing is in shadow by Smith's law; and the tangent of
+        elevation up to which one ray serves several pieces: farther out those that are seen are those most often in shadow.
+        """
         levels, fine = self._levels, self.accuracy
-        if self.waves is None or not sun.shining or not self.view.shadowing.sun:
-            return np.zeros((levels.steps.size, 2))
+        if self.waves is None:
+            # pieces of a calm sea are long: the path changes from one to the next
+            return np.zeros((1, 2)), np.full(1, -np.inf)
+        if not sun.shining or not self.view.shadowing.sun:
+            return np.zeros((levels.steps.size, 2)), np.full(levels.steps.size, np.inf)
         towards = self.waves.spectrum.wind_to_azimuth
         rms = np.sqrt([gaussian_slopes(*v.mss, v.covariance, towards).mss_along(sun.azimuth) for v in levels.detail.levels])
         # where a Sun behind the sensor is lowest
         lower = np.tan(max(0.5 * np.pi - self.view.solar_zenith - self.view.farthest_turn - SOLAR_ANGULAR_RADIUS, 0.0))
         shadow = smith_lambda(lower / (np.sqrt(2.0) * np.maximum(rms, 1e-9)))
-        return np.stack([np.where(shadow > fine.negligible_shadow, levels.steps, 0.0), fine.steepest_rise * rms], axis=1)
+        rays = shadow > fine.negligible_shadow
+        highest = np.where(rays, np.where(shadow < RARE_SHADOW, -SHADOW_GRAZING * rms, -np.inf), np.inf)
+        return np.stack([np.where(rays, levels.steps, 0.0), fine.steepest_rise * rms], axis=1), highest
 
 
 def beyond(made: Camera, other: Camera) -> float:

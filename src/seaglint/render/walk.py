@@ -149,10 +149,12 @@ def elevation(tangent: float) -> float:
 @kernel
 def in_view(walk: Walk, strip: Strip, first: int, count: int, crest: float, tangent: float) -> bool:
     """True where a height of the strip, raised by ``crest`` [m], stands above the line of sight of this tangent."""
-    seen = 0
-    for k in range(count):
-        seen += walk.rise[first + k] * (strip.height[k] + crest) - walk.fall[first + k] > tangent
-    return seen > 0
+    # unsigned, as an address that could be negative is looked at once more
+    seen, at = np.int64(0), np.uint64(first)
+    for n in range(count):
+        k = np.uint64(n)
+        seen += walk.rise[at + k] * (strip.height[k] + crest) - walk.fall[at + k] > tangent
+    return bool(seen > 0)
 
 
 @kernel
@@ -180,7 +182,8 @@ def walk_line(
         count = min(STRIP, end - i)
         strip.height[:] = 0.0
         j = 0
-        while j < tiles and (j == 0 or in_view(walk, strip, i, count, surface.crest[level, j], tangent)):
+        # the first time with the highest crest of all: beyond the horizon next to nothing has to be read
+        while j < tiles and in_view(walk, strip, i, count, surface.crest[level, j], tangent):
             add_heights(surface, line, j, walk.range_m, i, count, strip)
             j += 1
         if j == tiles and in_view(walk, strip, i, count, 0.0, tangent):
