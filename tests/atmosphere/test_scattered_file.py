@@ -27,7 +27,7 @@ def lights(request):
     arcs = np.concatenate([[1.0], np.geomspace(30.0, 0.999 * horizon_range(HEIGHT), 24)])
     dip = horizon_depression(HEIGHT)
     zenith = 0.5 * np.pi - np.concatenate(
-        [[0.5 * np.pi], np.radians(np.concatenate([np.arange(84.0, 4.0, -4.0), np.geomspace(4.0, 0.2, 9)])), [0.0]]
+        [[0.5 * np.pi], np.radians(np.concatenate([np.arange(84.0, 4.0, -2.0), np.geomspace(4.0, 0.2, 9)])), [0.0]]
     )
     one = weights / (weights @ weights)  # any spectrum does that adds up to the radiance in band
     path = scattered_path(arcs[:, None], -depression_of_range(HEIGHT, arcs)[:, None], AZIMUTH, ours.path)[..., None] * one
