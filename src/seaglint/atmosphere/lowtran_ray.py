@@ -100,7 +100,7 @@ def _interpolated(a: float, b: float, part: float) -> float:
     """LOWTRAN7's EXPINT: exponential, linear next to a zero."""
     if a <= 0.0 or b <= 0.0:
         return a + (b - a) * part
-    return a * (b / a) ** part
+    return float(a * (b / a) ** part)
 
 
 @njit
@@ -115,7 +115,8 @@ def refractivity_at(laws: Laws, z: float) -> float:
     """``n - 1`` at a height [km]."""
     i = _layer_of(laws, z)
     part = (z - laws.height[i]) / (laws.height[i + 1] - laws.height[i])
-    return (laws.refractivity[i] + 1e-20) * ((laws.refractivity[i + 1] + 1e-20) / (laws.refractivity[i] + 1e-20)) ** part
+    low, high = laws.refractivity[i] + 1e-20, laws.refractivity[i + 1] + 1e-20
+    return float(low * (high / low) ** part)
 
 
 @njit
@@ -147,6 +148,12 @@ def _level_values(laws: Laws, z: float, layer: int, out: np.ndarray) -> None:
 
 
 @njit
+def _clear(row: np.ndarray) -> None:
+    for k in range(row.size):  # written out: an assignment to the whole row takes seconds to compile
+        row[k] = 0.0
+
+
+@njit
 def _cold(p1: float, p2: float, kelvin1: float, kelvin2: float) -> float:
     """Share of the water continuum that counts as cold (260 K: all, 296 K: none) between two points of a layer."""
     kelvin = kelvin1
@@ -160,7 +167,9 @@ def _cold(p1: float, p2: float, kelvin1: float, kelvin2: float) -> float:
 def piece(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
     """Adds the amounts between two heights of one layer to ``out`` [(columns,)]; angle at the Earth's centre and bending [rad].
 
-    With an ``out`` of no columns only the ray is followed. Quadrature along the parabola that the ray nearly is: the integrand stays smooth down to the height where the ray runs level.
+    With an ``out`` of no columns only the ray is followed.
+
+    Quadrature along the parabola that the ray nearly is: the integrand stays smooth down to the height where the ray runs level.
     """
     re = laws.earth_radius
     layer = _layer_of(laws, 0.5 * (z1 + z2))
@@ -183,7 +192,7 @@ def piece(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndarray, 
     kelvin2 = laws.temperature[layer] + (laws.temperature[layer + 1] - laws.temperature[layer]) * (z2 - laws.height[layer]) / thick
     bending = 0.0
     sums = work[2]
-    sums[:] = 0.0
+    _clear(sums)
     for k in range(columns):
         a, b = low[k], high[k]
         work[3, k] = math.log(b / a) if a > 0.0 and b > 0.0 else 0.0
@@ -264,7 +273,7 @@ def between(laws: Laws, low: float, high: float, invariant: float, work: np.ndar
 @njit
 def sun_amounts(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.ndarray) -> float:
     """Amounts ``out`` [(columns,)] from a height [km] to the Sun seen at an apparent zenith angle [rad]; bending [rad], -1 in the shade."""
-    out[:] = 0.0
+    _clear(out)
     if z >= laws.height[-1]:
         return 0.0
     invariant = invariant_of(laws, z, math.sin(zenith))
@@ -277,6 +286,12 @@ def sun_amounts(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.n
         for k in range(out.size):
             out[k] *= 2.0
     return bending + between(laws, z, laws.height[-1], invariant, work, out)[1]
+
+
+@njit
+def _copy(row: np.ndarray, out: np.ndarray) -> None:
+    for k in range(row.size):
+        out[k] = row[k]
 
 
 class Line(NamedTuple):
@@ -309,8 +324,7 @@ def trace(laws: Laws, z: float, zenith: float, line: Line, work: np.ndarray) -> 
     """Follows the line of sight from a height [km] at a zenith angle [rad] to the sea or to space; number of points."""
     invariant = invariant_of(laws, z, math.sin(zenith))
     amount = work[4]
-    amount[:] = 0.0
-    line.amount[0] = 0.0
+    _clear(amount)
     n, arc = 0, 0.0
     start, first = z, 0
     descending = zenith > 0.5 * math.pi + 1e-12
@@ -332,7 +346,7 @@ def trace(laws: Laws, z: float, zenith: float, line: Line, work: np.ndarray) -> 
             n += 1
             level -= 1
             _rung(line, n, end, math.pi - zenith_at(laws, invariant, end), arc, level)
-            line.amount[n] = amount
+            _copy(amount, line.amount[n])
             start = end
         if invariant < invariant_of(laws, 0.0, 1.0):
             return n + 1
@@ -353,7 +367,7 @@ def trace(laws: Laws, z: float, zenith: float, line: Line, work: np.ndarray) -> 
         n += 1
         level += 1
         _rung(line, n, end, zenith_at(laws, invariant, end), arc, level)
-        line.amount[n] = amount
+        _copy(amount, line.amount[n])
         start = end
     return n + 1
 
@@ -362,7 +376,7 @@ def trace(laws: Laws, z: float, zenith: float, line: Line, work: np.ndarray) -> 
 def transmittances(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
     """Transmittance [1, (n,)] of amounts [(columns,)]."""
     channels = out.size
-    out[:] = 0.0
+    _clear(out)
     for k in range(laws.linear.shape[0]):
         w = amount[k]
         if w > 0.0:
@@ -414,7 +428,9 @@ def layer_amounts(thick: FloatArray, density: FloatArray) -> FloatArray:
 
 def cold_share(height: FloatArray, pressure: FloatArray, temperature: FloatArray) -> FloatArray:
     """Share of the water continuum of every layer that counts as cold, from its temperature weighted with the density of air."""
-    return np.array([_cold(*(float(v) for v in (p[0], p[1], t[0], t[1]))) for p, t in zip(_pairs(pressure), _pairs(temperature), strict=True)])
+    return np.array(
+        [_cold(*(float(v) for v in (p[0], p[1], t[0], t[1]))) for p, t in zip(_pairs(pressure), _pairs(temperature), strict=True)]
+    )
 
 
 def _pairs(values: FloatArray) -> FloatArray:

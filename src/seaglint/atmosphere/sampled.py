@@ -6,9 +6,9 @@ effective air temperature of the path, encoded optical depth towards the Sun, br
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -26,6 +26,9 @@ from seaglint.atmosphere.sampled_sky import Sky, SkySamples, brightness_temperat
 from seaglint.atmosphere.vacuum import exoatmospheric_irradiance
 from seaglint.conventions import horizon_depression
 from seaglint.errors import DataError, DomainError
+
+if TYPE_CHECKING:
+    from seaglint.atmosphere.scattering_laws import ScatteringAir
 
 OPAQUE = 25.0
 """Optical depths end here: transmittance 1e-11."""
@@ -124,6 +127,7 @@ class SampledAtmosphere:
     _sun: CubicSpline[np.float64]
     _skies: tuple[Sky, ...] = field(default=())
     _line: LiveLine | None = None
+    _scattering: Callable[[], ScatteringAir] | None = None
     _free: tuple[bool, bool] = (False, False)
 
     @classmethod
@@ -136,6 +140,7 @@ class SampledAtmosphere:
         sun: SunSamples,
         skies: Sequence[SkySamples],
         line: LiveLine | None = None,
+        scattering: Callable[[], ScatteringAir] | None = None,
         name: str = "sampled atmosphere",
         provenance: dict[str, Any] | None = None,
     ) -> SampledAtmosphere:
@@ -151,6 +156,8 @@ class SampledAtmosphere:
             The samples; one sky must be that seen from the sea (height 0).
         line : LiveLine, optional
             The calculation itself, for paths to points above the sea.
+        scattering : callable, optional
+            Makes the scatterers on all spectral samples, when they are asked for; without it the air scatters no sunlight.
         name : str
             What error messages call the atmosphere.
         provenance : dict, optional
@@ -199,6 +206,7 @@ class SampledAtmosphere:
             _sun=CubicSpline(elevation_coordinate(elevation, 0.0), encode_optical_depth(toward[::-1]), axis=0),
             _skies=tuple(Sky.of(sky, nu) for sky in skies),
             _line=line,
+            _scattering=scattering,
         )
 
     def _coordinate(self, height: float, range_m: ArrayLike) -> FloatArray:
@@ -302,6 +310,10 @@ class SampledAtmosphere:
     def path_radiance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """Thermal radiance of the air between the point and the sensor [W m-2 sr-1 per cm-1, (..., n)]."""
         return self.path(height, range_m, target_height)[1]
+
+    def scattering(self, grid: slice) -> ScatteringAir | None:
+        """Scatterers on part of the spectral samples; None where none are known. Makes them on every call: keep what is made of them."""
+        return self._scattering().cut(grid) if self._scattering is not None else None
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
         """Direct sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)]; 0 beyond a zenith angle of pi/2."""

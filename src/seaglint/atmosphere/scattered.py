@@ -36,6 +36,7 @@ from seaglint.atmosphere.setting_sun import visible_part_kernel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray
 
+
 class ScatteredTable(NamedTuple):
     """Scattered sunlight against direction and Sun.
 
@@ -80,11 +81,11 @@ def sky_row(elevation: float, table: ScatteredTable) -> float:
         scale = ELEVATION_SCALE
         above = table.amplitude.shape[1] - table.dip_rows
         y = math.asinh(elevation / scale) / math.asinh(0.5 * math.pi / scale)
-        return table.dip_rows + min(y, 1.0) * (above - 1)
+        return float(table.dip_rows + min(y, 1.0) * (above - 1))
     if table.dip_rows == 0:
         return 0.0
     # The last row below the horizontal is the one before the horizontal's own.
-    return max(table.dip_rows * (1.0 - math.sqrt(min(-elevation / table.dip, 1.0))), 0.0)
+    return float(max(table.dip_rows * (1.0 - math.sqrt(min(-elevation / table.dip, 1.0))), 0.0))
 
 
 @njit
@@ -94,7 +95,7 @@ def path_row(range_m: float, table: ScatteredTable) -> float:
     h = table.height
     slant = math.sqrt(h * h + 4.0 * EFFECTIVE_EARTH_RADIUS * (EFFECTIVE_EARTH_RADIUS + h) * half * half)
     x = math.log(max(slant / h, 1.0)) / math.log(table.longest / h)
-    return min(x, 1.0) * (table.amplitude.shape[1] - 1)
+    return float(min(x, 1.0) * (table.amplitude.shape[1] - 1))
 
 
 @njit
@@ -127,7 +128,7 @@ def scattered_sky_at(elevation: float, azimuth: float, table: ScatteredTable) ->
     """Sky of a table in band [W m-2 sr-1] at an elevation and an azimuth from the Sun [rad], for the Sun it was made for."""
     out = np.zeros(table.amplitude.shape[4])
     shares_at(sky_row(elevation, table), elevation, azimuth, table.sun[0], table, out)
-    return max(out[0], 0.0)
+    return float(max(out[0], 0.0))
 
 
 @njit
@@ -135,7 +136,7 @@ def scattered_path_at(range_m: float, elevation: float, azimuth: float, table: S
     """Path to the sea at an arc [m], seen at an elevation (below 0) and an azimuth from the Sun [rad], in band [W m-2 sr-1]."""
     out = np.zeros(table.amplitude.shape[4])
     shares_at(path_row(range_m, table), elevation, azimuth, table.sun[0], table, out)
-    return max(out[0], 0.0)
+    return float(max(out[0], 0.0))
 
 
 @njit

@@ -85,7 +85,8 @@ def local_zenith(zenith: float, azimuth: float, arc: float) -> float:
 @njit
 def _kinds(laws: Laws, z: float, level: int, out: np.ndarray) -> None:
     """Shares of the kinds of aerosol at a point."""
-    out[:] = 0.0
+    for c in range(out.size):
+        out[c] = 0.0
     if z > laws.tops[0]:
         out[AEROSOLS + (0 if z <= laws.tops[1] else 1 if z <= laws.tops[2] else 2)] = 1.0
         return
@@ -109,7 +110,11 @@ def _add(out: np.ndarray, fall: np.ndarray, share: np.ndarray, seen: np.ndarray)
 @njit
 def _empty_line(columns: int) -> Line:
     return Line(
-        np.zeros(MOST_POINTS), np.zeros(MOST_POINTS), np.zeros(MOST_POINTS), np.zeros(MOST_POINTS, np.int64), np.zeros((MOST_POINTS, columns))
+        np.zeros(MOST_POINTS),
+        np.zeros(MOST_POINTS),
+        np.zeros(MOST_POINTS),
+        np.zeros(MOST_POINTS, np.int64),
+        np.zeros((MOST_POINTS, columns)),
     )
 
 
@@ -133,7 +138,9 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
     work = np.zeros((WORK_ROWS, columns))
     line = _empty_line(columns)
     points = trace(laws, z, zenith, line, work)
-    out[:] = 0.0
+    for c in range(KINDS):
+        for i in range(channels):
+            out[c, i] = 0.0
     whole = work[WORK_ROWS - 1]
     # Two rows each, the point before and this one, which change places.
     haze, molecules = np.ones((2, channels)), np.ones((2, channels))
@@ -144,7 +151,8 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
         here, before = j % 2, 1 - j % 2
         up = sun_seen(laws, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
         if up > 0.0:
-            whole += line.amount[j]
+            for k in range(columns):
+                whole[k] += line.amount[j, k]
             transmittances(laws, whole, seen)
         for i in range(channels):
             depth = 0.0

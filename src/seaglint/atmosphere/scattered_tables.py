@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
-from typing import Final
+from typing import Final, Protocol, cast
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -61,6 +62,42 @@ _HIGH_SUN, _LOW_SUN = np.radians((60.0, 80.0))
 
 Resample = Callable[[FloatArray], FloatArray]
 """Node values along the second axis to rows."""
+
+
+class Scattering(Protocol):
+    """An atmosphere that can say what scatters in it."""
+
+    def scattering(self, grid: slice) -> ScatteringAir | None:
+        """Scatterers on part of the spectral samples; None where there are none."""
+        ...
+
+
+def scattered_in(
+    atmosphere: object, grid: slice, weights: FloatArray, height: float, solar_zenith: float, farthest_turn: float = 0.0
+) -> ScatteredLight:
+    """Tables for a band of any atmosphere: :func:`scattered_light`, or darkness.
+
+    Vacuum, isothermal air and files scatter nothing, nor does air in 7.5-14 um, nor a Sun below the horizon of all places in view. A file
+    with scattered radiances of its own would make the three tables from them here.
+
+    Parameters
+    ----------
+    atmosphere : Atmosphere
+        Asked for ``scattering(grid)`` if it has such a method.
+    grid, weights : slice, ndarray
+        Samples in the band and its quadrature weights there [cm-1, (n,)], as :class:`seaglint.radiance.view.BandSum` has them.
+    height, solar_zenith, farthest_turn : float
+        As for :func:`scattered_light`; ``seaglint.radiance.view.SeaView`` has all three.
+    """
+    up = solar_zenith - farthest_turn < 0.5 * math.pi + SOLAR_ANGULAR_RADIUS
+    air = cast(Scattering, atmosphere).scattering(grid) if up and hasattr(atmosphere, "scattering") else None
+    return scattered_light(air, weights, height, solar_zenith, farthest_turn) if air is not None else _darkness(np.asarray(weights).size)
+
+
+def _darkness(channels: int) -> ScatteredLight:
+    """Tables of the same types that hold nothing."""
+    one = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), (0.0, 0.0), 1.0, 2.0, 1.0, 0)
+    return ScatteredLight(one, one, one._replace(spectral=np.zeros((1, channels))))
 
 
 def scattered_light(
@@ -149,7 +186,7 @@ def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, Resample]
     pieces = len(edges) - 1
     nodes_each = DIP_NODES if pieces == 1 else DIP_PIECE_NODES
     share = np.linspace(0.0, 1.0, nodes_each)
-    below = [low + (high - low) * grazing_share(share)[:-1] for low, high in zip(edges[:-1], edges[1:], strict=True)]
+    below = [low + (high - low) * grazing_share(share)[:-1] for low, high in itertools.pairwise(edges)]
     fine = edges[0] * (1.0 - np.arange(DIP_ROWS) / DIP_ROWS) ** 2
     piece = np.clip(np.searchsorted(edges, fine, side="right") - 1, 0, pieces - 1)
 
@@ -204,7 +241,7 @@ def _spectral_shapes(air: ScatteringAir, found: FloatArray) -> FloatArray:
     scaled = spectra[size[:, 0] > _LEAST] / size[size[:, 0] > _LEAST, None].reshape(-1, 1)
     if scaled.shape[0] == 0:
         return np.full((1, found.shape[-1]), found.shape[-1] ** -0.5)
-    energy, vectors = np.linalg.eigh(scaled.T @ scaled)
+    _, vectors = np.linalg.eigh(scaled.T @ scaled)
     shapes = vectors[:, ::-1].T
     left = np.maximum(1.0 - np.cumsum((scaled @ shapes[:MOST_SHAPES].T) ** 2, axis=1), 0.0).max(axis=0)
     good = np.flatnonzero(left < SPECTRAL_ERROR**2)

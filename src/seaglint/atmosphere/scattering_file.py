@@ -27,8 +27,8 @@ from seaglint.errors import DataError, DomainError
 
 FILE: Final = "scattering_lowtran7.npz"
 
-MARGIN_UM: Final = 1e-9
-"""Slack of bands that end on the edge of the file."""
+MARGIN: Final = 1e-9
+"""Relative slack of bands that end on the edge of the file."""
 
 
 @lru_cache(maxsize=1)
@@ -56,7 +56,7 @@ def read_file() -> Mapping[str, Any]:
 def covers(band_um: tuple[float, float]) -> bool:
     """Whether scattered sunlight of a band [um] is in the file; beyond it there is next to none."""
     grid = read_file()["wavenumber_cm"]
-    return 1e4 / band_um[1] >= grid[0] * (1.0 - MARGIN_UM) and 1e4 / band_um[0] <= grid[-1] * (1.0 + MARGIN_UM)
+    return bool(1e4 / band_um[1] >= grid[0] * (1.0 - MARGIN) and 1e4 / band_um[0] <= grid[-1] * (1.0 + MARGIN))
 
 
 def provenance() -> dict[str, Any]:
@@ -117,7 +117,12 @@ class ScatteringTable:
         held, m = self._held, self._index
         return AirLevels(
             float(held["earth_radius"][m]),
-            *(held[name][m] for name in ("height", "pressure", "temperature", "refractivity", "humidity", "tops")),
+            held["height"][m],
+            held["pressure"][m],
+            held["temperature"][m],
+            held["refractivity"][m],
+            held["humidity"][m],
+            held["tops"][m],
             np.concatenate([aerosol_density, held["density"][m]]),
         )
 
@@ -140,7 +145,9 @@ class ScatteringTable:
         amount = self._grid.amount.copy()
         amount[:, :, :AEROSOLS] = layer_amounts(np.diff(levels.height), levels.density[:AEROSOLS])
         aerosol = AerosolLaws(extinction, absorption, held["phase_angle"], self._log_phase)
-        return ScatteringAir.assembled(self._spectral, self._bands, levels, aerosol, held["source"][keep], self._grid._replace(amount=amount))
+        return ScatteringAir.assembled(
+            self._spectral, self._bands, levels, aerosol, held["source"][keep], self._grid._replace(amount=amount)
+        )
 
 
 def _renumbered(spectral: SpectralLaws, order: list[int]) -> Segments:

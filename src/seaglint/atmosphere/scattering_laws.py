@@ -8,12 +8,13 @@ the package, :mod:`seaglint.io.lowtran.laws` makes them for any of LOWTRAN7's at
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.atmosphere.lowtran_ray import SELF_COLD, WORK_ROWS, LayerGrid, Laws, cold_share, layer_grid
+from seaglint.atmosphere.lowtran_ray import SELF_COLD, WORK_ROWS, Laws, LayerGrid, cold_share, layer_grid
 from seaglint.atmosphere.scattered_line import KINDS, apparent_zenith, line_arc, many_amplitudes
 from seaglint.conventions import FloatArray
 
@@ -66,7 +67,7 @@ class SpectralLaws:
         found, power, log = [], [], []
         for column, exponent, coefficient in zip(self.band_column, self.band_power, self.band_log, strict=True):
             edges = [0, *(np.flatnonzero(np.diff(column)) + 1).tolist(), column.size]
-            for first, end in zip(edges[:-1], edges[1:], strict=True):
+            for first, end in pairwise(edges):
                 if column[first] > 0:
                     found.append((place[int(column[first])], first, end))
                     power.append(exponent[first:end])
@@ -169,6 +170,22 @@ class ScatteringAir:
         )
         return cls(spectral.wavenumber_cm, source, laws, aerosol)
 
+    def cut(self, grid: slice) -> ScatteringAir:
+        """The same air on some of its channels."""
+        keep = np.arange(self.wavenumber_cm.size)[grid]
+        bands = _cut_segments((self.laws.segments, self.laws.power, self.laws.log_coefficient), keep)
+        aerosol = AerosolLaws(
+            self._aerosol.extinction[:, keep], self._aerosol.absorption[:, keep], self._aerosol.angle, self._aerosol.log_phase[:, keep]
+        )
+        laws = self.laws._replace(
+            linear=np.ascontiguousarray(self.laws.linear[:, keep]),
+            scattering=np.ascontiguousarray(self.laws.scattering[:, keep]),
+            segments=bands[0],
+            power=bands[1],
+            log_coefficient=bands[2],
+        )
+        return ScatteringAir(self.wavenumber_cm[keep], self.source[keep], laws, aerosol)
+
     def apparent_zenith(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
         """The Sun's apparent zenith angle at a height [m], from that without refraction [rad, (...)]."""
         angles = np.asarray(zenith, dtype=np.float64)
@@ -213,6 +230,21 @@ class ScatteringAir:
         return out, arc
 
 
+def _cut_segments(bands: Segments, keep: NDArray[np.intp]) -> Segments:
+    """Bands on consecutive channels of those they are given on."""
+    first, last = int(keep[0]), int(keep[-1]) + 1
+    found, power, log, at = [], [], [], 0
+    for column, start, end in bands[0].tolist():
+        low, high = max(start, first), min(end, last)
+        if low < high:
+            found.append((column, low - first, high - first))
+            power.append(bands[1][at + low - start : at + high - start])
+            log.append(bands[2][at + low - start : at + high - start])
+        at += end - start
+    empty = [np.zeros(0)]
+    return np.array(found, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty)
+
+
 def grid_of(levels: AirLevels) -> LayerGrid:
     """Quadrature of the atmosphere's whole layers."""
     cold = cold_share(levels.height, levels.pressure, levels.temperature)
@@ -244,5 +276,3 @@ def continuum_coefficients(abb: FloatArray) -> FloatArray:
     """Coefficients of :data:`CONTINUA` [(7, n)] from LOWTRAN7's ABB [(n, 17)]."""
     per_molecule = {5, 9, 10}
     return np.array([abb[:, k - 1] * (_PER_MOLECULE if k in per_molecule else 1.0) for k in CONTINUA])
-
-

@@ -25,11 +25,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint._jit import kernel, njit_parallel
+from seaglint.atmosphere.setting_sun import visible_part_kernel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, unit_vector
 from seaglint.errors import DomainError
 from seaglint.radiance.legs import NESTED, Legs, Shadowing, legs_of, local_leg, seen_and_lit_kernel
-from seaglint.atmosphere.setting_sun import visible_part_kernel
 from seaglint.radiance.local_sun import STEADY, SunTable, strength_kernel, turn_kernel, turned_kernel, visible_sun
 from seaglint.sea.nested import HIGHEST
 from seaglint.sea.shadowing import visible_area_kernel

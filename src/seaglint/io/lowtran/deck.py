@@ -155,7 +155,11 @@ class Case:
         iemsct = 3 if self.kind == "sun" else 1 if self.sun is None else 2
         itype = 2 if self.kind == "path" else 3
         number = MODELS[air.model]
-        card1 = f"{7 if profile else number:5d}{itype:5d}{iemsct:5d}{int(self.multiple):5d}" + f"{0:5d}" * 7 + f"{1 if profile else 0:5d}{0:5d}   0.001   0.00"
+        card1 = (
+            f"{7 if profile else number:5d}{itype:5d}{iemsct:5d}{int(self.multiple):5d}"
+            + f"{0:5d}" * 7
+            + f"{1 if profile else 0:5d}{0:5d}   0.001   0.00"
+        )
         lines = [card1, air.aerosol.card()]
         if profile:
             lines += [f"{len(profile):5d}{0:5d}{0:5d}sounding", *(level.card(number) for level in profile)]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -13,28 +12,28 @@ from seaglint.atmosphere.scattered_line import HUMIDITIES
 from seaglint.atmosphere.scattering_laws import NO_BAND, AerosolLaws, AirLevels, ScatteringAir, SpectralLaws, continuum_coefficients
 from seaglint.conventions import FloatArray
 from seaglint.errors import BackendError
-from seaglint.io.lowtran import engine
+from seaglint.io.lowtran import cache, engine
 from seaglint.io.lowtran.deck import Air, Case, Haze
 
-PHASE_ANGLES_DEG: Final = np.array(
-    [*range(0, 13, 2), *range(16, 41, 4), *range(50, 121, 10), *range(125, 181, 5)], dtype=np.float64
-)
+PHASE_ANGLES_DEG: Final = np.array([*range(0, 13, 2), *range(16, 41, 4), *range(50, 121, 10), *range(125, 181, 5)], dtype=np.float64)
 """Scattering angles of the Mie data base [deg] (DATA ANG of PHASEF)."""
 
 PHASE_WAVELENGTHS_UM: Final = np.array(
-    [*(0.2, 0.3, 0.55, 0.6943, 1.06, 1.536, 2.0, 2.5, 2.7, 3.0, 3.2, 3.39, 5.0, 6.0, 7.2, 7.9, 8.7, 9.2, 10.0, 10.59, 12.5, 15.0)]
-    + [17.2, 18.5, 21.3, 30.0, 40.0]
+    [
+        *(0.2, 0.3, 0.55, 0.6943, 1.06, 1.536, 2.0, 2.5, 2.7, 3.0, 3.2, 3.39, 5.0, 6.0, 7.2, 7.9, 8.7, 9.2, 10.0, 10.59),
+        *(12.5, 15.0, 17.2, 18.5, 21.3, 30.0, 40.0),
+    ]
 )
 """Its wavelengths [um] (DATA WAVE)."""
 
 _LEVELS, _COLUMNS, _NODES, _MODELS, _FUNCTIONS = 34, 63, 47, 26, 70
 
-_ALOFT: Final = (18, 21, 26)
+ALOFT: Final = (18, 21, 26)
 """Aerosol models of the phase functions above the boundary layer: troposphere at 70 %, background stratosphere, meteoric dust."""
 
 _FOGS: Final[dict[Haze, int]] = {"advective-fog": 24, "radiative-fog": 25}
 
-_HUMID: Final[dict[Haze, int]] = {
+HUMID: Final[dict[Haze, int]] = {
     "rural-23km": 0, "rural-5km": 0, "navy-maritime": 4, "maritime-23km": 4, "urban": 8, "tropospheric": 16,
 }  # fmt: skip
 """Aerosol models before the four of rising humidity."""
@@ -103,7 +102,11 @@ class Dump:
         return cls(
             float(radius[0]),
             tops,
-            *(a[:levels] for a in (humidity, height, pressure, kelvin, n)),
+            humidity[:levels],
+            height[:levels],
+            pressure[:levels],
+            kelvin[:levels],
+            n[:levels],
             density.reshape(_LEVELS, _COLUMNS).T[:, :levels],
             um,
             extinction,
@@ -145,15 +148,15 @@ class Dump:
 
     def log_phase(self, haze: Haze) -> FloatArray:
         """Logarithm of the phase functions on the channels [(KINDS - 1, n, angles)]; linear in wavelength, as in LOWTRAN7."""
-        below = [_FOGS[haze]] * len(HUMIDITIES) if haze in _FOGS else [_HUMID.get(haze, 4) + 1 + i for i in range(len(HUMIDITIES))]
-        table = np.log(self.phase[[number - 1 for number in (*below, *_ALOFT)]])
+        below = [_FOGS[haze]] * len(HUMIDITIES) if haze in _FOGS else [HUMID.get(haze, 4) + 1 + i for i in range(len(HUMIDITIES))]
+        table = np.log(self.phase[[number - 1 for number in (*below, *ALOFT)]])
         um = 1e4 / self.wavenumber_cm
         left = np.clip(np.searchsorted(PHASE_WAVELENGTHS_UM, um, side="right") - 1, 0, PHASE_WAVELENGTHS_UM.size - 2)
         part = (um - PHASE_WAVELENGTHS_UM[left]) / (PHASE_WAVELENGTHS_UM[left + 1] - PHASE_WAVELENGTHS_UM[left])
         out = (1.0 - part[:, None]) * table[:, left] + part[:, None] * table[:, left + 1]
         if haze == "desert":  # LOWTRAN7 takes Henyey and Greenstein's function there
             out[: len(HUMIDITIES)] = np.log(_henyey_greenstein(self.asymmetry[:, :1], np.radians(PHASE_ANGLES_DEG)))
-        return out
+        return np.asarray(out)
 
     def aerosol(self, haze: Haze) -> AerosolLaws:
         """Aerosols on the channels."""
@@ -168,8 +171,8 @@ def _henyey_greenstein(asymmetry: FloatArray, angle: FloatArray) -> FloatArray:
     return np.asarray((1.0 - g**2) / (4.0 * np.pi * (1.0 + g**2 - 2.0 * g * np.cos(angle)) ** 1.5))
 
 
-def dump(program: Path, air: Air, timeout: float = engine.TIMEOUT) -> Dump:
-    """Run LOWTRAN7 for its laws.
+def dump(found: engine.Engine, air: Air, timeout: float = engine.TIMEOUT) -> Dump:
+    """Run LOWTRAN7 for its laws, or take them from the cache.
 
     Raises
     ------
@@ -180,18 +183,23 @@ def dump(program: Path, air: Air, timeout: float = engine.TIMEOUT) -> Dump:
     -----
     Hazes whose extinction follows the mean humidity of the path take that of the way straight up.
     """
-    return Dump.of(engine.run_laws(program, Case(air, "sky", 0.0, 0.0), timeout))
+    case = Case(air, "sky", 0.0, 0.0)
+    key = cache.key_of(found.identity, "laws", case.deck())
+    arrays = cache.fetch(key)
+    if arrays is None:
+        arrays = {"laws": engine.run_laws(found.program, case, timeout)}
+        cache.keep(key, arrays)
+    return Dump.of(arrays["laws"])
 
 
-def live_air(program: Path, air: Air, timeout: float = engine.TIMEOUT) -> ScatteringAir:
-    """Scattering air of one of LOWTRAN7's atmospheres.
+def live_air(found: engine.Engine, air: Air, source: FloatArray, timeout: float = engine.TIMEOUT) -> ScatteringAir:
+    """Scattering air of one of LOWTRAN7's atmospheres, for sunlight ``source`` outside it [W m-2 per cm-1, (n,)].
 
     Raises
     ------
     BackendError
         As :func:`dump`.
     """
-    found = dump(program, air, timeout)
-    spectral = found.spectral()
-    source = engine.run(program, Case(air, "sun", 0.0, 0.0), timeout).source
-    return ScatteringAir.of(spectral, found.levels(spectral.columns), found.aerosol(air.aerosol.haze), source)
+    laws = dump(found, air, timeout)
+    spectral = laws.spectral()
+    return ScatteringAir.of(spectral, laws.levels(spectral.columns), laws.aerosol(air.aerosol.haze), source)
