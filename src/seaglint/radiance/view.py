@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.atmosphere.base import Atmosphere
+from seaglint.atmosphere.scattered import ScatteredLight
+from seaglint.atmosphere.scattered_tables import scattered_in
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_range
 from seaglint.errors import DomainError
@@ -135,6 +137,12 @@ class SeaView:
     def in_band(self) -> BandSum:
         """Sums over the band on the atmosphere's samples."""
         return BandSum.of(self.band, self.atmosphere)
+
+    @cached_property
+    def scattered(self) -> ScatteredLight:
+        """Sunlight that the air scatters, in the band, for a Sun at 1 au: times :attr:`sun_distance_factor` it is this view's."""
+        grid, weights = self.in_band.grid, self.in_band.weights
+        return scattered_in(self.atmosphere, grid, weights, self.sensor_height, self.solar_zenith, self.farthest_turn)
 
     @property
     def farthest_turn(self) -> float:

@@ -21,11 +21,13 @@ from seaglint._jit import kernel, njit
 from seaglint.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
 from seaglint.radiance.local_sun import SunTable, strength_kernel
 from seaglint.render.facet import FacetLevels, FacetOptics, facet_sunlight, level_optics
+from seaglint.render.haze import Haze, haze_between, haze_column, path_along
 from seaglint.render.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, PATH, SPREAD, SUN, TOTAL
 from seaglint.render.roughness import Sight, line_of_sight
 from seaglint.render.shade import sun_share
 from seaglint.render.solar_disc import DISC_ROWS, DiscLine, disc_line
 from seaglint.render.sparkle import Sparkle, facet_spread
+from seaglint.render.sun_in_sky import SunInSky, add_disc
 from seaglint.render.sunlight import Sunlight, sunlight_at
 from seaglint.render.surface import Course, Surface, course, height, new_strip, slopes
 from seaglint.render.thermal import ThermalLine, facet_thermal, thermal_along
@@ -39,7 +41,9 @@ BUFFER = 1024
 
 
 class Rows(NamedTuple):
-    """Rows of the image: elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the sky in each."""
+    """Rows of the image: elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the thermal sky in
+    each, the sunlight that it scatters in those that touch it, and the Sun.
+    """
 
     top: float
     per_radian: float
@@ -47,6 +51,8 @@ class Rows(NamedTuple):
     bottom_tangent: float
     top_tangent: float
     sky: np.ndarray
+    haze: Haze
+    sun: SunInSky
 
 
 class Swept(NamedTuple):
@@ -64,8 +70,8 @@ class Swept(NamedTuple):
 
 class Line(NamedTuple):
     """One line of sight of a column in one stage: its level of detail, its way and the way to the Sun over the sea, the tables of its
-    facets (:func:`~seaglint.render.thermal.thermal_along`, :func:`~seaglint.render.solar_disc.disc_line`), and its share and the width of
-    the column [rad].
+    facets (:func:`~seaglint.render.thermal.thermal_along`, :func:`~seaglint.render.solar_disc.disc_line`), the radiance of its path
+    (:func:`~seaglint.render.haze.path_along`), and its share and the width of the column [rad].
     """
 
     level: int
@@ -75,6 +81,7 @@ class Line(NamedTuple):
     thermal: ThermalLine
     emitted: ThermalLine
     disc: DiscLine
+    path: np.ndarray
     weight: float
     width: float
 
@@ -181,7 +188,7 @@ def shade_piece(swept: Swept, surface: Surface, optics: FacetOptics, line: Line,
         solar *= share
         factor *= share
     across = line.width / swept.rows.per_radian * reach * reach / cosine
-    path = walk.path.radiance[p] + f * (walk.path.radiance[p + 1] - walk.path.radiance[p])
+    path = line.path[p] + f * (line.path[p + 1] - line.path[p])
     light[j, TOTAL], light[j, SUN] = warm + path + solar, solar
     light[j, SPREAD] = facet_spread(swept.sparkle, sun, line.sight, grazing, solar, factor, across)
     if light.shape[1] > FEWEST:
@@ -236,11 +243,36 @@ def shade_line(
 
 
 @kernel
-def add_sky(rows: Rows, tangent: float, weight: float, image: np.ndarray) -> None:
-    """Fill the rows above the horizon that a line ended with."""
+def add_sky(rows: Rows, azimuth: float, tangent: float, weight: float, image: np.ndarray) -> None:
+    """Fill the rows above the horizon that a line at an azimuth [rad] ended with."""
     upper = (rows.top - elevation(tangent)) * rows.per_radian
     for row in range(min(rows.number, math.ceil(max(upper, 0.0)))):
         image[TOTAL, row] += weight * rows.sky[row] * (min(upper, row + 1.0) - row)
+    if rows.haze.values.shape[0] > 0:
+        column = haze_column(rows.haze, azimuth)
+        for row in range(min(rows.haze.values.shape[1] - 1, math.ceil(max(upper, 0.0)))):
+            image[TOTAL, row] += weight * haze_between(rows.haze, column, row) * (min(upper, row + 1.0) - row)
+
+
+@kernel
+def add_skies(rows: Rows, azimuth: float, width: float, tangents: np.ndarray, image: np.ndarray) -> None:
+    """Sky and Sun of a column above the horizons that its lines ended with."""
+    lines = tangents.shape[0]
+    for j in range(lines):
+        add_sky(rows, azimuth + width * ((j + 0.5) / lines - 0.5), tangents[j], 1.0 / lines, image)
+    if rows.sun.radiance > 0.0:
+        add_disc(rows.sun, rows.top, rows.per_radian, (azimuth, width), tangents, image[TOTAL])
+
+
+@njit
+def skies_alone(rows: Rows, azimuths: np.ndarray, width: float, images: np.ndarray) -> None:
+    """Fill columns that see no sea; as :func:`sweep_columns`."""
+    below = np.full(1, rows.bottom_tangent)
+    for column in range(azimuths.shape[0]):
+        images[column] = 0.0
+        add_skies(rows, azimuths[column], width, below, images[column, 0])
+        if images.shape[1] > 1:
+            add_skies(rows, azimuths[column], width, below, images[column, images.shape[1] - 1])
 
 
 @njit
@@ -278,6 +310,7 @@ def sweep_columns(
                     thermal_along(tables.thermal, axes, sight),
                     thermal_along(tables.emitted, axes, sight),
                     disc_line(optics.sunlight, optics.roughness, sight, sines, disc_rows, farthest),
+                    path_along(walk.path.radiance, walk.path.sunlit, sight.chi, (first // walk.every, (end - 1) // walk.every + 2)),
                     1.0 / lines,
                     width,
                 )
@@ -288,7 +321,6 @@ def sweep_columns(
                     # apart from the walk, so that the look-ups of one piece can overlap with those of the next
                     shade_line(swept, surface, optics, line, pieces, count, tangents[j], cuts[column], image)
                     tangents[j] = tangent
-        for tangent in tangents:
-            add_sky(rows, tangent, 1.0 / tangents.shape[0], image[0])
-            if image.shape[0] > 1:
-                add_sky(rows, tangent, 1.0 / tangents.shape[0], image[image.shape[0] - 1])
+        add_skies(rows, azimuths[column], width, tangents, image[0])
+        if image.shape[0] > 1:
+            add_skies(rows, azimuths[column], width, tangents, image[image.shape[0] - 1])
