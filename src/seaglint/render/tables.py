@@ -133,7 +133,7 @@ def facet_tables(
             if hazy is None:
                 part = thermal_table(light, rough, axes, shape, basis.phi.shape[0])
             else:
-                part = _at_azimuths(light, domain, rough, azimuths, (axes, shape))
+                part = _on_axes(light, domain, rough, azimuths, (axes, shape))
             if haze is not None:
                 part = part + haze_table(haze[0], rough, _lines(view.sensor_height, axes, shape)) @ haze[1]
             parts.append(part.reshape(-1, part.shape[-1]))
@@ -174,20 +174,22 @@ def _lines(height: float, axes: FloatArray, shape: tuple[int, int, int, int]) ->
     return Lines(sine, turns_of(height, sine), azimuth, along, across)
 
 
-def _at_azimuths(
+def _on_axes(
     light: ThermalSources,
     domain: FacetDomain,
     rough: Roughness,
     azimuths: tuple[float, float],
     wanted: tuple[FloatArray, tuple[int, int, int, int]],
 ) -> FloatArray:
-    """Thermal table on axes whose azimuths crowd at the Sun, from one on the few azimuths that thermal light asks for."""
+    """Thermal table on the axes that the mirrored aureole asks for, from one on the fewer azimuths and slopes that thermal light does."""
     axes, shape = wanted
     plain, few = thermal_axes(domain.slopes, domain.resolved, domain.sines, azimuths)
-    plain, few = np.stack([axes[0], plain[1], axes[2], axes[3], plain[4]]), (shape[0], few[1], shape[2], shape[3])
     table = thermal_table(light, rough, plain, few, light.black.shape[0])
-    at = np.array([azimuth_of(axes, axes[1, 0] + x / axes[1, 1]) for x in range(shape[1])])
-    where = np.clip((at - plain[1, 0]) * plain[1, 1], 0.0, few[1] - 1.0)
-    i = np.minimum(where.astype(int), few[1] - 2)
-    f = (where - i)[:, None, None, None]
-    return np.asarray((1.0 - f) * table[:, i] + f * table[:, i + 1])
+    at = _lines(1.0, axes, shape)
+    for axis, places in ((1, at.azimuth), (3, at.across)):
+        where = np.clip((places - plain[axis, 0]) * plain[axis, 1], 0.0, few[axis] - 1.0)
+        lower = np.minimum(where.astype(int), few[axis] - 2)
+        share = (where - lower).astype(np.float32).reshape(-1, *(1,) * (4 - axis))
+        near = np.take(table, lower, axis)
+        table = near + share * (np.take(table, lower + 1, axis) - near)
+    return table
