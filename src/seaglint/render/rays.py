@@ -30,7 +30,7 @@ from seaglint.render.solar_disc import DiscLine, no_disc_line
 from seaglint.render.sunlight import Sunlight, sunlight_at
 from seaglint.render.surface import Bounds, Course, Surface, course, height, lay_course, slopes
 from seaglint.render.tables import FacetDomain, PathTerms, facet_tables
-from seaglint.render.thermal import azimuth_node, azimuth_of, facet_thermal, thermal_line
+from seaglint.render.thermal import azimuth_node, facet_thermal, thermal_line
 from seaglint.sea.nested import bands_of_facets
 from seaglint.sea.slopes import SlopeStatistics
 
@@ -177,10 +177,7 @@ def ray(
         out[TOTAL] = sky_at(air, math.atan2(rise, run), azimuth)
         return
     _, arc, climb = above_sphere(eye, run, rise, s)
-    # the table's azimuths ascend from its first, not wrapped
     axes = optics.tables.axes
-    first = azimuth_of(axes, axes[1, 0])
-    azimuth = first + (azimuth - first) % (2.0 * math.pi)
     sight = line_of_sight(sun, optics.roughness, azimuth)
     slope = slopes(surface, room.line, arc)
     sine = min(max(-climb, 0.0), 1.0)

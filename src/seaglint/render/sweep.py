@@ -21,13 +21,13 @@ from seaglint._jit import kernel, njit
 from seaglint.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
 from seaglint.radiance.local_sun import SunTable, strength_kernel
 from seaglint.render.facet import FacetLevels, FacetOptics, facet_sunlight, level_optics
-from seaglint.render.haze import Haze, haze_between, haze_column, path_along
+from seaglint.render.haze import NO_HAZE, Haze, haze_between, haze_column, path_along
 from seaglint.render.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, PATH, SPREAD, SUN, TOTAL
 from seaglint.render.roughness import Sight, line_of_sight
 from seaglint.render.shade import sun_share
 from seaglint.render.solar_disc import DISC_ROWS, DiscLine, disc_line
 from seaglint.render.sparkle import Sparkle, facet_spread
-from seaglint.render.sun_in_sky import SunInSky, add_disc
+from seaglint.render.sun_in_sky import NO_SUN, SunInSky, add_disc
 from seaglint.render.sunlight import Sunlight, sunlight_at
 from seaglint.render.surface import Course, Surface, course, height, new_strip, slopes
 from seaglint.render.thermal import ThermalLine, facet_thermal, thermal_along
@@ -51,8 +51,8 @@ class Rows(NamedTuple):
     bottom_tangent: float
     top_tangent: float
     sky: np.ndarray
-    haze: Haze
-    sun: SunInSky
+    haze: Haze = NO_HAZE
+    sun: SunInSky = NO_SUN
 
 
 class Swept(NamedTuple):

@@ -102,9 +102,14 @@ def azimuth_of(axes: np.ndarray, coordinate: float) -> float:
 
 @kernel
 def azimuth_node(axes: np.ndarray, size: int, azimuth: float) -> tuple[int, float]:
-    """:func:`node` of an azimuth [rad] on a table's second axis: plain, or crowded at the Sun's."""
+    """:func:`node` of an azimuth [rad], whatever its turn, on a table's second axis: plain, or crowded at the Sun's."""
     scale = axes[4, 1]
-    return node(axes, 1, size, crowded(azimuth - axes[4, 0], scale) if scale > 0.0 else azimuth)
+    x, turn = azimuth, 2.0 * math.pi
+    if scale > 0.0:
+        x, turn = crowded(azimuth - axes[4, 0], scale), 2.0 * scale * math.asinh(math.pi / scale)
+    middle = axes[1, 0] + 0.5 * (size - 1) / axes[1, 1]
+    turns = math.floor((x - middle) / turn + 0.5)
+    return node(axes, 1, size, x - turn * turns if turns != 0.0 else x)
 
 
 @kernel
