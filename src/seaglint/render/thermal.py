@@ -86,7 +86,7 @@ def node(axes: np.ndarray, axis: int, size: int, value: float) -> tuple[int, flo
 def crowded(delta: float, scale: float) -> float:
     """Coordinate of an azimuth from the Sun [rad]: even steps are closest there and grow beyond ``scale`` [rad]. It goes on over turns."""
     turns = math.floor(delta / (2.0 * math.pi) + 0.5)
-    return scale * (math.asinh((delta - 2.0 * math.pi * turns) / scale) + 2.0 * turns * math.asinh(math.pi / scale))
+    return float(scale * (math.asinh((delta - 2.0 * math.pi * turns) / scale) + 2.0 * turns * math.asinh(math.pi / scale)))
 
 
 @kernel
@@ -97,7 +97,7 @@ def azimuth_of(axes: np.ndarray, coordinate: float) -> float:
         return coordinate
     turns = math.floor(0.5 * coordinate / (scale * math.asinh(math.pi / scale)) + 0.5)
     rest = coordinate / scale - 2.0 * turns * math.asinh(math.pi / scale)
-    return axes[4, 0] + 2.0 * math.pi * turns + scale * math.sinh(rest)
+    return float(axes[4, 0] + 2.0 * math.pi * turns + scale * math.sinh(rest))
 
 
 @kernel
