@@ -170,3 +170,10 @@ def test_other_measured_scenes(data_dir, name, corridor_there):
     found = segment(matplotlib.image.imread(data_dir / "imagery" / f"{name}.png")[..., 0].astype(float))
     assert found.found is corridor_there
     assert bool(found.doubt) is corridor_there  # a thin margin: texture 1.57 of the background's
+
+
+def test_noise_has_no_border_to_speak_of():
+    """A share of the step across a border that chance drew is any number; reports leave it out."""
+    found = segment(noise(1))
+    assert not found.found
+    assert np.isnan(found.border_step)

@@ -18,8 +18,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
+import wave_files
 import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -27,7 +29,7 @@ from PIL import Image
 
 from seaglint.cli.info import describe, lines
 from seaglint.errors import ScenarioError, SeaglintError
-from seaglint.io.atmosphere_file import read_atmosphere
+from seaglint.io.atmosphere_file import read_atmosphere, write_atmosphere
 from seaglint.io.cases import read_cases
 from seaglint.io.netcdf import write_netcdf
 from seaglint.io.provenance import band_attributes, provenance
@@ -35,7 +37,9 @@ from seaglint.io.recording import open_recording
 from seaglint.io.response import read_response
 from seaglint.io.store import Layout, write_sequence
 from seaglint.io.track import read_track
+from seaglint.io.waves import WaveChoice, read_waves
 from seaglint.optics.band import Band
+from seaglint.pipeline.air import export_air
 from seaglint.scenario.keys import key_paths
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.template import template
@@ -175,6 +179,24 @@ def air() -> bytes:
     return ("\n".join(["kind,height_m,range_m,zenith_deg,wavenumber_cm,transmittance,radiance,irradiance", *rows]) + "\n").encode()
 
 
+def air_netcdf(folder: Path) -> bytes:
+    """What ``atmosphere export`` writes, on few wavenumbers."""
+    wanted = parse_scenario({"band": {"min_um": 3.9, "max_um": 4.0}, "atmosphere": {"source": "isothermal", "temperature_k": 288}})
+    return write_atmosphere(export_air(wanted), folder / "whole.nc", overwrite=True).read_bytes()
+
+
+def hdf5_file(folder: Path) -> bytes:
+    with h5py.File(folder / "whole.h5", "w") as file:
+        file.create_dataset("frames", data=FRAMES, compression="gzip")
+    return (folder / "whole.h5").read_bytes()
+
+
+def archive() -> bytes:
+    stream = io.BytesIO()
+    np.savez_compressed(stream, frames=FRAMES)
+    return stream.getvalue()
+
+
 def look(path: Path) -> None:
     found = open_recording(path)
     count = min(found.frames, 3)
@@ -200,10 +222,12 @@ READERS: dict[str, tuple[Callable[[Path], bytes], Callable[[Path], object]]] = {
     "a.png": (lambda _: picture("png"), look),
     "a.tif": (lambda _: picture("tiff"), look),
     "a.npy": (lambda _: numpy_file(), look),
+    "a.npz": (lambda _: archive(), look),
+    "a.h5": (hdf5_file, look),
     "map.nc": (map_file, lambda path: lines(describe(path))),
     "rec.nc": (map_file, look),
     "air.csv": (lambda _: air(), look_at_air),
-    "air.nc": (map_file, look_at_air),
+    "air.nc": (air_netcdf, look_at_air),
     "track.csv": (lambda _: b"time_s,east_m,height_m\n0,0,30\n1,5,31\n2,9,32\n", look_at_track),
     "response.csv": (lambda _: b"wavelength_um,response\n3.0,0\n3.5,0.5\n4,1\n4.5,0.5\n5,0\n", read_response),
     "cases.csv": (lambda _: b"wavelength_um,wind_speed_m_s,zenith_deg\n4,5,30\n4,6,40\n", look_at_cases),
@@ -221,6 +245,37 @@ def test_files(tmp_path, name, numbers):
         with quietly():
             try:
                 read(path)
+            except SeaglintError as error:
+                told(error)
+
+
+def numbers_of(many: int) -> pytest.MarkDecorator:
+    """As :func:`quick_and_all`, a tenth of them in the normal run: each of these takes some hundredths of a second."""
+    few = FEW // 10
+    return pytest.mark.parametrize(
+        "numbers", [pytest.param(range(few), id="few"), pytest.param(range(few, many), id="all", marks=pytest.mark.validation)]
+    )
+
+
+WAVES = ("ndbc", "ndbc_historical", "ndbc_netcdf", "spotter_json", "spotter_csv", "swan", "swan_netcdf", "ww3", "ww3_netcdf", "era5",
+         "triaxys", "triaxys_plain", "octopus", "datawell", "own")  # fmt: skip
+THEN = WaveChoice(str(wave_files.TIMES[1]), wave_files.LATITUDE, wave_files.LONGITUDE)
+FLAT = WaveChoice(THEN.time, THEN.latitude_deg, THEN.longitude_deg, from_deg=230.0, spreading_deg=30.0)
+
+
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("kind", WAVES)
+@numbers_of(MANY_FILES // 5)
+def test_wave_files(tmp_path, kind, numbers):
+    pytest.importorskip("wavespectra", reason="wave files need the extra seaglint[waves]")
+    path = getattr(wave_files, kind)(tmp_path)
+    whole, choice = path.read_bytes(), FLAT if kind == "triaxys_plain" else THEN
+    assert read_waves(path, choice).spectrum.significant_height() > 1.0
+    for number in numbers:
+        path.write_bytes(mutated(whole, random.Random(number)))
+        with quietly():
+            try:
+                assert math.isfinite(read_waves(path, choice).spectrum.significant_height())
             except SeaglintError as error:
                 told(error)
 

@@ -116,8 +116,8 @@ def test_impossible_views_are_refused(sensor, words):
     assert words in str(error.value)
 
 
-def test_mean_maps_say_what_they_cannot_show():
-    with pytest.raises(ScenarioError, match="mean maps have equal steps"):
+def test_a_grid_of_equal_steps_is_refused_where_there_is_none():
+    with pytest.raises(ScenarioError, match="leave no grid of equal steps of azimuth and elevation"):
         prepare.camera(scenario({"roll_deg": 3}))
 
 

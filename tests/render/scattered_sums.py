@@ -5,10 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from render_scenes import BAND, table_air
+from render_scenes import table_air
 
 from seaglint.atmosphere.scattered import scattered_shares
-from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.conventions import view_zenith_of_range
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.local_sun import solar_zenith_at
@@ -18,21 +17,9 @@ from seaglint.sea.nested import nested_ratio
 EARTH_RADIUS = 6371e3
 
 
-class ClearAir(TableAtmosphere):
-    """The same air, which scatters nothing."""
-
-    def scattering(self, grid):
-        return None
-
-
 @cache
-def hazy(wind, model="midlatitude-summer"):
-    return table_air(wind, model)
-
-
-@cache
-def clear(wind, model="midlatitude-summer"):
-    return ClearAir.load(model, wind, (BAND.min_um, BAND.max_um))
+def hazy(wind):
+    return table_air(wind)
 
 
 def mirrored(view: SeaView, arc: float, azimuth: float, slopes, tilt=(0.0, 0.0), bands=1.0, nodes=(701, 401)) -> float:
@@ -76,7 +63,7 @@ def mirrored(view: SeaView, arc: float, azimuth: float, slopes, tilt=(0.0, 0.0),
     sun = np.array([np.sin(view.solar_zenith) * np.sin(view.solar_azimuth), np.sin(view.solar_zenith) * np.cos(view.solar_azimuth)])
     turned = sun + (sun @ away * (np.cos(psi) - 1.0) - np.cos(view.solar_zenith) * np.sin(psi)) * away
     azimuths = np.arctan2(east, north) - np.arctan2(*turned)
-    shares = scattered_shares(np.arcsin(np.clip(up[use], 0.0, 1.0)), azimuths[use], table, local if table.sun[1] > 0.0 else None)
+    shares = scattered_shares(np.arcsin(np.clip(up[use], 0.0, 1.0)), azimuths[use], table, local)
     levels = np.linspace(0.0, 1.0, 1025)
     rho = reflectance(levels[:, None], view.water.index(view.in_band.wavenumber_cm)[None, :])
     tau = view.atmosphere.transmittance(view.sensor_height, np.array([arc]))[0, grid]

@@ -6,7 +6,7 @@ import numba
 import numpy as np
 import pytest
 from render_scenes import BAND, camera, elfouhaily, furnace, sea_view, shown, swept_scene, turned_scene
-from scattered_sums import clear, hazy, mirrored
+from scattered_sums import hazy, mirrored
 
 from seaglint.atmosphere.scattered import in_band, scattered_path, scattered_shares
 from seaglint.atmosphere.table import TableAtmosphere
@@ -29,8 +29,8 @@ DISTANCE_FACTOR = 1.03
 
 
 def pair(wind, slopes, eye, sun_zenith, waves=None, height=30.0, **changes):
-    """The same picture through air that scatters and through air that does not, Sun at azimuth 10 deg; and the first one's view."""
-    views = [sea_view(air, slopes, height, sun_zenith, 10.0, **changes) for air in (hazy(wind), clear(wind))]
+    """The same picture with scattered sunlight and without, Sun at azimuth 10 deg; and the first one's view."""
+    views = [sea_view(hazy(wind), slopes, height, sun_zenith, 10.0, scattering=light, **changes) for light in (True, False)]
     return [shown(swept_scene(view, eye, waves, layers=PARTS), 0.0) for view in views], views[0]
 
 
@@ -65,8 +65,8 @@ def test_rays_of_a_turned_camera_see_the_same_sky_and_path(elevation, roll):
     attitude = Attitude(np.radians(30.0), np.radians(elevation), roll)
     track = Track.standing(30.0, attitude)
     lit, dark = (
-        shown(turned_scene(lambda h, air=air: sea_view(air, slopes, h, 70.0, 10.0), imager, track, layers=PARTS), 0.0)
-        for air in (hazy(7.0), clear(7.0))
+        shown(turned_scene(lambda h, on=on: sea_view(hazy(7.0), slopes, h, 70.0, 10.0, scattering=on), imager, track, layers=PARTS), 0.0)
+        for on in (True, False)
     )
     view = sea_view(hazy(7.0), slopes, 30.0, 70.0, 10.0)
     azimuth, up = imager.centres(attitude)
@@ -120,7 +120,7 @@ def test_facets_on_waves_mirror_the_aureole_by_their_tilt(height, sun_zenith, ar
     facets = gaussian_slopes(0.6 * slopes.mss_up, 0.6 * slopes.mss_cross, 0.0, slopes.wind_to_azimuth)
     sine = np.cos(view_zenith_of_range(height, arc))
     domain = FacetDomain(facets, resolved, 1.0, (0.9 * float(sine.min()), float(sine.max())))
-    views = [sea_view(air, slopes, height, sun_zenith, 10.0) for air in (hazy(7.0), clear(7.0))]
+    views = [sea_view(hazy(7.0), slopes, height, sun_zenith, 10.0, scattering=light) for light in (True, False)]
     made = [
         facet_tables(v, path_basis(v.atmosphere, BAND, height, arc), arc, [domain], (np.radians(-20.0), np.radians(60.0))) for v in views
     ]

@@ -164,7 +164,7 @@ def _cold(p1: float, p2: float, kelvin1: float, kelvin2: float) -> float:
 
 
 @njit
-def piece(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
+def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
     """Adds the amounts between two heights of one layer to ``out`` [(columns,)]; angle at the Earth's centre and bending [rad].
 
     With an ``out`` of no columns only the ray is followed.
@@ -225,14 +225,14 @@ def piece(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndarray, 
 
 @njit
 def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
-    """:func:`piece` of the layers first...last - 1 from level to level."""
+    """:func:`layer_part` of the layers first...last - 1 from level to level."""
     grid = laws.grid
     columns, nodes = out.size, grid.invariant.shape[1]
     turn, bending = 0.0, 0.0
     for layer in range(first, last):
         low, high = invariant / grid.at_level[layer], invariant / grid.at_level[layer + 1]
         if (1.0 - high * high) > _STRAIGHT * (1.0 - low * low):
-            part = piece(laws, laws.height[layer], laws.height[layer + 1], invariant, work, out)
+            part = layer_part(laws, laws.height[layer], laws.height[layer + 1], invariant, work, out)
             turn += part[0]
             bending += part[1]
             continue
@@ -247,14 +247,14 @@ def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarra
 
 
 @njit
-def between(laws: Laws, low: float, high: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
-    """:func:`piece` of a rising ray between any two heights; what sticks out of whole layers by less than 0.1 m is left out."""
+def rise(laws: Laws, low: float, high: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
+    """:func:`layer_part` of a ray between any two heights; what sticks out of whole layers by less than 0.1 m is left out."""
     turn, bending = 0.0, 0.0
     first, last = _layer_of(laws, low), _layer_of(laws, high)
     if laws.height[first] < low:
         end = min(laws.height[first + 1], high)
         if end - low > _THIN:
-            turn, bending = piece(laws, low, end, invariant, work, out)
+            turn, bending = layer_part(laws, low, end, invariant, work, out)
         first += 1
     if high >= laws.height[last + 1]:
         last += 1
@@ -264,7 +264,7 @@ def between(laws: Laws, low: float, high: float, invariant: float, work: np.ndar
         bending += part[1]
     start = max(laws.height[last], low)
     if last >= first and high - start > _THIN:
-        part = piece(laws, start, high, invariant, work, out)
+        part = layer_part(laws, start, high, invariant, work, out)
         turn += part[0]
         bending += part[1]
     return turn, bending
@@ -282,10 +282,10 @@ def sun_amounts(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.n
         lowest = tangent_height(laws, invariant, z)
         if lowest < 0.0:
             return SHADE
-        bending = 2.0 * between(laws, lowest, z, invariant, work, out)[1]
+        bending = 2.0 * rise(laws, lowest, z, invariant, work, out)[1]
         for k in range(out.size):
             out[k] *= 2.0
-    return bending + between(laws, z, laws.height[-1], invariant, work, out)[1]
+    return bending + rise(laws, z, laws.height[-1], invariant, work, out)[1]
 
 
 @njit
@@ -342,7 +342,7 @@ def trace(laws: Laws, z: float, zenith: float, line: Line, work: np.ndarray) -> 
             if line.height[n] - end < 1e-4 and end > lowest:  # as LOWTRAN7, no pieces of less than 0.1 m
                 start = end
                 continue
-            arc += between(laws, end, start, invariant, work, amount)[0]
+            arc += rise(laws, end, start, invariant, work, amount)[0]
             n += 1
             level -= 1
             _rung(line, n, end, math.pi - zenith_at(laws, invariant, end), arc, level)
@@ -363,7 +363,7 @@ def trace(laws: Laws, z: float, zenith: float, line: Line, work: np.ndarray) -> 
         if end - start < 1e-4:
             start = end
             continue
-        arc += between(laws, start, end, invariant, work, amount)[0]
+        arc += rise(laws, start, end, invariant, work, amount)[0]
         n += 1
         level += 1
         _rung(line, n, end, zenith_at(laws, invariant, end), arc, level)
@@ -427,7 +427,7 @@ def layer_amounts(thick: FloatArray, density: FloatArray) -> FloatArray:
 
 
 def cold_share(height: FloatArray, pressure: FloatArray, temperature: FloatArray) -> FloatArray:
-    """Share of the water continuum of every layer that counts as cold, from its temperature weighted with the density of air."""
+    """Share of the water continuum of every layer that counts as cold [1, (layers,)], by its temperature as the air's density weighs it."""
     return np.array(
         [_cold(*(float(v) for v in (p[0], p[1], t[0], t[1]))) for p, t in zip(_pairs(pressure), _pairs(temperature), strict=True)]
     )

@@ -23,6 +23,7 @@ from seaglint.atmosphere.coordinates import (
 )
 from seaglint.atmosphere.line import heights_along
 from seaglint.atmosphere.sampled_sky import Sky, SkySamples, brightness_temperature, radiance_of
+from seaglint.atmosphere.scattered_samples import ScatteredSamples
 from seaglint.atmosphere.vacuum import exoatmospheric_irradiance
 from seaglint.conventions import horizon_depression
 from seaglint.errors import DataError, DomainError
@@ -129,6 +130,8 @@ class SampledAtmosphere:
     _line: LiveLine | None = None
     _scattering: Callable[[], ScatteringAir] | None = None
     _free: tuple[bool, bool] = (False, False)
+    scattered: ScatteredSamples | None = None
+    """Sunlight scattered by the air, where the calculation tells it."""
 
     @classmethod
     def create(
@@ -140,6 +143,7 @@ class SampledAtmosphere:
         sun: SunSamples,
         skies: Sequence[SkySamples],
         line: LiveLine | None = None,
+        scattered: ScatteredSamples | None = None,
         scattering: Callable[[], ScatteringAir] | None = None,
         name: str = "sampled atmosphere",
         provenance: dict[str, Any] | None = None,
@@ -156,6 +160,8 @@ class SampledAtmosphere:
             The samples; one sky must be that seen from the sea (height 0).
         line : LiveLine, optional
             The calculation itself, for paths to points above the sea.
+        scattered : ScatteredSamples, optional
+            Sunlight scattered by the air.
         scattering : callable, optional
             Makes the scatterers on all spectral samples, when they are asked for; without it the air scatters no sunlight.
         name : str
@@ -206,6 +212,7 @@ class SampledAtmosphere:
             _sun=CubicSpline(elevation_coordinate(elevation, 0.0), encode_optical_depth(toward[::-1]), axis=0),
             _skies=tuple(Sky.of(sky, nu) for sky in skies),
             _line=line,
+            scattered=scattered,
             _scattering=scattering,
         )
 

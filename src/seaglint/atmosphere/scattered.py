@@ -9,14 +9,17 @@ spectral shapes.
 
 Use
 ---
-:func:`seaglint.atmosphere.scattered_tables.scattered_light` makes three tables. A map or an image adds, in band,
+:class:`seaglint.atmosphere.scattered_tables.ScatteredLight` makes three tables. A map or an image adds, in band,
 
 - ``path``: :func:`scattered_path_at` to the path radiance of every line of sight to the sea;
 - ``sky``: :func:`scattered_sky_at` to the sky seen from the sensor, above the horizon;
 - ``sea_sky``: the sky that a place on the sea sees, which facets mirror. Its elevation, azimuth and Sun are those against the vertical
   of the place. It has spectral shapes: as with :class:`seaglint.radiance.surface.SkyTable`, ``L = shares @ spectral``, so that sums over
   the band with reflectance and transmittance are taken of ``spectral`` once, and facets only need their few ``shares``
-  (:func:`scattered_shares`). The shares depend on the azimuth from the Sun, unlike those of the thermal sky.
+  (:func:`scattered_shares`). The shares depend on the azimuth from the Sun, unlike those of the thermal sky. In band, :func:`in_band`
+  with weights of quadrature (times reflectance and transmittance) makes of it a table for :func:`mirrored_sky_at`.
+
+Kernels make no arrays, so that those of the renderer can call them.
 
 All are for the Sun at 1 au; multiply by ``1/d^2``.
 """
@@ -24,13 +27,12 @@ All are for the Sun at 1 au; multiply by ``1/d^2``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint._jit import njit
+from seaglint._jit import kernel, njit
 from seaglint.atmosphere.coordinates import ELEVATION_SCALE
 from seaglint.atmosphere.setting_sun import visible_part_kernel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
@@ -43,44 +45,29 @@ class ScatteredTable(NamedTuple):
     ``angular[i, k]``: phase functions' shapes at even steps of the scattering angle, ``amplitude[t, e, a, k, r]`` over the Sun's zenith
     angle, rows and even steps of the cosine of azimuth; ``spectral[r, n]``: spectral shapes [W m-2 sr-1 per cm-1], or a single 1 for
     radiance in band. Rows are those of :func:`sky_row` (``dip_rows`` of them below the horizontal, down to ``dip`` [rad]) or
-    :func:`path_row` (``longest`` slant path [m]). ``sun``: apparent zenith angle [rad] of the first t, t per rad of it; 0 where the table
-    is for one Sun alone, whose share above the horizon is then in the amplitudes.
+    :func:`path_row` (``longest`` slant path [m]). ``solar_zenith`` [rad] is the Sun's apparent one at the sensor, or at its foot for sky
+    over the sea. Only there places have Suns of their own: ``suns`` is the first zenith angle and t per rad of it, and ``sets`` says that
+    the share of the disc above the place's horizon is still to be multiplied by.
     """
 
     angular: np.ndarray
     amplitude: np.ndarray
     spectral: np.ndarray
-    sun: tuple[float, float]
+    solar_zenith: float
+    suns: tuple[float, float]
+    sets: bool
     height: float
     longest: float
     dip: float
     dip_rows: int
 
 
-@dataclass(frozen=True, eq=False)
-class ScatteredLight:
-    """Scattered sunlight of one band, wind, sensor height and Sun; see the module's notes.
-
-    Attributes
-    ----------
-    path, sky : ScatteredTable
-        In band [W m-2 sr-1]: one spectral shape, which is 1.
-    sea_sky : ScatteredTable
-        Spectra.
-    """
-
-    path: ScatteredTable
-    sky: ScatteredTable
-    sea_sky: ScatteredTable
-
-
-@njit
+@kernel
 def sky_row(elevation: float, table: ScatteredTable) -> float:
     """Row of an elevation [rad]: down to the horizon first, then up from the horizontal."""
     if elevation >= 0.0:
-        scale = ELEVATION_SCALE
         above = table.amplitude.shape[1] - table.dip_rows
-        y = math.asinh(elevation / scale) / math.asinh(0.5 * math.pi / scale)
+        y = math.asinh(elevation / ELEVATION_SCALE) / math.asinh(0.5 * math.pi / ELEVATION_SCALE)
         return float(table.dip_rows + min(y, 1.0) * (above - 1))
     if table.dip_rows == 0:
         return 0.0
@@ -88,7 +75,7 @@ def sky_row(elevation: float, table: ScatteredTable) -> float:
     return float(max(table.dip_rows * (1.0 - math.sqrt(min(-elevation / table.dip, 1.0))), 0.0))
 
 
-@njit
+@kernel
 def path_row(range_m: float, table: ScatteredTable) -> float:
     """Row of an arc along the sea [m]; beyond the horizon that of the horizon."""
     half = math.sin(range_m / (2.0 * EFFECTIVE_EARTH_RADIUS))
@@ -98,57 +85,80 @@ def path_row(range_m: float, table: ScatteredTable) -> float:
     return float(min(x, 1.0) * (table.amplitude.shape[1] - 1))
 
 
-@njit
-def shares_at(row: float, elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable, out: np.ndarray) -> None:
-    """Shares of the spectral shapes into ``out`` [(r,)] at a row; azimuth is counted from the Sun, zenith the Sun's apparent one [rad]."""
+@kernel
+def angle_node(elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable) -> tuple[int, float]:
+    """Node of the scattering angle, and the fraction of the way to the next."""
     half, lean = math.sin(0.5 * azimuth), math.sin(0.5 * (0.5 * math.pi - elevation - solar_zenith))
-    square = min(lean * lean + math.cos(elevation) * math.sin(solar_zenith) * half * half, 1.0)
-    angle = 2.0 * math.asin(math.sqrt(max(square, 0.0))) / math.pi * (table.angular.shape[0] - 1)
+    square = min(max(lean * lean + math.cos(elevation) * math.sin(solar_zenith) * half * half, 0.0), 1.0)
+    angle = 2.0 * math.asin(math.sqrt(square)) / math.pi * (table.angular.shape[0] - 1)
     i = min(int(angle), table.angular.shape[0] - 2)
-    f = angle - i
-    suns, rows, columns, shapes, spectra = table.amplitude.shape
-    t = min(max((solar_zenith - table.sun[0]) * table.sun[1], 0.0), suns - 1.0)
+    return i, angle - i
+
+
+@kernel
+def term_at(row: float, azimuth: float, solar_zenith: float, table: ScatteredTable, term: tuple[int, int]) -> float:
+    """Amplitude of one phase shape and spectral shape between the nodes around a row, an azimuth and a Sun."""
+    k, r = term
+    suns, rows, columns = table.amplitude.shape[0], table.amplitude.shape[1], table.amplitude.shape[2]
+    half = math.sin(0.5 * azimuth)
     column = half * half * (columns - 1)
-    it, ie, ia = min(int(t), max(suns - 2, 0)), min(int(row), rows - 2), min(int(column), columns - 2)
-    ft, fe, fa = t - it, row - ie, column - ia
-    share = visible_part_kernel(0.5 * math.pi - solar_zenith)[0] if table.sun[1] > 0.0 else 1.0
-    out[:] = 0.0
-    for dt in range(2 if ft > 0.0 else 1):
-        for de in range(2):
-            for da in range(2):
-                weight = share * (ft if dt else 1.0 - ft) * (fe if de else 1.0 - fe) * (fa if da else 1.0 - fa)
-                for k in range(shapes):
-                    phase = weight * ((1.0 - f) * table.angular[i, k] + f * table.angular[i + 1, k])
-                    for r in range(spectra):
-                        out[r] += phase * table.amplitude[it + dt, ie + de, ia + da, k, r]
+    e, a = min(int(row), rows - 2), min(int(column), columns - 2)
+    fe, fa = row - e, column - a
+    x = min(max((solar_zenith - table.suns[0]) * table.suns[1], 0.0), suns - 1.0)
+    t = min(int(x), max(suns - 2, 0))
+    ft = x - t
+    value = (1.0 - fe) * ((1.0 - fa) * table.amplitude[t, e, a, k, r] + fa * table.amplitude[t, e, a + 1, k, r])
+    value += fe * ((1.0 - fa) * table.amplitude[t, e + 1, a, k, r] + fa * table.amplitude[t, e + 1, a + 1, k, r])
+    if ft > 0.0:
+        t += 1
+        later = (1.0 - fe) * ((1.0 - fa) * table.amplitude[t, e, a, k, r] + fa * table.amplitude[t, e, a + 1, k, r])
+        later += fe * ((1.0 - fa) * table.amplitude[t, e + 1, a, k, r] + fa * table.amplitude[t, e + 1, a + 1, k, r])
+        value += ft * (later - value)
+    return float(value)
 
 
-@njit
+@kernel
+def share_at(row: float, elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable, r: int) -> float:
+    """Share of one spectral shape at a row; azimuth is counted from the Sun, zenith the Sun's apparent one [rad]."""
+    i, f = angle_node(elevation, azimuth, solar_zenith, table)
+    up = visible_part_kernel(0.5 * math.pi - solar_zenith)[0] if table.sets else 1.0
+    total = 0.0
+    for k in range(table.angular.shape[1]):
+        phase = (1.0 - f) * table.angular[i, k] + f * table.angular[i + 1, k]
+        total += phase * term_at(row, azimuth, solar_zenith, table, (k, r))
+    return float(up * total)
+
+
+@kernel
 def scattered_sky_at(elevation: float, azimuth: float, table: ScatteredTable) -> float:
-    """Sky of a table in band [W m-2 sr-1] at an elevation and an azimuth from the Sun [rad], for the Sun it was made for."""
-    out = np.zeros(table.amplitude.shape[4])
-    shares_at(sky_row(elevation, table), elevation, azimuth, table.sun[0], table, out)
-    return float(max(out[0], 0.0))
+    """Sky of a table in band [W m-2 sr-1] at an elevation and an azimuth from the Sun [rad], under the Sun at the sensor."""
+    return max(share_at(sky_row(elevation, table), elevation, azimuth, table.solar_zenith, table, 0), 0.0)
 
 
-@njit
+@kernel
+def mirrored_sky_at(elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable) -> float:
+    """Sky in band [W m-2 sr-1] over a place that has the Sun at an apparent zenith angle [rad]: ``sea_sky`` of :func:`in_band`."""
+    return max(share_at(sky_row(elevation, table), elevation, azimuth, solar_zenith, table, 0), 0.0)
+
+
+@kernel
 def scattered_path_at(range_m: float, elevation: float, azimuth: float, table: ScatteredTable) -> float:
     """Path to the sea at an arc [m], seen at an elevation (below 0) and an azimuth from the Sun [rad], in band [W m-2 sr-1]."""
-    out = np.zeros(table.amplitude.shape[4])
-    shares_at(path_row(range_m, table), elevation, azimuth, table.sun[0], table, out)
-    return float(max(out[0], 0.0))
+    return max(share_at(path_row(range_m, table), elevation, azimuth, table.solar_zenith, table, 0), 0.0)
 
 
 @njit
 def _fill(elevation: np.ndarray, azimuth: np.ndarray, solar_zenith: np.ndarray, table: ScatteredTable, out: np.ndarray) -> None:
     for i in range(elevation.size):
-        shares_at(sky_row(elevation[i], table), elevation[i], azimuth[i], solar_zenith[i], table, out[i])
+        row = sky_row(elevation[i], table)
+        for r in range(out.shape[1]):
+            out[i, r] = share_at(row, elevation[i], azimuth[i], solar_zenith[i], table, r)
 
 
 @njit
 def _fill_path(range_m: np.ndarray, elevation: np.ndarray, azimuth: np.ndarray, table: ScatteredTable, out: np.ndarray) -> None:
     for i in range(elevation.size):
-        shares_at(path_row(range_m[i], table), elevation[i], azimuth[i], table.sun[0], table, out[i])
+        out[i, 0] = share_at(path_row(range_m[i], table), elevation[i], azimuth[i], table.solar_zenith, table, 0)
 
 
 def scattered_shares(
@@ -156,9 +166,9 @@ def scattered_shares(
 ) -> FloatArray:
     """Shares of the spectral shapes of a sky [1, (..., r)]: ``L = shares @ table.spectral``.
 
-    ``solar_zenith`` [rad] is the Sun's at the place, where the table was made for several; all broadcast.
+    ``solar_zenith`` [rad] is the Sun's at the place, without it that at the sensor; all broadcast.
     """
-    zenith = table.sun[0] if solar_zenith is None else solar_zenith
+    zenith = table.solar_zenith if solar_zenith is None else solar_zenith
     e, a, z = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (elevation, azimuth_from_sun, zenith)))
     out = np.empty((e.size, table.amplitude.shape[4]))
     _fill(e.ravel(), a.ravel(), z.ravel(), table, out)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Final, Protocol, cast
 
 import numpy as np
@@ -15,9 +17,9 @@ from seaglint.atmosphere.base import slant_range
 from seaglint.atmosphere.coordinates import elevation_of_coordinate, straight_sea_cosine, straight_slant
 from seaglint.atmosphere.lowtran_ray import invariant_of
 from seaglint.atmosphere.sampled_sky import grazing_coordinate, grazing_share
-from seaglint.atmosphere.scattered import ScatteredLight, ScatteredTable
+from seaglint.atmosphere.scattered import ScatteredTable
 from seaglint.atmosphere.scattered_line import KINDS, horizon_zenith
-from seaglint.atmosphere.scattering_laws import ScatteringAir
+from seaglint.atmosphere.scattering_laws import ScatteringAir, scattering_angle
 from seaglint.atmosphere.setting_sun import visible_part_kernel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression
@@ -55,6 +57,9 @@ _SUN_ROWS: Final = 13
 
 _SMALL_TURN: Final = np.radians(1.0)
 
+_ONE_SUN: Final = np.radians(0.1)
+"""Suns that differ by less are one."""
+
 _LOWEST_SUN: Final = 0.5 * math.pi - SOLAR_ANGULAR_RADIUS
 """Apparent zenith angle of a Sun that stands on the horizon [rad]: one that sets scatters like it, by the share that is up."""
 
@@ -75,9 +80,9 @@ class Scattering(Protocol):
 def scattered_in(
     atmosphere: object, grid: slice, weights: FloatArray, height: float, solar_zenith: float, farthest_turn: float = 0.0
 ) -> ScatteredLight:
-    """Tables for a band of any atmosphere: :func:`scattered_light`, or darkness.
+    """Scattered sunlight of a band in any atmosphere.
 
-    Vacuum, isothermal air and files scatter nothing, nor does air in 7.5-14 um, nor a Sun below the horizon of all places in view. A file
+    Vacuum and isothermal air scatter nothing, nor does air in 7.5-14 um, nor a Sun below the horizon of all places in view. A file
     with scattered radiances of its own would make the three tables from them here.
 
     Parameters
@@ -87,28 +92,24 @@ def scattered_in(
     grid, weights : slice, ndarray
         Samples in the band and its quadrature weights there [cm-1, (n,)], as :class:`seaglint.radiance.view.BandSum` has them.
     height, solar_zenith, farthest_turn : float
-        As for :func:`scattered_light`; ``seaglint.radiance.view.SeaView`` has all three.
+        As for :class:`ScatteredLight`; ``seaglint.radiance.view.SeaView`` has all three.
     """
     up = solar_zenith - farthest_turn < 0.5 * math.pi + SOLAR_ANGULAR_RADIUS
     air = cast(Scattering, atmosphere).scattering(grid) if up and hasattr(atmosphere, "scattering") else None
-    return scattered_light(air, weights, height, solar_zenith, farthest_turn) if air is not None else _darkness(np.asarray(weights).size)
+    return ScatteredLight(air, np.asarray(weights, dtype=np.float64), height, solar_zenith, farthest_turn)
 
 
-def _darkness(channels: int) -> ScatteredLight:
-    """Tables of the same types that hold nothing."""
-    one = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), (0.0, 0.0), 1.0, 2.0, 1.0, 0)
-    return ScatteredLight(one, one, one._replace(spectral=np.zeros((1, channels))))
+_DARK: Final = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), 0.0, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
 
 
-def scattered_light(
-    air: ScatteringAir, weights: FloatArray, height: float, solar_zenith: float, farthest_turn: float = 0.0
-) -> ScatteredLight:
-    """Tables of path, sky and sky over the sea.
+@dataclass(frozen=True, eq=False)
+class ScatteredLight:
+    """Scattered sunlight of one band, wind, sensor height and Sun; its tables are made when they are asked for.
 
-    Parameters
+    Attributes
     ----------
-    air : ScatteringAir
-        On the band's channels.
+    air : ScatteringAir or None
+        On the band's channels; None where nothing scatters, the tables then hold nothing.
     weights : ndarray
         Quadrature weights of the band on them [cm-1, (n,)].
     height : float
@@ -123,26 +124,88 @@ def scattered_light(
     A disc that the horizon at the sensor's foot (for ``sea_sky``: at the place) cuts counts by the share above it; a Sun below scatters
     nothing, twilight is left out. Against line by line sums the tables are within 0.3 % from the horizontal up and along paths.
     """
-    one = np.asarray(weights, dtype=np.float64)[None]
-    sun = air.unrefracted_zenith(min(solar_zenith, _LOWEST_SUN))
-    share = float(visible_part_kernel(0.5 * math.pi - solar_zenith)[0])
-    aloft = float(air.apparent_zenith(sun, height))
-    azimuths = _azimuth_nodes(solar_zenith)
-    zenith, arcs, coordinate = _path_lines(air, height)
-    even = np.linspace(0.0, 1.0, ROWS)
-    path = _table(air, one, height, zenith, azimuths, [sun], lambda nodes: CubicSpline(coordinate, nodes, axis=1)(even), share)
-    path = path._replace(sun=(aloft, 0.0), height=height, longest=float(slant_range(height, arcs[-1])))
-    zenith, rows = _sky_lines(air, height)
-    sky = _table(air, one, height, zenith, azimuths, [sun], rows, share)
-    sky = sky._replace(sun=(aloft, 0.0), height=height, dip=horizon_depression(height), dip_rows=DIP_ROWS)
-    zenith, rows = _sky_lines(air, 0.0)
-    first, last = _sun_range(solar_zenith, farthest_turn)
-    if last <= first:
-        sea = _table(air, None, 0.0, zenith, azimuths, [sun], rows, share)._replace(sun=(min(solar_zenith, _LOWEST_SUN), 0.0))
-    else:
-        suns = [air.unrefracted_zenith(z) for z in _sun_nodes(first, last)]
-        sea = _table(air, None, 0.0, zenith, _azimuth_nodes(last), suns, rows)._replace(sun=(first, (_SUN_ROWS - 1) / (last - first)))
-    return ScatteredLight(path, sky, sea)
+
+    air: ScatteringAir | None
+    weights: FloatArray
+    height: float
+    solar_zenith: float
+    farthest_turn: float = 0.0
+
+    @cached_property
+    def path(self) -> ScatteredTable:
+        """Paths to the sea, in band [W m-2 sr-1]: one spectral shape, which is 1."""
+        if self.air is None:
+            return _DARK
+        zenith, arcs, coordinate = _path_lines(self.air, self.height)
+        even = np.linspace(0.0, 1.0, ROWS)
+        table = self._in_band(zenith, lambda nodes: CubicSpline(coordinate, nodes, axis=1)(even))
+        return table._replace(longest=float(slant_range(self.height, arcs[-1])))
+
+    @cached_property
+    def sky(self) -> ScatteredTable:
+        """Sky seen from the sensor, likewise."""
+        if self.air is None:
+            return _DARK
+        table = self._in_band(*_sky_lines(self.air, self.height))
+        return table._replace(dip=horizon_depression(self.height), dip_rows=DIP_ROWS)
+
+    @cached_property
+    def sea_sky(self) -> ScatteredTable:
+        """Sky seen from the sea: spectra."""
+        return self.sea_sky_within(self.farthest_turn)
+
+    def sea_sky_within(self, turn: float) -> ScatteredTable:
+        """:attr:`sea_sky` for places where the vertical is turned by at most so much [rad]; a tenth of a degree is one Sun."""
+        if self.air is None:
+            return _DARK._replace(spectral=np.zeros((1, self.weights.size)))
+        zenith, rows = _sky_lines(self.air, 0.0)
+        first, last = _sun_range(self.solar_zenith, turn)
+        if last - first <= _ONE_SUN:
+            azimuths = _azimuth_nodes(self.solar_zenith)
+            table = _table(self.air, None, 0.0, zenith, azimuths, [self._sun], rows)
+            return table._replace(solar_zenith=self.solar_zenith, sets=True)
+        suns = [self.air.unrefracted_zenith(z) for z in _sun_nodes(first, last)]
+        table = _table(self.air, None, 0.0, zenith, _azimuth_nodes(last), suns, rows)
+        return table._replace(suns=(first, (_SUN_ROWS - 1) / (last - first)), solar_zenith=self.solar_zenith, sets=True)
+
+    def paths(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
+        """Line by line: paths to the sea at arcs [m] (rows), azimuths from the Sun [rad] (columns), in band [W m-2 sr-1]."""
+        if self.air is None:
+            return np.zeros((arc.size, azimuth.size))
+        slant = slant_range(self.height, arc)
+        for _ in range(3):  # refraction takes a straight line's end a little farther
+            zenith = _path_zenith(self.air, self.height, slant)
+            slant = slant * arc / (1e3 * self.air.laws.earth_radius * self.air.arcs(self.height, zenith))
+            slant = np.maximum(slant, self.height)
+        lines = np.stack(np.broadcast_arrays(zenith[:, None], azimuth, self._sun), axis=-1).reshape(-1, 3)
+        found = self.air.amplitudes(self.height, lines)[0] * self.air.source
+        phase = self.air.phase(scattering_angle(lines[:, 0], lines[:, 1], self._aloft))
+        return np.asarray(self._share * ((phase * found).sum(axis=1) @ self.weights)).reshape(arc.size, azimuth.size)
+
+    @property
+    def _apparent(self) -> float:
+        return min(self.solar_zenith, _LOWEST_SUN)
+
+    @cached_property
+    def _sun(self) -> float:
+        """Zenith angle of the Sun without refraction [rad]."""
+        return cast(ScatteringAir, self.air).unrefracted_zenith(self._apparent)
+
+    @cached_property
+    def _aloft(self) -> float:
+        """Its apparent one at the sensor [rad]."""
+        return float(cast(ScatteringAir, self.air).apparent_zenith(self._sun, self.height))
+
+    @property
+    def _share(self) -> float:
+        """Share of the disc above the horizon."""
+        return float(visible_part_kernel(0.5 * math.pi - self.solar_zenith)[0])
+
+    def _in_band(self, zenith: FloatArray, rows: Resample) -> ScatteredTable:
+        """Table of lines of sight from the sensor."""
+        air = cast(ScatteringAir, self.air)
+        table = _table(air, self.weights[None], self.height, zenith, _azimuth_nodes(self.solar_zenith), [self._sun], rows, self._share)
+        return table._replace(solar_zenith=self._aloft, height=self.height)
 
 
 def _sun_range(solar_zenith: float, turn: float) -> tuple[float, float]:
@@ -165,14 +228,19 @@ def _azimuth_nodes(solar_zenith: float) -> FloatArray:
 def _path_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Zenith angles at the sensor [rad] of lines to the sea, arcs to their ends [m], their coordinates along the tables' rows."""
     slant = height * (float(straight_slant(height, 0.0)) / height) ** np.linspace(0.0, 1.0, PATH_NODES)
-    cosine = np.clip(straight_sea_cosine(height, slant), LEAST_COSINE, 1.0)
-    cosine[0] = 1.0
-    at_sea = np.sqrt((1.0 - cosine) * (1.0 + cosine))
-    ratio = invariant_of(air.laws, 0.0, 1.0) / invariant_of(air.laws, 1e-3 * height, 1.0)
-    zenith = math.pi - np.arcsin(ratio * at_sea)
+    zenith = _path_zenith(air, height, slant)
     arcs = 1e3 * air.laws.earth_radius * air.arcs(height, zenith)
     lengths = slant_range(height, arcs)
     return zenith, arcs, np.asarray(np.log(np.maximum(lengths / height, 1.0)) / np.log(lengths[-1] / height))
+
+
+def _path_zenith(air: ScatteringAir, height: float, slant: FloatArray) -> FloatArray:
+    """Zenith angles at the sensor [rad] of lines whose straight ones would be so long [m]."""
+    cosine = np.clip(straight_sea_cosine(height, slant), LEAST_COSINE, 1.0)
+    cosine[slant <= height] = 1.0
+    at_sea = np.sqrt((1.0 - cosine) * (1.0 + cosine))
+    ratio = invariant_of(air.laws, 0.0, 1.0) / invariant_of(air.laws, 1e-3 * height, 1.0)
+    return np.asarray(math.pi - np.arcsin(ratio * at_sea))
 
 
 def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, Resample]:
@@ -230,7 +298,7 @@ def _table(
     for r, weight in enumerate(sums):
         by_shape[:, :, r] = found.reshape(len(found), -1) @ (kinds * weight).reshape(kinds.shape[0], -1).T
     values = by_shape.reshape(len(suns), zenith.size, azimuths.size, *by_shape.shape[1:])
-    return ScatteredTable(angular, share * _fine(values, azimuths, rows), spectral, (0.0, 0.0), height, 0.0, 0.0, 0)
+    return ScatteredTable(angular, share * _fine(values, azimuths, rows), spectral, 0.0, (0.0, 0.0), False, height, 0.0, 0.0, 0)
 
 
 def _spectral_shapes(air: ScatteringAir, found: FloatArray) -> FloatArray:

@@ -1,7 +1,8 @@
-"""``seaglint atmosphere``: the air of a scenario as a file."""
+"""``seaglint atmosphere``: the air of a scenario as a file, and MODTRAN's files written and read."""
 
 from __future__ import annotations
 
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +10,15 @@ import typer
 
 from seaglint.cli.messages import files_read, log, naming_file
 
-atmosphere = typer.Typer(help="The air of a scenario as a file.", no_args_is_help=True)
+atmosphere = typer.Typer(help="The air of a scenario as a file, and MODTRAN's files.", no_args_is_help=True)
+
+
+class DeckFormat(StrEnum):
+    """Kinds of decks."""
+
+    TAPE5 = "tape5"
+    TAPE5_LOWTRAN7 = "tape5-lowtran7"
+    MODTRAN6_JSON = "modtran6-json"
 
 
 @atmosphere.callback()
@@ -37,3 +46,70 @@ def export(
         air = export_air(loaded)
     write_atmosphere(air, output, overwrite=overwrite)
     log(f'{output} written; in a scenario: [atmosphere] source = "file", path = "{output.name}"')
+
+
+@atmosphere.command()
+def write(
+    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file")],
+    output: Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder for the deck and its manifest; it is made")],
+    form: Annotated[
+        DeckFormat, typer.Option("--format", help="tape5: MODTRAN 4 and 5; tape5-lowtran7: LOWTRAN7; modtran6-json: MODTRAN 6")
+    ] = DeckFormat.TAPE5,
+    scattered: Annotated[bool, typer.Option(help="ask for sunlight scattered by the air, where the Sun is up")] = True,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace files that stand in the folder")] = False,
+) -> None:
+    """Write a MODTRAN deck of all lines of sight that the scenario needs: run it, then read its output with atmosphere read DIR."""
+    from seaglint.scenario.load import load_scenario
+
+    loaded = load_scenario(scenario)
+    from seaglint.pipeline.modtran import write_decks
+
+    with naming_file(scenario, loaded):
+        decks = write_decks(loaded, output, form.value, scattered=scattered, overwrite=overwrite)
+    what = (
+        "no scattered sunlight" if decks.solar_zenith_deg is None else f"sunlight scattered under a Sun at {decks.solar_zenith_deg:g} deg"
+    )
+    log(f"{decks.deck} written, {decks.cases} cases, {what}; run it in {output}, then: seaglint atmosphere read {output} -o air.nc")
+
+
+@atmosphere.command()
+def read(
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="FILE...", help="tape7, .tp7, .7sc, CSV or JSON of LOWTRAN7 or MODTRAN 4-6, or the folder of atmosphere write"
+        ),
+    ],
+    output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")],
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+) -> None:
+    """Make a file for atmosphere.source = "file" of what MODTRAN or LOWTRAN7 computed: path, sky, Sun and scattered sunlight apart."""
+    from seaglint.io.atmosphere_file import require_kind, write_atmosphere
+    from seaglint.io.outputs import refuse_existing
+
+    require_kind(output)
+    refuse_existing(output, overwrite=overwrite, inputs=[path for path in files if path.is_file()])
+    from seaglint.io.modtran.reading import read_air
+
+    air = read_air(files)
+    write_atmosphere(air, output, overwrite=overwrite)
+    sizes = ", ".join(f"{air.sizes[name]} {what}" for name, what in _HELD.items() if name in air.sizes)
+    sun = f"; scattered sunlight of a Sun at {air.attrs['solar_zenith_deg']:g} deg" if "solar_zenith_deg" in air.attrs else ""
+    if "cases_without_azimuth" in air.attrs:
+        log(
+            f"scattered sunlight of {air.attrs['cases_without_azimuth']} cases is left out: nothing tells their azimuth from the Sun; "
+            "run them with IPARM = 2"
+        )
+    log(
+        f"{output} written: sensor.height_m = {air.attrs['sensor_height_m']:g}, {sizes}{sun}; "
+        f'in a scenario: [atmosphere] source = "file", path = "{output.name}"'
+    )
+
+
+_HELD = {
+    "range_m": "paths",
+    "sky_zenith_deg": "angles of sky from the sea",
+    "sensor_sky_zenith_deg": "from the sensor",
+    "sun_zenith_deg": "of the Sun",
+    "azimuth_from_sun_deg": "azimuths",
+}

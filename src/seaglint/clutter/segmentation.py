@@ -57,7 +57,7 @@ class Segmentation:
         Root mean square of fine structure (in time where frames were given) in the corridor over that in the background.
     border_step : float
         Step of brightness within the envelope's length of the border over that between the inner half of the corridor and the outer
-        half of the background [1]; NaN where there is no border.
+        half of the background [1]; NaN where there is no border, or less contrast than a corridor has.
     reason : str
         Why there is none; empty if found.
     doubt : str
@@ -120,7 +120,8 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
     sky[:first] = valid[:first]
     sea = slice(first, None)
     corridor, separability, contrast, texture, spanning = _corridor(image[sea], None if spread is None else spread[sea], valid[sea])
-    step = _border_step(image[sea], corridor, valid[sea])
+    # without contrast there is no step to take a share of
+    step = _border_step(image[sea], corridor, valid[sea]) if contrast >= LEAST_CONTRAST else float("nan")
     reason = _refusal(separability, contrast, texture, spanning, step)
     doubt = "" if reason else _doubt(separability, contrast, texture, step)
     glint = nothing.copy()

@@ -16,7 +16,10 @@ Columns that a kind does not use may be empty, or missing where no kind does.
 NetCDF, the same on the dimensions ``wavenumber_cm``, ``range_m``, ``sun_zenith_deg``, ``sky_zenith_deg`` (coordinates of these names)
 and, where given, ``sensor_sky_zenith_deg``: variables ``path_transmittance``, ``path_radiance`` (range_m, wavenumber_cm),
 ``sun_irradiance`` (sun_zenith_deg, wavenumber_cm), ``sky_radiance`` (sky_zenith_deg, wavenumber_cm), ``sensor_sky_radiance``
-(sensor_sky_zenith_deg, wavenumber_cm), and the attribute ``sensor_height_m``.
+(sensor_sky_zenith_deg, wavenumber_cm), and the attribute ``sensor_height_m``. With the attribute ``paths_reach_horizon = 1`` the last path
+touches the sea horizon, so that longer ones (to wave crests) go on along the tangent.
+
+Sunlight scattered by the air may stand beside them: :mod:`seaglint.io.atmosphere_scattered`.
 """
 
 from __future__ import annotations
@@ -33,6 +36,7 @@ from seaglint.atmosphere.sampled import HEIGHT_SLACK, PathSamples, SampledAtmosp
 from seaglint.atmosphere.sampled_sky import SkySamples
 from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.errors import DataError, SeaglintError
+from seaglint.io import atmosphere_scattered
 from seaglint.io.netcdf import open_netcdf, write_netcdf
 from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.io.table_text import Row, TextTable, read_text_table
@@ -44,15 +48,17 @@ COLUMNS = ("kind", "height_m", "range_m", "zenith_deg", "wavenumber_cm", "transm
 
 NETCDF_ENDINGS: Final = (".nc", ".nc4", ".netcdf", ".h5")
 
-Kind = Literal["path", "sky", "sun"]
+Kind = Literal["path", "sky", "sun", "path-scattered", "sky-scattered"]
 
 NEEDS: dict[str, tuple[str, ...]] = {
+    "path-scattered": ("height_m", "range_m", "radiance"),
+    "sky-scattered": ("height_m", "zenith_deg", "radiance"),
     "path": ("height_m", "range_m", "transmittance", "radiance"),
     "sky": ("height_m", "zenith_deg", "radiance"),
     "sun": ("zenith_deg", "irradiance"),
 }
 
-ANGLES = {"sky": 100.0, "sun": 90.0}
+ANGLES = {"sky": 100.0, "sky-scattered": 100.0, "sun": 90.0}
 """Largest zenith angles [deg] of a file: the sky from a height reaches below the horizontal."""
 
 
@@ -65,6 +71,16 @@ class _Spectra:
     values: dict[str, FloatArray]
 
 
+@dataclass(frozen=True)
+class _Content:
+    """All that a file holds."""
+
+    blocks: Mapping[tuple[str, float], _Spectra]
+    beyond: bool = False
+    solar_zenith_deg: float | None = None
+    scattered: tuple[atmosphere_scattered.Block, ...] = ()
+
+
 def read_atmosphere(path: str | Path, sensor_height: float) -> SampledAtmosphere:
     """Atmosphere of a CSV or NetCDF (``.nc``) file for a sensor at ``sensor_height`` [m].
 
@@ -74,8 +90,8 @@ def read_atmosphere(path: str | Path, sensor_height: float) -> SampledAtmosphere
         Naming the file and the line, column or variable that cannot be used.
     """
     path = Path(path)
-    blocks = _from_netcdf(path) if path.suffix.lower() in NETCDF_ENDINGS else _from_csv(path)
-    return _assembled(path, blocks, sensor_height)
+    content = _from_netcdf(path) if path.suffix.lower() in NETCDF_ENDINGS else _from_csv(path)
+    return _assembled(path, content, sensor_height)
 
 
 def require_kind(output: Path) -> None:
@@ -98,7 +114,9 @@ def write_atmosphere(dataset: xr.Dataset, output: str | Path, *, overwrite: bool
     require_kind(output)
     if output.suffix.lower() in NETCDF_ENDINGS:
         return write_netcdf(dataset, output, overwrite=overwrite)
-    lines = ["# radiance in W m-2 sr-1 per cm-1, irradiance in W m-2 per cm-1, Sun at 1 au", ",".join(COLUMNS)]
+    lit = [name for name in atmosphere_scattered.VARIABLES if name in dataset]
+    columns = (*COLUMNS, *atmosphere_scattered.COLUMNS) if lit else COLUMNS
+    lines = ["# radiance in W m-2 sr-1 per cm-1, irradiance in W m-2 per cm-1, Sun at 1 au", ",".join(columns)]
     height = f"{float(dataset.attrs['sensor_height_m'])!r}"
     nu = [repr(value) for value in dataset["wavenumber_cm"].to_numpy().tolist()]
 
@@ -107,18 +125,22 @@ def write_atmosphere(dataset: xr.Dataset, output: str | Path, *, overwrite: bool
         for i, where in enumerate(dataset[node].to_numpy().tolist()):
             start = f"{kind},{at},{where!r},," if kind == "path" else f"{kind},{at},,{where!r},"
             values = zip(*(field[i].tolist() for field in fields), strict=True)
-            lines.extend(start + v + cells.format(*(f"{x:.9g}" for x in found)) for v, found in zip(nu, values, strict=True))
+            end = ",," if lit else ""
+            lines.extend(start + v + cells.format(*(f"{x:.9g}" for x in found)) + end for v, found in zip(nu, values, strict=True))
 
     add("path", height, "range_m", "path_transmittance", "path_radiance", cells=",{},{},")
     add("sky", "0", "sky_zenith_deg", "sky_radiance", cells=",,{},")
-    add("sky", height, "sensor_sky_zenith_deg", "sensor_sky_radiance", cells=",,{},")
+    if "sensor_sky_radiance" in dataset:
+        add("sky", height, "sensor_sky_zenith_deg", "sensor_sky_radiance", cells=",,{},")
     add("sun", "", "sun_zenith_deg", "sun_irradiance", cells=",,,{}")
+    lines.extend(atmosphere_scattered.csv_lines(dataset, height))
     with moved_when_whole(output) as partial:
         partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return output
 
 
-def _assembled(path: Path, blocks: Mapping[tuple[str, float], _Spectra], sensor_height: float) -> SampledAtmosphere:
+def _assembled(path: Path, content: _Content, sensor_height: float) -> SampledAtmosphere:
+    blocks = content.blocks
     heights = sorted(height for kind, height in blocks if kind == "path")
     height = next((h for h in heights if abs(h - sensor_height) <= HEIGHT_SLACK), None)
     if height is None:
@@ -149,19 +171,23 @@ def _assembled(path: Path, blocks: Mapping[tuple[str, float], _Spectra], sensor_
     return SampledAtmosphere.create(
         nu,
         height=height,
-        path=PathSamples(paths.node, paths.values["transmittance"], paths.values["radiance"]),
+        path=PathSamples(paths.node, paths.values["transmittance"], paths.values["radiance"], beyond=content.beyond),
         sun=SunSamples(np.radians(sun.node), sun.values["irradiance"]),
         skies=skies,
+        scattered=atmosphere_scattered.assembled(
+            path, content.solar_zenith_deg, list(content.scattered), height, nu, {key: block.node for key, block in blocks.items()}
+        ),
         name=str(path),
         provenance={"table": "user's file", "file": path.name, "sha256": hashlib.sha256(path.read_bytes()).hexdigest()},
     )
 
 
-def _from_csv(path: Path) -> dict[tuple[str, float], _Spectra]:
+def _from_csv(path: Path) -> _Content:
     table = read_text_table(path, COLUMNS)
     table.require("kind")
     spectral = table.one_of("wavenumber_cm", "wavelength_um")
     cells: dict[tuple[str, float], dict[tuple[float, float], tuple[int, dict[str, float]]]] = {}
+    lit = atmosphere_scattered.ScatteredRows(table)
     for row in table.rows:
         kind = _kind(table, row)
         table.require(*NEEDS[kind])
@@ -169,18 +195,23 @@ def _from_csv(path: Path) -> dict[tuple[str, float], _Spectra]:
         per = 1.0 if spectral == "wavenumber_cm" else x * x * 1e-4  # per um -> per cm-1: |d lambda / d nu| = lambda^2 / 1e4
         nu = x if spectral == "wavenumber_cm" else 1e4 / x
         height = table.number(row, "height_m", 0.0, 1e5) if kind != "sun" else 0.0
-        node = table.number(row, "range_m", 0.0, 2e6) if kind == "path" else table.number(row, "zenith_deg", 0.0, ANGLES[kind])
+        node = table.number(row, "range_m", 0.0, 2e6) if "range_m" in NEEDS[kind] else table.number(row, "zenith_deg", 0.0, ANGLES[kind])
         values = {}
         for name in NEEDS[kind]:
             if name == "transmittance":
                 values[name] = table.number(row, name, 0.0, 1.0)
             elif name in ("radiance", "irradiance"):
                 values[name] = per * table.number(row, name, 0.0)
+        if kind in atmosphere_scattered.KINDS:
+            lit.add(row, kind, height, node, nu, values["radiance"])
+            continue
         block = cells.setdefault((kind, height), {})
         if (node, nu) in block:
             raise table.error(row.line, f"gives {kind} at the same place and {spectral} as line {block[node, nu][0]}; remove one")
         block[node, nu] = (row.line, values)
-    return {key: _gridded(table, key, block) for key, block in cells.items()}
+    return _Content(
+        {key: _gridded(table, key, block) for key, block in cells.items()}, solar_zenith_deg=lit.solar, scattered=tuple(lit.blocks())
+    )
 
 
 def _kind(table: TextTable, row: Row) -> Kind:
@@ -191,8 +222,12 @@ def _kind(table: TextTable, row: Row) -> Kind:
             return "sky"
         case "sun":
             return "sun"
+        case "path-scattered":
+            return "path-scattered"
+        case "sky-scattered":
+            return "sky-scattered"
         case other:
-            raise table.error(row.line, f"kind = '{other}' is not one of path, sky, sun")
+            raise table.error(row.line, f"kind = '{other}' is not one of path, sky, sun, path-scattered, sky-scattered")
 
 
 def _gridded(table: TextTable, key: tuple[str, float], block: dict[tuple[float, float], tuple[int, dict[str, float]]]) -> _Spectra:
@@ -217,7 +252,7 @@ def _gridded(table: TextTable, key: tuple[str, float], block: dict[tuple[float, 
     return _Spectra(nodes, grid, {name: np.array([[block[node, nu][1][name] for nu in grid] for node in nodes]) for name in names})
 
 
-def _from_netcdf(path: Path) -> dict[tuple[str, float], _Spectra]:
+def _from_netcdf(path: Path) -> _Content:
     try:
         with open_netcdf(path, decode_timedelta=False, decode_times=False) as dataset:
             return _of_dataset(path, dataset.load())
@@ -227,7 +262,7 @@ def _from_netcdf(path: Path) -> dict[tuple[str, float], _Spectra]:
         raise DataError(f"{path}: cannot be read as NetCDF 4: {' '.join(str(error).split())[:200]}") from None
 
 
-def _of_dataset(path: Path, dataset: Any) -> dict[tuple[str, float], _Spectra]:
+def _of_dataset(path: Path, dataset: Any) -> _Content:
     try:
         height = float(dataset.attrs["sensor_height_m"])
     except (KeyError, TypeError, ValueError):
@@ -254,7 +289,8 @@ def _of_dataset(path: Path, dataset: Any) -> dict[tuple[str, float], _Spectra]:
     }
     if "sensor_sky_radiance" in dataset:
         blocks["sky", height] = block("sensor_sky_zenith_deg", 0.0, ANGLES["sky"], {"radiance": ("sensor_sky_radiance", np.inf)})
-    return blocks
+    solar, scattered = atmosphere_scattered.blocks_of_dataset(path, dataset, height)
+    return _Content(blocks, bool(dataset.attrs.get("paths_reach_horizon", 0)), solar, tuple(scattered))
 
 
 def _coordinate(path: Path, dataset: Any, name: str, low: float, high: float) -> FloatArray:

@@ -36,11 +36,11 @@ def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
         raise DataError(f"{path}: no such file; give a NetCDF 4 file") from None
     except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
         told = " ".join(str(error).split())[:200] or type(error).__name__
-        _drop_quietly(error)
+        drop_quietly(error)
         raise DataError(f"{path}: cannot be read as NetCDF 4, or is cut ({told}); give a whole NetCDF 4 file") from None
 
 
-def _drop_quietly(error: BaseException | None) -> None:
+def drop_quietly(error: BaseException | None) -> None:
     """Let go of what failed half-way: an h5netcdf file that was never opened complains on the standard error when it is collected."""
     before, sys.unraisablehook = sys.unraisablehook, lambda _: None
     try:

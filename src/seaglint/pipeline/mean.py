@@ -14,8 +14,10 @@ from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.io.provenance import band_attributes, provenance
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
+from seaglint.pipeline.mean_pixels import MAPS, ROW_POINTS, ROW_SHARE, Sights, over_pixels
+from seaglint.pipeline.render import poses
 from seaglint.radiance.article import article_radiance
-from seaglint.radiance.mean import SeaRadiance, mean_radiance
+from seaglint.radiance.mean import MeanModel, SeaRadiance, mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.radiance.view import SeaView
 from seaglint.render.camera import Camera
@@ -26,20 +28,20 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-ROW_SHARE = 0.02
-"""Height of a row over its distance from the horizon from which it is averaged: below it the middle is within 1e-4 of the average."""
-
-ROW_POINTS = 8
-"""Elevations averaged in such a row."""
-
-
 @single_threaded_algebra()
 def mean(scenario: Scenario) -> xr.Dataset:
     """Mean radiance over the field of view, with its components, as a labelled dataset.
 
-    Dimensions ``y, x`` (elevation from the top, azimuth clockwise); variables ``radiance``, ``apparent_temperature``, the four
-    components of the radiance and ``glint_std``, the standard deviation of glint in a pixel. In the mode ``article`` the emitted
-    radiance is that of the one blackbody which stands for sea and mirrored sky, and the sky's part is 0 below the horizon.
+    Dimensions ``y, x``, the image's rows from the top and its columns; ``elevation`` and ``azimuth`` (clockwise) are those of rows and
+    columns where the image is a grid of them, else of every pixel (y, x). A moving sensor stands where it is at time 0. Variables
+    ``radiance``, ``apparent_temperature``, the four components of the radiance and ``glint_std``, the standard deviation of glint in a
+    pixel. In the mode ``article`` the emitted radiance is that of the one blackbody which stands for sea and mirrored sky, and the sky's
+    part is 0 below the horizon.
+
+    Raises
+    ------
+    SeaglintError
+        What the models do not cover.
 
     Examples
     --------
@@ -50,30 +52,39 @@ def mean(scenario: Scenario) -> xr.Dataset:
     """
     import xarray as xr
 
-    camera = prepare.camera(scenario)
-    rows = RowAverage.of(camera)
-    view, fine = _radiances(scenario, camera, rows.elevations)
-    found = rows.radiance(fine)
-    total = found.total
-    maps = {
-        "radiance": total,
-        "apparent_temperature": apparent_temperature(total, view.band, view.atmosphere.wavenumber_cm),
-        "path_radiance": np.broadcast_to(found.path, total.shape),
-        "emitted_radiance": np.broadcast_to(found.emission, total.shape),
-        "sky_radiance": np.broadcast_to(found.sky, total.shape),
-        "glint_radiance": np.broadcast_to(found.sun, total.shape),
-        "glint_std": _glint_std(scenario, camera, view, rows, fine),
-    }
+    track, imager = prepare.track(scenario), prepare.imager(scenario)
+    pose = track.at(0.0)
+    view = prepare.view_at(scenario)(pose.height)
+    if scenario.mean.mode == "article":
+        view = prepare.article_view(scenario, view)
+    camera, length = imager.camera(pose.height, pose.attitude), prepare.glint_length(scenario)
+    if camera is not None:
+        azimuth, elevation = camera.azimuths, camera.elevations
+        maps = _of_rows(scenario, camera, view, length)
+    else:
+        azimuth, elevation = imager.centres(pose.attitude)
+        maps = over_pixels(imager, pose, _seen(scenario, view, length))
+    total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
+    temperature = apparent_temperature(total, view.band, view.atmosphere.wavenumber_cm)
+    whole = azimuth.ndim == 2
+    place = {name: float(values[0]) for name, values in poses(track, np.zeros(1)).items()} if track.moves else {}
     return xr.Dataset(
-        {name: (("y", "x"), np.asarray(values, dtype=np.float32)) for name, values in maps.items()},
-        coords={"azimuth": ("x", np.degrees(camera.azimuths)), "elevation": ("y", np.degrees(camera.elevations))},
+        {
+            name: (("y", "x"), np.asarray(values, dtype=np.float32))
+            for name, values in ({"radiance": total, "apparent_temperature": temperature} | maps).items()
+        },
+        coords={
+            "azimuth": (("y", "x") if whole else "x", np.degrees(azimuth)),
+            "elevation": (("y", "x") if whole else "y", np.degrees(elevation)),
+            **place,
+        },
         attrs=provenance(
             "Mean infrared radiance of the sea",
             scenario.model_dump_json(exclude_none=True),
             scenario.seed,
             mean_mode=scenario.mean.mode,
             mean_shadowing=view.shadowing.word,
-            glint_correlation_length_m=prepare.glint_length(scenario),
+            glint_correlation_length_m=length,
             mss_up=view.slopes.mss_up,
             mss_cross=view.slopes.mss_cross,
             solar_zenith_deg=math.degrees(view.solar_zenith),
@@ -83,17 +94,45 @@ def mean(scenario: Scenario) -> xr.Dataset:
     )
 
 
-def _radiances(scenario: Scenario, camera: Camera, elevations: FloatArray) -> tuple[SeaView, SeaRadiance]:
-    """What the scenario's mode sees at the elevations and the camera's azimuths, and how."""
+def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float) -> dict[str, FloatArray]:
+    """Components and the standard deviation of glint on a grid of elevation and azimuth [W m-2 sr-1, (rows, columns) each].
+
+    Cells of the sea are independent, so a row's variance is the mean of what its elevations would have with all of the pixel's solid angle.
+    """
+    rows = RowAverage.of(camera)
     match scenario.mean.mode:
         case "spectral":
-            view = prepare.view(scenario)
-            return view, mean_radiance(view, elevations, camera.azimuths)
+            fine = mean_radiance(view, rows.elevations, camera.azimuths)
         case "article":
-            view = prepare.article_view(scenario)
-            return view, article_radiance(view, elevations, camera.azimuths)
+            fine = article_radiance(view, rows.elevations, camera.azimuths)
         case other:
             assert_never(other)
+    variance = sea_variance(view, fine, rows.elevations, np.repeat(pixel_solid_angle(camera), rows.points), length)
+    found, shape = rows.radiance(fine), (camera.rows, camera.columns)
+    parts = (found.path, found.emission, found.sky, found.sun, np.sqrt(rows(variance)))
+    return {name: np.broadcast_to(part, shape) for name, part in zip(MAPS, parts, strict=True)}
+
+
+def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:
+    """The same at lines of sight in no order, the variance of glint in place of its root."""
+    along: Callable[[FloatArray, FloatArray], SeaRadiance]
+    match scenario.mean.mode:
+        case "spectral":
+            along = MeanModel.prepare(view).along
+        case "article":
+
+            def along(elevation: FloatArray, azimuth: FloatArray) -> SeaRadiance:
+                return article_radiance(view, elevation, azimuth[:, None])
+
+        case other:
+            assert_never(other)
+
+    def seen(elevation: FloatArray, azimuth: FloatArray, solid_angle: FloatArray) -> FloatArray:
+        found = along(elevation, azimuth)
+        variance = sea_variance(view, found, elevation, solid_angle, length)
+        return np.concatenate([found.path, found.emission, found.sky, found.sun, variance], axis=1).T
+
+    return seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,16 +174,6 @@ def over_rows(camera: Camera, radiance: Callable[[FloatArray], SeaRadiance]) -> 
     """Components averaged over the height of each pixel row [W m-2 sr-1], as an image has them."""
     rows = RowAverage.of(camera)
     return rows.radiance(radiance(rows.elevations))
-
-
-def _glint_std(scenario: Scenario, camera: Camera, view: SeaView, rows: RowAverage, found: SeaRadiance) -> FloatArray:
-    """Standard deviation of glint in each pixel [W m-2 sr-1, (rows, columns)].
-
-    Cells of the sea are independent, so a row's variance is the mean of what its elevations would have with all of the pixel's solid angle.
-    """
-    solid_angle = np.repeat(pixel_solid_angle(camera), rows.points)
-    variance = sea_variance(view, found, rows.elevations, solid_angle, prepare.glint_length(scenario))
-    return np.asarray(np.sqrt(rows(variance)))
 
 
 def pixel_solid_angle(camera: Camera) -> FloatArray:

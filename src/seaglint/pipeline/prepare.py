@@ -88,6 +88,8 @@ def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
             from seaglint.io.atmosphere_file import read_atmosphere
 
             found, seen = read_atmosphere(path, scenario.sensor.height_m), sea_in_view(scenario)
+            if found.scattered is not None:
+                found.scattered.require_sun(sun_position(scenario).zenith, str(path))
             return found if seen is None else found.seen_between(*seen)
         case wanted_air.IsothermalAtmosphere(temperature_k=temperature, extinction_per_km=extinction):
             return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
@@ -275,6 +277,7 @@ def view(scenario: Scenario) -> SeaView:
         solar_azimuth=sun.azimuth,
         sun_distance_factor=sun.irradiance_factor,
         shadowing=Shadowing.of(scenario.mean.shadowing or "nested"),
+        scattering=getattr(scenario.atmosphere, "scattered_sunlight", True),
     )
 
 
@@ -283,8 +286,9 @@ def under(view: SeaView, sun: SunPosition) -> SeaView:
     return replace(view, solar_zenith=sun.zenith, solar_azimuth=sun.azimuth, sun_distance_factor=sun.irradiance_factor)
 
 
-def article_view(scenario: Scenario) -> SeaView:
-    """The same for the source article's mode: isotropic slopes at the wind as given, one blackbody for sea and sky, one leg shadowed.
+def article_view(scenario: Scenario, seen: SeaView | None = None) -> SeaView:
+    """A view, the scenario's own by default, in the source article's mode: isotropic slopes at the wind as given, one blackbody for sea and
+    sky, one leg shadowed.
 
     The water stays the scenario's; ``sea.water = "article"`` is the article's own. A mirror stays a mirror.
     """
@@ -296,7 +300,7 @@ def article_view(scenario: Scenario) -> SeaView:
             scenario.wind.speed_m_s, height=WIND_HEIGHT, extrapolate=not isinstance(kind, wanted_slopes.SpectrumSlopes) and kind.extrapolate
         )
     )
-    return replace(view(scenario), slopes=isotropic, shadowing=VIEWER, background="blackbody")
+    return replace(seen or view(scenario), slopes=isotropic, shadowing=VIEWER, background="blackbody")
 
 
 def upright_camera(scenario: Scenario) -> Camera | None:
@@ -318,8 +322,8 @@ def camera(scenario: Scenario) -> Camera:
     found = upright_camera(scenario)
     if found is None:
         raise ScenarioError(
-            "sensor.projection, sensor.roll_deg and [platform] are for images; mean maps have equal steps of azimuth and elevation: "
-            "leave them out, or use 'seaglint render' with sea.resolve_waves = false"
+            "sensor.projection, sensor.roll_deg or [platform] leave no grid of equal steps of azimuth and elevation, which is wanted here; "
+            "leave them out"
         )
     return found
 

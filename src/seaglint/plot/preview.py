@@ -117,12 +117,21 @@ def _graticule(axes: Axes, azimuth: FloatArray, elevation: FloatArray) -> None:
     axes.set_xlabel("column")
     axes.set_ylabel("row")
     style: dict[str, Any] = {"colors": "deepskyblue", "linewidths": 0.6, "alpha": 0.8}
+    if min(azimuth.shape) < 2:
+        return
     for values, unit in ((elevation, "°"), (azimuth, "° az")):
-        # round the nadir or the whole compass, azimuth has a seam that lines would bunch on
-        if min(values.shape) < 2 or np.ptp(values) == 0.0 or (values is azimuth and np.ptp(values) > 180.0):
+        if np.ptp(values) == 0.0 or (values is azimuth and np.ptp(values) > 180.0):
             continue
         lines = axes.contour(values, levels=MaxNLocator(6).tick_values(values.min(), values.max()), **style)
         axes.clabel(lines, fmt=lambda value, unit=unit: f"{value:g}{unit}", fontsize=7)
+    if np.ptp(azimuth) > 180.0:
+        # round the nadir or the whole compass azimuth has a seam that its lines would bunch on: each is drawn as the zero of a sine
+        for towards in range(0, 360, 45):
+            off = np.radians(azimuth - towards)
+            sine = np.where(np.cos(off) > 0.0, np.sin(off), np.nan)
+            if np.any(sine < 0.0) and np.any(sine > 0.0):
+                line = axes.contour(sine, levels=[0.0], **style)
+                axes.clabel(line, fmt=lambda _, towards=towards: f"{towards}° az", fontsize=7)
 
 
 def draw(dataset: xr.Dataset, scale: Kind = "auto") -> Figure:

@@ -103,7 +103,8 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
         sea with its mirrored sky for a blackbody. Give :func:`seaglint.optics.sea_water.article` as water and
         ``cox_munk_isotropic(W, height=12.5)`` as slopes for its own case.
     elevation, azimuth : array_like
-        Lines of sight [rad, (rows,)] and [rad, (columns,)] as in :func:`seaglint.radiance.mean.mean_radiance`.
+        Lines of sight [rad, (rows,)] and [rad, (columns,)] as in :func:`seaglint.radiance.mean.mean_radiance`; azimuths of each row its
+        own are (rows, columns).
 
     Returns
     -------
@@ -116,12 +117,13 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
     Source article Eqs. 3, 6-9 and Fig. 2.
     """
     rows = np.atleast_1d(np.asarray(elevation, dtype=np.float64))
-    columns = np.atleast_1d(np.asarray(azimuth, dtype=np.float64))
+    columns = np.atleast_2d(np.asarray(azimuth, dtype=np.float64))
+    columns = np.broadcast_to(columns, (rows.size, columns.shape[1]))
     air = ArticleAtmosphere.fit(view.atmosphere, view.band, view.sensor_height, view.sea_temperature)
     theta = view_zenith(view.sensor_height, -rows)
     sea = np.isfinite(theta)
     path, emission, sky = (np.zeros((rows.size, 1)) for _ in range(3))
-    sun, chance, cos_incidence = (np.zeros((rows.size, columns.size)) for _ in range(3))
+    sun, chance, cos_incidence = (np.zeros(columns.shape) for _ in range(3))
     sky[~sea, 0] = air.sky(0.5 * np.pi - rows[~sea])
     arc = surface_range(view.sensor_height, -rows[sea])
     slant = slant_range(view.sensor_height, arc)
@@ -129,9 +131,9 @@ def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) ->
     emission[sea, 0] = air.boundary(np.log(slant)) - path[sea, 0]
     share, zenith = visible_sun(view.solar_zenith)
     if share > 0.0:
-        turn = turn_at(arc)[:, None]
-        mirrored = glint(theta[sea][:, None], columns + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, VIEWER, turn)
-        zenith_there = np.minimum(solar_zenith_at(zenith, columns - view.solar_azimuth, turn), _ZENITHS[-1])
+        turn, towards = turn_at(arc)[:, None], columns[sea]
+        mirrored = glint(theta[sea][:, None], towards + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, VIEWER, turn)
+        zenith_there = np.minimum(solar_zenith_at(zenith, towards - view.solar_azimuth, turn), _ZENITHS[-1])
         irradiance = view.sun_distance_factor * air.sun(zenith_there)
         rho = _mean_reflectance(view, mirrored.cos_incidence)
         chance[sea], cos_incidence[sea] = mirrored.chance, mirrored.cos_incidence

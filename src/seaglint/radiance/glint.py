@@ -183,15 +183,16 @@ class GlintModel:
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mirrored Sun on rows of view zenith and columns of view azimuth [rad], each result (rows, columns); 0 in rows that are NaN.
 
-        ``turn`` (rows,) is that of the vertical [rad], :func:`~seaglint.radiance.local_sun.turn_at` the row's arc. ``terms`` (rows, j)
-        are Chebyshev coefficients in the cosine of incidence of what a mirroring point shows, as
-        :class:`seaglint.optics.fresnel.ReflectanceSeries` orders them; the results are their sum times the chance, the chance, and the
-        cosine of incidence. The same bytes for any number of threads.
+        ``view_azimuth`` is (columns,) or of each row its own (rows, columns). ``turn`` (rows,) is that of the vertical [rad],
+        :func:`~seaglint.radiance.local_sun.turn_at` the row's arc. ``terms`` (rows, j) are Chebyshev coefficients in the cosine of
+        incidence of what a mirroring point shows, as :class:`seaglint.optics.fresnel.ReflectanceSeries` orders them; the results are their
+        sum times the chance, the chance, and the cosine of incidence. The same bytes for any number of threads.
         """
-        out = np.zeros((3, view_zenith.size, view_azimuth.size))
+        azimuth = np.atleast_2d(view_azimuth)
+        out = np.zeros((3, view_zenith.size, azimuth.shape[1]))
         if self._shines(turn):
-            area = self._area(view_zenith[:, None], view_azimuth)
-            _fill_grid(view_zenith, view_azimuth, turn, area, self._sea, self._disc, self._legs, terms, out)
+            area = self._area(view_zenith[:, None], azimuth)
+            _fill_grid(view_zenith, azimuth, turn, area, self._sea, self._disc, self._legs, terms, out)
         return out[0], out[1], out[2]
 
     def at(self, view_zenith: FloatArray, view_azimuth: FloatArray, turn: FloatArray) -> Glint:
@@ -427,11 +428,11 @@ def _fill_grid(
         if not zenith[row] <= 0.5 * math.pi:  # NaN: not of the sea
             continue
         sine, cosine = math.sin(zenith[row]), math.cos(zenith[row])
-        here = turn_kernel(turn[row])
-        for column in range(azimuth.size):
+        here, of = turn_kernel(turn[row]), int(row) % azimuth.shape[0]
+        for column in range(azimuth.shape[1]):
             a = area[row, column] if area.size > 0 else -1.0
-            view = (sine, cosine, sines[column], cosines[column])
-            chance, cos_incidence, strength = _chance(view, azimuth[column], here, a, sea, disc, legs)
+            view = (sine, cosine, sines[of, column], cosines[of, column])
+            chance, cos_incidence, strength = _chance(view, azimuth[of, column], here, a, sea, disc, legs)
             # Clenshaw's sum of the series in 2 c - 1
             x, b1, b2 = 2.0 * cos_incidence - 1.0, 0.0, 0.0
             for j in range(terms.shape[1] - 1, 0, -1):

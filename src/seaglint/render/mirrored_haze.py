@@ -16,6 +16,7 @@ import numpy as np
 from seaglint._jit import in_threads, kernel, njit
 from seaglint.atmosphere.scattered import ScatteredTable, scattered_shares
 from seaglint.atmosphere.setting_sun import visible_part_kernel
+from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_range, view_zenith_of_range
 from seaglint.radiance.local_sun import turn_at, turn_kernel, turned_kernel
 from seaglint.radiance.view import SeaView
@@ -92,9 +93,11 @@ def hazy_sky(table: ScatteredTable, weights: FloatArray) -> tuple[HazySky, Float
 
     ``weights``: quadrature weights of the band [cm-1, (n,)].
     """
-    several = table.sun[1] > 0.0
-    last = table.sun[0] + (table.amplitude.shape[0] - 1) / table.sun[1] if several else table.sun[0]
-    zenith = np.linspace(table.sun[0], last, (SUNS if last - table.sun[0] > np.radians(1.0) else 2) if several else 1)
+    several = table.suns[1] > 0.0
+    # the whole disc: what a place's horizon leaves of it is for the place to say
+    first = table.suns[0] if several else min(table.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS)
+    last = first + (table.amplitude.shape[0] - 1) / table.suns[1] if several else first
+    zenith = np.linspace(first, last, (SUNS if last - first > np.radians(1.0) else 2) if several else 1)
     elevation = np.arcsin(np.linspace(0.0, 1.0, ELEVATIONS) ** 2)
     half = np.linspace(0.0, 1.0, ANGLES)
     columns = np.linspace(0.0, 1.0, table.amplitude.shape[2])
@@ -120,7 +123,7 @@ def hazy_sky(table: ScatteredTable, weights: FloatArray) -> tuple[HazySky, Float
             f = (column - i)[:, None, None]
             here = (1.0 - f) * amplitude[t, j, i] + f * amplitude[t, j, i + 1]
             shares[t, j] = np.einsum("ik,ikr->ir", phase, here)
-    return HazySky(shares, (float(zenith[0]), (zenith.size - 1) / (last - zenith[0]) if several else 0.0)), spectral
+    return HazySky(shares, (first, (zenith.size - 1) / (last - first) if several else 0.0)), spectral
 
 
 def _fewest_shapes(shares: FloatArray, spectral: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -260,7 +263,7 @@ def fill_line(facets: HazyFacets, rough: Roughness, lines: Lines, u: int, x: int
     zenith = math.acos(min(max(sun[2], -1.0), 1.0))
     first, per_radian = facets.sky.sun
     t = min(max((zenith - first) * per_radian, 0.0), facets.sky.shares.shape[0] - 1.0)
-    up = visible_part_kernel(0.5 * math.pi - zenith)[0] if per_radian > 0.0 else 1.0
+    up = visible_part_kernel(0.5 * math.pi - zenith)[0]
     variance, across = along(rough, east, north), along(rough, north, -east)
     out[:] = 0.0
     if up <= 0.0:

@@ -50,7 +50,7 @@ def sun_in_sky(view: SeaView) -> SunInSky:
     table, elevation = view.scattered.sky, 0.5 * math.pi - view.solar_zenith
     if not is_dark(table):
         # refraction between the sea and the sensor
-        elevation += min(view.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS) - table.sun[0]
+        elevation += min(view.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS) - table.solar_zenith
     if elevation + SOLAR_ANGULAR_RADIUS <= -horizon_depression(view.sensor_height):
         return NO_SUN
     spectrum = view.irradiance

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -128,8 +128,9 @@ def facet_tables(
     found = [thermal_axes(d.slopes, d.resolved, d.sines, azimuths, at_sun) for d in domains]
 
     def together(light: ThermalSources, haze: tuple[HazyFacets, FloatArray] | None) -> FloatArray:
-        parts = []
+        parts: list[NDArray[Any]] = []
         for domain, rough, (axes, shape) in zip(domains, roughs, found, strict=True):
+            part: NDArray[Any]
             if hazy is None:
                 part = thermal_table(light, rough, axes, shape, basis.phi.shape[0])
             else:
@@ -180,7 +181,7 @@ def _on_axes(
     rough: Roughness,
     azimuths: tuple[float, float],
     wanted: tuple[FloatArray, tuple[int, int, int, int]],
-) -> FloatArray:
+) -> NDArray[np.float32]:
     """Thermal table on the axes that the mirrored aureole asks for, from one on the fewer azimuths and slopes that thermal light does."""
     axes, shape = wanted
     plain, few = thermal_axes(domain.slopes, domain.resolved, domain.sines, azimuths)

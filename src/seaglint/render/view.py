@@ -119,6 +119,16 @@ class Imager:
         # from the world's axes to the unrolled camera's, and back through the rolled one
         return np.asarray(level @ (Attitude(attitude.azimuth, attitude.elevation).axes.T @ axes))
 
+    def solid_angle(self, attitude: Attitude, across: ArrayLike, down: ArrayLike) -> FloatArray:
+        """Solid angle per pixel at image points [sr, (...)]; points as in :meth:`directions`."""
+        x, y = np.broadcast_arrays(np.asarray(across) / self.columns - 0.5, 0.5 - np.asarray(down) / self.rows)
+        if self.projection == "pinhole":
+            wide, high = 2.0 * np.tan(0.5 * self.width), 2.0 * np.tan(0.5 * self.height_angle)
+            return np.asarray(wide * high / (self.columns * self.rows) * (1.0 + (x * wide) ** 2 + (y * high) ** 2) ** -1.5)
+        # the roll turns the grid rigidly
+        step = self.width / self.columns * self.height_angle / self.rows
+        return np.asarray(step * np.cos(attitude.elevation + y * self.height_angle))
+
     def corners(self, attitude: Attitude) -> FloatArray:
         """Lines of sight through the corners of all pixels, unit vectors [1, (rows + 1, columns + 1, 3)]."""
         return self.directions(attitude, np.arange(self.columns + 1.0), np.arange(self.rows + 1.0)[:, None])

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
-from seaglint.errors import BackendError, DataError
+from seaglint.errors import BackendError, DataError, SeaglintError
+from seaglint.io.netcdf import drop_quietly
 from seaglint.io.waves.bands import Bands
 
 
@@ -58,8 +59,9 @@ def parsed(path: Path, kind: str, parse: Callable[[], Any]) -> Any:
     """What a parser makes of a file; its errors, which are of any kind, become one line."""
     try:
         return parse()
-    except (DataError, BackendError):
+    except SeaglintError:
         raise
     except Exception as error:
         text = " ".join(str(error).split())[:200] or type(error).__name__
+        drop_quietly(error)
         raise DataError(f"{path} cannot be read as {kind} ({text}); it may be cut or of another kind: see sea.spectrum.format") from error

@@ -14,7 +14,7 @@ from seaglint.io.waves import datawell, era5, ndbc, octopus, own, spotter, swan,
 from seaglint.io.waves.bands import spectrum_of
 from seaglint.io.waves.choice import WaveChoice
 from seaglint.io.waves.datasets import open_dataset
-from seaglint.io.waves.held import Held
+from seaglint.io.waves.held import Held, parsed
 from seaglint.sea.spectra.measured import MeasuredSpectrum
 
 Format = Literal["ndbc", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"]
@@ -71,8 +71,14 @@ def read_waves(path: str | Path, choice: WaveChoice | None = None, wind_to_azimu
     """
     path, choice = Path(path), WaveChoice() if choice is None else choice
     kind = recognised(path) if format is None else format
-    held = _held(path, kind, choice)
-    what = str(path)
+    # what a damaged file holds may be of any type and shape
+    waves: Waves = parsed(path, f"a file of {kind}", lambda: _chosen(path, kind, choice, wind_to_azimuth))
+    return waves
+
+
+def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float) -> Waves:
+    """The record nearest in time and place, and what to tell of it."""
+    held, what = _held(path, kind, choice), str(path)
     moment, off = (0, None) if held.times is None else choice.nearest_time(held.times, what)
     latitude, longitude = (None if values is None else values[moment] for values in (held.latitude_deg, held.longitude_deg))
     site, away = choice.nearest_site(held.sites, latitude, longitude, what)
