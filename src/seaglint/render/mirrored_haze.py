@@ -142,7 +142,7 @@ def _fewest_shapes(shares: FloatArray, spectral: FloatArray, weights: FloatArray
 
 
 def hazy_facets(view: SeaView, basis: PathBasis) -> tuple[HazyFacets, FloatArray] | None:
-    """What facets mirror, and the matrix (q, k) from its band terms to those of the path's basis; None without scattered light."""
+    """What facets mirror [W m-2 sr-1], and the matrix [1, (q, k)] from its band terms to those of the path's basis; None in darkness."""
     table = view.scattered.sea_sky
     if is_dark(table):
         return None
