@@ -26,6 +26,7 @@ from seaglint.cli.export import export_sea
 from seaglint.cli.messages import files_read, log, naming_file, print_json
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
+from seaglint.cli.sensor import sense, sensor
 from seaglint.errors import DataError, SeaglintError
 
 
@@ -97,6 +98,8 @@ app.add_typer(evaluate, name="evaluate")
 app.add_typer(atmosphere, name="atmosphere")
 app.command()(analyze)
 app.command("export-sea")(export_sea)
+app.command()(sense)
+app.command()(sensor)
 
 _NO_MAPS = frozenset({".zarr", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
 """Endings that say another kind of file is meant than a mean map."""

@@ -72,6 +72,10 @@ class Layout:
     """Place and attitude of a moving sensor in every frame, by variable [(frames,)]."""
     start: datetime | None = None
     """UTC of the first frame of the whole sequence, where a date is known."""
+    per_frame: tuple[str, ...] = ()
+    """Names of the variables that have one number a frame, found with its images."""
+    details: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """Further attributes of variables, by name."""
     turning: bool = False
     """Whether the attitude changes: azimuth and elevation are then those of the first frame and not stored."""
 
@@ -220,7 +224,7 @@ def _fill(
             with storage_errors(partial, remedy):
                 claim.require()
                 _require_there(partial)
-                _write_frame(group, int(index), {name: images[name] for name in layout.variables})
+                _write_frame(group, int(index), {name: images[name] for name in (*layout.variables, *layout.per_frame)})
             count += 1
             if progress is not None:
                 progress(count, done.size)
@@ -340,16 +344,22 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
     dated = () if layout.start is None else ("utc",)
     coordinates = " ".join((*directions, "frame", *dated, "wavelength", *layout.poses))
     for name in layout.variables:
+        dtype = np.dtype(VARIABLES[name].dtype)
         group.create_array(
             name,
             shape=(frames, rows, columns),
             chunks=(1, rows, columns),
-            dtype="float32",
-            fill_value=np.nan,
-            compressors=_compressor(),
+            dtype=dtype,
+            fill_value=np.nan if dtype.kind == "f" else 0,
+            compressors=_compressor(dtype.itemsize),
             dimension_names=("time", "y", "x"),
-            attributes={**VARIABLES[name].attributes, "coordinates": coordinates},
+            attributes={**VARIABLES[name].attributes, **layout.details.get(name, {}), "coordinates": coordinates},
         )
+    for name in layout.per_frame:
+        group.create_array(
+            name, shape=(frames,), chunks=(1,), dtype="float32", fill_value=np.nan, dimension_names=("time",),
+            attributes=VARIABLES[name].attributes,
+        )  # fmt: skip
     numbers = np.asarray(layout.frames, dtype=np.int64)
     low, high = layout.band.min_um, layout.band.max_um
     _put(group, "time", numbers / layout.frame_rate, ("time",))
@@ -376,11 +386,11 @@ def _cf_moment(moment: datetime) -> str:
     return moment.astimezone(UTC).replace(tzinfo=None).isoformat(sep=" ")
 
 
-def _compressor() -> Any:
+def _compressor(itemsize: int) -> Any:
     # Byte shuffling lets zstd find the slowly varying exponents: 512 x 256 frames shrink by about a quarter in a millisecond.
     from zarr.codecs import BloscCodec
 
-    return BloscCodec(cname="zstd", clevel=3, shuffle="shuffle", typesize=4)
+    return BloscCodec(cname="zstd", clevel=3, shuffle="shuffle", typesize=itemsize)
 
 
 def _put(group: Any, name: str, values: NDArray[Any], dimensions: tuple[str, ...], **more: str) -> None:
@@ -397,7 +407,7 @@ def _put(group: Any, name: str, values: NDArray[Any], dimensions: tuple[str, ...
 
 def _write_frame(group: Any, index: int, images: Mapping[str, NDArray[Any]]) -> None:
     for name, image in images.items():
-        group[name][index] = np.asarray(image, dtype=np.float32)
+        group[name][index] = np.asarray(image, dtype=VARIABLES[name].dtype)
     group["frame_done"][index] = 1
 
 
