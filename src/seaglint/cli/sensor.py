@@ -146,12 +146,14 @@ def lines(found: dict[str, Any]) -> list[str]:
     budget, mtf = found[f"noise_budget_{key}"], found["mtf"]
     low, high = found["band_um"]
     out = [
-        f"{found['detector']} detector, {low:g} to {high:g} um, F/{found['f_number']:.3g}, focal length {1e3 * found['focal_length_m']:.4g} mm",
+        f"{found['detector']} detector, {low:g} to {high:g} um, F/{found['f_number']:.3g}, "
+        f"focal length {1e3 * found['focal_length_m']:.4g} mm",
         f"  IFOV                    {found['ifov_mrad']:.5g} mrad, pictures drawn {found['oversampling']} times finer",
         f"  NETD                    {1e3 * found['netd_k']:.4g} mK at {found['background_k']:g} K",
         f"  SiTF                    {found['sitf_counts_per_k']:.5g} counts/K",
         f"  gain                    {found['electrons_per_count'] or found['nw_per_count']:.5g} {unit}/count",
-        f"  NEI                     {found['nei_w_m2']:.4g} W m-2 at the aperture ({100 * found['point_share']:.3g} % of a point in its pixel)",
+        f"  NEI                     {found['nei_w_m2']:.4g} W m-2 at the aperture "
+        f"({100 * found['point_share']:.3g} % of a point in its pixel)",
         f"  NEP                     {found['nep_w']:.4g} W on the pixel",
     ]
     if found["dynamic_range_db"] is not None:

@@ -355,17 +355,13 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
             dimension_names=("time", "y", "x"),
             attributes={**VARIABLES[name].attributes, **layout.details.get(name, {}), "coordinates": coordinates},
         )
-    for name in layout.per_frame:
-        group.create_array(
-            name, shape=(frames,), chunks=(1,), dtype="float32", fill_value=np.nan, dimension_names=("time",),
-            attributes=VARIABLES[name].attributes,
-        )  # fmt: skip
     numbers = np.asarray(layout.frames, dtype=np.int64)
     low, high = layout.band.min_um, layout.band.max_um
     _put(group, "time", numbers / layout.frame_rate, ("time",))
     _put(group, "frame", numbers, ("time",))
     if layout.start is not None:
-        _put(group, "utc", numbers / layout.frame_rate, ("time",), units=f"seconds since {_cf_moment(layout.start)}", calendar="standard")
+        start = layout.start.astimezone(UTC).replace(tzinfo=None).isoformat(sep=" ")  # as CF writes it
+        _put(group, "utc", numbers / layout.frame_rate, ("time",), units=f"seconds since {start}", calendar="standard")
     whole = layout.azimuth_deg.ndim == 2
     if not layout.turning:
         _put(group, "azimuth", layout.azimuth_deg, ("y", "x") if whole else ("x",))
@@ -375,15 +371,9 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
     _put(group, "wavelength", np.asarray(0.5 * (low + high)), (), bounds="wavelength_bounds")
     _put(group, "wavelength_bounds", np.array([low, high]), ("bounds",))
     # One chunk per frame here too: two processes that write into one chunk lose each other's entries without a word.
-    group.create_array(
-        "frame_done", shape=(frames,), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("time",),
-        attributes=VARIABLES["frame_done"].attributes,
-    )  # fmt: skip
-
-
-def _cf_moment(moment: datetime) -> str:
-    """UTC as CF writes it."""
-    return moment.astimezone(UTC).replace(tzinfo=None).isoformat(sep=" ")
+    for name, kind, fill in (("frame_done", "uint8", 0), *((name, "float32", np.nan) for name in layout.per_frame)):
+        about = VARIABLES[name].attributes
+        group.create_array(name, shape=(frames,), chunks=(1,), dtype=kind, fill_value=fill, dimension_names=("time",), attributes=about)
 
 
 def _compressor(itemsize: int) -> Any:

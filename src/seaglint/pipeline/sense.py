@@ -210,7 +210,7 @@ def prepare_sense(
 
     def fine(number: int) -> NDArray[np.float32]:
         radiance = recording.read(number, number + 1)[0]
-        return radiance + np.float32(recording.offset) if recording.offset else radiance
+        return np.asarray(radiance + recording.offset, np.float32) if recording.offset else radiance
 
     azimuth, elevation = _directions(scenario, model, known, (rows, columns), times)
     layout = Layout(

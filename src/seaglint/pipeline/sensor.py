@@ -15,6 +15,7 @@ from seaglint.pipeline import prepare
 from seaglint.render.platform import Track
 from seaglint.scenario.detector import PhotonDetector
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.sensor_presets import TABLES
 from seaglint.sensor.chain import SensorModel
 from seaglint.sensor.detector import Detector
 from seaglint.sensor.figures import figures
@@ -264,7 +265,7 @@ def mean_radiance(scenario: Scenario) -> float:
     sensor = scenario.sensor
     plain = sensor.model_copy(
         update={
-            **{name: None for name in ("optics", "detector", "scan", "noise")},
+            **dict.fromkeys(TABLES),
             "projection": "equal-angle",
             "roll_deg": 0.0,
             "pixels": MEAN_PIXELS,

@@ -39,9 +39,7 @@ class PhotonDetector(Record):
         Field(description="electrons for each count; where left out a full well (or a blackbody of 400 K) fills the counts"),
     ] = None
     offset_counts: Annotated[float, Quantity("", ge=0, le=65_535), Field(description="counts without electrons")] = 0.0
-    crosstalk: Annotated[float, Quantity(ge=0, le=0.8), Field(description="share of a pixel's electrons that its four neighbours get")] = (
-        0.0
-    )
+    crosstalk: Annotated[float, Quantity(ge=0, le=0.8), Field(description="share of the electrons that the four neighbours get")] = 0.0
 
     @model_validator(mode="after")
     def _is_possible(self) -> Self:

@@ -233,9 +233,8 @@ def _require_times(sensor: Sensor) -> None:
     if isinstance(detector, PhotonDetector) and detector.integration_time_s is not None:
         whole = detector.integration_time_s + (detector.short_integration_time_s or 0.0)
         if whole > longest:
-            text = (
-                f"= {detector.integration_time_s:g} is longer than a frame of {frame:g} s (sensor.frame_rate_hz = {sensor.frame_rate_hz:g})"
-            )
+            rate = f"sensor.frame_rate_hz = {sensor.frame_rate_hz:g}"
+            text = f"= {detector.integration_time_s:g} is longer than a frame of {frame:g} s ({rate})"
             if detector.short_integration_time_s is not None:
                 text += f" with short_integration_time_s = {detector.short_integration_time_s:g}"
             raise rule(

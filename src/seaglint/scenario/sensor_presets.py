@@ -39,7 +39,7 @@ SENSORS: Final[dict[str, SensorPreset]] = {
             "detector": {
                 "pitch_um": 15.0,
                 "fill_factor": 0.9,
-                "integration_time_s": 0.0016,
+                "integration_time_s": 0.003,
                 "quantum_efficiency": 0.9,
                 "well_capacity_e": 7.2e6,
                 "read_noise_e": 600.0,
@@ -58,7 +58,7 @@ SENSORS: Final[dict[str, SensorPreset]] = {
             "optics.wavefront_error_waves": "assumed: close to the diffraction limit (Strehl ratio 0.9)",
             "detector.pitch_um": f"{_A6700}: 15 um",
             "detector.fill_factor": "assumed: InSb arrays of 15 um",
-            "detector.integration_time_s": "assumed: two thirds of the well with a scene of 300 K; the data sheet allows 480 ns to a frame",
+            "detector.integration_time_s": "assumed: NETD is then the data sheet's 18 mK (480 ns to a frame are allowed)",
             "detector.quantum_efficiency": "Gemini Observatory, GNIRS detector properties: InSb with a coating about 0.9 up to 5 um",
             "detector.well_capacity_e": f"{_A6700}: 7.2 million electrons",
             "detector.read_noise_e": "assumed: with it NETD stays below the data sheet's 20 mK",
@@ -77,7 +77,7 @@ SENSORS: Final[dict[str, SensorPreset]] = {
             "detector": {
                 "pitch_um": 15.0,
                 "fill_factor": 0.9,
-                "integration_time_s": 0.00012,
+                "integration_time_s": 0.00045,
                 "quantum_efficiency": 0.7,
                 "well_capacity_e": 1.1e7,
                 "read_noise_e": 1000.0,
@@ -97,11 +97,11 @@ SENSORS: Final[dict[str, SensorPreset]] = {
             "optics.wavefront_error_waves": "assumed: close to the diffraction limit (Strehl ratio 0.9)",
             "detector.pitch_um": f"{_SCORPIO}: 15 um",
             "detector.fill_factor": "assumed",
-            "detector.integration_time_s": "assumed: half of the well with a scene of 300 K",
+            "detector.integration_time_s": "assumed: NETD is then the data sheet's 22 mK",
             "detector.quantum_efficiency": f"{_SCORPIO}: above 70 %",
             "detector.well_capacity_e": "assumed: the order that the data sheet's NETD of 22 mK at 300 K needs",
             "detector.read_noise_e": "assumed",
-            "detector.dark_current_e_s": "assumed: MCT of 9.3 um cut-off at 80 K, Rule 07 (Tennant et al. 2008, J. Electron. Mater. 37, 1406)",
+            "detector.dark_current_e_s": "assumed: MCT of 9.3 um cut-off at 80 K, Rule 07 (Tennant et al. 2008)",
             "detector.bit_depth": "assumed: camera electronics",
             "noise.gain_spread": "assumed: residual of a two-point correction of 0.03 %",
             "noise.offset_spread": "assumed: a quarter of the temporal noise",
@@ -205,9 +205,7 @@ def with_sensor(raw: Mapping[str, Any], name: str) -> dict[str, Any]:
     except KeyError:
         raise ScenarioError(f"--sensor {name}: is not one of {', '.join(SENSORS)}") from None
     own = raw.get("sensor", {})
-    kept = {k: v for k, v in own.items() if k not in (*TABLES, "fov_deg", "pixels", "frame_rate_hz")} if isinstance(own, Mapping) else {}
-    return {
-        **raw,
-        "sensor": {**kept, **{k: dict(v) if isinstance(v, Mapping) else v for k, v in chosen.sensor.items()}},
-        "band": dict(chosen.band),
-    }
+    replaced = (*TABLES, "fov_deg", "pixels", "frame_rate_hz")
+    kept = {key: value for key, value in own.items() if key not in replaced} if isinstance(own, Mapping) else {}
+    new = {key: dict(value) if isinstance(value, Mapping) else value for key, value in chosen.sensor.items()}
+    return {**raw, "sensor": {**kept, **new}, "band": dict(chosen.band)}

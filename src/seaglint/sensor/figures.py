@@ -126,7 +126,7 @@ def point_share(model: SensorModel) -> float:
     width = model.detector.active_width / model.optics.focal_length
     along = square_mtf(f, width)
     total = np.interp(np.hypot(f[:, None], f[None, :]), frequency, table, right=0.0)
-    return float(np.sum(total * along[:, None] * along[None, :])) * (f[1] - f[0]) ** 2 * width**2
+    return float(np.sum(total * along[:, None] * along[None, :]) * (f[1] - f[0]) ** 2 * width**2)
 
 
 def figures(model: SensorModel, scene_radiance: float | None = None, rates: tuple[float, float] = (0.0, 0.0)) -> dict[str, Any]:
@@ -152,7 +152,7 @@ def figures(model: SensorModel, scene_radiance: float | None = None, rates: tupl
     found = mtf(model, frequency, rates)
     here = budget(model, mean)
     floor = budget(model, 0.0).total
-    time = detector.integration_time if photon else model.frame_interval
+    time = detector.integration_time if isinstance(detector, Detector) else model.frame_interval
     per_watt = line.per_radiance / (detector.active_area * optics.solid_angle * optics.transmission)
     ceiling = (line.full_scale - line.background) / line.per_radiance
     share = point_share(model)

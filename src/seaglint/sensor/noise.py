@@ -175,7 +175,7 @@ class Pattern:
 
 
 def temporal_noise(noise: Noise, seed: int, frame: int, shape: tuple[int, int], rms: float) -> FloatArray | None:
-    """Noise of one frame that is added to its signal: a reading's ``rms`` and the components of :class:`Noise`; None where there is none."""
+    """Noise that is added to the signal of a frame: a reading's ``rms`` and components of :class:`Noise`; None where there is none."""
     if not noise.temporal:
         return None
     out: FloatArray | None = None
@@ -206,4 +206,4 @@ def pink(seed: int, frame: int, shape: tuple[int, int]) -> FloatArray:
         # spans of different octaves do not all begin together
         number = (frame + (0x9E37 >> octave)) >> octave
         total += stream(seed, "sensor 1/f", octave, number).standard_normal(shape)
-    return total / np.sqrt(OCTAVES)
+    return np.asarray(total / np.sqrt(OCTAVES))

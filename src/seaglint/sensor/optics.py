@@ -42,7 +42,7 @@ SolidAngle = Literal["sine", "thin-lens"]
 
 @dataclass(frozen=True)
 class Optics:
-    """Optics of a sensor.
+    r"""Optics of a sensor.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Optics:
     distortion : float
         Relative radial shift of the picture's corners, with the square of the distance from the axis; positive is pincushion [1].
     solid_angle_law : "sine" or "thin-lens"
-        :math:`\\pi/(4F^2)` of optics that obey the sine condition (point and extended sources then agree), or :math:`\\pi/(4F^2+1)`.
+        :math:`\pi/(4F^2)` of optics that obey the sine condition (point and extended sources then agree), or :math:`\pi/(4F^2+1)`.
     """
 
     aperture: float

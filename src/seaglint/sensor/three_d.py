@@ -26,7 +26,7 @@ COMPONENTS: Final = ("T", "V", "H", "TV", "TH", "VH", "TVH")
 """Time; rows (each one level); columns; rows in time; columns in time; pixels; pixels in time."""
 
 
-def three_d_noise(cube: NDArray[np.floating] | NDArray[np.integer]) -> dict[str, float]:  # type: ignore[type-arg]
+def three_d_noise(cube: NDArray[np.floating] | NDArray[np.integer]) -> dict[str, float]:
     """Standard deviations of the seven components, in the units of the cube.
 
     Parameters

@@ -1,8 +1,11 @@
-r"""From a fine picture of the radiance to the detector's pixels: blur and integration in one pass, nothing aliased that the sensor would not.
+r"""From a fine picture of the radiance to the detector's pixels: blur and integration in one pass, aliased as the sensor's own.
 
 The picture has ``n x n`` pixels in each of the detector's, each the mean over its area. In frequency the detector's mean is then
 
-.. math:: \hat L_{det} = \hat L_{fine}\; H_{optics}(|f|)\; \frac{\mathrm{sinc}(f_x w)\,\mathrm{sinc}(f_y w)}{\mathrm{sinc}(f_x c)\,\mathrm{sinc}(f_y c)}
+.. math::
+
+    \hat L_{det} = \hat L_{fine}\; H_{optics}(|f|)\;
+    \frac{\mathrm{sinc}(f_x w)\,\mathrm{sinc}(f_y w)}{\mathrm{sinc}(f_x c)\,\mathrm{sinc}(f_y c)}
 
 with the width ``w`` of the sensitive square and ``c`` of a fine pixel. At a fill factor of 1 the quotient is the transfer of a sum over
 ``n x n`` fine pixels exactly; sampling at the detector's pitch folds the spectrum, which is the sensor's own aliasing.
