@@ -26,7 +26,8 @@ from seaglint.cli.export import export_sea
 from seaglint.cli.messages import files_read, log, naming_file, print_json
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
-from seaglint.cli.sensor import sense, sensor
+from seaglint.cli.sensor import SensorPreset, sense, sensor
+from seaglint.cli.sensor import line as counts_line
 from seaglint.errors import DataError, SeaglintError
 
 
@@ -208,8 +209,11 @@ def render(
     preview: Annotated[bool, typer.Option("--preview", help="write a picture and a video beside the store")] = False,
     scale: ScaleOption = PreviewScale.AUTO,
     show: Progress = ProgressMode.AUTO,
+    sensor_preset: SensorPreset = None,
+    electrons: Annotated[bool, typer.Option("--electrons", help="with a detector: write electrons beside counts")] = False,
+    radiance: Annotated[bool, typer.Option("--radiance", help="with a detector: write radiance at the aperture beside counts")] = False,
 ) -> None:
-    """Render the sequence: radiance at the aperture, frame by frame."""
+    """Render the sequence, frame by frame: radiance at the aperture, or counts of the scenario's detector."""
     from seaglint.cli.frames import parse_frames
     from seaglint.cli.logs import show_logs
     from seaglint.cli.progress import progress
@@ -217,17 +221,18 @@ def render(
     from seaglint.scenario.load import load_scenario
 
     show_logs(quiet=show is ProgressMode.NONE)
-    loaded = load_scenario(scenario)
+    loaded = load_scenario(scenario, sensor=sensor_preset)
     wanted = parse_frames(frames, loaded.sensor.frames)
     # A trailing slash or a bare name would put the previews elsewhere than beside the store.
     output = Path(str(output).rstrip("/\\"))
     inputs = files_read(scenario, loaded)
     check_output(output, resume=resume, overwrite=overwrite, inputs=inputs)
     pictures = _Pictures(output, inputs, replace=overwrite or resume) if preview else None
-    from seaglint.pipeline.render import render as render_sequence
+    from seaglint.pipeline.sensed import render as render_sequence
 
+    kept = {"electrons": electrons, "radiance": radiance}
     with naming_file(scenario, loaded), progress(show, "frames") as report:
-        render_sequence(loaded, output, frames=wanted, threads=threads, resume=resume, overwrite=overwrite, progress=report)
+        render_sequence(loaded, output, frames=wanted, threads=threads, resume=resume, overwrite=overwrite, progress=report, **kept)
     from seaglint.io.store import open_sequence
     from seaglint.plot.summary import summarise
 
@@ -235,6 +240,8 @@ def render(
         if pictures is not None:
             pictures.write(dataset, scale)
         log(f"{output}: {summarise(dataset).line}")
+        if "signal" in dataset:
+            log(f"{output}: {counts_line(dataset)}")
 
 
 def _refuse_preview(path: Path, replace: bool, inputs: list[Path]) -> None:

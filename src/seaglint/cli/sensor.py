@@ -13,7 +13,6 @@ from seaglint.cli.progress import ProgressMode
 if TYPE_CHECKING:
     import xarray as xr
 
-    from seaglint.pipeline.sense import Source
 
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with [sensor.optics] and [sensor.detector]")]
 SensorPreset = Annotated[
@@ -53,6 +52,7 @@ def sense(
     """Put a sensor on recorded radiance: counts of its detector."""
     from seaglint.cli.progress import patient_progress
     from seaglint.io.recording import open_recording
+    from seaglint.io.recording.source import source_of
     from seaglint.io.store import check_output, open_sequence
     from seaglint.pipeline.sense import sense as sensed
     from seaglint.scenario.load import load_scenario
@@ -74,22 +74,6 @@ def sense(
         )
     with open_sequence(output) as dataset:
         log(f"{output}: {line(dataset)}")
-
-
-def source_of(path: Path) -> Source | None:
-    """What a file tells of band and pixels, where it is one that can."""
-    import xarray as xr
-
-    from seaglint.io.netcdf import open_netcdf
-    from seaglint.pipeline.sense import Source
-
-    if path.is_dir() and ((path / "zarr.json").exists() or (path / ".zgroup").exists()):
-        with xr.open_dataset(str(path), engine="zarr", chunks=None, decode_times=False, consolidated=False) as dataset:
-            return Source.of(dataset)
-    if path.suffix.lower() in (".nc", ".nc4"):
-        with open_netcdf(path, decode_times=False) as dataset:
-            return Source.of(dataset)
-    return None
 
 
 def line(dataset: xr.Dataset) -> str:

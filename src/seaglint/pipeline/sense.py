@@ -15,6 +15,7 @@ from seaglint.analysis.recording import Recording
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
 from seaglint.io.provenance import provenance
+from seaglint.io.recording.source import Source
 from seaglint.io.store import Layout, Progress, check_output, write_sequence
 from seaglint.optics.band import Band
 from seaglint.pipeline.sensor import sensor_attributes, sensor_model
@@ -158,33 +159,6 @@ def sense(
         )
 
 
-@dataclass(frozen=True)
-class Source:
-    """What a recording says of itself beside its numbers."""
-
-    band: Band | None = None
-    step: tuple[float, float] | None = None
-    """Angle between columns and between rows [rad]."""
-    azimuth_deg: FloatArray | None = None
-    elevation_deg: FloatArray | None = None
-
-    @classmethod
-    def of(cls, dataset: xr.Dataset) -> Source:
-        """Of a labelled dataset, as far as it says."""
-        from seaglint.io.provenance import stored_band
-
-        try:
-            band = stored_band(dataset.attrs)
-        except (KeyError, TypeError, ValueError):
-            band = None
-        axes = [dataset[name].to_numpy().astype(np.float64) if name in dataset.variables else None for name in ("azimuth", "elevation")]
-        azimuth, elevation = (a if a is not None and a.ndim == 1 and a.size > 1 else None for a in axes)
-        if azimuth is None or elevation is None:
-            return cls(band)
-        step = tuple(float(np.radians(abs(a[-1] - a[0]) / (a.size - 1))) for a in (azimuth, elevation))
-        return cls(band, (step[0], step[1]), azimuth, elevation)
-
-
 def prepare_sense(
     recording: Recording,
     scenario: Scenario,
@@ -242,6 +216,7 @@ def signal_attributes(model: SensorModel) -> dict[str, Any]:
         "gain_units": "electrons per count" if isinstance(model.detector, Detector) else "nanowatts per count",
         "radiance_scale": line.radiance_scale,
         "radiance_offset": line.radiance_offset,
+        "saturation_counts": float(line.counts(line.full_scale)),
     }
 
 

@@ -204,7 +204,7 @@ def line_of_sight_rates(track: Track, time: float, exposure: float, projection: 
     """
     if not track.turns or exposure <= 0.0:
         return (0.0, 0.0)
-    end = min(time + exposure, float(track.time[-1]))
+    end = min(time + 0.5 * exposure, float(track.time[-1]))
     begin = max(end - exposure, float(track.time[0]))
     if end <= begin:
         return (0.0, 0.0)

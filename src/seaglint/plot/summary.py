@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
+from seaglint.io.counts import count_line, pictures
 from seaglint.io.provenance import stored_band
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL
@@ -98,16 +99,18 @@ def summarise(dataset: xr.Dataset) -> Summary:
 
 
 class Images:
-    """Radiance images read one at a time."""
+    """Radiance images read one at a time, of counts where there are only these."""
 
     def __init__(self, radiance: xr.DataArray, indices: NDArray[np.intp]) -> None:
-        self._radiance, self.indices = radiance, indices
+        self._radiance, self.indices, self._line = radiance, indices, count_line(radiance)
 
     def __len__(self) -> int:
         return int(self.indices.size)
 
     def __getitem__(self, position: int) -> NDArray[np.float32]:
-        return np.asarray(self._radiance[int(self.indices[position])].to_numpy(), dtype=np.float32)
+        found = self._radiance[int(self.indices[position])].to_numpy()
+        scale, offset = self._line
+        return np.asarray(found if self._line == (1.0, 0.0) else found * scale + offset, dtype=np.float32)
 
     def __iter__(self) -> Iterator[NDArray[np.float32]]:
         return (self[position] for position in range(len(self)))
@@ -115,7 +118,7 @@ class Images:
 
 def images(dataset: xr.Dataset) -> Images:
     """Radiance frame by frame (a map is one frame); frames not done are left out."""
-    radiance = dataset["radiance"]
+    radiance = pictures(dataset)
     if "time" not in radiance.dims:
         return Images(radiance.expand_dims("time").transpose("time", "y", "x"), np.arange(1))
     done = dataset["frame_done"].to_numpy() if "frame_done" in dataset else np.ones(radiance.sizes["time"])

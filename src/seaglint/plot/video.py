@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.errors import BackendError
+from seaglint.io.counts import pictures
 from seaglint.io.outputs import moved_when_whole
 from seaglint.io.provenance import stored_band
 from seaglint.plot.scale import Kind, Scale, scale_of, sea_pixels
@@ -89,7 +90,7 @@ def write_video(dataset: xr.Dataset, output: str | Path, scale: Kind = "auto") -
     limits = np.array([grey_scale.low, grey_scale.high])
     kelvin = to_temperature(np.maximum(limits, 0.0), stored_band(dataset.attrs))
     ends = f"{limits[0]:.4g} … {limits[1]:.4g} {VARIABLES['radiance'].symbol} ({kelvin[0]:.1f} … {kelvin[1]:.1f} K)"
-    times = dataset["time"].to_numpy().astype(np.float64)[frames.indices] if "time" in dataset["radiance"].dims else None
+    times = dataset["time"].to_numpy().astype(np.float64)[frames.indices] if "time" in pictures(dataset).dims else None
     rate = Fraction(float(dataset.attrs.get("frame_rate_hz", 25.0))).limit_denominator(1000)
     with (
         moved_when_whole(output, "make room and run the same command with --resume") as partial,

@@ -221,12 +221,12 @@ def of_dataset(dataset: Any, source: str, how: Reading) -> Recording:
     frame keeps the attributes.
     """
     images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
-    name = _choose(images, how.variable or ("radiance" if "radiance" in images else None), source)
+    name = _choose(images, how.variable or next((n for n in ("radiance", "signal") if n in images), None), source)
     chosen = images[name]
     rate, even = _rate(dataset.attrs) or _rate(dict(chosen.attrs)), _spacing(dataset)
     if rate is None or (even is not None and abs(even / rate - 1.0) > 1e-3):
         rate = even
-    return of_array(
+    found = of_array(
         _Lazy(chosen),
         f"{source}:{name}",
         how,
@@ -234,6 +234,8 @@ def of_dataset(dataset: Any, source: str, how: Reading) -> Recording:
         units=_text(chosen.attrs.get("units")),
         named_axes=chosen.dims[0] == "time",
     )
+    full = chosen.attrs.get("saturation_counts")
+    return found if full is None else replace(found, saturation=float(full))
 
 
 class _Lazy:
