@@ -247,6 +247,7 @@ def sense(
     import xarray as xr
 
     from seaglint.inputs import recording_of
+    from seaglint.io.recording import open_recording
     from seaglint.io.recording.source import Source, source_of
     from seaglint.io.store import open_sequence
     from seaglint.pipeline.sense import prepare_sense, sensed_dataset

@@ -35,7 +35,10 @@ def write_sensor_plot(found: dict[str, Any], path: Path) -> None:
     names = [name for name, value in budget.items() if value and name != "signal" and not name.startswith("scene_")]
     right.barh([name.replace("_", " ") for name in names], [budget[name] for name in names], color="0.45")
     right.invert_yaxis()
-    right.set(xscale="log", xlabel=f"noise [{unit} rms] at the scene's mean, {budget['scene_radiance']:.3g} W m⁻² sr⁻¹")
+    right.set(xlabel=f"noise [{unit} rms] at the scene's mean, {budget['scene_radiance']:.3g} W m⁻² sr⁻¹")
+    for place, name in enumerate(names):
+        right.text(budget[name], place, f" {budget[name]:.3g}", va="center", fontsize=8)
+    right.margins(x=0.15)
     right.set_title(f"NETD {1e3 * found['netd_k']:.3g} mK at {found['background_k']:g} K", fontsize=10)
     with moved_when_whole(path) as partial:
         figure.savefig(partial, dpi=120, format=path.suffix.lstrip(".").lower())
