@@ -132,7 +132,7 @@ def _photons(over: Band, wanted: Any) -> Photons:
     if wanted.quantum_efficiency_file is None:
         return Photons(over, None, wanted.quantum_efficiency)
     try:
-        return Photons(over, read_response(wanted.quantum_efficiency_file), wanted.quantum_efficiency)
+        return Photons(over, read_response(wanted.quantum_efficiency_file, whole=True), wanted.quantum_efficiency)
     except DomainError as error:
         key = "sensor.detector.quantum_efficiency_file"
         mistake = Mistake(key, error.value, error.allowed, f"{key} = '{wanted.quantum_efficiency_file}': {error}")
