@@ -57,7 +57,13 @@ def test_what_is_not_given_is_neutral() -> None:
     optics, detector, noise = model.optics, model.detector, model.noise
     assert isinstance(detector, Detector)
     assert (optics.transmission, optics.obscuration, optics.jitter, optics.wavefront_error, optics.defocus) == (1.0, 0.0, 0.0, 0.0, 0.0)
-    assert (optics.emissivity, optics.housing_solid_angle, optics.stray_share, optics.cos4, optics.distortion) == (0.0, 0.0, 0.0, False, 0.0)
+    assert (optics.emissivity, optics.housing_solid_angle, optics.stray_share, optics.cos4, optics.distortion) == (
+        0.0,
+        0.0,
+        0.0,
+        False,
+        0.0,
+    )
     assert (detector.fill_factor, detector.quantum_efficiency, detector.offset, detector.crosstalk) == (1.0, 1.0, 0.0, 0.0)
     assert (detector.read_noise, detector.dark_current, detector.integration_time) == (0.0, 0.0, 0.04)
     assert (noise.temporal, noise.fixed_pattern, noise.one_over_f, noise.gain_spread, noise.dead_share) == (True, True, 0.0, 0.0, 0.0)

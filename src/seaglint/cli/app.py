@@ -10,9 +10,10 @@ import errno
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from enum import StrEnum
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -228,11 +229,17 @@ def render(
     inputs = files_read(scenario, loaded)
     check_output(output, resume=resume, overwrite=overwrite, inputs=inputs)
     pictures = _Pictures(output, inputs, replace=overwrite or resume) if preview else None
-    from seaglint.pipeline.sensed import render as render_sequence
+    render_sequence: Callable[..., Path]
+    if loaded.sensor.senses or electrons or radiance:
+        from seaglint.pipeline.sensed import render as render_counts
 
-    kept = {"electrons": electrons, "radiance": radiance}
+        render_sequence = partial(render_counts, electrons=electrons, radiance=radiance)
+    else:
+        from seaglint.pipeline.render import render as render_radiance
+
+        render_sequence = render_radiance
     with naming_file(scenario, loaded), progress(show, "frames") as report:
-        render_sequence(loaded, output, frames=wanted, threads=threads, resume=resume, overwrite=overwrite, progress=report, **kept)
+        render_sequence(loaded, output, frames=wanted, threads=threads, resume=resume, overwrite=overwrite, progress=report)
     from seaglint.io.store import open_sequence
     from seaglint.plot.summary import summarise
 

@@ -84,12 +84,15 @@ class SensedSequence:
         When columns and rows are taken.
     layout : Layout
         What the store holds.
+    fine_scenario : Scenario
+        The scenario that is drawn: more pixels, and no sensor.
     """
 
     fine: Sequence
     sensed: SensedFrames
     scan: Scan
     layout: Layout
+    fine_scenario: Scenario
 
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
         """What is stored of a frame, by variable."""
@@ -206,7 +209,8 @@ def prepare_sensed(scenario: Scenario, frames: range | None = None, *, electrons
     finer = sensor.model_copy(update={**dict.fromkeys(TABLES), "pixels": (columns * n, rows * n)})
     settings = scenario.render.model_copy(update={"apparent_temperature": False})
     scanned = way.kind != "staring" and way.period > 0.0
-    sequence = prepare_sequence(scenario.model_copy(update={"sensor": finer, "render": settings}), frames, scanned=scanned)
+    fine = scenario.model_copy(update={"sensor": finer, "render": settings})
+    sequence = prepare_sequence(fine, frames, scanned=scanned)
     drawn = _Drawn(sequence, way, n)
 
     def rates(number: int) -> tuple[float, float]:
@@ -237,7 +241,7 @@ def prepare_sensed(scenario: Scenario, frames: range | None = None, *, electrons
             "scan_period_s": way.period,
         },
     )
-    return SensedSequence(sequence, sensed, way, layout)
+    return SensedSequence(sequence, sensed, way, layout, fine)
 
 
 def _coarse(angles: FloatArray, n: int) -> FloatArray:
