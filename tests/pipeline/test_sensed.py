@@ -54,7 +54,7 @@ def test_counts_lead_back_to_the_radiance(tmp_path) -> None:
     radiance = found.signal.astype(float) * line["radiance_scale"] + line["radiance_offset"]
     assert float(radiance.mean()) == pytest.approx(float(found.radiance.mean()), rel=0.002)
     assert line["gain"] == pytest.approx(1e8 / 16383)
-    kelvin = sg.apparent_temperature(found)
+    kelvin = sg.apparent_temperature(found.drop_vars("radiance"))
     assert kelvin.attrs["units"] == "K"
     expected = sg.apparent_temperature(radiance, band=(3.5, 5.0))
     np.testing.assert_allclose(kelvin, expected, rtol=1e-6)
@@ -119,18 +119,17 @@ def test_a_moving_scanner_is_where_it_was_at_its_columns_instant() -> None:
     moving = {**SMALL, "platform": way, "render": {**SMALL["render"], "subpixel_glint": "off"}}
     run = prepare_sensed(parse_scenario({**moving, "sensor": {**SENSOR, "frame_rate_hz": 2.0, "scan": {"kind": "line", "period_s": 0.4}}}))
     staring = prepare_sensed(parse_scenario({**moving, "sensor": {**SENSOR, "frame_rate_hz": 2.0}}))
-    picture = binned(drawn_in_time(run.fine, run.scan, 3, 0.0), 3)["radiance"]
-    then = binned(staring.fine.at(23 * 0.4 / 24), 3)["radiance"]
-    before = binned(staring.fine.at(0.0), 3)["radiance"]
-
-    def waves(picture):
-        return (picture - picture.mean(axis=1, keepdims=True))[:, 18:].ravel()
+    columns = np.arange(0, 24, 3)
+    picture = binned(drawn_in_time(run.fine, run.scan, 3, 0.0), 3)["radiance"][:, columns]
+    then = np.stack([binned(staring.fine.at(c * 0.4 / 24), 3)["radiance"][:, c] for c in columns], axis=1)
+    before = binned(staring.fine.at(0.0), 3)["radiance"][:, columns]
 
     def alike(one, other) -> float:
-        return float(np.corrcoef(waves(one), waves(other))[0, 1])
+        """Correlation of what is left of each row without its mean: the waves."""
+        return float(np.corrcoef(*((p - p.mean(axis=1, keepdims=True)).ravel() for p in (one, other)))[0, 1])
 
     assert alike(picture, then) > 0.9
-    assert alike(picture, before) < alike(picture, then) - 0.2
+    assert alike(picture, before) < 0.5
 
 
 def test_a_scanner_that_turns_is_refused() -> None:
