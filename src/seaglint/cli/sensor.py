@@ -44,6 +44,7 @@ def sense(
     sensor_preset: SensorPreset = None,
     frame_rate: Annotated[float | None, typer.Option("--frame-rate", help="frames per second, where the file does not say [Hz]")] = None,
     variable: Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished sequence")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
     show: Annotated[
         ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")
@@ -58,7 +59,8 @@ def sense(
     from seaglint.scenario.load import load_scenario
 
     loaded = load_scenario(scenario, sensor=sensor_preset)
-    check_output(output, overwrite=overwrite, inputs=[*files_read(scenario, loaded), Path(recording)])
+    output = Path(str(output).rstrip("/\\"))
+    check_output(output, resume=resume, overwrite=overwrite, inputs=[*files_read(scenario, loaded), Path(recording)])
     opened = open_recording(recording, frame_rate=frame_rate, variable=variable)
     with naming_file(scenario, loaded), patient_progress(show, "frames") as report:
         sensed(
@@ -69,6 +71,7 @@ def sense(
             seed=seed,
             oversampling=oversampling,
             electrons=electrons,
+            resume=resume,
             overwrite=overwrite,
             progress=report,
         )

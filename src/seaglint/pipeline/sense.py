@@ -21,7 +21,7 @@ from seaglint.optics.band import Band
 from seaglint.pipeline.sensor import sensor_attributes, sensor_model
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sensor import AGREEMENT
-from seaglint.sensor.chain import Exposure, SensorModel
+from seaglint.sensor.chain import Exposure, SensorModel, require_radiance
 from seaglint.sensor.detector import Detector
 from seaglint.sensor.thermal import ThermalDetector, lag_weights
 from seaglint.sensor.transfer import require_divides
@@ -120,6 +120,7 @@ def sense(
     seed: int | None = None,
     oversampling: int | None = None,
     electrons: bool = False,
+    resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> Path:
@@ -141,8 +142,8 @@ def sense(
         Pixels of the recording along each side of the detector's; found from the recording's own pixels where it tells them, else 1.
     electrons : bool
         Whether electrons are written beside counts.
-    overwrite : bool
-        Replace what is there.
+    resume, overwrite : bool
+        Go on with an unfinished store, or replace what is there.
     progress : callable, optional
         Called with (frames done, frames in all).
 
@@ -151,11 +152,12 @@ def sense(
     SeaglintError
         No sensor, a picture that the oversampling does not divide, values that are no radiances, a store that is there already.
     """
-    check_output(output, overwrite=overwrite)
+    check_output(output, resume=resume, overwrite=overwrite)
     with single_threaded_algebra():
         frames, layout = prepare_sense(recording, scenario, source=source, seed=seed, oversampling=oversampling, electrons=electrons)
+        require_radiance(frames.fine(0))  # before anything is written
         return write_sequence(
-            output, layout, lambda number: frames.images(number, layout.variables), overwrite=overwrite, progress=progress
+            output, layout, lambda number: frames.images(number, layout.variables), resume=resume, overwrite=overwrite, progress=progress
         )
 
 
