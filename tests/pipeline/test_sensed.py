@@ -206,12 +206,13 @@ def test_a_turning_platform_blurs_along_its_turn() -> None:
 @pytest.mark.validation
 @pytest.mark.parametrize("oversampling", [3, 5, 9])
 def test_finer_pictures_averaged_are_the_coarse_one(oversampling: int) -> None:
-    # The default scene at the sensor's pixels and drawn finer: mean within 0.3 %, clutter variance within 5 %.
+    # The default scene at its own pixels and drawn finer. Measured: means 0.11, 0.20 and 0.19 % off, variances 0.4, 0.9 and 0.9 %.
     def picture(n: int) -> np.ndarray:
-        run = prepare_sequence(parse_scenario({"sensor": {"pixels": [256 * n, 128 * n]}}))
+        run = prepare_sequence(parse_scenario({"sensor": {"pixels": [512 * n, 256 * n]}}))
         return binned(run.at(0.0), n)["radiance"].astype(float)
 
     coarse, fine = picture(1), picture(oversampling)
-    below = slice(64, None)  # sea alone
-    assert fine[below].mean() == pytest.approx(coarse[below].mean(), rel=0.003)
-    assert fine[below].var() == pytest.approx(coarse[below].var(), rel=0.05)
+    assert fine.mean() == pytest.approx(coarse.mean(), rel=0.003)
+    for part in (slice(0, 128), slice(128, None)):
+        one, other = (p[part] - p[part].mean(axis=1, keepdims=True) for p in (coarse, fine))
+        assert other.var() == pytest.approx(one.var(), rel=0.05)
