@@ -42,8 +42,12 @@ def main() -> None:
     seen = model.focal_plane(picture, FINER)
     plane_s = best(lambda k: model.focal_plane(picture, FINER))
     expose_s = best(lambda k: model.expose(seen, k))
-    print(f"{PIXELS} x {PIXELS}: {coarse_s:.3f} s; {FINER} times finer: {fine_s:.3f} s, {fine_s / coarse_s:.2f} times for {FINER**2} times the pixels")
-    print(f"optics and detector {plane_s:.3f} s, noise and counts {expose_s:.3f} s: {100 * (plane_s + expose_s) / fine_s:.0f} % of the finer drawing")
+    print(
+        f"{PIXELS} x {PIXELS}: {coarse_s:.3f} s; {FINER} times finer: {fine_s:.3f} s, {fine_s / coarse_s:.2f} times for {FINER**2} times the pixels"
+    )
+    print(
+        f"optics and detector {plane_s:.3f} s, noise and counts {expose_s:.3f} s: {100 * (plane_s + expose_s) / fine_s:.0f} % of the finer drawing"
+    )
 
 
 if __name__ == "__main__":

@@ -152,6 +152,9 @@ def test_figures_as_json_as_text_and_as_a_picture(seaglint, scenario, tmp_path) 
     assert len(mtf["frequency_cycles_per_mrad"]) == len(mtf["along"]) == len(mtf["across"])
     assert mtf["along"][0] == pytest.approx(1.0)
     assert (tmp_path / "f.png").stat().st_size > 10_000
+    two = json.loads(seaglint("sensor", scenario, "--json", "--frequency", 1.0, "--frequency", 2.5).out)["mtf"]
+    assert two["frequency_cycles_per_mrad"] == [1.0, 2.5]
+    np.testing.assert_allclose(two["along"], np.interp([1.0, 2.5], mtf["frequency_cycles_per_mrad"], mtf["along"]), atol=0.002)
     text = seaglint("sensor", scenario).out
     for word in ("NETD", "SiTF", "NEI", "NEP", "MTF", "noise budget", "dynamic range", "saturates", "3-D noise"):
         assert word in text

@@ -98,6 +98,9 @@ def sensor(
     scenario: ScenarioFile,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="F.png", help="draw MTF and noise budget")] = None,
+    frequency: Annotated[
+        list[float] | None, typer.Option("--frequency", min=0.0, help="where the MTF is told, in cycles/mrad; repeatable")
+    ] = None,
     sensor_preset: SensorPreset = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the picture that is there")] = False,
     presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list sensors and leave")] = False,
@@ -114,7 +117,7 @@ def sensor(
             raise DataError(f"--plot {plot}: give a name that ends in .png, .pdf or .svg")
         refuse_existing(plot, overwrite=overwrite, inputs=files_read(scenario, loaded))
     with naming_file(scenario, loaded):
-        found = describe_sensor(loaded)
+        found = describe_sensor(loaded, frequency or ())
     if plot is not None:
         from seaglint.plot.sensor import write_sensor_plot
 
@@ -128,6 +131,8 @@ def sensor(
 
 def lines(found: dict[str, Any]) -> list[str]:
     """The same for people."""
+    from seaglint.sensor.figures import MTF_POINTS
+
     unit = "electrons" if found["detector"] == "photon" else "nW"
     key = "electrons" if found["detector"] == "photon" else "nw"
     budget, mtf = found[f"noise_budget_{key}"], found["mtf"]
@@ -148,7 +153,7 @@ def lines(found: dict[str, Any]) -> list[str]:
     if found["saturation_temperature_k"] is not None:
         out.append(f"  saturates at            {found['saturation_temperature_k']:.5g} K")
     out.append(f"  MTF [cycles/mrad]       along   across  (Nyquist {mtf['nyquist_cycles_per_mrad']:.4g})")
-    for i in range(0, len(mtf["along"]), 5):
+    for i in range(0, len(mtf["along"]), 5 if len(mtf["along"]) == MTF_POINTS else 1):
         out.append(f"    {mtf['frequency_cycles_per_mrad'][i]:<21.4g} {mtf['along'][i]:<7.3f} {mtf['across'][i]:.3f}")
     scene = budget["scene_apparent_temperature_k"]
     out.append(f"  noise budget [{unit}] at {budget['scene_radiance']:.4g} W m-2 sr-1" + (f" ({scene:.4g} K)" if scene else ""))

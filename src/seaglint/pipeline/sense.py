@@ -74,8 +74,9 @@ class SensedFrames:
             return self.model.expose(self._focal_plane(number), number)
         weights = lag_weights(detector.time_constant, self.model.frame_interval)
         seen = np.zeros(1, np.float64)
-        for back, weight in enumerate(weights):
-            seen = seen + weight * self._kept(max(number - back, self.first), len(weights))
+        # The frame itself last: what else is asked of it is then at hand.
+        for back in range(len(weights) - 1, -1, -1):
+            seen = seen + weights[back] * self._kept(max(number - back, self.first), len(weights))
         return self.model.expose(seen.astype(np.float32), number)
 
     def _focal_plane(self, number: int) -> NDArray[np.float32]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -121,6 +123,7 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         Noise(),
         scenario.seed if seed is None else seed,
         frame,
+        scanning=scan(scenario).kind != "staring",
         circle=sensor.fov_deg[0] >= 360.0 - 1e-9 and sensor.projection == "equal-angle",
     )
     return _with_noise(model, scenario)
@@ -168,7 +171,7 @@ def _with_noise(model: SensorModel, scenario: Scenario) -> SensorModel:
         blinking_signal=wanted.blinking_signal,
         blinking_time=wanted.blinking_time_s,
     )
-    return SensorModel(model.photons, model.optics, model.detector, noise, model.seed, model.frame_interval, model.circle)
+    return replace(model, noise=noise)
 
 
 def scan(scenario: Scenario) -> Scan:
@@ -237,8 +240,8 @@ def sensor_attributes(model: SensorModel, oversampling: int) -> dict[str, Any]:
     }
 
 
-def describe_sensor(scenario: Scenario) -> dict[str, Any]:
-    """Figures of merit of a scenario's sensor, the noise budget for the mean of its scene.
+def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> dict[str, Any]:
+    """Figures of merit of a scenario's sensor, the noise budget for the mean of its scene, the MTF at some frequencies [cycles mrad-1].
 
     Raises
     ------
@@ -254,7 +257,7 @@ def describe_sensor(scenario: Scenario) -> dict[str, Any]:
     (0.075, 3)
     """
     model = sensor_model(scenario)
-    found = figures(model, mean_radiance(scenario))
+    found = figures(model, mean_radiance(scenario), frequencies=[1e3 * frequency for frequency in frequencies])
     return {"seed": model.seed, **found, "scenario": json.loads(scenario.model_dump_json(exclude_none=True))}
 
 

@@ -140,6 +140,9 @@ class Sensor(Record):
             missing = "optics" if self.optics is None else "detector"
             needs = "aperture_m and f_number" if self.optics is None else "pitch_um"
             raise rule(f"sensor.{missing}", f"is missing: a sensor has [sensor.optics] and [sensor.detector]; add it with {needs}")
+        if self.optics.distortion and self.scan is not None and self.scan.kind != "staring":
+            text = f"= {self.optics.distortion:g} is of pictures on a focal plane, and a scanner makes its columns one by one; leave it out"
+            raise rule("sensor.optics.distortion", text, value=self.optics.distortion)
         _require_focal_length(self, self.optics, self.detector)
         _require_times(self)
         return self

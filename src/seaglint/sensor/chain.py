@@ -71,6 +71,8 @@ class SensorModel:
         Of everything random.
     frame_interval : float
         Time from frame to frame [s].
+    scanning : bool
+        Whether columns are places of a scanner, all of them seen along the optical axis, rather than of the focal plane.
     circle : bool
         Whether pictures go all round.
     """
@@ -81,6 +83,7 @@ class SensorModel:
     noise: Noise = field(default_factory=Noise)
     seed: int = 1
     frame_interval: float = 0.04
+    scanning: bool = False
     circle: bool = False
     _transfers: OrderedDict[tuple[Sampling, tuple[int, int]], Transfer] = field(default_factory=OrderedDict, repr=False)
     _patterns: dict[tuple[int, int], Pattern] = field(default_factory=dict, repr=False)
@@ -196,7 +199,7 @@ class SensorModel:
         if optics.cos4:
             rows, columns = out.shape
             x, y = ((np.arange(size) - 0.5 * (size - 1)) * self.ifov for size in (columns, rows))
-            out = (out * cos4_falloff(x, y)).astype(np.float32)
+            out = (out * cos4_falloff(np.zeros(columns) if self.scanning else x, y)).astype(np.float32)
         return out
 
     def expose(self, seen: NDArray[np.float32], frame: int = 0, time: float | None = None) -> Exposure:

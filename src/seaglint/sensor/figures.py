@@ -12,6 +12,7 @@ and ``fixed_pattern`` of a scenario leave out.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -129,7 +130,12 @@ def point_share(model: SensorModel) -> float:
     return float(np.sum(total * along[:, None] * along[None, :]) * (f[1] - f[0]) ** 2 * width**2)
 
 
-def figures(model: SensorModel, scene_radiance: float | None = None, rates: tuple[float, float] = (0.0, 0.0)) -> dict[str, Any]:
+def figures(
+    model: SensorModel,
+    scene_radiance: float | None = None,
+    rates: tuple[float, float] = (0.0, 0.0),
+    frequencies: Sequence[float] = (),
+) -> dict[str, Any]:
     """Everything that is told of a sensor, as plain numbers under names that say their units.
 
     Parameters
@@ -140,6 +146,8 @@ def figures(model: SensorModel, scene_radiance: float | None = None, rates: tupl
         Mean radiance for which the noise budget is made [W m-2 sr-1]; that of a blackbody at 300 K by default.
     rates : (float, float)
         Movement of the line of sight by the platform [rad s-1].
+    frequencies : sequence of float
+        At which the MTF is told [cycles rad-1]; from 0 to twice the Nyquist frequency where there are none.
     """
     line, detector, optics, photons = model.readout, model.detector, model.optics, model.photons
     photon = isinstance(detector, Detector)
@@ -148,7 +156,7 @@ def figures(model: SensorModel, scene_radiance: float | None = None, rates: tupl
     noise, slope = budget(model, background), signal_slope(model, BACKGROUND)
     units = "electrons" if photon else "nw"
     nyquist = 0.5 / model.ifov
-    frequency = np.linspace(0.0, 2.0 * nyquist, MTF_POINTS)
+    frequency = np.asarray(frequencies, np.float64) if frequencies else np.linspace(0.0, 2.0 * nyquist, MTF_POINTS)
     found = mtf(model, frequency, rates)
     here = budget(model, mean)
     floor = budget(model, 0.0).total
