@@ -33,7 +33,7 @@ def main() -> None:
     """Print the times."""
     numba.set_num_threads(1)
     run = prepare_sensed(parse_scenario({"sensor": SENSOR, "render": {"oversampling": FINER}}))
-    view = [angle / PIXELS * PIXELS for angle in run.fine_scenario.sensor.fov_deg]
+    view = list(run.fine_scenario.sensor.fov_deg)
     coarse = prepare_sequence(parse_scenario({"sensor": {"pixels": [PIXELS, PIXELS], "fov_deg": view}}))
     fine = run.fine
     coarse_s, fine_s = best(lambda k: coarse.at(k / 25.0)), best(lambda k: fine.at(k / 25.0))
@@ -42,12 +42,9 @@ def main() -> None:
     seen = model.focal_plane(picture, FINER)
     plane_s = best(lambda k: model.focal_plane(picture, FINER))
     expose_s = best(lambda k: model.expose(seen, k))
-    print(
-        f"{PIXELS} x {PIXELS}: {coarse_s:.3f} s; {FINER} times finer: {fine_s:.3f} s, {fine_s / coarse_s:.2f} times for {FINER**2} times the pixels"
-    )
-    print(
-        f"optics and detector {plane_s:.3f} s, noise and counts {expose_s:.3f} s: {100 * (plane_s + expose_s) / fine_s:.0f} % of the finer drawing"
-    )
+    print(f"{PIXELS} x {PIXELS}: {coarse_s:.3f} s; {FINER} times finer: {fine_s:.3f} s, {fine_s / coarse_s:.2f} times that")
+    share = 100 * (plane_s + expose_s) / fine_s
+    print(f"optics and detector {plane_s:.3f} s, noise and counts {expose_s:.3f} s: {share:.1f} % of the finer drawing")
 
 
 if __name__ == "__main__":
