@@ -12,6 +12,7 @@ from seaglint.pipeline.render import prepare_sequence
 from seaglint.pipeline.sensed import ROLLING_PARTS, binned, drawn_in_time, prepare_sensed, render
 from seaglint.scenario.load import parse_scenario
 from seaglint.sensor.scan import Scan
+from sensor_cost import measured
 
 SENSOR = {
     "pixels": [24, 16],
@@ -216,3 +217,11 @@ def test_finer_pictures_averaged_are_the_coarse_one(oversampling: int) -> None:
     for part in (slice(0, 128), slice(128, None)):
         one, other = (p[part] - p[part].mean(axis=1, keepdims=True) for p in (coarse, fine))
         assert other.var() == pytest.approx(one.var(), rel=0.05)
+
+
+@pytest.mark.validation
+def test_the_chain_costs_little_beside_the_finer_drawing() -> None:
+    # Measured on one core: 2.0 s, 4.5 s for nine times the pixels, and 0.04 s for the chain.
+    coarse, fine, plane, expose = measured()
+    assert plane + expose < 0.3 * fine
+    assert fine < 9.0 * coarse
