@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
@@ -30,9 +29,6 @@ if TYPE_CHECKING:
     from seaglint.io.store import Progress
     from seaglint.optics.band import Band
     from seaglint.scenario.model import Scenario
-
-AXES = ("time", "y", "x")
-"""Names of the last axes of an array that has none."""
 
 
 def load(source: str | Path | Mapping[str, Any]) -> Scenario:
@@ -89,10 +85,11 @@ def mean(scenario: Scenario) -> xr.Dataset:
     >>> found.radiance.dims, found.radiance.units
     (('y', 'x'), 'W m-2 sr-1')
     """
+    from seaglint.inputs import with_band
     from seaglint.io.netcdf import labelled
     from seaglint.pipeline.mean import mean as computed
 
-    return _with_band(labelled(computed(scenario)))
+    return with_band(labelled(computed(scenario)))
 
 
 def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -> xr.Dataset:
@@ -131,10 +128,11 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     >>> found["range"].units, float(found.time)
     ('m', 0.5)
     """
+    from seaglint.inputs import with_band
     from seaglint.io.netcdf import labelled
     from seaglint.pipeline.image import image as drawn
 
-    return _with_band(labelled(drawn(scenario, time, layers)))
+    return with_band(labelled(drawn(scenario, time, layers)))
 
 
 def render(
@@ -187,12 +185,13 @@ def render(
     ...     sg.render(scene, f"{folder}/run.zarr").radiance.shape
     (3, 4, 8)
     """
+    from seaglint.inputs import with_band
     from seaglint.io.store import open_sequence
     from seaglint.pipeline.sensed import render as written
 
     kept = {"electrons": electrons, "radiance": radiance}
     path = written(scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress, **kept)
-    return _with_band(open_sequence(path))
+    return with_band(open_sequence(path))
 
 
 def export(
@@ -302,7 +301,7 @@ def sense(
     """
     import xarray as xr
 
-    from seaglint.inputs import recording_of
+    from seaglint.inputs import recording_of, with_band
     from seaglint.io.recording import open_recording
     from seaglint.io.recording.source import Source, source_of
     from seaglint.io.store import open_sequence
@@ -319,7 +318,7 @@ def sense(
         path = written(
             opened, scenario, output, source=known, seed=seed, oversampling=oversampling, electrons=electrons, overwrite=overwrite
         )
-        return _with_band(open_sequence(path))
+        return with_band(open_sequence(path))
     frames, layout = prepare_sense(opened, scenario, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
     return sensed_dataset(frames, layout)
 
@@ -435,54 +434,6 @@ def apparent_temperature(radiance: xr.Dataset | xr.DataArray | ArrayLike, band: 
     >>> round(float(sg.apparent_temperature(1.45, band=(3.0, 5.0))), 1)
     293.2
     """
-    import numpy as np
-    import xarray as xr
+    from seaglint.inputs import kelvin_of
 
-    from seaglint.atmosphere.base import wavenumber_grid
-    from seaglint.io.counts import radiance_of
-    from seaglint.optics.band import Band
-    from seaglint.optics.band import apparent_temperature as kelvin
-    from seaglint.schema import VARIABLES
-
-    if isinstance(radiance, xr.Dataset):
-        given = radiance_of(radiance)
-        attributes = {**radiance.attrs, **given.attrs}
-    elif isinstance(radiance, xr.DataArray):
-        given, attributes = radiance, radiance.attrs
-    else:
-        values = np.asarray(radiance)
-        given, attributes = xr.DataArray(values, dims=AXES[3 - values.ndim :] if values.ndim <= 3 else None), {}
-    over = band if isinstance(band, Band) else _band_of(attributes) if band is None else Band.rectangular(*band)
-    grid = wavenumber_grid(over.min_um, over.max_um)
-    kind = given.dtype if given.dtype.kind == "f" else np.dtype(np.float64)
-
-    def converted(values: NDArray[Any]) -> NDArray[np.floating[Any]]:
-        return kelvin(values, over, grid).astype(kind)
-
-    found = xr.apply_ufunc(converted, given, dask="parallelized", output_dtypes=[kind], keep_attrs=True)
-    out: xr.DataArray = found.rename("apparent_temperature")
-    return out.assign_attrs(VARIABLES["apparent_temperature"].attributes)
-
-
-def _band_of(attributes: Mapping[Any, Any]) -> Band:
-    from seaglint.errors import DataError
-    from seaglint.io.provenance import stored_band
-
-    try:
-        return stored_band(attributes)
-    except KeyError:
-        text = "no band given, and none in the attributes (band_wavelength_um and band_response)"
-        raise DataError(f"{text}; give band=(min_um, max_um), or a seaglint dataset instead of its variable") from None
-
-
-def _with_band(dataset: xr.Dataset) -> xr.Dataset:
-    """The same with the band at every in-band radiance too, so that a variable is complete without its dataset, ready for any file."""
-    from seaglint.io.netcdf import plain_attributes
-    from seaglint.schema import VARIABLES
-
-    dataset.attrs = plain_attributes(dataset.attrs)
-    band = {key: dataset.attrs[key] for key in ("band_wavelength_um", "band_response")}
-    for name, variable in dataset.data_vars.items():
-        if variable.attrs.get("units") == VARIABLES["radiance"].units:
-            dataset[name].attrs = {**variable.attrs, **band}
-    return dataset
+    return kelvin_of(radiance, band)
