@@ -11,18 +11,21 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from seaglint.api import analyze, apparent_temperature, export, image, load, mean, render
+    from seaglint.api import analyze, apparent_temperature, export, image, load, mean, render, sense, sensor
     from seaglint.version import __version__
 
-__all__ = ["__version__", "analyze", "apparent_temperature", "export", "image", "load", "mean", "render"]
+__all__ = ["__version__", "analyze", "apparent_temperature", "export", "image", "load", "mean", "render", "sense", "sensor"]
+
+_ROOMS = ("render", "sensor")
+"""Functions that have the name of a room: the package has both under it."""
 
 
 class _Called(ModuleType):
-    """The room ``seaglint.render``, which renders when it is called: the package has the room and the function under one name."""
+    """A room that is also a function: ``seaglint.render`` renders when it is called, ``seaglint.sensor`` tells of a sensor."""
 
     def __call__(self, *args: Any, **options: Any) -> Any:
-        """Render a sequence: :func:`seaglint.api.render`."""
-        return import_module("seaglint.api").render(*args, **options)
+        """The function of :mod:`seaglint.api` with the room's name."""
+        return getattr(import_module("seaglint.api"), self.__name__.rpartition(".")[2])(*args, **options)
 
 
 class _Package(ModuleType):
@@ -30,7 +33,7 @@ class _Package(ModuleType):
 
     def __setattr__(self, name: str, value: Any) -> None:
         # the import system binds a room here whenever it is first imported, by whomever
-        if name == "render" and type(value) is ModuleType:
+        if name in _ROOMS and type(value) is ModuleType:
             value.__class__ = _Called
         super().__setattr__(name, value)
 
@@ -41,8 +44,8 @@ sys.modules[__name__].__class__ = _Package
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module 'seaglint' has no attribute {name!r}; it has {', '.join(__all__)}, and its rooms as submodules")
-    if name == "render":
-        return import_module("seaglint.render")
+    if name in _ROOMS:
+        return import_module(f"seaglint.{name}")
     return getattr(import_module("seaglint.version" if name == "__version__" else "seaglint.api"), name)
 
 

@@ -17,23 +17,18 @@ Each is a few lines over the rooms below, which have more to choose: :mod:`seagl
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    import numpy as np
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
-    from seaglint.analysis import Analysis, Options, Recording
+    from seaglint.analysis import Analysis, Recording
     from seaglint.io.export import Exported
     from seaglint.io.store import Progress
     from seaglint.optics.band import Band
     from seaglint.scenario.model import Scenario
-
-AXES = ("time", "y", "x")
-"""Names of the last axes of an array that has none."""
 
 
 def load(source: str | Path | Mapping[str, Any]) -> Scenario:
@@ -90,10 +85,11 @@ def mean(scenario: Scenario) -> xr.Dataset:
     >>> found.radiance.dims, found.radiance.units
     (('y', 'x'), 'W m-2 sr-1')
     """
+    from seaglint.inputs import with_band
     from seaglint.io.netcdf import labelled
     from seaglint.pipeline.mean import mean as computed
 
-    return _with_band(labelled(computed(scenario)))
+    return with_band(labelled(computed(scenario)))
 
 
 def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -> xr.Dataset:
@@ -132,10 +128,11 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     >>> found["range"].units, float(found.time)
     ('m', 0.5)
     """
+    from seaglint.inputs import with_band
     from seaglint.io.netcdf import labelled
     from seaglint.pipeline.image import image as drawn
 
-    return _with_band(labelled(drawn(scenario, time, layers)))
+    return with_band(labelled(drawn(scenario, time, layers)))
 
 
 def render(
@@ -147,6 +144,8 @@ def render(
     resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
+    electrons: bool = False,
+    radiance: bool = False,
 ) -> xr.Dataset:
     """Render a sequence into a Zarr store and open it.
 
@@ -164,12 +163,14 @@ def render(
         Go on with an unfinished store, or replace what is there.
     progress : callable, optional
         Called with (frames done, frames in all).
+    electrons, radiance : bool
+        Of a scenario with a detector: write electrons, and the radiance at the aperture, beside counts.
 
     Returns
     -------
     xarray.Dataset
-        The finished store: ``radiance`` [W m-2 sr-1, (time, y, x)] and what the scenario's ``render.layers`` name. Frames are read when
-        they are used.
+        The finished store: ``radiance`` [W m-2 sr-1, (time, y, x)], of a scenario with a detector ``signal`` [counts], and what the
+        scenario's ``render.layers`` name. Frames are read when they are used.
 
     Raises
     ------
@@ -184,11 +185,13 @@ def render(
     ...     sg.render(scene, f"{folder}/run.zarr").radiance.shape
     (3, 4, 8)
     """
+    from seaglint.inputs import with_band
     from seaglint.io.store import open_sequence
-    from seaglint.pipeline.render import render as written
+    from seaglint.pipeline.sensed import render as written
 
-    path = written(scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
-    return _with_band(open_sequence(path))
+    kept = {"electrons": electrons, "radiance": radiance}
+    path = written(scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress, **kept)
+    return with_band(open_sequence(path))
 
 
 def export(
@@ -246,6 +249,112 @@ def export(
     return export_run(opened, output, variable=variable, frames=frames, overwrite=overwrite, progress=progress, **options)
 
 
+def sense(
+    radiance: xr.Dataset | xr.DataArray | NDArray[Any] | str | Path,
+    scenario: Scenario,
+    output: str | Path | None = None,
+    *,
+    seed: int | None = None,
+    oversampling: int | None = None,
+    electrons: bool = False,
+    frame_rate: float | None = None,
+    overwrite: bool = False,
+) -> xr.Dataset:
+    """Put a scenario's sensor on radiance at the aperture.
+
+    Parameters
+    ----------
+    radiance : xarray.Dataset, xarray.DataArray, ndarray or path
+        In-band radiance [W m-2 sr-1, (time, y, x) or (y, x)], or a file of it.
+    scenario : Scenario
+        With ``[sensor.optics]`` and ``[sensor.detector]``; its ``band`` is that of the radiance.
+    output : path, optional
+        Zarr store to write and open; without it the counts are made in memory.
+    seed : int, optional
+        Of the noise; the scenario's by default.
+    oversampling : int, optional
+        Pixels of the radiance along each side of the detector's; found from the coordinates of a dataset, else 1.
+    electrons : bool
+        Whether electrons are there beside counts.
+    frame_rate : float, optional
+        Frames per second [Hz], where the radiance does not tell it; the scenario's by default.
+    overwrite : bool
+        Replace the store that is there.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``signal`` [counts, uint16, (time, y, x)], ``electrons`` where wanted, ``saturated_share``; :func:`apparent_temperature` takes it.
+
+    Raises
+    ------
+    SeaglintError
+        No sensor, a picture that the oversampling does not divide, values that are no radiances.
+
+    Examples
+    --------
+    >>> import numpy as np, seaglint as sg
+    >>> tables = {"optics": {"aperture_m": 0.05, "f_number": 4.0}, "detector": {"pitch_um": 15.0}, "noise": {"temporal": False}}
+    >>> found = sg.sense(np.full((2, 24, 24), 1.5), sg.load({"sensor": tables}), oversampling=3)
+    >>> found.signal.shape, round(float(sg.apparent_temperature(found).mean()), 2)
+    ((2, 8, 8), 295.03)
+    """
+    import xarray as xr
+
+    from seaglint.inputs import recording_of, with_band
+    from seaglint.io.recording import open_recording
+    from seaglint.io.recording.source import Source, source_of
+    from seaglint.io.store import open_sequence
+    from seaglint.pipeline.sense import prepare_sense, sensed_dataset
+    from seaglint.pipeline.sense import sense as written
+
+    if isinstance(radiance, str | Path):
+        opened, known = open_recording(radiance, frame_rate=frame_rate), source_of(Path(radiance))
+    else:
+        labelled = radiance.to_dataset(name="radiance") if isinstance(radiance, xr.DataArray) else radiance
+        known = Source.of(labelled) if isinstance(labelled, xr.Dataset) else None
+        opened = recording_of(labelled, frame_rate, None, None)
+    if output is not None:
+        path = written(
+            opened, scenario, output, source=known, seed=seed, oversampling=oversampling, electrons=electrons, overwrite=overwrite
+        )
+        return with_band(open_sequence(path))
+    frames, layout = prepare_sense(opened, scenario, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
+    return sensed_dataset(frames, layout)
+
+
+def sensor(scenario: Scenario) -> dict[str, Any]:
+    """Figures of merit of a scenario's sensor, as ``seaglint sensor --json`` prints them.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With ``[sensor.optics]`` and ``[sensor.detector]``.
+
+    Returns
+    -------
+    dict
+        ``netd_k``, ``sitf_counts_per_k``, ``nei_w_m2``, ``nep_w``, ``mtf`` with its parts, the noise budget for the mean of the scene,
+        ``dynamic_range_db``, ``saturation_temperature_k``, 3-D noise and what the conversion to photons costs.
+
+    Raises
+    ------
+    SeaglintError
+        No sensor, or a scene that cannot be computed.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> tables = {"optics": {"aperture_m": 0.05, "f_number": 4.0}, "detector": {"pitch_um": 15.0, "well_capacity_e": 7e6}}
+    >>> found = sg.sensor(sg.load({"sensor": {**tables, "frame_rate_hz": 100}}))
+    >>> round(found["electrons_per_count"], 2)
+    106.81
+    """
+    from seaglint.pipeline.sensor import describe_sensor
+
+    return describe_sensor(scenario)
+
+
 def analyze(
     recording: xr.Dataset | xr.DataArray | NDArray[Any] | str | Path | Recording,
     *,
@@ -292,9 +401,10 @@ def analyze(
     0.1
     """
     from seaglint.analysis import analyze as analysed
+    from seaglint.inputs import options_of, recording_of
 
-    wanted = _options(options)
-    opened = _recording(recording, frame_rate, units, variable)
+    wanted = options_of(options)
+    opened = recording_of(recording, frame_rate, units, variable)
     return analysed(opened, wanted) if progress is None else analysed(opened, wanted, progress)
 
 
@@ -304,7 +414,7 @@ def apparent_temperature(radiance: xr.Dataset | xr.DataArray | ArrayLike, band: 
     Parameters
     ----------
     radiance : xarray.Dataset, xarray.DataArray or array_like
-        In-band radiance [W m-2 sr-1], or a dataset that holds it as ``radiance``.
+        In-band radiance [W m-2 sr-1], or a dataset that holds it as ``radiance``, or counts as ``signal``.
     band : Band or (float, float), optional
         Spectral band that it is integrated over, or the edges of a rectangular one [um]; what the attributes say by default.
 
@@ -324,119 +434,6 @@ def apparent_temperature(radiance: xr.Dataset | xr.DataArray | ArrayLike, band: 
     >>> round(float(sg.apparent_temperature(1.45, band=(3.0, 5.0))), 1)
     293.2
     """
-    import numpy as np
-    import xarray as xr
+    from seaglint.inputs import kelvin_of
 
-    from seaglint.atmosphere.base import wavenumber_grid
-    from seaglint.optics.band import Band
-    from seaglint.optics.band import apparent_temperature as kelvin
-    from seaglint.schema import VARIABLES
-
-    if isinstance(radiance, xr.Dataset):
-        given, attributes = _radiance_of(radiance), {**radiance.attrs, **radiance["radiance"].attrs}
-    elif isinstance(radiance, xr.DataArray):
-        given, attributes = radiance, radiance.attrs
-    else:
-        values = np.asarray(radiance)
-        given, attributes = xr.DataArray(values, dims=AXES[3 - values.ndim :] if values.ndim <= 3 else None), {}
-    over = band if isinstance(band, Band) else _band_of(attributes) if band is None else Band.rectangular(*band)
-    grid = wavenumber_grid(over.min_um, over.max_um)
-    kind = given.dtype if given.dtype.kind == "f" else np.dtype(np.float64)
-
-    def converted(values: NDArray[Any]) -> NDArray[np.floating[Any]]:
-        return kelvin(values, over, grid).astype(kind)
-
-    found = xr.apply_ufunc(converted, given, dask="parallelized", output_dtypes=[kind], keep_attrs=True)
-    out: xr.DataArray = found.rename("apparent_temperature")
-    return out.assign_attrs(VARIABLES["apparent_temperature"].attributes)
-
-
-def _radiance_of(dataset: xr.Dataset) -> xr.DataArray:
-    from seaglint.errors import DataError
-
-    if "radiance" not in dataset:
-        found = ", ".join(map(str, dataset.data_vars)) or "none"
-        raise DataError(
-            f"the dataset has no variable 'radiance' (it has: {found}); give the variable itself, e.g. dataset['path_radiance']"
-        )
-    return dataset["radiance"]
-
-
-def _band_of(attributes: Mapping[Any, Any]) -> Band:
-    from seaglint.errors import DataError
-    from seaglint.io.provenance import stored_band
-
-    try:
-        return stored_band(attributes)
-    except KeyError:
-        text = "no band given, and none in the attributes (band_wavelength_um and band_response)"
-        raise DataError(f"{text}; give band=(min_um, max_um), or a seaglint dataset instead of its variable") from None
-
-
-def _with_band(dataset: xr.Dataset) -> xr.Dataset:
-    """The same with the band at every in-band radiance too, so that a variable is complete without its dataset, ready for any file."""
-    from seaglint.io.netcdf import plain_attributes
-    from seaglint.schema import VARIABLES
-
-    dataset.attrs = plain_attributes(dataset.attrs)
-    band = {key: dataset.attrs[key] for key in ("band_wavelength_um", "band_response")}
-    for name, variable in dataset.data_vars.items():
-        if variable.attrs.get("units") == VARIABLES["radiance"].units:
-            dataset[name].attrs = {**variable.attrs, **band}
-    return dataset
-
-
-def _options(given: Mapping[str, Any]) -> Options:
-    """Fields of the record; filters and detectors by name, sequences as tuples, masks as plain arrays."""
-    from typing import get_args
-
-    import numpy as np
-
-    from seaglint.analysis import Options
-    from seaglint.analysis.run import Border
-    from seaglint.clutter import filters
-    from seaglint.clutter.thresholds import Scope
-    from seaglint.detection import choice
-    from seaglint.errors import DataError
-
-    known = [field.name for field in fields(Options)]
-    for name in given:
-        if name not in known:
-            raise DataError(f"option '{name}' is not one of {', '.join(known)}; leave it out or give one of them")
-    for name, allowed in (("scope", get_args(Scope)), ("border", get_args(Border))):
-        if name in given and given[name] not in allowed:
-            raise DataError(f"{name} = {given[name]!r} is not one of {', '.join(allowed)}; give one of them or leave it out")
-    out: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in given.items()}
-    if isinstance(out.get("filter"), str):
-        out["filter"] = filters.named(out["filter"])
-    if "detectors" in out:
-        wanted = (out["detectors"],) if isinstance(out["detectors"], str) else out["detectors"]
-        out["detectors"] = tuple(choice.named(d) if isinstance(d, str) else d for d in wanted)
-    if out.get("mask") is not None:
-        out["mask"] = np.asarray(out["mask"], dtype=np.bool_)
-    return Options(**out)
-
-
-def _recording(given: Any, frame_rate: float | None, units: str | None, variable: str | None) -> Recording:
-    """What is analysed, from a file or from memory."""
-    from dataclasses import replace
-
-    import numpy as np
-    import xarray as xr
-
-    from seaglint.analysis import Recording
-    from seaglint.io.recording import open_recording
-    from seaglint.io.recording.arrays import Reading, of_array, of_dataset
-
-    if isinstance(given, str | Path):
-        return open_recording(given, frame_rate=frame_rate, units=units, variable=variable)
-    if isinstance(given, xr.DataArray):
-        given = given.to_dataset(name=str(given.name or "values"))
-    if isinstance(given, xr.Dataset):
-        ordered = given.transpose("time", ...) if "time" in given.dims else given
-        found = of_dataset(ordered, "dataset", Reading(variable))
-    elif isinstance(given, Recording):
-        found = given
-    else:
-        found = of_array(np.asarray(given), "array", Reading(), frame_rate=frame_rate, units=units)
-    return replace(found, frame_rate=frame_rate or found.frame_rate, units=units or found.units)
+    return kelvin_of(radiance, band)

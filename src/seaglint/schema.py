@@ -21,6 +21,8 @@ class Variable:
     """CF standard name, where one fits."""
     symbol: str = ""
     """Unit as it is written on plots; that of ``units`` where empty."""
+    dtype: str = "float32"
+    """Type of an image's numbers in files."""
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -53,6 +55,9 @@ VARIABLES: Final[dict[str, Variable]] = {
         _radiance("glint_radiance", "in-band sunlight reflected by the sea, at the aperture"),
         _radiance("glint_std", "standard deviation of in-band sunlight reflected by the sea, in a pixel"),
         Variable("apparent_temperature", "K", "apparent temperature", "brightness_temperature"),
+        Variable("signal", "count", "signal of the detector", symbol="counts", dtype="uint16"),
+        Variable("electrons", "1", "electrons of a pixel, noise and background in them", symbol="electrons"),
+        Variable("saturated_share", "1", "share of the pixels that are saturated", symbol=" "),
         # Not CF's sensor_azimuth_angle, which is measured at the point seen, towards the sensor: the opposite direction.
         Variable("azimuth", "degree", "azimuth of the line of sight at the sensor, clockwise from north", symbol="deg"),
         Variable("elevation", "degree", "elevation of the line of sight above the horizontal at the sensor", symbol="deg"),

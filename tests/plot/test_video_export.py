@@ -107,7 +107,7 @@ def test_other_variables_have_their_units_below(run, tmp_path, monkeypatch):
     signal = (1000.0 * run["radiance"]).astype(np.uint16).assign_attrs(units="count")
     export_run(run.assign(signal=signal), tmp_path / "x.gif", limits=(0.0, 1000.0))
     export_run(run, tmp_path / "y.gif", limits=(0.0, 1.0))
-    assert seen[0] == "0 … 1000 count"
+    assert seen[0] == "0 … 1000 counts"
     assert "W m⁻² sr⁻¹" in seen[-1]
 
 

@@ -28,7 +28,8 @@ def test_presets_say_where_they_come_from(name):
 
 def test_the_commented_keys_are_valid_too():
     # Whoever removes a comment sign must not meet an error, but for the Sun, which is given one way or the other.
-    text = re.sub(r"^# (\[|(utc|latitude_deg|longitude_deg|step_m|keyframes) =)", r"\1", template(), flags=re.MULTILINE)
+    needed = "utc|latitude_deg|longitude_deg|step_m|keyframes|aperture_m|f_number|pitch_um"
+    text = re.sub(rf"^# (\[|({needed}) =)", r"\1", template(), flags=re.MULTILINE)
     values = tomllib.loads(text)
     values.pop("sun")
     parse_scenario(values)
@@ -40,6 +41,8 @@ def test_every_key_of_the_default_kinds_is_in_the_template():
     other_kinds |= {"atmosphere.temperature_k", "atmosphere.extinction_per_km"}
     live = ("sounding", "haze", "visibility_km", "air_mass_character", "wind_24h_m_s", "path")
     other_kinds |= {f"atmosphere.{key}" for key in live}
+    thermal = ("netd_k", "netd_f_number", "netd_temperature_k", "time_constant_s", "absorptance", "full_scale_k")
+    other_kinds |= {f"sensor.detector.{key}" for key in thermal}
     for path in set(key_paths()) - other_kinds:
         assert f"{path.rsplit('.', 1)[-1]} = " in text
 

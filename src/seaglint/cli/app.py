@@ -10,8 +10,9 @@ import errno
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -26,6 +27,8 @@ from seaglint.cli.messages import files_read, log, naming_file, print_json
 from seaglint.cli.options import Overwrite, PreviewScale, Progress
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
+from seaglint.cli.sensor import SensorPreset, sense, sensor
+from seaglint.cli.sensor import line as counts_line
 from seaglint.errors import DataError, SeaglintError
 
 
@@ -90,6 +93,8 @@ app.add_typer(atmosphere, name="atmosphere")
 app.command()(analyze)
 app.command()(export)
 app.command("export-sea")(export_sea)
+app.command()(sense)
+app.command()(sensor)
 
 _NO_MAPS = frozenset({".zarr", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
 """Endings that say another kind of file is meant than a mean map."""
@@ -196,8 +201,11 @@ def render(
     preview: Annotated[bool, typer.Option("--preview", help="write a picture and a video beside the store")] = False,
     scale: ScaleOption = PreviewScale.AUTO,
     show: Progress = ProgressMode.AUTO,
+    sensor_preset: SensorPreset = None,
+    electrons: Annotated[bool, typer.Option("--electrons", help="with a detector: write electrons beside counts")] = False,
+    radiance: Annotated[bool, typer.Option("--radiance", help="with a detector: write radiance at the aperture beside counts")] = False,
 ) -> None:
-    """Render the sequence: radiance at the aperture, frame by frame."""
+    """Render the sequence, frame by frame: radiance at the aperture, or counts of the scenario's detector."""
     from seaglint.cli.frames import parse_frames
     from seaglint.cli.logs import show_logs
     from seaglint.cli.progress import progress
@@ -205,15 +213,22 @@ def render(
     from seaglint.scenario.load import load_scenario
 
     show_logs(quiet=show is ProgressMode.NONE)
-    loaded = load_scenario(scenario)
+    loaded = load_scenario(scenario, sensor=sensor_preset)
     wanted = parse_frames(frames, loaded.sensor.frames)
     # A trailing slash or a bare name would put the previews elsewhere than beside the store.
     output = Path(str(output).rstrip("/\\"))
     inputs = files_read(scenario, loaded)
     check_output(output, resume=resume, overwrite=overwrite, inputs=inputs)
     pictures = _Pictures(output, inputs, replace=overwrite or resume) if preview else None
-    from seaglint.pipeline.render import render as render_sequence
+    render_sequence: Callable[..., Path]
+    if loaded.sensor.senses or electrons or radiance:
+        from seaglint.pipeline.sensed import render as render_counts
 
+        render_sequence = partial(render_counts, electrons=electrons, radiance=radiance)
+    else:
+        from seaglint.pipeline.render import render as render_radiance
+
+        render_sequence = render_radiance
     with naming_file(scenario, loaded), progress(show, "frames") as report:
         render_sequence(loaded, output, frames=wanted, threads=threads, resume=resume, overwrite=overwrite, progress=report)
     from seaglint.io.store import open_sequence
@@ -223,6 +238,8 @@ def render(
         if pictures is not None:
             pictures.write(dataset, scale)
         log(f"{output}: {summarise(dataset).line}")
+        if "signal" in dataset:
+            log(f"{output}: {counts_line(dataset)}")
 
 
 def _refuse_preview(path: Path, replace: bool, inputs: list[Path]) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from seaglint.errors import DataError, SeaglintError
+from seaglint.io.counts import pictures
 from seaglint.io.directions import directions
 from seaglint.io.netcdf import open_netcdf
 from seaglint.io.store import open_sequence
@@ -38,7 +39,7 @@ def describe(path: Path) -> dict[str, Any]:
 
 
 def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
-    radiance = dataset["radiance"]
+    radiance = pictures(dataset)
     azimuth, elevation = directions(dataset)
     upright = azimuth.ndim == 1
     facts: dict[str, Any] = {"path": str(path), "title": dataset.attrs.get("title", ""), "variables": sorted(map(str, dataset.data_vars))}
@@ -62,6 +63,9 @@ def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
     if len(images(dataset)):
         found = summarise(dataset)
         facts |= {"statistics": found.as_dict(), "summary": found.line}
+    if "saturated_share" in dataset:
+        shares = dataset["saturated_share"].to_numpy()
+        facts["saturated_share"] = [float(share) for share in shares[shares == shares]]
     facts["provenance"] = {key: _plain(value) for key, value in dataset.attrs.items() if key not in _HIDDEN}
     try:
         facts["scenario"] = json.loads(dataset.attrs["scenario"])
@@ -90,5 +94,10 @@ def lines(facts: dict[str, Any]) -> list[str]:
     ]
     if "summary" in facts:
         out.append(f"  radiance          {facts['summary']}")
+    if facts.get("saturated_share"):
+        shares = facts["saturated_share"]
+        out.append(
+            f"  saturated         {100 * sum(shares) / len(shares):.3g} % of the pixels, {100 * max(shares):.3g} % in the worst frame"
+        )
     out += [f"  {key:17} {value}" for key, value in facts["provenance"].items()]
     return out

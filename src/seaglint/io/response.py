@@ -9,8 +9,10 @@ from seaglint.io.table_text import plain_number, rows_of_cells
 from seaglint.optics.band import Band
 
 
-def read_response(path: str | Path) -> Band:
+def read_response(path: str | Path, *, whole: bool = False) -> Band:
     """Read a CSV file with the columns ``wavelength_um`` and ``response``; lines that begin with ``#`` are comments.
+
+    Zeros at the ends are cut off, unless the ``whole`` table is wanted.
 
     Raises
     ------
@@ -40,6 +42,6 @@ def read_response(path: str | Path) -> Band:
         except (ValueError, IndexError):
             raise DataError(f"{path}: line {number}: '{line.strip()}' does not hold two numbers; is the file whole?") from None
     try:
-        return Band.from_response([p[0] for p in points], [p[1] for p in points])
+        return Band.from_response([p[0] for p in points], [p[1] for p in points], whole=whole)
     except DataError as error:
         raise DataError(f"{path}: {error}") from None

@@ -72,6 +72,10 @@ class Layout:
     """Place and attitude of a moving sensor in every frame, by variable [(frames,)]."""
     start: datetime | None = None
     """UTC of the first frame of the whole sequence, where a date is known."""
+    per_frame: tuple[str, ...] = ()
+    """Names of the variables that have one number a frame, found with its images."""
+    details: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    """Further attributes of variables, by name."""
     turning: bool = False
     """Whether the attitude changes: azimuth and elevation are then those of the first frame and not stored."""
 
@@ -220,7 +224,7 @@ def _fill(
             with storage_errors(partial, remedy):
                 claim.require()
                 _require_there(partial)
-                _write_frame(group, int(index), {name: images[name] for name in layout.variables})
+                _write_frame(group, int(index), {name: images[name] for name in (*layout.variables, *layout.per_frame)})
             count += 1
             if progress is not None:
                 progress(count, done.size)
@@ -340,22 +344,24 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
     dated = () if layout.start is None else ("utc",)
     coordinates = " ".join((*directions, "frame", *dated, "wavelength", *layout.poses))
     for name in layout.variables:
+        dtype = np.dtype(VARIABLES[name].dtype)
         group.create_array(
             name,
             shape=(frames, rows, columns),
             chunks=(1, rows, columns),
-            dtype="float32",
-            fill_value=np.nan,
-            compressors=_compressor(),
+            dtype=dtype,
+            fill_value=np.nan if dtype.kind == "f" else 0,
+            compressors=_compressor(dtype.itemsize),
             dimension_names=("time", "y", "x"),
-            attributes={**VARIABLES[name].attributes, "coordinates": coordinates},
+            attributes={**VARIABLES[name].attributes, **layout.details.get(name, {}), "coordinates": coordinates},
         )
     numbers = np.asarray(layout.frames, dtype=np.int64)
     low, high = layout.band.min_um, layout.band.max_um
     _put(group, "time", numbers / layout.frame_rate, ("time",))
     _put(group, "frame", numbers, ("time",))
     if layout.start is not None:
-        _put(group, "utc", numbers / layout.frame_rate, ("time",), units=f"seconds since {_cf_moment(layout.start)}", calendar="standard")
+        start = layout.start.astimezone(UTC).replace(tzinfo=None).isoformat(sep=" ")  # as CF writes it
+        _put(group, "utc", numbers / layout.frame_rate, ("time",), units=f"seconds since {start}", calendar="standard")
     whole = layout.azimuth_deg.ndim == 2
     if not layout.turning:
         _put(group, "azimuth", layout.azimuth_deg, ("y", "x") if whole else ("x",))
@@ -365,22 +371,16 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
     _put(group, "wavelength", np.asarray(0.5 * (low + high)), (), bounds="wavelength_bounds")
     _put(group, "wavelength_bounds", np.array([low, high]), ("bounds",))
     # One chunk per frame here too: two processes that write into one chunk lose each other's entries without a word.
-    group.create_array(
-        "frame_done", shape=(frames,), chunks=(1,), dtype="uint8", fill_value=0, dimension_names=("time",),
-        attributes=VARIABLES["frame_done"].attributes,
-    )  # fmt: skip
+    for name, kind, fill in (("frame_done", "uint8", 0), *((name, "float32", np.nan) for name in layout.per_frame)):
+        about = VARIABLES[name].attributes
+        group.create_array(name, shape=(frames,), chunks=(1,), dtype=kind, fill_value=fill, dimension_names=("time",), attributes=about)
 
 
-def _cf_moment(moment: datetime) -> str:
-    """UTC as CF writes it."""
-    return moment.astimezone(UTC).replace(tzinfo=None).isoformat(sep=" ")
-
-
-def _compressor() -> Any:
+def _compressor(itemsize: int) -> Any:
     # Byte shuffling lets zstd find the slowly varying exponents: 512 x 256 frames shrink by about a quarter in a millisecond.
     from zarr.codecs import BloscCodec
 
-    return BloscCodec(cname="zstd", clevel=3, shuffle="shuffle", typesize=4)
+    return BloscCodec(cname="zstd", clevel=3, shuffle="shuffle", typesize=itemsize)
 
 
 def _put(group: Any, name: str, values: NDArray[Any], dimensions: tuple[str, ...], **more: str) -> None:
@@ -397,7 +397,7 @@ def _put(group: Any, name: str, values: NDArray[Any], dimensions: tuple[str, ...
 
 def _write_frame(group: Any, index: int, images: Mapping[str, NDArray[Any]]) -> None:
     for name, image in images.items():
-        group[name][index] = np.asarray(image, dtype=np.float32)
+        group[name][index] = np.asarray(image, dtype=VARIABLES[name].dtype)
     group["frame_done"][index] = 1
 
 

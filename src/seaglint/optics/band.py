@@ -58,8 +58,11 @@ class Band:
         return cls(np.array([min_um, max_um], dtype=np.float64), np.ones(2))
 
     @classmethod
-    def from_response(cls, wavelength_um: ArrayLike, response: ArrayLike) -> Band:
-        """Tabulated response [um, (m,)], [any unit, (m,)], scaled to a peak of 1; descending tables are turned round."""
+    def from_response(cls, wavelength_um: ArrayLike, response: ArrayLike, *, whole: bool = False) -> Band:
+        """Tabulated response [um, (m,)], [any unit, (m,)], scaled to a peak of 1; descending tables are turned round.
+
+        Zeros at the ends are cut off, unless the ``whole`` table is wanted.
+        """
         w, r = np.asarray(wavelength_um, dtype=np.float64), np.asarray(response, dtype=np.float64)
         if w.ndim != 1 or w.shape != r.shape or w.size < 2:
             raise DataError(f"a response needs two columns of equal length with at least 2 rows, not shapes {w.shape} and {r.shape}")
@@ -71,6 +74,8 @@ class Band:
             raise DataError("the wavelengths of a response must be positive, in order and all different; sort the table [um]")
         if np.any(r < 0.0) or np.max(r) <= 0.0:
             raise DataError("a response must be >= 0 and somewhere > 0; clip the noise of the measurement to 0")
+        if whole:
+            return cls(w.copy(), r / np.max(r))
         # Zeros at the ends carry nothing; without them the grid need not cover a long dead tail.
         used = np.flatnonzero(r > 0.0)
         keep = slice(max(int(used[0]) - 1, 0), min(int(used[-1]) + 2, w.size))

@@ -5,16 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, assert_never
+from typing import TYPE_CHECKING, Final, assert_never
 
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.io.provenance import band_attributes, provenance
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
-from seaglint.pipeline.mean_pixels import MAPS, ROW_POINTS, ROW_SHARE, Sights, over_pixels
+from seaglint.pipeline.mean_pixels import CUT_POINTS, MAPS, ROW_POINTS, ROW_SHARE, Sights, over_pixels
 from seaglint.pipeline.render import poses
 from seaglint.radiance.article import article_radiance
 from seaglint.radiance.mean import MeanModel, SeaRadiance, mean_radiance
@@ -26,6 +27,9 @@ from seaglint.threads import single_threaded_algebra
 
 if TYPE_CHECKING:
     import xarray as xr
+
+_WIDEST: Final = math.radians(5.0)
+"""Widest part of a column whose middle serves without a Sun [rad]: emission and sky change with the azimuth as its second harmonic."""
 
 
 @single_threaded_algebra()
@@ -99,18 +103,36 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float) -
 
     Cells of the sea are independent, so a row's variance is the mean of what its elevations would have with all of the pixel's solid angle.
     """
-    rows = RowAverage.of(camera)
+    rows, across = RowAverage.of(camera), azimuths_across(view, camera.column_step)
+    azimuths = (camera.azimuths[:, None] + camera.column_step * ((np.arange(across) + 0.5) / across - 0.5)).ravel()
     match scenario.mean.mode:
         case "spectral":
-            fine = mean_radiance(view, rows.elevations, camera.azimuths)
+            fine = mean_radiance(view, rows.elevations, azimuths)
         case "article":
-            fine = article_radiance(view, rows.elevations, camera.azimuths)
+            fine = article_radiance(view, rows.elevations, azimuths)
         case other:
             assert_never(other)
     variance = sea_variance(view, fine, rows.elevations, np.repeat(pixel_solid_angle(camera), rows.points), length)
-    found, shape = rows.radiance(fine), (camera.rows, camera.columns)
-    parts = (found.path, found.emission, found.sky, found.sun, np.sqrt(rows(variance)))
-    return {name: np.broadcast_to(part, shape) for name, part in zip(MAPS, parts, strict=True)}
+    shape = (camera.rows, camera.columns)
+    maps = {}
+    for name, part in zip(MAPS, (fine.path, fine.emission, fine.sky, fine.sun, variance), strict=True):
+        found = rows(part)
+        maps[name] = np.broadcast_to(found if found.shape[1] == 1 else found.reshape(*shape, across).mean(axis=2), shape)
+    return maps | {MAPS[-1]: np.sqrt(maps[MAPS[-1]])}
+
+
+def azimuths_across(view: SeaView, step: float) -> int:
+    """Azimuths that are averaged across columns ``step`` wide [rad]: three for each standard deviation of the glint at the horizon, where
+    it is narrowest; the mean is then within 0.5 % of the brightest. Columns narrower than that are taken in their middle.
+
+    Seen at the horizon, a Sun of elevation e is mirrored over azimuths of the slopes' deviation times ``sin e``, blurred by its disc.
+    """
+    least = math.ceil(step / _WIDEST)
+    if not view.irradiance.any():
+        return least
+    slopes = math.sqrt(min(view.slopes.mss_up, view.slopes.mss_cross))
+    deviation = math.hypot(slopes * max(math.cos(view.solar_zenith), 0.0), 0.5 * SOLAR_ANGULAR_RADIUS)
+    return max(math.ceil(3.0 * step / deviation), least)
 
 
 def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:
@@ -139,7 +161,8 @@ def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:
 class RowAverage:
     """Elevations that stand for the height of each pixel row, and the mean over them, as an image has it. Make it with :meth:`of`.
 
-    Rows that are high against their distance from the horizon are the mean of :data:`ROW_POINTS` elevations; for others the middle serves.
+    Rows that are high against their distance from the horizon are the mean of :data:`ROW_POINTS` elevations, the row that the horizon cuts
+    of :data:`CUT_POINTS`; for others the middle serves.
     """
 
     elevations: FloatArray
@@ -151,6 +174,7 @@ class RowAverage:
         """Elevations for the rows of a camera, row by row from the top."""
         below = np.abs(camera.elevations + horizon_depression(camera.height))
         points = np.where(camera.row_step > ROW_SHARE * below, ROW_POINTS, 1)
+        points[below < 0.5 * camera.row_step] = CUT_POINTS
         row = np.repeat(np.arange(camera.rows), points)
         starts = np.cumsum(points) - points
         part = (np.arange(row.size) - starts[row] + 0.5) / points[row] - 0.5
@@ -163,17 +187,6 @@ class RowAverage:
         for row in several:  # few: those next to the horizon
             found[row] = values[self.starts[row] : self.starts[row] + self.points[row]].mean(axis=0)
         return found
-
-    def radiance(self, found: SeaRadiance) -> SeaRadiance:
-        """Components averaged [W m-2 sr-1]."""
-        parts = (found.path, found.emission, found.sky, found.sun, found.chance, found.cos_incidence)
-        return SeaRadiance(*(self(part) for part in parts))
-
-
-def over_rows(camera: Camera, radiance: Callable[[FloatArray], SeaRadiance]) -> SeaRadiance:
-    """Components averaged over the height of each pixel row [W m-2 sr-1], as an image has them."""
-    rows = RowAverage.of(camera)
-    return rows.radiance(radiance(rows.elevations))
 
 
 def pixel_solid_angle(camera: Camera) -> FloatArray:

@@ -21,6 +21,9 @@ within 1e-4 of the mean."""
 ROW_POINTS: Final = 8
 """Elevations averaged in such a pixel, and azimuths where columns are not upright and :data:`SIDE` do not serve."""
 
+CUT_POINTS: Final = 64
+"""Elevations averaged in a whole row that the horizon cuts: the share of it that is sea is within 1/128."""
+
 EDGE_POINTS: Final = 24
 """The same along each side of a pixel that the horizon cuts: glint of a low Sun may end there, and 8 are up to 3 % off."""
 

@@ -311,6 +311,25 @@ def upright_camera(scenario: Scenario) -> Camera | None:
     return imager(scenario).camera(pose.height, pose.attitude)
 
 
+def gliding_camera(scenario: Scenario) -> Camera:
+    """The image grid of a scanner, whose columns have poses of their own: upright, at one height, wherever it is.
+
+    Raises
+    ------
+    ScenarioError
+        A scanner that turns on its platform, or rises, or has another projection.
+    """
+    way = track(scenario)
+    pose = way.at(float(way.time[0]))
+    found = imager(scenario).camera(pose.height, pose.attitude)
+    if found is None or way.turns or way.highest > way.lowest:
+        raise ScenarioError(
+            "sensor.scan: the columns of a scanner are drawn upright, from one height; leave attitude and height out of [platform], "
+            "with sensor.projection = 'equal-angle' and sensor.roll_deg = 0"
+        )
+    return found
+
+
 def camera(scenario: Scenario) -> Camera:
     """The same, where nothing else will do.
 

@@ -173,8 +173,10 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
 
 
 @single_threaded_algebra()
-def prepare_sequence(scenario: Scenario, frames: range | None = None) -> Sequence:
+def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned: bool = False) -> Sequence:
     """Everything that is made before the first frame; also the way to single frames in Python.
+
+    ``scanned`` prepares for columns that have poses of their own (:func:`seaglint.pipeline.prepare.gliding_camera`).
 
     Examples
     --------
@@ -188,7 +190,7 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None) -> Sequenc
     sensor, track = scenario.sensor, prepare.track(scenario)
     numbers = frames if frames is not None else range(sensor.frames)
     accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)
-    camera = prepare.upright_camera(scenario)
+    camera = prepare.gliding_camera(scenario) if scanned else prepare.upright_camera(scenario)
     if camera is not None:
         first = prepare.view(scenario)
         sea = prepare.sea(scenario, first.slopes)

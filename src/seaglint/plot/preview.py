@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
+from seaglint.io.counts import pictures
 from seaglint.io.directions import directions
 from seaglint.io.outputs import moved_when_whole
 from seaglint.io.provenance import stored_band
@@ -45,7 +46,7 @@ def _title(dataset: xr.Dataset) -> str:
             facts.append(str(scenario["time"]["utc"]))
     except (KeyError, ValueError, TypeError):
         pass
-    if "time" in dataset["radiance"].dims:
+    if "time" in pictures(dataset).dims:
         facts.append(f"t = {float(dataset['time'][0]):g} s")
     return " · ".join(facts)
 

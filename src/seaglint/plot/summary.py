@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
+from seaglint.io.counts import count_line, pictures
 from seaglint.io.provenance import stored_band
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL
@@ -98,25 +99,28 @@ def summarise(dataset: xr.Dataset) -> Summary:
 
 
 class Images:
-    """Images of one variable read one at a time."""
+    """Images of one variable read one at a time; counts as the radiance that they stand for."""
 
-    def __init__(self, variable: xr.DataArray, indices: NDArray[np.intp]) -> None:
-        self._variable, self.indices = variable, indices
+    def __init__(self, variable: xr.DataArray, indices: NDArray[np.intp], line: tuple[float, float] = (1.0, 0.0)) -> None:
+        self._variable, self.indices, self._line = variable, indices, line
 
     def __len__(self) -> int:
         return int(self.indices.size)
 
     def __getitem__(self, position: int) -> NDArray[np.float32]:
-        return np.asarray(self._variable[int(self.indices[position])].to_numpy(), dtype=np.float32)
+        found = self._variable[int(self.indices[position])].to_numpy()
+        scale, offset = self._line
+        return np.asarray(found if self._line == (1.0, 0.0) else found * scale + offset, dtype=np.float32)
 
     def __iter__(self) -> Iterator[NDArray[np.float32]]:
         return (self[position] for position in range(len(self)))
 
 
-def images(dataset: xr.Dataset, variable: str = "radiance") -> Images:
-    """Images frame by frame (a map is one frame); frames not done are left out."""
-    values = dataset[variable]
+def images(dataset: xr.Dataset, variable: str | None = None) -> Images:
+    """Images frame by frame (a map is one frame); frames not done are left out. Radiance by default, of counts where only these are."""
+    values = pictures(dataset) if variable is None else dataset[variable]
+    line = count_line(values) if variable is None else (1.0, 0.0)
     if "time" not in values.dims:
-        return Images(values.expand_dims("time").transpose("time", "y", "x"), np.arange(1))
+        return Images(values.expand_dims("time").transpose("time", "y", "x"), np.arange(1), line)
     done = dataset["frame_done"].to_numpy() if "frame_done" in dataset else np.ones(values.sizes["time"])
-    return Images(values, np.flatnonzero(done))
+    return Images(values, np.flatnonzero(done), line)

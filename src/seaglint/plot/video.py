@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.errors import BackendError
+from seaglint.io.counts import pictures
 from seaglint.io.outputs import moved_when_whole
 from seaglint.io.provenance import stored_band
 from seaglint.io.recording.arrays import stored_frame_rate
@@ -102,7 +103,7 @@ def write_video(
     output: str | Path,
     scale: Kind = "auto",
     *,
-    variable: str = "radiance",
+    variable: str | None = None,
     colours: Colours = "white-hot",
     limits: tuple[float, float] | None = None,
     rate: float | None = None,
@@ -119,8 +120,8 @@ def write_video(
         File to write.
     scale : {"auto", "linear", "log"}
         As in :func:`seaglint.plot.scale.scale_of`, one for all frames.
-    variable : str
-        Images that are shown.
+    variable : str, optional
+        Images that are shown; radiance by default, of counts where there are only these.
     colours : {"white-hot", "black-hot", "perceptual"}
         Colours of brightness.
     limits : (float, float), optional
@@ -146,12 +147,12 @@ def write_video(
     output = Path(output)
     ending = output.suffix.lower()
     codec, pixels, options = _CODECS[ending]
-    frames = images(dataset, variable)
+    frames, stored = images(dataset, variable), pictures(dataset) if variable is None else dataset[variable]
     count = len(frames)
     shown_scale = Scale(*limits) if limits is not None else _scale(dataset, frames, scale)
-    ends = _ends(dataset, variable, shown_scale)
-    times = dataset["time"].to_numpy().astype(np.float64)[frames.indices] if "time" in dataset[variable].dims else None
-    hertz = Fraction(rate or shown_rate(dataset, variable, ending)).limit_denominator(1000)
+    ends = _ends(dataset, variable or "radiance", shown_scale)
+    times = dataset["time"].to_numpy().astype(np.float64)[frames.indices] if "time" in stored.dims else None
+    hertz = Fraction(rate or shown_rate(dataset, str(stored.name), ending)).limit_denominator(1000)
     levels = palette(colours)
     if progress is not None:
         progress(0, count)

@@ -14,10 +14,11 @@ from pydantic_core import ErrorDetails
 from seaglint.errors import Mistake, ScenarioError
 from seaglint.scenario.keys import choices_at, is_list, key_at, key_paths, table_keys, tag_name, tags
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.sensor_presets import with_sensor
 
 
-def load_scenario(path: str | Path) -> Scenario:
-    """Read and validate a scenario file.
+def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
+    """Read and validate a scenario file; ``sensor`` names a preset that stands in for its sensor's optics, detector, scan and noise.
 
     Raises
     ------
@@ -43,7 +44,7 @@ def load_scenario(path: str | Path) -> Scenario:
         raise ScenarioError(f"{path}: holds a number of thousands of digits; write numbers as 1.5 or 2e3") from None
     except RecursionError:
         raise ScenarioError(f"{path}: holds lists or tables nested hundreds deep; 'seaglint init' writes a file to start from") from None
-    return parse_scenario(raw, name=str(path), base=path.parent)
+    return parse_scenario(raw if sensor is None else with_sensor(raw, sensor), name=str(path), base=path.parent)
 
 
 def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path | None = None) -> Scenario:

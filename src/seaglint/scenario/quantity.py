@@ -91,7 +91,7 @@ class Quantity:
     def allowed(self) -> str:
         """Range as text, e.g. ``"above 0 to 10000 m"``."""
         low = f"above {self.gt:g}" if self.gt is not None else f"{self.ge:g}" if self.ge is not None else ""
-        top = f"{self.le:.0f}" if self.integer and self.le is not None else f"{self.le:g}"
+        top = "" if self.le is None else f"{self.le:.0f}" if self.integer else f"{self.le:g}"
         high = f"below {self.lt:g}" if self.lt is not None else top if self.le is not None else ""
         unit = f" {self.unit}" if self.unit else ""
         if low and high:

@@ -43,6 +43,10 @@ class Render(Record):
         StrictBool,
         Field(description="draw slope models with skewness and peakedness by a Gaussian of the same variances, which images need"),
     ] = False
+    oversampling: Annotated[
+        Annotated[int, Quantity(ge=1, le=15, integer=True)] | None,
+        Field(description="with a detector: pixels drawn along each side of its pixels; what the optics' cut-off needs where left out"),
+    ] = None
     layers: Annotated[
         tuple[Layer, ...],
         Field(

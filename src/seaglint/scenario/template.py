@@ -38,6 +38,13 @@ _EXAMPLES = {
     "visibility_km": "20",
     "wind_24h_m_s": "7.0",
     "track": '"track.csv"',
+    "aperture_m": "0.01375",
+    "f_number": "2.0",
+    "focal_length_m": "0.0275",
+    "ifov_urad": "545.4",
+    "pitch_um": "15.0",
+    "quantum_efficiency_file": '"qe.csv"',
+    "corrected_at_k": "[288, 308]",
     "keyframes": "[{ time_s = 0, east_m = 0, north_m = 0, height_m = 30, azimuth_deg = 180, elevation_deg = -3.5, roll_deg = 5 }, "
     "{ time_s = 4, east_m = 20, north_m = 0, height_m = 30, azimuth_deg = 180, elevation_deg = -3.5, roll_deg = -5 }]",
 }

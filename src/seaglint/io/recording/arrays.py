@@ -228,9 +228,9 @@ def open_labelled(path: Path, how: Reading) -> Recording:
 def of_dataset(dataset: Any, source: str, how: Reading) -> Recording:
     """The image variable of an :class:`xarray.Dataset`: ``radiance``, the only one, or the one chosen; read when it is needed."""
     images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
-    name = _choose(images, how.variable or ("radiance" if "radiance" in images else None), source)
+    name = _choose(images, how.variable or next((n for n in ("radiance", "signal") if n in images), None), source)
     chosen = images[name]
-    return of_array(
+    found = of_array(
         _Lazy(chosen),
         f"{source}:{name}",
         how,
@@ -238,6 +238,8 @@ def of_dataset(dataset: Any, source: str, how: Reading) -> Recording:
         units=_text(chosen.attrs.get("units")),
         named_axes=chosen.dims[0] == "time",
     )
+    full = chosen.attrs.get("saturation_counts")
+    return found if full is None else replace(found, saturation=float(full))
 
 
 class _Lazy:

@@ -1,0 +1,171 @@
+"""The commands ``seaglint sense`` and ``seaglint sensor``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from seaglint.cli.messages import files_read, log, naming_file, print_json
+from seaglint.cli.progress import ProgressMode
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with [sensor.optics] and [sensor.detector]")]
+SensorPreset = Annotated[
+    str | None,
+    typer.Option("--sensor", help="sensor of a data sheet instead of the scenario's: 'seaglint sensor --presets' lists them"),
+]
+
+
+def _list_presets(wanted: bool) -> None:
+    if wanted:
+        from seaglint.scenario.sensor_presets import SENSORS
+
+        for name, found in SENSORS.items():
+            typer.echo(f"{name:24} {found.title}")
+        raise typer.Exit
+
+
+def sense(
+    recording: Annotated[
+        str, typer.Argument(metavar="INPUT", help="radiance at the aperture in W m-2 sr-1: Zarr, NetCDF, NumPy, TIFF and more")
+    ],
+    scenario: ScenarioFile,
+    output: Annotated[Path, typer.Option("-o", "--output", help="Zarr store to write, e.g. out.zarr")],
+    seed: Annotated[int | None, typer.Option("--seed", min=0, help="of the noise; the scenario's where nothing is said")] = None,
+    oversampling: Annotated[
+        int | None, typer.Option("--oversampling", min=1, help="pixels of INPUT along each side of the detector's; told by our own files")
+    ] = None,
+    electrons: Annotated[bool, typer.Option("--electrons", help="write electrons beside counts")] = False,
+    sensor_preset: SensorPreset = None,
+    frame_rate: Annotated[float | None, typer.Option("--frame-rate", help="frames per second, where the file does not say [Hz]")] = None,
+    variable: Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished sequence")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
+    show: Annotated[
+        ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")
+    ] = ProgressMode.AUTO,
+) -> None:
+    """Put a sensor on recorded radiance: counts of its detector."""
+    from seaglint.cli.progress import patient_progress
+    from seaglint.io.recording import open_recording
+    from seaglint.io.recording.source import source_of
+    from seaglint.io.store import check_output, open_sequence
+    from seaglint.pipeline.sense import sense as sensed
+    from seaglint.scenario.load import load_scenario
+
+    loaded = load_scenario(scenario, sensor=sensor_preset)
+    output = Path(str(output).rstrip("/\\"))
+    check_output(output, resume=resume, overwrite=overwrite, inputs=[*files_read(scenario, loaded), Path(recording)])
+    opened = open_recording(recording, frame_rate=frame_rate, variable=variable)
+    with naming_file(scenario, loaded), patient_progress(show, "frames") as report:
+        sensed(
+            opened,
+            loaded,
+            output,
+            source=source_of(Path(recording)),
+            seed=seed,
+            oversampling=oversampling,
+            electrons=electrons,
+            resume=resume,
+            overwrite=overwrite,
+            progress=report,
+        )
+    with open_sequence(output) as dataset:
+        log(f"{output}: {line(dataset)}")
+
+
+def line(dataset: xr.Dataset) -> str:
+    """A line about a sequence of counts, saturated shares in it."""
+    import numpy as np
+
+    signal, share = dataset["signal"], dataset["saturated_share"].to_numpy()
+    first = signal.isel(time=0).to_numpy()
+    told = f"{signal.sizes['time']} frames of {signal.sizes['x']} x {signal.sizes['y']} pixels, counts {first.min()} to {first.max()}"
+    if float(np.nanmax(share)) == 0.0:
+        return f"{told} in the first; no pixel is saturated"
+    worst = int(np.nanargmax(share))
+    return f"{told} in the first; saturated {100 * float(np.nanmean(share)):.3g} % of the pixels, most in frame {worst}: " + (
+        f"{100 * float(share[worst]):.3g} %"
+    )
+
+
+def sensor(
+    scenario: ScenarioFile,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
+    plot: Annotated[Path | None, typer.Option("--plot", metavar="F.png", help="draw MTF and noise budget")] = None,
+    frequency: Annotated[
+        list[float] | None, typer.Option("--frequency", min=0.0, help="where the MTF is told, in cycles/mrad; repeatable")
+    ] = None,
+    sensor_preset: SensorPreset = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the picture that is there")] = False,
+    presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list sensors and leave")] = False,
+) -> None:
+    """Figures of merit of a scenario's sensor: NETD, MTF, noise budget and more."""
+    from seaglint.errors import DataError
+    from seaglint.io.outputs import refuse_existing
+    from seaglint.pipeline.sensor import describe_sensor
+    from seaglint.scenario.load import load_scenario
+
+    loaded = load_scenario(scenario, sensor=sensor_preset)
+    if plot is not None:
+        if plot.suffix.lower() not in (".png", ".pdf", ".svg"):
+            raise DataError(f"--plot {plot}: give a name that ends in .png, .pdf or .svg")
+        refuse_existing(plot, overwrite=overwrite, inputs=files_read(scenario, loaded))
+    with naming_file(scenario, loaded):
+        found = describe_sensor(loaded, frequency or ())
+    if plot is not None:
+        from seaglint.plot.sensor import write_sensor_plot
+
+        write_sensor_plot(found, plot)
+        log(f"{plot} written")
+    if as_json:
+        print_json(found)
+    else:
+        typer.echo("\n".join(lines(found)))
+
+
+def lines(found: dict[str, Any]) -> list[str]:
+    """The same for people."""
+    from seaglint.sensor.figures import MTF_POINTS
+
+    unit = "electrons" if found["detector"] == "photon" else "nW"
+    key = "electrons" if found["detector"] == "photon" else "nw"
+    budget, mtf = found[f"noise_budget_{key}"], found["mtf"]
+    low, high = found["band_um"]
+    out = [
+        f"{found['detector']} detector, {low:g} to {high:g} um, F/{found['f_number']:.3g}, "
+        f"focal length {1e3 * found['focal_length_m']:.4g} mm",
+        f"  IFOV                    {found['ifov_mrad']:.5g} mrad, pictures drawn {found['oversampling']} times finer",
+        f"  NETD                    {1e3 * found['netd_k']:.4g} mK at {found['background_k']:g} K",
+        f"  SiTF                    {found['sitf_counts_per_k']:.5g} counts/K",
+        f"  gain                    {found['electrons_per_count'] or found['nw_per_count']:.5g} {unit}/count",
+        f"  NEI                     {found['nei_w_m2']:.4g} W m-2 at the aperture "
+        f"({100 * found['point_share']:.3g} % of a point in its pixel)",
+        f"  NEP                     {found['nep_w']:.4g} W on the pixel",
+    ]
+    if found["dynamic_range_db"] is not None:
+        out.append(f"  dynamic range           {found['dynamic_range_db']:.4g} dB")
+    if found["saturation_temperature_k"] is not None:
+        out.append(f"  saturates at            {found['saturation_temperature_k']:.5g} K")
+    out.append(f"  MTF [cycles/mrad]       along   across  (Nyquist {mtf['nyquist_cycles_per_mrad']:.4g})")
+    for i in range(0, len(mtf["along"]), 5 if len(mtf["along"]) == MTF_POINTS else 1):
+        out.append(f"    {mtf['frequency_cycles_per_mrad'][i]:<21.4g} {mtf['along'][i]:<7.3f} {mtf['across'][i]:.3f}")
+    scene = budget["scene_apparent_temperature_k"]
+    out.append(f"  noise budget [{unit}] at {budget['scene_radiance']:.4g} W m-2 sr-1" + (f" ({scene:.4g} K)" if scene else ""))
+    for name, value in budget.items():
+        if not name.startswith("scene_") and (value or name in ("signal", "total_temporal")):
+            out.append(f"    {name.replace('_', ' '):<21} {value:.5g}")
+    told = ", ".join(f"{name} {value:.4g}" for name, value in found[f"three_d_noise_{key}"].items())
+    out.append(f"  3-D noise [{unit}]  {told}")
+    error = found["conversion_error"]
+    if found["detector"] == "photon":
+        out.append(
+            f"  photons of other spectra  {100 * error['280_k']:+.2f} % at 280 K, {100 * error['320_k']:+.2f} % at 320 K, "
+            f"{100 * error['sunlight']:+.3g} % for sunlight"
+        )
+    return out

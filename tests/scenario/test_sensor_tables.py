@@ -1,0 +1,162 @@
+"""Tables of the sensor: alternatives that agree, defaults that are neutral, mistakes told in a line."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from seaglint.errors import ScenarioError
+from seaglint.pipeline.sensor import sensor_model
+from seaglint.scenario.load import load_scenario, parse_scenario
+from seaglint.scenario.sensor_presets import SENSORS, with_sensor
+from seaglint.sensor.detector import Detector
+from seaglint.sensor.figures import figures
+
+OPTICS = {"aperture_m": 0.05, "f_number": 4.0}
+PIXELS = {"pitch_um": 15.0}
+
+
+def parsed(optics=OPTICS, detector=PIXELS, **sensor):
+    return parse_scenario({"sensor": {"optics": optics, "detector": detector, **sensor}})
+
+
+def refusal(optics=OPTICS, detector=PIXELS, **sensor) -> str:
+    with pytest.raises(ScenarioError) as caught:
+        parsed(optics, detector, **sensor)
+    assert "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("optics", "more"),
+    [
+        ({"aperture_m": 0.05, "f_number": 4.0}, {}),
+        ({"aperture_m": 0.05, "focal_length_m": 0.2}, {}),
+        ({"f_number": 4.0, "focal_length_m": 0.2}, {}),
+        ({"f_number": 4.0, "ifov_urad": 75.0}, {}),
+        ({"f_number": 4.0}, {"fov_deg": [math.degrees(75e-6) * 512, math.degrees(75e-6) * 256]}),
+        ({"aperture_m": 0.05, "focal_length_m": 0.2, "f_number": 4.01, "ifov_urad": 75.2}, {"fov_deg": [2.2, 1.1]}),
+    ],
+    ids=["aperture and f-number", "aperture and focal length", "f-number and focal length", "IFOV", "field of view", "all, rounded"],
+)
+def test_every_way_to_give_the_optics(optics, more) -> None:
+    scenario = parsed(optics, **more)
+    assert scenario.sensor.focal_length_m == pytest.approx(0.2, rel=0.005)
+    assert scenario.sensor.aperture_m == pytest.approx(0.05, rel=0.005)
+    assert math.radians(scenario.sensor.ifov_deg[0]) == pytest.approx(75e-6, rel=0.005)
+
+
+def test_a_plane_picture_has_the_tangents_field_of_view() -> None:
+    sensor = parsed({"f_number": 2.0, "focal_length_m": 0.01}, projection="pinhole").sensor
+    assert math.tan(math.radians(0.5 * sensor.fov_deg[0])) == pytest.approx(256 * 15e-6 / 0.01)
+
+
+def test_what_is_not_given_is_neutral() -> None:
+    model = sensor_model(parsed())
+    optics, detector, noise = model.optics, model.detector, model.noise
+    assert isinstance(detector, Detector)
+    assert (optics.transmission, optics.obscuration, optics.jitter, optics.wavefront_error, optics.defocus) == (1.0, 0.0, 0.0, 0.0, 0.0)
+    assert (optics.emissivity, optics.housing_solid_angle, optics.stray_share, optics.cos4, optics.distortion) == (
+        0.0,
+        0.0,
+        0.0,
+        False,
+        0.0,
+    )
+    assert (detector.fill_factor, detector.quantum_efficiency, detector.offset, detector.crosstalk) == (1.0, 1.0, 0.0, 0.0)
+    assert (detector.read_noise, detector.dark_current, detector.integration_time) == (0.0, 0.0, 0.04)
+    assert (noise.temporal, noise.fixed_pattern, noise.one_over_f, noise.gain_spread, noise.dead_share) == (True, True, 0.0, 0.0, 0.0)
+    assert model.readout.background == 0.0
+
+
+def test_a_well_fills_the_counts() -> None:
+    model = sensor_model(parsed(detector=PIXELS | {"well_capacity_e": 7e6, "bit_depth": 14}))
+    assert figures(model)["electrons_per_count"] == pytest.approx(7e6 / 16383)
+    with_offset = sensor_model(parsed(detector=PIXELS | {"well_capacity_e": 7e6, "bit_depth": 14, "offset_counts": 383.0}))
+    assert with_offset.readout.gain == pytest.approx(7e6 / 16000)
+
+
+@pytest.mark.parametrize(
+    ("tables", "key", "remedy"),
+    [
+        ({"optics": OPTICS | {"obscuration": 1.0}}, "sensor.optics.obscuration", "0 to below 1"),
+        ({"optics": OPTICS | {"focal_length_m": 0.3}}, "sensor.optics.f_number", "leave it out"),
+        ({"optics": OPTICS | {"ifov_urad": 80}}, "sensor.optics.ifov_urad", "0.5 %"),
+        ({"fov_deg": [16, 8]}, "sensor.fov_deg", "leave fov_deg out"),
+        ({"optics": {"aperture_m": 0.05}}, "sensor.optics.focal_length_m", "give it"),
+        ({"optics": {"focal_length_m": 0.05}}, "sensor.optics.aperture_m", "f_number"),
+        ({"optics": {"focal_length_m": 0.05, "aperture_m": 0.2}}, "sensor.optics.aperture_m", "F/0.5"),
+        ({"detector": PIXELS | {"well_capacity_e": 10, "read_noise_e": 50}}, "sensor.detector.well_capacity_e", "correct one"),
+        ({"detector": PIXELS | {"bit_depth": 17}}, "sensor.detector.bit_depth", "1 to 16"),
+        ({"detector": PIXELS | {"bit_depth": 8, "offset_counts": 300}}, "sensor.detector.offset_counts", "lower offset"),
+        ({"detector": PIXELS | {"integration_time_s": 0.05}}, "sensor.detector.integration_time_s", "shorten it"),
+        ({"detector": PIXELS | {"integration_time_s": 0.03, "short_integration_time_s": 0.02}}, "integration_time_s", "shorten it"),
+        ({"detector": PIXELS | {"fill_factor": 1.2}}, "sensor.detector.fill_factor", "above 0 to 1"),
+        ({"detector": PIXELS | {"quantum_efficiency": 1.2}}, "sensor.detector.quantum_efficiency", "above 0 to 1"),
+        ({"detector": {}}, "sensor.detector.pitch_um", "add it"),
+        ({"detector": None}, "sensor.detector", "add it"),
+        ({"optics": None}, "sensor.optics", "add it"),
+        ({"noise": {"dead_share": 0.6, "hot_share": 0.6}}, "sensor.noise.dead_share", "up to 1"),
+        ({"noise": {"corrected_at_k": [300, 300]}}, "sensor.noise.corrected_at_k", "give two"),
+        ({"scan": {"period_s": 0.01}}, "sensor.scan.period_s", "leave it out"),
+        ({"scan": {"kind": "line", "period_s": 0.1}}, "sensor.scan.period_s", "shorten it"),
+        ({"scan": {"kind": "line", "row_time_s": 1e-6}}, "sensor.scan.row_time_s", "leave it out"),
+        ({"scan": {"row_time_s": 1e-3}}, "sensor.scan.row_time_s", "shorten it"),
+    ],
+)
+def test_mistakes_are_one_line_with_key_and_remedy(tables, key: str, remedy: str) -> None:
+    given = {"optics": OPTICS, "detector": PIXELS, **tables}
+    said = refusal(given.pop("optics"), given.pop("detector"), **given)
+    assert key in said
+    assert remedy in said
+
+
+def test_noise_without_a_detector_is_refused() -> None:
+    with pytest.raises(ScenarioError, match=r"sensor\.noise is given without \[sensor\.optics\]"):
+        parse_scenario({"sensor": {"noise": {"temporal": False}}})
+
+
+@pytest.mark.parametrize(("low", "high"), [(8.0, 12.0), (3.5, 4.5)])
+def test_a_response_that_is_not_that_of_the_band_is_refused(tmp_path, low: float, high: float) -> None:
+    path = tmp_path / "qe.csv"
+    path.write_text(f"wavelength_um,response\n{low},0.5\n{0.5 * (low + high)},1\n{high},0.5\n")
+    scenario = parsed(detector=PIXELS | {"quantum_efficiency_file": str(path)})
+    with pytest.raises(ScenarioError, match=r"sensor\.detector\.quantum_efficiency_file.*over the whole band") as caught:
+        sensor_model(scenario)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_curve_of_efficiency_weights_the_photons(tmp_path) -> None:
+    path = tmp_path / "qe.csv"
+    path.write_text("wavelength_um,response\n3.0,0\n4.2,0\n4.3,1\n6.0,1\n")
+    curve = sensor_model(parsed(detector=PIXELS | {"quantum_efficiency_file": str(path), "quantum_efficiency": 0.8}))
+    plain = sensor_model(parsed(detector=PIXELS))
+    assert curve.photons.electrons_per_joule < 0.8 * plain.photons.electrons_per_joule
+    assert curve.photons.wavelength > plain.photons.wavelength
+
+
+@pytest.mark.parametrize("name", SENSORS)
+def test_presets_are_sensors_with_a_source_beside_each_number(name: str) -> None:
+    chosen = SENSORS[name]
+    scenario = parse_scenario(with_sensor({"sensor": {"height_m": 20.0, "fov_deg": [16, 8], "pixels": [512, 256]}}, name))
+    assert scenario.sensor.height_m == 20.0
+    given = {"band"}
+    for key, value in chosen.sensor.items():
+        given |= {f"{key}.{inner}" for inner in value} if isinstance(value, dict) else {key}
+    assert given == set(chosen.sources)
+    assert sensor_model(scenario).readout.gain > 0.0
+
+
+def test_presets_have_the_netd_of_their_data_sheets() -> None:
+    found = {name: figures(sensor_model(parse_scenario(with_sensor({}, name))))["netd_k"] for name in SENSORS}
+    assert found["mwir-insb-640"] == pytest.approx(0.018, abs=0.002)  # below 20 mK, 18 typical
+    assert found["lwir-mct-640"] == pytest.approx(0.022, abs=0.002)
+    assert found["lwir-microbolometer-640"] == pytest.approx(0.040, rel=0.01)
+
+
+def test_an_unknown_preset_names_those_there_are(tmp_path) -> None:
+    path = tmp_path / "my.toml"
+    path.write_text("")
+    with pytest.raises(ScenarioError, match="--sensor nix: is not one of mwir-insb-640, lwir-mct-640"):
+        load_scenario(path, sensor="nix")
