@@ -24,8 +24,8 @@ from seaglint.limits import COX_MUNK_WIND, WIND_PROFILE
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.pipeline.case_slopes import WIND_FROM, slope_kinds, slopes_of
+from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 
 Columns = dict[str, FloatArray | list[str]]
 Report = Callable[[int, int], None]
@@ -48,14 +48,6 @@ MEAN_INPUTS: Final = (
 SCATTERED_INPUTS: Final = (
     "kind", "atmosphere", "wind_speed_m_s", "sensor_height_m", "elevation_deg", "azimuth_from_sun_deg", "solar_zenith_deg",
 )  # fmt: skip
-
-WIND_FROM: Final = "wind_from_deg"
-"""Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth."""
-
-SLOPES: Final = "slopes"
-"""Another that may be missing: the slope model of each row, one of :data:`SLOPE_KINDS`."""
-
-SLOPE_KINDS: Final = ("cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gram-charlier")
 
 _CHUNK: Final = 1024
 """Rows at a time: their spectra (2 MB each) stay near the processor."""
@@ -264,7 +256,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     _hits_sea(cases, depression, np.array([horizon_depression(h) for h in height]))
     directed = WIND_FROM in cases.header
     wind_from = _angles(cases, WIND_FROM, -360.0, 360.0) if directed else np.zeros(len(cases))
-    kinds = _slope_kinds(cases, directed)
+    kinds = slope_kinds(cases, directed)
     length = correlation_length(CORRELATION_TIME)
     water = hale_querry_sea()
     columns = {
@@ -284,7 +276,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
             for (at, solar_zenith, kelvin, towards, origin, kind), of_air in ((k, r) for k, r in groups_of(views) if isinstance(k, tuple)):
                 _tell(progress, done, total)
                 rows = same_air[of_air]
-                slopes = _slopes(kind, speed, float(travel_azimuth(origin)), extrapolate)
+                slopes = slopes_of(kind, speed, float(travel_azimuth(origin)), extrapolate)
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith)
                 # What costs most, the table of the sky, is that of the air alone.
                 of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))
@@ -375,31 +367,6 @@ def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate:
 
 def _model_of(key: Hashable) -> str:
     return str(key[0]) if isinstance(key, tuple) else str(key)
-
-
-def _slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
-    """Slope model of every row; those that have a direction need the wind's."""
-    if SLOPES not in cases.header:
-        return np.full(len(cases), SLOPE_KINDS[1 if directed else 0])
-    kinds = np.array(cases.choice(SLOPES, SLOPE_KINDS))
-    if not directed:
-        cases.check(
-            kinds == SLOPE_KINDS[0],
-            SLOPES,
-            lambda row: f"'{kinds[row]}' depends on the wind's direction; add a column {WIND_FROM}, or give '{SLOPE_KINDS[0]}'",
-        )
-    return kinds
-
-
-def _slopes(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
-    """Slopes of a wind at 10 m towards an azimuth [rad]."""
-    match kind:
-        case "cox-munk-isotropic":
-            return cox_munk_isotropic(speed, extrapolate=extrapolate)
-        case "cox-munk-anisotropic":
-            return cox_munk_anisotropic(speed, towards, extrapolate=extrapolate)
-        case _:
-            return cox_munk_gram_charlier(speed, towards, extrapolate=extrapolate)
 
 
 def groups_of(keys: Iterable[Hashable]) -> list[tuple[Hashable, NDArray[np.intp]]]:

@@ -447,5 +447,4 @@ def _fill_list(views: FloatArray, area: FloatArray, sea: _Sea, disc: _Disc, legs
     zenith, azimuth, turn = views[0], views[1], views[2]
     for i in numba.prange(zenith.size):
         view = (math.sin(zenith[i]), math.cos(zenith[i]), math.sin(azimuth[i]), math.cos(azimuth[i]))
-        here = turn_kernel(turn[i])
-        chance[i], cosine[i], _ = _chance(view, azimuth[i], here, area[i] if area.size > 0 else -1.0, sea, disc, legs)
+        chance[i], cosine[i], _ = _chance(view, azimuth[i], turn_kernel(turn[i]), area[i] if area.size > 0 else -1.0, sea, disc, legs)
