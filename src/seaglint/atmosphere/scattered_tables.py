@@ -59,6 +59,10 @@ _SUN_ROWS: Final = 13
 
 _SMALL_TURN: Final = np.radians(1.0)
 
+_LOW: Final = 300.0
+"""Height [m] up to which the sky below the horizontal is the horizontal's: LOWTRAN7 makes the sensor's height a level, and the thin layer
+below it, with another air, would draw a line above the sea (:mod:`seaglint.atmosphere.low_sky`)."""
+
 _ONE_SUN: Final = np.radians(0.1)
 """Suns that differ by less are one."""
 
@@ -158,6 +162,8 @@ class ScatteredLight:
         if self.air is None:
             return _DARK
         table = self._in_band(*_sky_lines(self.air, self.height))
+        if self.height <= _LOW:
+            table.amplitude[:, :DIP_ROWS] = table.amplitude[:, DIP_ROWS : DIP_ROWS + 1]
         return table._replace(dip=horizon_depression(self.height), dip_rows=DIP_ROWS)
 
     @cached_property
@@ -181,17 +187,32 @@ class ScatteredLight:
 
     def paths(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
         """Line by line: paths to the sea at arcs [m] (rows), azimuths from the Sun [rad] (columns), in band [W m-2 sr-1]."""
+        return self.path_spectra(arc, azimuth) @ self.weights
+
+    def path_spectra(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
+        """The same in every channel [W m-2 sr-1 per cm-1, (rows, columns, n)]."""
         if self.air is None:
-            return np.zeros((arc.size, azimuth.size))
-        slant = slant_range(self.height, arc)
+            return np.zeros((arc.size, azimuth.size, self.weights.size))
+        horizon = slant_range(self.height, float(_path_lines(self.air, self.height)[1][-1]))
+        slant = np.clip(slant_range(self.height, arc), self.height, horizon)
         for _ in range(3):  # refraction takes a straight line's end a little farther
             zenith = _path_zenith(self.air, self.height, slant)
-            slant = slant * arc / (1e3 * self.air.laws.earth_radius * self.air.arcs(self.height, zenith))
-            slant = np.maximum(slant, self.height)
+            reached = 1e3 * self.air.laws.earth_radius * self.air.arcs(self.height, zenith)
+            slant = np.clip(slant * np.where(reached > 0.0, arc / np.maximum(reached, 1e-9), 1.0), self.height, horizon)
+        return self._spectra(zenith, azimuth, self.height, self._aloft)
+
+    def sky_spectra(self, zenith: FloatArray, azimuth: FloatArray, height: float) -> FloatArray:
+        """Sky seen from a height [m] at zenith angles (rows) and azimuths from the Sun (columns) [rad], in every channel."""
+        if self.air is None:
+            return np.zeros((zenith.size, azimuth.size, self.weights.size))
+        return self._spectra(zenith, azimuth, height, float(self.air.apparent_zenith(self._sun, height)))
+
+    def _spectra(self, zenith: FloatArray, azimuth: FloatArray, height: float, apparent: float) -> FloatArray:
+        air = cast(ScatteringAir, self.air)
         lines = np.stack(np.broadcast_arrays(zenith[:, None], azimuth, self._sun), axis=-1).reshape(-1, 3)
-        found = self.air.amplitudes(self.height, lines)[0] * self.air.source
-        phase = self.air.phase(scattering_angle(lines[:, 0], lines[:, 1], self._aloft))
-        return np.asarray(self._share * ((phase * found).sum(axis=1) @ self.weights)).reshape(arc.size, azimuth.size)
+        found = air.amplitudes(height, lines)[0] * air.source
+        phase = air.phase(scattering_angle(lines[:, 0], lines[:, 1], apparent))
+        return np.asarray(self._share * (phase * found).sum(axis=1)).reshape(zenith.size, azimuth.size, air.source.size)
 
     @property
     def _apparent(self) -> float:

@@ -309,6 +309,8 @@ class ScatteredSun:
 
     def mirrored(self, rows: Rows, azimuth: FloatArray) -> FloatArray:
         """Mirrored by the sea, at the aperture in band [W m-2 sr-1, (rows, columns)]; azimuths of lines of sight [rad, (columns,)]."""
+        if rows.gamma.size == 0:
+            return np.zeros((0, azimuth.size))
         terms = self._reflectance.coefficients[:_TERMS]
         shapes = (terms[:, None] * self._spectral).reshape(-1, rows.seen.shape[1])
         sums = np.ascontiguousarray((rows.seen @ shapes.T).reshape(rows.gamma.size, terms.shape[0], -1))
