@@ -3,7 +3,8 @@
     python tools/validation_tables.py               all tables
     python tools/validation_tables.py headline sea  some of them
 
-The tables ``lowtran`` and ``emissivity`` need SEAGLINT_REFERENCE_DIR, ``buoy`` needs SEAGLINT_DATA_DIR; without it they stay as they are.
+The tables ``lowtran``, ``scattered`` and ``emissivity`` need SEAGLINT_REFERENCE_DIR, ``buoy`` needs SEAGLINT_DATA_DIR; without it they stay
+as they are.
 """
 
 from __future__ import annotations
@@ -21,9 +22,11 @@ import numpy as np
 
 from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.atmosphere.table_file import models
+from seaglint.io.cases import read_cases
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.pipeline import prepare
+from seaglint.pipeline.evaluate import evaluate_scattered, parse_bands
 from seaglint.pipeline.render import prepare_sequence
 from seaglint.radiance.mean import mean_radiance
 from seaglint.scenario.load import parse_scenario
@@ -94,6 +97,26 @@ def lowtran() -> Lines:
     head = (f"{len(cases)} cases, error in %: median / 95 %", *(f"{low:g}-{high:g} µm" for low, high in bands))
     rows = [(label, *(f"{found[edges][0][i]:.2g} / {found[edges][1][i]:.2g}" for edges in bands)) for i, label in enumerate(names.values())]
     yield from table(head, rows)
+
+
+def scattered() -> Lines:
+    """Medians, 95th percentiles and largest errors of scattered sunlight over the reference cases."""
+    path = folder("SEAGLINT_REFERENCE_DIR") / "lowtran7_scattered.csv"
+    labels = ("2.0-2.4", "3.0-5.0", "3.5-5.0", "3.5-4.2")
+    with path.open() as file:
+        cases = list(csv.DictReader(file))
+    ours = evaluate_scattered(read_cases(path), parse_bands(labels))
+    sun = np.array([float(row["solar_zenith_deg"]) for row in cases])
+    body = []
+    for label in labels:
+        light, warmth = (np.array([float(row[f"{name}_W_m2_sr[{label}]"]) for row in cases]) for name in ("scattered", "thermal"))
+        relative = 100.0 * np.abs(np.asarray(ours[f"scattered_W_m2_sr[{label}]"]) / light - 1.0)
+        cells = []
+        for rows in (light > 0.01 * (light + warmth), (light > 0.01 * (light + warmth)) & (sun > 80.0)):
+            median, most = np.percentile(relative[rows], (50.0, 95.0))
+            cells += [str(np.count_nonzero(rows)), f"{median:.2g} / {most:.2g} / {relative[rows].max():.2g}"]
+        body.append((f"{label} µm", *cells))
+    yield from table(("error in %: median / 95 % / largest", "cases", "all Suns", "cases", "Sun beyond 80°"), body)
 
 
 def lowtran_case(row: dict[str, str], edges: tuple[float, float]) -> list[float]:
@@ -232,6 +255,7 @@ def departure(scene: dict[str, object], *, flat: bool = False) -> float:
 TABLES: dict[str, Callable[[], Lines]] = {
     "headline": headline,
     "lowtran": lowtran,
+    "scattered": scattered,
     "emissivity": wu_smith,
     "sea": sea,
     "buoy": buoy,

@@ -354,3 +354,56 @@ def test_progress_shows_only_work_that_lasts(capsys):
         now[0] += 2.0 * PATIENCE
         report(10, 10)  # done when it would appear
     assert capsys.readouterr().err == ""
+
+
+SCATTERED = "kind,atmosphere,wind_speed_m_s,sensor_height_m,elevation_deg,azimuth_from_sun_deg,solar_zenith_deg"
+
+# LOWTRAN7 as in tests/atmosphere/test_scattered_against_lowtran.py: inputs, then scattered and thermal radiance in 3.5-5 um.
+SCATTERED_ROWS = [
+    ("sky,subarctic-summer,15.36,39.3,23.739,123.104,24.385", 0.0320464, 0.745034),
+    ("path,us-standard-1976,12.05,1024.4,-16.773,69.596,40.243", 0.00783819, 0.603991),
+    ("sky,midlatitude-winter,8.59,3.3,52.873,171.351,59.267", 0.00651364, 0.295303),
+]
+
+
+def test_scattered_against_lowtran(seaglint, cases, tmp_path):
+    source, output = cases(SCATTERED, *(given for given, *_ in SCATTERED_ROWS)), tmp_path / "out.csv"
+    answer = seaglint("evaluate", "scattered", source, "--band", "3.5-5.0", "--band", "8-12", "-o", output)
+    assert (answer.code, answer.out) == (0, "")
+    rows = table(output)
+    quantities = ("scattered_W_m2_sr", "thermal_W_m2_sr")
+    assert list(rows[0]) == [*SCATTERED.split(","), *(f"{q}[{band}]" for band in ("3.5-5.0", "8-12") for q in quantities)]
+    for row, (given, *expected) in zip(rows, SCATTERED_ROWS, strict=True):
+        assert ",".join(row[name] for name in SCATTERED.split(",")) == given
+        # largest error of thermal paths among all reference cases, just above a level; scattered light is within 1e-3 here
+        np.testing.assert_allclose([float(row[f"{q}[3.5-5.0]"]) for q in quantities], expected, rtol=4e-3)
+        assert float(row["scattered_W_m2_sr[8-12]"]) == 0.0
+        assert float(row["thermal_W_m2_sr[8-12]"]) > 1.0
+
+
+@pytest.mark.parametrize(
+    ("row", "told"),
+    [
+        ("ray,tropical,7,30,-5,0,60", "'ray' is not one of path, sky"),
+        ("path,tropical,7,30,5,0,60", "misses the sea"),
+        ("sky,tropical,7,30,-5,0,60", "say kind = path"),
+        ("path,tropical,7,0,-5,0,60", "the lowest of paths"),
+        ("sky,tropical,25,30,5,0,60", "--extrapolate"),
+        ("sky,tropical,7,30,5,0,200", "solar_zenith_deg"),
+    ],
+)
+def test_scattered_cases_that_cannot_be_used(seaglint, cases, tmp_path, row, told):
+    answer = seaglint("evaluate", "scattered", cases(SCATTERED, row), "--band", "3.5-5.0", "-o", tmp_path / "out.csv")
+    assert answer.code != 0
+    assert told in answer.err
+    assert one_line(answer.err)
+    assert "row 1 (line 2)" in answer.err
+
+
+def test_scattered_beyond_the_tables_is_marked(seaglint, cases, tmp_path):
+    output = tmp_path / "out.csv"
+    source = cases(SCATTERED, "path,tropical,25,30,-5,0,60", "path,tropical,20,30,-5,0,60")
+    assert seaglint("evaluate", "scattered", source, "--band", "3.5-5.0", "--extrapolate", "-o", output).code == 0
+    one, other = table(output)
+    assert (one["extrapolated"], other["extrapolated"]) == ("wind_speed_m_s", "")
+    assert float(one["scattered_W_m2_sr[3.5-5.0]"]) == pytest.approx(float(other["scattered_W_m2_sr[3.5-5.0]"]), rel=1e-9)

@@ -10,13 +10,18 @@ from importlib.metadata import PackageNotFoundError
 import numpy as np
 import pytest
 
+from seaglint.atmosphere.scattered import scattered_path_at, scattered_sky_at
+from seaglint.atmosphere.scattered_tables import scattered_in
+from seaglint.atmosphere.scattering_laws import scattering_angle
 from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.conventions import horizon_depression
 from seaglint.errors import BackendError, DomainError, StorageError
 from seaglint.io.lowtran import cache, engine, sample
 from seaglint.io.lowtran.deck import Aerosol, Air, Case, Level
+from seaglint.io.lowtran.laws import live_air
 from seaglint.io.lowtran.sounding import MODEL_LEVELS_KM, saturation_density
 from seaglint.optics.band import Band
+from seaglint.radiance.view import BandSum
 from seaglint.user_cache import cache_folder
 
 BAND = (3.9, 4.1)
@@ -284,3 +289,57 @@ def test_the_cache_folder_follows_the_environment(monkeypatch, tmp_path):
     if os.name == "posix" and os.uname().sysname == "Linux":
         monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
         assert cache_folder() == tmp_path / "seaglint"
+
+
+# Rows of lowtran7_scattered.csv: model, wind [m/s], height [m], elevation, azimuth from the Sun, solar zenith [deg], then scattered and
+# thermal radiance in 3.5-5 um.
+SCATTERED_ROWS = [
+    ("subarctic-summer", 15.36, 39.3, 23.739, 123.104, 24.385, 0.0320464, 0.745034),
+    ("us-standard-1976", 12.05, 1024.4, -16.773, 69.596, 40.243, 0.00783819, 0.603991),
+]
+
+
+def sunlit(air, height, elevation, azimuth, zenith, *, multiple=False):
+    kind = "path" if elevation < 0.0 else "sky"
+    return Case(air, kind, height / 1e3, 90.0 - elevation, sun=(azimuth, zenith), multiple=multiple)
+
+
+@pytest.mark.parametrize("row", SCATTERED_ROWS, ids=lambda r: f"{r[0]}-{r[2]:g}m")
+def test_scattered_sunlight_is_that_of_the_reference_runs(live, row):
+    """Same code, same precision, their angles rounded to a thousandth of a degree: 0.1 %."""
+    model, wind, *line, scattered, thermal = row
+    run = engine.run(live.program, sunlit(Air(model, Aerosol(wind=wind, wind_24h=wind), 2000, 2860), *line))
+    weights = Band.rectangular(3.5, 5.0).weights(run.wavenumber_cm)
+    np.testing.assert_allclose([weights @ run.scattered, weights @ run.radiance], [scattered, thermal], rtol=1e-3)
+    assert not engine.run(live.program, Case(SMALL, "sky", 0.0, 60.0)).scattered.any()
+
+
+def test_multiple_scattering_only_adds(live):
+    once, often = (engine.run(live.program, sunlit(SMALL, 30.0, -2.0, 40.0, 60.0, multiple=m)).scattered for m in (False, True))
+    assert np.all(often > once)
+
+
+@pytest.mark.parametrize("haze", ["navy-maritime", "rural-23km", "urban", "desert", "none"])
+@pytest.mark.parametrize("line", [(0.0, 20.0, 15.0, 60.0), (30.0, -2.0, 40.0, 70.0), (500.0, 5.0, 100.0, 40.0)])
+def test_laws_of_a_run_give_its_scattered_sunlight(live, haze, line):
+    """1.5 %: hazes whose extinction follows the humidity of the path; 0.1 % for the Navy's."""
+    air = Air("us-standard-1976", Aerosol(haze, wind=7.0, wind_24h=7.0), 2435, 2565)
+    height, *angles = line
+    run = engine.run(live.program, sunlit(air, height, *angles))
+    found = live_air(live, air, engine.run(live.program, Case(air, "sun", 0.0, 0.0)).source)
+    elevation, azimuth, zenith = np.radians(angles)
+    amplitude, _ = found.amplitudes(height, np.array([[0.5 * np.pi - elevation, azimuth, zenith]]))
+    angle = scattering_angle(0.5 * np.pi - elevation, azimuth, found.apparent_zenith(zenith, height))
+    spectrum = found.source * (found.phase(angle) * amplitude[0]).sum(axis=0)
+    assert spectrum.sum() == pytest.approx(run.scattered.sum(), rel=1e-3 if haze == "navy-maritime" else 1.5e-2)
+
+
+def test_live_air_scatters_like_the_table(live):
+    found = sample.lowtran_atmosphere("us-standard-1976", Aerosol(wind=7.0, wind_24h=7.0), 30.0, BAND)
+    table = TableAtmosphere.load("us-standard-1976", 7.0, BAND)
+    over = BandSum.of(Band.rectangular(*BAND), table)
+    ours, theirs = (scattered_in(air, over.grid, over.weights, 30.0, 1.2) for air in (found, table))
+    for elevation, azimuth in ((0.1, 0.2), (1.0, 2.0)):
+        seen = (scattered_sky_at(elevation, azimuth, ours.sky), scattered_sky_at(elevation, azimuth, theirs.sky))
+        assert seen[0] == pytest.approx(seen[1], rel=2e-4)
+    assert scattered_path_at(3e3, -0.01, 0.3, ours.path) == pytest.approx(scattered_path_at(3e3, -0.01, 0.3, theirs.path), rel=2e-4)

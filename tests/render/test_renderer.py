@@ -211,7 +211,7 @@ def test_camera_angles_are_pixel_centres():
 
 def test_only_sky(air):
     eye = camera(30.0, 20.0, 5.0, 10)
-    image = shown(_renderer(air, eye), 0.0)
+    image = shown(_renderer(air, eye, sun=(120.0, 0.0)), 0.0)
     assert np.all(np.diff(image.radiance[:, 0]) > 0.0)  # warmer towards the horizon
     assert np.all(image.glint_radiance == 0.0)
 

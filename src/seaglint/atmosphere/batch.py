@@ -7,12 +7,13 @@ here they are taken at every case's own wind and height (:mod:`seaglint.atmosphe
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.atmosphere.base import FloatArray
-from seaglint.atmosphere.coordinates import elevation_coordinate, path_coordinate, straight_slant
+from seaglint.atmosphere.coordinates import dip_coordinate, elevation_coordinate, path_coordinate, straight_slant
 from seaglint.atmosphere.stencil import Stencil, with_slopes
 from seaglint.atmosphere.table_file import BandTable, Spectra
 from seaglint.errors import DomainError
@@ -162,13 +163,40 @@ class BatchAtmosphere:
         y = self._table.sun_coordinate(solar_zenith)
         return self._table.sunlight(solar_zenith, self._against_elevation(self._table.sun_depth, self._sun_scores, wind_speed, y))
 
-    def sky_radiance(self, wind_speed: ArrayLike, zenith: ArrayLike) -> FloatArray:
-        """Thermal radiance of the clear sky seen from the sea [W m-2 sr-1 per cm-1, (cases, n)], zenith angles 0..pi/2 [rad, (cases,)]."""
+    def sky_radiance(self, wind_speed: ArrayLike, zenith: ArrayLike, height: ArrayLike | None = None) -> FloatArray:
+        """Thermal radiance of the clear sky [W m-2 sr-1 per cm-1, (cases, n)] at zenith angles [rad, (cases,)].
+
+        Seen from the sea, or from heights [m, (cases,)]; from there down to the horizon of LOWTRAN7's own rays (:meth:`dip`).
+        """
         angle = np.asarray(zenith, dtype=np.float64)
+        if height is not None:
+            return self._sky_from(wind_speed, angle, np.asarray(height, dtype=np.float64))
         _require(angle, (0.0, 0.5 * np.pi), "zenith", "rad")
         y = np.minimum(elevation_coordinate(0.5 * np.pi - angle, 0.0), 1.0)
         temperature = self._against_elevation(self._table.sky_temperature, self._sky_scores, wind_speed, y)
         return planck_wavenumber(self.wavenumber_cm, temperature)
+
+    def _sky_from(self, wind_speed: ArrayLike, zenith: FloatArray, height: FloatArray) -> FloatArray:
+        table = self._table
+        at = self._covered(height, (0.0, float(table.sky_heights[-1])), "sensor height", "m")
+        dip, elevation = self.dip(at), 0.5 * np.pi - zenith
+        _require(elevation, (float(-dip.max()), 0.5 * np.pi), "elevation of the sky", "rad")
+        where = self._wind(wind_speed).times(table.at_sky_heights(at))
+        up, low = self._skies
+        nodes = (up.shape[2] // 2, low.shape[2] // 2)
+        y = np.minimum(elevation_coordinate(np.maximum(elevation, 0.0), dip), 1.0)
+        found = where.times(Stencil.hermite(np.linspace(0.0, 1.0, nodes[0]), y)).of(up.reshape(-1, up.shape[-1]))
+        below = elevation < 0.0
+        if below.any():
+            x = np.minimum(dip_coordinate(-elevation[below], dip[below]), 1.0)
+            part = Stencil(where.index[below], where.weight[below], where.size).times(Stencil.hermite(np.linspace(0.0, 1.0, nodes[1]), x))
+            found[below] = part.of(low.reshape(-1, low.shape[-1]))
+        return planck_wavenumber(self.wavenumber_cm, table.sky_temperature.of(found))
+
+    @cached_property
+    def _skies(self) -> tuple[FloatArray, FloatArray]:
+        """Values and slopes of the sky from all heights, above and below the horizontal [(winds, heights, 2 nodes, components)]."""
+        return _and_slopes(self._table.sky_temperature.scores), _and_slopes(self._table.sky_dip.scores)
 
     def _against_elevation(self, spectra: Spectra, scores: FloatArray, wind_speed: ArrayLike, y: FloatArray) -> FloatArray:
         """Spectra at the cases' winds and coordinates of elevation [(cases, n)]."""

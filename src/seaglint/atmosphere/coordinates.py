@@ -36,7 +36,8 @@ class Refraction:
     def depression(self, height: ArrayLike, sea_cosine: ArrayLike) -> FloatArray:
         """Depression at the sensor of the ray that leaves the sea at zenith angle ``arccos(sea_cosine)`` [rad]."""
         e = self._offset(height)
-        sine = np.sqrt(e * (2.0 - e) + ((1.0 - e) * np.asarray(sea_cosine, dtype=np.float64)) ** 2)
+        square = e * (2.0 - e) + ((1.0 - e) * np.asarray(sea_cosine, dtype=np.float64)) ** 2
+        sine = np.sqrt(np.maximum(square, 0.0))  # at the sea itself rounding may leave less than nothing
         return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
 
     def sea_cosine(self, height: ArrayLike, depression: ArrayLike) -> FloatArray:
@@ -105,9 +106,9 @@ ELEVATION_SCALE = 0.012
 """Angle above the horizontal at which the spacing of elevation nodes turns from even to geometric [rad]."""
 
 
-def elevation_coordinate(elevation: ArrayLike, dip: float) -> FloatArray:
+def elevation_coordinate(elevation: ArrayLike, dip: ArrayLike) -> FloatArray:
     """Angle above the horizontal squeezed to 0 (horizontal) ... 1 (straight up) [1]: ``asinh(e/e0) / asinh(pi/2 e0)``."""
-    scale = ELEVATION_SCALE + 0.5 * dip
+    scale = ELEVATION_SCALE + 0.5 * np.asarray(dip)
     return np.asarray(np.arcsinh(np.asarray(elevation) / scale) / np.arcsinh(0.5 * np.pi / scale))
 
 
@@ -117,7 +118,7 @@ def elevation_of_coordinate(y: ArrayLike, dip: float) -> FloatArray:
     return np.asarray(scale * np.sinh(np.asarray(y) * np.arcsinh(0.5 * np.pi / scale)))
 
 
-def dip_coordinate(depression: ArrayLike, dip: float) -> FloatArray:
+def dip_coordinate(depression: ArrayLike, dip: ArrayLike) -> FloatArray:
     """``sqrt(depression / dip)`` [1] of sky seen below the horizontal: 0 horizontal, 1 at the sea horizon.
 
     Such a ray dips to a tangent height and leaves through the same air again; within 0.1 dips of the horizontal the

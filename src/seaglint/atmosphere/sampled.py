@@ -6,9 +6,9 @@ effective air temperature of the path, encoded optical depth towards the Sun, br
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,9 @@ from seaglint.atmosphere.scattered_samples import ScatteredSamples
 from seaglint.atmosphere.vacuum import exoatmospheric_irradiance
 from seaglint.conventions import horizon_depression
 from seaglint.errors import DataError, DomainError
+
+if TYPE_CHECKING:
+    from seaglint.atmosphere.scattering_laws import ScatteringAir
 
 OPAQUE = 25.0
 """Optical depths end here: transmittance 1e-11."""
@@ -125,6 +128,7 @@ class SampledAtmosphere:
     _sun: CubicSpline[np.float64]
     _skies: tuple[Sky, ...] = field(default=())
     _line: LiveLine | None = None
+    _scattering: Callable[[], ScatteringAir] | None = None
     _free: tuple[bool, bool] = (False, False)
     scattered: ScatteredSamples | None = None
     """Sunlight scattered by the air, where the calculation tells it."""
@@ -140,6 +144,7 @@ class SampledAtmosphere:
         skies: Sequence[SkySamples],
         line: LiveLine | None = None,
         scattered: ScatteredSamples | None = None,
+        scattering: Callable[[], ScatteringAir] | None = None,
         name: str = "sampled atmosphere",
         provenance: dict[str, Any] | None = None,
     ) -> SampledAtmosphere:
@@ -157,6 +162,8 @@ class SampledAtmosphere:
             The calculation itself, for paths to points above the sea.
         scattered : ScatteredSamples, optional
             Sunlight scattered by the air.
+        scattering : callable, optional
+            Makes the scatterers on all spectral samples, when they are asked for; without it the air scatters no sunlight.
         name : str
             What error messages call the atmosphere.
         provenance : dict, optional
@@ -206,6 +213,7 @@ class SampledAtmosphere:
             _skies=tuple(Sky.of(sky, nu) for sky in skies),
             _line=line,
             scattered=scattered,
+            _scattering=scattering,
         )
 
     def _coordinate(self, height: float, range_m: ArrayLike) -> FloatArray:
@@ -309,6 +317,10 @@ class SampledAtmosphere:
     def path_radiance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
         """Thermal radiance of the air between the point and the sensor [W m-2 sr-1 per cm-1, (..., n)]."""
         return self.path(height, range_m, target_height)[1]
+
+    def scattering(self, grid: slice) -> ScatteringAir | None:
+        """Scatterers on part of the spectral samples; None where none are known. Makes them on every call: keep what is made of them."""
+        return self._scattering().cut(grid) if self._scattering is not None else None
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
         """Direct sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)]; 0 beyond a zenith angle of pi/2."""

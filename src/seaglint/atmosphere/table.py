@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,6 +33,9 @@ from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import horizon_depression
 from seaglint.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
+
+if TYPE_CHECKING:
+    from seaglint.atmosphere.scattering_laws import ScatteringAir
 
 _LAW_HEIGHTS = np.array([2.0, 12.0, 70.0, 280.0, 700.0, 1060.0, 1450.0, 2000.0, 2600.0, 2990.0, 3400.0, 5000.0, 7000.0, 10e3])
 """Heights of the paths to the sea that the band law is fitted to, nine lengths each [m]."""
@@ -313,6 +316,15 @@ class TableAtmosphere:
         slant = height * (self._horizon_slant(height, weights) / height) ** ray(straight)
         chord = (slant**2 - height**2) / (4.0 * EFFECTIVE_EARTH_RADIUS * (EFFECTIVE_EARTH_RADIUS + height))
         return np.asarray(2.0 * EFFECTIVE_EARTH_RADIUS * np.arcsin(np.sqrt(np.maximum(chord, 0.0))))
+
+    def scattering(self, grid: slice) -> ScatteringAir | None:
+        """Scatterers on part of the spectral samples; None in 7.5-14 um, where the air scatters next to no sunlight."""
+        if self._table.region != "mwir":
+            return None
+        # Numba comes with it: the thermal tables do without.
+        from seaglint.atmosphere.scattering_file import ScatteringTable
+
+        return ScatteringTable(self.model, self.wavenumber_cm[grid]).at_wind(self.wind_speed)
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
         """Direct sunlight at the sea, normal to the beam, Sun at 1 au [W m-2 per cm-1, (..., n)]; 0 beyond a zenith angle of pi/2.

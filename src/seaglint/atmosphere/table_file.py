@@ -30,7 +30,7 @@ from numpy.typing import ArrayLike
 
 from seaglint.atmosphere.absorbers import Region
 from seaglint.atmosphere.base import require_solar_zenith, wavenumber_grid
-from seaglint.atmosphere.coordinates import Refraction, decode_optical_depth, elevation_coordinate, height_coordinate
+from seaglint.atmosphere.coordinates import Refraction, decode_optical_depth, elevation_coordinate, height_coordinate, sky_height_coordinate
 from seaglint.atmosphere.stencil import Stencil
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
@@ -219,6 +219,12 @@ class BandTable:
     def at_heights(self, height: FloatArray) -> Stencil:
         """Stencil over the heights' nodes for heights inside the table [m, (cases,)]."""
         return Stencil.between_kinks(*self.height_axis, self.height_coordinate(height))
+
+    def at_sky_heights(self, height: FloatArray) -> Stencil:
+        """Stencil over the heights from which the sky is held, for heights inside the table [m, (cases,)]."""
+        levels = (*self.levels, float(self.sky_heights[-1]))
+        kinks = tuple(float(j) for j, level in enumerate(self.levels, 1) if level in self.sky_heights)
+        return Stencil.between_kinks(sky_height_coordinate(self.sky_heights, levels), kinks, sky_height_coordinate(height, levels))
 
     def path_at(self, scores: FloatArray, where: Stencil) -> tuple[FloatArray, FloatArray]:
         """Optical depth [1] and air temperature [K] of paths, both (cases, n), from the nodes' scores of both side by side."""

@@ -113,3 +113,26 @@ def mean(
 
     bands = parse_bands(band or [])
     _run(cases, output, overwrite, show, lambda rows, report: evaluate_mean(rows, bands, extrapolate=extrapolate, progress=report))
+
+
+@evaluate.command()
+def scattered(
+    cases: CasesFile,
+    output: Output,
+    band: Bands = None,
+    extrapolate: Extrapolate = False,
+    overwrite: Overwrite = False,
+    show: Progress = ProgressMode.AUTO,
+) -> None:
+    """Sunlight scattered by the air into paths to the sea and into the clear sky, and their thermal radiance.
+
+    Columns needed: kind (path or sky), atmosphere (a model's name), wind_speed_m_s, sensor_height_m (0 for sky seen from the sea),
+    elevation_deg (of the refracted ray at the sensor; below 0 for paths, which must end on the sea), azimuth_from_sun_deg,
+    solar_zenith_deg (at the sensor, without refraction). Columns made, per band: scattered_W_m2_sr, thermal_W_m2_sr. Single scattering
+    as LOWTRAN7's, Sun at 1 au; a Sun below the horizon scatters nothing.
+    """
+    _one_thread()
+    from seaglint.pipeline.evaluate import evaluate_scattered, parse_bands
+
+    bands = parse_bands(band or [])
+    _run(cases, output, overwrite, show, lambda rows, report: evaluate_scattered(rows, bands, extrapolate=extrapolate, progress=report))

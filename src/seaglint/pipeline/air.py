@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from seaglint.atmosphere.base import slant_range
 from seaglint.atmosphere.coordinates import elevation_of_coordinate
 from seaglint.atmosphere.sampled_sky import grazing_share
+from seaglint.atmosphere.scattered_tables import ScatteredLight, scattered_in
 from seaglint.conventions import FloatArray, horizon_depression, horizon_range
 from seaglint.errors import ScenarioError
+from seaglint.io.modtran.lines import AZIMUTHS
 from seaglint.io.provenance import provenance
 from seaglint.pipeline import prepare
 from seaglint.scenario import atmosphere as wanted_air
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.sun import sun_position
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -23,6 +26,9 @@ PATH_NODES: Final = 64
 SKY_NODES: Final = 48
 DIP_NODES: Final = 24
 """Nodes along the paths, of sky and Sun from the horizontal up, and of the sky from there down to the sea horizon."""
+
+_AZIMUTH: Final = "azimuth_from_sun_deg"
+_SWITCH: Final = "scattered_sunlight"
 
 HIGHEST_CREST: Final = 30.0
 """Paths reach to where the sensor sees waves of this height stand above the horizon [m]."""
@@ -64,16 +70,38 @@ def export_air(scenario: Scenario) -> xr.Dataset:
         "sky_radiance": ("sky_zenith_deg", air.sky_radiance(np.radians(zenith))),
         "sensor_sky_radiance": ("sensor_sky_zenith_deg", air.sky_radiance(np.radians(from_sensor), height)),
     }
+    attributes = provenance(
+        "Air between sea and sensor", scenario.model_dump_json(exclude_none=True), scenario.seed, sensor_height_m=height
+    )
+    variables: dict[str, Any] = {
+        name: ((node, "wavenumber_cm"), np.maximum(values, 0.0), {"units": _unit(name)}) for name, (node, values) in spectra.items()
+    }
+    azimuths = {}
+    sun = sun_position(scenario).zenith
+    light = scattered_in(air, slice(0, air.wavenumber_cm.size), np.ones(air.wavenumber_cm.size), height, sun)
+    if isinstance(light, ScatteredLight) and not light.is_dark and sun < 0.5 * np.pi and getattr(scenario.atmosphere, _SWITCH, True):
+        azimuth = np.radians(AZIMUTHS)
+        lit = {
+            "path_scattered": ("range_m", light.path_spectra(arc, azimuth)),
+            "sky_scattered": ("sky_zenith_deg", light.sky_spectra(np.radians(zenith), azimuth, 0.0)),
+            "sensor_sky_scattered": ("sensor_sky_zenith_deg", light.sky_spectra(np.radians(from_sensor), azimuth, height)),
+        }
+        variables |= {
+            name: ((node, _AZIMUTH, "wavenumber_cm"), np.maximum(values, 0.0), {"units": _unit(name)})
+            for name, (node, values) in lit.items()
+        }
+        azimuths, attributes = {_AZIMUTH: np.array(AZIMUTHS)}, {**attributes, "solar_zenith_deg": float(np.degrees(sun))}
     return xr.Dataset(
-        {name: ((node, "wavenumber_cm"), np.maximum(values, 0.0), {"units": _unit(name)}) for name, (node, values) in spectra.items()},
+        variables,
         coords={
             "range_m": arc,
             "wavenumber_cm": air.wavenumber_cm,
             "sun_zenith_deg": zenith,
             "sky_zenith_deg": zenith,
             "sensor_sky_zenith_deg": from_sensor,
+            **azimuths,
         },
-        attrs=provenance("Air between sea and sensor", scenario.model_dump_json(exclude_none=True), scenario.seed, sensor_height_m=height),
+        attrs=attributes,
     )
 
 

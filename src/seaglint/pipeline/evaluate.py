@@ -24,8 +24,8 @@ from seaglint.limits import COX_MUNK_WIND, WIND_PROFILE
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.pipeline.case_slopes import WIND_FROM, slope_kinds, slopes_of
+from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 
 Columns = dict[str, FloatArray | list[str]]
 Report = Callable[[int, int], None]
@@ -45,13 +45,9 @@ MEAN_INPUTS: Final = (
     "ifov_mrad",
 )  # fmt: skip
 
-WIND_FROM: Final = "wind_from_deg"
-"""Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth."""
-
-SLOPES: Final = "slopes"
-"""Another that may be missing: the slope model of each row, one of :data:`SLOPE_KINDS`."""
-
-SLOPE_KINDS: Final = ("cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gram-charlier")
+SCATTERED_INPUTS: Final = (
+    "kind", "atmosphere", "wind_speed_m_s", "sensor_height_m", "elevation_deg", "azimuth_from_sun_deg", "solar_zenith_deg",
+)  # fmt: skip
 
 _CHUNK: Final = 1024
 """Rows at a time: their spectra (2 MB each) stay near the processor."""
@@ -260,7 +256,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     _hits_sea(cases, depression, np.array([horizon_depression(h) for h in height]))
     directed = WIND_FROM in cases.header
     wind_from = _angles(cases, WIND_FROM, -360.0, 360.0) if directed else np.zeros(len(cases))
-    kinds = _slope_kinds(cases, directed)
+    kinds = slope_kinds(cases, directed)
     length = correlation_length(CORRELATION_TIME)
     water = hale_querry_sea()
     columns = {
@@ -280,7 +276,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
             for (at, solar_zenith, kelvin, towards, origin, kind), of_air in ((k, r) for k, r in groups_of(views) if isinstance(k, tuple)):
                 _tell(progress, done, total)
                 rows = same_air[of_air]
-                slopes = _slopes(kind, speed, float(travel_azimuth(origin)), extrapolate)
+                slopes = slopes_of(kind, speed, float(travel_azimuth(origin)), extrapolate)
                 view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith)
                 # What costs most, the table of the sky, is that of the air alone.
                 of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))
@@ -296,29 +292,81 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     return {**columns, **marks}
 
 
-def _slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
-    """Slope model of every row; those that have a direction need the wind's."""
-    if SLOPES not in cases.header:
-        return np.full(len(cases), SLOPE_KINDS[1 if directed else 0])
-    kinds = np.array(cases.choice(SLOPES, SLOPE_KINDS))
-    if not directed:
-        cases.check(
-            kinds == SLOPE_KINDS[0],
-            SLOPES,
-            lambda row: f"'{kinds[row]}' depends on the wind's direction; add a column {WIND_FROM}, or give '{SLOPE_KINDS[0]}'",
-        )
-    return kinds
+def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Report | None = None) -> Columns:
+    """Sunlight that the air scatters once into paths to the sea and into the clear sky, and their thermal radiance.
+
+    Parameters
+    ----------
+    cases : Cases
+        With the columns :data:`SCATTERED_INPUTS`; elevation is that of LOWTRAN7's own refracted ray at the sensor, below 0 for paths,
+        the Sun's zenith angle at the sensor that without refraction, as LOWTRAN7 takes it.
+    bands : sequence of NamedBand
+        Inside the tables; in 7.5-14 um, where the air scatters next to none, scattered radiance is 0.
+    extrapolate : bool
+        Take winds and heights outside the table and mark them in a column; elsewhere they are refused.
+    progress : callable, optional
+        Called with (done, total).
+
+    Returns
+    -------
+    dict
+        Per band ``scattered_W_m2_sr`` and ``thermal_W_m2_sr``, Sun at 1 au.
+
+    Raises
+    ------
+    DataError
+        A column missing, or a value that cannot be used; names row and column.
+    DomainError
+        A band outside the tables.
+    """
+    from seaglint.atmosphere.scattered_cases import scattered_cases
+    from seaglint.atmosphere.scattering_file import covers
+
+    cases.require(SCATTERED_INPUTS)
+    airs = _airs(cases, bands, extrapolate)
+    covered = next(iter(airs[bands[0].label].values()))
+    is_path = np.array([kind == "path" for kind in cases.choice("kind", ("path", "sky"))])
+    wind, windy = _ranged(cases, "wind_speed_m_s", covered.wind_range, WIND_PROFILE, "m/s of the atmosphere tables", extrapolate)
+    heights = (0.0, covered.height_range[1])
+    height, high = _ranged(cases, "sensor_height_m", heights, (0.0, _HIGHEST), "m of the atmosphere tables", extrapolate)
+    lowest = 1e-3 if extrapolate else covered.height_range[0]
+    cases.check(~is_path | (height >= lowest), "sensor_height_m", lambda i: f"{height[i]:g} m is below {lowest:g} m, the lowest of paths")
+    elevation = _angles(cases, "elevation_deg", -90.0, 90.0)
+    azimuth, sun = _angles(cases, "azimuth_from_sun_deg", -360.0, 360.0), _angles(cases, "solar_zenith_deg", 0.0, 180.0)
+    groups = groups_of(zip(cases.text("atmosphere"), is_path.tolist(), strict=True))
+    dip = np.empty(len(cases))
+    for key, rows in groups:
+        dip[rows] = airs[bands[0].label][_model_of(key)].dip(height[rows])
+    _hits_sea(cases, np.where(is_path, -elevation, np.inf), dip, "elevation_deg", -1.0)
+    cases.check(
+        is_path | (elevation >= -dip * (1.0 - 1e-9)),
+        "elevation_deg",
+        lambda i: f"{np.degrees(elevation[i]):.6g} deg sees the sea, whose horizon lies at {-np.degrees(dip[i]):.6g} deg; say kind = path",
+    )
+    columns = {f"{q}_W_m2_sr[{band.label}]": np.zeros(len(cases)) for band in bands for q in ("scattered", "thermal")}
+    parts = [(key, all_rows[i : i + _CHUNK]) for key, all_rows in groups for i in range(0, all_rows.size, _CHUNK)]
+    done, total = 0, len(cases) * len(bands)
+    seen = [band for band in bands if covers(band.edges)]
+    for key, rows in parts:
+        _tell(progress, done, total)
+        for band in bands:
+            air = airs[band.label][_model_of(key)]
+            thermal = (
+                air.path(wind[rows], height[rows], -elevation[rows])[1]
+                if is_path[rows[0]]
+                else air.sky_radiance(wind[rows], 0.5 * np.pi - elevation[rows], height[rows])
+            )
+            columns[f"thermal_W_m2_sr[{band.label}]"][rows] = thermal @ band.band.weights(air.wavenumber_cm)
+        lines = np.stack([wind, height, elevation, azimuth, sun], axis=1)[rows]
+        for band, found in zip(seen, scattered_cases(_model_of(key), lines, [band.band for band in seen]), strict=True):
+            columns[f"scattered_W_m2_sr[{band.label}]"][rows] = found
+        done += rows.size * len(bands)
+    _tell(progress, done, total)
+    return {**columns, **({EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {})}
 
 
-def _slopes(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
-    """Slopes of a wind at 10 m towards an azimuth [rad]."""
-    match kind:
-        case "cox-munk-isotropic":
-            return cox_munk_isotropic(speed, extrapolate=extrapolate)
-        case "cox-munk-anisotropic":
-            return cox_munk_anisotropic(speed, towards, extrapolate=extrapolate)
-        case _:
-            return cox_munk_gram_charlier(speed, towards, extrapolate=extrapolate)
+def _model_of(key: Hashable) -> str:
+    return str(key[0]) if isinstance(key, tuple) else str(key)
 
 
 def groups_of(keys: Iterable[Hashable]) -> list[tuple[Hashable, NDArray[np.intp]]]:
@@ -376,11 +424,12 @@ def _angles(cases: Cases, name: str, low: float, high: float) -> FloatArray:
     return np.radians(cases.within(Column(name, low, high, what="deg")))
 
 
-def _hits_sea(cases: Cases, depression: FloatArray, dip: FloatArray) -> None:
-    """Refuse lines of sight that end in the sky."""
+def _hits_sea(cases: Cases, depression: FloatArray, dip: FloatArray, column: str = "depression_deg", sign: float = 1.0) -> None:
+    """Refuse lines of sight that end in the sky; ``sign`` is -1 for a column of elevations."""
 
     def say(row: int) -> str:
-        seen, horizon = np.degrees(depression[row]), np.degrees(dip[row])
-        return f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give a depression between that and 90 deg"
+        seen, horizon = sign * np.degrees(depression[row]), sign * np.degrees(dip[row])
+        what = "a depression" if sign > 0.0 else "an elevation"
+        return f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give {what} between that and {sign * 90.0:g} deg"
 
-    cases.check(depression > dip, "depression_deg", say)
+    cases.check(depression > dip, column, say)

@@ -277,6 +277,7 @@ def view(scenario: Scenario) -> SeaView:
         solar_azimuth=sun.azimuth,
         sun_distance_factor=sun.irradiance_factor,
         shadowing=Shadowing.of(scenario.mean.shadowing or "nested"),
+        scattering=getattr(scenario.atmosphere, "scattered_sunlight", True),
     )
 
 

@@ -25,11 +25,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint._jit import kernel, njit_parallel
+from seaglint.atmosphere.setting_sun import visible_part_kernel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, unit_vector
 from seaglint.errors import DomainError
 from seaglint.radiance.legs import NESTED, Legs, Shadowing, legs_of, local_leg, seen_and_lit_kernel
-from seaglint.radiance.local_sun import STEADY, SunTable, strength_kernel, turn_kernel, turned_kernel, visible_part_kernel, visible_sun
+from seaglint.radiance.local_sun import STEADY, SunTable, strength_kernel, turn_kernel, turned_kernel, visible_sun
 from seaglint.sea.nested import HIGHEST
 from seaglint.sea.shadowing import visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics, series_bracket
@@ -446,5 +447,4 @@ def _fill_list(views: FloatArray, area: FloatArray, sea: _Sea, disc: _Disc, legs
     zenith, azimuth, turn = views[0], views[1], views[2]
     for i in numba.prange(zenith.size):
         view = (math.sin(zenith[i]), math.cos(zenith[i]), math.sin(azimuth[i]), math.cos(azimuth[i]))
-        here = turn_kernel(turn[i])
-        chance[i], cosine[i], _ = _chance(view, azimuth[i], here, area[i] if area.size > 0 else -1.0, sea, disc, legs)
+        chance[i], cosine[i], _ = _chance(view, azimuth[i], turn_kernel(turn[i]), area[i] if area.size > 0 else -1.0, sea, disc, legs)

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint._jit import kernel
-from seaglint.constants import EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.atmosphere.setting_sun import visible_part_kernel
+from seaglint.constants import EARTH_RADIUS
 from seaglint.conventions import FloatArray
 
 _LEAST: Final = 1e-6
@@ -80,22 +81,6 @@ def turned_kernel(east: float, north: float, up: float, away: tuple[float, float
     along = east * away[0] + north * away[1]
     change = along * turn[0] - up * turn[1] - along
     return east + change * away[0], north + change * away[1], along * turn[1] + up * turn[0]
-
-
-@kernel
-def visible_part_kernel(elevation: float) -> tuple[float, float]:
-    """Fraction of the disc above the horizon, and the height of that part's middle above the disc's centre [rad].
-
-    ``elevation`` is the centre's [rad]; as it counts within a radius of the horizon alone, its sine serves as well.
-    """
-    height = elevation / SOLAR_ANGULAR_RADIUS  # of the centre over the horizon, in radii
-    if height >= 1.0:
-        return 1.0, 0.0
-    if height <= -1.0:
-        return 0.0, 0.0
-    rest = math.sqrt(1.0 - height * height)
-    area = math.acos(-height) + height * rest
-    return area / math.pi, SOLAR_ANGULAR_RADIUS * 2.0 / 3.0 * rest * rest * rest / area
 
 
 def visible_sun(solar_zenith: float) -> tuple[float, float]:

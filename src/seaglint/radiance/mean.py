@@ -5,12 +5,12 @@ r"""Mean radiance of the sea at the aperture (Eqs. 1-8 of the source article), i
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
@@ -20,14 +20,18 @@ from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.radiance.glint import GlintModel
 from seaglint.radiance.local_sun import turn_at
+from seaglint.radiance.scattered import Around, Rows, ScatteredMap, ScatteredSun
 from seaglint.radiance.surface import SeaSurface, azimuth_weights, wind_azimuths
-from seaglint.radiance.view import SeaView
+from seaglint.radiance.view import SeaView, sea_arc
 
 NODES: Final = 160
 """Elevations at which a view is tabulated."""
 
 SKY_NODES: Final = 4096
 """Elevations at which the sky is tabulated for lines of sight, even in the square root of the elevation above the horizon."""
+
+_FEW: Final = 49
+"""Azimuths up to which scattered sunlight is summed for each, not interpolated."""
 
 _FINEST: Final = 2e-4
 """Least scale of the elevations tabulated [rad]: a mirror's grazing light changes over hundredths."""
@@ -40,11 +44,11 @@ class SeaRadiance:
     Attributes
     ----------
     path : ndarray
-        Thermal radiance of the air between sea and sensor; 0 above the horizon.
+        Thermal radiance of the air between sea and sensor, and sunlight that it scatters; 0 above the horizon.
     emission : ndarray
         Emission of the sea, attenuated; 0 above the horizon.
     sky : ndarray
-        Sky mirrored by the sea, attenuated; above the horizon the sky itself.
+        Sky mirrored by the sea, attenuated, with the sunlight scattered there; above the horizon the sky itself.
     sun : ndarray
         Sun mirrored by the sea, attenuated; the Sun itself is not drawn above the horizon.
     chance : ndarray
@@ -116,7 +120,22 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     azimuths, weights = wind_azimuths(view.slopes), azimuth_weights(view.slopes, columns + np.pi)
     if columns.size < azimuths.size:
         azimuths, weights = columns + np.pi, np.eye(columns.size)
-    return _assembled(view, rows, columns, gamma, _sea_rows(view, gamma[sea], azimuths, surface), weights, _glint_model(view))
+    found = _sea_rows(view, gamma[sea], azimuths, surface)
+    out = _assembled(view, rows, columns, gamma, found, weights, _glint_model(view))
+    where = Rows.of(view, gamma[sea])
+    light = _scattered(view, surface, float(where.turn.max(initial=0.0)))
+    if light is None:
+        return out
+    if columns.size <= _FEW:
+        scattered = light.path(where, columns), light.mirrored(where, columns)
+    else:
+        beside, around = Around.path(), Around.mirrored()
+        from_sun = columns - view.solar_azimuth
+        scattered = (
+            light.path(where, view.solar_azimuth + beside.azimuth) @ beside.weights(from_sun),
+            light.mirrored(where, view.solar_azimuth + around.azimuth) @ around.weights(from_sun),
+        )
+    return _with_scattered(out, sea, scattered, light.above(rows[~sea], columns))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,6 +156,7 @@ class MeanModel:
     _scale: float
     _spline: CubicSpline[np.float64]
     _glint: GlintModel
+    _scattered: ScatteredMap | None
 
     @classmethod
     def prepare(cls, view: SeaView, surface: SeaSurface | None = None) -> MeanModel:
@@ -152,7 +172,9 @@ class MeanModel:
             scale = min(scale, max(np.sqrt(min(view.slopes.mss_up, view.slopes.mss_cross)), _FINEST))
         x = np.linspace(0.0, np.arcsinh(0.5 * np.pi / scale), NODES)
         gamma = np.minimum(scale * np.sinh(x), 0.5 * np.pi)
-        return cls(view, scale, CubicSpline(x, _sea_rows(view, gamma, wind_azimuths(view.slopes), surface)), _glint_model(view))
+        light = _scattered(view, surface)
+        scattered = None if light is None else ScatteredMap.prepare(light, scale, x)
+        return cls(view, scale, CubicSpline(x, _sea_rows(view, gamma, wind_azimuths(view.slopes), surface)), _glint_model(view), scattered)
 
     def map(self, elevation: ArrayLike, azimuth: ArrayLike) -> SeaRadiance:
         """Mean radiance at elevations and azimuths, as :func:`mean_radiance`; within 1e-5 of it."""
@@ -160,7 +182,11 @@ class MeanModel:
         gamma = _sea_elevation(self.view.sensor_height, rows)
         found = self._spline(np.arcsinh(gamma[np.isfinite(gamma)] / self._scale))
         weights = azimuth_weights(self.view.slopes, columns + np.pi)
-        return _assembled(self.view, rows, columns, gamma, found, weights, self._glint)
+        out = _assembled(self.view, rows, columns, gamma, found, weights, self._glint)
+        if self._scattered is None:
+            return out
+        sea = np.isfinite(gamma)
+        return _with_scattered(out, sea, self._scattered.map(gamma[sea], columns), self._scattered.light.above(rows[~sea], columns))
 
     def along(self, elevation: FloatArray, azimuth: FloatArray) -> SeaRadiance:
         """Mean radiance along lines of sight in no order, elevation and azimuth of each [rad, (n,)]; components are (n, 1)."""
@@ -176,7 +202,12 @@ class MeanModel:
         sky[sea, 0] = np.sum(found[:, 1 + k : 1 + 2 * k] * weights.T, axis=1)
         above, table = self._sky
         sky[~sea, 0] = np.interp(elevation[~sea], above, table)
-        turn = turn_at(_arc(self.view.sensor_height, gamma))
+        if self._scattered is not None:
+            more_path, more_sky = self._scattered.along(gamma[sea], azimuth[sea])
+            path[sea, 0] += more_path
+            sky[sea, 0] += more_sky
+            sky[~sea, 0] += self._scattered.light.above_along(elevation[~sea], azimuth[~sea])
+        turn = turn_at(sea_arc(self.view.sensor_height, gamma))
         return SeaRadiance(path, emission, sky, *self._glint.grid(0.5 * np.pi - gamma, azimuth[:, None] + np.pi, turn, terms))
 
     @cached_property
@@ -207,21 +238,30 @@ def _sea_elevation(height: float, elevation: FloatArray) -> FloatArray:
         return np.asarray(np.where(np.isfinite(view_zenith(height, -elevation)), 2.0 * np.arcsin(np.sqrt(np.maximum(square, 0.0))), np.nan))
 
 
-def _arc(height: float, gamma: FloatArray) -> FloatArray:
-    """Arc along the sea to the point from which the viewer stands at elevation ``gamma`` [m]: ``R' (depression - gamma)``."""
-    excess = height / EFFECTIVE_EARTH_RADIUS
-    depression = 2.0 * np.arcsin(np.sqrt(np.minimum((0.5 * excess + np.sin(0.5 * gamma) ** 2) / (1.0 + excess), 1.0)))
-    return np.asarray(EFFECTIVE_EARTH_RADIUS * np.maximum(depression - gamma, 0.0))
-
-
 def _glint_model(view: SeaView) -> GlintModel:
     return GlintModel.prepare(view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, view.sun_table)
+
+
+def _scattered(view: SeaView, surface: SeaSurface | None, turn: float | None = None) -> ScatteredSun | None:
+    """Scattered sunlight over the view's sea, if there is any, with places ``turn`` of the vertical away."""
+    return ScatteredSun.prepare(
+        view, lambda: ReflectanceSeries.of(view.water.index(view.in_band.wavenumber_cm)) if surface is None else surface.reflectance, turn
+    )
+
+
+def _with_scattered(out: SeaRadiance, sea: NDArray[np.bool_], scattered: tuple[FloatArray, FloatArray], above: FloatArray) -> SeaRadiance:
+    """Components with scattered sunlight in path and sky, of rows of sea and of rows above."""
+    path, sky = (np.broadcast_to(part, out.chance.shape).copy() for part in (out.path, out.sky))
+    path[sea] += scattered[0]
+    sky[sea] += scattered[1]
+    sky[~sea] += above
+    return replace(out, path=path, sky=sky)
 
 
 def _sea_rows(view: SeaView, gamma: FloatArray, azimuths: FloatArray, surface: SeaSurface | None) -> FloatArray:
     """What rows of sea need [W m-2 sr-1, (rows, 1 + 2 k + terms)]: path, emission and sky at k view azimuths, terms of the mirrored Sun."""
     over, nu = view.in_band, view.in_band.wavenumber_cm
-    arc = _arc(view.sensor_height, gamma)
+    arc = sea_arc(view.sensor_height, gamma)
     seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., over.grid] * over.weights
     path = over(view.atmosphere.path_radiance(view.sensor_height, arc))[:, None]
     if view.background == "blackbody":
@@ -248,7 +288,7 @@ def _assembled(
     table[sea] = found
     wide = weights[:, :1] if view.slopes.is_isotropic else weights
     path, emission, sky = table[:, :1], table[:, 1 : 1 + k] @ wide, table[:, 1 + k : 1 + 2 * k] @ wide
-    turn = turn_at(_arc(view.sensor_height, gamma))
+    turn = turn_at(sea_arc(view.sensor_height, gamma))
     mirrored = glint.grid(0.5 * np.pi - gamma, columns + np.pi, turn, table[:, 1 + 2 * k :])
     if not np.all(sea):
         above = view.atmosphere.sky_radiance(0.5 * np.pi - rows[~sea], view.sensor_height)

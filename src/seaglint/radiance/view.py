@@ -10,7 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.atmosphere.base import Atmosphere
-from seaglint.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.atmosphere.scattered_file import SampledLight
+from seaglint.atmosphere.scattered_tables import ScatteredLight, scattered_in
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_range
 from seaglint.errors import DomainError
 from seaglint.optics.band import Band
@@ -94,6 +96,8 @@ class SeaView:
         sky is not hidden by waves in any mode but for the facets that see the sea.
     background : {"facets", "blackbody"}
         See :data:`Background`.
+    scattering : bool
+        Whether sunlight that the air scatters counts; it does not over a sea that is a blackbody.
     """
 
     atmosphere: Atmosphere
@@ -107,6 +111,7 @@ class SeaView:
     sun_distance_factor: float = 1.0
     shadowing: Shadowing = NESTED
     background: Background = "facets"
+    scattering: bool = True
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.sensor_height) and self.sensor_height > 0.0):
@@ -135,6 +140,13 @@ class SeaView:
     def in_band(self) -> BandSum:
         """Sums over the band on the atmosphere's samples."""
         return BandSum.of(self.band, self.atmosphere)
+
+    @cached_property
+    def scattered(self) -> ScatteredLight | SampledLight:
+        """Sunlight that the air scatters towards the sensor and the sea, Sun at 1 au; darkness where there is none."""
+        over = self.in_band
+        atmosphere = self.atmosphere if self.scattering and self.background == "facets" else None
+        return scattered_in(atmosphere, over.grid, over.weights, self.sensor_height, self.solar_zenith, self.farthest_turn)
 
     @property
     def farthest_turn(self) -> float:
@@ -183,3 +195,10 @@ class SeaView:
     def _irradiance(self, zenith: FloatArray) -> FloatArray:
         """Sunlight for zenith angles [W m-2 per cm-1, (angles, n)]."""
         return np.asarray(self.sun_distance_factor * self.atmosphere.solar_irradiance(zenith)[..., self.in_band.grid])
+
+
+def sea_arc(height: float, gamma: FloatArray) -> FloatArray:
+    """Arc along the sea to the point from which the viewer stands at elevation ``gamma`` [m]: ``R' (depression - gamma)``."""
+    excess = height / EFFECTIVE_EARTH_RADIUS
+    depression = 2.0 * np.arcsin(np.sqrt(np.minimum((0.5 * excess + np.sin(0.5 * gamma) ** 2) / (1.0 + excess), 1.0)))
+    return np.asarray(EFFECTIVE_EARTH_RADIUS * np.maximum(depression - gamma, 0.0))

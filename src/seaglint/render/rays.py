@@ -21,6 +21,7 @@ from seaglint.conventions import FloatArray, horizon_depression, horizon_range, 
 from seaglint.radiance.local_sun import SunTable, strength_kernel
 from seaglint.radiance.view import SeaView
 from seaglint.render.facet import FacetLevels, FacetOptics, facet_sunlight, level_optics
+from seaglint.render.haze import Haze, haze_between, haze_column, sky_haze
 from seaglint.render.layers import CHANNELS, COVERAGE, DISTANCE, EMITTED, PATH, SUN, TOTAL
 from seaglint.render.path_basis import path_basis
 from seaglint.render.roughness import Sight, line_of_sight
@@ -29,7 +30,7 @@ from seaglint.render.solar_disc import DiscLine, no_disc_line
 from seaglint.render.sunlight import Sunlight, sunlight_at
 from seaglint.render.surface import Bounds, Course, Surface, course, height, lay_course, slopes
 from seaglint.render.tables import FacetDomain, PathTerms, facet_tables
-from seaglint.render.thermal import facet_thermal, node, thermal_line
+from seaglint.render.thermal import azimuth_node, facet_thermal, thermal_line
 from seaglint.sea.nested import bands_of_facets
 from seaglint.sea.slopes import SlopeStatistics
 
@@ -53,8 +54,8 @@ MOST_STEPS = 200_000
 
 
 class Air(NamedTuple):
-    """Path by arc and sky by elevation, from one height: ``path`` at the arcs ``scale (e^(i/parts) - 1)``; ``sky`` at the elevations
-    ``i^2/sky_parts^2 - dip``.
+    """Path by arc and sky by elevation, from one height: ``path`` at the arcs ``scale (e^(i/parts) - 1)``; ``sky`` and the sunlight that
+    it scatters at the elevations ``i^2/sky_parts^2 - dip``.
     """
 
     scale: float
@@ -63,6 +64,7 @@ class Air(NamedTuple):
     sky: np.ndarray
     dip: float
     sky_parts: float
+    haze: Haze
 
 
 class RayTables(NamedTuple):
@@ -133,12 +135,15 @@ def meet(surface: Surface, line: Course, bounds: Bounds, eye: float, run: float,
 
 
 @kernel
-def sky_at(air: Air, elevation: float) -> float:
-    """Radiance of the sky at an elevation [rad]."""
+def sky_at(air: Air, elevation: float, azimuth: float) -> float:
+    """Radiance of the sky at an elevation and an azimuth [rad], without the Sun."""
     at = math.sqrt(max(elevation + air.dip, 0.0)) * air.sky_parts
     i = min(int(at), air.sky.shape[0] - 2)
     f = min(at - i, 1.0)
-    return float((1.0 - f) * air.sky[i] + f * air.sky[i + 1])
+    sky = (1.0 - f) * air.sky[i] + f * air.sky[i + 1]
+    if air.haze.values.shape[0] > 0:
+        sky += haze_between(air.haze, haze_column(air.haze, azimuth), i + f)
+    return float(sky)
 
 
 @njit
@@ -148,7 +153,7 @@ def warm_light(
     """A thermal table, azimuth first, between the two azimuths next to a line of sight; 0 without terms."""
     if table.shape[4] == 0:
         return 0.0
-    ix, fx = node(axes, 1, table.shape[0], sight.chi)
+    ix, fx = azimuth_node(axes, table.shape[0], sight.chi)
     warm = facet_thermal(axes, thermal_line(table[ix]), path, (i, 0.0), sight, sine, slope)
     if fx > 1e-9:
         warm += fx * (facet_thermal(axes, thermal_line(table[ix + 1]), path, (i, 0.0), sight, sine, slope) - warm)
@@ -169,12 +174,10 @@ def ray(
     s = meet(surface, room.line, bounds, eye, run, rise)
     out[:] = 0.0
     if s < 0.0:
-        out[TOTAL] = sky_at(air, math.atan2(rise, run))
+        out[TOTAL] = sky_at(air, math.atan2(rise, run), azimuth)
         return
     _, arc, climb = above_sphere(eye, run, rise, s)
-    # the table's azimuths ascend from its first, not wrapped
     axes = optics.tables.axes
-    azimuth = axes[1, 0] + (azimuth - axes[1, 0]) % (2.0 * math.pi)
     sight = line_of_sight(sun, optics.roughness, azimuth)
     slope = slopes(surface, room.line, arc)
     sine = min(max(-climb, 0.0), 1.0)
@@ -188,9 +191,12 @@ def ray(
     if solar > 0.0 and bounds.steepest > there.lower_tangent:
         lay_course(surface, 0, (sun.horizontal_east, sun.horizontal_north), (0.0, 0.0), room.sunward)
         solar *= sun_share(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), there)
-    out[TOTAL], out[SUN] = warm + air.path.radiance[i] + solar, solar
+    path = air.path.radiance[i]
+    if air.path.sunlit.haze.values.shape[0] > 0:
+        path += haze_between(air.path.sunlit.haze, haze_column(air.path.sunlit.haze, azimuth), air.path.sunlit.row[i])
+    out[TOTAL], out[SUN] = warm + path + solar, solar
     out[EMITTED] = warm_light(tables.emitted, axes, air.path.emitted, i, sight, sine, slope)
-    out[PATH], out[DISTANCE], out[COVERAGE] = air.path.radiance[i], s, 1.0
+    out[PATH], out[DISTANCE], out[COVERAGE] = path, s, 1.0
 
 
 @njit
@@ -262,11 +268,12 @@ class WalkedRays:
         scale = eye
         log = np.linspace(0.0, np.log1p(farthest / scale), PATH_NODES)
         arcs = scale * np.expm1(log)
-        basis = path_basis(view.atmosphere, view.band, eye, np.maximum(arcs, 1e-3 * eye))
+        places = np.maximum(arcs, 1e-3 * eye)
+        basis = path_basis(view.atmosphere, view.band, eye, places)
         lowest = max(float(np.cos(view_zenith_of_range(eye, farthest))), 0.0) if -elevation > 1.05 * dip else 0.0
         bands = bands_of_facets(facets.mss / max(view.slopes.mss, 1e-12), view.shadowing.law_bands(view.slopes))
         domain = FacetDomain(facets, resolved, bands, (lowest, 1.0))
-        sun, levels, path = facet_tables(view, basis, [domain], azimuths, emitted=emitted)
+        sun, levels, path = facet_tables(view, basis, places, [domain], azimuths, emitted=emitted)
         shape = levels.shape[0, 1:]
 
         def by_azimuth(table: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -274,7 +281,8 @@ class WalkedRays:
 
         above = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_ROWS)
         sky = view.in_band(view.atmosphere.sky_radiance(np.maximum(0.5 * np.pi + dip - above**2, 0.0), eye))
-        air = Air(scale, (PATH_NODES - 1) / float(log[-1]), path, sky, dip, 1.0 / float(above[1]))
+        haze = sky_haze(view, above**2 - dip)
+        air = Air(scale, (PATH_NODES - 1) / float(log[-1]), path, sky, dip, 1.0 / float(above[1]), haze)
         return cls(RayTables(sun, view.sun_table, levels, by_azimuth(levels.thermal), by_azimuth(levels.emitted), air))
 
     def __call__(

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from seaglint._jit import kernel
+from seaglint.atmosphere.setting_sun import visible_part_kernel
 from seaglint.constants import EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
-from seaglint.radiance.local_sun import turn_kernel, turned_kernel, visible_part_kernel
+from seaglint.radiance.local_sun import turn_kernel, turned_kernel
 
 
 class Sunlight(NamedTuple):

@@ -21,12 +21,14 @@ from seaglint._jit import kernel, njit
 from seaglint.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
 from seaglint.radiance.local_sun import SunTable, strength_kernel
 from seaglint.render.facet import FacetLevels, FacetOptics, facet_sunlight, level_optics
+from seaglint.render.haze import NO_HAZE, Haze, haze_between, haze_column, path_along
 from seaglint.render.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, PATH, SPREAD, SUN, TOTAL
 from seaglint.render.pieces import Merging, Pieces, merge, new_pieces, read_slopes
 from seaglint.render.roughness import Sight, line_of_sight
 from seaglint.render.shade import sun_share
 from seaglint.render.solar_disc import DISC_ROWS, DiscLine, disc_line
 from seaglint.render.sparkle import Sparkle, facet_spread
+from seaglint.render.sun_in_sky import NO_SUN, SunInSky, add_disc
 from seaglint.render.sunlight import Sunlight, sunlight_at
 from seaglint.render.surface import Course, Surface, course, height, new_strip
 from seaglint.render.thermal import ThermalLine, facet_thermal, thermal_along
@@ -37,7 +39,9 @@ NEGLIGIBLE_SUN = 3e-4
 
 
 class Rows(NamedTuple):
-    """Rows of the image: elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the sky in each."""
+    """Rows of the image: elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the thermal sky in
+    each, the sunlight that it scatters in those that touch it, and the Sun.
+    """
 
     top: float
     per_radian: float
@@ -45,6 +49,8 @@ class Rows(NamedTuple):
     bottom_tangent: float
     top_tangent: float
     sky: np.ndarray
+    haze: Haze = NO_HAZE
+    sun: SunInSky = NO_SUN
 
 
 class Swept(NamedTuple):
@@ -63,8 +69,8 @@ class Swept(NamedTuple):
 
 class Line(NamedTuple):
     """One line of sight of a column in one stage: its level of detail, its way and the way to the Sun over the sea, the tables of its
-    facets (:func:`~seaglint.render.thermal.thermal_along`, :func:`~seaglint.render.solar_disc.disc_line`), and its share and the width of
-    the column [rad].
+    facets (:func:`~seaglint.render.thermal.thermal_along`, :func:`~seaglint.render.solar_disc.disc_line`), the radiance of its path
+    (:func:`~seaglint.render.haze.path_along`), and its share and the width of the column [rad].
     """
 
     level: int
@@ -74,6 +80,7 @@ class Line(NamedTuple):
     thermal: ThermalLine
     emitted: ThermalLine
     disc: DiscLine
+    path: np.ndarray
     weight: float
     width: float
 
@@ -160,7 +167,7 @@ def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pi
         solar *= share
         factor *= share
     across = line.width / swept.rows.per_radian * reach * reach / cosine
-    path = walk.path.radiance[p] + f * (walk.path.radiance[p + 1] - walk.path.radiance[p])
+    path = line.path[p] + f * (line.path[p + 1] - line.path[p])
     light[j, TOTAL], light[j, SUN] = warm + path + solar, solar
     light[j, SPREAD] = facet_spread(swept.sparkle, sun, line.sight, grazing, solar, factor, across)
     if light.shape[1] > FEWEST:
@@ -220,11 +227,36 @@ def shade_line(
 
 
 @kernel
-def add_sky(rows: Rows, tangent: float, weight: float, image: np.ndarray) -> None:
-    """Fill the rows above the horizon that a line ended with."""
+def add_sky(rows: Rows, azimuth: float, tangent: float, weight: float, image: np.ndarray) -> None:
+    """Fill the rows above the horizon that a line at an azimuth [rad] ended with."""
     upper = (rows.top - elevation(tangent)) * rows.per_radian
     for row in range(min(rows.number, math.ceil(max(upper, 0.0)))):
         image[TOTAL, row] += weight * rows.sky[row] * (min(upper, row + 1.0) - row)
+    if rows.haze.values.shape[0] > 0:
+        column = haze_column(rows.haze, azimuth)
+        for row in range(min(rows.haze.values.shape[1] - 1, math.ceil(max(upper, 0.0)))):
+            image[TOTAL, row] += weight * haze_between(rows.haze, column, row) * (min(upper, row + 1.0) - row)
+
+
+@kernel
+def add_skies(rows: Rows, azimuth: float, width: float, tangents: np.ndarray, image: np.ndarray) -> None:
+    """Sky and Sun of a column above the horizons that its lines ended with."""
+    lines = tangents.shape[0]
+    for j in range(lines):
+        add_sky(rows, azimuth + width * ((j + 0.5) / lines - 0.5), tangents[j], 1.0 / lines, image)
+    if rows.sun.radiance > 0.0:
+        add_disc(rows.sun, rows.top, rows.per_radian, (azimuth, width), tangents, image[TOTAL])
+
+
+@njit
+def skies_alone(rows: Rows, azimuths: np.ndarray, width: float, images: np.ndarray) -> None:
+    """Fill columns that see no sea; as :func:`sweep_columns`."""
+    below = np.full(1, rows.bottom_tangent)
+    for column in range(azimuths.shape[0]):
+        images[column] = 0.0
+        add_skies(rows, azimuths[column], width, below, images[column, 0])
+        if images.shape[1] > 1:
+            add_skies(rows, azimuths[column], width, below, images[column, images.shape[1] - 1])
 
 
 @njit
@@ -256,6 +288,7 @@ def sweep_columns(
             middle = line_of_sight(optics.sunlight, optics.roughness, azimuths[column])
             thermal, emitted = thermal_along(tables.thermal, axes, middle), thermal_along(tables.emitted, axes, middle)
             disc = disc_line(optics.sunlight, optics.roughness, middle, sines, disc_rows, farthest)
+            path = path_along(walk.path.radiance, walk.path.sunlit, middle.chi, (first // walk.every, (end - 1) // walk.every + 2))
             lines = tangents.shape[0]
             for j in range(lines):
                 sight = line_of_sight(optics.sunlight, optics.roughness, azimuths[column] + width * ((j + 0.5) / lines - 0.5))
@@ -267,6 +300,7 @@ def sweep_columns(
                     thermal,
                     emitted,
                     disc,
+                    path,
                     1.0 / lines,
                     width,
                 )
@@ -279,7 +313,6 @@ def sweep_columns(
                     count = merge(pieces, count, tangents[j], optics.roughness, limits)
                     shade_line(swept, surface, optics, line, pieces, count, tangents[j], cuts[column], image)
                     tangents[j] = tangent
-        for tangent in tangents:
-            add_sky(rows, tangent, 1.0 / tangents.shape[0], image[0])
-            if image.shape[0] > 1:
-                add_sky(rows, tangent, 1.0 / tangents.shape[0], image[image.shape[0] - 1])
+        add_skies(rows, azimuths[column], width, tangents, image[0])
+        if image.shape[0] > 1:
+            add_skies(rows, azimuths[column], width, tangents, image[image.shape[0] - 1])

@@ -16,6 +16,7 @@ from seaglint.errors import DomainError
 from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
+from seaglint.render.haze import sky_haze
 from seaglint.render.layers import CHANNELS, Layers, channels_for, layers_of, mean_distance, planes_for, require_layers, upright
 from seaglint.render.levels import Levels
 from seaglint.render.path_basis import path_basis
@@ -23,9 +24,10 @@ from seaglint.render.pieces import Merging
 from seaglint.render.platform import Pose
 from seaglint.render.scene import joined
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles, sparkle_columns, sparkle_rows
+from seaglint.render.sun_in_sky import sun_in_sky
 from seaglint.render.sunlight import Sunlight
 from seaglint.render.surface import Surface, course, height
-from seaglint.render.sweep import Rows, Swept, sweep_columns
+from seaglint.render.sweep import Rows, Swept, skies_alone, sweep_columns
 from seaglint.render.tables import FacetDomain, facet_slopes, facet_tables
 from seaglint.render.view import Attitude
 from seaglint.render.walk import PATH_EVERY, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
@@ -287,7 +289,7 @@ class SweptScene:
         azimuths = np.ascontiguousarray(camera.azimuths[part[0] : part[1]])
         images = np.zeros((azimuths.size, 1 + intervals, channels, camera.rows))
         if tables is None:
-            images[:, 0, 0] = images[:, -1, 0] = sky_rows(self.view, replace(camera, height=self._prepared_for.height)).sky
+            skies_alone(sky_rows(self.view, replace(camera, height=self._prepared_for.height)), azimuths, camera.column_step, images)
             return images
         line = course(surface, 0, 1.0, 0.0)
         require_above(height(surface, line, 0, line.part.shape[0], 0.0), camera.height, time)
@@ -312,11 +314,13 @@ class SweptScene:
         every = 1 if self.waves is None else PATH_EVERY
         # of the middle of the piece that ends at a sample
         middle = np.concatenate([arcs[:1], 0.5 * (arcs[1:] + arcs[:-1])])
-        basis = path_basis(view.atmosphere, view.band, camera.height, np.append(middle[::every], middle[-1:]))
+        places = np.append(middle[::every], middle[-1:])
+        basis = path_basis(view.atmosphere, view.band, camera.height, places)
         half = 0.5 * camera.width
         sun, facets, path = facet_tables(
             view,
             basis,
+            places,
             self._domains(arcs),
             (camera.azimuth - half, camera.azimuth + half),
             emitted=bool({"emitted_radiance", "sky_radiance"} & set(self.layers)),
@@ -409,7 +413,7 @@ def require_dry(height: float, waves: WaveField) -> None:
 
 
 def sky_rows(view: SeaView, camera: Camera) -> Rows:
-    """Rows of a camera and the sky in those that touch it."""
+    """Rows of a camera, the sky in those that touch it and the Sun in it."""
     elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
     # only rows that touch the sky are looked up; crests never lower the horizon by more than a few rows
     sky = np.zeros(camera.rows)
@@ -418,7 +422,9 @@ def sky_rows(view: SeaView, camera: Camera) -> Rows:
         sky[rows] = view.in_band(view.atmosphere.sky_radiance(0.5 * np.pi - elevation[rows], camera.height))
     bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
     top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
-    return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky)
+    # one row more, between which and the last there is nothing to look up
+    haze = sky_haze(view, np.append(elevation[rows], elevation[rows][-1:]))
+    return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky, haze, sun_in_sky(view))
 
 
 def _same_rows(one: Camera, other: Camera) -> bool:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,22 +17,25 @@ from seaglint.errors import DomainError
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.view import SeaView
 from seaglint.render.facet import FacetLevels
+from seaglint.render.haze import SunlitPath, sunlit_path
+from seaglint.render.mirrored_haze import HazyFacets, Lines, haze_table, hazy_facets, turns_of
 from seaglint.render.path_basis import TOGETHER, PathBasis, fewest_terms
-from seaglint.render.roughness import roughness_of
+from seaglint.render.roughness import Roughness, roughness_of
 from seaglint.render.sunlight import Sunlight, sunlight
-from seaglint.render.thermal import ThermalSources, band_reflectance, thermal_axes, thermal_sources, thermal_table
+from seaglint.render.thermal import ThermalSources, azimuth_of, band_reflectance, thermal_axes, thermal_sources, thermal_table
 from seaglint.sea.slopes import SlopeStatistics, gaussian_slopes
 
 
 class PathTerms(NamedTuple):
-    """The path at the places of a basis: coefficients of the thermal, solar and emitted terms [1, (m, k)], and its own radiance
-    [W m-2 sr-1, (m,)].
+    """The path at the places of a basis: coefficients of the thermal, solar and emitted terms [1, (m, k)], its own thermal radiance
+    [W m-2 sr-1, (m,)] and the sunlight that it scatters.
     """
 
     thermal: np.ndarray
     sun: np.ndarray
     emitted: np.ndarray
     radiance: np.ndarray
+    sunlit: SunlitPath
 
 
 @dataclass(frozen=True)
@@ -95,6 +98,7 @@ def sun_of(view: SeaView, basis: PathBasis) -> tuple[Sunlight, FloatArray]:
 def facet_tables(
     view: SeaView,
     basis: PathBasis,
+    arcs: FloatArray,
     domains: Sequence[FacetDomain],
     azimuths: tuple[float, float],
     *,
@@ -108,6 +112,8 @@ def facet_tables(
         Sea, air and Sun.
     basis : PathBasis
         Path from the sensor to the places that are looked up.
+    arcs : ndarray
+        Arcs from the sensor's foot to them [m, (m,)].
     domains : sequence of FacetDomain
         Facets of every level.
     azimuths : (float, float)
@@ -116,19 +122,29 @@ def facet_tables(
         Whether emission is tabled apart from the mirrored sky.
     """
     sun, reflected_sun = sun_of(view, basis)
-    sources = thermal_sources(basis, view)
+    sources, hazy = thermal_sources(basis, view), hazy_facets(view, basis)
     roughs = [roughness_of(d.slopes, view.solar_azimuth, d.bands, shade_sun=view.shadowing.sun) for d in domains]
-    found = [thermal_axes(d.slopes, d.resolved, d.sines, azimuths) for d in domains]
+    at_sun = None if hazy is None else (0.5 * np.pi - view.solar_zenith, view.solar_azimuth)
+    found = [thermal_axes(d.slopes, d.resolved, d.sines, azimuths, at_sun) for d in domains]
 
-    def together(light: ThermalSources) -> FloatArray:
-        parts = [thermal_table(light, r, *axes, basis.phi.shape[0]) for r, axes in zip(roughs, found, strict=True)]
-        return np.concatenate([part.reshape(-1, part.shape[-1]) for part in parts])
+    def together(light: ThermalSources, haze: tuple[HazyFacets, FloatArray] | None) -> FloatArray:
+        parts: list[NDArray[Any]] = []
+        for domain, rough, (axes, shape) in zip(domains, roughs, found, strict=True):
+            part: NDArray[Any]
+            if hazy is None:
+                part = thermal_table(light, rough, axes, shape, basis.phi.shape[0])
+            else:
+                part = _on_axes(light, domain, rough, azimuths, (axes, shape))
+            if haze is not None:
+                part = part + haze_table(haze[0], rough, _lines(view.sensor_height, axes, shape)) @ haze[1]
+            parts.append(part.reshape(-1, part.shape[-1]))
+        return np.concatenate(parts)
 
-    thermal, thermal_path = fewest_terms(together(sources), basis.coefficients, TOGETHER)
+    thermal, thermal_path = fewest_terms(together(sources, hazy), basis.coefficients, TOGETHER)
     reflected, sun_path = fewest_terms(reflected_sun, basis.coefficients)
     alone, alone_path = np.zeros((thermal.shape[0], 0)), np.zeros((basis.coefficients.shape[0], 0))
     if emitted:
-        alone, alone_path = fewest_terms(together(sources._replace(sky=np.zeros_like(sources.sky))), basis.coefficients, TOGETHER)
+        alone, alone_path = fewest_terms(together(sources._replace(sky=np.zeros_like(sources.sky)), None), basis.coefficients, TOGETHER)
     shapes = np.array([shape for _, shape in found])
     first = np.concatenate([[0], np.cumsum(shapes.prod(axis=1))[:-1]])
     levels = FacetLevels(
@@ -142,7 +158,7 @@ def facet_tables(
         np.stack([nodes for nodes, _ in found]),
         np.ascontiguousarray(reflected),
     )
-    return sun, levels, PathTerms(thermal_path, sun_path, alone_path, basis.path_radiance)
+    return sun, levels, PathTerms(thermal_path, sun_path, alone_path, basis.path_radiance, sunlit_path(view, arcs))
 
 
 def _stacked(tables: list[NDArray[np.float32]]) -> NDArray[np.float32]:
@@ -150,3 +166,31 @@ def _stacked(tables: list[NDArray[np.float32]]) -> NDArray[np.float32]:
     shape = max((table.shape for table in tables), key=lambda shape: shape[0])
     full = tuple(max(n, 1) for n in shape)
     return np.stack([table if table.size else np.zeros(full, np.float32) for table in tables])
+
+
+def _lines(height: float, axes: FloatArray, shape: tuple[int, int, int, int]) -> Lines:
+    """Lines of sight and slopes of a table's nodes, seen from ``height`` [m]."""
+    sine, at, along, across = (first + np.arange(n) / per_step for (first, per_step), n in zip(axes[:4], shape, strict=True))
+    azimuth = np.array([azimuth_of(axes, float(x)) for x in at])
+    return Lines(sine, turns_of(height, sine), azimuth, along, across)
+
+
+def _on_axes(
+    light: ThermalSources,
+    domain: FacetDomain,
+    rough: Roughness,
+    azimuths: tuple[float, float],
+    wanted: tuple[FloatArray, tuple[int, int, int, int]],
+) -> NDArray[np.float32]:
+    """Thermal table on the axes that the mirrored aureole asks for, from one on the fewer azimuths and slopes that thermal light does."""
+    axes, shape = wanted
+    plain, few = thermal_axes(domain.slopes, domain.resolved, domain.sines, azimuths)
+    table = thermal_table(light, rough, plain, few, light.black.shape[0])
+    at = _lines(1.0, axes, shape)
+    for axis, places in ((1, at.azimuth), (3, at.across)):
+        where = np.clip((places - plain[axis, 0]) * plain[axis, 1], 0.0, few[axis] - 1.0)
+        lower = np.minimum(where.astype(int), few[axis] - 2)
+        share = (where - lower).astype(np.float32).reshape(-1, *(1,) * (4 - axis))
+        near = np.take(table, lower, axis)
+        table = near + share * (np.take(table, lower + 1, axis) - near)
+    return table

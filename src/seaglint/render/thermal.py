@@ -38,6 +38,14 @@ FARTHEST_TURNED_AWAY = -3.0
 """Facets turned from the viewer by more than this many deviations of their roughness are treated as if by this many; they are not seen."""
 
 
+AUREOLE, AUREOLE_STEP = math.radians(4.0), 0.25
+"""Scale over which the sky's aureole changes [rad], and steps of tables in deviations of the aureole blurred by the facets' slopes: linear
+interpolation is within 1 % of its peak."""
+
+AUREOLE_SCALE = math.radians(15.0)
+"""Azimuth from the Sun beyond which steps of azimuth grow [rad]: they are four times as wide 60 deg aside."""
+
+
 class ThermalLine(NamedTuple):
     """A thermal table (u, a, c, k) of one line of sight: its values and its sizes; the number of terms is a multiple of four."""
 
@@ -72,6 +80,36 @@ def node(axes: np.ndarray, axis: int, size: int, value: float) -> tuple[int, flo
     x = min(max(x, 0.0), size - 1.000001)
     lower = int(x)
     return lower, x - lower
+
+
+@kernel
+def crowded(delta: float, scale: float) -> float:
+    """Coordinate of an azimuth from the Sun [rad]: even steps are closest there and grow beyond ``scale`` [rad]. It goes on over turns."""
+    turns = math.floor(delta / (2.0 * math.pi) + 0.5)
+    return float(scale * (math.asinh((delta - 2.0 * math.pi * turns) / scale) + 2.0 * turns * math.asinh(math.pi / scale)))
+
+
+@kernel
+def azimuth_of(axes: np.ndarray, coordinate: float) -> float:
+    """Azimuth [rad] of a coordinate along a table's second axis."""
+    scale = axes[4, 1]
+    if scale <= 0.0:
+        return coordinate
+    turns = math.floor(0.5 * coordinate / (scale * math.asinh(math.pi / scale)) + 0.5)
+    rest = coordinate / scale - 2.0 * turns * math.asinh(math.pi / scale)
+    return float(axes[4, 0] + 2.0 * math.pi * turns + scale * math.sinh(rest))
+
+
+@kernel
+def azimuth_node(axes: np.ndarray, size: int, azimuth: float) -> tuple[int, float]:
+    """:func:`node` of an azimuth [rad], whatever its turn, on a table's second axis: plain, or crowded at the Sun's."""
+    scale = axes[4, 1]
+    x, turn = azimuth, 2.0 * math.pi
+    if scale > 0.0:
+        x, turn = crowded(azimuth - axes[4, 0], scale), 2.0 * scale * math.asinh(math.pi / scale)
+    middle = axes[1, 0] + 0.5 * (size - 1) / axes[1, 1]
+    turns = math.floor((x - middle) / turn + 0.5)
+    return node(axes, 1, size, x - turn * turns if turns != 0.0 else x)
 
 
 @kernel
@@ -147,7 +185,7 @@ def thermal_line(table: np.ndarray) -> ThermalLine:
 @njit
 def thermal_along(table: np.ndarray, axes: np.ndarray, sight: Sight) -> ThermalLine:
     """The thermal table of one line of sight: interpolated to its azimuth once, as all its facets share it."""
-    ix, fx = node(axes, 1, table.shape[1], sight.chi)
+    ix, fx = azimuth_node(axes, table.shape[1], sight.chi)
     nu, _, na, nc, terms = table.shape
     # C order makes the two azimuths' parts of a row of the table plain stretches of memory
     size, share = na * nc * terms, np.float32(fx)
@@ -264,25 +302,39 @@ def _axis(low: float, high: float, step: float) -> tuple[float, float, int]:
 
 
 def thermal_axes(
-    roughness: SlopeStatistics, resolved: tuple[float, float], sines: tuple[float, float], azimuths: tuple[float, float]
+    roughness: SlopeStatistics,
+    resolved: tuple[float, float],
+    sines: tuple[float, float],
+    azimuths: tuple[float, float],
+    sun: tuple[float, float] | None = None,
 ) -> tuple[FloatArray, tuple[int, int, int, int]]:
-    """Axes of the thermal table, (4, 2) first nodes and inverse steps [1, rad, 1, 1], and the numbers of nodes.
+    """Axes of the thermal table, (5, 2) first nodes and inverse steps [1, rad, 1, 1], and the numbers of nodes.
 
     Steps follow the roughness: the average changes over about one deviation of the facet's slopes. Slopes span 5.5 deviations of the
-    resolved waves.
+    resolved waves. Where the air scatters sunlight, with the ``sun`` (elevation, azimuth) [rad], the mirrored aureole asks for closer
+    steps of azimuth beside the Sun and of the slope across the view, the more the farther the light is turned by it. The last row is then
+    the Sun's azimuth and the scale of :func:`crowded`.
     """
     sigma = max(float(np.sqrt(0.5 * roughness.mss)), 0.02)
     reach = 5.5 * float(np.sqrt(max(resolved)))
     isotropic = abs(roughness.mss_up - roughness.mss_cross) < 1e-3 * max(roughness.mss, 1e-12)
     middle = 0.5 * (azimuths[0] + azimuths[1])
+    step, across, crowd = np.radians(8.0), 0.7 * sigma, (0.0, 0.0)
     span = (middle, middle) if isotropic else azimuths
+    if sun is not None:
+        # a slope across turns mirrored light by twice the cosine of incidence, taken for facets that mirror the Sun
+        turned = 2.0 * float(np.sin(0.5 * (np.arcsin(min(sines[1], 1.0)) + max(sun[0], 0.0))))
+        step = AUREOLE_STEP * np.hypot(AUREOLE, turned * sigma)
+        across = min(across, AUREOLE_STEP * np.hypot(AUREOLE / turned, sigma))
+        crowd = (sun[1], AUREOLE_SCALE)
+        span = (crowded(azimuths[0] - sun[1], AUREOLE_SCALE), crowded(azimuths[1] - sun[1], AUREOLE_SCALE))
     parts = (
         _axis(sines[0], sines[1], min(0.15 * sigma, 0.015)),
-        _axis(span[0], span[1], np.radians(8.0)),
+        _axis(span[0], span[1], step),
         _axis(-reach, reach, 0.25 * sigma),
-        _axis(-reach, reach, 0.7 * sigma),
+        _axis(-reach, reach, across),
     )
-    return np.array([p[:2] for p in parts]), (parts[0][2], parts[1][2], parts[2][2], parts[3][2])
+    return np.array([*(p[:2] for p in parts), crowd]), (parts[0][2], parts[1][2], parts[2][2], parts[3][2])
 
 
 def band_reflectance(basis: PathBasis, water: WaterIndex) -> FloatArray:

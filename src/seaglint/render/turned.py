@@ -17,11 +17,12 @@ from seaglint.errors import DomainError
 from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
-from seaglint.render.layers import EMITTED, PATH, SKY, SUN, TOTAL, Layers, layers_of, planes_for, require_layers
+from seaglint.render.layers import COVERAGE, EMITTED, PATH, SKY, SUN, TOTAL, Layers, layers_of, planes_for, require_layers
 from seaglint.render.levels import Levels
 from seaglint.render.platform import Pose, Track
 from seaglint.render.rays import WalkedRays, rays_per_side
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles
+from seaglint.render.sun_in_sky import SunInSky, disc_in_pixels, sun_in_sky
 from seaglint.render.surface import course, height
 from seaglint.render.swept import SAME, SweptScene, beyond, require_above, require_dry
 from seaglint.render.tables import facet_slopes
@@ -85,6 +86,10 @@ class _Height:
     @cached_property
     def rays(self) -> WalkedRays:
         return self.prepare_rays()
+
+    @cached_property
+    def sun(self) -> SunInSky:
+        return sun_in_sky(self.view)
 
 
 @dataclass(frozen=True, eq=False)
@@ -381,6 +386,7 @@ class TurnedScene:
             _resample(plan, np.concatenate([scene.planes(upright, time, surface, part) for part in plan.parts], axis=2), out)
         if plan.walked.size:
             channels = prepared.rays(surface, levels.bounds(lattices), pose.height, plan.corner, plan.walked, plan.samples)
+            channels[:, TOTAL] += disc_in_pixels(prepared.sun, plan.corner, plan.walked) * (1.0 - channels[:, COVERAGE])
             sky = channels[:, TOTAL] - channels[:, SUN] - channels[:, EMITTED] - channels[:, PATH]
             for k, kind in enumerate(kinds):
                 out[k, plan.walked] = sky if kind == SKY else channels[:, kind]

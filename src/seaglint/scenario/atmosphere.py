@@ -23,6 +23,9 @@ class TableAtmosphere(Record):
         ModelAtmosphere,
         Field(description="model atmosphere"),
     ] = "midlatitude-summer"
+    scattered_sunlight: Annotated[
+        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
+    ] = True
 
 
 class LowtranAtmosphere(Record):
@@ -66,6 +69,9 @@ class LowtranAtmosphere(Record):
         Annotated[float, Quantity("m/s", ge=0, le=NAVY_AEROSOL_WIND[1])] | None,
         Field(description="mean wind of the last 24 hours, navy-maritime only; that of [wind] where nothing is said"),
     ] = None
+    scattered_sunlight: Annotated[
+        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
+    ] = True
 
     @model_validator(mode="after")
     def _visibility_needs_haze(self) -> Self:
@@ -79,6 +85,9 @@ class FileAtmosphere(Record):
 
     source: Literal["file"] = "file"
     path: Annotated[InputFile, Field(description="CSV or NetCDF (.nc) file for this sensor height, e.g. air.csv")]
+    scattered_sunlight: Annotated[
+        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
+    ] = True
 
 
 class IsothermalAtmosphere(Record):

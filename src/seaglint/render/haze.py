@@ -1,0 +1,120 @@
+"""Scattered sunlight of path and sky in band, as images look it up: rows of a scene against the azimuth from the Sun."""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from seaglint._jit import in_threads, kernel, njit
+from seaglint.atmosphere.base import slant_range
+from seaglint.atmosphere.scattered import ScatteredTable, scattered_path_at, scattered_sky_at
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.conventions import FloatArray, depression_of_range
+from seaglint.radiance.view import SeaView
+
+AZIMUTHS: Final = 361
+"""Azimuths from the Sun, uniform in the sine of their half: a third of a degree apart beside the Sun, whose aureole is some ten wide."""
+
+PATH_ROWS: Final = 257
+"""Paths to the sea, uniform in the logarithm of the slant path, as their own tables have them."""
+
+
+class Haze(NamedTuple):
+    """Radiance ``values[azimuth, row]`` [W m-2 sr-1] at even steps of the sine of half the azimuth from the Sun, which stands at
+    ``azimuth`` [rad]; without azimuths it is 0.
+    """
+
+    values: np.ndarray
+    azimuth: float
+
+
+class SunlitPath(NamedTuple):
+    """Scattered sunlight of the paths to some places: places' rows of the table [1, (places,)]."""
+
+    haze: Haze
+    row: np.ndarray
+
+
+NO_HAZE: Final = Haze(np.zeros((0, 0)), 0.0)
+"""Air that scatters nothing, or night."""
+
+
+def is_dark(table: ScatteredTable) -> bool:
+    """Whether a table holds no light."""
+    return not bool(table.amplitude.any())
+
+
+@kernel
+def haze_column(haze: Haze, azimuth: float) -> tuple[int, float]:
+    """Lower azimuth node of a line of sight's azimuth [rad], and the fraction of the way to the next."""
+    x = abs(math.sin(0.5 * (azimuth - haze.azimuth))) * (haze.values.shape[0] - 1)
+    i = min(int(x), haze.values.shape[0] - 2)
+    return i, x - i
+
+
+@kernel
+def haze_between(haze: Haze, column: tuple[int, float], row: float) -> float:
+    """Radiance between four nodes [W m-2 sr-1]."""
+    i, f = column
+    j = min(int(row), haze.values.shape[1] - 2)
+    g = row - j
+    near = haze.values[i, j] + g * (haze.values[i, j + 1] - haze.values[i, j])
+    far = haze.values[i + 1, j] + g * (haze.values[i + 1, j + 1] - haze.values[i + 1, j])
+    return float(near + f * (far - near))
+
+
+@njit
+def path_along(radiance: np.ndarray, sunlit: SunlitPath, azimuth: float, part: tuple[int, int]) -> np.ndarray:
+    """Path radiance of one line of sight [W m-2 sr-1, (places,)]: thermal ``radiance`` and sunlight scattered; only ``part`` is filled."""
+    if sunlit.haze.values.shape[0] == 0:
+        return radiance
+    out = np.empty(radiance.shape[0])
+    column = haze_column(sunlit.haze, azimuth)
+    for i in range(part[0], min(part[1], radiance.shape[0])):
+        out[i] = radiance[i] + haze_between(sunlit.haze, column, sunlit.row[i])
+    return out
+
+
+@njit
+def _fill_sky(table: ScatteredTable, elevation: np.ndarray, scale: float, out: np.ndarray, part: tuple[int, int]) -> None:
+    for i in range(part[0], part[1]):
+        azimuth = 2.0 * math.asin(i / (out.shape[0] - 1))
+        for j in range(elevation.shape[0]):
+            out[i, j] = scale * scattered_sky_at(elevation[j], azimuth, table)
+
+
+@njit
+def _fill_path(table: ScatteredTable, arc: np.ndarray, elevation: np.ndarray, scale: float, out: np.ndarray, part: tuple[int, int]) -> None:
+    for i in range(part[0], part[1]):
+        azimuth = 2.0 * math.asin(i / (out.shape[0] - 1))
+        for j in range(arc.shape[0]):
+            out[i, j] = scale * scattered_path_at(arc[j], elevation[j], azimuth, table)
+
+
+def sky_haze(view: SeaView, elevation: FloatArray) -> Haze:
+    """Sky seen from the sensor at elevations [rad, (rows,)]."""
+    table = view.scattered.sky
+    if is_dark(table) or elevation.size == 0:
+        return NO_HAZE
+    out = np.empty((AZIMUTHS, elevation.size))
+    in_threads(lambda some: _fill_sky(table, elevation, view.sun_distance_factor, out, some), AZIMUTHS)
+    return Haze(out, view.solar_azimuth)
+
+
+def sunlit_path(view: SeaView, arcs: FloatArray) -> SunlitPath:
+    """Paths from the sensor to the sea at arcs from its foot [m, (places,)], ascending."""
+    table = view.scattered.path
+    if is_dark(table):
+        return SunlitPath(NO_HAZE, np.zeros(0))
+    height = view.sensor_height
+    # the arcs of even steps in the logarithm of the slant path
+    slant = height * (table.longest / height) ** np.linspace(0.0, 1.0, PATH_ROWS)
+    ratio = np.maximum(slant**2 - height**2, 0.0) / (4.0 * EFFECTIVE_EARTH_RADIUS * (EFFECTIVE_EARTH_RADIUS + height))
+    nodes = 2.0 * EFFECTIVE_EARTH_RADIUS * np.arcsin(np.sqrt(ratio))
+    elevation = -depression_of_range(height, nodes)
+    out = np.empty((AZIMUTHS, PATH_ROWS))
+    in_threads(lambda some: _fill_path(table, nodes, elevation, view.sun_distance_factor, out, some), AZIMUTHS)
+    row = np.log(slant_range(height, arcs) / height) / math.log(table.longest / height) * (PATH_ROWS - 1)
+    return SunlitPath(Haze(out, view.solar_azimuth), np.clip(row, 0.0, PATH_ROWS - 1.0))
