@@ -112,7 +112,7 @@ def test_a_signal_leaves_nothing_under_the_final_name(run, number, code, ending)
     output = run.with_name(f"x.{ending}")
     slow = (
         "import sys, time, seaglint.io.export.stack as s; read = s.Stack.__getitem__; "
-        "s.Stack.__getitem__ = lambda *a: (time.sleep(0.3), read(*a))[1]; from seaglint.cli.app import main; main()"
+        "s.Stack.__getitem__ = lambda *a: (time.sleep(2.0), read(*a))[1]; from seaglint.cli.app import main; main()"
     )
     started = subprocess.Popen(
         [sys.executable, "-c", slow, "export", run, "-o", output], stderr=subprocess.PIPE, text=True, env=os.environ

@@ -22,6 +22,10 @@ COLUMNS: Final = 65
 ROWS: Final = 257
 DIP_ROWS: Final = 64
 
+LOW: Final = 300.0
+"""Height [m] up to which the sky below the horizontal is the horizontal's: LOWTRAN7 makes the sensor's height a level, and the thin layer
+below it, with another air, would draw a line above the sea (:mod:`seaglint.atmosphere.low_sky`)."""
+
 _RANK: Final = 1e-4
 """Singular values of the spectra below this share of the first are dropped."""
 
@@ -67,7 +71,7 @@ class SampledLight:
             return _DARK
         dip = horizon_depression(self.height)
         below = -dip * (1.0 - np.arange(DIP_ROWS) / DIP_ROWS) ** 2
-        rows = 0.5 * np.pi - np.concatenate([below, self._elevations])
+        rows = 0.5 * np.pi - np.concatenate([below if self.height > LOW else 0.0 * below, self._elevations])
         table = self._table(held.zenith, held.radiance[..., self.grid] @ self.weights, held.zenith, rows)
         return table._replace(height=self.height, dip=dip, dip_rows=DIP_ROWS)
 

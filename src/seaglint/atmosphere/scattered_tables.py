@@ -18,7 +18,7 @@ from seaglint.atmosphere.coordinates import elevation_of_coordinate, straight_se
 from seaglint.atmosphere.lowtran_ray import invariant_of
 from seaglint.atmosphere.sampled_sky import grazing_coordinate, grazing_share
 from seaglint.atmosphere.scattered import ScatteredTable
-from seaglint.atmosphere.scattered_file import SampledLight
+from seaglint.atmosphere.scattered_file import LOW, SampledLight
 from seaglint.atmosphere.scattered_line import KINDS, horizon_zenith
 from seaglint.atmosphere.scattered_samples import ScatteredSamples
 from seaglint.atmosphere.scattering_laws import ScatteringAir, scattering_angle
@@ -58,10 +58,6 @@ _SUN_ROWS: Final = 13
 """Zenith angles of the Sun computed for the places in view (three if they differ little), and tabulated."""
 
 _SMALL_TURN: Final = np.radians(1.0)
-
-_LOW: Final = 300.0
-"""Height [m] up to which the sky below the horizontal is the horizontal's: LOWTRAN7 makes the sensor's height a level, and the thin layer
-below it, with another air, would draw a line above the sea (:mod:`seaglint.atmosphere.low_sky`)."""
 
 _ONE_SUN: Final = np.radians(0.1)
 """Suns that differ by less are one."""
@@ -162,7 +158,7 @@ class ScatteredLight:
         if self.air is None:
             return _DARK
         table = self._in_band(*_sky_lines(self.air, self.height))
-        if self.height <= _LOW:
+        if self.height <= LOW:
             table.amplitude[:, :DIP_ROWS] = table.amplitude[:, DIP_ROWS : DIP_ROWS + 1]
         return table._replace(dip=horizon_depression(self.height), dip_rows=DIP_ROWS)
 
