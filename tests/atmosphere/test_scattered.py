@@ -131,6 +131,7 @@ def test_sun_sets_without_a_step():
         assert np.all(np.diff(seen) <= 0.0)
 
 
+@pytest.mark.validation
 def test_tables_of_a_setting_sun_have_no_step(air, weights):
     """Path, sky and mirrored sky as the disc sets: every 0.05 deg a fifth less at most, of what it was at first, down to darkness."""
     seen = []

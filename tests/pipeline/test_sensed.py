@@ -144,6 +144,7 @@ def test_leftward_scanners_begin_at_the_right() -> None:
     np.testing.assert_allclose(Scan("line", 0.4, leftwards=True).column_delays(4), [0.3, 0.2, 0.1, 0.0])
 
 
+@pytest.mark.validation
 def test_a_panorama_has_no_seam_but_the_one_that_time_makes() -> None:
     step = np.degrees(0.06)  # 0.06 rad: 105 columns all round
     sensor = {

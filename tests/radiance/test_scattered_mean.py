@@ -68,7 +68,7 @@ def _brute_force(view, elevation, azimuth):
     [
         (7.0, 75.0, 30.0, cox_munk_anisotropic),
         (3.0, 50.0, 10.0, cox_munk_anisotropic),
-        (14.0, 86.0, 3000.0, cox_munk_anisotropic),
+        pytest.param(14.0, 86.0, 3000.0, cox_munk_anisotropic, marks=pytest.mark.validation),
         (10.0, 70.0, 100.0, cox_munk_gram_charlier),
     ],
 )
@@ -121,6 +121,7 @@ def test_the_article_and_the_night_have_none(change):
     assert np.array_equal(mean_radiance(view, elevations, AZIMUTHS).total, mean_radiance(dark, elevations, AZIMUTHS).total)
 
 
+@pytest.mark.validation
 def test_day_passes_into_night_without_a_jump():
     zeniths = np.radians(np.arange(89.0, 91.0, 0.05))
     lines = np.radians([0.5, -3.0]), np.array([0.3])

@@ -184,6 +184,7 @@ def test_dark_air_costs_nothing(air, band):
     assert not tables.levels.axes[0, 4].any()
 
 
+@pytest.mark.validation
 def test_a_sun_below_the_horizon_adds_nothing_and_goes_without_a_step():
     eye = camera(30.0, 4.0, -6.0, 60, azimuth=10.0, width=10.0, columns=5)
     slopes, added = cox_munk_isotropic(7.0), []

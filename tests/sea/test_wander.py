@@ -66,6 +66,7 @@ def test_tiles_that_lie_still_repeat(still):
     assert _largest(still, 1) > 0.4
 
 
+@pytest.mark.validation
 def test_tiles_that_wander_do_not_repeat_in_any_direction(wandering):
     """8 seas of 8 km leave an uncertainty of 0.005 (one deviation) at a lag, and the largest of 10^5 lags four times that."""
     assert _largest(wandering, SEEDS) < 0.03
