@@ -156,4 +156,4 @@ def _renumbered(spectral: SpectralLaws, order: list[int]) -> Segments:
     segments, power, log = spectral.segments()
     own = spectral.columns
     segments[:, 0] = [order.index(own[place]) for place in segments[:, 0]]
-    return segments, power, log
+    return Segments(segments, power, log)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,8 +31,12 @@ _PER_MOLECULE: Final = 1e-20
 """The water continuum's coefficients are for this many molecules per cm2."""
 
 
-Segments = tuple[NDArray[np.int64], FloatArray, FloatArray]
-"""Bands one after another as :class:`Laws` has them: (column, first, end), powers and logarithms of all their channels."""
+class Segments(NamedTuple):
+    """Bands one after another as :class:`Laws` has them: (column, first, end), powers and logarithms of all their channels."""
+
+    place: NDArray[np.int64]
+    power: FloatArray
+    log_coefficient: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +77,7 @@ class SpectralLaws:
                     power.append(exponent[first:end])
                     log.append(coefficient[first:end])
         empty = [np.zeros(0)]
-        return np.array(found, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty)
+        return Segments(np.array(found, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
 
     def cut(self, keep: NDArray[np.intp]) -> SpectralLaws:
         """Of some channels."""
@@ -173,7 +177,7 @@ class ScatteringAir:
     def cut(self, grid: slice) -> ScatteringAir:
         """The same air on some of its channels."""
         keep = np.arange(self.wavenumber_cm.size)[grid]
-        bands = _cut_segments((self.laws.segments, self.laws.power, self.laws.log_coefficient), keep)
+        bands = _cut_segments(Segments(self.laws.segments, self.laws.power, self.laws.log_coefficient), keep)
         aerosol = AerosolLaws(
             self._aerosol.extinction[:, keep], self._aerosol.absorption[:, keep], self._aerosol.angle, self._aerosol.log_phase[:, keep]
         )
@@ -242,7 +246,7 @@ def _cut_segments(bands: Segments, keep: NDArray[np.intp]) -> Segments:
             log.append(bands[2][at + low - start : at + high - start])
         at += end - start
     empty = [np.zeros(0)]
-    return np.array(found, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty)
+    return Segments(np.array(found, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
 
 
 def grid_of(levels: AirLevels) -> LayerGrid:
