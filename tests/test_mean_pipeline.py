@@ -179,3 +179,15 @@ def test_the_row_that_the_horizon_cuts_has_its_share_of_sea():
         )
         for name in ("emitted_radiance", "radiance"):
             np.testing.assert_allclose(coarse[name].to_numpy(), averaged(fine[name], 500, 1), rtol=0.02)
+
+
+def test_pictures_of_wide_columns_without_waves_are_the_map():
+    """A third of the glint is seen from the middle of the columns, and more of the aureole than they hold."""
+    values = {"height_m": 30.0, "fov_deg": [360.0, 5.0], "pixels": [36, 4], "elevation_deg": -6.0, "pixel_shape": "any"}
+    tables = {"sensor": values, "sun": {"zenith_deg": 80.0, "azimuth_deg": 185.0}, "sea": {"resolve_waves": False}}
+    names = ["glint_radiance", "path_radiance", "sky_radiance"]
+    scenario = parse_scenario(tables | {"render": {"layers": names}})
+    map_, picture = mean(scenario), prepare_sequence(scenario).at(0.0)
+    for name in names:
+        found = map_[name].to_numpy()
+        np.testing.assert_allclose(picture[name], found, atol=0.004 * found.max(), err_msg=name)

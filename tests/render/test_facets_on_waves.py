@@ -28,5 +28,6 @@ def test_bands_of_facets_go_from_none_to_all():
     assert bands_of_facets(1.0, 4.0) == 4.0
     assert bands_of_facets(0.0, 4.0) == 0.0
     assert bands_of_facets(0.3, 1.0) == 1.0, "Smith's law stays Smith's"
+    assert bands_of_facets(0.3, 1.001) == pytest.approx(1.0, abs=0.01)
     found = [bands_of_facets(share, 5.0) for share in np.linspace(0.0, 1.0, 50)]
     assert np.all(np.diff(found) >= 0.0)

@@ -27,12 +27,12 @@ All are for the Sun at 1 au; multiply by ``1/d^2``.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint._jit import kernel, njit
+from seaglint._jit import in_threads, kernel, njit
 from seaglint.atmosphere.coordinates import ELEVATION_SCALE
 from seaglint.atmosphere.setting_sun import visible_part_kernel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
@@ -60,6 +60,10 @@ class ScatteredTable(NamedTuple):
     longest: float
     dip: float
     dip_rows: int
+
+
+DARK: Final = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), 0.0, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
+"""Of air that scatters nothing."""
 
 
 @kernel
@@ -145,6 +149,38 @@ def mirrored_sky_at(elevation: float, azimuth: float, solar_zenith: float, table
 def scattered_path_at(range_m: float, elevation: float, azimuth: float, table: ScatteredTable) -> float:
     """Path to the sea at an arc [m], seen at an elevation (below 0) and an azimuth from the Sun [rad], in band [W m-2 sr-1]."""
     return max(share_at(path_row(range_m, table), elevation, azimuth, table.solar_zenith, table, 0), 0.0)
+
+
+@njit
+def _fill_sky_map(rows: tuple[int, int], elevation: np.ndarray, azimuth: np.ndarray, table: ScatteredTable, out: np.ndarray) -> None:
+    for i in range(rows[0], rows[1]):
+        for j in range(azimuth.size):
+            out[i, j] = scattered_sky_at(elevation[i], azimuth[j], table)
+
+
+@njit
+def _fill_path_map(
+    rows: tuple[int, int], range_m: np.ndarray, elevation: np.ndarray, azimuth: np.ndarray, table: ScatteredTable, out: np.ndarray
+) -> None:
+    for i in range(rows[0], rows[1]):
+        for j in range(azimuth.size):
+            out[i, j] = scattered_path_at(range_m[i], elevation[i], azimuth[j], table)
+
+
+def sky_map(elevation: FloatArray, azimuth_from_sun: FloatArray, table: ScatteredTable) -> FloatArray:
+    """Sky in band at elevations (rows) and azimuths (columns) [rad]: [W m-2 sr-1, (rows, columns)], in threads."""
+    out = np.empty((elevation.size, azimuth_from_sun.size))
+    if elevation.size > 0:
+        in_threads(lambda rows: _fill_sky_map(rows, elevation, azimuth_from_sun, table, out), elevation.size)
+    return out
+
+
+def path_map(range_m: FloatArray, elevation: FloatArray, azimuth_from_sun: FloatArray, table: ScatteredTable) -> FloatArray:
+    """Paths to the sea at arcs [m] seen at elevations (rows) and azimuths (columns) [rad], likewise; :func:`scattered_path_at`."""
+    out = np.empty((range_m.size, azimuth_from_sun.size))
+    if range_m.size > 0:
+        in_threads(lambda rows: _fill_path_map(rows, range_m, elevation, azimuth_from_sun, table, out), range_m.size)
+    return out
 
 
 @njit

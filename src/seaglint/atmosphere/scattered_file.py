@@ -12,7 +12,7 @@ from scipy.interpolate import PchipInterpolator
 
 from seaglint.atmosphere.base import slant_range
 from seaglint.atmosphere.coordinates import elevation_of_coordinate
-from seaglint.atmosphere.scattered import ScatteredTable
+from seaglint.atmosphere.scattered import DARK, ScatteredTable
 from seaglint.atmosphere.scattered_samples import ScatteredSamples, ScatteredSky
 from seaglint.atmosphere.scattering_laws import scattering_angle
 from seaglint.conventions import FloatArray, depression_of_range, horizon_depression
@@ -28,8 +28,6 @@ below it, with another air, would draw a line above the sea (:mod:`seaglint.atmo
 
 _RANK: Final = 1e-4
 """Singular values of the spectra below this share of the first are dropped."""
-
-_DARK: Final = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), 0.0, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +53,7 @@ class SampledLight:
         """Paths to the sea, in band."""
         held, samples = self.samples.path, self.samples
         if held is None:
-            return _DARK
+            return DARK
         slant = slant_range(self.height, samples.range_m)
         longest = float(max(slant[-1], 1.001 * self.height))
         even = self.height * (longest / self.height) ** np.linspace(0.0, 1.0, ROWS)
@@ -68,7 +66,7 @@ class SampledLight:
         """Sky seen from the sensor, in band."""
         held = self._sky_from(self.height)
         if held is None:
-            return _DARK
+            return DARK
         dip = horizon_depression(self.height)
         below = -dip * (1.0 - np.arange(DIP_ROWS) / DIP_ROWS) ** 2
         rows = 0.5 * np.pi - np.concatenate([below if self.height > LOW else 0.0 * below, self._elevations])
@@ -80,7 +78,7 @@ class SampledLight:
         """Sky seen from the sea: spectra."""
         held = self._sky_from(0.0)
         if held is None:
-            return _DARK._replace(spectral=np.zeros((1, self.weights.size)))
+            return DARK._replace(spectral=np.zeros((1, self.weights.size)))
         radiance = held.radiance[..., self.grid]
         _, size, shapes = np.linalg.svd(radiance.reshape(-1, radiance.shape[-1]), full_matrices=False)
         spectral = shapes[: max(int(np.count_nonzero(size > _RANK * size[0])), 1)]

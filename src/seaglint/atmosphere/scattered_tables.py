@@ -17,7 +17,7 @@ from seaglint.atmosphere.base import slant_range
 from seaglint.atmosphere.coordinates import elevation_of_coordinate, straight_sea_cosine, straight_slant
 from seaglint.atmosphere.lowtran_ray import invariant_of
 from seaglint.atmosphere.sampled_sky import grazing_coordinate, grazing_share
-from seaglint.atmosphere.scattered import ScatteredTable
+from seaglint.atmosphere.scattered import DARK, ScatteredTable
 from seaglint.atmosphere.scattered_file import LOW, SampledLight
 from seaglint.atmosphere.scattered_line import KINDS, horizon_zenith
 from seaglint.atmosphere.scattered_samples import ScatteredSamples
@@ -105,9 +105,6 @@ def scattered_in(
     return ScatteredLight(air, np.asarray(weights, dtype=np.float64), height, solar_zenith, farthest_turn)
 
 
-_DARK: Final = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), 0.0, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
-
-
 @dataclass(frozen=True, eq=False)
 class ScatteredLight:
     """Scattered sunlight of one band, wind, sensor height and Sun; its tables are made when they are asked for.
@@ -146,7 +143,7 @@ class ScatteredLight:
     def path(self) -> ScatteredTable:
         """Paths to the sea, in band [W m-2 sr-1]: one spectral shape, which is 1."""
         if self.air is None:
-            return _DARK
+            return DARK
         zenith, arcs, coordinate = _path_lines(self.air, self.height)
         even = np.linspace(0.0, 1.0, ROWS)
         table = self._in_band(zenith, lambda nodes: CubicSpline(coordinate, nodes, axis=1)(even))
@@ -156,7 +153,7 @@ class ScatteredLight:
     def sky(self) -> ScatteredTable:
         """Sky seen from the sensor, likewise."""
         if self.air is None:
-            return _DARK
+            return DARK
         table = self._in_band(*_sky_lines(self.air, self.height))
         if self.height <= LOW:
             table.amplitude[:, :DIP_ROWS] = table.amplitude[:, DIP_ROWS : DIP_ROWS + 1]
@@ -170,7 +167,7 @@ class ScatteredLight:
     def sea_sky_within(self, turn: float) -> ScatteredTable:
         """:attr:`sea_sky` for places where the vertical is turned by at most so much [rad]; a tenth of a degree is one Sun."""
         if self.air is None:
-            return _DARK._replace(spectral=np.zeros((1, self.weights.size)))
+            return DARK._replace(spectral=np.zeros((1, self.weights.size)))
         zenith, rows = _sky_lines(self.air, 0.0)
         first, last = _sun_range(self.solar_zenith, turn)
         if last - first <= _ONE_SUN:

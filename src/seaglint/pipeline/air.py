@@ -28,7 +28,6 @@ DIP_NODES: Final = 24
 """Nodes along the paths, of sky and Sun from the horizontal up, and of the sky from there down to the sea horizon."""
 
 _AZIMUTH: Final = "azimuth_from_sun_deg"
-_SWITCH: Final = "scattered_sunlight"
 
 HIGHEST_CREST: Final = 30.0
 """Paths reach to where the sensor sees waves of this height stand above the horizon [m]."""
@@ -79,7 +78,7 @@ def export_air(scenario: Scenario) -> xr.Dataset:
     azimuths = {}
     sun = sun_position(scenario).zenith
     light = scattered_in(air, slice(0, air.wavenumber_cm.size), np.ones(air.wavenumber_cm.size), height, sun)
-    if isinstance(light, ScatteredLight) and not light.is_dark and sun < 0.5 * np.pi and getattr(scenario.atmosphere, _SWITCH, True):
+    if isinstance(light, ScatteredLight) and not light.is_dark and sun < 0.5 * np.pi and prepare.scatters(scenario):
         azimuth = np.radians(AZIMUTHS)
         lit = {
             "path_scattered": ("range_m", light.path_spectra(arc, azimuth)),

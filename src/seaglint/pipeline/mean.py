@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Final, assert_never
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, horizon_depression
 from seaglint.io.provenance import band_attributes, provenance
 from seaglint.optics.band import apparent_temperature
@@ -122,17 +121,11 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float) -
 
 
 def azimuths_across(view: SeaView, step: float) -> int:
-    """Azimuths that are averaged across columns ``step`` wide [rad]: three for each standard deviation of the glint at the horizon, where
-    it is narrowest; the mean is then within 0.5 % of the brightest. Columns narrower than that are taken in their middle.
+    """Azimuths that are averaged across columns ``step`` wide [rad]: three for each standard deviation of the glint where it is narrowest.
 
-    Seen at the horizon, a Sun of elevation e is mirrored over azimuths of the slopes' deviation times ``sin e``, blurred by its disc.
+    The mean is then within 0.5 % of the brightest; columns narrower than that are taken in their middle.
     """
-    least = math.ceil(step / _WIDEST)
-    if not view.irradiance.any():
-        return least
-    slopes = math.sqrt(min(view.slopes.mss_up, view.slopes.mss_cross))
-    deviation = math.hypot(slopes * max(math.cos(view.solar_zenith), 0.0), 0.5 * SOLAR_ANGULAR_RADIUS)
-    return max(math.ceil(3.0 * step / deviation), least)
+    return max(math.ceil(3.0 * step / view.glint_width), math.ceil(step / _WIDEST))
 
 
 def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:

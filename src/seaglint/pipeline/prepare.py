@@ -262,6 +262,11 @@ def _require_heights(scenario: Scenario, found: Track, where: str) -> None:
         )
 
 
+def scatters(scenario: Scenario) -> bool:
+    """Whether sunlight that the air scatters counts; kinds of air that scatter none have no say."""
+    return bool(getattr(scenario.atmosphere, "scattered_sunlight", False))
+
+
 def view(scenario: Scenario) -> SeaView:
     """Sea, air and Sun as one sensor height sees them."""
     over = band(scenario)
@@ -277,7 +282,7 @@ def view(scenario: Scenario) -> SeaView:
         solar_azimuth=sun.azimuth,
         sun_distance_factor=sun.irradiance_factor,
         shadowing=Shadowing.of(scenario.mean.shadowing or "nested"),
-        scattering=getattr(scenario.atmosphere, "scattered_sunlight", True),
+        scattering=scatters(scenario),
     )
 
 

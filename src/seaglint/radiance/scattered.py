@@ -22,7 +22,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from seaglint._jit import in_threads, kernel, njit
-from seaglint.atmosphere.scattered import ScatteredTable, scattered_path_at, scattered_shares, scattered_sky_at, share_at, sky_row
+from seaglint.atmosphere.scattered import ScatteredTable, path_map, scattered_shares, share_at, sky_map, sky_row
 from seaglint.atmosphere.setting_sun import visible_part_kernel
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray
@@ -202,22 +202,6 @@ def _fill_mirrored(
             out[row, column] = total * visible_part_kernel(0.5 * math.pi - zenith)[0]
 
 
-@njit
-def _fill_path(
-    rows: tuple[int, int], arcs: np.ndarray, elevations: np.ndarray, azimuths: np.ndarray, table: ScatteredTable, out: np.ndarray
-) -> None:
-    for row in range(rows[0], rows[1]):
-        for column in range(azimuths.size):
-            out[row, column] = scattered_path_at(arcs[row], elevations[row], azimuths[column], table)
-
-
-@njit
-def _fill_above(rows: tuple[int, int], elevations: np.ndarray, azimuths: np.ndarray, table: ScatteredTable, out: np.ndarray) -> None:
-    for row in range(rows[0], rows[1]):
-        for column in range(azimuths.size):
-            out[row, column] = scattered_sky_at(elevations[row], azimuths[column], table)
-
-
 @dataclass(frozen=True, eq=False)
 class Around:
     """Azimuths about the Sun at which something is tabulated, closer together near it: ``azimuth = pi sinh(c u)/sinh(c)``, u in 0..1.
@@ -324,19 +308,12 @@ class ScatteredSun:
         """Of paths to the sea in band [W m-2 sr-1, (rows, columns)]; azimuths of lines of sight [rad, (columns,)]."""
         if rows.arc.size * azimuth.size <= _FEW_LINES:
             return self.view.sun_distance_factor * self.view.scattered.paths(rows.arc, azimuth - self.view.solar_azimuth)
-        out = np.empty((rows.arc.size, azimuth.size))
-        beside, table = azimuth - self.view.solar_azimuth, self.view.scattered.path
-        in_threads(lambda part: _fill_path(part, rows.arc, rows.elevation, beside, table, out), rows.arc.size)
-        return self.view.sun_distance_factor * out
+        beside = azimuth - self.view.solar_azimuth
+        return self.view.sun_distance_factor * path_map(rows.arc, rows.elevation, beside, self.view.scattered.path)
 
     def above(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
         """Of the sky seen from the sensor at elevations (rows) and azimuths (columns) [rad], in band [W m-2 sr-1]."""
-        if elevation.size == 0:
-            return np.zeros((0, azimuth.size))
-        out = np.empty((elevation.size, azimuth.size))
-        beside, table = azimuth - self.view.solar_azimuth, self.view.scattered.sky
-        in_threads(lambda part: _fill_above(part, elevation, beside, table, out), elevation.size)
-        return self.view.sun_distance_factor * out
+        return self.view.sun_distance_factor * sky_map(elevation, azimuth - self.view.solar_azimuth, self.view.scattered.sky)
 
     def above_along(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
         """The same for lines of sight in no order [(n,)]."""

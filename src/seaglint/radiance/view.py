@@ -154,6 +154,17 @@ class SeaView:
         return float(turn_at(horizon_range(self.sensor_height) + horizon_range(_CREST)))
 
     @cached_property
+    def glint_width(self) -> float:
+        """Standard deviation of the glint over azimuth at the horizon, where it is narrowest [rad]; infinite without a Sun.
+
+        A Sun of elevation e is mirrored there over azimuths of the slopes' deviation times ``sin e``, blurred by its disc.
+        """
+        if not self.irradiance.any():
+            return float("inf")
+        slopes = np.sqrt(min(self.slopes.mss_up, self.slopes.mss_cross))
+        return float(np.hypot(slopes * max(np.cos(self.solar_zenith), 0.0), 0.5 * SOLAR_ANGULAR_RADIUS))
+
+    @cached_property
     def irradiance(self) -> FloatArray:
         """Sunlight at the sensor's foot normal to the beam on the band's samples [W m-2 per cm-1, (n,)], of the whole disc.
 

@@ -7,15 +7,17 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from seaglint._jit import in_threads, kernel, njit
+from seaglint._jit import kernel, njit
 from seaglint.atmosphere.base import slant_range
-from seaglint.atmosphere.scattered import ScatteredTable, scattered_path_at, scattered_sky_at
+from seaglint.atmosphere.scattered import ScatteredTable, path_map, sky_map
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray, depression_of_range
 from seaglint.radiance.view import SeaView
 
 AZIMUTHS: Final = 361
 """Azimuths from the Sun, uniform in the sine of their half: a third of a degree apart beside the Sun, whose aureole is some ten wide."""
+
+_AROUND: Final = 2.0 * np.arcsin(np.linspace(0.0, 1.0, AZIMUTHS))
 
 PATH_ROWS: Final = 257
 """Paths to the sea, uniform in the logarithm of the slant path, as their own tables have them."""
@@ -77,30 +79,12 @@ def path_along(radiance: np.ndarray, sunlit: SunlitPath, azimuth: float, part: t
     return out
 
 
-@njit
-def _fill_sky(table: ScatteredTable, elevation: np.ndarray, scale: float, out: np.ndarray, part: tuple[int, int]) -> None:
-    for i in range(part[0], part[1]):
-        azimuth = 2.0 * math.asin(i / (out.shape[0] - 1))
-        for j in range(elevation.shape[0]):
-            out[i, j] = scale * scattered_sky_at(elevation[j], azimuth, table)
-
-
-@njit
-def _fill_path(table: ScatteredTable, arc: np.ndarray, elevation: np.ndarray, scale: float, out: np.ndarray, part: tuple[int, int]) -> None:
-    for i in range(part[0], part[1]):
-        azimuth = 2.0 * math.asin(i / (out.shape[0] - 1))
-        for j in range(arc.shape[0]):
-            out[i, j] = scale * scattered_path_at(arc[j], elevation[j], azimuth, table)
-
-
 def sky_haze(view: SeaView, elevation: FloatArray) -> Haze:
     """Sky seen from the sensor at elevations [rad, (rows,)]."""
     table = view.scattered.sky
     if is_dark(table) or elevation.size == 0:
         return NO_HAZE
-    out = np.empty((AZIMUTHS, elevation.size))
-    in_threads(lambda some: _fill_sky(table, elevation, view.sun_distance_factor, out, some), AZIMUTHS)
-    return Haze(out, view.solar_azimuth)
+    return Haze(np.ascontiguousarray(view.sun_distance_factor * sky_map(elevation, _AROUND, table).T), view.solar_azimuth)
 
 
 def sunlit_path(view: SeaView, arcs: FloatArray) -> SunlitPath:
@@ -114,7 +98,6 @@ def sunlit_path(view: SeaView, arcs: FloatArray) -> SunlitPath:
     ratio = np.maximum(slant**2 - height**2, 0.0) / (4.0 * EFFECTIVE_EARTH_RADIUS * (EFFECTIVE_EARTH_RADIUS + height))
     nodes = 2.0 * EFFECTIVE_EARTH_RADIUS * np.arcsin(np.sqrt(ratio))
     elevation = -depression_of_range(height, nodes)
-    out = np.empty((AZIMUTHS, PATH_ROWS))
-    in_threads(lambda some: _fill_path(table, nodes, elevation, view.sun_distance_factor, out, some), AZIMUTHS)
+    out = np.ascontiguousarray(view.sun_distance_factor * path_map(nodes, elevation, _AROUND, table).T)
     row = np.log(slant_range(height, arcs) / height) / math.log(table.longest / height) * (PATH_ROWS - 1)
     return SunlitPath(Haze(out, view.solar_azimuth), np.clip(row, 0.0, PATH_ROWS - 1.0))

@@ -38,6 +38,10 @@ NEGLIGIBLE_SUN = 3e-4
 """Share of a facet's thermal radiance below which its sunlight is not asked for shadows."""
 
 
+WIDE_COLUMN = math.radians(0.5)
+"""Width of a column [rad] from which on each of its lines has tables of its own: the aureole is ten degrees wide."""
+
+
 class Rows(NamedTuple):
     """Rows of the image: elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the thermal sky in
     each, the sunlight that it scatters in those that touch it, and the Sun.
@@ -284,7 +288,7 @@ def sweep_columns(
             sunward = course(surface, level, swept.sunlight.horizontal_east, swept.sunlight.horizontal_north)
             arcs = (walk.range_m[first], walk.range_m[end - 1])
             limits = (swept.merging.spread, swept.merging.cells, swept.merging.highest[level], rows.top)
-            # lines of a column share the tables of its middle: their azimuths differ by less than its width
+            # lines of a narrow column share the tables of its middle: their azimuths differ by less than its width
             middle = line_of_sight(optics.sunlight, optics.roughness, azimuths[column])
             thermal, emitted = thermal_along(tables.thermal, axes, middle), thermal_along(tables.emitted, axes, middle)
             disc = disc_line(optics.sunlight, optics.roughness, middle, sines, disc_rows, farthest)
@@ -292,6 +296,10 @@ def sweep_columns(
             lines = tangents.shape[0]
             for j in range(lines):
                 sight = line_of_sight(optics.sunlight, optics.roughness, azimuths[column] + width * ((j + 0.5) / lines - 0.5))
+                if lines > 1 and width > WIDE_COLUMN:
+                    thermal, emitted = thermal_along(tables.thermal, axes, sight), thermal_along(tables.emitted, axes, sight)
+                    disc = disc_line(optics.sunlight, optics.roughness, sight, sines, disc_rows, farthest)
+                    path = path_along(walk.path.radiance, walk.path.sunlit, sight.chi, (first // walk.every, (end - 1) // walk.every + 2))
                 line = Line(
                     level,
                     course(surface, level, -sight.east, -sight.north, arcs),

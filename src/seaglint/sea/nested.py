@@ -120,7 +120,9 @@ def bands_of_facets(share: float, bands: float) -> float:
     >>> round(bands_of_facets(0.66, 4.8), 1)
     1.9
     """
-    return bands if bands <= 1.0 else max(bands * (1.0 - 1.08 * (1.0 - min(share, 1.0)) ** 0.55), 0.0)
+    # fewer bands than any sea has go over into Smith's law, whose facets stay Smith's
+    lost = 1.08 * min(max(bands - 1.0, 0.0) / 1.6, 1.0)
+    return float(max(bands * (1.0 - lost * (1.0 - min(share, 1.0)) ** 0.55), 0.0))
 
 
 @lru_cache(maxsize=8)

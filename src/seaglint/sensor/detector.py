@@ -19,8 +19,41 @@ FULL_SCALE_TEMPERATURE: Final = 400.0
 """Blackbody that fills the converter where neither well nor gain is given [K]: hotter than any sea, cooler than a mirrored Sun."""
 
 
+class Pixels:
+    """What pixels of all detectors have: records with a pitch [m], a fill factor and a bit depth."""
+
+    pitch: float
+    fill_factor: float
+    bit_depth: int
+
+    def require_bits(self) -> None:
+        """Refuse more bits than a signal has."""
+        if not 1 <= self.bit_depth <= MOST_BITS:
+            raise DomainError(
+                f"bit depth = {self.bit_depth} is not one of a signal of 16 bits; give 1 to {MOST_BITS}",
+                name="bit_depth",
+                value=self.bit_depth,
+                allowed=(1, MOST_BITS),
+            )
+
+    @property
+    def active_width(self) -> float:
+        """Side of the sensitive square [m]."""
+        return self.pitch * math.sqrt(self.fill_factor)
+
+    @property
+    def active_area(self) -> float:
+        """[m2]."""
+        return self.pitch**2 * self.fill_factor
+
+    @property
+    def top_count(self) -> int:
+        """Largest count."""
+        return (1 << self.bit_depth) - 1
+
+
 @dataclass(frozen=True)
-class Detector:
+class Detector(Pixels):
     """Pixels of a photon detector.
 
     Attributes
@@ -65,13 +98,7 @@ class Detector:
     short_time: float | None = None
 
     def __post_init__(self) -> None:
-        if not 1 <= self.bit_depth <= MOST_BITS:
-            raise DomainError(
-                f"bit depth = {self.bit_depth} is not one of a signal of 16 bits; give 1 to {MOST_BITS}",
-                name="bit_depth",
-                value=self.bit_depth,
-                allowed=(1, MOST_BITS),
-            )
+        self.require_bits()
         if self.well_capacity is not None and self.well_capacity <= self.read_noise:
             raise DomainError(
                 f"well capacity = {self.well_capacity:g} electrons is not above the read noise of {self.read_noise:g}; correct one of them",
@@ -86,21 +113,6 @@ class Detector:
                 value=self.short_time,
                 allowed=f"0 to {self.integration_time:g} s",
             )
-
-    @property
-    def active_width(self) -> float:
-        """Side of the sensitive square [m]."""
-        return self.pitch * math.sqrt(self.fill_factor)
-
-    @property
-    def active_area(self) -> float:
-        """[m2]."""
-        return self.pitch**2 * self.fill_factor
-
-    @property
-    def top_count(self) -> int:
-        """Largest count."""
-        return (1 << self.bit_depth) - 1
 
     @property
     def range_factor(self) -> float:

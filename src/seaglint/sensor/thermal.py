@@ -17,8 +17,7 @@ from typing import Final
 import numpy as np
 
 from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
-from seaglint.sensor.detector import MOST_BITS
+from seaglint.sensor.detector import MOST_BITS, Pixels
 
 FORGOTTEN: Final = 1e-4
 """Share of an old frame from which it is left out of the lag: less than a count of most converters."""
@@ -31,7 +30,7 @@ NANO: Final = 1e9
 
 
 @dataclass(frozen=True)
-class ThermalDetector:
+class ThermalDetector(Pixels):
     """Pixels of a thermal detector.
 
     Attributes
@@ -68,28 +67,7 @@ class ThermalDetector:
     offset: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 1 <= self.bit_depth <= MOST_BITS:
-            raise DomainError(
-                f"bit depth = {self.bit_depth} is not one of a signal of 16 bits; give 1 to {MOST_BITS}",
-                name="bit_depth",
-                value=self.bit_depth,
-                allowed=(1, MOST_BITS),
-            )
-
-    @property
-    def active_width(self) -> float:
-        """Side of the absorbing square [m]."""
-        return self.pitch * math.sqrt(self.fill_factor)
-
-    @property
-    def active_area(self) -> float:
-        """[m2]."""
-        return self.pitch**2 * self.fill_factor
-
-    @property
-    def top_count(self) -> int:
-        """Largest count."""
-        return (1 << self.bit_depth) - 1
+        self.require_bits()
 
 
 def lag_weights(time_constant: float, interval: float) -> FloatArray:
