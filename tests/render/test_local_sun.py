@@ -76,7 +76,7 @@ def test_the_discs_table_of_the_foot_serves_turned_places(aside, error):
 @pytest.mark.parametrize(("sun", "azimuth"), [(40.0, 10.0), (70.0, 0.0), (84.0, 15.0)])
 def test_from_on_high_the_image_without_waves_is_the_mean(height, top, sun, azimuth):
     view, eye = sea_view(AIR, SLOPES, height, sun, azimuth, **LAW), camera(height, top, top - 40.0, 800, width=50.0, columns=3)
-    image, model = shown(swept_scene(view, eye), 0.0), mean_radiance(view, eye.elevations, eye.azimuths)
+    image, model = shown(swept_scene(view, eye, lines_per_column=1), 0.0), mean_radiance(view, eye.elevations, eye.azimuths)
     np.testing.assert_allclose(image.radiance, model.total, rtol=5e-3)
     bright = model.sun > 0.1 * model.total
     assert bright.any()
@@ -85,7 +85,7 @@ def test_from_on_high_the_image_without_waves_is_the_mean(height, top, sun, azim
 
 def test_a_sun_that_is_up_only_towards_it_is_in_pictures_too():
     view, eye = sea_view(AIR, SLOPES, 10_000.0, 91.0, **LAW), camera(10_000.0, -3.0, -3.6, 60, width=4.0, columns=2)
-    image, model = shown(swept_scene(view, eye), 0.0), mean_radiance(view, eye.elevations, eye.azimuths)
+    image, model = shown(swept_scene(view, eye, lines_per_column=1), 0.0), mean_radiance(view, eye.elevations, eye.azimuths)
     assert model.sun.max() > 0.0
     bright = model.sun > 0.1 * model.sun.max()
     # a disc at the horizon, taken as a Gaussian in the slopes
