@@ -1,0 +1,1 @@
+"""Bodies on and above the sea: shapes, materials, motion, what floats."""

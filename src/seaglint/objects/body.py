@@ -1,0 +1,109 @@
+"""What an object is made of and where it is: solids of triangles, plumes, points, and their placement at a time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.conventions import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Solid:
+    """A closed surface of triangles, graybody in emission and Lambertian in reflection.
+
+    Attributes
+    ----------
+    vertices : ndarray, (vertices, 3)
+        In the body's axes [m]: x to starboard, y forward, z up; without a turn they are east, north and up.
+    triangles : ndarray of int32, (triangles, 3)
+        Corners, counterclockwise seen from outside.
+    temperature : ndarray, (vertices,)
+        Of the surface [K].
+    emissivity : ndarray, (vertices,)
+        Of the surface [1]; what it lacks of 1 is reflected.
+    """
+
+    vertices: FloatArray
+    triangles: NDArray[np.int32]
+    temperature: FloatArray
+    emissivity: FloatArray
+
+
+@dataclass(frozen=True)
+class Plume:
+    """An ellipsoid of gas that emits and lets through: no surface, no reflection.
+
+    Its optical depth along a line is that of the middle times (chord / longest chord in that direction): uniform inside.
+
+    Attributes
+    ----------
+    centre : tuple of float
+        In the body's axes [m].
+    semi_axes : tuple of float
+        Along x, y and z [m].
+    temperature : float
+        Of the gas [K].
+    emissivity : float
+        Along a line through the middle, below 1 [1].
+    """
+
+    centre: tuple[float, float, float]
+    semi_axes: tuple[float, float, float]
+    temperature: float
+    emissivity: float
+
+
+@dataclass(frozen=True)
+class Point:
+    """A source without extent, at the body's origin.
+
+    Attributes
+    ----------
+    intensity : float, optional
+        In-band radiant intensity before the path [W sr-1], added to what is behind.
+    temperature_difference : float, optional
+        Apparent, to what is behind it [K]; with ``area`` it stands in place of an intensity.
+    area : float, optional
+        Projected [m2].
+    """
+
+    intensity: float | None = None
+    temperature_difference: float | None = None
+    area: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Where a body is at an instant.
+
+    Attributes
+    ----------
+    position : ndarray, (3,)
+        Of its origin: east and north of the sensor's start, height above the mean sea there [m].
+    rotation : ndarray, (3, 3)
+        From the body's axes to east, north and up.
+    """
+
+    position: FloatArray
+    rotation: FloatArray
+
+
+class Motion(Protocol):
+    """Where a body is, as a function of time alone."""
+
+    def at(self, time: float) -> Placement:
+        """Placement at a time from the start [s]."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """An object of a scene."""
+
+    name: str
+    parts: tuple[Solid | Plume | Point, ...]
+    motion: Motion

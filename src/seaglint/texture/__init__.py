@@ -1,0 +1,1 @@
+"""Statistical textures: Markov random fields in space and time."""

@@ -1,0 +1,1 @@
+"""How often which conditions come, and how often they bring glint."""
