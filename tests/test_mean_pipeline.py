@@ -112,7 +112,7 @@ def test_coarse_maps_are_averages_over_their_rows_as_images_are(wind):
     np.testing.assert_allclose(image[2:], found[2:], rtol=5e-3)
 
 
-@pytest.mark.parametrize("mode", ["spectral", "article"])
+@pytest.mark.parametrize("mode", [pytest.param("spectral", marks=pytest.mark.validation), "article"])
 def test_glint_of_coarse_pixels_is_that_of_fine_ones_averaged(mode):
     """Cells are independent: the variance of a pixel is the mean of its parts' variances over their number."""
     coarse = scene(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [24, 12], "elevation_deg": -3.6})
@@ -169,6 +169,7 @@ def test_wide_columns_are_the_mean_of_narrow_ones(zenith, wind, fov, elevation):
     np.testing.assert_allclose(wide["glint_std"] ** 2, variance, atol=0.01 * variance.max())
 
 
+@pytest.mark.validation
 def test_the_row_that_the_horizon_cuts_has_its_share_of_sea():
     """With eighths of a row the four were up to 17 % off."""
     for elevation in (-0.83, -0.71, -0.62, -0.55):

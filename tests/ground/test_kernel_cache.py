@@ -90,6 +90,7 @@ def test_unchanged_kernels_are_not_compiled_again(package: Path) -> None:
 WHERE = RUN + "; from seaglint._kernel_cache import kernel_folder; print(kernel_folder())"
 
 
+@pytest.mark.validation
 def test_an_installation_that_cannot_be_written_uses_the_users_folders(package: Path, tmp_path: Path) -> None:
     """A file in the place of a folder: the superuser, too, cannot write into it."""
     (package / "__pycache__").write_text("")
@@ -116,6 +117,7 @@ def test_a_temporary_folder_open_to_others_is_not_used(package: Path, tmp_path: 
     assert not compiled(tmp_path)
 
 
+@pytest.mark.validation
 def test_the_users_folder_for_numba_is_used_for_ours_and_left_to_others(package: Path, tmp_path: Path) -> None:
     code = RUN + "; import numba; print(numba.config.CACHE_DIR)"
     assert answer(package, code).splitlines() == ["7.0 7.0"]  # Numba's own default, which is empty
@@ -125,6 +127,7 @@ def test_the_users_folder_for_numba_is_used_for_ours_and_left_to_others(package:
     assert compiled(folder)
 
 
+@pytest.mark.validation
 def test_processes_that_start_at_once_do_not_disturb_each_other(package: Path) -> None:
     orders = [RUN, RUN.replace("outer(3.0), outer(3)", "outer(3), outer(3.0)")] * 2
     processes = [start(package, code) for code in orders]

@@ -93,7 +93,9 @@ DATED = {key: value for key, value in SMALL.items() if key != "sun"} | {
 }
 
 
-@pytest.mark.parametrize("more", [{}, {"projection": "pinhole", "roll_deg": 5.0}], ids=["swept", "turned"])
+@pytest.mark.parametrize(
+    "more", [{}, pytest.param({"projection": "pinhole", "roll_deg": 5.0}, marks=pytest.mark.validation)], ids=["swept", "turned"]
+)
 def test_the_sun_of_a_dated_sequence_goes_on_and_any_frame_alone_is_its_own(tmp_path, more):
     """300 s later, frame 3 has the Sun of its own date: what a scenario that begins 25 steps of 11.97 s later sees of the same waves."""
     scenario = parse_scenario(DATED | {"sensor": DATED["sensor"] | more})

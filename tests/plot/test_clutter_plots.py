@@ -336,6 +336,7 @@ def test_numbers_in_tables(value, shown):
     assert number(value) == shown
 
 
+@pytest.mark.validation
 def test_tables_of_many_columns_may_wrap_and_say_what_is_saturated(sequence):
     """At a width of 1240 pixels the last columns were beyond the edge: numbers kept to one line and padding was wide."""
     text = report(sequence)

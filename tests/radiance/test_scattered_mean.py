@@ -69,7 +69,7 @@ def _brute_force(view, elevation, azimuth):
         (7.0, 75.0, 30.0, cox_munk_anisotropic),
         (3.0, 50.0, 10.0, cox_munk_anisotropic),
         pytest.param(14.0, 86.0, 3000.0, cox_munk_anisotropic, marks=pytest.mark.validation),
-        (10.0, 70.0, 100.0, cox_munk_gram_charlier),
+        pytest.param(10.0, 70.0, 100.0, cox_munk_gram_charlier, marks=pytest.mark.validation),
     ],
 )
 def test_every_slope_mirrors_its_own_direction_of_the_sky(wind, sun, height, slopes):

@@ -61,6 +61,7 @@ def _largest(waves, seeds):
     return float(np.abs(total[:, wanted]).max())
 
 
+@pytest.mark.validation
 def test_tiles_that_lie_still_repeat(still):
     """So that the next test can fail."""
     assert _largest(still, 1) > 0.4
@@ -72,6 +73,7 @@ def test_tiles_that_wander_do_not_repeat_in_any_direction(wandering):
     assert _largest(wandering, SEEDS) < 0.03
 
 
+@pytest.mark.validation
 def test_variances_are_those_of_tiles_that_lie_still(still, wandering):
     """Of one sea: the mean over places is over other places of the tiles, nothing else."""
     one, other = _plane(still), _plane(wandering)
@@ -83,6 +85,7 @@ def test_variances_are_those_of_tiles_that_lie_still(still, wandering):
     assert found[0] == pytest.approx(expected[0], rel=0.05)
 
 
+@pytest.mark.validation
 def test_directions_stay(still, wandering):
     """Axis of the slopes and of the wave vectors of a plane, the second from its heights alone, within half a degree."""
 
