@@ -20,7 +20,6 @@ from seaglint.pipeline.sense import SensedFrames, require_electrons, signal_attr
 from seaglint.pipeline.sensor import line_of_sight_rates, scan, sensor_attributes, sensor_model
 from seaglint.render.layers import LEAST_SEEN, Layers
 from seaglint.render.scene import joined
-from seaglint.render.swept import SweptScene
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sensor_presets import TABLES
 from seaglint.sensor.scan import Scan
@@ -154,9 +153,7 @@ def drawn_in_time(sequence: Sequence, way: Scan, oversampling: int, time: float)
         if end < columns and delays[end] == delays[begin]:
             continue
         instant = time + float(delays[begin])
-        scene = sequence.scene_at(instant)
-        assert isinstance(scene, SweptScene)  # prepared for columns
-        parts.append(scene.columns(sequence.track.at(instant), instant, (begin * oversampling, end * oversampling)))
+        parts.append(sequence.scene_at(instant).columns(sequence.track.at(instant), instant, (begin * oversampling, end * oversampling)))
         begin = end
     return joined(parts)
 
@@ -211,6 +208,7 @@ def prepare_sensed(scenario: Scenario, frames: range | None = None, *, electrons
     scanned = way.kind != "staring" and way.period > 0.0
     fine = scenario.model_copy(update={"sensor": finer, "render": settings})
     sequence = prepare_sequence(fine, frames, scanned=scanned)
+    _require_track(sequence, way, sensor.pixels)
     drawn = _Drawn(sequence, way, n)
 
     def rates(number: int) -> tuple[float, float]:
@@ -242,6 +240,15 @@ def prepare_sensed(scenario: Scenario, frames: range | None = None, *, electrons
         },
     )
     return SensedSequence(sequence, sensed, way, layout, fine)
+
+
+def _require_track(sequence: Sequence, way: Scan, pixels: tuple[int, int]) -> None:
+    """Refuse keyframes that end before the last frame's last column or row."""
+    layout = sequence.layout
+    if layout.frames:
+        columns, rows = pixels
+        delay = float(max(way.column_delays(columns).max(), way.row_delays(rows).max()))
+        sequence.track.at(layout.frames[-1] / layout.frame_rate + delay)
 
 
 def _coarse(angles: FloatArray, n: int) -> FloatArray:
