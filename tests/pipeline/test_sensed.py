@@ -8,9 +8,11 @@ import pytest
 import seaglint as sg
 from seaglint.errors import DataError, DomainError, ScenarioError
 from seaglint.io.store import open_sequence
+from seaglint.pipeline import memory
 from seaglint.pipeline.render import prepare_sequence
 from seaglint.pipeline.sensed import ROLLING_PARTS, binned, drawn_in_time, prepare_sensed, render
 from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.sensor_presets import with_sensor
 from seaglint.sensor.scan import Scan
 from sensor_cost import measured
 
@@ -168,6 +170,14 @@ def test_keyframes_that_end_within_a_scan_are_refused() -> None:
 def test_a_scanner_has_no_plane_picture() -> None:
     with pytest.raises(ScenarioError, match=r"sensor\.projection = 'pinhole': .*set sensor\.projection = 'equal-angle'"):
         prepare_sensed(scanner(0.4, projection="pinhole"))
+
+
+def test_a_panorama_that_memory_cannot_hold_is_refused_with_the_oversampling_that_it_can(monkeypatch) -> None:
+    # 11310 x 640 pixels of 60 bytes: 10.9 GB drawn five times finer, 7.0 GB four times, 4.0 GB three times
+    monkeypatch.setattr(memory, "memory_available", lambda: 5_000_000_000)
+    wanted = parse_scenario(with_sensor({**SMALL, "render": {"tile_size": 128}}, "mwir-panoramic"))
+    with pytest.raises(ScenarioError, match=r"pixels = \[11310, 640\] drawn 5 x 5 finer .* about 11\.\d GB .*; give render\.oversampling = 3,"):
+        prepare_sensed(wanted)
 
 
 def test_leftward_scanners_begin_at_the_right() -> None:

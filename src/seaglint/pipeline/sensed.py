@@ -15,6 +15,7 @@ from seaglint.errors import DataError
 from seaglint.io.store import Layout, Progress, check_output, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import render as plain
+from seaglint.pipeline.memory import require_memory
 from seaglint.pipeline.render import Sequence, prepare_sequence
 from seaglint.pipeline.sense import SensedFrames, require_electrons, signal_attributes
 from seaglint.pipeline.sensor import line_of_sight_rates, scan, sensor_attributes, sensor_model
@@ -201,13 +202,14 @@ def prepare_sensed(scenario: Scenario, frames: range | None = None, *, electrons
     """
     model = sensor_model(scenario)
     n = scenario.render.oversampling or model.oversampling
+    require_memory(scenario, n)
     sensor, way = scenario.sensor, scan(scenario)
     columns, rows = sensor.pixels
     finer = sensor.model_copy(update={**dict.fromkeys(TABLES), "pixels": (columns * n, rows * n)})
     settings = scenario.render.model_copy(update={"apparent_temperature": False})
     scanned = way.kind != "staring" and way.period > 0.0
     fine = scenario.model_copy(update={"sensor": finer, "render": settings})
-    sequence = prepare_sequence(fine, frames, scanned=scanned)
+    sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True)
     _require_track(sequence, way, sensor.pixels)
     drawn = _Drawn(sequence, way, n)
 
