@@ -176,7 +176,9 @@ def test_a_panorama_that_memory_cannot_hold_is_refused_with_the_oversampling_tha
     # 11310 x 640 pixels of 60 bytes: 10.9 GB drawn five times finer, 7.0 GB four times, 4.0 GB three times
     monkeypatch.setattr(memory, "memory_available", lambda: 5_000_000_000)
     wanted = parse_scenario(with_sensor({**SMALL, "render": {"tile_size": 128}}, "mwir-panoramic"))
-    with pytest.raises(ScenarioError, match=r"pixels = \[11310, 640\] drawn 5 x 5 finer .* about 11\.\d GB .*; give render\.oversampling = 3,"):
+    with pytest.raises(
+        ScenarioError, match=r"pixels = \[11310, 640\] drawn 5 x 5 finer .* about 11\.\d GB .*; give render\.oversampling = 3,"
+    ):
         prepare_sensed(wanted)
 
 

@@ -248,7 +248,8 @@ class SensorModel:
     def _pattern(self, shape: tuple[int, int]) -> Pattern:
         found = self._patterns.get(shape)
         if found is None:
-            found = self._patterns[shape] = Pattern.of(self.noise, self.seed, shape, min(self.readout.full_scale, 1e15))
+            full = min(self.readout.full_scale, 1e15)
+            found = self._patterns[shape] = Pattern.of(self.noise, self.seed, shape, full, scanning=self.scanning)
         return found
 
     def sense(self, radiance: NDArray[np.float32], frame: int = 0, oversampling: int = 1) -> Exposure:
