@@ -154,7 +154,9 @@ class Transfer:
         return cls(sampling, shape, before, (rows, columns), (total * phase).astype(np.complex64))
 
     def __call__(self, fine: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Mean radiance on each pixel's sensitive square [units of ``fine``, (rows, columns)]."""
+        """Mean radiance on each pixel's sensitive square [units of ``fine``, (rows, columns), or (time, rows, columns)]."""
+        if fine.ndim == 3:
+            return np.stack([self(picture) for picture in fine])
         n, (rows, columns) = self.sampling.oversampling, self.padded
         if fine.shape != (self.shape[0] * n, self.shape[1] * n):
             raise DomainError(
