@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from sensors import camera, flat
-from slanted_edge import edge_mtf, slanted_edge
 
 from seaglint.errors import DataError, DomainError
 from seaglint.sensor.figures import mtf, point_share
 from seaglint.sensor.noise import Noise
 from seaglint.sensor.optics import Optics
 from seaglint.sensor.transfer import Sampling, Transfer, needed_oversampling
+from slanted_edge import edge_mtf, slanted_edge
 
 ANGLE = 5.0
 SHARP = Optics(0.1, 0.1)  # F/1: the blur is a third of a pixel
