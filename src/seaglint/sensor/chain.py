@@ -220,8 +220,8 @@ class SensorModel:
         if seen.ndim == 3:
             begin = frame * self.frame_interval if time is None else time
             frames = [self.expose(picture, frame + k, begin + k * self.frame_interval) for k, picture in enumerate(seen)]
-            signal, units = np.stack([one.signal for one in frames]), np.stack([one.units for one in frames])
-            return Exposure(signal, units, sum(one.saturated for one in frames))
+            counted = np.stack([one.signal for one in frames]), np.stack([one.units for one in frames])
+            return Exposure(*counted, sum(one.saturated for one in frames))
         line, noise = self.readout, self.noise
         shape = (seen.shape[0], seen.shape[1])
         pattern = self._pattern(shape)
