@@ -41,11 +41,21 @@ SCENE: dict[str, Any] = {
 }
 
 
-def shown(axes: Any, picture: np.ndarray, title: str, low: float, high: float) -> None:
-    """One picture without axes."""
-    axes.imshow(picture, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
+def shown(axes: Any, picture: np.ndarray, title: str, low: float, high: float, extent: tuple[float, ...], units: tuple[str, str]) -> Any:
+    """One picture over its angles: ``extent`` is left, right, bottom, top, ``units`` are the labels of the axes."""
+    drawn = axes.imshow(picture, cmap="gray", vmin=low, vmax=high, interpolation="nearest", extent=extent, aspect="equal")
     axes.set_title(title, fontsize=9)
-    axes.set_axis_off()
+    axes.set_xlabel(units[0], fontsize=8)
+    axes.set_ylabel(units[1], fontsize=8)
+    axes.tick_params(labelsize=8)
+    return drawn
+
+
+def scaled(figure: Figure, drawn: Any, axes: Any) -> None:
+    """Scale of radiance beside pictures that share it."""
+    bar = figure.colorbar(drawn, ax=axes, fraction=0.05, pad=0.02, extend="max")
+    bar.set_label("radiance [W m⁻² sr⁻¹]", fontsize=8)
+    bar.ax.tick_params(labelsize=8)
 
 
 def main() -> None:
@@ -54,13 +64,17 @@ def main() -> None:
     run = prepare_sensed(scenario)
     model, n = run.sensed.model, run.sensed.oversampling
     fine = run.fine.at(0.0).radiance
-    exposed = model.expose(model.focal_plane(fine, n))
-    counts = model.readout.radiance(exposed.signal)
+    counts = model.readout.radiance(model.expose(model.focal_plane(fine, n)).signal)
     low, high = (float(v) for v in np.percentile(fine, (1.0, 98.0)))
-    figure = Figure(figsize=(6.4, 7.0), layout="constrained")
-    upper, lower = figure.subplots(2, 1)
-    shown(upper, fine, f"radiance at the aperture, drawn {n} times finer", low, high)
-    shown(lower, counts, "counts of the detector, as radiance", low, high)
+    azimuth, elevation = run.layout.azimuth_deg, run.layout.elevation_deg
+    half = 0.5 * float(azimuth[1] - azimuth[0])
+    seen = (float(azimuth[0]) - half, float(azimuth[-1]) + half, float(elevation[-1]) - half, float(elevation[0]) + half)
+    figure = Figure(figsize=(7.4, 7.0), layout="constrained")
+    both = figure.subplots(2, 1)
+    directions = ("azimuth [deg]", "elevation [deg]")
+    drawn = shown(both[0], fine, f"radiance at the aperture, drawn {n} times finer than the pixels", low, high, seen, directions)
+    shown(both[1], counts, "counts of the detector, as radiance", low, high, seen, directions)
+    scaled(figure, drawn, both)
     figure.savefig(IMAGES / "sensor_sea.png", dpi=110)
 
     size, warm = 24, float(model.photons.radiance(300.0))
@@ -68,15 +82,17 @@ def main() -> None:
     point[size // 2 * n + n // 2, size // 2 * n + n // 2] = 400.0
     row, column = np.mgrid[0 : size * n, 0 : size * n] - 0.5 * size * n
     edge = np.where(column > 0.1 * row, float(model.photons.radiance(310.0)), warm).astype(np.float32)
-    figure = Figure(figsize=(9.0, 4.6), layout="constrained")
+    figure = Figure(figsize=(10.0, 6.2), layout="constrained")
     axes = figure.subplots(2, 3)
+    side = 0.5e3 * size * model.ifov
+    square, milliradians = (-side, side, -side, side), ("along rows [mrad]", "across [mrad]")
     for line, (name, picture) in enumerate((("point", point), ("edge", edge))):
-        seen = model.focal_plane(picture, n)
-        counts = model.readout.radiance(model.expose(seen).signal)
-        top = float(seen.max())
-        shown(axes[line, 0], picture, f"{name} at the aperture", warm, top)
-        shown(axes[line, 1], seen, "after optics and detector", warm, top)
-        shown(axes[line, 2], counts, "counts, as radiance", warm, top)
+        seen_by = model.focal_plane(picture, n)
+        counts = model.readout.radiance(model.expose(seen_by).signal)
+        top = float(seen_by.max())
+        shown(axes[line, 0], picture, f"{name} at the aperture", warm, top, square, milliradians)
+        shown(axes[line, 1], seen_by, "after optics and detector", warm, top, square, milliradians)
+        scaled(figure, shown(axes[line, 2], counts, "counts, as radiance", warm, top, square, milliradians), axes[line])
     figure.savefig(IMAGES / "sensor_point_edge.png", dpi=110)
     write_sensor_plot(describe_sensor(scenario), IMAGES / "sensor_mtf.png")
 

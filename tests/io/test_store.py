@@ -6,11 +6,13 @@ import errno
 import os
 import shutil
 import signal
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from seaglint.errors import DataError, StorageError
 from seaglint.io import store
@@ -77,6 +79,14 @@ def test_what_is_written_is_what_is_read(output):
         assert found["azimuth"].attrs["units"] == "degree"
         assert found.attrs["Conventions"].startswith("CF-")
     assert not partial_path(output).exists()
+
+
+def test_xarray_opens_a_store_without_a_warning(output):
+    write_sequence(output, layout(), frame)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with xr.open_zarr(output) as found:
+            assert found["radiance"].shape == (5, ROWS, COLUMNS)
 
 
 def test_a_part_of_a_sequence_keeps_its_frame_numbers_and_times(output):

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 import seaglint as sg
-from seaglint.errors import DataError, ScenarioError
+from seaglint.errors import DataError, DomainError, ScenarioError
 from seaglint.io.store import open_sequence
+from seaglint.pipeline import memory
 from seaglint.pipeline.render import prepare_sequence
 from seaglint.pipeline.sensed import ROLLING_PARTS, binned, drawn_in_time, prepare_sensed, render
 from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.sensor_presets import with_sensor
 from seaglint.sensor.scan import Scan
 from sensor_cost import measured
 
@@ -133,10 +135,50 @@ def test_a_moving_scanner_is_where_it_was_at_its_columns_instant() -> None:
     assert alike(picture, before) < 0.5
 
 
-def test_a_scanner_that_turns_is_refused() -> None:
-    way = {"keyframes": [{"time_s": 0.0, "azimuth_deg": 170.0}, {"time_s": 10.0, "azimuth_deg": 180.0}]}
-    wanted = parse_scenario({**SMALL, "platform": way, "sensor": {**SENSOR, "frame_rate_hz": 2.0, "scan": {"kind": "line"}}})
-    with pytest.raises(ScenarioError, match=r"sensor\.scan: .*leave attitude and height out of \[platform\]"):
+def test_a_scanner_on_a_turning_platform_looks_where_it_was_turned_to() -> None:
+    # The platform turns back as fast as the scanner goes: all columns look into one direction, where a still sea is the same.
+    width = float(small().sensor.fov_deg[0])
+    way = {"keyframes": [{"time_s": 0.0, "azimuth_deg": 170.0}, {"time_s": 0.4, "azimuth_deg": 170.0 - width}]}
+    low = {"zenith_deg": 84.0, "azimuth_deg": 168.0}
+    still = {**SMALL, "sun": low, "platform": way, "sea": {"resolve_waves": False}, "render": {"oversampling": 1}}
+    sensor = {**SENSOR, "frame_rate_hz": 2.5, "frames": 1, "scan": {"kind": "line", "period_s": 0.4}}
+    run = prepare_sensed(parse_scenario({**still, "sensor": sensor}))
+    picture = drawn_in_time(run.fine, run.scan, 1, 0.0).radiance
+    np.testing.assert_allclose(picture, np.broadcast_to(picture[:, :1], picture.shape), rtol=2e-4)
+    staring = run.fine.at(0.0).radiance
+    assert np.ptp(staring, axis=1).max() > 0.02 * staring.mean()  # the corridor, across the picture
+    np.testing.assert_allclose(picture[:, 0], staring[:, 0], rtol=1e-6)
+
+
+def test_a_scanner_that_rises_sees_from_its_columns_height() -> None:
+    way = {"keyframes": [{"time_s": 0.0, "height_m": 30.0}, {"time_s": 0.4, "height_m": 32.0}]}
+    rising = {**SMALL, "platform": way, "sea": {"resolve_waves": False}, "render": {"oversampling": 1, "layers": ["range"]}}
+    sensor = {**SENSOR, "frame_rate_hz": 2.5, "frames": 1, "scan": {"kind": "line", "period_s": 0.4}}
+    run = prepare_sensed(parse_scenario({**rising, "sensor": sensor}))
+    distance = drawn_in_time(run.fine, run.scan, 1, 0.0)["range"]
+    height = 30.0 + 2.0 * np.arange(24) / 24
+    np.testing.assert_allclose(distance[12] / distance[12, 0], height / 30.0, rtol=0.005)
+
+
+def test_keyframes_that_end_within_a_scan_are_refused() -> None:
+    way = {"keyframes": [{"time_s": 0.0, "azimuth_deg": 170.0}, {"time_s": 0.2, "azimuth_deg": 180.0}]}
+    sensor = {**SENSOR, "frame_rate_hz": 2.5, "frames": 1, "scan": {"kind": "line", "period_s": 0.4}}
+    with pytest.raises(DomainError, match="outside the platform's keyframes"):
+        prepare_sensed(parse_scenario({**SMALL, "platform": way, "sensor": sensor}))
+
+
+def test_a_scanner_has_no_plane_picture() -> None:
+    with pytest.raises(ScenarioError, match=r"sensor\.projection = 'pinhole': .*set sensor\.projection = 'equal-angle'"):
+        prepare_sensed(scanner(0.4, projection="pinhole"))
+
+
+def test_a_panorama_that_memory_cannot_hold_is_refused_with_the_oversampling_that_it_can(monkeypatch) -> None:
+    # 11310 x 640 pixels of 60 bytes: 10.9 GB drawn five times finer, 7.0 GB four times, 4.0 GB three times
+    monkeypatch.setattr(memory, "memory_available", lambda: 5_000_000_000)
+    wanted = parse_scenario(with_sensor({**SMALL, "render": {"tile_size": 128}}, "mwir-panoramic"))
+    with pytest.raises(
+        ScenarioError, match=r"pixels = \[11310, 640\] drawn 5 x 5 finer .* about 11\.\d GB .*; give render\.oversampling = 3,"
+    ):
         prepare_sensed(wanted)
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
+from scipy import constants
 
 from seaglint.errors import ScenarioError
 from seaglint.pipeline.sensor import sensor_model
@@ -153,6 +155,12 @@ def test_presets_have_the_netd_of_their_data_sheets() -> None:
     assert found["mwir-insb-640"] == pytest.approx(0.018, abs=0.002)  # below 20 mK, 18 typical
     assert found["lwir-mct-640"] == pytest.approx(0.022, abs=0.002)
     assert found["lwir-microbolometer-640"] == pytest.approx(0.040, rel=0.01)
+
+
+def test_dark_current_of_mct_is_that_of_rule_07() -> None:
+    # Tennant et al. 2008: J = 8367 A cm-2 exp(-1.16239 * 1.24 q / (k lambda T)) for cut-offs beyond 4.6 um, lambda in um.
+    density = 8367.0 * np.exp(-1.16239 * 1.24 * constants.e / (constants.k * 9.3 * 80.0))
+    assert SENSORS["lwir-mct-640"].sensor["detector"]["dark_current_e_s"] == pytest.approx(density * 15e-4**2 / constants.e, rel=0.05)
 
 
 def test_an_unknown_preset_names_those_there_are(tmp_path) -> None:

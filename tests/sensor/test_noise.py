@@ -129,6 +129,22 @@ def test_defect_pixels_are_as_many_as_asked_for() -> None:
     assert jumps == pytest.approx(199 * model.frame_interval / 0.2, rel=0.1)  # a jump in 0.2 s
 
 
+def test_a_scanners_pixels_are_its_rows() -> None:
+    # One column of detectors sees all azimuths: gain, offset, dead and blinking pixels are stripes along the whole picture.
+    every = Noise(False, gain_spread=0.05, offset_spread=900.0, dead_share=0.05, hot_share=0.05, hot_signal=5e5, blinking_share=0.2)
+    model = replace(camera(replace(every, blinking_signal=1e5)), scanning=True)
+    units = model.expose(np.full((80, 30), 1.5, np.float32), 3).units
+    assert np.ptp(units, axis=1).max() == 0.0
+    assert np.ptp(units[:, 0]) > 1e5
+    still = Noise(gain_spread=0.01, offset_spread=300.0)
+    found = three_d_noise(
+        np.stack([replace(camera(still), scanning=True).expose(np.full((400, 50), 1.0, np.float32), k).units for k in range(8)])
+    )
+    told = three_d(replace(camera(still), scanning=True), 1.0)
+    assert told["VH"] == 0.0
+    assert found["V"] == pytest.approx(told["V"], rel=0.1)  # 400 rows: standard error 3.5 %
+
+
 def test_two_point_correction_leaves_curvature_alone() -> None:
     model = camera(Noise(temporal=False))
     at = tuple(float(model.readout.units(model.photons.radiance(t))) for t in (290.0, 310.0))

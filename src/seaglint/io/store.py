@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, SeaglintError
 from seaglint.io.claim import Claim, exclusive
+from seaglint.io.consolidated import consolidate
 from seaglint.io.failures import storage_errors
 from seaglint.io.outputs import ELSEWHERE, refuse_inputs, require_folder
 from seaglint.io.provenance import band_attributes, differences
@@ -159,6 +160,7 @@ def write_sequence(
                 with storage_errors(output, remedy):
                     _sweep(partial)
                     _require_whole(partial, claim)
+                    consolidate(partial)
                     _give_name(partial, output)
                 return output
     if progress is not None:

@@ -16,6 +16,9 @@ BYTES_PER_PIXEL = 80
 BYTES_PER_RESAMPLED_PIXEL = 1000
 """The same for a turned camera: corners (50), nine or more cells of the sweep (9 x 40), weights of about 25 cells (25 x 16)."""
 
+BYTES_PER_SENSED_PIXEL = 60
+"""Images that a detector sees: the picture, its spectrum and the transfer. 49 measured for staring arrays, 38 for scanners."""
+
 BYTES_PER_LATTICE_POINT = 200
 """Amplitudes, transforms and surface of one wave tile."""
 
@@ -23,11 +26,15 @@ BASE = 250 << 20
 """Program, atmosphere and tables of facets."""
 
 
-def memory_needed(scenario: Scenario) -> int:
-    """Estimate of the largest memory that rendering a frame takes [bytes]."""
-    columns, rows = scenario.sensor.pixels
-    upright = prepare.upright_camera(scenario) is not None
-    pixels = columns * rows * (BYTES_PER_PIXEL if upright else BYTES_PER_RESAMPLED_PIXEL) * (2 if scenario.render.layers else 1)
+def memory_needed(scenario: Scenario, oversampling: int = 1) -> int:
+    """Estimate of the largest memory that rendering a frame takes, ``oversampling`` times finer than the sensor's pixels [bytes]."""
+    columns, rows = (oversampling * size for size in scenario.sensor.pixels)
+    scan = scenario.sensor.scan
+    scanned = scan is not None and scan.kind != "staring" and scan.period_s != 0.0  # column after column, however it is turned
+    each = BYTES_PER_SENSED_PIXEL if scenario.sensor.senses else BYTES_PER_PIXEL
+    if not scanned and prepare.upright_camera(scenario) is None:
+        each = BYTES_PER_RESAMPLED_PIXEL
+    pixels = columns * rows * each * (2 if scenario.render.layers else 1)
     waves = TILES * scenario.render.tile_size**2 * BYTES_PER_LATTICE_POINT if scenario.sea.resolve_waves else 0
     return BASE + pixels + waves
 
@@ -52,7 +59,7 @@ def memory_available() -> int | None:
     return max(min(found), 0) if found else None
 
 
-def require_memory(scenario: Scenario) -> None:
+def require_memory(scenario: Scenario, oversampling: int = 1) -> None:
     """Refuse a scenario whose images cannot fit.
 
     Raises
@@ -60,10 +67,16 @@ def require_memory(scenario: Scenario) -> None:
     ScenarioError
         Saying how much is needed and how much there is.
     """
-    need, there = memory_needed(scenario), memory_available()
-    if there is not None and need > there:
-        (columns, rows), tile = scenario.sensor.pixels, scenario.render.tile_size
-        raise ScenarioError(
-            f"sensor.pixels = [{columns}, {rows}] with render.tile_size = {tile} needs about {need / 1e9:.1f} GB of memory, and "
-            f"{there / 1e9:.1f} GB are free; give fewer pixels or a smaller render.tile_size"
-        )
+    need, there = memory_needed(scenario, oversampling), memory_available()
+    if there is None or need <= there:
+        return
+    (columns, rows), tile = scenario.sensor.pixels, scenario.render.tile_size
+    coarser = next((n for n in range(oversampling - 1, 0, -1) if memory_needed(scenario, n) <= there), None)
+    drawn = f" drawn {oversampling} x {oversampling} finer (render.oversampling)" if oversampling > 1 else ""
+    remedy = "fewer pixels or a smaller render.tile_size"
+    if coarser is not None:
+        remedy = f"render.oversampling = {coarser}, which folds finer detail into the picture, or {remedy}"
+    raise ScenarioError(
+        f"sensor.pixels = [{columns}, {rows}]{drawn} with render.tile_size = {tile} needs about {need / 1e9:.1f} GB of memory, and "
+        f"{there / 1e9:.1f} GB are free; give {remedy}"
+    )

@@ -316,23 +316,23 @@ def upright_camera(scenario: Scenario) -> Camera | None:
     return imager(scenario).camera(pose.height, pose.attitude)
 
 
-def gliding_camera(scenario: Scenario) -> Camera:
-    """The image grid of a scanner, whose columns have poses of their own: upright, at one height, wherever it is.
+def gliding_camera(scenario: Scenario) -> Camera | None:
+    """The image grid of a scanner whose columns have places of their own: upright, at one height, wherever it is; None for one that turns
+    or rises on its platform, or is rolled.
 
     Raises
     ------
     ScenarioError
-        A scanner that turns on its platform, or rises, or has another projection.
+        A plane picture: columns of a scanner are equal steps of azimuth.
     """
+    if scenario.sensor.projection != "equal-angle":
+        raise ScenarioError(
+            f"sensor.projection = '{scenario.sensor.projection}': the columns of a scanner (sensor.scan) are equal steps of azimuth; set "
+            "sensor.projection = 'equal-angle'"
+        )
     way = track(scenario)
     pose = way.at(float(way.time[0]))
-    found = imager(scenario).camera(pose.height, pose.attitude)
-    if found is None or way.turns or way.highest > way.lowest:
-        raise ScenarioError(
-            "sensor.scan: the columns of a scanner are drawn upright, from one height; leave attitude and height out of [platform], "
-            "with sensor.projection = 'equal-angle' and sensor.roll_deg = 0"
-        )
-    return found
+    return None if way.turns or way.highest > way.lowest else imager(scenario).camera(pose.height, pose.attitude)
 
 
 def camera(scenario: Scenario) -> Camera:

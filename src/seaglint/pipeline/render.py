@@ -173,10 +173,11 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
 
 
 @single_threaded_algebra()
-def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned: bool = False) -> Sequence:
+def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False) -> Sequence:
     """Everything that is made before the first frame; also the way to single frames in Python.
 
-    ``scanned`` prepares for columns that have poses of their own (:func:`seaglint.pipeline.prepare.gliding_camera`).
+    ``scanned`` prepares for columns that have poses of their own (:func:`seaglint.pipeline.prepare.gliding_camera`); ``fits`` says that
+    the memory was seen to be enough.
 
     Examples
     --------
@@ -185,7 +186,8 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned
     >>> prepare_sequence(small).at(0.0).radiance.shape
     (4, 8)
     """
-    require_memory(scenario)
+    if not fits:
+        require_memory(scenario)
     prepare.require_drawable(scenario, prepare.slopes(scenario))
     sensor, track = scenario.sensor, prepare.track(scenario)
     numbers = frames if frames is not None else range(sensor.frames)

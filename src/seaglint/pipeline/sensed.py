@@ -15,12 +15,12 @@ from seaglint.errors import DataError
 from seaglint.io.store import Layout, Progress, check_output, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import render as plain
+from seaglint.pipeline.memory import require_memory
 from seaglint.pipeline.render import Sequence, prepare_sequence
 from seaglint.pipeline.sense import SensedFrames, require_electrons, signal_attributes
 from seaglint.pipeline.sensor import line_of_sight_rates, scan, sensor_attributes, sensor_model
 from seaglint.render.layers import LEAST_SEEN, Layers
 from seaglint.render.scene import joined
-from seaglint.render.swept import SweptScene
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sensor_presets import TABLES
 from seaglint.sensor.scan import Scan
@@ -154,9 +154,7 @@ def drawn_in_time(sequence: Sequence, way: Scan, oversampling: int, time: float)
         if end < columns and delays[end] == delays[begin]:
             continue
         instant = time + float(delays[begin])
-        scene = sequence.scene_at(instant)
-        assert isinstance(scene, SweptScene)  # prepared for columns
-        parts.append(scene.columns(sequence.track.at(instant), instant, (begin * oversampling, end * oversampling)))
+        parts.append(sequence.scene_at(instant).columns(sequence.track.at(instant), instant, (begin * oversampling, end * oversampling)))
         begin = end
     return joined(parts)
 
@@ -204,13 +202,15 @@ def prepare_sensed(scenario: Scenario, frames: range | None = None, *, electrons
     """
     model = sensor_model(scenario)
     n = scenario.render.oversampling or model.oversampling
+    require_memory(scenario, n)
     sensor, way = scenario.sensor, scan(scenario)
     columns, rows = sensor.pixels
     finer = sensor.model_copy(update={**dict.fromkeys(TABLES), "pixels": (columns * n, rows * n)})
     settings = scenario.render.model_copy(update={"apparent_temperature": False})
     scanned = way.kind != "staring" and way.period > 0.0
     fine = scenario.model_copy(update={"sensor": finer, "render": settings})
-    sequence = prepare_sequence(fine, frames, scanned=scanned)
+    sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True)
+    _require_track(sequence, way, sensor.pixels)
     drawn = _Drawn(sequence, way, n)
 
     def rates(number: int) -> tuple[float, float]:
@@ -242,6 +242,15 @@ def prepare_sensed(scenario: Scenario, frames: range | None = None, *, electrons
         },
     )
     return SensedSequence(sequence, sensed, way, layout, fine)
+
+
+def _require_track(sequence: Sequence, way: Scan, pixels: tuple[int, int]) -> None:
+    """Refuse keyframes that end before the last frame's last column or row."""
+    layout = sequence.layout
+    if layout.frames:
+        columns, rows = pixels
+        delay = float(max(way.column_delays(columns).max(), way.row_delays(rows).max()))
+        sequence.track.at(layout.frames[-1] / layout.frame_rate + delay)
 
 
 def _coarse(angles: FloatArray, n: int) -> FloatArray:

@@ -123,7 +123,7 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         Noise(),
         scenario.seed if seed is None else seed,
         frame,
-        scanning=scan(scenario).kind != "staring",
+        scanning=scan_rate(scenario) != 0.0,
         circle=sensor.fov_deg[0] >= 360.0 - 1e-9 and sensor.projection == "equal-angle",
     )
     return _with_noise(model, scenario)

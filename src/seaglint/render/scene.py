@@ -76,3 +76,15 @@ def image(scene: Scene, pose: Pose, time: float) -> Layers:
 def joined(parts: Sequence[Layers]) -> Layers:
     """Images side by side, from the left."""
     return Layers({name: np.concatenate([part[name] for part in parts], axis=1) for name in parts[0]})
+
+
+def require_columns(part: tuple[int, int], columns: int) -> None:
+    """Refuse columns ``part = (first, end)`` that an image has not.
+
+    Raises
+    ------
+    DomainError
+        Saying which there are.
+    """
+    if not 0 <= part[0] < part[1] <= columns:
+        raise DomainError(f"columns {part[0]} to {part[1]} of {columns}; give 0 <= first < end <= {columns}")

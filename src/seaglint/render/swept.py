@@ -23,7 +23,7 @@ from seaglint.render.levels import Levels
 from seaglint.render.path_basis import path_basis
 from seaglint.render.pieces import Merging
 from seaglint.render.platform import Pose
-from seaglint.render.scene import joined
+from seaglint.render.scene import joined, require_columns
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles, sparkle_columns, sparkle_rows
 from seaglint.render.sun_in_sky import sun_in_sky
 from seaglint.render.sunlight import Sunlight
@@ -221,8 +221,7 @@ class SweptScene:
         DomainError
             Columns that there are not.
         """
-        if not 0 <= part[0] < part[1] <= self.camera.columns:
-            raise DomainError(f"columns {part[0]} to {part[1]} of {self.camera.columns}; give 0 <= first < end <= {self.camera.columns}")
+        require_columns(part, self.camera.columns)
         images = self._swept(pose, time, part, self.surface(time, (pose.east, pose.north)), np.zeros((part[1] - part[0], 0)))
         return self._layers(images[:, 0])
 

@@ -21,6 +21,7 @@ from seaglint.render.layers import COVERAGE, EMITTED, PATH, SKY, SUN, TOTAL, Lay
 from seaglint.render.levels import Levels
 from seaglint.render.platform import Pose, Track
 from seaglint.render.rays import WalkedRays, rays_per_side
+from seaglint.render.scene import require_columns
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles
 from seaglint.render.sun_in_sky import SunInSky, disc_in_pixels, sun_in_sky
 from seaglint.render.surface import course, height
@@ -267,8 +268,9 @@ class TurnedScene:
         highest = math.radians(60.0) if self.track.lowest <= self._crest else 0.0
         return np.asarray((low >= self.accuracy.walk_below) & (low < highest) & (high <= highest + math.radians(20.0)))
 
-    def _plan(self, attitude: Attitude) -> _Plan:
-        corner = self.imager.corners(attitude)
+    def _plan(self, attitude: Attitude, part: tuple[int, int] | None = None) -> _Plan:
+        first, end = part or (0, self.imager.columns)
+        corner = self.imager.directions(attitude, np.arange(first, end + 1.0), np.arange(self.imager.rows + 1.0)[:, None])
         swept = self._serves(*pixel_elevations(corner)).ravel()
         pixels = np.flatnonzero(swept)
         parts: tuple[tuple[int, int], ...] = ()
@@ -281,7 +283,7 @@ class TurnedScene:
             pixels = pixels[covered]
             if pixels.size:
                 found, cells, parts = self._columns(every.some(covered), grid)
-                if not self.track.turns and 8 * int(found.bound.sum()) <= MOST_KEPT:
+                if part is None and not self.track.turns and 8 * int(found.bound.sum()) <= MOST_KEPT:
                     resampling = Resampling.of(found, pixels, cells)
         walked = np.flatnonzero(~swept)
         samples = rays_per_side(corner, walked, self.track.highest, self._shortest_wave)
@@ -372,14 +374,29 @@ class TurnedScene:
     def drawn(self, pose: Pose, time: float) -> Layers:
         """The image from a pose at a time [s]."""
         self._require_pose(pose)
-        plan = self._still if self._still is not None else self._plan(pose.attitude)
+        return self._drawn(pose, time, self._still if self._still is not None else self._plan(pose.attitude))
+
+    def columns(self, pose: Pose, time: float, part: tuple[int, int]) -> Layers:
+        """Columns ``part = (first, end)`` of the image alone: those of the whole image but for rounding.
+
+        Raises
+        ------
+        DomainError
+            Columns that there are not.
+        """
+        require_columns(part, self.imager.columns)
+        self._require_pose(pose)
+        return self._drawn(pose, time, self._plan(pose.attitude, part))
+
+    def _drawn(self, pose: Pose, time: float, plan: _Plan) -> Layers:
         prepared, kinds = self._prepared(pose.height), planes_for(self.layers)
         levels = prepared.swept.levels if prepared.swept is not None else self._whole
         lattices = levels.lattices(time)
         surface = levels.surface(lattices, (pose.east, pose.north))
         line = course(surface, 0, 1.0, 0.0)
         require_above(height(surface, line, 0, line.part.shape[0], 0.0), pose.height, time)
-        out = np.zeros((kinds.size, self.imager.rows * self.imager.columns), np.float32)
+        columns = plan.corner.shape[1] - 1
+        out = np.zeros((kinds.size, self.imager.rows * columns), np.float32)
         if plan.swept.size and prepared.swept is not None:
             scene = prepared.swept.with_camera(replace(prepared.swept.camera, height=pose.height))
             upright = replace(scene.pose, east=pose.east, north=pose.north)
@@ -390,7 +407,7 @@ class TurnedScene:
             sky = channels[:, TOTAL] - channels[:, SUN] - channels[:, EMITTED] - channels[:, PATH]
             for k, kind in enumerate(kinds):
                 out[k, plan.walked] = sky if kind == SKY else channels[:, kind]
-        return layers_of(out.reshape(-1, self.imager.rows, self.imager.columns), kinds, self.layers)
+        return layers_of(out.reshape(-1, self.imager.rows, columns), kinds, self.layers)
 
 
 def _resample(plan: _Plan, images: NDArray[np.float32], out: NDArray[np.float32]) -> None:

@@ -31,14 +31,14 @@ SHORT_BELOW: Final = 0.95
 
 @dataclass(frozen=True, eq=False)
 class Exposure:
-    """One frame of a sensor.
+    """One frame of a sensor, or several of them.
 
     Attributes
     ----------
     signal : ndarray
-        Counts [(rows, columns), uint16].
+        Counts [(rows, columns) or (time, rows, columns), uint16].
     units : ndarray
-        The same before the converter: electrons, or nanowatts of a thermal detector, noise and background in it [(rows, columns)].
+        The same before the converter: electrons, or nanowatts of a thermal detector, noise and background in it [shape of ``signal``].
     saturated : int
         Pixels that are full or at the end of the converter.
     """
@@ -172,7 +172,7 @@ class SensorModel:
         Parameters
         ----------
         radiance : ndarray
-            At the aperture, ``oversampling`` times finer than the pixels [W m-2 sr-1, (rows, columns)].
+            At the aperture, ``oversampling`` times finer than the pixels [W m-2 sr-1, (rows, columns) or (time, rows, columns)].
         oversampling : int
             Fine pixels along a pixel's side.
         rates : (float, float)
@@ -181,13 +181,16 @@ class SensorModel:
         Returns
         -------
         ndarray
-            Mean radiance on the pixels, which optics without losses would bring there [W m-2 sr-1, (rows, columns)].
+            Mean radiance on the pixels, which optics without losses would bring there [W m-2 sr-1, (rows, columns), with time before
+            them where ``radiance`` has it].
 
         Raises
         ------
         DataError
             Values that are no radiances.
         """
+        if radiance.ndim == 3:
+            return np.stack([self.focal_plane(picture, oversampling, rates) for picture in radiance])
         require_radiance(radiance)
         optics = self.optics
         if optics.distortion:
@@ -208,12 +211,17 @@ class SensorModel:
         Parameters
         ----------
         seen : ndarray
-            Of :meth:`focal_plane` [W m-2 sr-1, (rows, columns)].
+            Of :meth:`focal_plane` [W m-2 sr-1, (rows, columns) or (time, rows, columns)].
         frame : int
-            Number of the frame in the whole sequence: its noise is a function of it.
+            Number of the frame (of the first one) in the whole sequence: its noise is a function of it.
         time : float, optional
             Its time [s]; the frame's number times the frame interval by default.
         """
+        if seen.ndim == 3:
+            begin = frame * self.frame_interval if time is None else time
+            frames = [self.expose(picture, frame + k, begin + k * self.frame_interval) for k, picture in enumerate(seen)]
+            counted = np.stack([one.signal for one in frames]), np.stack([one.units for one in frames])
+            return Exposure(*counted, sum(one.saturated for one in frames))
         line, noise = self.readout, self.noise
         shape = (seen.shape[0], seen.shape[1])
         pattern = self._pattern(shape)
@@ -248,11 +256,12 @@ class SensorModel:
     def _pattern(self, shape: tuple[int, int]) -> Pattern:
         found = self._patterns.get(shape)
         if found is None:
-            found = self._patterns[shape] = Pattern.of(self.noise, self.seed, shape, min(self.readout.full_scale, 1e15))
+            full = min(self.readout.full_scale, 1e15)
+            found = self._patterns[shape] = Pattern.of(self.noise, self.seed, shape, full, scanning=self.scanning)
         return found
 
     def sense(self, radiance: NDArray[np.float32], frame: int = 0, oversampling: int = 1) -> Exposure:
-        """:meth:`focal_plane` and :meth:`expose` at once, of one picture; a lag needs the frames before it, see :func:`lagged`."""
+        """:meth:`focal_plane` and :meth:`expose` at once; a lag needs the frames before it, see :func:`lagged`."""
         return self.expose(self.focal_plane(radiance, oversampling), frame)
 
     def apparent_temperature(self, counts: FloatArray | NDArray[np.uint16]) -> FloatArray:

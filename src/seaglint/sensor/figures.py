@@ -100,17 +100,18 @@ def fixed_pattern(model: SensorModel, radiance: float) -> float:
 
 
 def three_d(model: SensorModel, radiance: float) -> dict[str, float]:
-    """The seven components of 3-D noise at a radiance [units]."""
+    """The seven components of 3-D noise at a radiance [units]; what differs between pixels of a scanner differs between rows."""
     found, noise = budget(model, radiance), model.noise
     common = ("frame", "row_temporal", "column_temporal")
+    pattern, scanning = fixed_pattern(model, radiance), model.scanning
     pixel = math.sqrt(sum(value**2 for name, value in found.parts.items() if name not in common))
     return {
         "T": noise.frame,
-        "V": noise.row,
+        "V": math.hypot(noise.row, pattern) if scanning else noise.row,
         "H": noise.column,
         "TV": noise.row_temporal,
         "TH": noise.column_temporal,
-        "VH": fixed_pattern(model, radiance),
+        "VH": 0.0 if scanning else pattern,
         "TVH": pixel,
     }
 

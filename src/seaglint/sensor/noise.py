@@ -94,16 +94,19 @@ class Pattern:
     hot: NDArray[np.bool_] | None
     blinking: NDArray[np.int64] | None
     """Flat indices of the pixels that blink."""
+    cells: tuple[int, int]
+    """Rows and columns of the detector's own pixels: those of the picture, or one column of a scanner."""
     seed: int = field(default=0)
 
     @classmethod
-    def of(cls, noise: Noise, seed: int, shape: tuple[int, int], full_scale: float) -> Pattern:
-        """Draw the pattern of a detector of ``shape`` (rows, columns)."""
+    def of(cls, noise: Noise, seed: int, shape: tuple[int, int], full_scale: float, *, scanning: bool = False) -> Pattern:
+        """Draw the pattern of a detector whose pictures are of ``shape`` (rows, columns); a scanner has one pixel for each row."""
+        cells = (shape[0], 1) if scanning else shape
         if not noise.fixed_pattern:
-            return cls(noise, full_scale, None, None, None, None, None, None, None, seed)
+            return cls(noise, full_scale, None, None, None, None, None, None, None, cells, seed)
 
         def spread(rms: float, purpose: str) -> FloatArray | None:
-            return rms * stream(seed, purpose).standard_normal(shape) if rms > 0.0 else None
+            return rms * stream(seed, purpose).standard_normal(cells) if rms > 0.0 else None
 
         corrected = noise.corrected_at is not None
         offset = None if corrected else spread(noise.offset_spread, "sensor offset")
@@ -114,7 +117,7 @@ class Pattern:
             lines += noise.column * stream(seed, "sensor columns").standard_normal((1, shape[1]))
         if noise.row > 0.0 or noise.column > 0.0:
             offset = lines if offset is None else offset + lines
-        place = stream(seed, "sensor defects").random(shape)
+        place = stream(seed, "sensor defects").random(cells)
         dead, hot = noise.dead_share, noise.dead_share + noise.hot_share
         blinks = np.flatnonzero((place >= hot) & (place < hot + noise.blinking_share))
         return cls(
@@ -127,6 +130,7 @@ class Pattern:
             place < dead if dead > 0.0 else None,
             (place >= dead) & (place < hot) if noise.hot_share > 0.0 else None,
             blinks if blinks.size else None,
+            cells,
             seed,
         )
 
@@ -145,7 +149,7 @@ class Pattern:
         """Dark signal beyond that of all pixels: hot ones."""
         if self.hot is None:
             return 0.0
-        return np.where(self.hot, self.noise.hot_signal, 0.0).reshape(shape)
+        return np.broadcast_to(np.where(self.hot, self.noise.hot_signal, 0.0), shape)
 
     def added(self, time: float, signal: FloatArray) -> FloatArray:
         """The signal with what is added after the exposure: offsets, drift, blinking."""
@@ -154,8 +158,9 @@ class Pattern:
         if self.drift is not None:
             signal = signal + self.drift * time
         if self.blinking is not None:
-            signal = signal.copy()
-            signal.reshape(-1)[self.blinking] += self.noise.blinking_signal * self._states(time)
+            jumps = np.zeros(self.cells)
+            jumps.reshape(-1)[self.blinking] = self.noise.blinking_signal * self._states(time)
+            signal = signal + jumps
         return signal
 
     def _states(self, time: float) -> FloatArray:

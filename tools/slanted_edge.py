@@ -1,4 +1,4 @@
-"""The slanted-edge method of ISO 12233, written for the tests: a picture of an edge becomes an MTF."""
+"""The slanted-edge method of ISO 12233, of the tests' own: a picture of an edge becomes an MTF."""
 
 from __future__ import annotations
 
