@@ -71,7 +71,7 @@ def _check_weights(cells: Cells, columns: dict[str, Any]) -> None:
 
 def _advice(name: str) -> str:
     if name == "cloud_cover":
-        return "cloud cover is a share of 1; convert percent or oktas: 'seaglint weather build FILE --map cloud_cover=NAME:percent -o w.csv'"
+        return "cloud cover is a share of 1; convert oktas or percent: 'seaglint weather build FILE --map cloud_cover=NAME:okta -o w.csv'"
     if name == "weight":
         return "weights are 0 or more; any positive sum is normalised"
     if name.endswith("_k"):
