@@ -23,14 +23,14 @@ from seaglint.render.levels import Levels
 from seaglint.render.path_basis import path_basis
 from seaglint.render.pieces import Merging
 from seaglint.render.platform import Pose
-from seaglint.render.scene import joined
+from seaglint.render.scene import Instant, joined
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles, sparkle_columns, sparkle_rows
 from seaglint.render.sun_in_sky import sun_in_sky
 from seaglint.render.sunlight import Sunlight
 from seaglint.render.surface import Surface, course, height
 from seaglint.render.sweep import Rows, Swept, skies_alone, sweep_columns
 from seaglint.render.tables import FacetDomain, facet_slopes, facet_tables
-from seaglint.render.view import Attitude
+from seaglint.render.view import Attitude, Imager
 from seaglint.render.walk import PATH_EVERY, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
@@ -209,11 +209,26 @@ class SweptScene:
         """The sea at a time [s], with the sensor above ``origin``, east and north [m], at every level of detail."""
         return self._levels.surface(self._levels.lattices(time), origin)
 
-    def drawn(self, pose: Pose, time: float) -> Layers:
-        """The image from a pose at a time [s]."""
-        return self.columns(pose, time, (0, self.camera.columns))
+    @property
+    def pixels(self) -> Imager:
+        """The camera's pixels, whatever its attitude."""
+        camera = self.camera
+        return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)
 
-    def columns(self, pose: Pose, time: float, part: tuple[int, int]) -> Layers:
+    def seen_from(self, pose: Pose) -> SeaView:
+        """Sea, air and Sun as they are drawn."""
+        return self.view
+
+    def sea(self, pose: Pose, time: float) -> Instant:
+        """The sea at a time [s] under a sensor."""
+        lattices = self._levels.lattices(time)
+        return Instant(self._levels, lattices, self._levels.surface(lattices, (pose.east, pose.north)))
+
+    def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
+        """The image from a pose at a time [s]."""
+        return self.columns(pose, time, (0, self.camera.columns), sea)
+
+    def columns(self, pose: Pose, time: float, part: tuple[int, int], sea: Instant | None = None) -> Layers:
         """Columns ``part = (first, end)`` of the image alone: their bytes are those of the whole image.
 
         Raises
@@ -223,7 +238,8 @@ class SweptScene:
         """
         if not 0 <= part[0] < part[1] <= self.camera.columns:
             raise DomainError(f"columns {part[0]} to {part[1]} of {self.camera.columns}; give 0 <= first < end <= {self.camera.columns}")
-        images = self._swept(pose, time, part, self.surface(time, (pose.east, pose.north)), np.zeros((part[1] - part[0], 0)))
+        surface = self.surface(time, (pose.east, pose.north)) if sea is None else sea.surface
+        images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
         return self._layers(images[:, 0])
 
     def scanned(self, poses: Sequence[Pose], times: Sequence[float]) -> Layers:

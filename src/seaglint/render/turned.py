@@ -21,6 +21,7 @@ from seaglint.render.layers import COVERAGE, EMITTED, PATH, SKY, SUN, TOTAL, Lay
 from seaglint.render.levels import Levels
 from seaglint.render.platform import Pose, Track
 from seaglint.render.rays import WalkedRays, rays_per_side
+from seaglint.render.scene import Instant
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles
 from seaglint.render.sun_in_sky import SunInSky, disc_in_pixels, sun_in_sky
 from seaglint.render.surface import course, height
@@ -369,14 +370,28 @@ class TurnedScene:
                 "that has it, or see with_camera for other cameras"
             )
 
-    def drawn(self, pose: Pose, time: float) -> Layers:
+    @property
+    def pixels(self) -> Imager:
+        """The camera's pixels."""
+        return self.imager
+
+    def seen_from(self, pose: Pose) -> SeaView:
+        """Sea, air and Sun as they are drawn from a pose's height."""
+        return self._prepared(pose.height).view
+
+    def sea(self, pose: Pose, time: float) -> Instant:
+        """The sea of an instant under a sensor."""
+        prepared = self._prepared(pose.height)
+        levels = prepared.swept.levels if prepared.swept is not None else self._whole
+        lattices = levels.lattices(time)
+        return Instant(levels, lattices, levels.surface(lattices, (pose.east, pose.north)))
+
+    def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
         """The image from a pose at a time [s]."""
         self._require_pose(pose)
         plan = self._still if self._still is not None else self._plan(pose.attitude)
         prepared, kinds = self._prepared(pose.height), planes_for(self.layers)
-        levels = prepared.swept.levels if prepared.swept is not None else self._whole
-        lattices = levels.lattices(time)
-        surface = levels.surface(lattices, (pose.east, pose.north))
+        levels, lattices, surface = sea or self.sea(pose, time)
         line = course(surface, 0, 1.0, 0.0)
         require_above(height(surface, line, 0, line.part.shape[0], 0.0), pose.height, time)
         out = np.zeros((kinds.size, self.imager.rows * self.imager.columns), np.float32)
