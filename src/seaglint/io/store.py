@@ -26,6 +26,7 @@ from seaglint.io.failures import storage_errors
 from seaglint.io.outputs import ELSEWHERE, refuse_inputs, require_folder
 from seaglint.io.provenance import band_attributes, differences
 from seaglint.io.stopping import stop_on_signal
+from seaglint.io.truth import Truth
 from seaglint.optics.band import Band
 from seaglint.schema import VARIABLES
 
@@ -76,6 +77,8 @@ class Layout:
     """Names of the variables that have one number a frame, found with its images."""
     details: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     """Further attributes of variables, by name."""
+    truth: Truth | None = None
+    """Objects whose truth is written beside the images."""
     turning: bool = False
     """Whether the attitude changes: azimuth and elevation are then those of the first frame and not stored."""
 
@@ -224,7 +227,7 @@ def _fill(
             with storage_errors(partial, remedy):
                 claim.require()
                 _require_there(partial)
-                _write_frame(group, int(index), {name: images[name] for name in (*layout.variables, *layout.per_frame)})
+                _write_frame(group, int(index), images, layout)
             count += 1
             if progress is not None:
                 progress(count, done.size)
@@ -374,6 +377,8 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
     for name, kind, fill in (("frame_done", "uint8", 0), *((name, "float32", np.nan) for name in layout.per_frame)):
         about = VARIABLES[name].attributes
         group.create_array(name, shape=(frames,), chunks=(1,), dtype=kind, fill_value=fill, dimension_names=("time",), attributes=about)
+    if layout.truth is not None:
+        layout.truth.make(group, layout.shape, _compressor)
 
 
 def _compressor(itemsize: int) -> Any:
@@ -395,9 +400,11 @@ def _put(group: Any, name: str, values: NDArray[Any], dimensions: tuple[str, ...
     array[...] = values
 
 
-def _write_frame(group: Any, index: int, images: Mapping[str, NDArray[Any]]) -> None:
-    for name, image in images.items():
-        group[name][index] = np.asarray(image, dtype=VARIABLES[name].dtype)
+def _write_frame(group: Any, index: int, images: Mapping[str, NDArray[Any]], layout: Layout) -> None:
+    for name in (*layout.variables, *layout.per_frame):
+        group[name][index] = np.asarray(images[name], dtype=VARIABLES[name].dtype)
+    if layout.truth is not None:
+        layout.truth.write(group, index, images)
     group["frame_done"][index] = 1
 
 

@@ -47,6 +47,11 @@ class Share:
     image: FloatArray
     pixel: FloatArray
 
+    def rows_between(self, first: int, end: int) -> Share:
+        """Some rows alone."""
+        keep = (self.rows >= first) & (self.rows < end)
+        return Share(self.rows[keep], self.columns, self.cover[keep], self.radiance[keep], self.image[keep], self.pixel[keep])
+
 
 @dataclass(frozen=True, eq=False)
 class Sight:
@@ -85,6 +90,21 @@ class Sight:
             down=self.down + other.down,
             shares=self.shares + other.shares,
         )
+
+    def between(self, first: int, end: int) -> Sight:
+        """What some rows of the image alone have of it; its middle there from whole pixels where it lies partly in them."""
+        shares = tuple(share.rows_between(first, end) for share in self.shares)
+        before = sum(int(share.cover.size) for share in self.shares)
+        if sum(share.cover.size for share in shares) == before:
+            return self
+        cover = [share.cover * share.pixel for share in shares]
+        seen = float(sum(c.sum() for c in cover))
+        across = float(sum((c * (s.columns + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
+        down = float(sum((c * (s.rows[:, None] + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
+        if self.seen == 0.0:  # of a point it is there or not
+            kept = any(share.cover.size for share in shares)
+            across, down = (self.across, self.down) if kept else (0.0, 0.0)
+        return replace(self, seen=seen, across=across, down=down, shares=shares)
 
 
 def composed(layers: Layers, stage: Stage, picture: Picture, light: Surroundings) -> tuple[Layers, tuple[Sight, ...]]:
