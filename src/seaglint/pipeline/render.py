@@ -215,19 +215,21 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned
     """
     require_memory(scenario)
     prepare.require_drawable(scenario, prepare.slopes(scenario))
-    sensor, track = scenario.sensor, prepare.track(scenario)
+    sensor = scenario.sensor
     numbers = frames if frames is not None else range(sensor.frames)
     accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)
     camera = prepare.gliding_camera(scenario) if scanned else prepare.upright_camera(scenario)
     if camera is not None:
         first = prepare.view(scenario)
         sea = prepare.sea(scenario, first.slopes)
+        track = prepare.track(scenario)
 
         def prepared(sun: SunPosition) -> SweptScene | TurnedScene:
             view = prepare.under(first, sun)
             return SweptScene.prepare(view, camera, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
     else:
         sea, imager, at = prepare.sea(scenario, prepare.slopes(scenario)), prepare.imager(scenario), prepare.view_at(scenario)
+        track = prepare.track(scenario, sea.waves)
 
         def prepared(sun: SunPosition) -> SweptScene | TurnedScene:
             def view(height: float) -> SeaView:
