@@ -17,8 +17,8 @@ def labels(
     overwrite: Overwrite = False,
 ) -> None:
     """Write places, masks and contrasts of the objects in each frame."""
-    from seaglint.io.outputs import refuse_existing
     from seaglint.io.labels import Labels, require_labels_name, write_labels
+    from seaglint.io.outputs import refuse_existing
 
     refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[run])
     found = Labels.of(run)

@@ -120,7 +120,7 @@ def _coco(labels: Labels) -> dict[str, Any]:
     """COCO's dictionary: an image for each frame, a category for each name, an annotation for each object in view."""
     rows, columns = labels.shape
     categories = {name: number for number, name in enumerate(dict.fromkeys(labels.names), 1)}
-    annotations = []
+    annotations: list[dict[str, Any]] = []
     for label in labels:
         values = label.values
         if not label.mask.any():

@@ -144,9 +144,7 @@ class Sequence:
         return self.objects.draw(scene, pose, time, (layers, sea), window)
 
     @staticmethod
-    def _columns(
-        scene: SweptScene | TurnedScene, pose: Pose, time: float, columns: tuple[int, int], sea: Instant | None
-    ) -> Layers:
+    def _columns(scene: SweptScene | TurnedScene, pose: Pose, time: float, columns: tuple[int, int], sea: Instant | None) -> Layers:
         assert isinstance(scene, SweptScene)  # prepared for columns
         return scene.columns(pose, time, columns, sea)
 

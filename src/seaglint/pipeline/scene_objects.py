@@ -46,7 +46,6 @@ class Drawn:
         layers = Layers({name: np.concatenate([part.layers[name] for part in parts], axis=0) for name in parts[0].layers})
         return cls(layers, np.concatenate([part.sea for part in parts], axis=0), _together(parts))
 
-
     def rows(self, first: int, end: int) -> Drawn:
         """Some rows alone, and what is seen of objects in them."""
         cut = slice(first, end)

@@ -21,7 +21,20 @@ from seaglint.render.bodies.eye import Grid, Lens, Plane, Stand, grid_over, lens
 from seaglint.render.bodies.light import Arriving, Corners, Surroundings
 from seaglint.render.bodies.parts import Mesh, Part, Placed, parts_of, placed
 from seaglint.render.bodies.raster import Faces, Samples, lay_samples, meet, whole_solid_angle
-from seaglint.render.bodies.shade import LIFT, PLANES, SUMS, WHOLE, Scene, Shape, SunMap, Window, clear_to, fill_sun_map, shade_gas, shade_solid
+from seaglint.render.bodies.shade import (
+    LIFT,
+    PLANES,
+    SUMS,
+    WHOLE,
+    Scene,
+    Shape,
+    SunMap,
+    Window,
+    clear_to,
+    fill_sun_map,
+    shade_gas,
+    shade_solid,
+)
 from seaglint.render.levels import Levels
 from seaglint.render.platform import Pose
 from seaglint.render.surface import Surface

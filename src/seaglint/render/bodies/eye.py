@@ -140,6 +140,8 @@ def strips(grid: Grid) -> list[Grid]:
     row = grid.first[1]
     while row * n < end:
         a, b = max(row * n, grid.begin[1]), min((row + rows) * n, end)
-        out.append(Grid((grid.first[0], row), (grid.pixels[0], (b - 1) // n - row + 1), grid.cells, (grid.begin[0], a), (grid.size[0], b - a)))
+        out.append(
+            Grid((grid.first[0], row), (grid.pixels[0], (b - 1) // n - row + 1), grid.cells, (grid.begin[0], a), (grid.size[0], b - a))
+        )
         row += rows
     return out

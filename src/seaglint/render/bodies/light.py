@@ -130,7 +130,12 @@ class Surroundings:
             mirrored = np.tensordot(tau[i], self.diffuse, axes=(1, 2))
             lengths = (place.arc[1] - place.arc[0], place.height[1] - place.height[0])
             corner = np.array(
-                [place.arc[0], 1.0 / lengths[0] if lengths[0] > 0.0 else 0.0, place.height[0], 1.0 / lengths[1] if lengths[1] > 0.0 else 0.0]
+                [
+                    place.arc[0],
+                    1.0 / lengths[0] if lengths[0] > 0.0 else 0.0,
+                    place.height[0],
+                    1.0 / lengths[1] if lengths[1] > 0.0 else 0.0,
+                ]
             )
             flat = tau[i].sum(axis=-1) / view.in_band.weights.sum()
             out.append(Arriving(corner, np.ascontiguousarray(emitted), np.ascontiguousarray(mirrored), sun[i].copy(), path[i].copy(), flat))

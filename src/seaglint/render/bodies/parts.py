@@ -157,7 +157,9 @@ def placed(part: Part, stand: Stand) -> Placed:
         surface = part.kind.vertices @ stand.turn.T + stand.place
         out = Placed(part, middle, part.kind.radius, surface, none)
         if out.distance < out.radius and _holds_sensor(surface, part.kind.corners):
-            raise DomainError(f"objects '{part.name}': the sensor is inside it; move it, or the sensor, or keep its path clear of the sensor's")
+            raise DomainError(
+                f"objects '{part.name}': the sensor is inside it; move it, or the sensor, or keep its path clear of the sensor's"
+            )
         return out
     if isinstance(part.kind, Plume):
         axes, middle = np.asarray(part.kind.semi_axes), stand.place + stand.turn @ np.asarray(part.kind.centre)
