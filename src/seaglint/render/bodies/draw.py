@@ -277,15 +277,15 @@ def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriv
         samples = lay_samples(some, stage.lens, plane.axes)
         meet(faces, some, samples)
         behind = _others(samples, some, solids)
-        scene = Scene(stage.pose.height, sea, behind, gases, plane.axes)
+        scene = Scene(stage.pose.height, sea, behind, gases, plane.axes, one.heading)
         rows = some.first[1] - grid.first[1]
         out = (planes[:, rows : rows + some.pixels[1]], sums)
         if isinstance(one.part.kind, Mesh):
             kind = one.part.kind
-            shape = Shape(one.surface, kind.corners, kind.code, kind.emissivity, one.azimuth)
+            shape = Shape(one.surface, kind.corners, kind.code, kind.emissivity)
             shade_solid(some, stage.lens, stage.window, samples, shape, scene, arriving, shadow, out)
         else:
-            shade_gas(some, stage.lens, stage.window, samples, (one.gas, one.azimuth), scene, arriving, out)
+            shade_gas(some, stage.lens, stage.window, samples, one.gas, scene, arriving, out)
     if inside != box:
         sums[WHOLE] = solid_angle(one)
     return _patch(stage, one, grid, planes, sums)
@@ -335,9 +335,9 @@ def _point(
     samples = Samples(np.zeros((1, 1)), np.zeros((1, 1)), np.zeros((1, 1)), np.full((1, 1), -1, np.int32))
     # every triangle is asked for the one direction
     near = _others(samples, grid, [faces._replace(image=np.zeros_like(faces.image)) for faces in solids])
-    scene = Scene(stage.pose.height, sea, near, gases, plane.axes)
+    scene = Scene(stage.pose.height, sea, near, gases, plane.axes, one.heading)
     column, row = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
-    clear = float(clear_to(scene, one.azimuth, one.distance)) * float(arriving.clear[0])
+    clear = float(clear_to(scene, one.distance)) * float(arriving.clear[0])
     at = math.floor(column) % stage.window.circle if stage.window.circle else math.floor(column)
     if clear == 0.0 or not (stage.columns[0] <= at < stage.columns[1] and stage.rows[0] <= math.floor(row) < stage.rows[1]):
         return None

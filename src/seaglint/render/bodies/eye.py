@@ -107,7 +107,7 @@ class Grid(NamedTuple):
 FEWEST_CELLS = 8
 """Cells along a pixel's side, at least."""
 
-CELLS_ACROSS = 256
+CELLS_ACROSS = 96
 """Cells across a small body's box: its solid angle is then within some 0.1 %."""
 
 MOST_CELLS = 1 << 20
@@ -115,11 +115,10 @@ MOST_CELLS = 1 << 20
 
 
 def grid_over(box: tuple[float, float, float, float]) -> Grid:
-    """Cells over a box (left, right, top, bottom) [pixels]; their number along a pixel is a power of two."""
+    """Cells over a box (left, right, top, bottom) [pixels]."""
     cells, begin, size, first, pixels = [], [], [], [], []
     for low, high in ((box[0], box[1]), (box[2], box[3])):
-        wanted = max(CELLS_ACROSS / max(high - low, 1e-9), FEWEST_CELLS)
-        n = 1 << math.ceil(math.log2(wanted))
+        n = max(math.ceil(CELLS_ACROSS / max(high - low, 1e-9)), FEWEST_CELLS)
         a, b = math.floor(low * n), math.ceil(high * n)
         b = max(b, a + 1)
         cells.append(n)

@@ -107,6 +107,11 @@ class Placed:
         return math.atan2(self.place[0], self.place[1])
 
     @property
+    def heading(self) -> tuple[float, float, float]:
+        """Azimuth of its middle, with its sine and cosine."""
+        return self.azimuth, math.sin(self.azimuth), math.cos(self.azimuth)
+
+    @property
     def elevation(self) -> float:
         """Of its middle [rad]."""
         return math.atan2(self.place[2], math.hypot(self.place[0], self.place[1]))

@@ -13,6 +13,7 @@ from seaglint.render.bodies.crests import Crests, in_sight
 from seaglint.render.bodies.eye import Grid, Lens
 from seaglint.render.bodies.light import Arriving
 from seaglint.render.bodies.raster import Samples, chord, sample_place
+from seaglint.render.walk import elevation
 
 COVER: Final = 0
 """Plane of the share of a pixel that a body covers [1]."""
@@ -42,14 +43,13 @@ LIFT: Final = 1e-3
 
 class Shape(NamedTuple):
     """A body's triangles in the sensor's axes: vertices [m, (n, 3)], corners (m, 3), place of every vertex's temperature among those of
-    :class:`~seaglint.render.bodies.light.Arriving`, emissivity, and the azimuth of the body [rad].
+    :class:`~seaglint.render.bodies.light.Arriving`, and emissivity.
     """
 
     vertex: np.ndarray
     corner: np.ndarray
     kelvin: np.ndarray
     emissivity: np.ndarray
-    azimuth: float
 
 
 class SunMap(NamedTuple):
@@ -66,7 +66,7 @@ class SunMap(NamedTuple):
 
 class Scene(NamedTuple):
     """What stands around a body: the sensor's height [m], the sea, what is in front of it (depths, 0 for nothing, as the samples), gases
-    (:func:`~seaglint.render.bodies.raster.chord`), and the plane's axes.
+    (:func:`~seaglint.render.bodies.raster.chord`), the plane's axes, and the azimuth of the body's middle [rad] with its sine and cosine.
     """
 
     eye: float
@@ -74,6 +74,7 @@ class Scene(NamedTuple):
     others: np.ndarray
     gases: np.ndarray
     axes: np.ndarray
+    heading: tuple[float, float, float]
 
 
 class Window(NamedTuple):
@@ -94,13 +95,23 @@ def _pixel(grid: Grid, window: Window, i: int, j: int) -> tuple[int, int, bool]:
 
 
 @kernel
-def _cell_solid_angle(lens: Lens, grid: Grid, j: int, i: int) -> float:
-    """Solid angle of a cell [sr], at its middle."""
-    y = lens.down[0] + lens.down[1] * (grid.begin[1] + j + 0.5) / grid.cells[1]
+def _row_solid_angle(lens: Lens, grid: Grid, j: int) -> float:
+    """Solid angle of a cell in a row [sr], at its middle; of a plane image that in its middle."""
+    cell = lens.pixel / (grid.cells[0] * grid.cells[1])
+    if lens.plane:
+        return float(cell)
+    return float(cell * math.cos(lens.down[0] + lens.down[1] * (grid.begin[1] + j + 0.5) / grid.cells[1]))
+
+
+@kernel
+def _falling(lens: Lens, grid: Grid, j: int, i: int) -> float:
+    """Solid angle of a cell over that of its row: what falls off to the corners of a plane image."""
     if not lens.plane:
-        return float(lens.pixel * math.cos(y) / (grid.cells[0] * grid.cells[1]))
+        return 1.0
     x = lens.across[0] + lens.across[1] * (grid.begin[0] + i + 0.5) / grid.cells[0]
-    return float(lens.pixel * (1.0 + x * x + y * y) ** -1.5 / (grid.cells[0] * grid.cells[1]))
+    y = lens.down[0] + lens.down[1] * (grid.begin[1] + j + 0.5) / grid.cells[1]
+    square = 1.0 + x * x + y * y
+    return 1.0 / (square * math.sqrt(square))
 
 
 @kernel
@@ -116,14 +127,18 @@ def place_of(x: float, y: float, depth: float, scene: Scene) -> tuple[float, flo
     height = (level * level + (scene.eye + up) * (2.0 * EFFECTIVE_EARTH_RADIUS + scene.eye + up)) / (
         math.sqrt(level * level + over * over) + EFFECTIVE_EARTH_RADIUS
     )
-    return east, north, up, EFFECTIVE_EARTH_RADIUS * math.atan2(level, over), height
+    arc = EFFECTIVE_EARTH_RADIUS * (elevation(level / over) if over > level else math.atan2(level, over))
+    return east, north, up, arc, height
 
 
 @kernel
-def _visible(scene: Scene, azimuth: float, at: tuple[float, float, float, float, float]) -> bool:
-    """Whether the sea leaves a point in view, seen about an azimuth [rad]."""
-    s, c = math.sin(azimuth), math.cos(azimuth)
-    turn = math.atan2(at[0] * c - at[1] * s, at[0] * s + at[1] * c)
+def _visible(scene: Scene, at: tuple[float, float, float, float, float]) -> bool:
+    """Whether the sea leaves a point in view."""
+    azimuth, s, c = scene.heading
+    turn = 0.0
+    if scene.crests.tangent.shape[0] > 0:
+        aside, ahead = at[0] * c - at[1] * s, at[0] * s + at[1] * c
+        turn = elevation(aside / ahead) if ahead > 0.0 else math.atan2(aside, ahead)
     level = math.sqrt(at[0] * at[0] + at[1] * at[1])
     return in_sight(scene.crests, azimuth + turn, at[3], at[4], at[2] / max(level, 1e-9))
 
@@ -138,10 +153,10 @@ def _clear(scene: Scene, direction: tuple[float, float, float], last: float) -> 
 
 
 @njit
-def clear_to(scene: Scene, azimuth: float, distance: float) -> float:
+def clear_to(scene: Scene, distance: float) -> float:
     """Share of the light of a point, in the middle of the plane, that sea, bodies and gases leave in view, before the air."""
     at = place_of(0.0, 0.0, distance, scene)
-    if scene.others[0, 0] * distance > 1.0 or not _visible(scene, azimuth, at):
+    if scene.others[0, 0] * distance > 1.0 or not _visible(scene, at):
         return 0.0
     return _clear(scene, (at[0] / distance, at[1] / distance, at[2] / distance), distance)
 
@@ -200,6 +215,42 @@ def _reflect(light: Arriving, shadow: SunMap, at: tuple[float, float], normal: t
     return total, max(normal[0] * sun[0] + normal[1] * sun[1] + normal[2] * sun[2], 0.0)
 
 
+@kernel
+def _facet(
+    shape: Shape, light: Arriving, shadow: SunMap, t: int, at: tuple[float, float, float, float, float]
+) -> tuple[float, float, float, float, float]:
+    """Emissivity of a triangle at a point, what arrives of a blackbody there, of diffuse light and of the Sun if nothing shades it, both
+    reflected in full, and of the path.
+    """
+    emitted, sun, path, v = light.emitted, light.sun, light.path, shape.vertex
+    most = emitted.shape[1] - 1
+    a, b, c = shape.corner[t, 0], shape.corner[t, 1], shape.corner[t, 2]
+    ux, uy, uz = v[b, 0] - v[a, 0], v[b, 1] - v[a, 1], v[b, 2] - v[a, 2]
+    wx, wy, wz = v[c, 0] - v[a, 0], v[c, 1] - v[a, 1], v[c, 2] - v[a, 2]
+    nx, ny, nz = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
+    size = nx * nx + ny * ny + nz * nz
+    px, py, pz = at[0] - v[a, 0], at[1] - v[a, 1], at[2] - v[a, 2]
+    # shares of the corners b and c
+    g = ((py * wz - pz * wy) * nx + (pz * wx - px * wz) * ny + (px * wy - py * wx) * nz) / size
+    h = ((uy * pz - uz * py) * nx + (uz * px - ux * pz) * ny + (ux * py - uy * px) * nz) / size
+    f = 1.0 - g - h
+    emissivity = f * shape.emissivity[a] + g * shape.emissivity[b] + h * shape.emissivity[c]
+    kelvin = min(max(f * shape.kelvin[a] + g * shape.kelvin[b] + h * shape.kelvin[c], 0.0), float(most))
+    k = min(int(kelvin), max(most - 1, 0))
+    s, n = kelvin - k, min(k + 1, most)
+    u, w = _between(light.corner, at[3], at[4])
+    warm = _mix(u, w, emitted[0, k], emitted[1, k], emitted[2, k], emitted[3, k])
+    if s > 0.0:
+        warm += s * (_mix(u, w, emitted[0, n], emitted[1, n], emitted[2, n], emitted[3, n]) - warm)
+    mirrored = direct = 0.0
+    if emissivity < 1.0:
+        length = 1.0 / math.sqrt(size)
+        mirrored, cosine = _reflect(light, shadow, (u, w), (nx * length, ny * length, nz * length))
+        if cosine > 0.0 and sun[0] > 0.0:
+            direct = cosine * _mix(u, w, sun[0], sun[1], sun[2], sun[3])
+    return emissivity, warm, mirrored, direct, _mix(u, w, path[0], path[1], path[2], path[3])
+
+
 @njit
 def shade_solid(
     grid: Grid,
@@ -215,58 +266,39 @@ def shade_solid(
     """Add the samples of solids to the planes ``out[0]`` (:data:`PLANES`, rows, columns) of the grid's pixels, and to the sums ``out[1]``."""
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
-    emitted, sun, path = light.emitted, light.sun, light.path
-    most = emitted.shape[1] - 1
+    emissivity = warm = mirrored = direct = air = 0.0
     for j in range(grid.size[1]):
+        row_solid = _row_solid_angle(lens, grid, j)
+        last, before = -1, -1
         for i in range(grid.size[0]):
             near = samples.near[j, i]
             if near <= 0.0:
                 continue
-            solid = _cell_solid_angle(lens, grid, j, i)
+            solid = row_solid * _falling(lens, grid, j, i)
             sums[WHOLE] += solid
             column, row, drawn = _pixel(grid, window, i, j)
             if not drawn or scene.others[j, i] > near:
                 continue
             x, y = samples.x[j, i], samples.y[j, i]
             at = place_of(x, y, 1.0 / near, scene)
-            if not _visible(scene, shape.azimuth, at):
+            if not _visible(scene, at):
                 continue
             distance = math.sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2])
             clear = 1.0
             if scene.gases.shape[0] > 0:
                 clear = _clear(scene, (at[0] / distance, at[1] / distance, at[2] / distance), distance)
             t = samples.triangle[j, i]
-            a, b, c = shape.corner[t, 0], shape.corner[t, 1], shape.corner[t, 2]
-            v = shape.vertex
-            ux, uy, uz = v[b, 0] - v[a, 0], v[b, 1] - v[a, 1], v[b, 2] - v[a, 2]
-            wx, wy, wz = v[c, 0] - v[a, 0], v[c, 1] - v[a, 1], v[c, 2] - v[a, 2]
-            nx, ny, nz = uy * wz - uz * wy, uz * wx - ux * wz, ux * wy - uy * wx
-            size = nx * nx + ny * ny + nz * nz
-            px, py, pz = at[0] - v[a, 0], at[1] - v[a, 1], at[2] - v[a, 2]
-            # shares of the corners b and c
-            g = ((py * wz - pz * wy) * nx + (pz * wx - px * wz) * ny + (px * wy - py * wx) * nz) / size
-            h = ((uy * pz - uz * py) * nx + (uz * px - ux * pz) * ny + (ux * py - uy * px) * nz) / size
-            f = 1.0 - g - h
-            emissivity = f * shape.emissivity[a] + g * shape.emissivity[b] + h * shape.emissivity[c]
-            kelvin = min(max(f * shape.kelvin[a] + g * shape.kelvin[b] + h * shape.kelvin[c], 0.0), float(most))
-            k = min(int(kelvin), max(most - 1, 0))
-            s, n = kelvin - k, min(k + 1, most)
-            length = 1.0 / math.sqrt(size)
-            u, w = _between(light.corner, at[3], at[4])
-            warm = _mix(u, w, emitted[0, k], emitted[1, k], emitted[2, k], emitted[3, k])
-            if s > 0.0:
-                warm += s * (_mix(u, w, emitted[0, n], emitted[1, n], emitted[2, n], emitted[3, n]) - warm)
-            mirrored = direct = 0.0
-            if emissivity < 1.0:
-                mirrored, cosine = _reflect(light, shadow, (u, w), (nx * length, ny * length, nz * length))
-                if cosine > 0.0 and sun[0] > 0.0 and _lit(shadow, (at[0], at[1], at[2])):
-                    direct = cosine * _mix(u, w, sun[0], sun[1], sun[2], sun[3])
+            if t != last or column != before:
+                # neighbours in a pixel on one facet send the same
+                last, before = t, column
+                emissivity, warm, mirrored, direct, air = _facet(shape, light, shadow, t, at)
+            lit = direct if direct > 0.0 and _lit(shadow, (at[0], at[1], at[2])) else 0.0
             part = share * clear
             planes[COVER, row, column] += part
-            planes[PATH, row, column] += part * _mix(u, w, path[0], path[1], path[2], path[3])
+            planes[PATH, row, column] += part * air
             planes[EMITTED, row, column] += part * emissivity * warm
             planes[MIRRORED, row, column] += part * (1.0 - emissivity) * mirrored
-            planes[SUN, row, column] += part * (1.0 - emissivity) * direct
+            planes[SUN, row, column] += part * (1.0 - emissivity) * lit
             planes[DISTANCE, row, column] += part * distance
             place = sample_place(grid.begin[0] + i, grid.begin[1] + j)
             sums[SEEN] += solid * clear
@@ -280,20 +312,20 @@ def shade_gas(
     lens: Lens,
     window: Window,
     samples: Samples,
-    gas: tuple[np.ndarray, float],
+    plume: np.ndarray,
     scene: Scene,
     light: Arriving,
     out: tuple[np.ndarray, np.ndarray],
 ) -> None:
-    """Add the samples of a plume, as :func:`shade_solid`; ``gas``: the plume itself and the azimuth of its middle [rad].
+    """Add the samples of a plume (:func:`~seaglint.render.bodies.raster.chord`), as :func:`shade_solid`.
 
     What it covers of a sample is the share of light that it does not let through.
     """
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
     emitted, path = light.emitted, light.path
-    plume, azimuth = gas
     for j in range(grid.size[1]):
+        row_solid = _row_solid_angle(lens, grid, j)
         for i in range(grid.size[0]):
             x, y = samples.x[j, i], samples.y[j, i]
             if abs(x) > 1e6:
@@ -304,7 +336,7 @@ def shade_gas(
             whole = chord(plume, direction, 0.0, math.inf)
             if whole <= 0.0:
                 continue
-            solid = _cell_solid_angle(lens, grid, j, i)
+            solid = row_solid * _falling(lens, grid, j, i)
             sums[WHOLE] += solid * (1.0 - math.exp(-whole))
             column, row, drawn = _pixel(grid, window, i, j)
             if not drawn:
@@ -319,7 +351,7 @@ def shade_gas(
             if depth <= 0.0 or distance <= 0.0:
                 continue
             at = place_of(x, y, distance / slant, scene)
-            if not _visible(scene, azimuth, at):
+            if not _visible(scene, at):
                 continue
             cover = (1.0 - math.exp(-depth)) * (_clear(scene, direction, distance) if scene.gases.shape[0] > 0 else 1.0)
             u, w = _between(light.corner, at[3], at[4])
