@@ -39,7 +39,8 @@ _LOWEST = -1e9
 
 class Crests(NamedTuple):
     """The sea along azimuth lines: ``azimuth`` of the first [rad] and lines per radian; arcs [m] of its samples; greatest tangent of elevation
-    up to each and height there [m], (lines, arcs). Without lines the mean sea: ``horizon``, its arc [m] and tangent.
+    up to each and height there [m], (lines, arcs). Without lines the mean sea: ``horizon``, its arc [m] and tangent. ``top``: greatest
+    height [m] and tangent of all; what stands above both is in view.
     """
 
     azimuth: float
@@ -48,12 +49,14 @@ class Crests(NamedTuple):
     tangent: np.ndarray
     height: np.ndarray
     horizon: tuple[float, float]
+    top: tuple[float, float]
 
 
 def calm(eye: float) -> Crests:
     """The mean sea from a height [m]."""
     none = np.zeros((0, 0))
-    return Crests(0.0, 0.0, np.zeros(0), none, none, (horizon_range(eye), -math.tan(horizon_depression(eye))))
+    horizon = (horizon_range(eye), -math.tan(horizon_depression(eye)))
+    return Crests(0.0, 0.0, np.zeros(0), none, none, horizon, (0.0, horizon[1]))
 
 
 class Span(NamedTuple):
@@ -130,7 +133,7 @@ def crests(levels: Levels, surface: Surface, eye: float, span: Span) -> Crests:
     _walk(surface, stage, np.stack([arcs, *sight_lines(arcs, eye)]), azimuths, keep, out)
     per_radian = (lines - 1) / (right - left) if right > left else 0.0
     tangent, height = np.ascontiguousarray(out[:, 0]), np.ascontiguousarray(out[:, 1])
-    return Crests(left, per_radian, arcs[keep:], tangent, height, mean.horizon)
+    return Crests(left, per_radian, arcs[keep:], tangent, height, mean.horizon, (float(height.max()), float(tangent.max())))
 
 
 def _first_arc(eye: float, lowest: float, near: float, crest: float) -> float:

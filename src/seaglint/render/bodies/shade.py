@@ -12,7 +12,7 @@ from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.render.bodies.crests import Crests, in_sight
 from seaglint.render.bodies.eye import Grid, Lens
 from seaglint.render.bodies.light import Arriving
-from seaglint.render.bodies.raster import Samples, chord, sample_place
+from seaglint.render.bodies.raster import Samples, chord
 from seaglint.render.walk import elevation
 
 COVER: Final = 0
@@ -134,12 +134,14 @@ def place_of(x: float, y: float, depth: float, scene: Scene) -> tuple[float, flo
 @kernel
 def _visible(scene: Scene, at: tuple[float, float, float, float, float]) -> bool:
     """Whether the sea leaves a point in view."""
+    level = math.sqrt(at[0] * at[0] + at[1] * at[1])
+    if at[4] > scene.crests.top[0] and at[2] > scene.crests.top[1] * level:
+        return True
     azimuth, s, c = scene.heading
     turn = 0.0
     if scene.crests.tangent.shape[0] > 0:
         aside, ahead = at[0] * c - at[1] * s, at[0] * s + at[1] * c
         turn = elevation(aside / ahead) if ahead > 0.0 else math.atan2(aside, ahead)
-    level = math.sqrt(at[0] * at[0] + at[1] * at[1])
     return in_sight(scene.crests, azimuth + turn, at[3], at[4], at[2] / max(level, 1e-9))
 
 
@@ -251,6 +253,20 @@ def _facet(
     return emissivity, warm, mirrored, direct, _mix(u, w, path[0], path[1], path[2], path[3])
 
 
+@kernel
+def _enter(
+    planes: np.ndarray, row: int, column: int, facet: tuple[float, float, float, float, float], parts: tuple[float, float, float]
+) -> None:
+    """Add a facet's part of a pixel to the planes: its share, the lit share, and distance times share."""
+    if parts[0] > 0.0:
+        planes[COVER, row, column] += parts[0]
+        planes[PATH, row, column] += parts[0] * facet[4]
+        planes[EMITTED, row, column] += parts[0] * facet[0] * facet[1]
+        planes[MIRRORED, row, column] += parts[0] * (1.0 - facet[0]) * facet[2]
+        planes[SUN, row, column] += parts[1] * (1.0 - facet[0]) * facet[3]
+        planes[DISTANCE, row, column] += parts[2]
+
+
 @njit
 def shade_solid(
     grid: Grid,
@@ -266,21 +282,23 @@ def shade_solid(
     """Add the samples of solids to the planes ``out[0]`` (:data:`PLANES`, rows, columns) of the grid's pixels, and to the sums ``out[1]``."""
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
-    emissivity = warm = mirrored = direct = air = 0.0
+    # of the facet at hand in a pixel of a row: what it sends, and its samples, those lit and their distances
+    facet = (0.0, 0.0, 0.0, 0.0, 0.0)
     for j in range(grid.size[1]):
         row_solid = _row_solid_angle(lens, grid, j)
-        last, before = -1, -1
+        last, before, above = -1, -1, 0
+        parts = lit = far = 0.0
+        whole = seen = across = 0.0
         for i in range(grid.size[0]):
             near = samples.near[j, i]
             if near <= 0.0:
                 continue
             solid = row_solid * _falling(lens, grid, j, i)
-            sums[WHOLE] += solid
+            whole += solid
             column, row, drawn = _pixel(grid, window, i, j)
             if not drawn or scene.others[j, i] > near:
                 continue
-            x, y = samples.x[j, i], samples.y[j, i]
-            at = place_of(x, y, 1.0 / near, scene)
+            at = place_of(samples.x[j, i], samples.y[j, i], 1.0 / near, scene)
             if not _visible(scene, at):
                 continue
             distance = math.sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2])
@@ -289,21 +307,22 @@ def shade_solid(
                 clear = _clear(scene, (at[0] / distance, at[1] / distance, at[2] / distance), distance)
             t = samples.triangle[j, i]
             if t != last or column != before:
+                _enter(planes, above, before, facet, (share * parts, share * lit, share * far))
+                parts = lit = far = 0.0
+                last, before, above = t, column, row
                 # neighbours in a pixel on one facet send the same
-                last, before = t, column
-                emissivity, warm, mirrored, direct, air = _facet(shape, light, shadow, t, at)
-            lit = direct if direct > 0.0 and _lit(shadow, (at[0], at[1], at[2])) else 0.0
-            part = share * clear
-            planes[COVER, row, column] += part
-            planes[PATH, row, column] += part * air
-            planes[EMITTED, row, column] += part * emissivity * warm
-            planes[MIRRORED, row, column] += part * (1.0 - emissivity) * mirrored
-            planes[SUN, row, column] += part * (1.0 - emissivity) * lit
-            planes[DISTANCE, row, column] += part * distance
-            place = sample_place(grid.begin[0] + i, grid.begin[1] + j)
-            sums[SEEN] += solid * clear
-            sums[ACROSS] += solid * clear * (grid.begin[0] + i + place[0]) / grid.cells[0]
-            sums[DOWN] += solid * clear * (grid.begin[1] + j + place[1]) / grid.cells[1]
+                facet = _facet(shape, light, shadow, t, at)
+            parts += clear
+            far += clear * distance
+            if facet[3] > 0.0 and _lit(shadow, (at[0], at[1], at[2])):
+                lit += clear
+            seen += solid * clear
+            across += solid * clear * (grid.begin[0] + i + 0.5)
+        _enter(planes, above, before, facet, (share * parts, share * lit, share * far))
+        sums[WHOLE] += whole
+        sums[SEEN] += seen
+        sums[ACROSS] += across / grid.cells[0]
+        sums[DOWN] += seen * (grid.begin[1] + j + 0.5) / grid.cells[1]
 
 
 @njit
@@ -360,10 +379,9 @@ def shade_gas(
             planes[PATH, row, column] += part * _mix(u, w, path[0], path[1], path[2], path[3])
             planes[EMITTED, row, column] += part * _mix(u, w, emitted[0, 0], emitted[1, 0], emitted[2, 0], emitted[3, 0])
             planes[DISTANCE, row, column] += part * distance
-            place = sample_place(grid.begin[0] + i, grid.begin[1] + j)
             sums[SEEN] += solid * cover
-            sums[ACROSS] += solid * cover * (grid.begin[0] + i + place[0]) / grid.cells[0]
-            sums[DOWN] += solid * cover * (grid.begin[1] + j + place[1]) / grid.cells[1]
+            sums[ACROSS] += solid * cover * (grid.begin[0] + i + 0.5) / grid.cells[0]
+            sums[DOWN] += solid * cover * (grid.begin[1] + j + 0.5) / grid.cells[1]
 
 
 @njit
