@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Frame = Callable[[int], Mapping[str, NDArray[Any]]]
-"""Images of one frame by variable (ny, nx), given its number in the whole sequence."""
+"""Images of one frame by variable (ny, nx), and its truth, given its number in the whole sequence."""
 
 Progress = Callable[[int, int], None]
 """Called with (frames done, frames in all): once at the start and after each frame."""
@@ -68,7 +68,6 @@ class Layout:
     variables: tuple[str, ...] = ("radiance",)
     """Names of the per-frame variables."""
     attributes: Mapping[str, Any] = field(default_factory=dict)
-    """Provenance."""
     poses: Mapping[str, FloatArray] = field(default_factory=dict)
     """Place and attitude of a moving sensor in every frame, by variable [(frames,)]."""
     start: datetime | None = None
@@ -183,10 +182,9 @@ def check_output(output: str | Path, *, resume: bool = False, overwrite: bool = 
     partial = partial_path(output)
     with storage_errors(output, ELSEWHERE):
         refuse_inputs(output, inputs)
-        if output.exists():
-            if not resume:
-                _require_replaceable(output, overwrite=overwrite)
-        elif partial.exists():
+        if output.exists() and not resume:
+            _require_replaceable(output, overwrite=overwrite)
+        elif partial.exists() and not output.exists():
             with exclusive(partial):  # who writes there now is told first
                 _require_free(partial, resume=resume, overwrite=overwrite)
     return output
@@ -252,9 +250,8 @@ def _require_replaceable(output: Path, *, overwrite: bool) -> None:
 
 def _sweep(partial: Path) -> None:
     """Remove chunks that a killed process left half-written: Zarr writes them beside their place."""
-    for path in partial.rglob("*.partial"):
-        if path.is_file():
-            path.unlink()
+    for path in filter(Path.is_file, partial.rglob("*.partial")):
+        path.unlink()
 
 
 def _require_free(partial: Path, *, resume: bool, overwrite: bool) -> None:

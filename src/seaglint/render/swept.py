@@ -12,23 +12,22 @@ from numpy.typing import NDArray
 
 from seaglint._jit import in_threads
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
-from seaglint.conventions import FloatArray, horizon_depression, view_zenith_of_range, wrap_angle
+from seaglint.conventions import FloatArray, view_zenith_of_range, wrap_angle
 from seaglint.errors import DomainError
 from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
-from seaglint.render.haze import sky_haze
 from seaglint.render.layers import CHANNELS, Layers, channels_for, layers_of, mean_distance, planes_for, require_layers, upright
 from seaglint.render.levels import Levels
 from seaglint.render.path_basis import path_basis
 from seaglint.render.pieces import Merging
 from seaglint.render.platform import Pose
 from seaglint.render.scene import Instant, joined
+from seaglint.render.sky_rows import sky_rows
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles, sparkle_columns, sparkle_rows
-from seaglint.render.sun_in_sky import sun_in_sky
 from seaglint.render.sunlight import Sunlight
 from seaglint.render.surface import Surface, course, height
-from seaglint.render.sweep import Rows, Swept, skies_alone, sweep_columns
+from seaglint.render.sweep import Swept, skies_alone, sweep_columns
 from seaglint.render.tables import FacetDomain, facet_slopes, facet_tables
 from seaglint.render.view import Attitude, Imager
 from seaglint.render.walk import PATH_EVERY, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
@@ -215,7 +214,7 @@ class SweptScene:
         camera = self.camera
         return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)
 
-    def seen_from(self, pose: Pose) -> SeaView:
+    def seen_from(self, _: Pose) -> SeaView:
         """Sea, air and Sun as they are drawn."""
         return self.view
 
@@ -438,21 +437,6 @@ def require_dry(height: float, waves: WaveField) -> None:
             value=height,
             allowed=f"above {SUBMERGED * waves.significant_height:.2f} m",
         )
-
-
-def sky_rows(view: SeaView, camera: Camera) -> Rows:
-    """Rows of a camera, the sky in those that touch it and the Sun in it."""
-    elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
-    # only rows that touch the sky are looked up; crests never lower the horizon by more than a few rows
-    sky = np.zeros(camera.rows)
-    rows = camera.top - np.arange(camera.rows) * camera.row_step > -horizon_depression(camera.height) - 2e-3
-    if rows.any():
-        sky[rows] = view.in_band(view.atmosphere.sky_radiance(0.5 * np.pi - elevation[rows], camera.height))
-    bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
-    top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
-    # one row more, between which and the last there is nothing to look up
-    haze = sky_haze(view, np.append(elevation[rows], elevation[rows][-1:]))
-    return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky, haze, sun_in_sky(view))
 
 
 def _same_rows(one: Camera, other: Camera) -> bool:

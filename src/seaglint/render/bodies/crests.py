@@ -1,8 +1,8 @@
 """The sea in front of a body: how high it stands along the lines of sight that cross it, and what it hides.
 
-Along a few azimuths the resolved waves are walked from where a crest could first touch the lowest line of sight to behind the body, as finely
-as the picture has them there. At every place of the body the greatest elevation of the sea before it and the sea's own height are then known.
-Without resolved waves the mean sea hides what is under it and what is behind its horizon.
+Along a few azimuths the resolved waves are walked from where a crest could first touch the lowest line of sight to behind the body, as
+finely as the picture has them there. At every place of the body the greatest elevation of the sea before it and the sea's own height are
+then known. Without resolved waves the mean sea hides what is under it and what is behind its horizon.
 """
 
 from __future__ import annotations
@@ -38,9 +38,9 @@ _LOWEST = -1e9
 
 
 class Crests(NamedTuple):
-    """The sea along azimuth lines: ``azimuth`` of the first [rad] and lines per radian; arcs [m] of its samples; greatest tangent of elevation
-    up to each and height there [m], (lines, arcs). Without lines the mean sea: ``horizon``, its arc [m] and tangent. ``top``: greatest
-    height [m] and tangent of all; what stands above both is in view.
+    """The sea along azimuth lines: ``azimuth`` of the first [rad] and lines per radian; arcs [m] of its samples; greatest tangent of
+    elevation up to each and height there [m], (lines, arcs). Without lines the mean sea: ``horizon``, its arc [m] and tangent.
+    ``top``: greatest height [m] and tangent of all; what stands above both is in view.
     """
 
     azimuth: float

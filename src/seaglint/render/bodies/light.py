@@ -4,9 +4,9 @@ A facet of temperature T, emissivity e and normal n, in diffuse light of the rad
 
 .. math:: L = e B(T) + (1-e) \left[\frac{1}{\pi} \int_{n \cdot r > 0} L(r)\, n \cdot r\, dr + \frac{E}{\pi} \cos i \right]
 
-and the sensor receives ``tau L + L_path`` of the path to the facet's own range and height, integrated per wavenumber. Above the horizontal L
-is the sky over the sea, thermal and scattered sunlight; below it the mean sea without glint, as seen from close above. Both are those at the
-sensor's foot, at the height of the sea.
+and the sensor receives ``tau L + L_path`` of the path to the facet's own range and height, integrated per wavenumber. Above the horizontal
+L is the sky over the sea, thermal and scattered sunlight; below it the mean sea without glint, as seen from close above. Both are those at
+the sensor's foot, at the height of the sea.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ LOWEST_LINE: Final = -50.0
 
 
 class Arriving(NamedTuple):
-    """Sums over the band at four corners of a body's range and height [W m-2 sr-1]: ``corner`` = (arc, its inverse extent, height, its own).
+    """Sums over the band at four corners of a body's range and height [W m-2 sr-1]: ``corner`` holds arc and height of the first, each with
+    its inverse extent behind it.
 
     Of corner p: ``emitted[p, k]`` of a blackbody at the body's k-th temperature, ``mirrored[p, m, a]`` of light diffusely reflected by a
     white facet of the m-th and a-th of :data:`NORMALS`, ``sun[p]`` of the Sun at normal incidence on it, ``path[p]`` of the path;

@@ -279,7 +279,9 @@ def shade_solid(
     shadow: SunMap,
     out: tuple[np.ndarray, np.ndarray],
 ) -> None:
-    """Add the samples of solids to the planes ``out[0]`` (:data:`PLANES`, rows, columns) of the grid's pixels, and to the sums ``out[1]``."""
+    """Add the samples of solids to the planes ``out[0]`` (:data:`PLANES`, rows, columns) of the grid's pixels, and to the sums ``out[1]``
+    (:data:`SUMS`).
+    """
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
     # of the facet at hand in a pixel of a row: what it sends, and its samples, those lit and their distances
