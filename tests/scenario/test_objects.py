@@ -166,7 +166,7 @@ def test_two_objects_do_not_share_a_name_or_a_place():
     with pytest.raises(ScenarioError, match="'ball' twice"):
         scenario(BALL, BALL)
     other = {**BALL, "name": "other", "east_m": -20, "course_deg": 90, "speed_m_s": 9}
-    with pytest.raises(ScenarioError, match=r"objects \('other'\): at 2 s it overlaps 'ball'; move one of them"):
+    with pytest.raises(ScenarioError, match=r"objects \('other'\): at 1\.875 s it overlaps 'ball'; move one of them"):
         bodies(scenario(BALL, other))
     assert len(bodies(scenario(BALL, {**other, "course_deg": 270}))) == 2
 
