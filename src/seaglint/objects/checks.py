@@ -21,6 +21,9 @@ THINNEST = 1e-9
 TOUCHING = 1e-6
 """Depth, against the size of a mesh, up to which triangles that cross are taken to touch: files hold seven digits."""
 
+MOST_SLABS = 64
+"""Parts of a mesh that are looked through for crossings one by one."""
+
 COLDEST, HOTTEST = 100.0, 4000.0
 """Temperatures of objects [K]: colder ones do not show, hotter ones are mistyped."""
 
@@ -77,18 +80,25 @@ def _require_closed(triangles: NDArray[np.int64]) -> None:
 def _require_uncrossed(vertices: FloatArray, triangles: NDArray[np.int64]) -> None:
     corners = vertices[triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    # swept along the axis on which the triangles are smallest against the whole
-    axis = int(np.argmin((high - low).mean(axis=0) / np.maximum(np.ptp(vertices, axis=0), 1e-300)))
-    axes = [axis, (axis + 1) % 3, (axis + 2) % 3]
-    order = np.argsort(low[:, axis], kind="stable")
-    arranged = [np.ascontiguousarray(values[order][..., axes]) for values in (corners, low, high)]
-    first, second = _crossing(
-        arranged[0], arranged[1], arranged[2], np.ascontiguousarray(triangles[order]), TOUCHING * float(np.ptp(vertices, axis=0).max())
-    )
+    # swept along the axis on which the triangles are smallest against the whole, in slabs of the next smallest
+    size = np.maximum(np.ptp(vertices, axis=0), 1e-300)
+    axes = np.argsort((high - low).mean(axis=0) / size, kind="stable")
+    order = np.argsort(low[:, axes[0]], kind="stable")
+    depth, begin, wide = TOUCHING * float(size.max()), float(vertices[:, axes[1]].min()), float(size[axes[1]])
+    slabs = int(np.clip(0.125 * wide / max(float((high - low)[:, axes[1]].mean()), 1e-300), 1, MOST_SLABS))
+    first = second = -1
+    for slab in range(slabs):
+        bottom, top = (begin + wide * k / slabs for k in (slab, slab + 1))
+        some = order[(low[order, axes[1]] <= top) & (high[order, axes[1]] >= bottom)]
+        arranged = [np.ascontiguousarray(values[some][..., axes]) for values in (corners, low, high)]
+        first, second = _crossing(arranged[0], arranged[1], arranged[2], np.ascontiguousarray(triangles[some]), depth)
+        if first >= 0:
+            first, second = int(some[first]), int(some[second])
+            break
     if first >= 0:
-        x, y, z = corners[order[first]].mean(axis=0)
+        x, y, z = corners[first].mean(axis=0)
         raise DomainError(
-            f"the mesh crosses itself near ({x:.4g}, {y:.4g}, {z:.4g}) m (triangles {order[first]} and {order[second]}); unite its shells, "
+            f"the mesh crosses itself near ({x:.4g}, {y:.4g}, {z:.4g}) m (triangles {first} and {second}); unite its shells, "
             "or give them as parts of a union"
         )
 
