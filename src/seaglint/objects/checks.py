@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,6 +20,9 @@ THINNEST = 1e-9
 
 TOUCHING = 1e-6
 """Depth, against the size of a mesh, up to which triangles that cross are taken to touch: files hold seven digits."""
+
+MOST_SLABS = 64
+"""Parts of a mesh that are looked through for crossings one by one."""
 
 COLDEST, HOTTEST = 100.0, 4000.0
 """Temperatures of objects [K]: colder ones do not show, hotter ones are mistyped."""
@@ -75,18 +80,25 @@ def _require_closed(triangles: NDArray[np.int64]) -> None:
 def _require_uncrossed(vertices: FloatArray, triangles: NDArray[np.int64]) -> None:
     corners = vertices[triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)
-    # swept along the axis on which the triangles are smallest against the whole
-    axis = int(np.argmin((high - low).mean(axis=0) / np.maximum(np.ptp(vertices, axis=0), 1e-300)))
-    axes = [axis, (axis + 1) % 3, (axis + 2) % 3]
-    order = np.argsort(low[:, axis], kind="stable")
-    arranged = [np.ascontiguousarray(values[order][..., axes]) for values in (corners, low, high)]
-    first, second = _crossing(
-        arranged[0], arranged[1], arranged[2], np.ascontiguousarray(triangles[order]), TOUCHING * float(np.ptp(vertices, axis=0).max())
-    )
+    # swept along the axis on which the triangles are smallest against the whole, in slabs of the next smallest
+    size = np.maximum(np.ptp(vertices, axis=0), 1e-300)
+    axes = np.argsort((high - low).mean(axis=0) / size, kind="stable")
+    order = np.argsort(low[:, axes[0]], kind="stable")
+    depth, begin, wide = TOUCHING * float(size.max()), float(vertices[:, axes[1]].min()), float(size[axes[1]])
+    slabs = int(np.clip(0.125 * wide / max(float((high - low)[:, axes[1]].mean()), 1e-300), 1, MOST_SLABS))
+    first = second = -1
+    for slab in range(slabs):
+        bottom, top = (begin + wide * k / slabs for k in (slab, slab + 1))
+        some = order[(low[order, axes[1]] <= top) & (high[order, axes[1]] >= bottom)]
+        arranged = [np.ascontiguousarray(values[some][..., axes]) for values in (corners, low, high)]
+        first, second = _crossing(arranged[0], arranged[1], arranged[2], np.ascontiguousarray(triangles[some]), depth)
+        if first >= 0:
+            first, second = int(some[first]), int(some[second])
+            break
     if first >= 0:
-        x, y, z = corners[order[first]].mean(axis=0)
+        x, y, z = corners[first].mean(axis=0)
         raise DomainError(
-            f"the mesh crosses itself near ({x:.4g}, {y:.4g}, {z:.4g}) m (triangles {order[first]} and {order[second]}); unite its shells, "
+            f"the mesh crosses itself near ({x:.4g}, {y:.4g}, {z:.4g}) m (triangles {first} and {second}); unite its shells, "
             "or give them as parts of a union"
         )
 
@@ -99,10 +111,19 @@ def _crossing(corners: FloatArray, low: FloatArray, high: FloatArray, triangles:
     """
     for i in range(low.shape[0]):
         end, y0, y1, z0, z1 = high[i, 0], low[i, 1], high[i, 1], low[i, 2], high[i, 2]
+        x, y, z = _normal(corners[i, 0], corners[i, 1], corners[i, 2])
+        long = math.sqrt(x * x + y * y + z * z)
+        level, thick = x * corners[i, 0, 0] + y * corners[i, 0, 1] + z * corners[i, 0, 2], depth * long
         for j in range(i + 1, low.shape[0]):
             if low[j, 0] > end:
                 break
             if low[j, 1] > y1 or high[j, 1] < y0 or low[j, 2] > z1 or high[j, 2] < z0:
+                continue
+            # most neighbours lie on one side of the triangle's plane
+            d0 = x * corners[j, 0, 0] + y * corners[j, 0, 1] + z * corners[j, 0, 2] - level
+            d1 = x * corners[j, 1, 0] + y * corners[j, 1, 1] + z * corners[j, 1, 2] - level
+            d2 = x * corners[j, 2, 0] + y * corners[j, 2, 1] + z * corners[j, 2, 2] - level
+            if min(d0, d1, d2) >= -thick or max(d0, d1, d2) <= thick:
                 continue
             shared = False
             for m in range(3):
@@ -124,12 +145,19 @@ def _pierces(start: FloatArray, end: FloatArray, triangle: FloatArray, depth: fl
     before, behind = _six_volumes(a, b, c, start), _six_volumes(a, b, c, end)
     if before * behind >= 0.0:
         return False
-    x, y, z = b - a, c - a, np.zeros(3)
-    z[0], z[1], z[2] = x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]
-    if min(abs(before), abs(behind)) <= depth * np.sqrt(z[0] ** 2 + z[1] ** 2 + z[2] ** 2):
+    x, y, z = _normal(a, b, c)
+    if min(abs(before), abs(behind)) <= depth * math.sqrt(x * x + y * y + z * z):
         return False
     u, v, w = _six_volumes(start, end, a, b), _six_volumes(start, end, b, c), _six_volumes(start, end, c, a)
     return (u > 0.0 and v > 0.0 and w > 0.0) or (u < 0.0 and v < 0.0 and w < 0.0)
+
+
+@njit
+def _normal(a: FloatArray, b: FloatArray, c: FloatArray) -> tuple[float, float, float]:
+    """Normal of a triangle, twice its area long."""
+    x0, y0, z0 = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    x1, y1, z1 = c[0] - a[0], c[1] - a[1], c[2] - a[2]
+    return y0 * z1 - z0 * y1, z0 * x1 - x0 * z1, x0 * y1 - y0 * x1
 
 
 @njit
