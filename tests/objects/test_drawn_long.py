@@ -43,7 +43,7 @@ def stage(run, time):
 
 def test_a_rough_sea_hides_low_objects_as_often_as_lines_of_sight_say():
     eye, far, width = 8.0, 3000.0, 0.3
-    run = scene(eye, [8.0, 1.0], waves=True)
+    run = scene(eye, [8.0, 4.0], waves=True)
     azimuths = np.radians(np.linspace(-3.5, 3.5, 29))
     post = solid(primitives.box((width, width, 1.0)), 300.0, 1.0)
     bodies = tuple(Body(f"{i}", (post,), Still((far * math.sin(a), far * math.cos(a), 0.5))) for i, a in enumerate(azimuths))
