@@ -26,7 +26,7 @@ from seaglint.io.failures import storage_errors
 from seaglint.io.outputs import ELSEWHERE, refuse_inputs, require_folder
 from seaglint.io.provenance import band_attributes, differences
 from seaglint.io.stopping import stop_on_signal
-from seaglint.io.truth import Truth
+from seaglint.io.truth import GROUP, TRUTHS, Truth
 from seaglint.optics.band import Band
 from seaglint.schema import VARIABLES
 
@@ -212,7 +212,7 @@ def _fill(
     with storage_errors(partial, remedy):
         group = _open_partial(partial, layout) if resume and partial.exists() else _create_partial(partial, layout)
         done = np.asarray(group["frame_done"][:], dtype=bool)
-    count = int(done.sum())
+    count, wanted = int(done.sum()), (*layout.variables, *layout.per_frame, *(TRUTHS if layout.truth is not None else ()))
     if progress is not None:
         progress(count, done.size)
     with stop_on_signal() as stopped:
@@ -225,7 +225,7 @@ def _fill(
             with storage_errors(partial, remedy):
                 claim.require()
                 _require_there(partial)
-                _write_frame(group, int(index), images, layout)
+                _write_frame(group, int(index), {name: images[name] for name in wanted})
             count += 1
             if progress is not None:
                 progress(count, done.size)
@@ -355,8 +355,7 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
             dimension_names=("time", "y", "x"),
             attributes={**VARIABLES[name].attributes, **layout.details.get(name, {}), "coordinates": coordinates},
         )
-    numbers = np.asarray(layout.frames, dtype=np.int64)
-    low, high = layout.band.min_um, layout.band.max_um
+    numbers, low, high = np.asarray(layout.frames, dtype=np.int64), layout.band.min_um, layout.band.max_um
     _put(group, "time", numbers / layout.frame_rate, ("time",))
     _put(group, "frame", numbers, ("time",))
     if layout.start is not None:
@@ -397,11 +396,12 @@ def _put(group: Any, name: str, values: NDArray[Any], dimensions: tuple[str, ...
     array[...] = values
 
 
-def _write_frame(group: Any, index: int, images: Mapping[str, NDArray[Any]], layout: Layout) -> None:
-    for name in (*layout.variables, *layout.per_frame):
-        group[name][index] = np.asarray(images[name], dtype=VARIABLES[name].dtype)
-    if layout.truth is not None:
-        layout.truth.write(group, index, images)
+def _write_frame(group: Any, index: int, images: Mapping[str, NDArray[Any]]) -> None:
+    for name, image in images.items():
+        if name in TRUTHS:
+            group[GROUP][name][index] = image
+        else:
+            group[name][index] = np.asarray(image, dtype=VARIABLES[name].dtype)
     group["frame_done"][index] = 1
 
 

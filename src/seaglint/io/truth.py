@@ -6,7 +6,7 @@ Arrays have the frames and objects of the sequence. A mask is a bit of ``object_
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -18,6 +18,9 @@ from seaglint.schema import VARIABLES
 
 GROUP: Final = "truth"
 """Name of the group."""
+
+TRUTHS: Final = (*NUMBERS, "object_mask", "object_id")
+"""Its arrays."""
 
 BITS: Final = 64
 """Objects in a plane of masks."""
@@ -60,12 +63,6 @@ class Truth:
                 dimension_names=dimensions,
                 attributes=VARIABLES[name].attributes,
             )
-
-    @staticmethod
-    def write(group: Any, index: int, values: Mapping[str, NDArray[Any]]) -> None:
-        """Write what is true of a frame."""
-        for name in (*NUMBERS, "object_mask", "object_id"):
-            group[GROUP][name][index] = values[name]
 
 
 def packed(masks: Sequence[NDArray[np.bool_]]) -> NDArray[np.uint64]:
