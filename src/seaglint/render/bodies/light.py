@@ -103,7 +103,7 @@ class Surroundings:
 
     @property
     def sun(self) -> FloatArray:
-        """Direction to the Sun's centre (east, north, up)."""
+        """Unit vector to the Sun's centre, east, north and up [1, (3,)]."""
         z, a = self.view.solar_zenith, self.view.solar_azimuth
         return np.array([math.sin(z) * math.sin(a), math.sin(z) * math.cos(a), math.cos(z)])
 

@@ -108,7 +108,7 @@ class Placed:
 
     @property
     def heading(self) -> tuple[float, float, float]:
-        """Azimuth of its middle, with its sine and cosine."""
+        """Azimuth of its middle [rad], with its sine and cosine."""
         return self.azimuth, math.sin(self.azimuth), math.cos(self.azimuth)
 
     @property
