@@ -1,6 +1,7 @@
 """Tables of the guide that come from the code, so that they never go stale.
 
-``{scenario-keys}`` lists every key of a scenario file from its JSON Schema; ``{scenario-presets}`` lists the presets;
+``{scenario-keys}`` lists every key of a scenario file from its JSON Schema; ``{scenario-presets}`` lists the presets,
+``{object-presets}`` those of objects;
 ``{output-variables}`` lists what files hold.
 """
 
@@ -53,6 +54,8 @@ def allowed(schema: Schema, root: Schema) -> str:
         return f'`"{kind["const"]}"`'
     if "enum" in kind:
         return ", ".join(f"`{json.dumps(v)}`" for v in kind["enum"])
+    if kind.get("type") == "array" and "discriminator" in kind.get("items", {}):
+        return "[tables]"
     if kind.get("type") == "array":
         items = kind.get("prefixItems") or [kind.get("items", {})]
         return "[" + ", ".join(allowed(i, root) for i in items) + "]"
@@ -73,16 +76,22 @@ def rows(schema: Schema, root: Schema, prefix: str) -> Iterator[tuple[str, str, 
         value = resolve(raw, root)
         path = f"{prefix}{key}"
         options = branches(value, root)
-        tag = (value.get("discriminator") or {}).get("propertyName")
+        # a union that may be left out stands inside of its alternatives
+        union = next((o for o in (value, *options) if "discriminator" in o), {})
+        tag = (union.get("discriminator") or {}).get("propertyName")
+        options = branches(union, root) if tag else options
         if tag:
             names = [o["properties"][tag]["const"] for o in options]
             default = value.get("default", {}).get(tag) if isinstance(value.get("default"), dict) else None
             yield f"{path}.{tag}", ", ".join(f'`"{n}"`' for n in names), cell_default(default), value.get("description", "")
+            told: set[tuple[str, str, str, str]] = set()  # what several kinds share is listed with the first
             for name, option in zip(names, options, strict=True):
                 meaning = option.get("description", "").split("\n")[0]
                 yield f'{path}.{tag} = "{name}"', "", "", meaning
                 rest = {k: v for k, v in option.get("properties", {}).items() if k != tag}
-                yield from rows({"properties": rest}, root, f"{path}.")
+                new = [row for row in rows({"properties": rest}, root, f"{path}.") if row not in told]
+                told.update(new)
+                yield from new
         elif options and "properties" in options[0]:
             yield from rows(options[0], root, f"{path}.")
         else:
@@ -124,6 +133,14 @@ class ScenarioKeys(GeneratedTable):
         loose = []
         for name, raw in root["properties"].items():
             section = resolve(raw, root)
+            items = next(
+                (resolve(o["items"], root) for o in branches(section, root) if "properties" in resolve(o.get("items", {}), root)), None
+            )
+            if items is not None:
+                about = items.get("description", "").split("\n")[0]
+                body = [(f"`{path}`", *rest) for path, *rest in rows(items, root, "")]
+                out += ["", f"**`[[{name}]]`** {about}", "", *markdown_table(("key", "allowed", "default", "meaning"), body)]
+                continue
             found = list(rows({"properties": {name: raw}}, root, ""))
             if len(found) == 1 and found[0][0] == name:
                 loose.append(found[0])
@@ -146,6 +163,16 @@ class ScenarioPresets(GeneratedTable):
         return markdown_table(("preset", "scene", "remarks"), [(f"`{k}`", p.title, " ".join(p.notes)) for k, p in PRESETS.items()])
 
 
+class ObjectPresets(GeneratedTable):
+    """Objects of public dimensions with where their numbers come from."""
+
+    def lines(self) -> list[str]:
+        """Markdown to insert."""
+        from seaglint.scenario.object_presets import OBJECTS
+
+        return markdown_table(("preset", "object", "sources"), [(f"`{k}`", p.title, "; ".join(p.sources)) for k, p in OBJECTS.items()])
+
+
 class OutputVariables(GeneratedTable):
     """Variables of the output files with CF names and units."""
 
@@ -161,5 +188,6 @@ def setup(app: Sphinx) -> dict[str, bool]:
     """Register the directives."""
     app.add_directive("scenario-keys", ScenarioKeys)
     app.add_directive("scenario-presets", ScenarioPresets)
+    app.add_directive("object-presets", ObjectPresets)
     app.add_directive("output-variables", OutputVariables)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -5,6 +5,7 @@ Plain numbers, so that reading them loads no other package. Ranges that only one
 
 from __future__ import annotations
 
+import math
 from typing import Final
 
 WIND_PROFILE: Final = (0.0, 40.0)
@@ -37,3 +38,9 @@ LOWTRAN_BAND_UM: Final = (0.2, 28.0)
 
 WIDEST_PINHOLE_DEG: Final = 170.0
 """Field of view that a plane image is allowed [deg]; at 180 deg it would be infinite."""
+
+MOST_SPEED: Final = 1000.0
+"""Speed between two keyframes from which a mistyped number is likelier than an aircraft [m/s]."""
+
+MOST_TURN: Final = math.radians(720.0)
+"""The same for the rate of any angle [rad/s]: two turns a second."""

@@ -13,8 +13,9 @@ import pytest
 import xarray as xr
 
 from seaglint.cli.app import main
+from seaglint.io.layout import Layout
 from seaglint.io.provenance import band_attributes, provenance
-from seaglint.io.store import Layout, write_sequence
+from seaglint.io.store import write_sequence
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
 

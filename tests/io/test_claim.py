@@ -15,7 +15,8 @@ import pytest
 from seaglint.errors import DataError
 from seaglint.io import claim
 from seaglint.io.claim import exclusive, lock_path
-from seaglint.io.store import Layout, open_sequence, partial_path, write_sequence
+from seaglint.io.layout import Layout
+from seaglint.io.store import open_sequence, partial_path, write_sequence
 from seaglint.optics.band import Band
 
 LAYOUT = Layout(np.arange(4.0), np.arange(3.0), range(4), 25.0, Band.rectangular(3.5, 5.0))

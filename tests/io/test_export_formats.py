@@ -15,8 +15,9 @@ from PIL import Image
 from seaglint.errors import BackendError, DataError
 from seaglint.io.export import select, tiff, write_stack
 from seaglint.io.export.numbers import Counts
+from seaglint.io.layout import Layout
 from seaglint.io.recording import open_recording
-from seaglint.io.store import Layout, open_sequence, write_sequence
+from seaglint.io.store import open_sequence, write_sequence
 from seaglint.optics.band import Band
 from seaglint.schema import VARIABLES
 

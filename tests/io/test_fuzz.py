@@ -31,11 +31,12 @@ from seaglint.cli.info import describe, lines
 from seaglint.errors import ScenarioError, SeaglintError
 from seaglint.io.atmosphere_file import read_atmosphere, write_atmosphere
 from seaglint.io.cases import read_cases
+from seaglint.io.layout import Layout
 from seaglint.io.netcdf import write_netcdf
 from seaglint.io.provenance import band_attributes, provenance
 from seaglint.io.recording import open_recording
 from seaglint.io.response import read_response
-from seaglint.io.store import Layout, write_sequence
+from seaglint.io.store import write_sequence
 from seaglint.io.track import read_track
 from seaglint.io.waves import WaveChoice, read_waves
 from seaglint.optics.band import Band

@@ -16,8 +16,9 @@ import xarray as xr
 
 from seaglint.errors import DataError, StorageError
 from seaglint.io import store
+from seaglint.io.layout import Layout
 from seaglint.io.provenance import provenance
-from seaglint.io.store import Interrupted, Layout, open_sequence, partial_path, write_sequence
+from seaglint.io.store import Interrupted, open_sequence, partial_path, write_sequence
 from seaglint.optics.band import Band
 
 ROWS, COLUMNS = 6, 9

@@ -10,8 +10,9 @@ import pytest
 import xarray as xr
 
 from seaglint.errors import BackendError, StorageError
+from seaglint.io.layout import Layout
 from seaglint.io.provenance import band_attributes
-from seaglint.io.store import Layout, open_sequence, write_sequence
+from seaglint.io.store import open_sequence, write_sequence
 from seaglint.optics.band import Band
 from seaglint.plot import preview, video
 from seaglint.plot.preview import draw, write_picture

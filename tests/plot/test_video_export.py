@@ -7,7 +7,8 @@ import pytest
 from PIL import Image
 
 from seaglint.errors import BackendError, DataError
-from seaglint.io.store import Layout, open_sequence, write_sequence
+from seaglint.io.layout import Layout
+from seaglint.io.store import open_sequence, write_sequence
 from seaglint.optics.band import Band
 from seaglint.plot import video
 from seaglint.plot.export import export_run

@@ -23,6 +23,7 @@ from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
 from seaglint.cli.evaluate import evaluate
 from seaglint.cli.export import export, export_sea
+from seaglint.cli.labels import labels
 from seaglint.cli.messages import files_read, log, naming_file, print_json
 from seaglint.cli.options import Overwrite, PreviewScale, Progress
 from seaglint.cli.progress import ProgressMode
@@ -95,6 +96,7 @@ app.add_typer(weather, name="weather")
 app.command()(analyze)
 app.command()(export)
 app.command("export-sea")(export_sea)
+app.command()(labels)
 app.command()(sense)
 app.command()(sensor)
 

@@ -46,6 +46,9 @@ def files_read(path: Path, scenario: Scenario) -> list[Path]:
         elif isinstance(value, Mapping):
             for inner in value.values():
                 yield from named(inner)
+        elif isinstance(value, tuple):
+            for inner in value:
+                yield from named(inner)
 
     return [path, *named(scenario.model_dump())]
 

@@ -11,35 +11,32 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from datetime import UTC
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, SeaglintError
 from seaglint.io.claim import Claim, exclusive
 from seaglint.io.consolidated import consolidate
 from seaglint.io.failures import storage_errors
+from seaglint.io.layout import FORMAT, Layout
 from seaglint.io.outputs import ELSEWHERE, refuse_inputs, require_folder
-from seaglint.io.provenance import band_attributes, differences
+from seaglint.io.provenance import differences
 from seaglint.io.stopping import stop_on_signal
-from seaglint.optics.band import Band
+from seaglint.io.truth import GROUP, TRUTHS
 from seaglint.schema import VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Frame = Callable[[int], Mapping[str, NDArray[Any]]]
-"""Images of one frame by variable (ny, nx), given its number in the whole sequence."""
+"""Images of one frame by variable (ny, nx), and its truth, given its number in the whole sequence."""
 
 Progress = Callable[[int, int], None]
 """Called with (frames done, frames in all): once at the start and after each frame."""
-
-_FORMAT: Final = "seaglint-sequence-1"
 
 _OTHER_KINDS: Final = frozenset({".nc", ".nc4", ".h5", ".hdf5", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
 """Endings that say another kind of file is meant."""
@@ -49,51 +46,6 @@ class Interrupted(SeaglintError):  # noqa: N818 (an answer to a request, not a m
     """Stopped on request between two frames; what is done stays and can be resumed."""
 
     exit_code = 130
-
-
-@dataclass(frozen=True)
-class Layout:
-    """What a sequence holds, known before its first frame."""
-
-    azimuth_deg: FloatArray
-    """Azimuth of the pixel columns [deg, (nx,)], or of all pixels (ny, nx) where the image is no grid of azimuth and elevation."""
-    elevation_deg: FloatArray
-    """Elevation of the pixel rows, from the top [deg, (ny,)], or of all pixels (ny, nx)."""
-    frames: range
-    """Numbers of the frames, counted in the whole sequence."""
-    frame_rate: float
-    """Frames per second [Hz]."""
-    band: Band
-    """Spectral response that the radiance is integrated over."""
-    variables: tuple[str, ...] = ("radiance",)
-    """Names of the per-frame variables."""
-    attributes: Mapping[str, Any] = field(default_factory=dict)
-    """Provenance."""
-    poses: Mapping[str, FloatArray] = field(default_factory=dict)
-    """Place and attitude of a moving sensor in every frame, by variable [(frames,)]."""
-    start: datetime | None = None
-    """UTC of the first frame of the whole sequence, where a date is known."""
-    per_frame: tuple[str, ...] = ()
-    """Names of the variables that have one number a frame, found with its images."""
-    details: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    """Further attributes of variables, by name."""
-    turning: bool = False
-    """Whether the attitude changes: azimuth and elevation are then those of the first frame and not stored."""
-
-    @property
-    def shape(self) -> tuple[int, int, int]:
-        """Frames, rows, columns."""
-        return len(self.frames), self.elevation_deg.shape[0], self.azimuth_deg.shape[-1]
-
-    @property
-    def all_attributes(self) -> dict[str, Any]:
-        """Global attributes: provenance, format and band."""
-        return {
-            **self.attributes,
-            "seaglint_format": _FORMAT,
-            "frame_rate_hz": self.frame_rate,
-            **band_attributes(self.band),
-        }
 
 
 def partial_path(output: Path) -> Path:
@@ -182,10 +134,9 @@ def check_output(output: str | Path, *, resume: bool = False, overwrite: bool = 
     partial = partial_path(output)
     with storage_errors(output, ELSEWHERE):
         refuse_inputs(output, inputs)
-        if output.exists():
-            if not resume:
-                _require_replaceable(output, overwrite=overwrite)
-        elif partial.exists():
+        if output.exists() and not resume:
+            _require_replaceable(output, overwrite=overwrite)
+        elif partial.exists() and not output.exists():
             with exclusive(partial):  # who writes there now is told first
                 _require_free(partial, resume=resume, overwrite=overwrite)
     return output
@@ -213,7 +164,7 @@ def _fill(
     with storage_errors(partial, remedy):
         group = _open_partial(partial, layout) if resume and partial.exists() else _create_partial(partial, layout)
         done = np.asarray(group["frame_done"][:], dtype=bool)
-    count = int(done.sum())
+    count, wanted = int(done.sum()), (*layout.variables, *layout.per_frame, *(TRUTHS if layout.truth is not None else ()))
     if progress is not None:
         progress(count, done.size)
     with stop_on_signal() as stopped:
@@ -226,7 +177,7 @@ def _fill(
             with storage_errors(partial, remedy):
                 claim.require()
                 _require_there(partial)
-                _write_frame(group, int(index), {name: images[name] for name in (*layout.variables, *layout.per_frame)})
+                _write_frame(group, int(index), {name: images[name] for name in wanted})
             count += 1
             if progress is not None:
                 progress(count, done.size)
@@ -251,9 +202,8 @@ def _require_replaceable(output: Path, *, overwrite: bool) -> None:
 
 def _sweep(partial: Path) -> None:
     """Remove chunks that a killed process left half-written: Zarr writes them beside their place."""
-    for path in partial.rglob("*.partial"):
-        if path.is_file():
-            path.unlink()
+    for path in filter(Path.is_file, partial.rglob("*.partial")):
+        path.unlink()
 
 
 def _require_free(partial: Path, *, resume: bool, overwrite: bool) -> None:
@@ -285,7 +235,7 @@ def _require_whole(partial: Path, claim: Claim) -> None:
 
 def _require_ours(path: Path) -> None:
     """Nothing is deleted that seaglint did not write: a mistyped name must not cost a folder."""
-    if _attributes(path).get("seaglint_format") != _FORMAT:
+    if _attributes(path).get("seaglint_format") != FORMAT:
         raise DataError(f"{path}: is not a seaglint sequence and is left alone; choose another name or remove it yourself")
 
 
@@ -300,7 +250,7 @@ def _attributes(path: Path) -> dict[str, Any]:
 
 def _require_same(path: Path, layout: Layout) -> None:
     found = _attributes(path)
-    if found.get("seaglint_format") != _FORMAT:
+    if found.get("seaglint_format") != FORMAT:
         raise DataError(f"{path}: is not a readable seaglint sequence; choose another name or remove it yourself")
     import zarr
 
@@ -357,8 +307,7 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
             dimension_names=("time", "y", "x"),
             attributes={**VARIABLES[name].attributes, **layout.details.get(name, {}), "coordinates": coordinates},
         )
-    numbers = np.asarray(layout.frames, dtype=np.int64)
-    low, high = layout.band.min_um, layout.band.max_um
+    numbers, low, high = np.asarray(layout.frames, dtype=np.int64), layout.band.min_um, layout.band.max_um
     _put(group, "time", numbers / layout.frame_rate, ("time",))
     _put(group, "frame", numbers, ("time",))
     if layout.start is not None:
@@ -376,6 +325,8 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
     for name, kind, fill in (("frame_done", "uint8", 0), *((name, "float32", np.nan) for name in layout.per_frame)):
         about = VARIABLES[name].attributes
         group.create_array(name, shape=(frames,), chunks=(1,), dtype=kind, fill_value=fill, dimension_names=("time",), attributes=about)
+    if layout.truth is not None:
+        layout.truth.make(group, layout.shape, _compressor)
 
 
 def _compressor(itemsize: int) -> Any:
@@ -399,7 +350,10 @@ def _put(group: Any, name: str, values: NDArray[Any], dimensions: tuple[str, ...
 
 def _write_frame(group: Any, index: int, images: Mapping[str, NDArray[Any]]) -> None:
     for name, image in images.items():
-        group[name][index] = np.asarray(image, dtype=VARIABLES[name].dtype)
+        if name in TRUTHS:
+            group[GROUP][name][index] = image
+        else:
+            group[name][index] = np.asarray(image, dtype=VARIABLES[name].dtype)
     group["frame_done"][index] = 1
 
 
@@ -417,7 +371,7 @@ def _give_name(partial: Path, output: Path) -> None:
 
 def is_sequence(path: Path) -> bool:
     """Whether a folder was written by :func:`write_sequence`, finished or not."""
-    return _attributes(path).get("seaglint_format") == _FORMAT
+    return _attributes(path).get("seaglint_format") == FORMAT
 
 
 def open_sequence(path: str | Path, *, allow_partial: bool = False) -> xr.Dataset:
@@ -433,7 +387,7 @@ def open_sequence(path: str | Path, *, allow_partial: bool = False) -> xr.Datase
         partial = partial_path(path)
         hint = f"; {partial} is there, unfinished: render again with --resume" if partial.exists() else ""
         raise DataError(f"{path}: no such sequence{hint}")
-    if _attributes(path).get("seaglint_format") != _FORMAT:
+    if _attributes(path).get("seaglint_format") != FORMAT:
         raise DataError(f"{path}: is not a seaglint sequence, or its zarr.json is cut; give a folder made by 'seaglint render'")
     import xarray as xr
 

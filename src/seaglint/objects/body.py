@@ -83,7 +83,7 @@ class Placement:
     Attributes
     ----------
     position : ndarray, (3,)
-        Of its origin: east and north of the sensor's start, height above the mean sea there [m].
+        Of its origin: east and north on the sea's own axes, as the sensor's pose has them; height above the mean sea there [m].
     rotation : ndarray, (3, 3)
         From the body's axes to east, north and up.
     """

@@ -17,10 +17,10 @@ from seaglint.conventions import FloatArray, surface_range, travel_azimuth
 from seaglint.errors import DomainError, Mistake, ScenarioError
 from seaglint.io.response import read_response
 from seaglint.io.track import read_track
-from seaglint.limits import LOWTRAN_HEIGHTS, TABLE_HEIGHTS
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
+from seaglint.pipeline.platform import afloat
 from seaglint.pipeline.waves import Waves, spectrum, waves
 from seaglint.radiance.correlation import capillary_length, correlation_length
 from seaglint.radiance.legs import VIEWER, Shadowing
@@ -35,7 +35,6 @@ from seaglint.scenario import slopes as wanted_slopes
 from seaglint.scenario.band import TABLE_BANDS_TEXT
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.platform import Keyframe
-from seaglint.scenario.sensor import HIGHEST_SENSOR
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.breon_henriot import breon_henriot
 from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
@@ -46,6 +45,9 @@ from seaglint.sea.tiles import longest_wave_number, plan_tiles, resolve_limit
 
 RESOLVED_SHARE = 0.8
 """Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest."""
+
+ANGLES = ("azimuth", "elevation", "roll")
+"""Of the sensor, by the names of its keys without their unit."""
 
 
 @dataclass(frozen=True)
@@ -214,8 +216,8 @@ def imager(scenario: Scenario) -> Imager:
     return Imager(sensor.projection, width, height, *sensor.pixels)
 
 
-def track(scenario: Scenario) -> Track:
-    """Where the sensor is and how it is turned, over the time of the scenario's frames.
+def track(scenario: Scenario, waves: WaveField | None = None) -> Track:
+    """Where the sensor is and how it is turned, over the time of the scenario's frames; a platform that floats rides on ``waves``.
 
     Raises
     ------
@@ -226,9 +228,10 @@ def track(scenario: Scenario) -> Track:
     rest = {"east_m": 0.0, "north_m": 0.0, "height_m": sensor.height_m, "azimuth_deg": sensor.azimuth_deg}
     rest |= {"elevation_deg": sensor.elevation_deg, "roll_deg": sensor.roll_deg}
     if platform is None:
-        return Track.standing(
-            sensor.height_m, Attitude(*(float(np.radians(rest[name])) for name in ("azimuth_deg", "elevation_deg", "roll_deg")))
-        )
+        return Track.standing(sensor.height_m, Attitude(*(float(np.radians(rest[f"{name}_deg"])) for name in ANGLES)))
+    if platform.track is None and platform.keyframes is None:
+        still = Track.standing(sensor.height_m, Attitude(*(float(np.radians(rest[f"{name}_deg"])) for name in ANGLES)))
+        return afloat(scenario, still, waves, "platform: ")
     columns: dict[str, FloatArray]
     if platform.track is not None:
         columns, names = read_track(platform.track)
@@ -248,18 +251,7 @@ def track(scenario: Scenario) -> Track:
     except DomainError as error:
         mistake = Mistake("platform", error.value, error.allowed, f"{where}{error}")
         raise ScenarioError(mistake.text, mistakes=(mistake,)) from error
-    _require_heights(scenario, found, where)
-    return found
-
-
-def _require_heights(scenario: Scenario, found: Track, where: str) -> None:
-    covered = {"table": TABLE_HEIGHTS, "lowtran": (LOWTRAN_HEIGHTS[0], HIGHEST_SENSOR)}
-    lowest, highest = covered.get(scenario.atmosphere.source, (0.0, HIGHEST_SENSOR))
-    if found.lowest < lowest or found.highest > highest:
-        raise ScenarioError(
-            f"{where}heights of {found.lowest:g} to {found.highest:g} m leave those of atmosphere.source = '{scenario.atmosphere.source}'; "
-            f"allowed: {lowest:g} to {highest:g} m"
-        )
+    return afloat(scenario, found, waves, where)
 
 
 def scatters(scenario: Scenario) -> bool:
@@ -332,7 +324,8 @@ def gliding_camera(scenario: Scenario) -> Camera | None:
         )
     way = track(scenario)
     pose = way.at(float(way.time[0]))
-    return None if way.turns or way.highest > way.lowest else imager(scenario).camera(pose.height, pose.attitude)
+    floats = scenario.platform is not None and scenario.platform.floats
+    return None if floats or way.turns or way.highest > way.lowest else imager(scenario).camera(pose.height, pose.attitude)
 
 
 def camera(scenario: Scenario) -> Camera:

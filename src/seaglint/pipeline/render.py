@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
+from seaglint.io.layout import Layout
 from seaglint.io.provenance import provenance
-from seaglint.io.store import Layout, Progress, check_output, write_sequence
+from seaglint.io.store import Progress, check_output, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
 from seaglint.pipeline.memory import require_memory
+from seaglint.pipeline.scene_objects import Drawn, SceneObjects, bodies_of
 from seaglint.radiance.view import SeaView
 from seaglint.render.layers import Layers
 from seaglint.render.platform import Pose, Track
@@ -117,16 +119,30 @@ class Sequence:
         What the store holds.
     sun : MovingSun, optional
         Scenes for later positions of the Sun; None where it stands.
+    objects : SceneObjects, optional
+        What stands or flies in the scene.
     """
 
     scene: SweptScene | TurnedScene
     track: Track
     layout: Layout
     sun: MovingSun | None = None
+    objects: SceneObjects | None = None
 
     def at(self, time: float) -> Layers:
         """The image at a time from the start [s]."""
-        return image(self.scene_at(time), self.track.at(time), time)
+        return self.drawn(time).layers
+
+    def drawn(self, time: float, columns: tuple[int, int] | None = None) -> Drawn:
+        """The image at a time [s] and what is seen of objects in it; some ``columns`` alone, first and end, where asked."""
+        scene, pose = self.scene_at(time), self.track.at(time)
+        if self.objects is None:
+            layers = image(scene, pose, time) if columns is None else scene.columns(pose, time, columns)
+            return Drawn(layers, layers.radiance, ())
+        sea = scene.sea(pose, time)
+        layers = image(scene, pose, time, sea) if columns is None else scene.columns(pose, time, columns, sea)
+        window = (columns or (0, scene.pixels.columns), (0, scene.pixels.rows))
+        return self.objects.draw(scene, pose, time, (layers, sea), window)
 
     def scene_at(self, time: float) -> SweptScene | TurnedScene:
         """The scene under the Sun of a time from the start [s]."""
@@ -136,7 +152,9 @@ class Sequence:
         """Another realisation of the same sea, without preparing anything again; a store of it says its seed."""
         layout = replace(self.layout, attributes={**self.layout.attributes, "seed": seed})
         sun = None if self.sun is None else self.sun.reseeded(seed)
-        return replace(self, scene=self.scene.reseeded(seed), layout=layout, sun=sun)
+        scene = self.scene.reseeded(seed)
+        objects = None if self.objects is None else self.objects.over(scene.waves)
+        return replace(self, scene=scene, layout=layout, sun=sun, objects=objects)
 
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
         """What is stored of a frame, by variable.
@@ -146,18 +164,22 @@ class Sequence:
         DataError
             Pixels without a number.
         """
-        found = self.at(number / self.layout.frame_rate)
-        radiance = found.radiance
+        time = number / self.layout.frame_rate
+        drawn = self.drawn(time)
+        found: dict[str, NDArray[Any]] = dict(drawn.layers)
+        radiance = drawn.layers.radiance
         bad = int(radiance.size - np.isfinite(radiance).sum())
         if bad > NON_FINITE_SHARE * radiance.size:
             raise DataError(
                 f"frame {number}: {bad} of {radiance.size} pixels are not finite, more than {100 * NON_FINITE_SHARE:g} %; "
                 "nothing of it is written. This is a fault of the program: please report the scenario"
             )
-        if "apparent_temperature" not in self.layout.variables:
-            return found
-        view = self.scene.view
-        return {**found, "apparent_temperature": apparent_temperature(radiance, view.band, view.atmosphere.wavenumber_cm)}
+        if self.objects is not None:
+            found |= self.objects.truth(drawn, self.scene_at(time))
+        if "apparent_temperature" in self.layout.variables:
+            view = self.scene.view
+            found["apparent_temperature"] = apparent_temperature(radiance, view.band, view.atmosphere.wavenumber_cm)
+        return found
 
 
 def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
@@ -189,19 +211,21 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned
     if not fits:
         require_memory(scenario)
     prepare.require_drawable(scenario, prepare.slopes(scenario))
-    sensor, track = scenario.sensor, prepare.track(scenario)
+    sensor = scenario.sensor
     numbers = frames if frames is not None else range(sensor.frames)
     accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)
     camera = prepare.gliding_camera(scenario) if scanned else prepare.upright_camera(scenario)
     if camera is not None:
         first = prepare.view(scenario)
         sea = prepare.sea(scenario, first.slopes)
+        track = prepare.track(scenario)
 
         def prepared(sun: SunPosition) -> SweptScene | TurnedScene:
             view = prepare.under(first, sun)
             return SweptScene.prepare(view, camera, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
     else:
         sea, imager, at = prepare.sea(scenario, prepare.slopes(scenario)), prepare.imager(scenario), prepare.view_at(scenario)
+        track = prepare.track(scenario, sea.waves)
 
         def prepared(sun: SunPosition) -> SweptScene | TurnedScene:
             def view(height: float) -> SeaView:
@@ -211,6 +235,7 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned
 
     scene = prepared(sun_position(scenario))
     view = scene.view
+    objects = SceneObjects.of(bodies_of(scenario), sea.waves)
     places = poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
     azimuth, elevation = directions(scene, track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0))
     _require_step(scenario, sea.waves)
@@ -225,6 +250,7 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned
         poses=places,
         turning=track.turns,
         start=None if scenario.time is None else scenario.time.utc,
+        truth=None if objects is None else objects.layout(),
         attributes=provenance(
             "Infrared image sequence of the sea",
             scenario.model_dump_json(exclude_none=True),
@@ -237,7 +263,7 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned
             atmosphere_table=prepare.atmosphere_provenance(view.atmosphere),
         ),
     )
-    return Sequence(scene, track, layout, None if scenario.time is None else MovingSun(scenario, prepared))
+    return Sequence(scene, track, layout, None if scenario.time is None else MovingSun(scenario, prepared), objects)
 
 
 def directions(scene: SweptScene | TurnedScene, pose: Pose) -> tuple[FloatArray, FloatArray]:

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from seaglint.analysis.recording import Recording
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
+from seaglint.io.layout import Layout
 from seaglint.io.provenance import provenance
 from seaglint.io.recording.source import Source
-from seaglint.io.store import Layout, Progress, check_output, write_sequence
+from seaglint.io.store import Progress, check_output, write_sequence
 from seaglint.optics.band import Band
 from seaglint.pipeline.sensor import sensor_attributes, sensor_model
 from seaglint.scenario.model import Scenario

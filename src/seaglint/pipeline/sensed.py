@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError
-from seaglint.io.store import Layout, Progress, check_output, write_sequence
+from seaglint.io.layout import Layout
+from seaglint.io.store import Progress, check_output, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import render as plain
 from seaglint.pipeline.memory import require_memory
 from seaglint.pipeline.render import Sequence, prepare_sequence
+from seaglint.pipeline.scene_objects import Drawn
 from seaglint.pipeline.sense import SensedFrames, require_electrons, signal_attributes
 from seaglint.pipeline.sensor import line_of_sight_rates, scan, sensor_attributes, sensor_model
 from seaglint.render.layers import LEAST_SEEN, Layers
-from seaglint.render.scene import joined
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sensor_presets import TABLES
 from seaglint.sensor.scan import Scan
@@ -97,11 +98,14 @@ class SensedSequence:
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
         """What is stored of a frame, by variable."""
         out = self.sensed.images(number, self.layout.variables)
+        drawn: Any = self.sensed.fine
+        if self.fine.objects is not None:
+            scene = self.fine.scene_at(number / self.layout.frame_rate)
+            out |= self.fine.objects.truth(drawn.drawn(number), scene, self.sensed.oversampling)
         others = [name for name in self.layout.variables if name not in out]
         if not others:
             return out
-        drawn: Any = self.sensed.fine
-        averaged = binned(drawn.layers(number), self.sensed.oversampling)
+        averaged = binned(drawn.drawn(number).layers, self.sensed.oversampling)
         for name in others:
             if name == "apparent_temperature":
                 view = self.fine.scene.view
@@ -118,19 +122,19 @@ class _Drawn:
     sequence: Sequence
     scan: Scan
     oversampling: int
-    latest: tuple[int, Layers] | None = field(default=None)
+    latest: tuple[int, Drawn] | None = field(default=None)
 
     def __call__(self, number: int) -> NDArray[np.float32]:
-        return self.layers(number).radiance
+        return self.drawn(number).layers.radiance
 
-    def layers(self, number: int) -> Layers:
+    def drawn(self, number: int) -> Drawn:
         if self.latest is None or self.latest[0] != number:
             self.latest = (number, drawn_in_time(self.sequence, self.scan, self.oversampling, number / self.sequence.layout.frame_rate))
         return self.latest[1]
 
 
-def drawn_in_time(sequence: Sequence, way: Scan, oversampling: int, time: float) -> Layers:
-    """A fine picture, each of its columns or rows at its own instant.
+def drawn_in_time(sequence: Sequence, way: Scan, oversampling: int, time: float) -> Drawn:
+    """A fine picture and what is seen of objects in it, each of its columns or rows at its own instant.
 
     Parameters
     ----------
@@ -144,7 +148,7 @@ def drawn_in_time(sequence: Sequence, way: Scan, oversampling: int, time: float)
         Of the frame [s].
     """
     if way.instantaneous:
-        return sequence.at(time)
+        return sequence.drawn(time)
     if way.kind == "staring":
         return _rolled(sequence, way, oversampling, time)
     columns = sequence.layout.shape[2] // oversampling
@@ -153,22 +157,19 @@ def drawn_in_time(sequence: Sequence, way: Scan, oversampling: int, time: float)
     for end in range(1, columns + 1):
         if end < columns and delays[end] == delays[begin]:
             continue
-        instant = time + float(delays[begin])
-        parts.append(sequence.scene_at(instant).columns(sequence.track.at(instant), instant, (begin * oversampling, end * oversampling)))
+        parts.append(sequence.drawn(time + float(delays[begin]), (begin * oversampling, end * oversampling)))
         begin = end
-    return joined(parts)
+    return Drawn.beside(parts)
 
 
-def _rolled(sequence: Sequence, way: Scan, oversampling: int, time: float) -> Layers:
+def _rolled(sequence: Sequence, way: Scan, oversampling: int, time: float) -> Drawn:
     rows = sequence.layout.shape[1] // oversampling
     delays = way.row_delays(rows)
-    parts: list[Layers] = []
+    parts: list[Drawn] = []
     for some in np.array_split(np.arange(rows), min(ROLLING_PARTS, rows)):
         instant = time + float(delays[some].mean())
-        whole = sequence.at(instant)
-        cut = slice(int(some[0]) * oversampling, (int(some[-1]) + 1) * oversampling)
-        parts.append(Layers({name: whole[name][cut] for name in whole}))
-    return Layers({name: np.concatenate([part[name] for part in parts], axis=0) for name in parts[0]})
+        parts.append(sequence.drawn(instant).rows(int(some[0]) * oversampling, (int(some[-1]) + 1) * oversampling))
+    return Drawn.below(parts)
 
 
 def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:

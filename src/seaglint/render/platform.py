@@ -9,13 +9,8 @@ import numpy as np
 
 from seaglint.conventions import FloatArray, wrap_angle
 from seaglint.errors import DomainError
+from seaglint.limits import MOST_SPEED, MOST_TURN
 from seaglint.render.view import Attitude
-
-MOST_SPEED = 1000.0
-"""Speed between two keyframes from which a mistyped number is likelier than an aircraft [m/s]."""
-
-MOST_TURN = np.radians(720.0)
-"""The same for the rate of any angle [rad/s]: two turns a second."""
 
 COLUMNS = ("time", "east", "north", "height", "azimuth", "elevation", "roll")
 """What a track holds, in this order."""

@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Protocol, Self
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seaglint.errors import DomainError
 from seaglint.radiance.view import SeaView
 from seaglint.render.layers import Layers
+from seaglint.render.levels import Levels
 from seaglint.render.platform import Pose
+from seaglint.render.surface import Surface
+from seaglint.render.view import Imager
+
+
+class Instant(NamedTuple):
+    """The sea of an instant under a sensor: its levels of detail, their lattices, and these as kernels read them."""
+
+    levels: Levels
+    lattices: tuple[NDArray[np.float32], ...]
+    surface: Surface
 
 
 class Scene(Protocol):
@@ -40,12 +52,25 @@ class Scene(Protocol):
         """Another realisation of the same sea, sparkles included, without preparing anything again."""
         ...
 
-    def drawn(self, pose: Pose, time: float) -> Layers:
+    @property
+    def pixels(self) -> Imager:
+        """The camera's pixels."""
+        ...
+
+    def seen_from(self, pose: Pose) -> SeaView:
+        """Sea, air and Sun as they are drawn from a pose."""
+        ...
+
+    def sea(self, pose: Pose, time: float) -> Instant:
+        """The sea of an instant under a sensor."""
+        ...
+
+    def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
         """The image; see :func:`image`."""
         ...
 
 
-def image(scene: Scene, pose: Pose, time: float) -> Layers:
+def image(scene: Scene, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
     """Draw a scene.
 
     Parameters
@@ -56,6 +81,8 @@ def image(scene: Scene, pose: Pose, time: float) -> Layers:
         Place and attitude of the sensor.
     time : float
         Time from the start [s].
+    sea : Instant, optional
+        ``scene.sea(pose, time)``, where it is at hand.
 
     Returns
     -------
@@ -70,7 +97,7 @@ def image(scene: Scene, pose: Pose, time: float) -> Layers:
     """
     if not np.isfinite(time):
         raise DomainError(f"time = {time:g} s is not finite; give seconds from the start")
-    return scene.drawn(pose, time)
+    return scene.drawn(pose, time, sea)
 
 
 def joined(parts: Sequence[Layers]) -> Layers:

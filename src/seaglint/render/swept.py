@@ -12,25 +12,24 @@ from numpy.typing import NDArray
 
 from seaglint._jit import in_threads
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
-from seaglint.conventions import FloatArray, horizon_depression, view_zenith_of_range, wrap_angle
+from seaglint.conventions import FloatArray, view_zenith_of_range, wrap_angle
 from seaglint.errors import DomainError
 from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
-from seaglint.render.haze import sky_haze
 from seaglint.render.layers import CHANNELS, Layers, channels_for, layers_of, mean_distance, planes_for, require_layers, upright
 from seaglint.render.levels import Levels
 from seaglint.render.path_basis import path_basis
 from seaglint.render.pieces import Merging
 from seaglint.render.platform import Pose
-from seaglint.render.scene import joined, require_columns
+from seaglint.render.scene import Instant, joined, require_columns
+from seaglint.render.sky_rows import sky_rows
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles, sparkle_columns, sparkle_rows
-from seaglint.render.sun_in_sky import sun_in_sky
 from seaglint.render.sunlight import Sunlight
 from seaglint.render.surface import Surface, course, height
-from seaglint.render.sweep import Rows, Swept, skies_alone, sweep_columns
+from seaglint.render.sweep import Swept, skies_alone, sweep_columns
 from seaglint.render.tables import FacetDomain, facet_slopes, facet_tables
-from seaglint.render.view import Attitude
+from seaglint.render.view import Attitude, Imager
 from seaglint.render.walk import PATH_EVERY, Walk, calm_ranges, graded_ranges, sea_limits, sight_lines, stages
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
@@ -209,11 +208,26 @@ class SweptScene:
         """The sea at a time [s], with the sensor above ``origin``, east and north [m], at every level of detail."""
         return self._levels.surface(self._levels.lattices(time), origin)
 
-    def drawn(self, pose: Pose, time: float) -> Layers:
-        """The image from a pose at a time [s]."""
-        return self.columns(pose, time, (0, self.camera.columns))
+    @property
+    def pixels(self) -> Imager:
+        """The camera's pixels, whatever its attitude."""
+        camera = self.camera
+        return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)
 
-    def columns(self, pose: Pose, time: float, part: tuple[int, int]) -> Layers:
+    def seen_from(self, _: Pose) -> SeaView:
+        """Sea, air and Sun as they are drawn."""
+        return self.view
+
+    def sea(self, pose: Pose, time: float) -> Instant:
+        """The sea at a time [s] under a sensor."""
+        lattices = self._levels.lattices(time)
+        return Instant(self._levels, lattices, self._levels.surface(lattices, (pose.east, pose.north)))
+
+    def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
+        """The image from a pose at a time [s]."""
+        return self.columns(pose, time, (0, self.camera.columns), sea)
+
+    def columns(self, pose: Pose, time: float, part: tuple[int, int], sea: Instant | None = None) -> Layers:
         """Columns ``part = (first, end)`` of the image alone: their bytes are those of the whole image.
 
         Raises
@@ -222,7 +236,8 @@ class SweptScene:
             Columns that there are not.
         """
         require_columns(part, self.camera.columns)
-        images = self._swept(pose, time, part, self.surface(time, (pose.east, pose.north)), np.zeros((part[1] - part[0], 0)))
+        surface = self.surface(time, (pose.east, pose.north)) if sea is None else sea.surface
+        images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
         return self._layers(images[:, 0])
 
     def scanned(self, poses: Sequence[Pose], times: Sequence[float]) -> Layers:
@@ -421,21 +436,6 @@ def require_dry(height: float, waves: WaveField) -> None:
             value=height,
             allowed=f"above {SUBMERGED * waves.significant_height:.2f} m",
         )
-
-
-def sky_rows(view: SeaView, camera: Camera) -> Rows:
-    """Rows of a camera, the sky in those that touch it and the Sun in it."""
-    elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
-    # only rows that touch the sky are looked up; crests never lower the horizon by more than a few rows
-    sky = np.zeros(camera.rows)
-    rows = camera.top - np.arange(camera.rows) * camera.row_step > -horizon_depression(camera.height) - 2e-3
-    if rows.any():
-        sky[rows] = view.in_band(view.atmosphere.sky_radiance(0.5 * np.pi - elevation[rows], camera.height))
-    bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
-    top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
-    # one row more, between which and the last there is nothing to look up
-    haze = sky_haze(view, np.append(elevation[rows], elevation[rows][-1:]))
-    return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky, haze, sun_in_sky(view))
 
 
 def _same_rows(one: Camera, other: Camera) -> bool:

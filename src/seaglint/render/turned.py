@@ -21,11 +21,12 @@ from seaglint.render.layers import COVERAGE, EMITTED, PATH, SKY, SUN, TOTAL, Lay
 from seaglint.render.levels import Levels
 from seaglint.render.platform import Pose, Track
 from seaglint.render.rays import WalkedRays, rays_per_side
-from seaglint.render.scene import require_columns
+from seaglint.render.scene import Instant, require_columns
 from seaglint.render.sparkle import NO_SPARKLES, Sparkles
 from seaglint.render.sun_in_sky import SunInSky, disc_in_pixels, sun_in_sky
 from seaglint.render.surface import course, height
-from seaglint.render.swept import SAME, SweptScene, beyond, require_above, require_dry
+from seaglint.render.survey import Survey, corners_of, covers
+from seaglint.render.swept import SAME, SweptScene, require_above, require_dry
 from seaglint.render.tables import facet_slopes
 from seaglint.render.view import (
     Attitude,
@@ -65,15 +66,6 @@ class _Plan:
     resampling: Resampling | None
     walked: NDArray[np.int64]
     samples: NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class _Survey:
-    """The azimuth-elevation grid that serves all attitudes, the highest elevation and the azimuths of the pixels that it does not."""
-
-    grid: Camera | None
-    walk_from: float
-    walk_azimuths: tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +117,7 @@ class TurnedScene:
     layers: tuple[str, ...]
     sparkles: Sparkles
     _view_at: Callable[[float], SeaView]
-    _survey: _Survey
+    _survey: Survey
     _whole: Levels
     """The sea in full detail, for views that are walked alone."""
     _still: _Plan | None = None
@@ -161,7 +153,7 @@ class TurnedScene:
         if waves is not None:
             require_dry(track.lowest, waves)
             whole = replace(whole, detail=Detail.of(waves, 1))
-        nothing = _Survey(None, 0.0, (0.0, 0.0))
+        nothing = Survey(None, 0.0, (0.0, 0.0))
         empty = cls(imager, track, waves, accuracy or Accuracy(), names, sparkles, view_at, nothing, whole)
         return empty._for(imager)
 
@@ -198,7 +190,7 @@ class TurnedScene:
             Pixels finer than those prepared, or a view beyond it.
         """
         found, made = self._for(imager)._survey, self._survey
-        if not _covers(made, found):
+        if not covers(made, found):
             raise DomainError(
                 "the camera looks beyond the view that the scene was prepared for, or has finer pixels; stay inside it or prepare a scene "
                 "for this camera"
@@ -213,7 +205,7 @@ class TurnedScene:
         heights = OrderedDict((at, replace(h, swept=h.swept and h.swept.reseeded(seed))) for at, h in self._heights.items())
         return replace(self, waves=waves, sparkles=self.sparkles.reseeded(seed), _whole=whole, _heights=heights)
 
-    def _surveyed(self, attitudes: list[Attitude], oversampling: int) -> _Survey:
+    def _surveyed(self, attitudes: list[Attitude], oversampling: int) -> Survey:
         """The azimuth-elevation grid that serves all attitudes; the highest elevation and the azimuths of the pixels that it does not."""
         pitch = np.inf
         reach, azimuths, walked, walk_from = [], [], [], math.radians(-89.0)
@@ -226,16 +218,16 @@ class TurnedScene:
             azimuth = attitude.azimuth + wrap_angle(np.arctan2(corner[..., 0], corner[..., 1]) - attitude.azimuth)
             if swept.any():
                 reach.append((float(low[swept].min()), float(high[swept].max())))
-                azimuths.append(_corners_of(azimuth, swept))
+                azimuths.append(corners_of(azimuth, swept))
             down = ~swept & (low < 0.0)
             if down.any():
                 walk_from = max(walk_from, float(high[down].max()))
-                walked.append(_corners_of(azimuth, down))
+                walked.append(corners_of(azimuth, down))
         walk_azimuths = (min(a[0] for a in walked) - 0.1, max(a[1] for a in walked) + 0.1) if walked else (0.0, 0.0)
         if walk_azimuths[1] - walk_azimuths[0] > np.pi:  # under the sensor there are all azimuths
             walk_azimuths = (-np.pi, np.pi)
         if not reach:
-            return _Survey(None, walk_from, walk_azimuths)
+            return Survey(None, walk_from, walk_azimuths)
         # a corner on the grid's own edge must not fall out by rounding
         margin = math.radians(0.5) if self.track.turns else 1e-9
         bottom, top = max(min(r[0] for r in reach), self.accuracy.walk_below) - margin, max(r[1] for r in reach) + margin
@@ -252,7 +244,7 @@ class TurnedScene:
         else:
             columns = max(math.ceil((right - left) / column_step), 1)
             grid = Camera(height, 0.5 * (left + right), 0.5 * (top + bottom), columns * column_step, rows * row_step, columns, rows)
-        return _Survey(grid, walk_from + margin, walk_azimuths)
+        return Survey(grid, walk_from + margin, walk_azimuths)
 
     @property
     def _crest(self) -> float:
@@ -371,12 +363,28 @@ class TurnedScene:
                 "that has it, or see with_camera for other cameras"
             )
 
-    def drawn(self, pose: Pose, time: float) -> Layers:
+    @property
+    def pixels(self) -> Imager:
+        """The camera's pixels."""
+        return self.imager
+
+    def seen_from(self, pose: Pose) -> SeaView:
+        """Sea, air and Sun as they are drawn from a pose's height."""
+        return self._prepared(pose.height).view
+
+    def sea(self, pose: Pose, time: float) -> Instant:
+        """The sea of an instant under a sensor."""
+        prepared = self._prepared(pose.height)
+        levels = prepared.swept.levels if prepared.swept is not None else self._whole
+        lattices = levels.lattices(time)
+        return Instant(levels, lattices, levels.surface(lattices, (pose.east, pose.north)))
+
+    def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
         """The image from a pose at a time [s]."""
         self._require_pose(pose)
-        return self._drawn(pose, time, self._still if self._still is not None else self._plan(pose.attitude))
+        return self._drawn(pose, time, self._still if self._still is not None else self._plan(pose.attitude), sea)
 
-    def columns(self, pose: Pose, time: float, part: tuple[int, int]) -> Layers:
+    def columns(self, pose: Pose, time: float, part: tuple[int, int], sea: Instant | None = None) -> Layers:
         """Columns ``part = (first, end)`` of the image alone: those of the whole image but for rounding.
 
         Raises
@@ -386,13 +394,11 @@ class TurnedScene:
         """
         require_columns(part, self.imager.columns)
         self._require_pose(pose)
-        return self._drawn(pose, time, self._plan(pose.attitude, part))
+        return self._drawn(pose, time, self._plan(pose.attitude, part), sea)
 
-    def _drawn(self, pose: Pose, time: float, plan: _Plan) -> Layers:
+    def _drawn(self, pose: Pose, time: float, plan: _Plan, sea: Instant | None) -> Layers:
         prepared, kinds = self._prepared(pose.height), planes_for(self.layers)
-        levels = prepared.swept.levels if prepared.swept is not None else self._whole
-        lattices = levels.lattices(time)
-        surface = levels.surface(lattices, (pose.east, pose.north))
+        levels, lattices, surface = sea or self.sea(pose, time)
         line = course(surface, 0, 1.0, 0.0)
         require_above(height(surface, line, 0, line.part.shape[0], 0.0), pose.height, time)
         columns = plan.corner.shape[1] - 1
@@ -419,25 +425,3 @@ def _resample(plan: _Plan, images: NDArray[np.float32], out: NDArray[np.float32]
     assert plan.cells is not None
     quad, most = plan.quads, int(plan.quads.bound.max())
     resample_at_once(quad.column, quad.sine, plan.cells, most, images.reshape(images.shape[0], -1), plan.swept, out)
-
-
-def _covers(made: _Survey, wanted: _Survey) -> bool:
-    """Whether what was prepared serves another camera."""
-    one, other = made.grid, wanted.grid
-    if other is not None and (one is None or beyond(one, other) > SAME or other.row_step < one.row_step * (1.0 - SAME)):
-        return False
-    (left, right), (first, last) = made.walk_azimuths, wanted.walk_azimuths
-    if first == last:
-        return True
-    turn = 2.0 * np.pi * np.round((0.5 * (first + last) - 0.5 * (left + right)) / (2.0 * np.pi))
-    around = right - left >= 2.0 * np.pi - SAME
-    return wanted.walk_from <= made.walk_from + SAME and (around or (left <= first - turn + SAME and last - turn <= right + SAME))
-
-
-def _corners_of(azimuth: FloatArray, swept: NDArray[np.bool_]) -> tuple[float, float]:
-    """Least and greatest azimuth of the corners of some pixels [rad]."""
-    touched = np.zeros(azimuth.shape, bool)
-    for rows in (slice(None, -1), slice(1, None)):
-        for columns in (slice(None, -1), slice(1, None)):
-            touched[rows, columns] |= swept
-    return float(azimuth[touched].min()), float(azimuth[touched].max())

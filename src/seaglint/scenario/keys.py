@@ -78,7 +78,8 @@ def _at(location: tuple[str, ...]) -> tuple[type[BaseModel], ...]:
     for part in location:
         if part.isdecimal():  # a place in a list
             continue
-        records = tuple(found for record in records for key in fields_of(record) if key.path[-1] == part for found in key.records)
+        found = (inner for record in records for key in fields_of(record) if key.path[-1] == part for inner in key.records)
+        records = tuple(dict.fromkeys(found))
     return records
 
 
@@ -122,11 +123,12 @@ def tag_name(location: tuple[str | int, ...]) -> str:
 def key_paths() -> tuple[str, ...]:
     """All keys as dotted paths, tables not included."""
 
-    def walk(record: type[BaseModel], above: tuple[str, ...]) -> Iterator[str]:
+    def walk(record: type[BaseModel], above: tuple[str, ...], over: tuple[type[BaseModel], ...]) -> Iterator[str]:
         for key in fields_of(record, above):
             if not key.records:
                 yield ".".join(key.path)
             for inner in key.records:
-                yield from walk(inner, key.path)
+                if inner not in over:  # shapes are made of shapes
+                    yield from walk(inner, key.path, (*over, *key.records))
 
-    return tuple(dict.fromkeys(walk(Scenario, ())))
+    return tuple(dict.fromkeys(walk(Scenario, (), ())))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +53,7 @@ def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path
     try:
         return Scenario.model_validate(dict(raw), context={"base": base})
     except ValidationError as error:
-        found = (_explain(detail, raw) for detail in error.errors(include_url=False))
+        found = (_named(_explain(detail, raw), detail["loc"], raw) for detail in error.errors(include_url=False))
         mistakes = tuple({mistake.text: mistake for mistake in found}.values())
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
 
@@ -76,6 +77,20 @@ def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
         return Mistake(tag, None, _listed(allowed), f"{tag} is missing; add one of {_listed(allowed)}")
     value = None if kind == "missing" else given
     return Mistake(key, value, context.get("allowed"), _sentence(error, location))
+
+
+def _named(mistake: Mistake, location: Sequence[str | int], raw: Mapping[str, Any]) -> Mistake:
+    """A mistake in an object says the object's name."""
+    match location:
+        case ("objects", int(place), *_):
+            name = raw["objects"][place].get("name") if isinstance(raw["objects"][place], Mapping) else None
+        case _:
+            return mistake
+    if not isinstance(name, str) or f"'{name}'" in mistake.text:
+        return mistake
+    here = f"objects[{place}]"
+    rest = mistake.text.removeprefix(here) if mistake.text.startswith(here) else f": {mistake.text}"
+    return replace(mistake, text=f"{here} ({_shown(name)}){rest}")
 
 
 def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:

@@ -16,6 +16,7 @@ from seaglint.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND,
 from seaglint.scenario.atmosphere import Atmosphere, LowtranAtmosphere, TableAtmosphere
 from seaglint.scenario.band import TABLE_BANDS_TEXT, Band
 from seaglint.scenario.mean import Mean
+from seaglint.scenario.objects import Object, in_degrees
 from seaglint.scenario.place import Place, Sun, Time
 from seaglint.scenario.platform import Platform
 from seaglint.scenario.quantity import Quantity
@@ -44,6 +45,7 @@ class Scenario(Record):
     atmosphere: Annotated[Atmosphere, Field(description="the air")] = TableAtmosphere()
     mean: Mean = Mean()
     render: Render = Render()
+    objects: Annotated[tuple[Object, ...] | None, Field(description="what is on and above the sea")] = None
 
     @model_validator(mode="before")
     @classmethod
@@ -61,6 +63,19 @@ class Scenario(Record):
             raise rule("place", "is missing: [time] needs [place] latitude_deg, longitude_deg to find the Sun; or give [sun] instead")
         if self.sun is None and self.time is None:
             raise rule("time", "is missing: [place] needs [time] utc to find the Sun; or give [sun] instead")
+        return self
+
+    @model_validator(mode="after")
+    def _objects_have_names_and_places(self) -> Self:
+        seen: set[str] = set()
+        for item in self.objects or ():
+            if item.name in seen:
+                raise rule("objects", f"has the name '{item.name}' twice; give every object a name of its own", value=item.name)
+            seen.add(item.name)
+            if in_degrees(item) and self.place is None:
+                raise rule(
+                    f"objects ('{item.name}')", "has latitude_deg and longitude_deg, which need [place] and [time]; give east_m, north_m"
+                )
         return self
 
     @model_validator(mode="after")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictBool, model_validator
 
 from seaglint.scenario.quantity import Quantity
 from seaglint.scenario.record import InputFile, Record, rule
@@ -43,8 +43,23 @@ class Platform(Record):
     ] = None
     keyframes: Annotated[tuple[Keyframe, ...] | None, Field(description="list of keyframes, the columns of the file as keys")] = None
 
+    floats: Annotated[
+        StrictBool,
+        Field(description="true: the sensor heaves, pitches and rolls with the waves under its vessel, about the keyframes if any"),
+    ] = False
+    waterline_m: Annotated[
+        tuple[Annotated[float, Quantity("m", gt=0, le=100)], Annotated[float, Quantity("m", gt=0, le=500)]],
+        Field(description="waterline [width, length] over which waves are averaged where it floats; the sensor stands above its middle"),
+    ] = (3.0, 10.0)
+    heading_deg: Annotated[
+        Annotated[float, Quantity("deg", ge=-360, le=360)] | None,
+        Field(description="azimuth of the vessel's forward end where it floats; along its way, else the sensor's azimuth"),
+    ] = None
+
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:
+        if self.floats and self.track is None and self.keyframes is None:
+            return self
         if (self.track is None) == (self.keyframes is None):
             both = "are both given" if self.track is not None else "are both missing"
             raise rule("platform", f"track and keyframes {both}; give one of the two, or leave [platform] out")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from seaglint.errors import DataError, ScenarioError, StorageError
-from seaglint.scenario.keys import Key, choices_of_kind, fields_of
+from seaglint.scenario.keys import Key, choices_of_kind, fields_of, is_list
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import PRESETS, Preset
 
@@ -38,6 +38,7 @@ _EXAMPLES = {
     "visibility_km": "20",
     "wind_24h_m_s": "7.0",
     "track": '"track.csv"',
+    "path": '"hull.stl"',
     "aperture_m": "0.01375",
     "f_number": "2.0",
     "focal_length_m": "0.0275",
@@ -48,6 +49,37 @@ _EXAMPLES = {
     "keyframes": "[{ time_s = 0, east_m = 0, north_m = 0, height_m = 30, azimuth_deg = 180, elevation_deg = -3.5, roll_deg = 5 }, "
     "{ time_s = 4, east_m = 20, north_m = 0, height_m = 30, azimuth_deg = 180, elevation_deg = -3.5, roll_deg = -5 }]",
 }
+
+_IN_LISTS = {
+    "name": '"ferry"',
+    "preset": '"fishing-vessel"',
+    "temperature_k": "293",
+    "emissivity": "0.95",
+    "radius_m": "2.0",
+    "semi_axes_m": "[1, 4, 1]",
+    "size_m": "[4, 20, 3]",
+    "length_m": "10",
+    "parts": '[{ kind = "box", size_m = [2, 2, 2] }, { kind = "sphere", radius_m = 1.2 }]',
+    "intensity_w_sr": "50",
+    "temperature_difference_k": "5",
+    "area_m2": "1",
+    "east_m": "500",
+    "north_m": "-2000",
+    "height_m": "1.5",
+    "latitude_deg": "36.79",
+    "longitude_deg": "-75.89",
+    "draught_m": "1",
+    "heading_deg": "90",
+    "pitch_deg": "0",
+    "roll_deg": "0",
+    "course_deg": "90",
+    "speed_m_s": '"12 kn"',
+    "track": '"ferry.csv"',
+    "floats": "true",
+    "keyframes": "[{ time_s = 0, east_m = 0, north_m = -2000, height_m = 40, latitude_deg = ..., longitude_deg = ... }, "
+    "{ time_s = 4, east_m = 200, north_m = -2000, height_m = 50, heading_deg = 80, pitch_deg = 5, roll_deg = -10 }]",
+}
+"""What one of a list of tables may say."""
 
 
 def json_schema() -> dict[str, Any]:
@@ -108,7 +140,32 @@ def _table(record: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
     for key in keys:
         if key not in plain:
             yield ""
-            yield from _section(key, getattr(record, key.path[-1]))
+            yield from _list(key) if is_list(key.info.annotation) and not path else _section(key, getattr(record, key.path[-1]))
+
+
+def _list(key: Key) -> Iterator[str]:
+    """A list of tables that the file may have: one of them, set off, as it is no table that a comment sign less makes valid."""
+    record = key.records[0]
+    yield f"#   [[{'.'.join(key.path)}]]  # {_first_line(record)}"
+    for inner in fields_of(record, key.path):
+        kinds = [kind for kind in inner.records if "kind" in kind.model_fields]
+        if kinds:
+            yield from (_kind(inner.path[-1], kind) for kind in kinds)
+        else:
+            default = None if inner.info.is_required() or inner.path[-1] in _IN_LISTS else inner.info.default
+            yield f"#   {_entry(inner, default, _IN_LISTS).removeprefix('# ')}"
+
+
+def _kind(name: str, record: type[BaseModel]) -> str:
+    """A table in one line, with all the keys of its kind."""
+    tag = next(iter(record.model_fields.values())).default
+    given = [f'kind = "{tag}"']
+    for key in fields_of(record):
+        default = key.info.default
+        if key.path[-1] != "kind":
+            shown = default is not None and not isinstance(default, BaseModel) and not key.info.is_required()
+            given.append(f"{key.path[-1]} = {_toml(default) if shown else _IN_LISTS.get(key.path[-1], _EXAMPLES.get(key.path[-1], '...'))}")
+    return f"#   {name} = {{ {', '.join(given)} }}  # {_first_line(record)}"
 
 
 def _section(key: Key, value: BaseModel | None) -> Iterator[str]:
@@ -127,13 +184,13 @@ def _first_line(record: type[BaseModel]) -> str:
     return (record.__doc__ or "").strip().splitlines()[0].rstrip(".").replace("``", "")
 
 
-def _entry(key: Key, value: Any) -> str:
+def _entry(key: Key, value: Any, examples: Mapping[str, str] = _EXAMPLES) -> str:
     name = key.path[-1]
     allowed = choices_of_kind(key) or key.allowed
     note = "; ".join(part for part in (key.info.description or "", allowed) if part)
     comment = f"  # {note}" if note else ""
     if value is None:
-        return f"# {name} = {_EXAMPLES.get(name, '...')}{comment}"
+        return f"# {name} = {examples.get(name, '...')}{comment}"
     return f"{name} = {_toml(value)}{comment}"
 
 

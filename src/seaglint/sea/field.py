@@ -127,6 +127,17 @@ class WaveField:
         parts = zip(self.tiles, self._lattices, self._amplitudes, strict=True)
         return tuple(_surface(tile, lattice, amplitudes, time, workers) for tile, lattice, amplitudes in parts)
 
+    def plane_waves(self) -> tuple[FloatArray, ...]:
+        """The waves of every tile one by one.
+
+        Returns
+        -------
+        tuple of ndarray
+            Per tile (waves, 5): wavenumber towards east and north [rad m⁻¹], angular frequency [rad s⁻¹], real and imaginary part of the
+            amplitude a [m] in ``Re a exp[i (k.x - omega t)]``.
+        """
+        return tuple(_plane_waves(*parts) for parts in zip(self._lattices, self._amplitudes, strict=True))
+
     @property
     def height_variance(self) -> float:
         """Ensemble variance of the height of all tiles together [m²]."""
@@ -270,6 +281,18 @@ def _draw_tile(lattice: _Lattice, rng: np.random.Generator) -> _Amplitudes:
     top = lattice.variance.shape[1] - 1
     forward[:top:-1, 0], backward[:top:-1, 0] = backward[1 : top + 1, 0], forward[1 : top + 1, 0]
     return _Amplitudes(forward.astype(np.complex64), backward.astype(np.complex64))
+
+
+def _plane_waves(lattice: _Lattice, amplitudes: _Amplitudes) -> FloatArray:
+    """Waves along k, then those along -k; the lower half of the column u = 0 repeats its upper half."""
+    own = np.ones(lattice.variance.shape, bool)
+    own[lattice.variance.shape[1] :, 0] = False
+    found = []
+    for sign, half, variance in ((1.0, amplitudes.forward, lattice.variance), (-1.0, amplitudes.backward, lattice.opposite)):
+        held = own & (variance > 0.0)
+        a = 2.0 * half[held].astype(np.complex128)
+        found.append(np.stack([sign * lattice.k_east[held], sign * lattice.k_north[held], lattice.frequency[held], a.real, a.imag], axis=1))
+    return np.concatenate(found)
 
 
 @njit

@@ -59,3 +59,8 @@ class Wander(NamedTuple):
             found[0] += amplitude[0] * sine
             found[1] += amplitude[1] * sine
         return found[0], found[1]
+
+    def gradient(self, east: float, north: float) -> FloatArray:
+        """Derivatives of the displacement (rows: east, north) towards east and north (columns) at a place [1, (2, 2)]."""
+        cosine = np.cos(self.wave_vector @ np.array([east, north]) + self.phase)
+        return np.asarray((self.amplitude * cosine[:, None]).T @ self.wave_vector)

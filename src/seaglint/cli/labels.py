@@ -1,0 +1,26 @@
+"""``seaglint labels``: the truth of a sequence's objects for other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from seaglint.cli.messages import log
+from seaglint.cli.options import Overwrite
+
+
+def labels(
+    run: Annotated[Path, typer.Argument(metavar="RUN.zarr", help="finished sequence of 'seaglint render' with objects")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .json (COCO) or .csv")],
+    overwrite: Overwrite = False,
+) -> None:
+    """Write places, masks and contrasts of the objects in each frame."""
+    from seaglint.io.labels import Labels, require_labels_name, write_labels
+    from seaglint.io.outputs import refuse_existing
+
+    refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[run])
+    found = Labels.of(run)
+    write_labels(found, output, overwrite=overwrite)
+    log(f"{output} written: {len(found.names)} object{'s' * (len(found.names) != 1)} in {len(found.frames)} frames")

@@ -1,0 +1,177 @@
+"""Motion of bodies: at rest, on a straight course, or by keyframes; every place and velocity is a function of time alone.
+
+Positions by keyframes follow a cubic spline, whose velocity and acceleration are continuous and which has no acceleration at its ends, or
+straight lines. Attitudes turn at an even rate from keyframe to keyframe, the shortest way (Shoemake 1985, quaternions).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation, Slerp
+
+from seaglint.conventions import FloatArray
+from seaglint.errors import DomainError
+from seaglint.limits import MOST_SPEED, MOST_TURN
+from seaglint.objects.attitude import rotation
+from seaglint.objects.body import Placement
+
+SLOWEST = 1e-6
+"""Speed below which a body has no course of its own [m s-1]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """A body that stays where it is."""
+
+    placement: Placement
+
+    def at(self, time: float) -> Placement:
+        """Placement at a time from the start [s]."""
+        return self.placement
+
+    def velocity(self, time: float) -> FloatArray:
+        """Velocity towards east, north and up [m s-1, (3,)]."""
+        return np.zeros(3)
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """A body that goes straight on from ``start``, at a steady velocity towards east, north and up [m s-1, (3,)]."""
+
+    start: Placement
+    steady: FloatArray
+
+    def at(self, time: float) -> Placement:
+        """Placement at a time from the start [s]."""
+        return Placement(self.start.position + time * self.steady, self.start.rotation)
+
+    def velocity(self, time: float) -> FloatArray:
+        """Velocity towards east, north and up [m s-1, (3,)]."""
+        return self.steady
+
+
+@dataclass(frozen=True, eq=False)
+class Keyframed:
+    """A body that goes from keyframe to keyframe; make it with :meth:`create`."""
+
+    time: FloatArray
+    """Of the keyframes [s]."""
+    position: FloatArray
+    """(keyframes, 3): east, north, height [m]."""
+    follows: bool
+    """Whether the heading is the direction of motion; then ``turns`` hold pitch and roll alone."""
+    _spline: CubicSpline | None
+    _turns: Slerp
+
+    @classmethod
+    def create(
+        cls,
+        time: FloatArray,
+        position: FloatArray,
+        angles: FloatArray,
+        names: Sequence[str],
+        *,
+        follows: bool = False,
+        path: Literal["spline", "straight"] = "spline",
+    ) -> Keyframed:
+        """Check keyframes and connect them.
+
+        Parameters
+        ----------
+        time : ndarray, (keyframes,)
+            From the first frame [s].
+        position : ndarray, (keyframes, 3)
+            East, north, height [m].
+        angles : ndarray, (keyframes, 3)
+            Heading, pitch, roll [rad].
+        names : sequence of str
+            What errors call the keyframes, e.g. ``"line 7"``.
+        follows : bool
+            Head along the way; the headings given count for nothing then.
+        path : "spline" or "straight"
+            How positions are connected.
+
+        Raises
+        ------
+        DomainError
+            Fewer than two keyframes, values that are not finite, times that do not increase, and jumps
+            (:data:`~seaglint.limits.MOST_SPEED`, :data:`~seaglint.limits.MOST_TURN`, half a turn, which can go either way).
+        """
+        if len(time) < 2:
+            raise DomainError(f"{len(time)} keyframe{'s' * (len(time) != 1)}; give two or more, or a position without keyframes")
+        for row in np.flatnonzero(~np.isfinite(np.column_stack([time, position, angles])).all(axis=1))[:1]:
+            raise DomainError(f"{names[row]}: a value is not a finite number; correct or remove the keyframe")
+        step = np.diff(time)
+        for row in np.flatnonzero(step <= 0.0)[:1]:
+            raise DomainError(
+                f"{names[row + 1]}: time = {time[row + 1]:g} s is not after {time[row]:g} s of {names[row]}; put keyframes in order of time"
+            )
+        speed = np.linalg.norm(np.diff(position, axis=0), axis=1) / step
+        for row in np.flatnonzero(speed > MOST_SPEED)[:1]:
+            raise DomainError(
+                f"{names[row]} to {names[row + 1]}: the object jumps at {speed[row]:.4g} m/s; allowed are {MOST_SPEED:g} m/s: correct a "
+                "position or a time"
+            )
+        heading = np.zeros(len(time)) if follows else angles[:, 0]
+        frames = [rotation(float(h), float(p), float(r)) for h, (p, r) in zip(heading, angles[:, 1:], strict=True)]
+        turned = Rotation.from_matrix(np.stack(frames))
+        turn = np.asarray((Rotation.from_matrix(np.stack(frames[:-1])).inv() * Rotation.from_matrix(np.stack(frames[1:]))).magnitude())
+        for row in np.flatnonzero(turn > np.pi - 1e-7)[:1]:
+            raise DomainError(
+                f"{names[row]} to {names[row + 1]}: the attitude turns by 180 deg, which can go either way; add a keyframe between"
+            )
+        for row in np.flatnonzero(turn / step > MOST_TURN)[:1]:
+            raise DomainError(
+                f"{names[row]} to {names[row + 1]}: the attitude jumps, at {np.degrees(turn[row] / step[row]):.4g} deg/s; allowed are "
+                f"{np.degrees(MOST_TURN):g} deg/s: correct heading_deg, pitch_deg, roll_deg or a time"
+            )
+        spline = CubicSpline(time, position, bc_type="natural") if path == "spline" else None
+        return cls(time.copy(), position.copy(), follows, spline, Slerp(time, turned))
+
+    def at(self, time: float) -> Placement:
+        """Placement at a time from the start [s].
+
+        Raises
+        ------
+        DomainError
+            Before the first or after the last keyframe.
+        """
+        t = self._inside(time)
+        if self._spline is not None:
+            position = np.asarray(self._spline(t))
+        else:
+            position = np.array([np.interp(t, self.time, column) for column in self.position.T])
+        turned = np.asarray(self._turns(t).as_matrix())
+        return Placement(position, rotation(self._course(t)) @ turned if self.follows else turned)
+
+    def velocity(self, time: float) -> FloatArray:
+        """Velocity towards east, north and up [m s-1, (3,)]; at a bend of straight lines that of the line which begins there."""
+        t = self._inside(time)
+        if self._spline is not None:
+            return np.asarray(self._spline(t, 1))
+        row = min(max(int(np.searchsorted(self.time, t, side="right")) - 1, 0), self.time.size - 2)
+        return np.asarray((self.position[row + 1] - self.position[row]) / (self.time[row + 1] - self.time[row]))
+
+    def _course(self, time: float) -> float:
+        """Azimuth of the motion [rad]; of the next motion, else of the last, where there is none."""
+        middle = 0.5 * (self.time[1:] + self.time[:-1])
+        for t in (time, *middle[middle > time], *middle[middle <= time][::-1]):
+            east, north, _ = self.velocity(float(t))
+            if math.hypot(east, north) > SLOWEST:
+                return math.atan2(east, north)
+        return 0.0
+
+    def _inside(self, time: float) -> float:
+        first, last = float(self.time[0]), float(self.time[-1])
+        # frame numbers over the rate, and times typed in decimals, differ by rounding
+        slack = 1e-9 * max(abs(first), abs(last), 1.0)
+        if not first - slack <= time <= last + slack:
+            text = f"time = {time:g} s is outside its keyframes, which span {first:g} to {last:g} s"
+            raise DomainError(f"{text}; add keyframes or ask for fewer frames")
+        return min(max(time, first), last)

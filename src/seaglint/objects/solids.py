@@ -1,0 +1,118 @@
+"""Solids from meshes: what they are made of, where they stand in a body, and their union, intersection and difference."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Literal, assert_never
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seaglint.conventions import FloatArray
+from seaglint.errors import DomainError
+from seaglint.objects.body import Plume, Solid
+from seaglint.objects.primitives import Mesh
+
+Operation = Literal["union", "intersection", "difference"]
+
+
+def solid(mesh: Mesh, temperature: ArrayLike, emissivity: ArrayLike) -> Solid:
+    """A mesh of a material: one temperature [K] and emissivity [1], or one for each vertex."""
+    vertices, triangles = mesh
+    wide = (len(vertices),)
+    return Solid(
+        np.ascontiguousarray(vertices, np.float64),
+        np.ascontiguousarray(triangles, np.int32),
+        np.array(np.broadcast_to(temperature, wide), np.float64),
+        np.array(np.broadcast_to(emissivity, wide), np.float64),
+    )
+
+
+def placed(part: Solid, at: ArrayLike, rotation: FloatArray) -> Solid:
+    """A part turned by a rotation [(3, 3)] and then moved [m]."""
+    return Solid(part.vertices @ rotation.T + np.asarray(at, np.float64), part.triangles, part.temperature, part.emissivity)
+
+
+def plume_in(part: Plume, at: ArrayLike, rotation: FloatArray) -> Plume:
+    """A plume moved [m] and turned by quarters of a circle, as its axes are the body's.
+
+    Raises
+    ------
+    DomainError
+        Any other turn.
+    """
+    quarters = np.abs(rotation)
+    if np.max(np.minimum(quarters, np.abs(quarters - 1.0))) > 1e-6:
+        raise DomainError("a plume's axes are those of its body: turn it by multiples of 90 deg, or turn the body")
+    centre = rotation @ np.asarray(part.centre) + np.asarray(at, np.float64)
+    semi_axes = np.rint(quarters) @ np.asarray(part.semi_axes)
+    x, y, z = (float(v) for v in centre)
+    a, b, c = (float(v) for v in semi_axes)
+    return Plume((x, y, z), (a, b, c), part.temperature, part.emissivity)
+
+
+def combined(operation: Operation, parts: Sequence[Solid]) -> Solid:
+    """One closed surface of several: all of them together, what they have in common, or the first without the others.
+
+    Every triangle keeps the temperature and the emissivity of the part that it comes from; what a part cuts out of another has the
+    cutting part's. Vertices at the border of two parts are there once for each.
+
+    Raises
+    ------
+    DomainError
+        Nothing is left, or a part is no closed surface.
+    """
+    if not parts:
+        raise DomainError(f"a {operation} of no parts; give two or more")
+    if len(parts) == 1:
+        return parts[0]
+    import manifold3d
+
+    kind = manifold3d.OpType
+    match operation:
+        case "union":
+            wanted = kind.Add
+        case "intersection":
+            wanted = kind.Intersect
+        case "difference":
+            wanted = kind.Subtract
+        case other:
+            assert_never(other)
+    found = manifold3d.Manifold.batch_boolean([_manifold(part) for part in parts], wanted)
+    if found.is_empty() or found.volume() <= 0.0:
+        left = "the parts have nothing in common" if operation == "intersection" else "nothing is left"
+        raise DomainError(f"its {operation} is empty: {left}; correct at_m or the sizes of its parts")
+    mesh = found.to_mesh64()
+    values = np.asarray(mesh.vert_properties)
+    return solid((values[:, :3], np.asarray(mesh.tri_verts, np.int32)), values[:, 3], values[:, 4])
+
+
+def common_volume(one: Solid, other: Solid) -> float:
+    """Volume that two solids share [m3]."""
+    import manifold3d
+
+    return float(manifold3d.Manifold.batch_boolean([_manifold(one), _manifold(other)], manifold3d.OpType.Intersect).volume())
+
+
+def _manifold(part: Solid) -> Any:
+    import manifold3d
+
+    values = np.column_stack([part.vertices, part.temperature, part.emissivity])
+    same = merged(part.vertices)
+    twice = np.flatnonzero(same != np.arange(len(same)))
+    mesh = manifold3d.Mesh64(
+        np.ascontiguousarray(values),
+        np.ascontiguousarray(part.triangles, np.uint64),
+        twice.astype(np.uint64),
+        same[twice].astype(np.uint64),
+    )
+    found = manifold3d.Manifold(mesh)
+    if found.status() != manifold3d.Error.NoError:
+        raise DomainError(f"a part is no closed surface ({found.status().name}); close it, or leave it out of the union")
+    return found
+
+
+def merged(vertices: FloatArray) -> NDArray[np.int64]:
+    """Number of the first vertex at the place of each: files and seams have several at one place."""
+    _, first, back = np.unique(vertices, axis=0, return_index=True, return_inverse=True)
+    return np.asarray(first[back.reshape(-1)], np.int64)

@@ -1,0 +1,188 @@
+"""Bodies made ready to be drawn: their solids as one mesh, their gases and their points, each placed at an instant."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.conventions import FloatArray
+from seaglint.errors import DomainError
+from seaglint.objects.body import Body, Plume, Point, Solid
+from seaglint.render.bodies.crests import Span
+from seaglint.render.bodies.eye import Stand
+
+MOST_TEMPERATURES: Final = 16
+"""Different temperatures of a body that are each looked up; more are read from a table, linear between 257 of them."""
+
+_TABLED: Final = 257
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """All solids of a body, in its axes [m]; ``code`` is the place of a vertex's temperature in ``temperatures`` [K]."""
+
+    vertices: FloatArray
+    corners: NDArray[np.int32]
+    code: FloatArray
+    emissivity: FloatArray
+    temperatures: FloatArray
+    middle: FloatArray
+    radius: float
+
+    @classmethod
+    def of(cls, solids: list[Solid]) -> Mesh:
+        """Put solids together."""
+        first = np.concatenate([[0], np.cumsum([s.vertices.shape[0] for s in solids])[:-1]])
+        vertices = np.ascontiguousarray(np.concatenate([s.vertices for s in solids]), dtype=np.float64)
+        corners = np.concatenate([s.triangles + n for s, n in zip(solids, first, strict=True)]).astype(np.int32)
+        kelvin = np.concatenate([np.asarray(s.temperature, np.float64) for s in solids])
+        found, inverse = np.unique(kelvin, return_inverse=True)
+        code: FloatArray = np.asarray(inverse, np.float64)
+        if found.size > MOST_TEMPERATURES:
+            found = np.linspace(found[0], found[-1], _TABLED)
+            code = (kelvin - found[0]) / (found[1] - found[0])
+        middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
+        radius = float(np.sqrt(((vertices - middle) ** 2).sum(axis=1).max()))
+        emissivity = np.concatenate([np.asarray(s.emissivity, np.float64) for s in solids])
+        return cls(vertices, np.ascontiguousarray(corners), code, emissivity, found, middle, radius)
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One thing to draw: what it is, the number of the body that it belongs to."""
+
+    body: int
+    name: str
+    kind: Mesh | Plume | Point
+
+
+def parts_of(bodies: tuple[Body, ...]) -> tuple[Part, ...]:
+    """Parts of all bodies."""
+    out: list[Part] = []
+    for number, body in enumerate(bodies):
+        solids = [part for part in body.parts if isinstance(part, Solid)]
+        if solids:
+            out.append(Part(number, body.name, Mesh.of(solids)))
+        out += [Part(number, body.name, part) for part in body.parts if not isinstance(part, Solid)]
+    return tuple(out)
+
+
+@dataclass(frozen=True, eq=False)
+class Placed:
+    """A part at an instant, in the sensor's axes [m].
+
+    Attributes
+    ----------
+    part : Part
+        What it is.
+    place : ndarray
+        Its middle.
+    radius : float
+        Of a sphere about it that holds it.
+    surface : ndarray
+        Vertices of a mesh; points about a plume; the point itself [m, (n, 3)].
+    gas : ndarray
+        Of a plume, as :func:`~seaglint.render.bodies.raster.chord` takes it.
+    """
+
+    part: Part
+    place: FloatArray
+    radius: float
+    surface: FloatArray
+    gas: FloatArray
+
+    @property
+    def distance(self) -> float:
+        """To its middle [m]."""
+        return float(np.linalg.norm(self.place))
+
+    @property
+    def azimuth(self) -> float:
+        """Of its middle [rad]."""
+        return math.atan2(self.place[0], self.place[1])
+
+    @property
+    def heading(self) -> tuple[float, float, float]:
+        """Azimuth of its middle [rad], with its sine and cosine."""
+        return self.azimuth, math.sin(self.azimuth), math.cos(self.azimuth)
+
+    @property
+    def elevation(self) -> float:
+        """Of its middle [rad]."""
+        return math.atan2(self.place[2], math.hypot(self.place[0], self.place[1]))
+
+    @property
+    def angle(self) -> float:
+        """Angular radius of the sphere [rad]."""
+        return math.asin(min(self.radius / max(self.distance, 1e-9), 1.0))
+
+    def span(self, eye: float) -> tuple[Span, tuple[float, float]]:
+        """What it takes up, and its least and greatest height above the mean sea [m]."""
+        level = np.hypot(self.surface[:, 0], self.surface[:, 1])
+        over = EFFECTIVE_EARTH_RADIUS + eye + self.surface[:, 2]
+        arc = EFFECTIVE_EARTH_RADIUS * np.arctan2(level, over)
+        height = np.hypot(level, over) - EFFECTIVE_EARTH_RADIUS
+        tangent = self.surface[:, 2] / np.maximum(level, 1e-9)
+        middle, s, c = self.azimuth, math.sin(self.azimuth), math.cos(self.azimuth)
+        near = float(arc.min())
+        if math.hypot(self.place[0], self.place[1]) <= self.radius:  # over or under the sensor
+            turn, near = (-math.pi, math.pi), 0.0
+        else:
+            off = np.arctan2(self.surface[:, 0] * c - self.surface[:, 1] * s, self.surface[:, 0] * s + self.surface[:, 1] * c)
+            turn = (float(off.min()), float(off.max()))
+        ends = (middle + turn[0], middle + turn[1])
+        return Span(ends, (near, float(arc.max())), float(tangent.min()), float(tangent.max())), (float(height.min()), float(height.max()))
+
+
+_BALL: Final = np.array(
+    [
+        [math.sqrt(1.0 - z * z) * math.cos(a), math.sqrt(1.0 - z * z) * math.sin(a), z]
+        for z in np.linspace(-1.0, 1.0, 17)
+        for a in np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False)
+    ]
+)
+
+
+def placed(part: Part, stand: Stand) -> Placed:
+    """A part of a body that stands somewhere.
+
+    Raises
+    ------
+    DomainError
+        The sensor is inside it.
+    """
+    none = np.zeros(0)
+    if isinstance(part.kind, Mesh):
+        middle = stand.place + stand.turn @ part.kind.middle
+        surface = part.kind.vertices @ stand.turn.T + stand.place
+        out = Placed(part, middle, part.kind.radius, surface, none)
+        if out.distance < out.radius and _holds_sensor(surface, part.kind.corners):
+            raise DomainError(
+                f"objects '{part.name}': the sensor is inside it; move it, or the sensor, or keep its path clear of the sensor's"
+            )
+        return out
+    if isinstance(part.kind, Plume):
+        axes, middle = np.asarray(part.kind.semi_axes), stand.place + stand.turn @ np.asarray(part.kind.centre)
+        # a little beyond the surface, so that what lies between the points is inside
+        surface = middle + 1.03 * (_BALL * axes) @ stand.turn.T
+        to_unit = stand.turn.T / axes[:, None]
+        gas = np.concatenate([to_unit @ middle, to_unit.ravel(), [-math.log1p(-part.kind.emissivity)]])
+        if np.linalg.norm(gas[:3]) < 1.0:
+            raise DomainError(f"objects '{part.name}': the sensor is inside its plume; move it, or the sensor")
+        return Placed(part, middle, 1.03 * float(axes.max()), surface, gas)
+    return Placed(part, stand.place, 0.0, stand.place[None], none)
+
+
+def _holds_sensor(surface: FloatArray, corners: NDArray[np.int32]) -> bool:
+    """Whether the closed surface goes round the sensor: its solid angles add to a full sphere."""
+    size = np.linalg.norm(surface, axis=1)
+    a, b, c = (surface[corners[:, k]] for k in range(3))
+    p, q, r = (size[corners[:, k]] for k in range(3))
+    spat = np.einsum("ij,ij->i", a, np.cross(b, c))
+    below = p * q * r + np.einsum("ij,ij->i", a, b) * r + np.einsum("ij,ij->i", b, c) * p + np.einsum("ij,ij->i", c, a) * q
+    return bool(abs(2.0 * np.arctan2(spat, below).sum()) > 2.0 * np.pi)

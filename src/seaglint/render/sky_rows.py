@@ -1,0 +1,27 @@
+"""Rows of an upright image: the sky in those that touch it, and the Sun in it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from seaglint.conventions import horizon_depression
+from seaglint.radiance.view import SeaView
+from seaglint.render.camera import Camera
+from seaglint.render.haze import sky_haze
+from seaglint.render.sun_in_sky import sun_in_sky
+from seaglint.render.sweep import Rows
+
+
+def sky_rows(view: SeaView, camera: Camera) -> Rows:
+    """Rows of a camera, the sky in those that touch it and the Sun in it."""
+    elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
+    # only rows that touch the sky are looked up; crests never lower the horizon by more than a few rows
+    sky = np.zeros(camera.rows)
+    rows = camera.top - np.arange(camera.rows) * camera.row_step > -horizon_depression(camera.height) - 2e-3
+    if rows.any():
+        sky[rows] = view.in_band(view.atmosphere.sky_radiance(0.5 * np.pi - elevation[rows], camera.height))
+    bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
+    top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
+    # one row more, between which and the last there is nothing to look up
+    haze = sky_haze(view, np.append(elevation[rows], elevation[rows][-1:]))
+    return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky, haze, sun_in_sky(view))

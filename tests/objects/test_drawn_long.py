@@ -1,0 +1,91 @@
+"""Objects in the picture at length: a sea that hides them by chance, meshes of a million triangles, combinations against meshes."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import trimesh
+
+from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.objects import primitives
+from seaglint.objects.body import Body, Placement
+from seaglint.objects.solids import combined, placed, solid
+from seaglint.pipeline.render import prepare_sequence
+from seaglint.render.bodies.draw import Drawer, Stage
+from seaglint.render.bodies.shade import COVER, SEEN
+from seaglint.render.surface import course, height
+from seaglint.scenario.load import parse_scenario
+
+pytestmark = pytest.mark.validation
+
+
+class Still:
+    def __init__(self, position, rotation=None):
+        self.placement = Placement(np.array(position, float), np.eye(3) if rotation is None else rotation)
+
+    def at(self, time):
+        return self.placement
+
+
+def scene(eye, fov, *, waves):
+    sensor = {"pixels": [128, 64], "fov_deg": fov, "elevation_deg": -0.2, "azimuth_deg": 0.0, "height_m": eye}
+    return prepare_sequence(parse_scenario({"sensor": sensor, "wind": {"speed_m_s": 10.0}, "sea": {"resolve_waves": waves}}))
+
+
+def stage(run, time):
+    sea, pose = run.scene.sea(run.scene.pose, time), run.scene.pose
+    pixels = run.scene.pixels
+    waves = (sea.levels, sea.surface) if run.scene.waves is not None else None
+    return Stage(pixels, pose, run.scene.view, waves, (0, pixels.columns), (0, pixels.rows))
+
+
+def test_a_rough_sea_hides_low_objects_as_often_as_lines_of_sight_say():
+    eye, far, width = 8.0, 3000.0, 0.3
+    run = scene(eye, [8.0, 4.0], waves=True)
+    azimuths = np.radians(np.linspace(-3.5, 3.5, 29))
+    post = solid(primitives.box((width, width, 1.0)), 300.0, 1.0)
+    bodies = tuple(Body(f"{i}", (post,), Still((far * math.sin(a), far * math.cos(a), 0.5))) for i, a in enumerate(azimuths))
+    shown, counted = [], []
+    arcs = np.arange(1000.0, far, 0.2)
+    drop = eye + arcs**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)
+    for time in (0.0, 7.0, 19.0):
+        at = stage(run, time)
+        found = {p.placed.part.body: p.sums[SEEN] for p in Drawer.of(bodies).picture(at, time).patches}
+        surface = at.sea[1]
+        for i, a in enumerate(azimuths):
+            shown.append(found.get(i, 0.0) / (width * (abs(math.cos(a)) + abs(math.sin(a))) / far**2))
+            line = course(surface, 0, math.sin(a), math.cos(a), (arcs[0], arcs[-1]))
+            sea = np.array([height(surface, line, 0, line.part.shape[0], r) for r in arcs])
+            highest = ((sea - drop) / arcs).max()
+            lowest = max(highest * far + eye + far**2 / (2.0 * EFFECTIVE_EARTH_RADIUS), 0.0, sea[-1])
+            counted.append(max(1.0 - lowest, 0.0))
+    shown, counted = np.array(shown), np.array(counted)
+    hidden = np.mean(shown < 1e-3)
+    assert 0.2 < np.mean(counted == 0.0) < 0.98
+    # three standard errors of a share that is the same for 95 % of them
+    assert hidden == pytest.approx(np.mean(counted == 0.0), abs=3.0 * math.sqrt(0.05 / shown.size))
+    assert shown.mean() == pytest.approx(counted.mean(), abs=0.03)
+
+
+def test_a_million_triangles_are_drawn():
+    run = scene(20.0, [2.0, 1.0], waves=False)
+    ball = trimesh.creation.icosphere(8, 3.0)
+    assert len(ball.faces) > 1e6
+    mesh = (np.asarray(ball.vertices), np.asarray(ball.faces, np.int32))
+    picture = Drawer.of((Body("ball", (solid(mesh, 300.0, 0.9),), Still((0.0, 1000.0, 15.0))),)).picture(stage(run, 0.0), 0.0)
+    place = float(np.linalg.norm(picture.stands[0].place))
+    assert picture.patches[0].sums[SEEN] == pytest.approx(2.0 * math.pi * (1.0 - math.sqrt(1.0 - (3.0 / place) ** 2)), rel=2e-3)
+
+
+def test_a_combination_covers_pixels_as_its_mesh_does():
+    at = stage(scene(20.0, [2.0, 1.0], waves=False), 0.0)
+    block, hole = solid(primitives.box((6.0, 6.0, 6.0)), 300.0, 1.0), solid(primitives.cylinder(1.5, 20.0), 300.0, 1.0)
+    drilled = combined("difference", [block, placed(hole, (0.5, 0.2, 0.0), np.eye(3))])
+    mesh = trimesh.Trimesh(drilled.vertices, drilled.triangles).subdivide()
+    fine = solid((np.asarray(mesh.vertices), np.asarray(mesh.faces, np.int32)), 300.0, 1.0)
+    turn = trimesh.transformations.euler_matrix(1.2, 0.3, 0.5)[:3, :3]
+    one, other = (Drawer.of((Body("it", (s,), Still((0.0, 900.0, 15.0), turn)),)).picture(at, 0.0).patches[0] for s in (drilled, fine))
+    np.testing.assert_allclose(one.planes[COVER], other.planes[COVER], atol=5e-3)
+    assert ((one.planes[COVER] > 0.01) & (one.planes[COVER] < 0.99)).sum() > 20
