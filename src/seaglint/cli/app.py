@@ -21,6 +21,7 @@ from typer.core import TyperGroup
 
 from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
+from seaglint.cli.detect import detect
 from seaglint.cli.evaluate import evaluate
 from seaglint.cli.export import export, export_sea
 from seaglint.cli.messages import files_read, log, naming_file, print_json
@@ -91,6 +92,7 @@ app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
 app.add_typer(atmosphere, name="atmosphere")
 app.command()(analyze)
+app.command()(detect)
 app.command()(export)
 app.command("export-sea")(export_sea)
 app.command()(sense)

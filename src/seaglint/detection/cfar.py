@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint._jit import njit
-from seaglint.detection.base import Frames
+from seaglint.detection.base import GAUSSIAN_TAIL, Frames
 from seaglint.errors import DomainError
 
 Clutter = Literal["exponential", "gaussian"]
@@ -85,6 +85,11 @@ def _averaging_ratios(clutter: Clutter, cells: int) -> FloatArray:
     return np.asarray(np.sign(_NODES) * small)
 
 
+def student_equivalent(ratio: FloatArray, cells: int) -> Frames:
+    """Equivalent standard deviations of (x - mean) / (s sqrt(1 + 1/n)) with n Gaussian training values (Student's t, n - 1 degrees) [1]."""
+    return _equivalent(ratio, _averaging_ratios("gaussian", cells))
+
+
 def _equivalent(ratio: FloatArray, nodes: FloatArray, z_nodes: FloatArray = _NODES) -> Frames:
     z = np.interp(ratio, nodes, z_nodes)
     return np.where(np.isnan(ratio), np.nan, z).astype(np.float32)
@@ -113,6 +118,17 @@ class CellAveraging:
     name: str = field(default="ca-cfar", init=False)
     lead: int = field(default=0, init=False)
     calibrated: bool = field(default=True, init=False)
+    linear: bool = field(default=False, init=False)
+
+    @property
+    def reach(self) -> int:
+        """Half side of the outer square [px]."""
+        return self.training
+
+    @property
+    def null_law(self) -> str:
+        """Exact for independent clutter of its kind."""
+        return f"{GAUSSIAN_TAIL}, independent {self.clutter} clutter"
 
     def __post_init__(self) -> None:
         _check(self.training, self.guard)
@@ -268,6 +284,17 @@ class OrderedStatistic:
     clutter: Clutter = "gaussian"
     lead: int = field(default=0, init=False)
     calibrated: bool = field(default=True, init=False)
+    linear: bool = field(default=False, init=False)
+
+    @property
+    def reach(self) -> int:
+        """Half side of the outer square [px]."""
+        return self.training
+
+    @property
+    def null_law(self) -> str:
+        """Exact for independent clutter of its kind."""
+        return f"{GAUSSIAN_TAIL}, independent {self.clutter} clutter"
 
     def __post_init__(self) -> None:
         _check(self.training, self.guard)
