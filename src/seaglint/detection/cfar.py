@@ -85,11 +85,6 @@ def _averaging_ratios(clutter: Clutter, cells: int) -> FloatArray:
     return np.asarray(np.sign(_NODES) * small)
 
 
-def student_equivalent(ratio: FloatArray, cells: int) -> Frames:
-    """Equivalent standard deviations of (x - mean) / (s sqrt(1 + 1/n)) with n Gaussian training values (Student's t, n - 1 degrees) [1]."""
-    return _equivalent(ratio, _averaging_ratios("gaussian", cells))
-
-
 def _equivalent(ratio: FloatArray, nodes: FloatArray, z_nodes: FloatArray = _NODES) -> Frames:
     z = np.interp(ratio, nodes, z_nodes)
     return np.where(np.isnan(ratio), np.nan, z).astype(np.float32)

@@ -20,12 +20,12 @@ from seaglint.detection.temporal import TemporalProfile, TrackBeforeDetect
 from seaglint.errors import DataError
 
 _PLAIN: Final[dict[str, Callable[[], Detector]]] = {
-    "threshold": FilterThreshold,
     "ca-cfar": CellAveraging,
     "os-cfar": OrderedStatistic,
     "os-cfar-exponential": lambda: OrderedStatistic(clutter="exponential"),
     "frame-difference": FrameDifference,
     "integration": RegisteredIntegration,
+    "threshold": FilterThreshold,
     "top-hat": lambda: FilterThreshold(TopHat(), "top-hat"),
     "max-mean": lambda: DirectionalBackground("mean"),
     "max-median": lambda: DirectionalBackground("median"),

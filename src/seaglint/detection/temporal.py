@@ -9,13 +9,27 @@ Evans 1996, IEEE Trans. AES 32, 1440 (dynamic programming).
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seaglint.clutter.filters import as_frames
 from seaglint.detection.base import GAUSSIAN_TAIL, Frames
-from seaglint.detection.cfar import student_equivalent
+from seaglint.detection.cfar import HIGHEST
 from seaglint.errors import DomainError
+
+FloatArray = NDArray[np.float64]
+
+
+@lru_cache(maxsize=8)
+def _student(degrees: int) -> tuple[FloatArray, FloatArray]:
+    """Ratios and the z with Q(z) equal to their tail of Student's t: dense around 0, to 1e30, where few degrees still have a tail."""
+    from scipy.special import ndtri, stdtr
+
+    ratio = np.sinh(np.linspace(0.0, np.arcsinh(1e30), 20_001))
+    z = np.minimum(-ndtri(np.maximum(stdtr(degrees, -ratio), 1e-300)), HIGHEST)
+    return np.concatenate([-ratio[:0:-1], ratio]), np.concatenate([-z[:0:-1], z])
 
 
 @dataclass(frozen=True)
@@ -62,7 +76,8 @@ class TemporalProfile:
             with np.errstate(invalid="ignore", divide="ignore"):
                 spread = past.std(axis=0, ddof=1)
                 ratio = (source[k + self.lead] - past.mean(axis=0)) / (spread * np.sqrt(1.0 + 1.0 / n))
-            out[k] = student_equivalent(np.where(spread > 0, ratio, np.nan), n)
+            nodes, z = _student(n - 1)
+            out[k] = np.interp(np.where(spread > 0, ratio, np.nan), nodes, z)
         return out
 
 

@@ -284,10 +284,8 @@ def detect(source: FrameSource, options: Options, *, name: str = "frames", progr
     detections = tuple(alarms.cells.detection_interval(s, options.level) for s in trials.scores)
     size = (source.frames, source.rows, source.columns)
     notes = tuple(_notes(detector, options, trials, alarms, detections))
-    return Performance(
-        *(name, size, options, detector, threshold, (background.mean, background.sigma)),
-        *(background.border, alarms, trials, detections, tail, notes),
-    )
+    scale = (background.mean, background.sigma)
+    return Performance(name, size, options, detector, threshold, scale, background.border, alarms, trials, detections, tail, notes)
 
 
 def _detector(source: FrameSource, options: Options) -> Detector:
