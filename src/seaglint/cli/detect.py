@@ -148,9 +148,19 @@ def detect(
     result = found.as_dict() | {"units": opened.units, "frame_rate_hz": opened.frame_rate}
     result["notes"] += list(opened.notes)
     if files is not None:
+        import numpy as np
+
+        from seaglint.detection.roc import joined
         from seaglint.plot.detection import draw_roc
 
-        files.write(result, found.rows(), found.characteristic().columns(), lambda path: draw_roc(found, path))
+        curves = [found.characteristic(k) for k in range(len(objects.contrasts))]
+        title, rate = f"{found.detector.name}, filter {options.filter.name}", found.alarms.per_pixel.rate
+        files.write(
+            result,
+            found.rows(),
+            {"contrast": np.repeat(objects.contrasts, [c.threshold.size for c in curves]), **joined(curves)},
+            lambda path: draw_roc(path, title, objects.contrasts, curves, found.detections, rate),
+        )
         log(f"{', '.join(str(path) for path in files.paths)} written")
     if as_json:
         print_json(result)

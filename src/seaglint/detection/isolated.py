@@ -54,9 +54,7 @@ class IsolatedDetector:
             number = theirs.fileno()
             command = [sys.executable, "-m", "seaglint.detection.worker", str(number), path]
             environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
-            self._process = subprocess.Popen(
-                command, pass_fds=[number], stdin=subprocess.DEVNULL, stdout=2, env=environment
-            )
+            self._process = subprocess.Popen(command, pass_fds=[number], stdin=subprocess.DEVNULL, stdout=2, env=environment)
         self._connection = Connection(ours.detach())
         told = self._answer(START_LIMIT, "while its module was imported")
         self.name, self.lead, self.calibrated, self.reach = (told[k] for k in ("name", "lead", "calibrated", "reach"))

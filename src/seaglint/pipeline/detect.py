@@ -217,7 +217,6 @@ class Performance:
             "shape_interval": None if fit is None else list(fit.shape_interval),
             "events": None if fit is None else fit.events,
             "extremal_index": _plain(self.tail.extremal_index),
-            "believed_to_rate": None if fit is None else fit.trusted_to_rate,
             "at_threshold": None if at is None else told(at),
             "rare": [told(found) for found in rare],
         }
