@@ -46,7 +46,7 @@ class GaussianSpot:
     Examples
     --------
     >>> GaussianSpot(0.8).stamps(np.zeros((1, 2)))[0, 4].round(3).tolist()[3:6]
-    [0.514, 1.0, 0.514]
+    [0.503, 1.0, 0.503]
     """
 
     sigma: float
