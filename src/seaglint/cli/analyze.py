@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from seaglint.clutter.filters import Filter
 
 RAW_NAMES = ("rows", "columns", "dtype", "byte_order", "offset", "frame_header")
+RAW_HELP = "layout of a raw file, e.g. rows=512,columns=640,dtype=uint16,offset=0,frame_header=0"
 
 
 def analyze(
@@ -61,9 +62,7 @@ def analyze(
             "--border", help="'keep' or 'drop' filtered pixels that see repeated ones beyond the border; 'auto': keep in one image"
         ),
     ] = "auto",
-    raw: Annotated[
-        str | None, typer.Option("--raw", help="layout of a raw file, e.g. rows=512,columns=640,dtype=uint16,offset=0,frame_header=0")
-    ] = None,
+    raw: Annotated[str | None, typer.Option("--raw", help=RAW_HELP)] = None,
     seed: Annotated[int, typer.Option("--seed", min=0, help="of the samples that are drawn")] = 0,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the report that is there")] = False,
     show: Annotated[
@@ -85,7 +84,7 @@ def analyze(
         recording,
         frame_rate=frame_rate,
         units=units,
-        raw=_raw_layout(raw),
+        raw=raw_layout(raw),
         variable=variable,
         channel=channel,
         axes=axes,
@@ -137,7 +136,7 @@ def _options(
     if border not in ("auto", "keep", "drop"):
         raise DataError(f"--border {border}: allowed are auto, keep, drop")
     return Options(
-        filter=_filter(filter_name, kernel, signature),
+        filter=filter_of(filter_name, kernel, signature),
         thresholds=tuple(thresholds),
         scope=sigma,  # type: ignore[arg-type]
         rows=_part(rows),
@@ -148,20 +147,21 @@ def _options(
     )
 
 
-def _filter(name: str, kernel: Path | None, signature: Path | None) -> Filter:
+def filter_of(name: str, kernel: Path | None, signature: Path | None) -> Filter:
+    """Filter by name, or of the user's own weights or target."""
     from seaglint.clutter.filters import Kernel, MatchedFilter, named
     from seaglint.errors import DataError
 
     if kernel is not None:
-        return Kernel(_weights(kernel), name=kernel.stem)
+        return Kernel(weights(kernel), name=kernel.stem)
     if name == "matched":
         if signature is None:
             raise DataError("--filter matched needs the target's signature: --signature FILE (CSV or .npy)")
-        return MatchedFilter(_weights(signature))
+        return MatchedFilter(weights(signature))
     return named(name)
 
 
-def _weights(path: Path) -> NDArray[np.float64]:
+def weights(path: Path) -> NDArray[np.float64]:
     """Numbers of a small CSV or NumPy file."""
     import numpy as np
 
@@ -201,7 +201,8 @@ def _part(text: str) -> tuple[float, float]:
         raise DataError(f"--rows {text}: give FIRST:LAST as shares of the height from the top, e.g. 0.45: or 0.2:0.8") from None
 
 
-def _raw_layout(text: str | None) -> Any:
+def raw_layout(text: str | None) -> Any:
+    """Layout of a raw file from name=value pairs."""
     if text is None:
         return None
     from seaglint.errors import DataError

@@ -21,6 +21,7 @@ from typer.core import TyperGroup
 
 from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
+from seaglint.cli.detect import detect
 from seaglint.cli.evaluate import evaluate
 from seaglint.cli.export import export, export_sea
 from seaglint.cli.labels import labels
@@ -94,6 +95,7 @@ app.add_typer(evaluate, name="evaluate")
 app.add_typer(atmosphere, name="atmosphere")
 app.add_typer(weather, name="weather")
 app.command()(analyze)
+app.command()(detect)
 app.command()(export)
 app.command("export-sea")(export_sea)
 app.command()(labels)

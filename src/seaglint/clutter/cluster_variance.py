@@ -113,13 +113,15 @@ def _windows(products: FloatArray, occupied: FloatArray) -> tuple[list[FloatArra
     return windows, independent
 
 
-def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64]) -> ClusterVariance:
+def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: FloatArray | None = None) -> ClusterVariance:
     """Variance of counts.sum() / pixels.sum() where cells that are near in time or space go together.
 
     Parameters
     ----------
     counts, pixels : ndarray of int
         Occurrences and valid pixels in each cell, shape (segments, tile rows, tile columns) [1]; cells without pixels are 0 in both.
+    shift : ndarray, optional
+        By how many occurrences the cell moved the total through a threshold that was estimated from the same pixels [1].
 
     Returns
     -------
@@ -138,7 +140,7 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64]) -> Clust
     occupied = _autocovariance((pixels > 0).astype(np.float64))
     for expected, reference in plans:
         from_tiles = reference == "tiles"
-        e = counts - expected * pixels
+        e = counts - expected * pixels - (0.0 if shift is None else shift)
         products = _autocovariance(e)
         windows, independent = _windows(products, occupied)
         # A frozen pattern has no residuals from its own mean, which says nothing of the next pattern.

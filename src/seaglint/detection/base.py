@@ -6,6 +6,9 @@ deviations: the probability of a false alarm above m is the Gaussian tail Q(m) o
 own promise is what is judged. The statistic of any other is divided by its measured sigma first
 (:func:`seaglint.clutter.thresholds.standardise`).
 
+Objects share a frame where their statistics do not disturb each other: ``reach`` says how far a detector looks around a pixel, and one
+that is ``linear`` gives the sum of the statistics of two sequences for their sum, so that clutter and objects may go through it apart.
+
 Recordings have missing pixels: dead lines and pixels, even rows of sky, NaN. A user's function gets whole frames (:func:`filled`), as few
 functions are made for NaN and a median or mean over a frame would be lost for all of it; what it says where a value is missing does not
 count. With an attribute ``takes_nan = True`` it gets NaN instead.
@@ -16,9 +19,9 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +29,9 @@ from numpy.typing import NDArray
 from seaglint.errors import DataError
 
 Frames = NDArray[np.float32]
+
+GAUSSIAN_TAIL: Final = "equivalent standard deviations: exceeds m with probability Q(m)"
+"""Law of a calibrated statistic on the clutter it is designed for."""
 
 
 @runtime_checkable
@@ -45,6 +51,21 @@ class Detector(Protocol):
     @property
     def calibrated(self) -> bool:
         """Whether the statistic is in equivalent standard deviations."""
+        ...
+
+    @property
+    def reach(self) -> int | None:
+        """Pixels around a pixel, rows and columns alike, on which its statistic depends [px]; None where that may be the whole frame."""
+        ...
+
+    @property
+    def linear(self) -> bool:
+        """Whether the statistic of a sum of sequences is the sum of their statistics."""
+        ...
+
+    @property
+    def null_law(self) -> str | None:
+        """Law of the statistic on clutter without objects, and for which clutter; None where no law is stated."""
         ...
 
     def __call__(self, frames: Frames) -> Frames:
@@ -127,6 +148,8 @@ class UserDetector:
         Whether the statistic is in equivalent standard deviations.
     takes_nan : bool
         Whether the function gets NaN where values are missing, rather than frames filled by :func:`filled`.
+    reach : int, optional
+        Pixels around a pixel on which its statistic depends [px]; the whole frame where nothing is said.
     """
 
     function: Callable[[Frames], Any]
@@ -134,6 +157,13 @@ class UserDetector:
     lead: int = 0
     calibrated: bool = False
     takes_nan: bool = False
+    reach: int | None = None
+    linear: bool = field(default=False, init=False)
+
+    @property
+    def null_law(self) -> str | None:
+        """That of equivalent standard deviations where the function promises them."""
+        return GAUSSIAN_TAIL if self.calibrated else None
 
     def __call__(self, frames: Frames) -> Frames:
         """Statistic of the frames from ``lead`` on, shape (k - lead, rows, columns) [1].
@@ -179,8 +209,8 @@ class UserDetector:
 def load(path: str) -> Detector:
     """Detector behind ``package.module:attribute``; modules in the current folder are found as well.
 
-    The attribute is a function of frames, which may carry attributes ``lead``, ``calibrated`` and ``takes_nan``, or an object with the
-    interface of :class:`Detector`, or a class of such objects that needs no arguments.
+    The attribute is a function of frames, which may carry attributes ``lead``, ``calibrated``, ``takes_nan`` and ``reach``, or an object
+    with the interface of :class:`Detector`, or a class of such objects that needs no arguments.
 
     Raises
     ------
@@ -212,6 +242,9 @@ def load(path: str) -> Detector:
     lead = getattr(found, "lead", 0)
     if not isinstance(lead, int) or lead < 0:
         raise DataError(f"detector {path!r}: lead = {lead!r} is not a number of frames of 0 or more")
+    reach = getattr(found, "reach", None)
+    if reach is not None and (not isinstance(reach, int) or reach < 0):
+        raise DataError(f"detector {path!r}: reach = {reach!r} is not a number of pixels of 0 or more")
     # Wrapped also where it has the whole interface: what it returns is checked all the same.
-    flags = (bool(getattr(found, flag, False)) for flag in ("calibrated", "takes_nan"))
-    return UserDetector(found, str(getattr(found, "name", path)), lead, *flags)
+    calibrated, takes_nan = (bool(getattr(found, flag, False)) for flag in ("calibrated", "takes_nan"))
+    return UserDetector(found, str(getattr(found, "name", path)), lead, calibrated, takes_nan, reach)

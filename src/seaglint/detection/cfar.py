@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint._jit import njit
-from seaglint.detection.base import Frames
+from seaglint.detection.base import GAUSSIAN_TAIL, Frames
 from seaglint.errors import DomainError
 
 Clutter = Literal["exponential", "gaussian"]
@@ -113,6 +113,17 @@ class CellAveraging:
     name: str = field(default="ca-cfar", init=False)
     lead: int = field(default=0, init=False)
     calibrated: bool = field(default=True, init=False)
+    linear: bool = field(default=False, init=False)
+
+    @property
+    def reach(self) -> int:
+        """Half side of the outer square [px]."""
+        return self.training
+
+    @property
+    def null_law(self) -> str:
+        """Exact for independent clutter of its kind."""
+        return f"{GAUSSIAN_TAIL}, independent {self.clutter} clutter"
 
     def __post_init__(self) -> None:
         _check(self.training, self.guard)
@@ -268,6 +279,17 @@ class OrderedStatistic:
     clutter: Clutter = "gaussian"
     lead: int = field(default=0, init=False)
     calibrated: bool = field(default=True, init=False)
+    linear: bool = field(default=False, init=False)
+
+    @property
+    def reach(self) -> int:
+        """Half side of the outer square [px]."""
+        return self.training
+
+    @property
+    def null_law(self) -> str:
+        """Exact for independent clutter of its kind."""
+        return f"{GAUSSIAN_TAIL}, independent {self.clutter} clutter"
 
     def __post_init__(self) -> None:
         _check(self.training, self.guard)

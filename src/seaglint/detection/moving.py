@@ -15,6 +15,9 @@ from seaglint.detection.base import Frames
 from seaglint.detection.registration import displacement, moved
 from seaglint.errors import DomainError
 
+_SPLINE_REACH = 12
+"""Pixels beyond which a moved frame hardly feels one: weights of a cubic spline fall by 0.27 a pixel, here below 1e-6 [px]."""
+
 
 @dataclass(frozen=True)
 class FrameDifference:
@@ -32,10 +35,21 @@ class FrameDifference:
     register: bool = False
     name: str = field(default="frame-difference", init=False)
     calibrated: bool = field(default=False, init=False)
+    null_law: None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         if self.lag < 1:
             raise DomainError(f"lag = {self.lag} frames; give at least 1")
+
+    @property
+    def reach(self) -> int | None:
+        """0, or the whole frame where frames are registered [px]."""
+        return None if self.register else 0
+
+    @property
+    def linear(self) -> bool:
+        """A difference of frames that are not moved is."""
+        return not self.register
 
     @property
     def lead(self) -> int:
@@ -76,10 +90,23 @@ class RegisteredIntegration:
     velocity: tuple[float, float] = (0.0, 0.0)
     name: str = field(default="integration", init=False)
     calibrated: bool = field(default=False, init=False)
+    null_law: None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         if self.count < 2:
             raise DomainError(f"count = {self.count} frames; give at least 2")
+
+    @property
+    def reach(self) -> int | None:
+        """What the spline of a moved frame reaches, or the whole frame where frames are registered [px]."""
+        if self.register:
+            return None
+        return 0 if self.velocity == (0.0, 0.0) else _SPLINE_REACH + int(np.ceil(self.lead * max(abs(v) for v in self.velocity)))
+
+    @property
+    def linear(self) -> bool:
+        """A mean of frames that are not moved by what they show is."""
+        return not self.register
 
     @property
     def lead(self) -> int:

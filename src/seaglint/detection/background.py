@@ -1,0 +1,254 @@
+"""The statistic of frames without objects: its mean and standard deviation, thresholds, and false alarms."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any, Final, Literal, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.clutter.false_alarms import HIGHEST, FalseAlarms
+from seaglint.clutter.thresholds import frame_scale
+from seaglint.detection.base import Detector, Frames, statistics
+from seaglint.detection.scoring import Cells, Interval, interval
+from seaglint.detection.tails import LOWEST_THRESHOLD
+from seaglint.errors import DataError, DomainError
+
+Law = Literal["sigma", "frame", "fixed", "design"]
+Report = Callable[[int, int], None]
+
+KEPT_BYTES: Final = 512e6
+"""Size of the statistic that is kept in memory; a larger one goes to a temporary file [B]."""
+
+_BLOCK_BYTES = 8e6
+
+
+class FrameSource(Protocol):
+    """Frames without objects: a recording, or pictures that are rendered on demand."""
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        ...
+
+    @property
+    def rows(self) -> int:
+        """Rows of a frame [px]."""
+        ...
+
+    @property
+    def columns(self) -> int:
+        """Columns of a frame [px]."""
+        ...
+
+    @property
+    def saturation(self) -> float | None:
+        """Value beyond which no pixel goes [u]; None where nothing is known of it."""
+        ...
+
+    def read(self, start: int, stop: int) -> Frames:
+        """Frames ``start`` to ``stop`` (not included), the caller's own, NaN where missing [u]."""
+        ...
+
+
+def blocks_of(source: FrameSource) -> Iterator[Frames]:
+    """All frames in order, in blocks of some megabytes."""
+    step = max(int(_BLOCK_BYTES / (4.0 * source.rows * source.columns)), 1)
+    for start in range(0, source.frames, step):
+        yield source.read(start, min(start + step, source.frames))
+
+
+@dataclass(frozen=True)
+class Threshold:
+    """A threshold and how it was stated.
+
+    Attributes
+    ----------
+    law : {"sigma", "frame", "fixed", "design"}
+        Standard deviations above the mean, of all frames or of each; the statistic's own units; or a designed rate of false alarms.
+    given : float
+        The number, in the law's unit.
+    sigma : float
+        The same in standard deviations above the mean [1].
+    estimated : bool
+        Whether it stands on the measured mean and standard deviation.
+    """
+
+    law: Law
+    given: float
+    sigma: float
+    estimated: bool
+
+
+class Background:
+    """Statistic of all windows of a source, kept for the objects that are injected.
+
+    Parameters
+    ----------
+    detector : Detector
+        What is judged.
+    source : FrameSource
+        Frames without objects.
+    report : callable, optional
+        Called with (windows done, windows in all).
+
+    Raises
+    ------
+    DataError
+        Fewer frames than the detector needs, a detector that fails, or a statistic that does not vary.
+    """
+
+    def __init__(self, detector: Detector, source: FrameSource, report: Report | None = None) -> None:
+        self.detector, self.lead = detector, detector.lead
+        self.windows = source.frames - self.lead
+        if self.windows < 1:
+            raise DataError(f"detector {detector.name} needs {self.lead + 1} frames; the sequence has {source.frames}")
+        shape = (self.windows, source.rows, source.columns)
+        self.statistic: NDArray[np.float32] = _room(shape)
+        done = 0
+        for part in statistics(detector, blocks_of(source)):
+            self.statistic[done : done + part.shape[0]] = part
+            done += part.shape[0]
+            if report is not None:
+                report(done, self.windows)
+        self.border = self._blank_border()
+        scales = [frame_scale(frame) for frame in self.statistic]
+        self.frame_mean, self.frame_sigma = (np.array([s[k][0] for s in scales]) for k in (0, 1))
+        number = np.array([np.isfinite(frame).sum() for frame in self.statistic], np.float64)
+        self.pixels = int(number.sum())
+        if self.pixels == 0:
+            raise DataError(
+                f"detector {detector.name} gives no statistic in any pixel of {self.windows} windows (all NaN); "
+                "frames are smaller than its border, all missing, or the detector is at fault"
+            )
+        weight = number / number.sum()
+        mean, spread = (np.where(number > 0, v, 0.0) for v in (self.frame_mean, self.frame_sigma))
+        self.mean = float(weight @ mean)
+        self.sigma = float(np.sqrt(weight @ (spread**2 + (mean - self.mean) ** 2)))
+        if not self.sigma > 1e-12 * abs(self.mean):
+            raise DataError(
+                f"detector {detector.name}: the statistic is {self.mean:g} in every pixel; clutter without variation is not judged"
+            )
+
+    def _blank_border(self) -> int:
+        """Leave out the pixels that see repeated ones beyond the border, where half of the pixels are left; their width [px].
+
+        Weights that fall on one repeated pixel add up: the matched filter's variance is up to twice as large there, and its false alarms
+        many times more.
+        """
+        _, rows, columns = self.statistic.shape
+        width = self.detector.reach or 0
+        inside = (rows - 2 * width, columns - 2 * width)
+        if not width or min(inside) < 1 or 2 * inside[0] * inside[1] < rows * columns:
+            return 0
+        for part in (np.s_[:, :width], np.s_[:, rows - width :], np.s_[:, :, :width], np.s_[:, :, columns - width :]):
+            self.statistic[part] = np.nan
+        return width
+
+    def threshold(self, given: float, law: Law) -> Threshold:
+        """Threshold in standard deviations above the mean.
+
+        A calibrated statistic is in standard deviations as it is: its thresholds stand on no measured number. A designed rate takes the
+        Gaussian tail, of the calibrated statistic or of the measured mean and standard deviation.
+
+        Raises
+        ------
+        DomainError
+            A number that the law does not allow, or a threshold that is not above the mean.
+        """
+        if not np.isfinite(given):
+            raise DomainError(f"threshold = {given:g}; give a finite number")
+        calibrated = self.detector.calibrated and law != "frame"
+        sigma = given
+        if law == "design":
+            if not 0.0 < given < 0.5:
+                raise DomainError(f"designed rate of false alarms = {given:g} is not between 0 and 0.5; give e.g. 1e-5")
+            from scipy.special import ndtri
+
+            sigma = -float(ndtri(given))
+        elif law == "fixed" and not calibrated:
+            sigma = (given - self.mean) / self.sigma
+        if not 0.0 < sigma < HIGHEST:
+            raise DomainError(
+                f"threshold = {given:g} is {sigma:.4g} standard deviations above the mean of the statistic "
+                f"({self.mean:.4g}, standard deviation {self.sigma:.4g}); above 0 and below {HIGHEST:g} are needed"
+            )
+        return Threshold(law, given, sigma, law != "fixed" and not calibrated)
+
+    def scale(self, window: int, law: Law) -> tuple[float, float]:
+        """Mean and standard deviation in which the statistic of a window is told."""
+        if law == "frame":
+            return float(self.frame_mean[window]), float(self.frame_sigma[window])
+        return (0.0, 1.0) if self.detector.calibrated else (self.mean, self.sigma)
+
+    def z(self, window: int, law: Law) -> NDArray[np.float32]:
+        """Statistic of a window in standard deviations above the mean, shape (rows, columns) [1]."""
+        mean, sigma = self.scale(window, law)
+        if not sigma > 0:
+            return np.full(self.statistic.shape[1:], np.nan, np.float32)
+        return np.asarray((self.statistic[window] - np.float64(mean)) / sigma, np.float32)
+
+
+@dataclass(frozen=True)
+class FalseAlarmCount:
+    """False alarms of a threshold over all windows.
+
+    Attributes
+    ----------
+    alarms : FalseAlarms
+        Rates, events and the rate curve of z.
+    cells : Cells
+        What intervals are made of.
+    per_pixel : Interval
+        Rate per pixel and frame [1].
+    per_frame : Interval
+        Share of frames with at least one false alarm [1].
+    """
+
+    alarms: FalseAlarms
+    cells: Cells
+    per_pixel: Interval
+    per_frame: Interval
+
+
+def count_false_alarms(background: Background, threshold: Threshold, level: float = 0.95) -> FalseAlarmCount:
+    """Count every pixel above the threshold in every window; alarms are pixels and are not clustered."""
+    windows, rows, columns = background.statistic.shape
+    alarms = FalseAlarms(tuple({threshold.sigma, LOWEST_THRESHOLD}))
+    cells = Cells(windows, rows, columns, threshold.sigma, estimated=threshold.estimated)
+    with_alarm = np.zeros(windows, np.int64)
+    for k in range(windows):
+        z = background.z(k, threshold.law)
+        alarms.add(z)
+        cells.add(k, z)
+        with_alarm[k] = bool((z > threshold.sigma).any())
+    curve = alarms.curve()
+    density = curve_density(curve.threshold, curve.exceedances, threshold.sigma) / max(curve.pixels, 1)
+    per_pixel = cells.false_alarm_interval(density, level)
+    per_frame = interval(with_alarm[:, None, None], np.ones((windows, 1, 1), np.int64), None, level)
+    return FalseAlarmCount(alarms, cells, per_pixel, per_frame)
+
+
+def curve_density(threshold: NDArray[np.float64], exceedances: NDArray[np.int64], at: float, half: float = 0.1) -> float:
+    """Pixels per standard deviation at a threshold, from a rate curve [1]."""
+    if threshold.size < 2:
+        return 0.0
+    below, above = (float(np.interp(at + s * half, threshold, exceedances, left=exceedances[0], right=0.0)) for s in (-1, 1))
+    return (below - above) / (2 * half)
+
+
+def _room(shape: tuple[int, ...]) -> Any:
+    """An array, on disk where it is large; the file has no name and goes with the array."""
+    if 4.0 * np.prod(shape, dtype=np.float64) <= KEPT_BYTES:
+        return np.empty(shape, np.float32)
+    try:
+        with tempfile.TemporaryFile() as file:
+            return np.memmap(file, np.float32, "w+", shape=shape)
+    except OSError as error:
+        raise DataError(
+            f"the statistic of {shape[0]} frames of {shape[1]} x {shape[2]} px finds no room among temporary files ({error}); "
+            "set TMPDIR to a folder with more, or give fewer frames"
+        ) from error

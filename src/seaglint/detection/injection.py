@@ -1,0 +1,206 @@
+"""Where and when objects are injected: batches of places that share a window of frames without disturbing each other.
+
+Injection i has a displacement within its pixel that is a function of (seed, i), batch b a lattice of places that is one of (seed, b):
+neither threads nor order change a result. Neighbours on the lattice are ``pitch`` pixels apart, its origin is uniform within a cell, so
+that every pixel inside the margin is as likely as any other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint._jit import njit
+from seaglint.detection.base import Detector
+from seaglint.detection.spot import Shape
+from seaglint.errors import DataError, DomainError
+from seaglint.random import stream
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+Placement = Literal["random", "centre"]
+
+SHARED: Final = 100
+"""Injections that share a window of frames, where there is room, before another window is taken."""
+
+LOOSE_PITCH: Final = 32
+"""Distance of objects [px] for detectors that may look at the whole frame, whose sharing is not exact."""
+
+_BLOCK = 4096
+_EMPTY_BATCHES = 20
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Objects that share a window of frames.
+
+    Attributes
+    ----------
+    window : int
+        Number of the window.
+    row, column : ndarray of int, shape (n,)
+        Pixels that hold the objects in the last frame of the window [px].
+    offset : ndarray, shape (n, 2)
+        Displacement from the pixel's centre, row and column [px].
+    """
+
+    window: int
+    row: IntArray
+    column: IntArray
+    offset: FloatArray
+
+    @property
+    def size(self) -> int:
+        """Number of objects."""
+        return int(self.row.size)
+
+    @property
+    def place(self) -> FloatArray:
+        """True places, shape (n, 2), row and column [px]."""
+        return np.stack([self.row, self.column], axis=1) + self.offset
+
+
+def offsets(seed: int, first: int, count: int, placement: Placement) -> FloatArray:
+    """Displacements of injections ``first`` ... ``first + count - 1``, uniform within the pixel, shape (count, 2) [px]; 0 at centres."""
+    if placement == "centre":
+        return np.zeros((count, 2))
+    parts = []
+    for block in range(first // _BLOCK, (first + count - 1) // _BLOCK + 1):
+        drawn = stream(seed, "object offsets", block).random((_BLOCK, 2)) - 0.5
+        parts.append(drawn[max(first - block * _BLOCK, 0) : first + count - block * _BLOCK])
+    return np.concatenate(parts)
+
+
+def pitch_for(detector: Detector, shape: Shape, match_radius: float, travel: int) -> int:
+    """Least distance of objects [px]: none within what the statistics, and the fits of position, in another's match window depend on."""
+    around = LOOSE_PITCH if detector.reach is None else max(detector.reach, shape.half)
+    return int(match_radius) + around + shape.half + 1 + travel
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How many injections, how far apart, in how many windows.
+
+    Parameters
+    ----------
+    injections : int
+        Number wanted.
+    windows : int
+        Windows of frames there are.
+    rows, columns : int
+        Size of the frames [px].
+    pitch, margin : int
+        Distance of objects, and pixels along the border that hold none [px].
+    placement : {"random", "centre"}
+        Anywhere within the pixels, or at their centres.
+    seed : int
+        Of places and displacements.
+
+    Raises
+    ------
+    DomainError
+        No pixel is left within the margin.
+    """
+
+    injections: int
+    windows: int
+    rows: int
+    columns: int
+    pitch: int
+    margin: int
+    placement: Placement = "random"
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.injections < 1:
+            raise DomainError(f"injections = {self.injections}; give at least 1")
+        if min(self.rows, self.columns) <= 2 * self.margin:
+            raise DomainError(
+                f"frames of {self.rows} x {self.columns} px leave no place for an object {self.margin} px from the border; "
+                "give a smaller object or larger frames"
+            )
+
+    @property
+    def per_batch(self) -> int:
+        """Injections of one batch: as many as spread them over all windows, at least :data:`SHARED`, as far as there is room."""
+        cells = 1
+        for n in (self.rows, self.columns):
+            cells *= max((n - 2 * self.margin) // self.pitch, 1)
+        return min(max(-(-self.injections // self.windows), SHARED), cells, self.injections)
+
+    @property
+    def batches(self) -> int:
+        """Batches where every place is free."""
+        return -(-self.injections // self.per_batch)
+
+    def batch(self, number: int) -> Batch:
+        """Batch of that number, with all its places."""
+        generator = stream(self.seed, "object places", number)
+        first_row, first_column = generator.integers(0, self.pitch, 2)
+        rows = np.arange(self.margin + first_row, self.rows - self.margin, self.pitch)
+        columns = np.arange(self.margin + first_column, self.columns - self.margin, self.pitch)
+        cells = generator.permutation(rows.size * columns.size)[: self.per_batch]
+        # A narrow frame may have no place on a lattice that begins beyond it.
+        row, column = (rows[cells // columns.size], columns[cells % columns.size]) if cells.size else (cells, cells)
+        shift = offsets(self.seed, number * self.per_batch, self.per_batch, self.placement)[: cells.size]
+        # Even over the windows where there are fewer batches, else in turn.
+        window = (2 * number + 1) * self.windows // (2 * self.batches) if self.batches <= self.windows else number
+        return Batch(window % self.windows, row.astype(np.int64), column.astype(np.int64), shift)
+
+
+def free(batch: Batch, known: NDArray[np.bool_]) -> Batch:
+    """The objects of a batch whose pixel has a statistic."""
+    keep = known[batch.row, batch.column]
+    return Batch(batch.window, batch.row[keep], batch.column[keep], batch.offset[keep])
+
+
+def nothing_free(batches: int) -> DataError:
+    """What is said where no object finds a place."""
+    return DataError(
+        f"{batches} batches of objects found no pixel with a statistic: frames are missing, constant or within the detector's border; "
+        "look at them with seaglint analyze, or choose another detector"
+    )
+
+
+def most_batches(plan: Plan) -> int:
+    """Batches tried before injections that find no place are given up."""
+    return 4 * plan.batches + _EMPTY_BATCHES
+
+
+@njit
+def _add(frame: np.ndarray, stamps: np.ndarray, row: np.ndarray, column: np.ndarray, amplitude: float) -> None:
+    n, side, _ = stamps.shape
+    half = side // 2
+    for k in range(n):
+        for i in range(max(row[k] - half, 0), min(row[k] + half + 1, frame.shape[0])):
+            for j in range(max(column[k] - half, 0), min(column[k] + half + 1, frame.shape[1])):
+                frame[i, j] += amplitude * stamps[k, i - row[k] + half, j - column[k] + half]
+
+
+def inject(frames: NDArray[np.floating], batch: Batch, shape: Shape, contrast: float, velocity: tuple[float, float] = (0.0, 0.0)) -> None:
+    """Add a batch of objects to the frames of its window, in place; each is at its place in the last frame.
+
+    Parameters
+    ----------
+    frames : ndarray, shape (k, rows, columns)
+        Changed in place [u].
+    batch : Batch
+        Objects.
+    shape : Shape
+        Of every object.
+    contrast : float
+        What an object centred on a pixel adds to it [u].
+    velocity : (float, float)
+        Motion in rows and columns [px a frame].
+    """
+    count = frames.shape[0]
+    for k in range(count):
+        back = count - 1 - k
+        place = batch.place - back * np.asarray(velocity)
+        pixel = np.floor(place + 0.5).astype(np.int64)
+        if back == 0 or velocity == (0.0, 0.0):
+            pixel = np.stack([batch.row, batch.column], axis=1)
+        _add(frames[k], shape.stamps(place - pixel), pixel[:, 0].copy(), pixel[:, 1].copy(), float(contrast))

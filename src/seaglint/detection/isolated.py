@@ -1,0 +1,112 @@
+"""A user's detector in a process of its own: what it breaks, or how long it takes, ends there and is said in one line.
+
+Frames go to the process and statistics come back through a socket. It is started once, its output to the console goes to stderr, and it is
+ended with the session, after a call that takes too long, or when it dies.
+"""
+
+from __future__ import annotations
+
+import os
+import socket
+import subprocess
+import sys
+from multiprocessing.connection import Connection
+from typing import Any, Final
+
+import numpy as np
+
+from seaglint.detection.base import GAUSSIAN_TAIL, Frames
+from seaglint.errors import DataError, DomainError
+
+TIME_LIMIT: Final = 60.0
+"""Seconds a call may take where nothing else is said [s]."""
+
+START_LIMIT: Final = 120.0
+"""Seconds within which the module must be imported [s]."""
+
+
+class IsolatedDetector:
+    """Detector behind ``package.module:attribute``, called in another process.
+
+    Parameters
+    ----------
+    path : str
+        As for :func:`seaglint.detection.base.load`.
+    time_limit : float
+        Longest time of a call [s].
+
+    Raises
+    ------
+    DataError
+        What :func:`seaglint.detection.base.load` refuses, or a module that ends the process or takes too long to import.
+    DomainError
+        A time limit that is not above 0.
+    """
+
+    linear: Final = False
+
+    def __init__(self, path: str, time_limit: float = TIME_LIMIT) -> None:
+        if not time_limit > 0:
+            raise DomainError(f"time limit of a detector = {time_limit:g} s; give a number above 0")
+        self.path, self.time_limit = path, time_limit
+        ours, theirs = socket.socketpair()
+        with theirs:
+            number = theirs.fileno()
+            command = [sys.executable, "-m", "seaglint.detection.worker", str(number), path]
+            environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
+            self._process = subprocess.Popen(command, pass_fds=[number], stdin=subprocess.DEVNULL, stdout=2, env=environment)
+        self._connection = Connection(ours.detach())
+        told = self._answer(START_LIMIT, "while its module was imported")
+        self.name, self.lead, self.calibrated, self.reach = (told[k] for k in ("name", "lead", "calibrated", "reach"))
+
+    @property
+    def null_law(self) -> str | None:
+        """That of equivalent standard deviations where the function promises them."""
+        return GAUSSIAN_TAIL if self.calibrated else None
+
+    def __call__(self, frames: Frames) -> Frames:
+        """Statistic of the frames from ``lead`` on, shape (k - lead, rows, columns) [1].
+
+        Raises
+        ------
+        DataError
+            The function fails, returns what is no array of that shape, takes too long, or ends its process.
+        """
+        when = f"on frames of shape {frames.shape}"
+        if self._process.poll() is not None:
+            raise DataError(f"detector {self.path} was ended before; it is not called again {when}")
+        try:
+            self._connection.send(frames)
+        except OSError as error:
+            raise self._ended(when) from error
+        return np.asarray(self._answer(self.time_limit, when), np.float32)
+
+    def _answer(self, limit: float, when: str) -> Any:
+        try:
+            if not self._connection.poll(limit):
+                self.close()
+                raise DataError(
+                    f"detector {self.path} took longer than {limit:g} s {when}; make it faster, give it fewer pixels, or allow more time"
+                )
+            good, told = self._connection.recv()
+        except (EOFError, OSError) as error:
+            raise self._ended(when) from error
+        if not good:
+            raise DataError(told)
+        return told
+
+    def _ended(self, when: str) -> DataError:
+        code = self._process.wait()
+        how = f"signal {-code}" if code < 0 else f"exit code {code}"
+        return DataError(f"detector {self.path} ended its process ({how}) {when}; run it by itself to find out why")
+
+    def close(self) -> None:
+        """End the process."""
+        self._process.kill()
+        self._process.wait()
+        self._connection.close()
+
+    def __del__(self) -> None:
+        """End the process with the object."""
+        if hasattr(self, "_connection") and self._process.poll() is None:
+            self.close()

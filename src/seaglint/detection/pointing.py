@@ -1,0 +1,105 @@
+"""Where a detected object is: centroid and least squares, with the errors that white noise leaves.
+
+Places are (row, column) from the centre of the patch's middle pixel [px].
+
+References
+----------
+Kay 1993, Fundamentals of Statistical Signal Processing: Estimation Theory, ch. 3 (Cramer-Rao bound); Winick 1986, J. Opt. Soc. Am. A 3,
+1809 (position of a spot in pixels).
+"""
+
+from __future__ import annotations
+
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.detection.spot import Shape
+
+FloatArray = NDArray[np.float64]
+Pointing = Literal["least-squares", "centroid"]
+
+FARTHEST: Final = 1.0
+"""Displacement from the brightest pixel beyond which a fit is not followed [px]."""
+
+_STEP = 1e-3
+_ITERATIONS = 8
+
+
+def border_level(patches: FloatArray) -> FloatArray:
+    """Mean of the outermost pixels of each patch, shape (n,) [u]: a local level of the clutter."""
+    n, side = patches.shape[:2]
+    ring = np.ones((side, side), np.bool_)
+    ring[1:-1, 1:-1] = False
+    return np.asarray(patches[:, ring].mean(axis=1) if side > 2 else np.zeros(n))
+
+
+def centroid(patches: FloatArray, level: FloatArray | float = 0.0) -> FloatArray:
+    """Centre of gravity of each patch above its level, shape (n, 2) [px]; NaN where nothing is above it in sum.
+
+    x = sum x (I - level) / sum (I - level)
+    """
+    above = patches - np.reshape(level, (-1, 1, 1))
+    half = (patches.shape[1] - 1) / 2
+    axis = np.arange(patches.shape[1]) - half
+    total = above.sum(axis=(1, 2))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        place = np.stack([(above.sum(axis=2) * axis).sum(axis=1), (above.sum(axis=1) * axis).sum(axis=1)], axis=1) / total[:, None]
+    return np.where(total[:, None] > 0, place, np.nan)
+
+
+def centroid_deviation(shape: Shape, contrast: float, sigma: float) -> float:
+    """Standard deviation of a centroid along one axis for a centred object in white noise, sigma sqrt(sum x²) / sum S [px]."""
+    axis = np.arange(-shape.half, shape.half + 1)
+    total = contrast * float(shape.stamps(np.zeros((1, 2))).sum())
+    return float(sigma * np.sqrt((axis**2).sum() * axis.size) / total)
+
+
+def _derivatives(shape: Shape, place: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Shape and its derivatives with respect to row and column."""
+    steps = _STEP * np.eye(2)
+    down, right = ((shape.stamps(place + s) - shape.stamps(place - s)) / (2 * _STEP) for s in steps)
+    return shape.stamps(place), down, right
+
+
+def least_squares(patches: FloatArray, shape: Shape) -> FloatArray:
+    """Place at which the shape, with an amplitude and a constant level, fits each patch best, shape (n, 2) [px].
+
+    Gauss-Newton steps on the place from the middle of the patch; amplitude and level are solved for at each. Places farther than
+    :data:`FARTHEST` from the middle are given as NaN: noise has a brighter pixel.
+
+    Parameters
+    ----------
+    patches : ndarray, shape (n, 2 half + 1, 2 half + 1)
+        Around the brightest pixel of each object [u].
+    shape : Shape
+        Of the object, with that ``half``.
+    """
+    n = patches.shape[0]
+    values = patches.reshape(n, -1)
+    place = np.zeros((n, 2))
+    for _ in range(_ITERATIONS):
+        s, down, right = (d.reshape(n, -1) for d in _derivatives(shape, place))
+        # Amplitude and level first, then the step of the place with both free as well: columns S, 1, A dS/drow, A dS/dcolumn.
+        centred = s - s.mean(axis=1, keepdims=True)
+        amplitude = (centred * values).sum(axis=1) / np.maximum((centred**2).sum(axis=1), 1e-300)
+        design = np.stack([s, np.ones_like(s), amplitude[:, None] * down, amplitude[:, None] * right], axis=2)
+        normal = np.einsum("npi,npj->nij", design, design)
+        # A vanishing amplitude leaves the place undetermined: the ridge keeps its step at 0.
+        normal += 1e-12 * np.trace(normal, axis1=1, axis2=2)[:, None, None] * np.eye(4)
+        step = np.linalg.solve(normal, np.einsum("npi,np->ni", design, values)[:, :, None])[:, 2:, 0]
+        place = np.clip(place + np.clip(step, -0.5, 0.5), -2 * FARTHEST, 2 * FARTHEST)
+    near = np.abs(place).max(axis=1) < FARTHEST
+    return np.where(near[:, None], place, np.nan)
+
+
+def cramer_rao(shape: Shape, contrast: float, sigma: float) -> tuple[float, float]:
+    """Least standard deviation of an unbiased row and column of a centred object in white noise, amplitude and level unknown [px].
+
+    For a finely sampled Gaussian spot of peak A it is sqrt(2 / pi) sigma / A, whatever the width.
+    """
+    s, down, right = (d.ravel() for d in _derivatives(shape, np.zeros((1, 2))))
+    design = np.stack([s, np.ones_like(s), contrast * down, contrast * right], axis=1) / sigma
+    bound = np.linalg.inv(design.T @ design)
+    return float(np.sqrt(bound[2, 2])), float(np.sqrt(bound[3, 3]))

@@ -1,0 +1,269 @@
+"""What a detector makes of injected objects: the score of each, where it is found, and the sums behind the intervals.
+
+The score of an object is the largest statistic within the match radius of its pixel: it is detected at every threshold below its score,
+so that one run gives the whole operating characteristic.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint._jit import njit
+from seaglint.clutter.cluster_variance import rate_variance, score_interval
+from seaglint.detection.injection import Batch
+from seaglint.errors import DomainError
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+SEGMENTS: Final = 256
+"""Most time segments in which exceedances are counted."""
+
+TILES: Final = 32
+"""Most tiles of a frame along an axis."""
+
+COARSER: Final = 4
+"""Tiles and segments of the injections' cells, in those of the background: an object is rarer than a pixel."""
+
+FEWEST: Final = 10
+"""Occurrences below which their clustering cannot be told."""
+
+_WINDOW = 0.25
+
+
+def match_offsets(radius: float) -> IntArray:
+    """Pixels within a radius of a pixel, the pixel itself first, shape (n, 2) [px].
+
+    Examples
+    --------
+    >>> match_offsets(1.0).tolist()
+    [[0, 0], [-1, 0], [0, -1], [0, 1], [1, 0]]
+    """
+    if not 0.0 <= radius <= 50.0:
+        raise DomainError(f"match radius = {radius:g} px is outside 0-50 px")
+    axis = np.arange(-int(radius), int(radius) + 1)
+    rows, columns = (g.ravel() for g in np.meshgrid(axis, axis, indexing="ij"))
+    inside = rows**2 + columns**2 <= radius * radius
+    found = np.stack([rows[inside], columns[inside]], axis=1)
+    return np.asarray(found[np.argsort((found**2).sum(axis=1), kind="stable")], np.int64)
+
+
+def around(image: NDArray[np.floating], row: IntArray, column: IntArray, offsets: IntArray) -> FloatArray:
+    """Values at pixels displaced from each place, shape (places, offsets); NaN beyond the frame."""
+    r, c = row[:, None] + offsets[:, 0], column[:, None] + offsets[:, 1]
+    inside = (r >= 0) & (r < image.shape[0]) & (c >= 0) & (c < image.shape[1])
+    values = np.full(r.shape, np.nan)
+    values[inside] = image[r[inside], c[inside]]
+    return values
+
+
+def best(values: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Largest value of each row and its place; NaN, 0 where a row has none."""
+    known = np.where(np.isnan(values), -np.inf, values)
+    where = known.argmax(axis=1)
+    score = known[np.arange(values.shape[0]), where]
+    return np.where(np.isneginf(score), np.nan, score), where.astype(np.int64)
+
+
+@dataclass(frozen=True)
+class Scores:
+    """Injected objects of one contrast.
+
+    Attributes
+    ----------
+    contrast : float
+        What an object centred on a pixel adds to it [u].
+    score : ndarray, shape (n,)
+        Largest statistic within the match radius, in standard deviations above the mean [1]; minus infinity where the detector says
+        nothing once the object is there.
+    window, row, column : ndarray of int, shape (n,)
+        Window of frames and pixel that hold the object.
+    error : ndarray, shape (n, 2)
+        Estimated less true place, row and column [px]; NaN where none was estimated.
+    """
+
+    contrast: float
+    score: FloatArray
+    window: IntArray
+    row: IntArray
+    column: IntArray
+    error: FloatArray
+
+    @classmethod
+    def joined(cls, contrast: float, parts: list[tuple[Batch, FloatArray, FloatArray]]) -> Scores:
+        """Of the scores and errors of several batches."""
+        batches, scores, errors = zip(*parts, strict=True)
+        score = np.concatenate(scores)
+        return cls(
+            contrast,
+            np.where(np.isnan(score), -np.inf, score),
+            np.concatenate([np.full(b.size, b.window, np.int64) for b in batches]),
+            np.concatenate([b.row for b in batches]),
+            np.concatenate([b.column for b in batches]),
+            np.concatenate(errors),
+        )
+
+    def detected(self, threshold: float) -> NDArray[np.bool_]:
+        """Whether each is above a threshold [standard deviations]."""
+        return self.score > threshold
+
+    def density(self, threshold: float) -> float:
+        """Density of the scores at a threshold [per standard deviation]."""
+        return float((np.abs(self.score - threshold) <= _WINDOW).mean() / (2 * _WINDOW))
+
+
+@njit
+def _sum_cells(z: np.ndarray, tile: int, threshold: float, sums: np.ndarray) -> None:
+    """Add pixels, exceedances, z and z² - 1 of one frame to those of its tiles, shape (4, tile rows, tile columns)."""
+    for i in range(z.shape[0]):
+        for j in range(z.shape[1]):
+            value = z[i, j]
+            if np.isnan(value):
+                continue
+            a, b = i // tile, j // tile
+            sums[0, a, b] += 1.0
+            if value > threshold:
+                sums[1, a, b] += 1.0
+            sums[2, a, b] += value
+            sums[3, a, b] += value * value - 1.0
+
+
+class Cells:
+    """Sums over time segments and tiles, from which the scatter of rates is told.
+
+    Where the threshold m stands on the mean and standard deviation of the same pixels, a cell moves it by
+    (sum z + m / 2 sum (z² - 1)) / pixels, which is part of the scatter of every rate at that threshold.
+
+    Parameters
+    ----------
+    frames, rows, columns : int
+        Size of the sequence.
+    threshold : float
+        In standard deviations [1].
+    estimated : bool
+        Whether the threshold stands on the pixels' own mean and standard deviation.
+    """
+
+    def __init__(self, frames: int, rows: int, columns: int, threshold: float, *, estimated: bool) -> None:
+        self.threshold, self.estimated = float(threshold), estimated
+        self.per_segment = -(-frames // SEGMENTS)
+        self.tile = max(4, -(-max(rows, columns) // TILES))
+        segments = -(-frames // self.per_segment)
+        self.sums = np.zeros((segments, 4, -(-rows // self.tile), -(-columns // self.tile)))
+
+    def add(self, frame: int, z: NDArray[np.float32]) -> None:
+        """Take one frame of z, shape (rows, columns), NaN where missing."""
+        _sum_cells(z, self.tile, self.threshold, self.sums[frame // self.per_segment])
+
+    @property
+    def pixels(self) -> int:
+        """Valid pixels."""
+        return int(self.sums[:, 0].sum())
+
+    @property
+    def exceedances(self) -> int:
+        """Pixels above the threshold."""
+        return int(self.sums[:, 1].sum())
+
+    def _moved(self) -> FloatArray:
+        """Standard deviations by which each cell moves the threshold, times all pixels."""
+        return np.asarray(self.sums[:, 2] + 0.5 * self.threshold * self.sums[:, 3]) * float(self.estimated)
+
+    def false_alarm_interval(self, density: float, level: float) -> Interval:
+        """Of the rate of exceedances; ``density``: of z at the threshold [per standard deviation]."""
+        counts = self.sums[:, 1].astype(np.int64)
+        return interval(counts, self.sums[:, 0].astype(np.int64), density * self._moved(), level)
+
+    def detection_interval(self, scores: Scores, level: float) -> Interval:
+        """Of the share of objects above the threshold."""
+        hits = scores.detected(self.threshold)
+        segment = scores.window // self.per_segment
+        few = max(self.sums.shape[0] // (SEGMENTS // COARSER), 1)
+        place = (segment // few, scores.row // self.tile // COARSER, scores.column // self.tile // COARSER)
+        shape = tuple(-(-n // d) for n, d in zip(self._moved().shape, (few, COARSER, COARSER), strict=True))
+        objects, counts, moved = np.zeros(shape, np.int64), np.zeros(shape, np.int64), np.zeros(shape)
+        np.add.at(objects, place, 1)
+        np.add.at(counts, place, hits)
+        a, b, c = (np.arange(n) // d for n, d in zip(self._moved().shape, (few, COARSER, COARSER), strict=True))
+        np.add.at(moved, (a[:, None, None], b[:, None], c), self._moved())
+        shift = moved * scores.density(self.threshold) * hits.size / max(self.pixels, 1)
+        return interval(counts, objects, shift, level)
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A rate with its confidence interval.
+
+    Attributes
+    ----------
+    rate : float
+        [1]
+    low, high : float or None
+        Ends [1]; None where none can be given, see ``note``.
+    inflation : float
+        Variance over that of independent trials [1]; trials / inflation is the effective number.
+    note : str or None
+        Why there is none, or what it rests on.
+    """
+
+    rate: float
+    low: float | None
+    high: float | None
+    inflation: float
+    note: str | None = None
+
+    @property
+    def ends(self) -> list[float] | None:
+        """The two ends, for JSON."""
+        return None if self.low is None or self.high is None else [self.low, self.high]
+
+
+def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level: float) -> Interval:
+    """Wilson's interval with the effective number of trials that the scatter between cells tells.
+
+    Fewer than :data:`FEWEST` occurrences, or as few that did not occur, are taken as independent, and the note says so.
+
+    Parameters
+    ----------
+    counts, trials : ndarray of int, shape (segments, tile rows, tile columns)
+        Occurrences and trials of each cell [1].
+    shift : ndarray, optional
+        By how many occurrences each cell moved the total through the threshold [1].
+    level : float
+        Of the interval [1].
+    """
+    count, number = int(counts.sum()), int(trials.sum())
+    if number == 0:
+        return Interval(float("nan"), None, None, float("nan"), "no trials")
+    rate = count / number
+    if min(count, number - count) < FEWEST:
+        low, high = score_interval(count, number, 1.0, float("inf"), level)
+        which = "occurrences" if count < FEWEST else "misses"
+        low, high = (low if count else 0.0), (high if count < number else 1.0)
+        return Interval(rate, low, high, 1.0, f"fewer than {FEWEST} {which}; taken as independent")
+    spread = rate_variance(counts, trials, shift)
+    if spread.variance is None:
+        return Interval(rate, None, None, spread.inflation, spread.note)
+    low, high = score_interval(count, number, spread.inflation, spread.degrees, level)
+    return Interval(rate, low, high, spread.inflation, spread.note)
+
+
+def mean_interval(values: FloatArray, level: float) -> tuple[float, float, float, float]:
+    """Mean and standard deviation of values that are independent, and the half widths of their intervals [unit of the values].
+
+    The second from the scatter of the squares, which need not be those of a Gaussian.
+    """
+    from scipy.special import ndtri
+
+    n = values.size
+    if n < 2:
+        return (float(values.mean()) if n else float("nan"), float("nan"), float("nan"), float("nan"))
+    q = float(ndtri(0.5 + level / 2))
+    mean, deviation = float(values.mean()), float(values.std(ddof=1))
+    squares = (values - mean) ** 2
+    half = q * float(squares.std(ddof=1)) / (2.0 * deviation * np.sqrt(n)) if deviation > 0 else 0.0
+    return mean, deviation, q * deviation / float(np.sqrt(n)), half

@@ -1,0 +1,125 @@
+"""Shapes of small objects in pixels: a Gaussian spot integrated over pixels, or a measured point spread.
+
+A shape has the value 1 at its central pixel when it is centred there: times the contrast it is what the object adds to each pixel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seaglint.errors import DomainError
+
+FloatArray = NDArray[np.float64]
+
+
+class Shape(Protocol):
+    """What injection needs of an object's shape."""
+
+    @property
+    def half(self) -> int:
+        """Pixels from the central one to the edge of the stamp [px]."""
+        ...
+
+    def stamps(self, offsets: FloatArray) -> FloatArray:
+        """Objects displaced by (row, column) from the centre of the central pixel, shape (n, 2 half + 1, 2 half + 1) [1].
+
+        ``offsets``: shape (n, 2) [px], within half a pixel.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class GaussianSpot:
+    """Gaussian spot integrated over pixels of full fill.
+
+        S_i = [Phi((i + 1/2 - x) / s) - Phi((i - 1/2 - x) / s)] / [2 Phi(1 / (2 s)) - 1]  along each axis
+
+    Parameters
+    ----------
+    sigma : float
+        Standard deviation before the integration [px], 0.05-20: below, all lies in one pixel.
+
+    Examples
+    --------
+    >>> GaussianSpot(0.8).stamps(np.zeros((1, 2)))[0, 4].round(3).tolist()[3:6]
+    [0.503, 1.0, 0.503]
+    """
+
+    sigma: float
+
+    def __post_init__(self) -> None:
+        if not 0.05 <= self.sigma <= 20.0:
+            raise DomainError(
+                f"standard deviation of the object = {self.sigma:g} px is outside 0.05-20 px; "
+                "give that of its blur, or its point spread as an array"
+            )
+
+    @property
+    def half(self) -> int:
+        """Four standard deviations and half a pixel, at least 1 [px]."""
+        return max(int(np.ceil(4.0 * self.sigma + 0.5)), 1)
+
+    def stamps(self, offsets: FloatArray) -> FloatArray:
+        """Displaced spots, shape (n, 2 half + 1, 2 half + 1) [1]."""
+        rows, columns = (self._profile(offsets[:, axis]) for axis in (0, 1))
+        return np.asarray(rows[:, :, None] * columns[:, None, :])
+
+    def _profile(self, displacement: FloatArray) -> FloatArray:
+        from scipy.special import ndtr
+
+        edges = np.arange(-self.half, self.half + 2) - 0.5
+        steps = np.diff(ndtr((edges - displacement[:, None]) / self.sigma), axis=1)
+        return np.asarray(steps / (2.0 * ndtr(0.5 / self.sigma) - 1.0))
+
+
+@dataclass(frozen=True)
+class SampledSpot:
+    """Measured or computed point spread, one value per pixel, displaced by cubic splines; 0 outside.
+
+    Parameters
+    ----------
+    values : array_like
+        Shape (odd, odd), at most 63 on a side, the object centred on the middle pixel [any]; divided by its middle value.
+
+    Raises
+    ------
+    DomainError
+        Even or large sides, values that are not finite, or a middle value that is not above 0.
+    """
+
+    values: ArrayLike
+
+    def __post_init__(self) -> None:
+        v = np.array(self.values, np.float64)
+        if v.ndim != 2 or v.shape[0] % 2 == 0 or v.shape[1] % 2 == 0 or max(v.shape) > 63 or not np.isfinite(v).all():
+            raise DomainError(f"point spread of shape {v.shape} is not usable; give finite values, odd sides of at most 63 pixels")
+        middle = float(v[v.shape[0] // 2, v.shape[1] // 2])
+        if not middle > 0:
+            raise DomainError(f"point spread with {middle:g} in its middle pixel; the object must be centred there and brighter than 0")
+        from scipy.ndimage import spline_filter
+
+        # A frame of zeros: half a pixel of displacement and the reach of the spline stay inside.
+        side = max(v.shape) + 2
+        square = np.pad(v / middle, [((side - n) // 2,) * 2 for n in v.shape])
+        object.__setattr__(self, "values", square)
+        object.__setattr__(self, "_coefficients", spline_filter(np.pad(square, 12), order=3))
+
+    @property
+    def half(self) -> int:
+        """Half the larger side and a pixel more [px]."""
+        return int(np.shape(self.values)[0]) // 2
+
+    def stamps(self, offsets: FloatArray) -> FloatArray:
+        """Displaced point spreads, shape (n, 2 half + 1, 2 half + 1) [1]."""
+        from scipy.ndimage import map_coordinates
+
+        axis = np.arange(2 * self.half + 1) + 12.0
+        shape = (offsets.shape[0], axis.size, axis.size)
+        rows = np.broadcast_to((axis - offsets[:, :1])[:, :, None], shape)
+        columns = np.broadcast_to((axis - offsets[:, 1:])[:, None, :], shape)
+        coefficients = self._coefficients  # type: ignore[attr-defined]
+        return np.asarray(map_coordinates(coefficients, np.stack([rows, columns]), order=3, prefilter=False))

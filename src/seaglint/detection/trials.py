@@ -1,0 +1,235 @@
+"""Injected objects through a detector, batch by batch.
+
+A detector that is linear sees clutter and objects apart: the statistic of the clutter is known, that of the objects is computed once and
+scaled to every contrast. Any other sees the frames with the objects in them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.detection.background import Background, FrameSource, Report, Threshold
+from seaglint.detection.base import Detector, Frames
+from seaglint.detection.injection import Batch, Placement, Plan, free, inject, most_batches, nothing_free, pitch_for
+from seaglint.detection.pointing import Pointing, border_level, centroid, least_squares
+from seaglint.detection.scoring import Scores, around, best, match_offsets
+from seaglint.detection.spot import Shape
+from seaglint.errors import DataError, DomainError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Objects:
+    """What is injected and how a detection is matched to it.
+
+    Parameters
+    ----------
+    shape : Shape
+        Of every object.
+    contrasts : tuple of float
+        What an object centred on a pixel adds to it; not 0 [u].
+    injections : int
+        Objects of each contrast, all at the same places.
+    placement : {"random", "centre"}
+        Anywhere within the pixels, or at their centres.
+    match_radius : float
+        Largest distance of a detection from the object's pixel [px].
+    velocity : (float, float)
+        Motion in rows and columns [px a frame].
+    pointing : {"least-squares", "centroid"}
+        How places are estimated.
+    seed : int
+        Of places.
+    duration : int
+        Frames for which an object is there, up to the one that is judged; 0 for all that the detector sees [frames].
+    """
+
+    shape: Shape
+    contrasts: tuple[float, ...]
+    injections: int = 1000
+    placement: Placement = "random"
+    match_radius: float = 1.0
+    velocity: tuple[float, float] = (0.0, 0.0)
+    pointing: Pointing = "least-squares"
+    seed: int = 0
+    duration: int = 0
+
+    def __post_init__(self) -> None:
+        wrong = [c for c in self.contrasts if c == 0 or not np.isfinite(c)]
+        if wrong or not self.contrasts:
+            given = f"contrast = {wrong[0]:g}" if wrong else "no contrast given"
+            raise DomainError(f"{given}: an object must add something to its pixel; give a finite number other than 0")
+        if not all(np.isfinite(self.velocity)) or max(abs(v) for v in self.velocity) > 50.0:
+            raise DomainError(f"velocity = {self.velocity} px a frame; give two numbers within 50")
+        if self.duration < 0:
+            raise DomainError(f"duration = {self.duration} frames; give at least 1, or 0 for all that the detector sees")
+
+    def plan(self, detector: Detector, source: FrameSource) -> Plan:
+        """Places of the objects for a detector."""
+        travel = int(np.ceil(detector.lead * max(abs(v) for v in self.velocity)))
+        pitch = pitch_for(detector, self.shape, self.match_radius, travel)
+        margin = self.shape.half + int(self.match_radius) + travel
+        windows = source.frames - detector.lead
+        return Plan(self.injections, windows, source.rows, source.columns, pitch, margin, self.placement, self.seed)
+
+
+@dataclass(frozen=True)
+class Trials:
+    """Scores of all objects.
+
+    Attributes
+    ----------
+    scores : tuple of Scores
+        One for each contrast.
+    saturated : tuple of int
+        Objects of each contrast that would go beyond saturation, where they are cut.
+    stopped : str or None
+        Why fewer objects than asked for were tried.
+    """
+
+    scores: tuple[Scores, ...]
+    saturated: tuple[int, ...]
+    stopped: str | None
+
+
+class _Batches:
+    """Statistics and patches of batches of objects."""
+
+    def __init__(self, background: Background, source: FrameSource, objects: Objects, threshold: Threshold) -> None:
+        self.background, self.source, self.objects, self.threshold = background, source, objects, threshold
+        self.offsets = match_offsets(objects.match_radius)
+        half = objects.shape.half
+        rows, columns = (g.ravel() for g in np.meshgrid(*[np.arange(-half, half + 1)] * 2, indexing="ij"))
+        self.patch: Final = np.stack([rows, columns], axis=1)
+
+    def run(self, batch: Batch) -> list[tuple[FloatArray, FloatArray, int]]:
+        """Score, error of place and number of saturated objects, for each contrast."""
+        objects, lead = self.objects, self.background.lead
+        frames = self.source.read(batch.window, batch.window + lead + 1)
+        alone = np.zeros_like(frames)
+        there = min(objects.duration, lead + 1) or lead + 1
+        inject(alone[lead + 1 - there :], batch, objects.shape, 1.0, objects.velocity)
+        linear = self.background.detector.linear
+        response = self.background.detector(alone)[-1] if linear else None
+        base = around(self.background.statistic[batch.window], batch.row, batch.column, self.offsets)
+        out = []
+        for contrast in objects.contrasts:
+            with_objects = frames + np.float32(contrast) * alone
+            high = self._saturated(with_objects, batch)
+            if response is not None and not high:
+                values = base + contrast * around(response, batch.row, batch.column, self.offsets)
+            else:
+                if self.source.saturation is not None:
+                    with_objects = np.minimum(with_objects, np.maximum(frames, np.float32(self.source.saturation)))
+                statistic = self.background.detector(with_objects)[-1]
+                values = around(statistic, batch.row, batch.column, self.offsets)
+            mean, sigma = self.background.scale(batch.window, self.threshold.law)
+            score, where = best((values - mean) / sigma)
+            out.append((score, self._errors(with_objects[-1], batch, score, where), high))
+        return out
+
+    def _saturated(self, frames: Frames, batch: Batch) -> int:
+        """Objects whose brightest pixel goes beyond saturation."""
+        if self.source.saturation is None:
+            return 0
+        return int((frames[-1][batch.row, batch.column] > self.source.saturation).sum())
+
+    def _errors(self, image: Frames, batch: Batch, score: FloatArray, where: NDArray[np.int64]) -> FloatArray:
+        """Estimated less true places of what is above the threshold, NaN of the rest."""
+        error = np.full((batch.size, 2), np.nan)
+        found = np.flatnonzero(score > self.threshold.sigma)
+        if not found.size:
+            return error
+        pixel = np.stack([batch.row, batch.column], axis=1)[found] + self.offsets[where[found]]
+        side = 2 * self.objects.shape.half + 1
+        patches = around(image, pixel[:, 0], pixel[:, 1], self.patch).reshape(-1, side, side)
+        whole = np.isfinite(patches).all(axis=(1, 2))
+        found, pixel, patches = found[whole], pixel[whole], patches[whole]
+        if found.size:
+            bright = patches if self.objects.contrasts[0] > 0 else -patches
+            fitted = (
+                least_squares(bright, self.objects.shape)
+                if self.objects.pointing == "least-squares"
+                else centroid(bright, border_level(bright))
+            )
+            error[found] = pixel + fitted - batch.place[found]
+        return error
+
+
+def run_trials(
+    background: Background,
+    source: FrameSource,
+    objects: Objects,
+    threshold: Threshold,
+    *,
+    report: Report | None = None,
+    enough: Callable[[Sequence[int]], str | None] | None = None,
+) -> Trials:
+    """Inject objects until as many as wanted have been tried.
+
+    Parameters
+    ----------
+    background : Background
+        Statistic of the same source without objects.
+    source : FrameSource
+        Frames.
+    objects : Objects
+        What is injected.
+    threshold : Threshold
+        Above which places are estimated; the scores are those of every threshold.
+    report : callable, optional
+        Called with (objects done, objects in all).
+    enough : callable, optional
+        Asked after each batch, with the numbers of objects detected at each contrast so far and last those tried, whether to stop; it
+        returns the reason, or None to go on.
+
+    Raises
+    ------
+    DataError
+        No object finds a place, or the detector fails on the first batch; what fails later ends the trials with its reason.
+    """
+    detector = background.detector
+    plan = objects.plan(detector, source)
+    work = _Batches(background, source, objects, threshold)
+    parts: list[list[tuple[Batch, FloatArray, FloatArray]]] = [[] for _ in objects.contrasts]
+    saturated, tried, hits = [0] * len(objects.contrasts), 0, [0] * len(objects.contrasts)
+    stopped: str | None = None
+    for number in range(most_batches(plan)):
+        batch = plan.batch(number)
+        batch = free(batch, np.isfinite(background.statistic[batch.window]))
+        rest = objects.injections - tried
+        if batch.size > rest:
+            batch = Batch(batch.window, batch.row[:rest], batch.column[:rest], batch.offset[:rest])
+        if batch.size == 0:
+            continue
+        try:
+            found = work.run(batch)
+        except DataError as error:
+            if tried == 0:
+                raise
+            stopped = f"stopped after {tried} of {objects.injections} injections: {error}"
+            break
+        for k, (score, errors, high) in enumerate(found):
+            parts[k].append((batch, score, errors))
+            saturated[k] += high
+            hits[k] += int((score > threshold.sigma).sum())
+        tried += batch.size
+        if report is not None:
+            report(tried, objects.injections)
+        if tried >= objects.injections:
+            break
+        stopped = None if enough is None else enough([*hits, tried])
+        if stopped is not None:
+            break
+    if tried == 0:
+        raise nothing_free(most_batches(plan))
+    if stopped is None and tried < objects.injections:
+        stopped = f"{tried} of {objects.injections} injections found a place"
+    scores = tuple(Scores.joined(c, p) for c, p in zip(objects.contrasts, parts, strict=True))
+    return Trials(scores, tuple(saturated), stopped)

@@ -1,0 +1,33 @@
+"""The process in which a user's detector runs: ``python -m seaglint.detection.worker FD package.module:attribute``."""
+
+from __future__ import annotations
+
+import sys
+from multiprocessing.connection import Connection
+
+from seaglint.detection.base import load
+from seaglint.errors import DataError
+
+
+def serve(connection: Connection, path: str) -> None:
+    """Load the detector, tell what it is, and answer frames with statistics until the other side is gone."""
+    try:
+        detector = load(path)
+    except DataError as error:
+        connection.send((False, str(error)))
+        return
+    told = {"name": detector.name, "lead": detector.lead, "calibrated": detector.calibrated, "reach": detector.reach}
+    connection.send((True, told))
+    while True:
+        try:
+            frames = connection.recv()
+        except (EOFError, OSError):
+            return
+        try:
+            connection.send((True, detector(frames)))
+        except DataError as error:
+            connection.send((False, str(error)))
+
+
+if __name__ == "__main__":
+    serve(Connection(int(sys.argv[1])), sys.argv[2])
