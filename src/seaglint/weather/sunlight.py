@@ -11,11 +11,13 @@ mean reflectance, whose spectrum of weights hardly changes, linearly as a Chebys
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from typing import Final, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from seaglint._jit import kernel, njit
 from seaglint.atmosphere.base import Atmosphere, slant_range
@@ -37,13 +39,14 @@ WIND_KINKS: Final = (2.2852369587453123, 13.1166)
 _VIEWS: Final = 24
 _SUNS: Final = 32
 _TERMS: Final = 12
-"""Nodes of the table and terms of the reflectance, whose rest is below 1e-5."""
+"""Terms of the reflectance; the rest is below 1e-5."""
 
-_COARSE: Final = (4, 8, 12)
-"""Winds, views and Suns of the mean reflectance."""
+_COARSE: Final = (4, 6, 8, 12)
+"""Winds, heights, views and Suns of the mean reflectance."""
 
 _SUN_SCALE: Final = 0.012
-_HEIGHTS_PER_FOLD: Final = 3.0
+_HEIGHTS_PER_UNIT: Final = 3.0
+"""Nodes of winds, views, Suns and heights (for each unit of their coordinate), and terms of the reflectance."""
 _LEAST: Final = 1e-60
 
 
@@ -55,14 +58,17 @@ class MirroredLight(NamedTuple):
     pieces: FloatArray
     """Places of the first node of every piece without a kink, and of the last node."""
     heights: FloatArray
-    """Logarithms of sensor heights [(heights,)], one or at least four, even."""
+    """Coordinates of sensor heights (:func:`height_coordinate`) [(heights,)], one or at least four."""
+    height_pieces: FloatArray
+    """Places of the first node of every layer of air, and of the last node."""
     depression: tuple[float, float]
     """What is looked at [rad]."""
     values: FloatArray
     """Logarithm of radiance at reflectance 1 [W m-2 sr-1, (models, winds, heights, views, Suns)]."""
     coarse_winds: FloatArray
+    coarse_heights: FloatArray
     shapes: FloatArray
-    """Mean reflectance [(models, winds, views, Suns, terms)]."""
+    """Mean reflectance [(models, winds, heights, views, Suns, terms)]."""
 
 
 def mirrored_light(
@@ -103,27 +109,35 @@ def mirrored_light(
         Whatever the air refuses.
     """
     nodes, pieces = _wind_nodes(winds)
-    levels = _levels(heights)
-    coarse = np.linspace(0, nodes.size - 1, _COARSE[0]).round().astype(int) if winds is not None else np.zeros(1, dtype=int)
-    suns = _sun_zeniths(_SUNS)
-    few = (np.linspace(0.0, 1.0, _COARSE[1]), _sun_zeniths(_COARSE[2]))
+    levels, layers = _levels(heights)
+    coarse, few_levels = _some(nodes.size if winds is not None else 1, _COARSE[0]), _some(levels.size, _COARSE[1])
+    suns, few_suns = _sun_zeniths(_SUNS), _sun_zeniths(_COARSE[3])
     values = np.empty((len(models), nodes.size, levels.size, _VIEWS, _SUNS))
-    shapes = np.empty((len(models), coarse.size, _COARSE[1], _COARSE[2], _TERMS))
-    middle = float(np.exp(levels[levels.size // 2]))
+    shapes = np.empty((len(models), coarse.size, few_levels.size, _COARSE[2], few_suns.size, _TERMS))
+    metres = _heights_of(levels)
     for m, model in enumerate(models):
         for w, wind in enumerate(nodes if winds is not None else nodes[:1]):
             sums = _Sums.of(air_at(model, float(wind)), band, water, article)
-            for h, level in enumerate(np.exp(levels)):
-                gamma = view_elevations(float(level), depression, np.linspace(0.0, 1.0, _VIEWS))
-                values[m, w, h] = np.log(np.maximum(sums.whole(float(level), gamma, suns), _LEAST))
-            if w in coarse:
-                gamma = view_elevations(middle, depression, few[0])
-                shapes[m, np.flatnonzero(coarse == w)[0]] = sums.reflectance(middle, gamma, few[1])
+            for h, level in enumerate(metres.tolist()):
+                gamma = view_elevations(level, depression, np.linspace(0.0, 1.0, _VIEWS))
+                values[m, w, h] = np.log(np.maximum(sums.whole(level, gamma, suns), _LEAST))
+                if w in coarse and h in few_levels:
+                    gamma = view_elevations(level, depression, np.linspace(0.0, 1.0, _COARSE[2]))
+                    at = np.flatnonzero(coarse == w)[0], np.flatnonzero(few_levels == h)[0]
+                    shapes[m, at[0], at[1]] = sums.reflectance(level, gamma, few_suns)
         if winds is None:
             values[m, 1:] = values[m, :1]
     if winds is None:
         coarse, shapes = np.array([0, nodes.size - 1]), np.repeat(shapes, 2, axis=1)
-    return MirroredLight(nodes, pieces, levels, depression, values, nodes[coarse], shapes)
+    few_heights = levels[few_levels]
+    if levels.size == 1:
+        few_heights, shapes = levels[0] + np.array([0.0, 1.0]), np.repeat(shapes, 2, axis=2)
+    return MirroredLight(nodes, pieces, levels, layers, depression, values, nodes[coarse], few_heights, shapes)
+
+
+def _some(count: int, most: int) -> NDArray[np.intp]:
+    """Places of at most so many of some nodes, both ends among them."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.intp))
 
 
 class _Sums(NamedTuple):
@@ -170,16 +184,41 @@ def _wind_nodes(winds: tuple[float, float] | None) -> tuple[FloatArray, FloatArr
         return np.arange(4.0), np.array([0.0, 3.0])
     low, high = winds
     edges = [low, *(k for k in WIND_KINKS if low + 0.5 < k < high - 0.5), max(high, low + 0.1)]
-    counts = [max(math.ceil(2.0 + 4.0 * (b - a) / 5.0), 4) for a, b in zip(edges[:-1], edges[1:], strict=True)]
-    parts = [np.linspace(a, b, n)[int(i > 0) :] for i, (a, b, n) in enumerate(zip(edges[:-1], edges[1:], counts, strict=True))]
-    return np.concatenate(parts), np.concatenate([[0.0], np.cumsum(np.array(counts) - 1)]).astype(np.float64)
+    return _pieces(edges, [max(math.ceil(2.0 + 4.0 * (b - a) / 5.0), 4) for a, b in itertools.pairwise(edges)])
 
 
-def _levels(heights: tuple[float, float]) -> FloatArray:
-    low, high = (math.log(h) for h in heights)
+def height_coordinate(height: ArrayLike) -> FloatArray:
+    """Heights [m] stretched for cubics [1]: logarithmic to 1 km, above it the root of the share of LOWTRAN7's layers of 1 km.
+
+    >>> height_coordinate([1000.0, 2250.0]).tolist()
+    [0.0, 1.5]
+    """
+    h = np.asarray(height, dtype=np.float64)
+    layer = np.floor(np.maximum(h, 1e3) / 1e3) - 1.0
+    part = np.maximum(h - 1e3 * (layer + 1.0), 0.0) / 1e3
+    return np.asarray(np.where(h <= 1e3, np.log(np.minimum(h, 1e3) / 1e3), layer + np.sqrt(part)))
+
+
+def _heights_of(coordinate: FloatArray) -> FloatArray:
+    """Inverse of :func:`height_coordinate`."""
+    layer = np.floor(np.maximum(coordinate, 0.0))
+    above = 1e3 * (layer + 1.0 + np.maximum(coordinate - layer, 0.0) ** 2)
+    return np.asarray(np.where(coordinate <= 0.0, 1e3 * np.exp(np.minimum(coordinate, 0.0)), above))
+
+
+def _levels(heights: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
+    """Coordinates of the nodes and the places of the layers' first nodes and of the last."""
+    low, high = (float(height_coordinate(h)) for h in heights)
     if high - low < 1e-9:
-        return np.array([low])
-    return np.linspace(low, high, max(math.ceil(1.0 + _HEIGHTS_PER_FOLD * (high - low)), 4))
+        return np.array([low]), np.array([0.0, 0.0])
+    edges = [low, *(k for k in np.arange(9.0) if low + 1e-3 < k < high - 1e-3), high]
+    return _pieces(edges, [max(math.ceil(1.0 + _HEIGHTS_PER_UNIT * (b - a)), 4) for a, b in itertools.pairwise(edges)])
+
+
+def _pieces(edges: list[float], counts: list[int]) -> tuple[FloatArray, FloatArray]:
+    """Even nodes between edges, and the places of the edges among them."""
+    parts = [np.linspace(a, b, n)[int(i > 0) :] for i, ((a, b), n) in enumerate(zip(itertools.pairwise(edges), counts, strict=True))]
+    return np.concatenate(parts), np.concatenate([[0.0], np.cumsum(np.array(counts) - 1)]).astype(np.float64)
 
 
 def _sun_zeniths(count: int) -> FloatArray:
@@ -241,13 +280,16 @@ def place_even(x: float, count: int, weights: FloatArray) -> int:
 
 
 @njit
-def place_wind(light: MirroredLight, wind: float, weights: FloatArray) -> int:
-    """Weights over the winds; a wind beyond the nodes counts as the last one."""
-    x = min(max(wind, light.winds[0]), light.winds[-1])
+def place_in_pieces(x: float, nodes: FloatArray, pieces: FloatArray, weights: FloatArray) -> int:
+    """Weights of the four nodes about ``x`` that stand in its piece; returns the first. Beyond the nodes the nearest one counts."""
+    if nodes.size == 1:
+        weights[0] = 1.0
+        return 0
+    inside = min(max(x, nodes[0]), nodes[-1])
     piece = 0
-    while piece < light.pieces.size - 2 and x > light.winds[int(light.pieces[piece + 1])]:
+    while piece < pieces.size - 2 and inside > nodes[int(pieces[piece + 1])]:
         piece += 1
-    return place_four(x, light.winds, int(light.pieces[piece]), int(light.pieces[piece + 1]), weights)
+    return place_four(inside, nodes, int(pieces[piece]), int(pieces[piece + 1]), weights)
 
 
 @kernel
@@ -256,14 +298,29 @@ def sun_coordinate_kernel(up: float) -> float:
     return math.asinh(math.asin(min(max(up, 0.0), 1.0)) / _SUN_SCALE) / math.asinh(0.5 * math.pi / _SUN_SCALE)
 
 
+@kernel
+def between_kernel(x: float, nodes: FloatArray) -> float:
+    """Place of ``x`` among ascending nodes, in nodes; beyond them the nearest counts."""
+    inside = min(max(x, nodes[0]), nodes[-1])
+    i = 0
+    while i < nodes.size - 2 and inside > nodes[i + 1]:
+        i += 1
+    return i + (inside - nodes[i]) / (nodes[i + 1] - nodes[i])
+
+
 @njit
 def light_of(
-    light: MirroredLight, model: int, place: tuple[int, int, int, int], weights: FloatArray, cosine: float, coarse: tuple[float, float, float]
+    light: MirroredLight,
+    model: int,
+    place: tuple[int, int, int, int],
+    weights: FloatArray,
+    cosine: float,
+    coarse: tuple[float, float, float, float],
 ) -> float:
     """Radiance of a mirroring point [W m-2 sr-1].
 
-    ``place`` and ``weights`` (4, 4): first nodes and weights of wind, height, view and Sun; ``cosine`` of incidence; ``coarse``: wind, view
-    and Sun in nodes of the mean reflectance.
+    ``place`` and ``weights`` (4, 4): first nodes and weights of wind, height, view and Sun; ``cosine`` of incidence; ``coarse``: wind,
+    height, view and Sun in nodes of the mean reflectance.
     """
     total = 0.0
     for h in range(min(light.values.shape[2], 4)):
@@ -277,18 +334,19 @@ def light_of(
                 )
             total += weights[1, h] * weights[0, w] * part
     shapes = light.shapes
-    i, j, k = (min(int(coarse[0]), shapes.shape[1] - 2), min(int(coarse[1]), shapes.shape[2] - 2), min(int(coarse[2]), shapes.shape[3] - 2))
-    f, g, e = coarse[0] - i, coarse[1] - j, coarse[2] - k
+    i, j = min(int(coarse[0]), shapes.shape[1] - 2), min(int(coarse[1]), shapes.shape[2] - 2)
+    k, m = min(int(coarse[2]), shapes.shape[3] - 2), min(int(coarse[3]), shapes.shape[4] - 2)
+    f, g, e, d = coarse[0] - i, coarse[1] - j, coarse[2] - k, coarse[3] - m
     x, b1, b2 = 2.0 * cosine - 1.0, 0.0, 0.0
     first = 0.0
-    for n in range(shapes.shape[4] - 1, -1, -1):
-        low = (1.0 - g) * ((1.0 - e) * shapes[model, i, j, k, n] + e * shapes[model, i, j, k + 1, n]) + g * (
-            (1.0 - e) * shapes[model, i, j + 1, k, n] + e * shapes[model, i, j + 1, k + 1, n]
-        )
-        high = (1.0 - g) * ((1.0 - e) * shapes[model, i + 1, j, k, n] + e * shapes[model, i + 1, j, k + 1, n]) + g * (
-            (1.0 - e) * shapes[model, i + 1, j + 1, k, n] + e * shapes[model, i + 1, j + 1, k + 1, n]
-        )
-        term = low + f * (high - low)
+    for n in range(shapes.shape[5] - 1, -1, -1):
+        term = 0.0
+        for p in range(2):
+            for q in range(2):
+                here = shapes[model, i + p, j + q]
+                low = (1.0 - d) * here[k, m, n] + d * here[k, m + 1, n]
+                high = (1.0 - d) * here[k + 1, m, n] + d * here[k + 1, m + 1, n]
+                term += (f if p == 1 else 1.0 - f) * (g if q == 1 else 1.0 - g) * ((1.0 - e) * low + e * high)
         if n == 0:
             first = term
         else:
