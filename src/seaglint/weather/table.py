@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,8 +95,9 @@ class WeatherTable:
             raise DomainError(f"row {row + 1}: weight is missing; give a number of 0 or more, or leave the column out", name="weight")
         if not columns["weight"].sum() > 0.0:
             raise DomainError("all weights are 0; give at least one row a weight above 0", name="weight", value=0.0)
-        for values in (*columns.values(), *texts.values()):
-            values.flags.writeable = False
+        held: tuple[NDArray[Any], ...] = (*columns.values(), *texts.values())
+        for each in held:
+            each.flags.writeable = False
         object.__setattr__(self, "columns", columns)
         object.__setattr__(self, "texts", texts)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,6 +18,9 @@ from seaglint.weather.table import NEEDED, RANGES, TEXTS, WeatherTable
 
 SUFFIXES: Final = (".csv", ".parquet")
 """Endings of the files that are written."""
+
+SHIPPED: Final = ("north-atlantic",)
+"""Names of the tables in the package."""
 
 _NOTES: Final = b"seaglint_weather_notes"
 
@@ -41,7 +45,7 @@ class WeatherFile:
 
 
 def read_weather(path: str | Path) -> WeatherFile:
-    """Read a weather table, CSV or Parquet.
+    """Read a weather table, CSV or Parquet, or one of the package by its name (:data:`SHIPPED`).
 
     Raises
     ------
@@ -50,8 +54,13 @@ def read_weather(path: str | Path) -> WeatherFile:
     BackendError
         A Parquet file without the extra ``weather``.
     """
-    path = Path(path)
+    path = shipped(str(path)) if str(path) in SHIPPED and not Path(path).exists() else Path(path)
     return _read_parquet(path) if path.suffix.lower() == ".parquet" else _read_csv(path)
+
+
+def shipped(name: str) -> Path:
+    """File of a table in the package."""
+    return Path(str(files("seaglint.weather"))) / "data" / f"{name}.csv"
 
 
 def _read_csv(path: Path) -> WeatherFile:

@@ -1,0 +1,61 @@
+"""Columns of a stranger's table as those of a weather table: which one, and the line from its unit to ours."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+from seaglint.weather.table import RANGES, TEXTS
+
+UNITS: Final = {
+    "wind_speed_m_s": "m/s",
+    "wind_from_deg": "deg",
+    "sea_temperature_k": "K",
+    "air_temperature_k": "K",
+    "visibility_km": "km",
+    "significant_height_m": "m",
+    "hour_utc": "hour",
+    "latitude_deg": "deg",
+    "longitude_deg": "deg",
+    "wind_to_deg": "deg",
+    "wind_u_m_s": "m/s",
+    "wind_v_m_s": "m/s",
+    "dew_point_k": "K",
+}
+"""Unit of each column that has one; cloud cover, humidity, month and weight are plain numbers."""
+
+SHARES: Final = ("cloud_cover", "relative_humidity")
+"""Shares of 1, which other tables have in percent, oktas or tenths."""
+
+SHARE_UNITS: Final = {"1": 1.0, "fraction": 1.0, "percent": 0.01, "%": 0.01, "okta": 0.125, "oktas": 0.125, "tenths": 0.1}
+"""Spellings of the units of a share, and what one of each is."""
+
+HELPERS: Final = ("time", "wind_to_deg", "wind_u_m_s", "wind_v_m_s", "dew_point_k")
+"""What a column may also be, of which ours are made: ISO times, the direction that a wind blows towards, its components towards east and
+north, and the dew point."""
+
+TARGETS: Final = (*RANGES, *TEXTS, *HELPERS)
+"""All that a column can be mapped to."""
+
+
+@dataclass(frozen=True)
+class MappedColumn:
+    """One column: value = ``scale * cell + offset``.
+
+    Attributes
+    ----------
+    name : str
+        One of :data:`TARGETS`.
+    column : str
+        Heading in the file.
+    unit : str
+        As given, for messages; empty where the cells are in our unit.
+    scale, offset : float
+        The line from its unit to ours.
+    """
+
+    name: str
+    column: str
+    unit: str = ""
+    scale: float = 1.0
+    offset: float = 0.0
