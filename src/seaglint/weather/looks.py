@@ -32,6 +32,9 @@ from seaglint.weather.sunlight import (
 _DUSK: Final = 0.3
 """Depression of the Sun from which it is up nowhere in view [rad]."""
 
+_FAINT: Final = 1e-300
+"""Radiance of a lit sea whose glint is nothing in numbers [W m-2 sr-1]: it is above 0 wherever the Sun is up."""
+
 COLUMNS: Final = ("model", "wind", "wind_to", "height", "solar_zenith", "solar_azimuth", "irradiance_factor", "azimuth", "depression")
 """What a look is, in the order of the kernel's array: place of the model atmosphere in the table, U10 [m/s], azimuth it blows to [rad],
 sensor's height [m], the Sun's direction [rad] and ``1/d^2``, azimuth of the look and its depression [rad]."""
@@ -59,7 +62,7 @@ class Search:
 
 @dataclass(frozen=True, eq=False)
 class Looks:
-    """What the looks see [(n,) each]; 0 where no Sun is mirrored."""
+    """What the looks see [(n,) each]; 0 where no Sun is up, or no sea in view, and the least number where glint is next to nothing."""
 
     radiance: FloatArray
     """Of the mirrored Sun at the sensor [W m-2 sr-1]."""
@@ -250,6 +253,7 @@ def _fill(
                 u = (math.asinh(gamma / scale) - first) / (last - first)
             arc = EFFECTIVE_EARTH_RADIUS * max(depression - gamma, 0.0)
             found = _seen(row, gamma, arc, row[7] + a, light, sea, state, disc, (wind, height, coarse, u, weights))
-            if found[0] > out[n, 0] or step == 0:
+            bright = max(found[0], _FAINT) if found[3] > 0.0 else 0.0
+            if bright > out[n, 0] or step == 0:
                 best, aside = u, a
-                out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = found[0], found[1], found[2], gamma, found[3]
+                out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = bright, found[1], found[2], gamma, found[3]
