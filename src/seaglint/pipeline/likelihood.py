@@ -20,7 +20,7 @@ from seaglint.pipeline.likelihood_model import Model
 from seaglint.scenario.model import Scenario
 from seaglint.weather import strata as by
 from seaglint.weather.clouds import CloudLaw, illuminated
-from seaglint.weather.conditions import conditions, months_of
+from seaglint.weather.conditions import Region, Times, conditions, months_of
 from seaglint.weather.draws import Estimate, Plan, estimate
 from seaglint.weather.looks import Looks, looks
 from seaglint.weather.measures import detected, deviation, exceeded_by, exceeds, passes
@@ -28,7 +28,7 @@ from seaglint.weather.smooth import smoothed
 from seaglint.weather.strata import Stratum, strata
 from seaglint.weather.table import WeatherTable
 
-DIMENSIONS: Final = ("row", "hour", "depression", "azimuth", "day", "wind", "across", "along", "height")
+DIMENSIONS: Final = ("azimuth", "hour", "row", "day", "depression", "cover", "across", "wind", "height", "along")
 """Uniform numbers of a draw, those that matter most first."""
 
 NEEDED_SHARES: Final = (0.5, 0.1, 0.05, 0.01, 0.001)
@@ -181,9 +181,9 @@ def draw(model: Model, *, samples: int | None = None, seed: int | None = None, p
     """Draw conditions and looks, and see what they see; an ``azimuth`` from the Sun [rad] stands in for the scenario's law."""
     wanted, table = model.wanted, model.table
     plan = Plan.of(wanted.samples if samples is None else samples)
-    names = (*DIMENSIONS, *(f"smooth_{name}" for name in model.bandwidth))
+    names = (*_varying(model), *(f"smooth_{name}" for name in model.bandwidth))
     points = plan.uniform(len(names), model.scenario.seed if seed is None else seed, plain=plain)
-    u = {name: np.ascontiguousarray(points[:, i]) for i, name in enumerate(names)}
+    u = {name: np.zeros(plan.total) for name in DIMENSIONS} | {name: np.ascontiguousarray(points[:, i]) for i, name in enumerate(names)}
     where = conditions(table, u, model.when, model.where)
     wind, cover, wind_from = (table[name][where.rows] for name in ("wind_speed_m_s", "cloud_cover", "wind_from_deg"))
     if model.bandwidth:
@@ -207,10 +207,33 @@ def draw(model: Model, *, samples: int | None = None, seed: int | None = None, p
     )
 
 
+def _varying(model: Model) -> list[str]:
+    """Uniform numbers on which the draws of a scenario depend: points of fewer dimensions are more even."""
+    wanted, (lowest, highest) = model.wanted, model.heights
+    alone = wanted.case == "single-look"
+    times, places = isinstance(model.when, Times), isinstance(model.where, Region) and model.sun is None
+    depends = {
+        "azimuth": wanted.azimuth_from_sun_deg[0] < wanted.azimuth_from_sun_deg[1],
+        "hour": times,
+        "row": True,
+        "cover": len(model.table) > 1,
+        "day": times,
+        "depression": bool(model.looks) or (alone and wanted.depression_deg[0] < wanted.depression_deg[1]),
+        "across": places,
+        "wind": not model.gives_wind_direction,
+        "height": lowest < highest or bool(model.looks),
+        "along": places,
+    }
+    return [name for name in DIMENSIONS if depends[name]]
+
+
 def _seen(model: Model, columns: list[FloatArray], free: FloatArray) -> Looks:
     """What the looks see; those whose Sun is down or behind clouds for sure are passed over."""
     at = np.flatnonzero((columns[4] < _SHINES) & (free > 0.0))
-    some = looks(np.column_stack([column[at] for column in columns]), model.light, model.seas, model.search)
+    chosen = np.empty((at.size, len(columns)))
+    for i, column in enumerate(columns):
+        chosen[:, i] = column[at]
+    some = looks(chosen, model.light, model.seas, model.search)
     whole = np.zeros((5, free.size))
     whole[3] = -1.0
     for row, part in zip(whole, (some.radiance, some.chance, some.cos_incidence, some.elevation, some.sun_up), strict=True):

@@ -93,13 +93,13 @@ def looks(draws: FloatArray, light: MirroredLight, sea: Seas, search: Search = S
     -----
     Shares of facets are those of :func:`seaglint.radiance.glint.glint`; winds beyond the tables count as the nearest.
     """
-    rows = np.column_stack([np.asarray(draws, dtype=np.float64), height_coordinate(draws[:, 3])])
+    rows, levels = np.ascontiguousarray(draws, dtype=np.float64), height_coordinate(draws[:, 3])
     out = np.zeros((rows.shape[0], 5))
     plan = _Plan(search.depressions, search.azimuths, search.refinements, search.half_width, *light.depression)
     disc = sun_disc(0.0, 0.0, STEADY)
 
     def work(part: tuple[int, int]) -> None:
-        _fill(part, rows, light, sea, plan, disc.rule, out)
+        _fill(part, rows, levels, light, sea, plan, disc.rule, out)
 
     in_threads(work, rows.shape[0])
     return Looks(*(np.ascontiguousarray(column) for column in out.T))
@@ -207,7 +207,14 @@ def _seen(
 
 @njit
 def _fill(
-    part: tuple[int, int], draws: FloatArray, light: MirroredLight, sea: Seas, plan: _Plan, rule: FloatArray, out: FloatArray
+    part: tuple[int, int],
+    draws: FloatArray,
+    levels: FloatArray,
+    light: MirroredLight,
+    sea: Seas,
+    plan: _Plan,
+    rule: FloatArray,
+    out: FloatArray,
 ) -> None:
     points, coefficients, weights = np.empty((7, 4)), np.empty(5), np.zeros((4, 4))
     for n in range(part[0], part[1]):
@@ -219,8 +226,8 @@ def _fill(
         disc = SunDisc(points, rule, 0.0, 1.0, np.empty(0))
         state = _sea_at(sea, row, coefficients)
         wind = place_in_pieces(row[1], light.winds, light.pieces, weights[0])
-        height = place_in_pieces(row[9], light.heights, light.height_pieces, weights[1])
-        coarse = between_kernel(row[1], light.coarse_winds), between_kernel(row[9], light.coarse_heights)
+        height = place_in_pieces(levels[n], light.heights, light.height_pieces, weights[1])
+        coarse = between_kernel(row[1], light.coarse_winds), between_kernel(levels[n], light.coarse_heights)
         scale, first, last = view_range_kernel(row[3], plan.low, plan.high)
         grid = plan.depressions * plan.azimuths
         ways = (2 if plan.depressions > 1 else 0) + (2 if plan.azimuths > 1 else 0)

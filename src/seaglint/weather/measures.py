@@ -88,5 +88,5 @@ def exceeded_by(radiance: FloatArray, illuminated: FloatArray, shares: Sequence[
     order = np.argsort(radiance)[::-1]
     above = np.cumsum(illuminated[order]) / radiance.size
     at = np.searchsorted(above, np.asarray(shares), side="left")
-    values = np.append(radiance[order], 0.0)
+    values = np.append(np.where(radiance[order] > 1e-200, radiance[order], 0.0), 0.0)
     return np.asarray(values[np.minimum(at, radiance.size)])
