@@ -39,14 +39,18 @@ def _rose(axes: Any, rose: dict[str, Any]) -> None:
     angle, width = np.radians(rose["sector_centre_deg"]), 2.0 * np.pi / len(rose["sector_centre_deg"])
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
+    axes.set_title("where the wind comes from [% of the weight]", fontsize=10)
+    if not found.any():
+        axes.text(0.5, 0.5, "no directions in the table", ha="center", va="center", transform=axes.transAxes)
+        axes.set_axis_off()
+        return
     bottom = np.zeros(angle.size)
     for k, label in enumerate(_classes(rose["speed_edges_m_s"])):
         axes.bar(
             angle, found[:, k], 0.9 * width, bottom=bottom, color=_shade(k, found.shape[1]), edgecolor="white", linewidth=0.4, label=label
         )
         bottom += found[:, k]
-    axes.set_title("where the wind comes from [% of the weight]", fontsize=10)
-    axes.legend(title="m/s", fontsize=7, loc="lower left", bbox_to_anchor=(-0.25, -0.1), frameon=False)
+    axes.legend(title="m/s", fontsize=7, loc="center right", bbox_to_anchor=(-0.12, 0.5), frameon=False)
 
 
 def _shade(k: int, count: int) -> Any:

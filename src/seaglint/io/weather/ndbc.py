@@ -107,7 +107,7 @@ def to_ten_metres(speed: FloatArray, height: float) -> FloatArray:
     Examples
     --------
     >>> to_ten_metres(np.array([0.0, 10.0]), 4.0).round(2).tolist()
-    [0.0, 10.93]
+    [0.0, 10.99]
     """
     if not 1.0 <= height <= 150.0:
         raise DataError(f"--anemometer-height {height:g} is outside 1 to 150 m; give that of the buoy's page")
