@@ -20,7 +20,7 @@ from seaglint.pipeline.likelihood_model import Model
 from seaglint.scenario.model import Scenario
 from seaglint.weather import strata as by
 from seaglint.weather.clouds import CloudLaw, illuminated
-from seaglint.weather.conditions import Region, Times, conditions, months_of
+from seaglint.weather.conditions import Conditions, Region, Times, conditions, months_of
 from seaglint.weather.draws import Estimate, Plan, estimate
 from seaglint.weather.looks import Looks, looks
 from seaglint.weather.measures import detected, deviation, exceeded_by, exceeds, passes
@@ -179,12 +179,21 @@ def cloud_law(model: Model) -> CloudLaw:
 
 def draw(model: Model, *, samples: int | None = None, seed: int | None = None, plain: bool = False, azimuth: float | None = None) -> Draws:
     """Draw conditions and looks, and see what they see; an ``azimuth`` from the Sun [rad] stands in for the scenario's law."""
-    wanted, table = model.wanted, model.table
-    plan = Plan.of(wanted.samples if samples is None else samples)
+    plan = Plan.of(model.wanted.samples if samples is None else samples)
+    u = numbers(model, plan, model.scenario.seed if seed is None else seed, plain=plain)
+    return seen(model, u, conditions(model.table, u, model.when, model.where), plan, azimuth)
+
+
+def numbers(model: Model, plan: Plan, seed: int, *, plain: bool = False) -> dict[str, FloatArray]:
+    """Uniform numbers of draws by name [(total,) each]; 0 for those on which the scenario does not depend."""
     names = (*_varying(model), *(f"smooth_{name}" for name in model.bandwidth))
-    points = plan.uniform(len(names), model.scenario.seed if seed is None else seed, plain=plain)
-    u = {name: np.zeros(plan.total) for name in DIMENSIONS} | {name: np.ascontiguousarray(points[:, i]) for i, name in enumerate(names)}
-    where = conditions(table, u, model.when, model.where)
+    points = plan.uniform(len(names), seed, plain=plain)
+    return {name: np.zeros(plan.total) for name in DIMENSIONS} | {name: np.ascontiguousarray(points[:, i]) for i, name in enumerate(names)}
+
+
+def seen(model: Model, u: dict[str, FloatArray], where: Conditions, plan: Plan, azimuth: float | None = None) -> Draws:
+    """What looks see in conditions that are drawn already."""
+    wanted, table = model.wanted, model.table
     wind, cover, wind_from = (table[name][where.rows] for name in ("wind_speed_m_s", "cloud_cover", "wind_from_deg"))
     if model.bandwidth:
         noise = np.clip(np.column_stack([u[f"smooth_{name}"] for name in model.bandwidth]), 1e-12, 1.0 - 1e-12)
@@ -194,12 +203,12 @@ def draw(model: Model, *, samples: int | None = None, seed: int | None = None, p
     wind_to = np.radians(np.where(np.isnan(wind_from), missing, wind_from) + 180.0)
     sun = model.sun
     if sun is not None:
-        zenith, towards, factor = (np.full(plan.total, x) for x in (sun.zenith, sun.azimuth, sun.irradiance_factor))
+        zenith, towards, factor = (np.full(wind.size, x) for x in (sun.zenith, sun.azimuth, sun.irradiance_factor))
     else:
         zenith, towards, factor = model.ephemeris.at(where.time, where.latitude, where.longitude)
     depression, beside, height = _geometry(model, u)
     if azimuth is not None:
-        beside = np.full(plan.total, azimuth)
+        beside = np.full(wind.size, azimuth)
     free = illuminated(cloud_law(model), cover, 0.5 * math.pi - zenith, overcast=wanted.overcast_cover, aspect=wanted.cloud_aspect)
     found = _seen(model, [model.row_model[where.rows], wind, wind_to, height, zenith, towards, factor, towards + beside, depression], free)
     return Draws(

@@ -15,7 +15,7 @@ from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.atmosphere.table_file import table_models
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, ScenarioError
-from seaglint.io.weather.own import read_weather
+from seaglint.io.weather.own import SHIPPED, read_weather
 from seaglint.io.weather.text import read_cells
 from seaglint.limits import NAVY_AEROSOL_WIND, WIND_PROFILE
 from seaglint.pipeline import prepare
@@ -36,6 +36,9 @@ from seaglint.weather.select import Box
 from seaglint.weather.smooth import bandwidths
 from seaglint.weather.sunlight import MirroredLight, mirrored_light
 from seaglint.weather.table import MONTHS, WeatherTable
+
+_SHARED = ("light", "seas", "ephemeris", "bandwidth", "curve")
+"""Tables that scenarios with the same air, sea and year share."""
 
 LOOK_COLUMNS = ("depression_deg", "azimuth_from_sun_deg", "height_m", "weight")
 
@@ -216,15 +219,11 @@ class Model:
         """Whether the scenario says where the wind comes from."""
         return "wind" in self.scenario.model_fields_set and "from_deg" in self.scenario.wind.model_fields_set
 
-    def of_months(self, months: tuple[int, ...], region: Region | tuple[float, float] | None = None) -> Model:
-        """The same for other months and, if given, another place; tables of air and sea are shared."""
+    def of_months(self, months: tuple[int, ...]) -> Model:
+        """The same for other months; tables of air and sea are shared."""
         wanted = self.wanted.model_copy(update={"months": months})
         new = replace(self, scenario=self.scenario.model_copy(update={"likelihood": wanted}))
-        for name in ("light", "seas", "ephemeris", "bandwidth", "curve"):
-            if name in self.__dict__:
-                new.__dict__[name] = self.__dict__[name]
-        if region is not None:
-            new.__dict__["where"] = region
+        new.__dict__.update({name: getattr(self, name) for name in _SHARED})
         return new
 
 
@@ -236,8 +235,10 @@ def wanted_of(scenario: Scenario) -> Likelihood:
 
 
 def _weather(wanted: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
+    """The table named, or the one of the package."""
     if wanted.weather is None:
-        raise ScenarioError("likelihood.weather is missing: name a weather table; 'seaglint weather build' makes one")
+        packaged = f"likelihood.weather is not given: the packaged table {SHIPPED[0]}, estimates that say little about any place"
+        return read_weather(SHIPPED[0]).table, (packaged,)
     found = read_weather(wanted.weather)
     return found.table, found.told
 

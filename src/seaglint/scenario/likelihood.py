@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, StrictBool, model_validator
+from pydantic import Field, StrictBool, field_validator, model_validator
 
 from seaglint.scenario.quantity import Quantity
 from seaglint.scenario.record import InputFile, Record, rule
@@ -82,6 +82,11 @@ class Likelihood(Record):
     detection_curve: Annotated[
         InputFile | None, Field(description="CSV of contrast_w_m2_sr and pd, what is detected of a target by its contrast to the glint")
     ] = None
+
+    @field_validator("weather", mode="before")
+    @classmethod
+    def _packaged(cls, raw: Any) -> Any:
+        return None if raw == "north-atlantic" else raw
 
     @model_validator(mode="after")
     def _ranges_ascend(self) -> Self:

@@ -100,7 +100,11 @@ def months_of(time: FloatArray) -> NDArray[np.int64]:
 
 
 def conditions(
-    table: WeatherTable, uniform: Mapping[str, FloatArray], when: Times | float | None, where: Region | tuple[float, float] | None
+    table: WeatherTable,
+    uniform: Mapping[str, FloatArray],
+    when: Times | float | None,
+    where: Region | tuple[float, float] | None,
+    some: NDArray[np.intp] | None = None,
 ) -> Conditions:
     """Draw weather, time and place.
 
@@ -114,6 +118,8 @@ def conditions(
         Law of the time, one time [s since 1970-01-01 UTC], or None where the Sun is given.
     where : Region, tuple or None
         Law of the place, one place (latitude, longitude) [deg]; None takes the rows' own, with their months and hours.
+    some : ndarray of int, optional
+        The only rows to draw from, with a law of the time.
 
     Returns
     -------
@@ -132,7 +138,9 @@ def conditions(
         return _of_rows(table, uniform, when)
     time = np.full(row.size, when) if isinstance(when, float) else when.draw(uniform["day"], uniform["hour"])
     place = where.draw(uniform["across"], uniform["along"]) if isinstance(where, Region) else [np.full(row.size, x) for x in where]
-    return Conditions(_rows_at(table, row, uniform["cover"], time), time, place[0], place[1])
+    if some is None:
+        return Conditions(_rows_at(table, row, uniform["cover"], time), time, place[0], place[1])
+    return Conditions(some[_rows_at(table.take(some), row, uniform["cover"], time)], time, place[0], place[1])
 
 
 def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> IntArray:
