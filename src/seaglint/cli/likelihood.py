@@ -66,8 +66,12 @@ def lines(found: dict[str, Any]) -> list[str]:
     out += [f"  {'threshold [W m-2 sr-1]':>24}  {'probability':>12}  95 % interval"]
     for row in found["results"]:
         more = f"  {row['false_alarms_per_hour']:.4g} false alarms an hour" if "false_alarms_per_hour" in row else ""
-        out.append(f"  {row['threshold_w_m2_sr']:>24g}  {row['probability']:>12.5g}  {row['interval'][0]:.5g} to {row['interval'][1]:.5g}{more}")
-    out.append(f"  Sun up in {100 * found['sun_up']['share']:.4g} % of the draws, free of clouds in {100 * found['sun_free_of_clouds']:.4g} %")
+        out.append(
+            f"  {row['threshold_w_m2_sr']:>24g}  {row['probability']:>12.5g}  {row['interval'][0]:.5g} to {row['interval'][1]:.5g}{more}"
+        )
+    out.append(
+        f"  Sun up in {100 * found['sun_up']['share']:.4g} % of the draws, free of clouds in {100 * found['sun_free_of_clouds']:.4g} %"
+    )
     told = ", ".join(f"{row['radiance_w_m2_sr']:.3g} in {100 * row['share_of_looks']:g} %" for row in found["contrast_exceeded_by_glint"])
     return [*out, f"  glint exceeds [W m-2 sr-1]: {told} of the looks"]
 
@@ -137,9 +141,7 @@ def _mapped(
     log(f"{picture} written")
 
 
-def _along(
-    path: Path, loaded: Scenario, track: Path, output: Path | None, as_json: bool, overwrite: bool, inputs: list[Path]
-) -> None:
+def _along(path: Path, loaded: Scenario, track: Path, output: Path | None, as_json: bool, overwrite: bool, inputs: list[Path]) -> None:
     """Chances along a ship's way."""
     from seaglint.errors import DataError
     from seaglint.io.likelihood import write_json, write_rows

@@ -54,7 +54,7 @@ def fig5(
     output: Folder = Path(),
     overwrite: Overwrite = False,
     weather: Annotated[Path | None, typer.Option("--weather", help="weather table instead of the packaged North Atlantic")] = None,
-    spectral: Annotated[bool, typer.Option("--spectral", help="radiance per wavenumber, as the other commands, not the article's way")] = False,
+    spectral: Annotated[bool, typer.Option("--spectral", help="radiance per wavenumber, not the article's way")] = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
     """Chance of glint against the azimuth from the Sun, three cases, two thresholds: DIR/fig5.png and fig5.csv (a minute)."""
@@ -76,7 +76,7 @@ def fig5(
     write_fig5(found.columns, picture)
     log(f"{picture} written")
     log(
-        f"the caption's 0.25 W cm-2 sr-1 is {PRINTED:g} W m-2 sr-1: exceeded in {100 * found.printed:.2g} % of the looks at most; the brightest "
+        f"the caption's 0.25 W cm-2 sr-1 is {PRINTED:g} W m-2 sr-1: exceeded in {100 * found.printed:.2g} % of looks at most; the brightest "
         f"glint of all draws is {found.brightest:.3g} W m-2 sr-1"
     )
 

@@ -1,12 +1,12 @@
 """The source article's Fig. 5, computed anew: the chance that glint exceeds a threshold, against the azimuth from the Sun.
 
 Settings of the article: 3-5 um, band means, isotropic slopes, one shadowed leg; depressions of 1.5 to 6 deg; time uniform over the day and
-the year, place uniform over the North Atlantic; a single look with its clouds, a trajectory over all depressions, and one widened by a field
-of view of 4 x 4 deg, both hidden by an overcast sky alone. Its height and weather are not told: 30 m here, and the packaged table.
+the year, place uniform over the North Atlantic; a single look with its clouds, a trajectory over all depressions, and one widened by a
+field of view of 4 x 4 deg, both hidden by an overcast sky alone. Its height and weather are not told: 30 m and the packaged table here.
 
-The caption's threshold of 0.25 W cm-2 sr-1 is 2500 W m-2 sr-1. The Sun's own band radiance, 2 % of which a calm sea mirrors at steep incidence,
-is 1.3e5 W m-2 sr-1 in 3-5 um: rough seas at the article's winds reach some tens of W m-2 sr-1. A thousandth of it, 0.25 mW cm-2 sr-1, is
-2.5 W m-2 sr-1; 0.25 W m-2 sr-1 stands beside it.
+The caption's threshold of 0.25 W cm-2 sr-1 is 2500 W m-2 sr-1. The Sun itself shows some 1e5 W m-2 sr-1 in 3-5 um, but of a sea with
+1 m/s of wind or more few facets mirror it: glint stays below a few hundred W m-2 sr-1. A thousandth of the caption's number,
+0.25 mW cm-2 sr-1, is 2.5 W m-2 sr-1; 0.25 W m-2 sr-1 stands beside it.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ PRINTED: Final = 2500.0
 """The caption's 0.25 W cm-2 sr-1 [W m-2 sr-1]."""
 
 CASES: Final = ("single-look", "trajectory", "field-of-view")
-AZIMUTHS: Final = np.arange(0.0, 181.0, 10.0)
+AZIMUTHS: Final = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.5, 15.0, 20.0, 25.0, 30.0, 40.0, 60.0, 90.0, 180.0])
+"""Azimuths from the Sun [deg]."""
 NORTH_ATLANTIC: Final = {"latitude_deg": [35.0, 65.0], "longitude_deg": [-70.0, 0.0]}
 HEIGHT: Final = 30.0
 SAMPLES: Final = 8192
@@ -82,7 +83,7 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
     Notes
     -----
     (a) is the chance at one azimuth, the same to both sides of the Sun for winds from anywhere. (b) is the chance that any azimuth up to
-    theta_T from the Sun's, in steps of 10 deg to both sides, exceeds: the same draws look at all azimuths.
+    theta_T from the Sun's, of those in :data:`AZIMUTHS` to both sides, exceeds: the same draws look at all azimuths.
     """
     tell = report or (lambda done, total: None)
     rows: list[tuple[float, ...]] = []

@@ -1,6 +1,6 @@
-"""How often glint matters: draws of weather, Sun and geometry through the model of the mirrored Sun (the source article's Eq. 10).
+r"""How often glint matters: draws of weather, Sun and geometry through the model of the mirrored Sun (the source article's Eq. 10).
 
-.. math:: P = \\int P_{illum}(\\Theta)\\,I(\\Theta)\\,p(\\Theta)\\,d\\Theta
+.. math:: P = \int P_{illum}(\Theta)\,I(\Theta)\,p(\Theta)\,d\Theta
 
 with I = 1 where the mirrored Sun at the sensor exceeds a threshold, and clouds taken as their chance rather than drawn.
 """
@@ -14,7 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from seaglint.conventions import FloatArray, travel_azimuth
+from seaglint.conventions import FloatArray
 from seaglint.pipeline import prepare
 from seaglint.pipeline.likelihood_model import Model
 from seaglint.scenario.model import Scenario
@@ -124,7 +124,7 @@ class Likelihood:
         hour = ((self.draws.time / 3600.0 + self.draws.longitude / 15.0) % 24.0).astype(np.int64) % 24
         cell = month * 24 + hour
         count, total = (np.bincount(cell, weight, 288) for weight in (np.ones(cell.size), self.values[0]))
-        return np.divide(total, count, out=np.full(288, np.nan), where=count > 0.0).reshape(12, 24)
+        return np.asarray(np.divide(total, count, out=np.full(288, np.nan), where=count > 0.0)).reshape(12, 24)
 
     @property
     def _looks_per_hour(self) -> float:
@@ -210,10 +210,12 @@ def seen(model: Model, u: dict[str, FloatArray], where: Conditions, plan: Plan, 
     if azimuth is not None:
         beside = np.full(wind.size, azimuth)
     free = illuminated(cloud_law(model), cover, 0.5 * math.pi - zenith, overcast=wanted.overcast_cover, aspect=wanted.cloud_aspect)
-    found = _seen(model, [model.row_model[where.rows], wind, wind_to, height, zenith, towards, factor, towards + beside, depression], free)
-    return Draws(
-        plan, found.radiance, free, wind, cover, where.time, where.latitude, where.longitude, zenith, beside, height, found
+    found = _seen(
+        model,
+        [model.row_model[where.rows].astype(np.float64), wind, wind_to, height, zenith, towards, factor, towards + beside, depression],
+        free,
     )
+    return Draws(plan, found.radiance, free, wind, cover, where.time, where.latitude, where.longitude, zenith, beside, height, found)
 
 
 def _varying(model: Model) -> list[str]:
@@ -253,7 +255,11 @@ def _seen(model: Model, columns: list[FloatArray], free: FloatArray) -> Looks:
 def _geometry(model: Model, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Depression and azimuth from the Sun [rad], and height [m]."""
     wanted = model.wanted
-    (low, high), (first, last), (lowest, highest) = np.radians(wanted.depression_deg), np.radians(wanted.azimuth_from_sun_deg), model.heights
+    (low, high), (first, last), (lowest, highest) = (
+        np.radians(wanted.depression_deg),
+        np.radians(wanted.azimuth_from_sun_deg),
+        model.heights,
+    )
     depression = low + (high - low) * u["depression"]
     beside = first + (last - first) * u["azimuth"]
     height = lowest + (highest - lowest) * u["height"]

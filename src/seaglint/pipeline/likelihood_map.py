@@ -20,8 +20,8 @@ from seaglint.weather.table import WeatherTable
 if TYPE_CHECKING:
     import xarray as xr
 
-SAMPLES: Final = 1024
-"""Draws for each cell and month: chances within 0.01 to 0.02."""
+SAMPLES: Final = 512
+"""Draws for each cell and month: chances within 0.02."""
 
 _MOST: Final = 100_000
 _TOGETHER: Final = 1_000_000
@@ -51,7 +51,7 @@ def likelihood_map(
     Returns
     -------
     Dataset
-        ``probability`` over ``threshold, month, latitude, longitude`` (middles of cells), and ``rows``, the rows of weather that each cell has.
+        ``probability`` over ``threshold, month, latitude, longitude`` (middles of cells); ``rows``, how many rows of weather a cell has.
 
     Raises
     ------
@@ -60,8 +60,8 @@ def likelihood_map(
 
     Notes
     -----
-    A weather table with places gives every cell the rows inside it, and where it has none, those of the nearest place; without places all cells
-    have all rows. All cells share their uniform numbers, so that neighbours differ by weather and Sun alone.
+    A weather table with places gives every cell the rows inside it, and where it has none, those of the nearest place; without places
+    all cells have all rows. All cells share their uniform numbers, so that neighbours differ by weather and Sun alone.
     """
     import xarray as xr
 
@@ -79,27 +79,28 @@ def likelihood_map(
     cells = _cells(model.table, latitude, longitude)
     out = np.empty((len(wanted.threshold_w_m2_sr), len(months), latitude.size, longitude.size))
     plan = Plan.of(samples)
-    rows = np.full((latitude.size, longitude.size), len(model.table)) if cells is None else np.array([c.size for c in cells]).reshape(out.shape[2:])
-    model.light, model.seas, model.ephemeris  # noqa: B018 - made once, before the months share them
+    together = max(_TOGETHER // (plan.total * longitude.size), 1)
+    rows = (
+        np.full((latitude.size, longitude.size), len(model.table))
+        if cells is None
+        else np.array([c.size for c in cells]).reshape(out.shape[2:])
+    )
     for m, month in enumerate(months):
         tell(m, len(months))
         of_month = model.of_months((month,))
         u = numbers(of_month, plan, scenario.seed)
-        for first in range(0, latitude.size, max(_TOGETHER // (plan.total * longitude.size), 1)):
-            band = slice(first, first + max(_TOGETHER // (plan.total * longitude.size), 1))
-            places = [(lat, lon, k) for lat, k in zip(latitude[band].tolist(), range(first, latitude.size), strict=False) for lon in longitude]
-            parts = [
-                conditions(
-                    model.table,
-                    u,
-                    of_month.when,
-                    Region(max(lat - 0.5 * step, -90.0), min(lat + 0.5 * step, 90.0), lon - 0.5 * step, lon + 0.5 * step),
-                    None if cells is None else cells[k * longitude.size + i % longitude.size],
-                )
-                for i, (lat, lon, k) in enumerate(places)
-            ]
-            joined = Conditions(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("rows", "time", "latitude", "longitude")))
-            drawn = seen(of_month, {name: np.tile(values, len(parts)) for name, values in u.items()}, joined, plan)
+        here = conditions(model.table, u, of_month.when, (0.0, 0.0))
+        for first in range(0, latitude.size, together):
+            band = slice(first, min(first + together, latitude.size))
+            count = (band.stop - first) * longitude.size
+            if cells is None:
+                rows_drawn, time = np.tile(here.rows, count), np.tile(here.time, count)
+            else:
+                parts = [conditions(model.table, u, of_month.when, (0.0, 0.0), c) for c in cells[first * longitude.size :][:count]]
+                rows_drawn, time = np.concatenate([part.rows for part in parts]), np.concatenate([part.time for part in parts])
+            where = _inside(latitude[band], longitude, step, u)
+            joined = Conditions(rows_drawn, time, *where)
+            drawn = seen(of_month, {name: np.tile(values, count) for name, values in u.items()}, joined, plan)
             for t, threshold in enumerate(wanted.threshold_w_m2_sr):
                 values = measured(of_month, drawn, threshold).reshape(-1, longitude.size, plan.total)
                 out[t, m, band] = values.mean(axis=2)
@@ -127,6 +128,14 @@ def likelihood_map(
     )
 
 
+def _inside(latitude: FloatArray, longitude: FloatArray, step: float, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Places of the draws in each cell, cell by cell [deg]."""
+    north = np.clip(latitude[:, None, None] + step * (u["across"] - 0.5), -90.0, 90.0)
+    east = (longitude[:, None] + step * (u["along"] - 0.5) + 180.0) % 360.0 - 180.0
+    shape = (latitude.size, longitude.size, u["across"].size)
+    return np.broadcast_to(north, shape).ravel(), np.broadcast_to(east, shape).ravel()
+
+
 def _cells(table: WeatherTable, latitude: FloatArray, longitude: FloatArray) -> list[np.ndarray] | None:
     """Rows of each cell, row by row of the map; None where the table has no places."""
     known = ~(np.isnan(table["latitude_deg"]) | np.isnan(table["longitude_deg"])) & (table["weight"] > 0.0)
@@ -143,6 +152,6 @@ def _cells(table: WeatherTable, latitude: FloatArray, longitude: FloatArray) -> 
             north, east = spots[:, 0] - lat, (spots[:, 1] - lon + 180.0) % 360.0 - 180.0
             inside = np.flatnonzero((np.abs(north) <= 0.5 * step) & (np.abs(east) <= 0.5 * step))
             if inside.size == 0:
-                inside = np.argmin(north**2 + (east * np.cos(np.radians(lat))) ** 2)[None]
+                inside = np.array([np.argmin(north**2 + (east * np.cos(np.radians(lat))) ** 2)])
             out.append(np.concatenate([by_spot[k] for k in inside]))
     return out

@@ -190,7 +190,9 @@ class Model:
         def slopes_at(wind: float) -> SlopeStatistics:
             if article:
                 return cox_munk_isotropic(wind, height=WIND_HEIGHT)
-            return prepare.slopes(scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": wind, "from_deg": 180.0})}))
+            return prepare.slopes(
+                scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": wind, "from_deg": 180.0})})
+            )
 
         return seas(slopes_at, self.winds, shadowing)
 
@@ -268,7 +270,9 @@ def _models(scenario: Scenario, table: WeatherTable) -> tuple[tuple[str, ...], N
     known = sorted(table_models())
     for row, name in enumerate(names.tolist()):
         if name not in known:
-            raise DataError(f"weather, row {row + 1} by wind: atmosphere = '{name}' is unknown; allowed: {', '.join(known)}, or leave it empty")
+            raise DataError(
+                f"weather, row {row + 1} by wind: atmosphere = '{name}' is unknown; allowed: {', '.join(known)}, or leave it empty"
+            )
     models, place = np.unique(names, return_inverse=True)
     return tuple(models.tolist()), np.asarray(place, dtype=np.int64)
 
@@ -278,17 +282,23 @@ def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[f
     slopes = scenario.sea.slopes
     if isinstance(slopes, wanted_slopes.SpectrumSlopes | wanted_slopes.FlatSlopes):
         top = WIND_PROFILE[1] if isinstance(slopes, wanted_slopes.FlatSlopes) else NAVY_AEROSOL_WIND[1]
-        if isinstance(slopes, wanted_slopes.SpectrumSlopes) and scenario.sea.spectrum.kind not in ("elfouhaily", "pierson-moskowitz", "jonswap"):
+        if isinstance(slopes, wanted_slopes.SpectrumSlopes) and scenario.sea.spectrum.kind not in (
+            "elfouhaily",
+            "pierson-moskowitz",
+            "jonswap",
+        ):
             raise ScenarioError(
-                f"sea.slopes.kind = 'spectrum' with sea.spectrum.kind = '{scenario.sea.spectrum.kind}': its waves do not follow the weather's "
-                "wind; choose a spectrum that does ('elfouhaily'), or slopes by wind"
+                f"sea.slopes.kind = 'spectrum' with sea.spectrum.kind = '{scenario.sea.spectrum.kind}': its waves do not follow "
+                "the weather's wind; choose a spectrum that does ('elfouhaily'), or slopes by wind"
             )
     else:
         top = WIND_PROFILE[1] if slopes.extrapolate else slopes.winds[1]
     strong = table["wind_speed_m_s"] > top
     if strong.any():
         share = float(table.probability[strong].sum())
-        notes.append(f"{int(strong.sum())} rows of weather ({100 * share:.2g} % of the weight) have winds above {top:g} m/s, which count as {top:g}")
+        notes.append(
+            f"{int(strong.sum())} rows of weather ({100 * share:.2g} % of the weight) have winds above {top:g} m/s, which count as {top:g}"
+        )
     if scenario.atmosphere.source == "table" and np.any(table["wind_speed_m_s"] > NAVY_AEROSOL_WIND[1]) and top > NAVY_AEROSOL_WIND[1]:
         notes.append(f"the air of winds above {NAVY_AEROSOL_WIND[1]:g} m/s is that of {NAVY_AEROSOL_WIND[1]:g} m/s")
     return 0.0, min(top, max(float(table["wind_speed_m_s"].max()) + 2.0, 4.0))
@@ -302,8 +312,15 @@ def _looks(wanted: Likelihood, notes: list[str]) -> dict[str, FloatArray]:
     columns = {name: cells.numbers(name) for name in LOOK_COLUMNS if name in cells.header}
     unknown = [name for name in cells.header if name not in LOOK_COLUMNS]
     if unknown or not set(columns) - {"weight"}:
-        raise DataError(f"{wanted.looks}: columns are {', '.join(cells.header)}; allowed: {', '.join(LOOK_COLUMNS)}, one of the first three at least")
-    ranges = {"depression_deg": (-10.0, 90.0), "azimuth_from_sun_deg": (-360.0, 360.0), "height_m": (2.0, 10_000.0), "weight": (0.0, math.inf)}
+        raise DataError(
+            f"{wanted.looks}: columns are {', '.join(cells.header)}; allowed: {', '.join(LOOK_COLUMNS)}, one of the first three at least"
+        )
+    ranges = {
+        "depression_deg": (-10.0, 90.0),
+        "azimuth_from_sun_deg": (-360.0, 360.0),
+        "height_m": (2.0, 10_000.0),
+        "weight": (0.0, math.inf),
+    }
     for name, values in columns.items():
         low, high = ranges[name]
         bad = np.flatnonzero(~((values >= low) & (values <= high) & np.isfinite(values)))

@@ -42,9 +42,9 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
     Returns
     -------
     dict
-        ``way``: a row a time and threshold; ``results``: of each threshold the expected hours with glint, and the mean duration of glint and
-        time to its return along the way, for weather that holds from one time to the next and for all of it: the same draws of weather and
-        geometry are followed.
+        ``way``: a row a time and threshold; ``results``: the expected hours with glint of each threshold, and the mean duration of glint
+        and time to its return along the way, the same draws of weather and geometry
+        followed from time to time.
 
     Raises
     ------

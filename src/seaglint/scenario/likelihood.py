@@ -22,7 +22,8 @@ class Likelihood(Record):
     """How often the mirrored Sun is brighter than thresholds: for the command likelihood."""
 
     weather: Annotated[
-        InputFile | None, Field(description="weather table, CSV or Parquet ('seaglint weather build' makes one); the packaged North Atlantic")
+        InputFile | None,
+        Field(description="weather table, CSV or Parquet ('seaglint weather build' makes one); the packaged North Atlantic"),
     ] = None
     threshold_w_m2_sr: Annotated[
         tuple[Annotated[float, Quantity("W/m2/sr", ge=0)], ...],
@@ -36,7 +37,10 @@ class Likelihood(Record):
         tuple[Annotated[float, Quantity("deg", ge=-10, le=90)], Annotated[float, Quantity("deg", ge=0, le=90)]],
         Field(description="lowest and highest depression of looks, uniform between, or of the trajectory"),
     ] = (1.5, 6.0)
-    azimuth_from_sun_deg: Annotated[tuple[_Degrees, _Degrees], Field(description="azimuths of looks, clockwise from the Sun's")] = (0.0, 360.0)
+    azimuth_from_sun_deg: Annotated[tuple[_Degrees, _Degrees], Field(description="azimuths of looks, clockwise from the Sun's")] = (
+        0.0,
+        360.0,
+    )
     field_deg: Annotated[
         tuple[Annotated[float, Quantity("deg", ge=0, le=60)], Annotated[float, Quantity("deg", ge=0, le=60)]],
         Field(description="width and height of the field of view that case = 'field-of-view' adds"),
@@ -49,11 +53,15 @@ class Likelihood(Record):
         InputFile | None,
         Field(description="CSV of looks drawn whole: any of depression_deg, azimuth_from_sun_deg, height_m, weight"),
     ] = None
-    samples: Annotated[int, Quantity(ge=256, le=MOST_SAMPLES, integer=True), Field(description="draws, rounded up to powers of two")] = 65_536
+    samples: Annotated[int, Quantity(ge=256, le=MOST_SAMPLES, integer=True), Field(description="draws, rounded up to powers of two")] = (
+        65_536
+    )
     latitude_deg: Annotated[tuple[_Latitude, _Latitude] | None, Field(description="region: southern and northern border")] = None
     longitude_deg: Annotated[tuple[_Degrees, _Degrees] | None, Field(description="region: western and eastern border")] = None
     place_from_weather: Annotated[StrictBool, Field(description="take place, month and hour from the rows of the weather table")] = False
-    year: Annotated[int, Quantity(ge=1800, le=2200, integer=True), Field(description="year of the ephemeris where [time] is not given")] = 2025
+    year: Annotated[int, Quantity(ge=1800, le=2200, integer=True), Field(description="year of the ephemeris where [time] is not given")] = (
+        2025
+    )
     months: Annotated[
         tuple[Annotated[int, Quantity(ge=1, le=12, integer=True)], ...] | None, Field(description="months that count; all", min_length=1)
     ] = None

@@ -1,4 +1,4 @@
-"""Whether clouds leave the Sun to the sea: by the share of the sky that they cover, only when overcast, or along slanting lines of sight."""
+"""Whether clouds leave the Sun to the sea: by their cover, only when overcast, or along slanting lines of sight."""
 
 from __future__ import annotations
 

@@ -68,7 +68,9 @@ class Region:
     def draw(self, across: FloatArray, along: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Latitudes and longitudes at uniform numbers [deg]."""
         low, high = np.sin(np.radians([self.south, self.north]))
-        latitude = np.degrees(np.arcsin(np.clip(low + (high - low) * across, -1.0, 1.0))) if high > low else np.full(across.size, self.south)
+        latitude = (
+            np.degrees(np.arcsin(np.clip(low + (high - low) * across, -1.0, 1.0))) if high > low else np.full(across.size, self.south)
+        )
         wide = self.east - self.west
         wide = wide if 0.0 <= wide <= 360.0 else wide % 360.0
         return latitude, (self.west + wide * along + 180.0) % 360.0 - 180.0

@@ -17,7 +17,7 @@ SCRAMBLINGS: Final = 16
 """Fewest independent scramblings: Student's factor is 2.13 then, against 1.96 of infinitely many."""
 
 LEVEL: Final = 0.95
-_FEW: Final = 30
+_FEW: Final = 10
 """Hits below which a count's own interval holds too: means of so few are not normal."""
 
 

@@ -178,9 +178,7 @@ def _fill(
         along = _FLATTENING * math.sin(reduced) + air[1] / _EQUATOR * math.sin(lat)
         shift = math.sin(8.794 / 3600.0 / distance * radian)
         turn = math.atan2(-across * shift * math.sin(hour), math.cos(declination) - across * shift * math.cos(hour))
-        seen = math.atan2(
-            (math.sin(declination) - along * shift) * math.cos(turn), math.cos(declination) - across * shift * math.cos(hour)
-        )
+        seen = math.atan2((math.sin(declination) - along * shift) * math.cos(turn), math.cos(declination) - across * shift * math.cos(hour))
         hour -= turn
         sine = math.sin(lat) * math.sin(seen) + math.cos(lat) * math.cos(seen) * math.cos(hour)
         elevation = math.asin(min(max(sine, -1.0), 1.0)) / radian

@@ -75,7 +75,7 @@ class Looks:
     """Sine of the Sun's elevation there, of the middle of what is seen of it [1]."""
 
 
-def looks(draws: FloatArray, light: MirroredLight, sea: Seas, search: Search = Search()) -> Looks:  # noqa: B008 - frozen
+def looks(draws: FloatArray, light: MirroredLight, sea: Seas, search: Search = Search()) -> Looks:
     """Mirrored Sun of each look, or of the brightest direction about it.
 
     Parameters
@@ -112,6 +112,20 @@ class _Plan(NamedTuple):
     half_width: float
     low: float
     high: float
+
+
+class _Way(NamedTuple):
+    """Where a direction stands among the nodes of the light."""
+
+    wind: int
+    """First nodes of wind and height."""
+    height: int
+    coarse: tuple[float, float]
+    """Their coordinates among the nodes of the mean reflectance."""
+    across: float
+    """Coordinate of the view, 0 to 1."""
+    weights: FloatArray
+    """Of the cubics, those of view and Sun to be filled [(4, 4)]."""
 
 
 class _State(NamedTuple):
@@ -166,12 +180,9 @@ def _sea_at(sea: Seas, row: FloatArray, coefficients: FloatArray) -> _State:
 
 @njit
 def _seen(
-    row: FloatArray, gamma: float, arc: float, azimuth: float, light: MirroredLight, sea: Seas, state: _State, disc: SunDisc, place: tuple
+    row: FloatArray, gamma: float, arc: float, azimuth: float, light: MirroredLight, sea: Seas, state: _State, disc: SunDisc, place: _Way
 ) -> tuple[float, float, float, float]:
-    """Radiance, chance, cosine of incidence and the Sun's height of one direction.
-
-    ``place``: first nodes of wind and height, their coordinates among coarse nodes, that of the view, and the weights to be filled.
-    """
+    """Radiance, chance, cosine of incidence and the sine of the Sun's elevation of one direction; fills weights of ``place``."""
     away = azimuth + math.pi
     view = (math.cos(gamma), math.sin(gamma), math.sin(away), math.cos(away))
     turn = turn_kernel(arc / EARTH_RADIUS)
@@ -197,11 +208,11 @@ def _seen(
         chance += share * part
     if chance <= 0.0:
         return 0.0, 0.0, cosine, up
-    wind, height, coarse, across, weights = place
+    weights, coarse, across = place.weights, place.coarse, place.across
     sun = sun_coordinate_kernel(up)
     v, s = place_even(across, light.values.shape[3], weights[2]), place_even(sun, light.values.shape[4], weights[3])
     inner = (coarse[0], coarse[1], across * (light.shapes.shape[3] - 1), sun * (light.shapes.shape[4] - 1))
-    shown = light_of(light, int(row[0]), (wind, height, v, s), weights, cosine, inner)
+    shown = light_of(light, int(row[0]), (place.wind, place.height, v, s), weights, cosine, inner)
     return row[6] * chance * shown, chance, cosine, up
 
 
@@ -229,6 +240,7 @@ def _fill(
         height = place_in_pieces(levels[n], light.heights, light.height_pieces, weights[1])
         coarse = between_kernel(row[1], light.coarse_winds), between_kernel(levels[n], light.coarse_heights)
         scale, first, last = view_range_kernel(row[3], plan.low, plan.high)
+        start = view_range_kernel(row[3], light.lowest, plan.high)[1]
         grid = plan.depressions * plan.azimuths
         ways = (2 if plan.depressions > 1 else 0) + (2 if plan.azimuths > 1 else 0)
         best, aside = 0.0, 0.0
@@ -249,7 +261,8 @@ def _fill(
                     a = min(max(aside + (step_a * fine if way % 2 == 0 else -step_a * fine), -plan.half_width), plan.half_width)
             excess = row[3] / EFFECTIVE_EARTH_RADIUS
             if plan.depressions > 1:
-                gamma = min(scale * math.sinh(first + u * (last - first)), 0.5 * math.pi)
+                x = first + u * (last - first)
+                gamma = min(scale * math.sinh(x), 0.5 * math.pi)
                 half = math.sin(0.5 * gamma)
                 depression = 2.0 * math.asin(min(math.sqrt((0.5 * excess + half * half) / (1.0 + excess)), 1.0))
             else:
@@ -257,9 +270,11 @@ def _fill(
                 gamma = elevation_kernel(row[3], depression)
                 if gamma < 0.0:
                     break
-                u = (math.asinh(gamma / scale) - first) / (last - first)
+                x = math.asinh(gamma / scale)
             arc = EFFECTIVE_EARTH_RADIUS * max(depression - gamma, 0.0)
-            found = _seen(row, gamma, arc, row[7] + a, light, sea, state, disc, (wind, height, coarse, u, weights))
+            found = _seen(
+                row, gamma, arc, row[7] + a, light, sea, state, disc, _Way(wind, height, coarse, (x - start) / (last - start), weights)
+            )
             bright = max(found[0], _FAINT) if found[3] > 0.0 else 0.0
             if bright > out[n, 0] or step == 0:
                 best, aside = u, a

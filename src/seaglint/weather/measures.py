@@ -84,7 +84,7 @@ def detected(radiance: FloatArray, illuminated: FloatArray, curve: DetectionCurv
 
 
 def exceeded_by(radiance: FloatArray, illuminated: FloatArray, shares: Sequence[float]) -> FloatArray:
-    """Radiances [W m-2 sr-1] that glint exceeds in these shares of all draws: the contrast that a target needs to stand out in the others."""
+    """Radiances that glint exceeds in these shares of all draws [W m-2 sr-1]: contrasts that stand out in the others."""
     order = np.argsort(radiance)[::-1]
     above = np.cumsum(illuminated[order]) / radiance.size
     at = np.searchsorted(above, np.asarray(shares), side="left")

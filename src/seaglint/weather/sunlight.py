@@ -1,11 +1,11 @@
-"""Sunlight that a mirroring point of the sea sends to the sensor, tabulated: a million draws need no spectra of their own.
+r"""Sunlight that a mirroring point of the sea sends to the sensor, tabulated: a million draws need no spectra of their own.
 
 A point of the sea that mirrors the Sun shows the band radiance
 
-.. math:: F = \\frac{1}{\\pi\\epsilon^2} \\int R\\,\\tau\\,E\\,\\rho(\\omega)\\,d\\nu
+.. math:: F = \frac{1}{\pi\epsilon^2} \int R\,\tau\,E\,\rho(\omega)\,d\nu
 
 behind the air. It is smooth in the wind (whose aerosol dims path and Sun), the sensor's height, the elevation of the view and the Sun's:
-the logarithm of F at :math:`\\rho = 1` is interpolated by cubics in all of them, between the winds where the aerosol has kinks, and the
+the logarithm of F at :math:`\rho = 1` is interpolated by cubics in all of them, between the winds where the aerosol has kinks, and the
 mean reflectance, whose spectrum of weights hardly changes, linearly as a Chebyshev series in the cosine of incidence.
 """
 
@@ -36,7 +36,7 @@ AirAt = Callable[[str, float], Atmosphere]
 WIND_KINKS: Final = (2.2852369587453123, 13.1166)
 """Winds where the Navy maritime aerosol of the tables has kinks [m/s]."""
 
-_VIEWS: Final = 24
+_VIEWS: Final = 32
 _SUNS: Final = 32
 _TERMS: Final = 12
 """Terms of the reflectance; the rest is below 1e-5."""
@@ -63,6 +63,8 @@ class MirroredLight(NamedTuple):
     """Places of the first node of every layer of air, and of the last node."""
     depression: tuple[float, float]
     """What is looked at [rad]."""
+    lowest: float
+    """Least depression of the nodes [rad]: that of the looks from one height, the horizon from many, whose nodes then move smoothly."""
     values: FloatArray
     """Logarithm of radiance at reflectance 1 [W m-2 sr-1, (models, winds, heights, views, Suns)]."""
     coarse_winds: FloatArray
@@ -114,15 +116,15 @@ def mirrored_light(
     suns, few_suns = _sun_zeniths(_SUNS), _sun_zeniths(_COARSE[3])
     values = np.empty((len(models), nodes.size, levels.size, _VIEWS, _SUNS))
     shapes = np.empty((len(models), coarse.size, few_levels.size, _COARSE[2], few_suns.size, _TERMS))
-    metres = _heights_of(levels)
+    metres, covered = _heights_of(levels), (depression[0] if levels.size == 1 else 0.0, depression[1])
     for m, model in enumerate(models):
         for w, wind in enumerate(nodes if winds is not None else nodes[:1]):
             sums = _Sums.of(air_at(model, float(wind)), band, water, article)
             for h, level in enumerate(metres.tolist()):
-                gamma = view_elevations(level, depression, np.linspace(0.0, 1.0, _VIEWS))
+                gamma = view_elevations(level, covered, np.linspace(0.0, 1.0, _VIEWS))
                 values[m, w, h] = np.log(np.maximum(sums.whole(level, gamma, suns), _LEAST))
                 if w in coarse and h in few_levels:
-                    gamma = view_elevations(level, depression, np.linspace(0.0, 1.0, _COARSE[2]))
+                    gamma = view_elevations(level, covered, np.linspace(0.0, 1.0, _COARSE[2]))
                     at = np.flatnonzero(coarse == w)[0], np.flatnonzero(few_levels == h)[0]
                     shapes[m, at[0], at[1]] = sums.reflectance(level, gamma, few_suns)
         if winds is None:
@@ -132,7 +134,7 @@ def mirrored_light(
     few_heights = levels[few_levels]
     if levels.size == 1:
         few_heights, shapes = levels[0] + np.array([0.0, 1.0]), np.repeat(shapes, 2, axis=2)
-    return MirroredLight(nodes, pieces, levels, layers, depression, values, nodes[coarse], few_heights, shapes)
+    return MirroredLight(nodes, pieces, levels, layers, depression, covered[0], values, nodes[coarse], few_heights, shapes)
 
 
 def _some(count: int, most: int) -> NDArray[np.intp]:
@@ -305,7 +307,7 @@ def between_kernel(x: float, nodes: FloatArray) -> float:
     i = 0
     while i < nodes.size - 2 and inside > nodes[i + 1]:
         i += 1
-    return i + (inside - nodes[i]) / (nodes[i + 1] - nodes[i])
+    return float(i + (inside - nodes[i]) / (nodes[i + 1] - nodes[i]))
 
 
 @njit
@@ -351,4 +353,4 @@ def light_of(
             first = term
         else:
             b1, b2 = term + 2.0 * x * b1 - b2, b1
-    return math.exp(total) * (first + x * b1 - b2)
+    return float(math.exp(total) * (first + x * b1 - b2))
