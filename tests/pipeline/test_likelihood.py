@@ -48,9 +48,7 @@ def test_constant_weather_and_a_fixed_look_are_certain():
     assert chances(likelihood(both, weather=table([6.0], [0.25]))) == pytest.approx([0.75, 0.0])
 
 
-@pytest.mark.parametrize(
-    ("case", "expected"), [("single-look", 0.3 * 0.9 + 0.4 * 0.2), ("trajectory", 0.3 + 0.4), ("field-of-view", 0.3 + 0.4)]
-)
+@pytest.mark.parametrize(("case", "expected"), [("single-look", 0.35), ("trajectory", 0.7), ("field-of-view", 0.7)])
 def test_three_rows_of_weather_hide_the_sun_by_case(case, expected):
     wanted = scenario({"case": case, "threshold_w_m2_sr": [0.0, 1e6], "depression_deg": [1.5, 6.0]})
     found = likelihood(wanted, weather=table([4.0, 8.0, 12.0], [0.1, 0.8, 1.0], [3, 4, 3]))
@@ -79,7 +77,7 @@ def test_share_of_time_that_the_sun_is_up():
         scenario({"threshold_w_m2_sr": [0.0]}, sun=None, place={"latitude_deg": 0, "longitude_deg": 20}), weather=table([5.0], [0.0])
     )
     told = found.as_dict()
-    assert told["sun_up"]["share"] == pytest.approx(0.5 + 2 * 0.565 / 360 * 1.05, abs=0.001)
+    assert told["sun_up"]["share"] == pytest.approx(0.5 + 2 * 0.565 / 360 * 1.05, abs=0.002)  # 16 times 256 points
     assert told["results"][0]["probability"] == pytest.approx(told["sun_up"]["share"], abs=0.003)
 
 
@@ -118,7 +116,8 @@ def test_wind_comes_from_where_table_scenario_or_nobody_says():
     assert np.ptp(by_table) == 0.0
     assert by_table[0] == by_scenario[0]
     assert abs(opposite[0] / by_table[0] - 1.0) > 0.02
-    assert anywhere.min() < by_table[0] <= anywhere.max() * 1.001
+    assert anywhere.min() == pytest.approx(by_table[0], rel=1e-4)  # down the wind, as it happens
+    assert anywhere.max() > 1.02 * by_table[0]
 
 
 def test_quantities_go_with_each_other():
@@ -137,7 +136,7 @@ def test_quantities_go_with_each_other():
 
 
 def test_map_and_way(tmp_path):
-    wanted = {"latitude_deg": [0, 60], "longitude_deg": [170, -170], "threshold_w_m2_sr": [0.0], "months": [6, 12]}
+    wanted = {"latitudes_deg": [0, 60], "longitudes_deg": [170, -170], "threshold_w_m2_sr": [0.0], "months": [6, 12]}
     weather = table([5.0, 5.0], [0.0, 1.0], latitude_deg=[15, 45], longitude_deg=[175, -175])
     found = likelihood_map(scenario(wanted, sun=None), step=30.0, samples=256, weather=weather)
     chance = found.probability.isel(threshold=0)
@@ -145,21 +144,21 @@ def test_map_and_way(tmp_path):
     assert chance.sel(latitude=15.0, month=6).values == pytest.approx(0.53, abs=0.03)
     assert chance.sel(latitude=45.0).values.max() == 0.0
     track = tmp_path / "way.csv"
-    times = [f"2026-06-{day:02d}T{hour:02d}:00:00Z" for day in (1, 2) for hour in range(24)]
+    times = [f"2026-06-{day:02d}T{hour:02d}:30:00Z" for day in (1, 2) for hour in range(24)]
     track.write_text("time_utc,latitude_deg,longitude_deg\n" + "".join(f"{t},0,0\n" for t in times))
     way = along_track(scenario({"threshold_w_m2_sr": [0.0]}), track, samples=256, weather=table([5.0], [0.0]))
     row = way["results"][0]
     assert way["hours"] == pytest.approx(48.0)
-    assert row["hours"] == pytest.approx(24.0, abs=1.01)
-    assert row["mean_duration_hours"] == pytest.approx(12.0, abs=0.51)
-    assert row["mean_return_hours"] == pytest.approx(12.0, abs=1.01)
+    assert row["hours"] == pytest.approx(24.0, abs=1e-6)  # the Sun is up in 12 of the 24 looks of a day
+    assert row["mean_duration_hours"] == pytest.approx(12.0)
+    assert row["mean_return_hours"] == pytest.approx(12.0)
 
 
 @pytest.mark.parametrize(
     ("wanted", "told"),
     [
         ({"depression_deg": [6, 1.5]}, "goes down"),
-        ({"latitude_deg": [30, 60]}, "likelihood.longitude_deg is missing"),
+        ({"latitudes_deg": [30, 60]}, "likelihood.longitudes_deg is missing"),
         ({"case": "trajectroy"}, "did you mean 'trajectory'"),
         ({"threshold_w_m2_sr": []}, "likelihood.threshold_w_m2_sr"),
         ({"quantity": "detection"}, "detection_curve"),

@@ -76,7 +76,7 @@ def fig5(
     write_fig5(found.columns, picture)
     log(f"{picture} written")
     log(
-        f"the caption's 0.25 W cm-2 sr-1 is {PRINTED:g} W m-2 sr-1: exceeded in {100 * found.printed:.2g} % of looks at most; the brightest "
+        f"the caption's 0.25 W cm-2 sr-1 is {PRINTED:g} W m-2 sr-1: exceeded in {100 * found.printed:.2g} % of looks; the brightest "
         f"glint of all draws is {found.brightest:.3g} W m-2 sr-1"
     )
 

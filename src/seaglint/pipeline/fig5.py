@@ -33,7 +33,7 @@ PRINTED: Final = 2500.0
 CASES: Final = ("single-look", "trajectory", "field-of-view")
 AZIMUTHS: Final = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.5, 15.0, 20.0, 25.0, 30.0, 40.0, 60.0, 90.0, 180.0])
 """Azimuths from the Sun [deg]."""
-NORTH_ATLANTIC: Final = {"latitude_deg": [35.0, 65.0], "longitude_deg": [-70.0, 0.0]}
+NORTH_ATLANTIC: Final = {"latitudes_deg": [35.0, 65.0], "longitudes_deg": [-70.0, 0.0]}
 HEIGHT: Final = 30.0
 SAMPLES: Final = 8192
 

@@ -68,7 +68,7 @@ def likelihood_map(
     model = Model.of(scenario, weather)
     wanted, tell = model.wanted, progress or (lambda done, total: None)
     if not isinstance(model.where, Region):
-        raise ScenarioError("likelihood.latitude_deg and longitude_deg are missing: a map needs the region's borders")
+        raise ScenarioError("likelihood.latitudes_deg and longitudes_deg are missing: a map needs the region's borders")
     region = model.where
     wide = region.east - region.west if region.east > region.west else region.east - region.west + 360.0
     north, east = (np.arange(0.5 * step, size + 1e-9, step) for size in (region.north - region.south, wide))

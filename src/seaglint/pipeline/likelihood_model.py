@@ -123,8 +123,8 @@ class Model:
     def where(self) -> Region | tuple[float, float] | None:
         """Law of the place."""
         wanted, place = self.wanted, self.scenario.place
-        if wanted.latitude_deg is not None and wanted.longitude_deg is not None:
-            return Region(*wanted.latitude_deg, *wanted.longitude_deg)
+        if wanted.latitudes_deg is not None and wanted.longitudes_deg is not None:
+            return Region(*wanted.latitudes_deg, *wanted.longitudes_deg)
         return None if place is None else (place.latitude_deg, place.longitude_deg)
 
     @cached_property
@@ -247,15 +247,15 @@ def _weather(wanted: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
 
 def _of_region(table: WeatherTable, wanted: Likelihood, notes: list[str]) -> WeatherTable:
     """Rows inside the region, where both are known."""
-    if wanted.latitude_deg is None or wanted.longitude_deg is None or "latitude_deg" not in table or "longitude_deg" not in table:
+    if wanted.latitudes_deg is None or wanted.longitudes_deg is None or "latitude_deg" not in table or "longitude_deg" not in table:
         return table
-    box = Box(wanted.longitude_deg[0], wanted.latitude_deg[0], wanted.longitude_deg[1], wanted.latitude_deg[1])
+    box = Box(wanted.longitudes_deg[0], wanted.latitudes_deg[0], wanted.longitudes_deg[1], wanted.latitudes_deg[1])
     unknown = np.isnan(table["latitude_deg"]) | np.isnan(table["longitude_deg"])
     inside = unknown | box.holds(table["latitude_deg"], table["longitude_deg"])
     if not np.any(inside & (table["weight"] > 0.0)):
         raise DataError(
-            f"{wanted.weather}: no row lies in likelihood.latitude_deg = {list(wanted.latitude_deg)}, longitude_deg = "
-            f"{list(wanted.longitude_deg)}; choose another region or another weather table"
+            f"{wanted.weather}: no row lies in likelihood.latitudes_deg = {list(wanted.latitudes_deg)}, longitudes_deg = "
+            f"{list(wanted.longitudes_deg)}; choose another region or another weather table"
         )
     if not inside.all():
         notes.append(f"{int((~inside).sum())} of {len(table)} rows of weather left out: outside the region")

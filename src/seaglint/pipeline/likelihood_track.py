@@ -11,9 +11,11 @@ import numpy as np
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, ScenarioError
 from seaglint.io.weather.text import Cells, read_cells
-from seaglint.pipeline.likelihood import draw, measured
+from seaglint.pipeline.likelihood import measured, numbers, seen
 from seaglint.pipeline.likelihood_model import Model
 from seaglint.scenario.model import Scenario
+from seaglint.weather.conditions import conditions
+from seaglint.weather.draws import Plan
 from seaglint.weather.ephemeris import Ephemeris
 from seaglint.weather.table import WeatherTable
 
@@ -67,11 +69,14 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
     chance = np.empty((time.size, len(thresholds)))
     lit: list[list[FloatArray]] = [[] for _ in thresholds]
     way: list[dict[str, Any]] = []
+    plan = Plan.of(samples)
+    model.__dict__.update(when=float(time[0]), where=(0.0, 0.0), ephemeris=sky)
+    u = numbers(model, plan, scenario.seed)
     for i, moment in enumerate(time.tolist()):
-        model.__dict__.update(when=moment, where=(float(latitude[i]), float(longitude[i])), ephemeris=sky)
+        model.__dict__.update(when=moment, where=(float(latitude[i]), float(longitude[i])))
         sun = sky.at(moment, latitude[i], longitude[i])
         look = None if bearing is None else float(np.radians(bearing[i]) - sun.azimuth[0])
-        drawn = draw(model, samples=samples, azimuth=look)
+        drawn = seen(model, u, conditions(model.table, u, moment, model.where), plan, look)
         for t, threshold in enumerate(thresholds):
             values = measured(model, drawn, threshold)
             chance[i, t] = values.mean()

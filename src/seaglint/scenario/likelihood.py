@@ -56,8 +56,8 @@ class Likelihood(Record):
     samples: Annotated[int, Quantity(ge=256, le=MOST_SAMPLES, integer=True), Field(description="draws, rounded up to powers of two")] = (
         65_536
     )
-    latitude_deg: Annotated[tuple[_Latitude, _Latitude] | None, Field(description="region: southern and northern border")] = None
-    longitude_deg: Annotated[tuple[_Degrees, _Degrees] | None, Field(description="region: western and eastern border")] = None
+    latitudes_deg: Annotated[tuple[_Latitude, _Latitude] | None, Field(description="region: southern and northern border")] = None
+    longitudes_deg: Annotated[tuple[_Degrees, _Degrees] | None, Field(description="region: western and eastern border")] = None
     place_from_weather: Annotated[StrictBool, Field(description="take place, month and hour from the rows of the weather table")] = False
     year: Annotated[int, Quantity(ge=1800, le=2200, integer=True), Field(description="year of the ephemeris where [time] is not given")] = (
         2025
@@ -98,7 +98,7 @@ class Likelihood(Record):
 
     @model_validator(mode="after")
     def _ranges_ascend(self) -> Self:
-        for name in ("depression_deg", "azimuth_from_sun_deg", "height_m", "latitude_deg", "hours_utc"):
+        for name in ("depression_deg", "azimuth_from_sun_deg", "height_m", "latitudes_deg", "hours_utc"):
             pair = getattr(self, name)
             if pair is not None and pair[0] > pair[1]:
                 text = f"= [{pair[0]:g}, {pair[1]:g}] goes down; give the lower number first"
@@ -112,10 +112,10 @@ class Likelihood(Record):
 
     @model_validator(mode="after")
     def _region_has_both(self) -> Self:
-        if (self.latitude_deg is None) != (self.longitude_deg is None):
-            missing = "longitude_deg" if self.longitude_deg is None else "latitude_deg"
-            raise rule(f"likelihood.{missing}", "is missing: a region needs likelihood.latitude_deg and likelihood.longitude_deg")
-        if self.place_from_weather and self.latitude_deg is not None:
+        if (self.latitudes_deg is None) != (self.longitudes_deg is None):
+            missing = "longitudes_deg" if self.longitudes_deg is None else "latitudes_deg"
+            raise rule(f"likelihood.{missing}", "is missing: a region needs likelihood.latitudes_deg and likelihood.longitudes_deg")
+        if self.place_from_weather and self.latitudes_deg is not None:
             raise rule("likelihood.place_from_weather", "= true with a region; leave one of both out")
         if self.hours_utc[0] == self.hours_utc[1]:
             raise rule("likelihood.hours_utc", "is empty; give two different hours", value=self.hours_utc)
@@ -133,4 +133,4 @@ class Likelihood(Record):
     @property
     def places_itself(self) -> bool:
         """Whether the place is no single one of ``[place]``."""
-        return self.latitude_deg is not None or self.place_from_weather
+        return self.latitudes_deg is not None or self.place_from_weather
