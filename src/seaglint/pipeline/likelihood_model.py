@@ -221,11 +221,15 @@ class Model:
         """Whether the scenario says where the wind comes from."""
         return "wind" in self.scenario.model_fields_set and "from_deg" in self.scenario.wind.model_fields_set
 
+    def share(self, other: Model) -> None:
+        """Take over the tables of a model with the same air, sea, geometry and year."""
+        self.__dict__.update({name: getattr(other, name) for name in _SHARED})
+
     def of_months(self, months: tuple[int, ...]) -> Model:
         """The same for other months; tables of air and sea are shared."""
         wanted = self.wanted.model_copy(update={"months": months})
         new = replace(self, scenario=self.scenario.model_copy(update={"likelihood": wanted}))
-        new.__dict__.update({name: getattr(self, name) for name in _SHARED})
+        new.share(self)
         return new
 
 
