@@ -45,6 +45,7 @@ def test_era5_rows_are_those_of_an_independent_reader(tmp_path: Path, layout: st
 
     assert source.rows == len(expected) == 33
     assert source.left_out == {"on land (no sea temperature)": 3}
+    assert ("1 of 3 times are preliminary (expver 5)" in source.notes) == (layout != "time, packed")
     # Readers may unpack in float32; 1e-6 of 300 K is a tenth of the packing's step.
     np.testing.assert_allclose(column["wind_speed_m_s"] ** 2, expected["u10"] ** 2 + expected["v10"] ** 2, rtol=2e-6)
     east = -column["wind_speed_m_s"] * np.sin(np.radians(column["wind_from_deg"]))
@@ -115,6 +116,24 @@ def test_grib_without_its_extra_names_it(tmp_path: Path, monkeypatch: pytest.Mon
     path.write_bytes(b"GRIB\0\0\0\1")
     with pytest.raises(BackendError, match=r"era5.grib: is GRIB.*pip install 'seaglint\[grib\]'"):
         read_source(path, Selection(), Reading())
+
+
+@pytest.mark.parametrize("times", [3, 1])
+def test_grib_has_the_values_that_were_packed(tmp_path: Path, times: int) -> None:
+    """Waves in a file of their own; a single time has no dimension."""
+    pytest.importorskip("cfgrib")
+    fields = {name: values[:times] for name, values in made.era5_fields().items()}
+    waves = {"swh": fields["swh"]}
+    path = made.write_era5_grib(tmp_path / "era5.grib", {name: values for name, values in fields.items() if name != "swh"})
+    source = era5.read_era5(path, Selection(), beside=[made.write_era5_grib(tmp_path / "waves.grib", waves)])
+    sea = ~np.isnan(fields["sst"]).ravel()
+    assert source.rows == sea.sum() == 11 * times
+    # Half a step of 16 bits over 20 m/s or K.
+    speed = np.hypot(fields["u10"], fields["v10"]).ravel()[sea]
+    np.testing.assert_allclose(source.columns["wind_speed_m_s"], speed, atol=1e-3)
+    np.testing.assert_allclose(source.columns["sea_temperature_k"], fields["sst"].ravel()[sea], atol=5e-4)
+    np.testing.assert_allclose(source.columns["significant_height_m"], fields["swh"].ravel()[sea], atol=5e-4)
+    assert set(source.columns["longitude_deg"]) == {-10.0, -9.75, -9.5, -9.25}
 
 
 def test_the_core_of_imma_has_108_characters() -> None:

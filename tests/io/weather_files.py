@@ -84,6 +84,43 @@ def write_era5_new(path: Path, fields: dict[str, np.ndarray], *, west_east: bool
     return path
 
 
+_GRIB_CODES = {"u10": 165, "v10": 166, "tcc": 164, "sst": 34, "t2m": 167, "d2m": 168, "swh": 140229}
+ERA5_GRIB_LONGITUDES = np.array([350.0, 350.25, 350.5, 350.75])
+
+
+def write_era5_grib(path: Path, fields: dict[str, np.ndarray]) -> Path:
+    """GRIB 1 messages of 16 bits, one a field and time, land masked by a bitmap; needs ecCodes."""
+    import eccodes as ec
+
+    lats, lons = ERA5_LATITUDES, ERA5_GRIB_LONGITUDES
+    with path.open("wb") as file:
+        for name, field in fields.items():
+            for moment, values in zip(ERA5_TIMES.astype(str), field, strict=False):
+                message = ec.codes_grib_new_from_samples("regular_ll_sfc_grib1")
+                keys = {
+                    "Ni": lons.size,
+                    "Nj": lats.size,
+                    "latitudeOfFirstGridPointInDegrees": lats[0],
+                    "latitudeOfLastGridPointInDegrees": lats[-1],
+                    "longitudeOfFirstGridPointInDegrees": lons[0],
+                    "longitudeOfLastGridPointInDegrees": lons[-1],
+                    "iDirectionIncrementInDegrees": 0.25,
+                    "jDirectionIncrementInDegrees": 0.25,
+                    "paramId": _GRIB_CODES[name],
+                    "dataDate": int(moment[:10].replace("-", "")),
+                    "dataTime": 100 * int(moment[11:13]),
+                    "bitmapPresent": 1,
+                    "missingValue": 9999.0,
+                    "bitsPerValue": 16,
+                }
+                for key, value in keys.items():
+                    ec.codes_set(message, key, value.item() if isinstance(value, np.generic) else value)
+                ec.codes_set_values(message, np.where(np.isnan(values), 9999.0, values).ravel())
+                ec.codes_write(message, file)
+                ec.codes_release(message)
+    return path
+
+
 def imma(
     *,
     yr: str = "2005",

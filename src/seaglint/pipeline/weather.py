@@ -85,6 +85,8 @@ def build(
     if not with_rows:
         raise DataError(_nothing(sources, selection))
     columns, texts = _together(with_rows)
+    if len(with_rows) > 1:
+        notes.append("each row counts alike: the weights of each file are scaled to the mean 1")
     notes += _filled(columns, fill or {})
     if "atmosphere" not in texts:
         known = model_atmosphere(columns.get("latitude_deg", np.nan), columns.get("month", np.full(columns["weight"].size, np.nan)))

@@ -12,6 +12,7 @@ ECMWF, "ERA5: data documentation" and "GRIB to netCDF conversion on new CDS and 
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -94,6 +95,11 @@ def open_era5(path: Path) -> tuple[Any, tuple[str, ...]]:
         data = data.expand_dims(time)
     if "expver" in data.dims:
         data = _final_first(path, data, notes)
+    elif "expver" in data.coords:
+        versions = np.atleast_1d(data["expver"].values).astype("U4")
+        early = int(np.sum(np.char.lstrip(versions, "0") == "5"))
+        if early:
+            notes.append(f"{early} of {versions.size} times are preliminary (expver 5)")
     for name in [str(n) for n in data.dims if n not in (time, "latitude", "longitude")]:
         if data.sizes[name] > 1:
             raise DataError(f"{path}: has {data.sizes[name]} entries of '{name}'; select one of them, as in xarray: isel({name}=0)")
@@ -113,14 +119,16 @@ def _opened(path: Path) -> Any:
     if is_grib(path):
         try:
             import cfgrib
-        except ImportError:
+        except (ImportError, RuntimeError):  # cfgrib raises the latter where the library ecCodes is not found
             raise BackendError(
                 f"{path}: is GRIB, which is read by cfgrib, and that is not installed; pip install 'seaglint[grib]', or download NetCDF"
             ) from None
 
         def opened() -> Any:
             # Fields of different steps and grids are separate datasets to cfgrib.
-            parts = cfgrib.open_datasets(str(path), backend_kwargs={"indexpath": ""})
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", FutureWarning)  # of xarray, about cfgrib's own merging
+                parts = cfgrib.open_datasets(str(path), backend_kwargs={"indexpath": ""})
             return xr.merge([part.drop_vars(set(part.coords) - _GRID, errors="ignore") for part in parts], compat="override", join="outer")
     else:
         engine = "scipy" if _magic(path)[:3] == b"CDF" else "h5netcdf"

@@ -59,7 +59,7 @@ def month_and_hour(cells: Cells, column: str, *, naive_is_utc: bool) -> tuple[Fl
 
 
 def order_of(times: Any) -> tuple[str, ...]:
-    """What is told of times [any numbers or datetime64] that go backwards or come twice; both are kept, a table of weather has no order."""
+    """What is told of times [any numbers or datetime64] that go backwards; they are kept, a table of weather has no order."""
     known = times[~np.isnat(times)] if np.issubdtype(times.dtype, np.datetime64) else times[~np.isnan(times)]
     steps = np.diff(known.astype(np.float64))
     back = int(np.sum(steps < 0))
