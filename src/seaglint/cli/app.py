@@ -25,6 +25,7 @@ from seaglint.cli.detect import detect
 from seaglint.cli.evaluate import evaluate
 from seaglint.cli.export import export, export_sea
 from seaglint.cli.labels import labels
+from seaglint.cli.likelihood import likelihood
 from seaglint.cli.messages import files_read, log, naming_file, print_json
 from seaglint.cli.options import Overwrite, PreviewScale, Progress
 from seaglint.cli.progress import ProgressMode
@@ -101,6 +102,7 @@ app.command("export-sea")(export_sea)
 app.command()(labels)
 app.command()(sense)
 app.command()(sensor)
+app.command()(likelihood)
 
 _NO_MAPS = frozenset({".zarr", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
 """Endings that say another kind of file is meant than a mean map."""

@@ -50,6 +50,38 @@ def fig4(output: Folder = Path(), overwrite: Overwrite = False, show: Progress =
 
 
 @reproduce.command()
+def fig5(
+    output: Folder = Path(),
+    overwrite: Overwrite = False,
+    weather: Annotated[Path | None, typer.Option("--weather", help="weather table instead of the packaged North Atlantic")] = None,
+    spectral: Annotated[bool, typer.Option("--spectral", help="radiance per wavenumber, not the article's way")] = False,
+    show: Progress = ProgressMode.AUTO,
+) -> None:
+    """Chance of glint against the azimuth from the Sun, three cases, two thresholds: DIR/fig5.png and fig5.csv (a minute)."""
+    from seaglint.cli.progress import progress
+    from seaglint.io.columns import write_columns
+    from seaglint.io.outputs import refuse_existing
+
+    _made(output)
+    inputs = [] if weather is None else [weather]
+    picture, numbers = (refuse_existing(output / f"fig5.{kind}", overwrite=overwrite, inputs=inputs) for kind in ("png", "csv"))
+    from seaglint.pipeline.fig5 import PRINTED, figure_5
+
+    with progress(show, "azimuths") as report:
+        found = figure_5(weather, mode="spectral" if spectral else "article", report=report)
+    write_columns(found.columns, numbers, overwrite=overwrite)
+    log(f"{numbers} written")
+    from seaglint.plot.likelihood import write_fig5
+
+    write_fig5(found.columns, picture)
+    log(f"{picture} written")
+    log(
+        f"the caption's 0.25 W cm-2 sr-1 is {PRINTED:g} W m-2 sr-1: exceeded in {100 * found.printed:.2g} % of looks; the brightest "
+        f"glint of all draws is {found.brightest:.3g} W m-2 sr-1"
+    )
+
+
+@reproduce.command()
 def table1(
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="folder for table1.csv; not written without")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,

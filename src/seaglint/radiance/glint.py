@@ -18,22 +18,20 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Final, NamedTuple
+from typing import Final
 
 import numba
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint._jit import kernel, njit_parallel
-from seaglint.atmosphere.setting_sun import visible_part_kernel
+from seaglint._jit import njit_parallel
 from seaglint.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.conventions import FloatArray, unit_vector
 from seaglint.errors import DomainError
-from seaglint.radiance.legs import NESTED, Legs, Shadowing, legs_of, local_leg, seen_and_lit_kernel
-from seaglint.radiance.local_sun import STEADY, SunTable, strength_kernel, turn_kernel, turned_kernel, visible_sun
-from seaglint.sea.nested import HIGHEST
-from seaglint.sea.shadowing import visible_area_kernel
-from seaglint.sea.slopes import SlopeStatistics, series_bracket
+from seaglint.radiance.legs import NESTED, Legs, Shadowing, legs_of
+from seaglint.radiance.local_sun import STEADY, SunTable, turn_kernel, visible_sun
+from seaglint.radiance.mirror import FacetDensity, SunDisc, chance_kernel, sun_disc
+from seaglint.sea.slopes import SlopeStatistics
 
 _FLOOR: Final = 1e-3 * SOLAR_ANGULAR_RADIUS
 """Least rms slope of the quadrature [1]: a mirror gets an edge of 0.2 % of the Sun's radius and needs no formula of its own."""
@@ -41,25 +39,8 @@ _FLOOR: Final = 1e-3 * SOLAR_ANGULAR_RADIUS
 _THINNEST: Final = 0.02
 """Least ratio of the two rms slopes: at the roughest slopes without wind, 0.055, half of the Sun's radius in slopes."""
 
-_BROAD: Final = 0.4
-"""Image of the Sun's radius in slopes over the rms slope, below which seven points on the disc are exact to 1e-3 even at 4 sigma."""
-
-_WINDOW: Final = 6.0  # standard deviations of a narrow density that are integrated; the rest holds 2e-9
-_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(24)
-
-# Disc of radius 1, exact for polynomials of degree 5 (Abramowitz and Stegun 25.4.61): centre and a hexagon.
-_HEX_ANGLE = np.arange(6) * np.pi / 3.0
-_HEX_X = np.concatenate([[0.0], np.sqrt(2.0 / 3.0) * np.cos(_HEX_ANGLE)])
-_HEX_Y = np.concatenate([[0.0], np.sqrt(2.0 / 3.0) * np.sin(_HEX_ANGLE)])
-_HEX_W = np.array([0.25] + 6 * [0.125])
-
-_NEGLIGIBLE: Final = 9.0
-"""Rms slopes beyond which the density is nothing (3e-18 of its peak) and no integral is taken."""
-
 _DUSK: Final = 0.3
 """Depression of the Sun at the sensor's foot from which it is up nowhere in view [rad]: the horizon is this far from 250 km up."""
-
-_series_kernel = kernel(series_bracket)
 
 
 @dataclass(frozen=True)
@@ -78,49 +59,6 @@ class Glint:
     cos_incidence: FloatArray
 
 
-class _Sea(NamedTuple):
-    """Slope density as kernels take it."""
-
-    mss_up: float
-    mss_cross: float
-    deviation_up: float
-    deviation_cross: float
-    peak: float
-    """Gaussian density of no slope, over 4 [1/slope²]."""
-    wind_sine: float
-    wind_cosine: float
-    is_gaussian: bool
-    coefficients: FloatArray
-    """Of the Gram-Charlier series [(5,)]; an array, as parallel launchers take no tuples within tuples."""
-
-
-class _Disc(NamedTuple):
-    """The Sun as kernels take it, at the sensor's foot."""
-
-    points: FloatArray
-    """Directions of its centre and the hexagon about it (east, north, up) and their weights [sr, (7, 4)]."""
-    rule: FloatArray
-    """Gauss points and weights [(2, 24)]."""
-    first: float
-    """First sine of elevation, steps and values of a :class:`~seaglint.radiance.local_sun.SunTable`; as with the sea's coefficients,
-    no tuple."""
-    per_step: float
-    strength: FloatArray
-
-
-class _Place(NamedTuple):
-    """Where a pixel looks: horizontal unit vector away from the sensor, turn of the vertical, and the Sun there.
-
-    The Sun: its centre, visible share and the middle of that part (east, north, up).
-    """
-
-    away: tuple[float, float]
-    turn: tuple[float, float]
-    centre: tuple[float, float, float]
-    share: float
-    middle: tuple[float, float, float]
-
-
 def direction(zenith: ArrayLike, azimuth: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Unit vector (east, north, up) of a zenith angle and an azimuth [rad], broadcast."""
     z = np.asarray(zenith, dtype=np.float64)
@@ -128,7 +66,7 @@ def direction(zenith: ArrayLike, azimuth: ArrayLike) -> tuple[FloatArray, FloatA
     return np.sin(z) * east, np.sin(z) * north, np.cos(z) + 0.0 * east
 
 
-def _floored(slopes: SlopeStatistics) -> SlopeStatistics:
+def floored(slopes: SlopeStatistics) -> SlopeStatistics:
     """The same statistics with no variance below the floor, so that mirrors have a density, nor one far below the other.
 
     Slopes along one direction only (directional fits without wind) would leave the quadrature's window, which is set up and down the disc.
@@ -153,8 +91,8 @@ class GlintModel:
 
     slopes: SlopeStatistics
     shadowing: Shadowing
-    _sea: _Sea
-    _disc: _Disc
+    _sea: FacetDensity
+    _disc: SunDisc
     _legs: Legs
 
     @classmethod
@@ -167,16 +105,16 @@ class GlintModel:
         sunlight: SunTable = STEADY,
     ) -> GlintModel:
         """Constants of one Sun and one sea; ``sunlight`` weighs what :meth:`grid` sums, other parameters and errors as in :func:`glint`."""
-        sea = _floored(slopes)
+        sea = floored(slopes)
         share, centroid = visible_sun(solar_zenith)
         if share == 0.0:  # it may be up at places towards it
             centroid = 0.5 * math.pi - SOLAR_ANGULAR_RADIUS
         s, c = math.sin(sea.wind_to_azimuth), math.cos(sea.wind_to_azimuth)
         up, cross = math.sqrt(sea.mss_up), math.sqrt(sea.mss_cross)
         peak = 1.0 / (8.0 * math.pi * up * cross)
-        numbers = _Sea(sea.mss_up, sea.mss_cross, up, cross, peak, s, c, sea.is_gaussian, np.array(sea.coefficients))
+        numbers = FacetDensity(sea.mss_up, sea.mss_cross, up, cross, peak, s, c, sea.is_gaussian, np.array(sea.coefficients))
         legs = legs_of(shadowing, sea, centroid, solar_azimuth, shining=solar_zenith < 0.5 * math.pi + _DUSK)
-        return cls(sea, shadowing, numbers, _disc(solar_zenith, solar_azimuth, sunlight), legs)
+        return cls(sea, shadowing, numbers, sun_disc(solar_zenith, solar_azimuth, sunlight), legs)
 
     def grid(
         self, view_zenith: FloatArray, view_azimuth: FloatArray, turn: FloatArray, terms: FloatArray
@@ -213,17 +151,6 @@ class GlintModel:
         if self.slopes.is_gaussian:
             return np.zeros((0,) * np.broadcast(theta, azimuth).ndim)
         return self.shadowing.area(theta, azimuth, self.slopes)
-
-
-def _disc(solar_zenith: float, solar_azimuth: float, sunlight: SunTable) -> _Disc:
-    """Constants of a Sun."""
-    sz, cz, sa, ca = math.sin(solar_zenith), math.cos(solar_zenith), math.sin(solar_azimuth), math.cos(solar_azimuth)
-    x, y = SOLAR_ANGULAR_RADIUS * _HEX_X, SOLAR_ANGULAR_RADIUS * _HEX_Y
-    norm = 1.0 / np.sqrt(1.0 + x * x + y * y)
-    # norm^3: solid angle of the tangent plane, so that a calm sea's whole density adds up to 1 and no more.
-    weight = np.pi * SOLAR_ANGULAR_RADIUS**2 * _HEX_W * norm**3
-    points = [norm * (sz * sa + x * ca - y * cz * sa), norm * (sz * ca - x * sa - y * cz * ca), norm * (cz + y * sz), weight]
-    return _Disc(np.stack(points, axis=1), np.stack([_GAUSS_X, _GAUSS_W]), *sunlight)
 
 
 def glint(
@@ -284,141 +211,14 @@ def glint(
     return Glint(found.chance.reshape(shape), found.cos_incidence.reshape(shape))
 
 
-@kernel
-def _facet_share(east: float, north: float, up: float, sea: _Sea) -> float:
-    """``p(s) / (4 cos^4(beta))`` of the facet that mirrors: ``(east, north, up)`` is the sum of both directions."""
-    # A horizontal look at a horizontal ray needs an upright facet: infinitely steep, density zero.
-    fall = -1.0 / max(up, 1e-12)
-    slope_east, slope_north = fall * east, fall * north
-    along = (slope_east * sea.wind_sine + slope_north * sea.wind_cosine) / sea.deviation_up
-    cross = (slope_east * sea.wind_cosine - slope_north * sea.wind_sine) / sea.deviation_cross
-    q = along * along + cross * cross
-    if q > 1400.0:
-        return 0.0
-    share = sea.peak * math.exp(-0.5 * q)
-    if not sea.is_gaussian:
-        c = sea.coefficients
-        share *= max(_series_kernel(cross, -along, (c[0], c[1], c[2], c[3], c[4])), 0.0)
-    secant2 = 1.0 + slope_east * slope_east + slope_north * slope_north
-    return share * secant2 * secant2
-
-
-@kernel
-def _place(away: tuple[float, float], turn: tuple[float, float], disc: _Disc) -> _Place:
-    """The Sun over a place."""
-    foot = disc.points[0]
-    centre = turned_kernel(foot[0], foot[1], foot[2], away, turn)
-    share, lift = visible_part_kernel(centre[2])
-    # it stands on the horizon where a part is seen: raised by so little, its horizontal part keeps its length within 1e-5
-    middle = (centre[0] * (1.0 - lift * centre[2]), centre[1] * (1.0 - lift * centre[2]), centre[2] + lift)
-    return _Place(away, turn, centre, share, middle)
-
-
-@kernel
-def _wide(east: float, north: float, up: float, disc: _Disc, place: _Place, sea: _Sea) -> float:
-    """Integral over the whole disc of a density that varies little on it; the view's direction comes first."""
-    total = 0.0
-    for i in range(disc.points.shape[0]):
-        p = disc.points[i]
-        sun = turned_kernel(p[0], p[1], p[2], place.away, place.turn)
-        total += p[3] * _facet_share(east + sun[0], north + sun[1], up + sun[2], sea)
-    return total
-
-
-@kernel
-def _narrow(east: float, north: float, up: float, disc: _Disc, place: _Place, sea: _Sea) -> float:
-    """Integral over the part of the disc that is above the horizon and where the density is not negligible.
-
-    Along a line of the disc parallel to the horizon the mirroring slope moves in proportion to the distance, towards one azimuth, so the
-    window of a Gaussian density on that line is exact, however grazing the light.
-    """
-    radius = SOLAR_ANGULAR_RADIUS
-    east_sun, north_sun, cz = place.centre
-    sz = math.sqrt(east_sun * east_sun + north_sun * north_sun)
-    # at the zenith any azimuth serves
-    s, c = (east_sun / sz, north_sun / sz) if sz > 1e-9 else (0.0, 1.0)
-    # Up and down the disc: the slope towards the Sun's azimuth decides; a slope of sigma turns the mirrored ray by 2 sigma.
-    mirror_y = up * sz + (east * s + north * c) * cz
-    to_wind, off_wind = s * sea.wind_sine + c * sea.wind_cosine, s * sea.wind_cosine - c * sea.wind_sine
-    reach = 2.0 * _WINDOW * math.sqrt(sea.mss_up * to_wind**2 + sea.mss_cross * off_wind**2)
-    bottom = max(-radius, -cz / sz) if sz > 0.0 else -radius
-    low, high = max(mirror_y - reach, bottom), min(mirror_y + reach, radius)
-    half = 0.5 * max(high - low, 0.0)
-    total = 0.0
-    # Across it: slope(x) = at_centre + x step, whose Gaussian has its centre and width where Q(x) = slope.C^-1.slope is least.
-    # (c, -s) is the disc's right, along and across the wind:
-    step_up, step_cross = c * sea.wind_sine - s * sea.wind_cosine, c * sea.wind_cosine + s * sea.wind_sine
-    step_q = step_up**2 / sea.mss_up + step_cross**2 / sea.mss_cross
-    for j in range(disc.rule.shape[1]):
-        y = 0.5 * (high + low) + half * disc.rule[0, j]
-        level = sz - y * cz
-        rise = max(up + cz + y * sz, 1e-12)
-        centre_east, centre_north = east + level * s, north + level * c
-        centre_up = centre_east * sea.wind_sine + centre_north * sea.wind_cosine
-        centre_cross = centre_east * sea.wind_cosine - centre_north * sea.wind_sine
-        middle = -(centre_up * step_up / sea.mss_up + centre_cross * step_cross / sea.mss_cross) / step_q
-        across = _WINDOW * rise / math.sqrt(step_q)
-        chord = math.sqrt(max(radius * radius - y * y, 0.0))
-        left, right = max(middle - across, -chord), min(middle + across, chord)
-        width = 0.5 * max(right - left, 0.0)
-        if width == 0.0:
-            continue
-        line = 0.0
-        for i in range(disc.rule.shape[1]):
-            x = 0.5 * (left + right) + width * disc.rule[0, i]
-            norm = 1.0 / math.sqrt(1.0 + x * x + y * y)
-            share = _facet_share(east + norm * (level * s + x * c), north + norm * (level * c - x * s), up + norm * (cz + y * sz), sea)
-            line += disc.rule[1, i] * share * norm**3
-        total += disc.rule[1, j] * width * line
-    return half * total
-
-
-@kernel
-def _chance(
-    view: tuple[float, float, float, float], azimuth: float, turn: tuple[float, float], area: float, sea: _Sea, disc: _Disc, legs: Legs
-) -> tuple[float, float, float]:
-    """Chance, cosine of incidence and strength of sunlight for one view: sine and cosine of its zenith, then of its azimuth.
-
-    A negative ``area`` asks for the A+ of a Gaussian sea.
-    """
-    sine, cosine, azimuth_sine, azimuth_cosine = view
-    east, north = sine * azimuth_sine, sine * azimuth_cosine
-    place = _place((-azimuth_sine, -azimuth_cosine), turn, disc)
-    sun = place.middle
-    # cos(2 w) = v.l; the floor only keeps exact grazing from dividing by zero.
-    cos_incidence = math.sqrt(min(max(0.5 * (1.0 + east * sun[0] + north * sun[1] + cosine * sun[2]), 1e-18), 1.0))
-    # Image of the Sun's radius in slopes, its long half axis: eps/(2 cos w), over the square of the facet's upward cosine.
-    rise = max(cosine + sun[2], 1e-12)
-    upward = rise / (2.0 * cos_incidence)
-    image = SOLAR_ANGULAR_RADIUS / (2.0 * cos_incidence * upward**2)
-    slope = math.sqrt(max(1.0 / upward**2 - 1.0, 0.0))
-    least, most = min(sea.deviation_up, sea.deviation_cross), max(sea.deviation_up, sea.deviation_cross)
-    if place.share == 0.0 or slope - 2.0 * image >= _NEGLIGIBLE * most:
-        return 0.0, cos_incidence, 0.0
-    wide = place.share == 1.0 and image < _BROAD * least
-    share = _wide(east, north, cosine, disc, place, sea) if wide else _narrow(east, north, cosine, disc, place, sea)
-    to_wind = azimuth_sine * sea.wind_sine + azimuth_cosine * sea.wind_cosine
-    off_wind = azimuth_sine * sea.wind_cosine - azimuth_cosine * sea.wind_sine
-    deviation = math.sqrt(sea.mss_up * to_wind**2 + sea.mss_cross * off_wind**2)
-    if area < 0.0:
-        area = visible_area_kernel(cosine, sine * deviation)
-    along = -((east + sun[0]) * azimuth_sine + (north + sun[1]) * azimuth_cosine) / (rise * deviation)
-    hidden, leg_edge = local_leg(legs, sun[2])
-    there = Legs(legs.sun, hidden, legs.azimuth, legs.sine, legs.cosine, leg_edge, legs.deviation, legs.series, legs.ratio, legs.coupling)
-    sunward = -((east + sun[0]) * legs.sine + (north + sun[1]) * legs.cosine) / (rise * legs.deviation)
-    edge = cosine / (sine * deviation) if sine > 0.0 else HIGHEST
-    share *= seen_and_lit_kernel(cosine / area, (along, edge), sunward, azimuth, there)
-    return share / area, cos_incidence, strength_kernel(SunTable(disc.first, disc.per_step, disc.strength), sun[2])
-
-
 @njit_parallel
 def _fill_grid(
     zenith: FloatArray,
     azimuth: FloatArray,
     turn: FloatArray,
     area: FloatArray,
-    sea: _Sea,
-    disc: _Disc,
+    sea: FacetDensity,
+    disc: SunDisc,
     legs: Legs,
     terms: FloatArray,
     out: FloatArray,
@@ -432,7 +232,7 @@ def _fill_grid(
         for column in range(azimuth.shape[1]):
             a = area[row, column] if area.size > 0 else -1.0
             view = (sine, cosine, sines[of, column], cosines[of, column])
-            chance, cos_incidence, strength = _chance(view, azimuth[of, column], here, a, sea, disc, legs)
+            chance, cos_incidence, strength = chance_kernel(view, azimuth[of, column], here, a, sea, disc, legs)
             # Clenshaw's sum of the series in 2 c - 1
             x, b1, b2 = 2.0 * cos_incidence - 1.0, 0.0, 0.0
             for j in range(terms.shape[1] - 1, 0, -1):
@@ -443,8 +243,10 @@ def _fill_grid(
 
 
 @njit_parallel
-def _fill_list(views: FloatArray, area: FloatArray, sea: _Sea, disc: _Disc, legs: Legs, chance: FloatArray, cosine: FloatArray) -> None:
+def _fill_list(
+    views: FloatArray, area: FloatArray, sea: FacetDensity, disc: SunDisc, legs: Legs, chance: FloatArray, cosine: FloatArray
+) -> None:
     zenith, azimuth, turn = views[0], views[1], views[2]
     for i in numba.prange(zenith.size):
         view = (math.sin(zenith[i]), math.cos(zenith[i]), math.sin(azimuth[i]), math.cos(azimuth[i]))
-        chance[i], cosine[i], _ = _chance(view, azimuth[i], turn_kernel(turn[i]), area[i] if area.size > 0 else -1.0, sea, disc, legs)
+        chance[i], cosine[i], _ = chance_kernel(view, azimuth[i], turn_kernel(turn[i]), area[i] if area.size > 0 else -1.0, sea, disc, legs)

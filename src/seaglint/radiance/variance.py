@@ -97,6 +97,15 @@ def patches(
     DomainError
         A solid angle or a correlation length that is not above 0.
     """
+    _, zenith = visible_sun(solar_zenith)
+    tilt = np.maximum(np.cos(np.asarray(view_zenith, dtype=np.float64)) + np.cos(zenith), 0.0)
+    return patches_of_tilt(cos_incidence, tilt, slant_range, solid_angle, correlation_length)
+
+
+def patches_of_tilt(
+    cos_incidence: ArrayLike, tilt: ArrayLike, slant_range: ArrayLike, solid_angle: ArrayLike, correlation_length: float
+) -> FloatArray:
+    """The same where the sum of the cosines of both zenith angles is known, ``tilt = cos(theta_v) + cos(theta_s)`` [1], of many Suns."""
     omega = np.asarray(solid_angle, dtype=np.float64)
     if not np.all(omega > 0.0):
         raise DomainError(
@@ -105,12 +114,10 @@ def patches(
     if not (np.isfinite(correlation_length) and correlation_length > 0.0):
         raise DomainError(f"correlation_length = {correlation_length:g} m; give the length of a cell of the sea > 0 m, e.g. 0.0026")
     cosine = np.asarray(cos_incidence, dtype=np.float64)
-    _, zenith = visible_sun(solar_zenith)
     # cos(beta) = (cos(theta_v) + cos(theta_s)) / (2 cos(omega)): taken across the line of sight, nothing here divides by cos(theta_v),
     # which is 0 at the horizon.
-    tilt = np.maximum(np.cos(np.asarray(view_zenith, dtype=np.float64)) + np.cos(zenith), 0.0)
     across = omega * np.asarray(slant_range, dtype=np.float64) ** 2
-    return np.asarray(across * tilt / (2.0 * correlation_length**2 * np.maximum(cosine, 1e-9) ** 2))
+    return np.asarray(across * np.asarray(tilt) / (2.0 * correlation_length**2 * np.maximum(cosine, 1e-9) ** 2))
 
 
 def glint_variance(

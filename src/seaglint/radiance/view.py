@@ -208,7 +208,7 @@ class SeaView:
         return np.asarray(self.sun_distance_factor * self.atmosphere.solar_irradiance(zenith)[..., self.in_band.grid])
 
 
-def sea_arc(height: float, gamma: FloatArray) -> FloatArray:
+def sea_arc(height: float | FloatArray, gamma: FloatArray) -> FloatArray:
     """Arc along the sea to the point from which the viewer stands at elevation ``gamma`` [m]: ``R' (depression - gamma)``."""
     excess = height / EFFECTIVE_EARTH_RADIUS
     depression = 2.0 * np.arcsin(np.sqrt(np.minimum((0.5 * excess + np.sin(0.5 * gamma) ** 2) / (1.0 + excess), 1.0)))

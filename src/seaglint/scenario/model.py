@@ -15,6 +15,7 @@ from pydantic import Field, model_validator
 from seaglint.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, TABLE_BANDS_UM, TABLE_HEIGHTS
 from seaglint.scenario.atmosphere import Atmosphere, LowtranAtmosphere, TableAtmosphere
 from seaglint.scenario.band import TABLE_BANDS_TEXT, Band
+from seaglint.scenario.likelihood import Likelihood
 from seaglint.scenario.mean import Mean
 from seaglint.scenario.objects import Object, in_degrees
 from seaglint.scenario.place import Place, Sun, Time
@@ -46,11 +47,12 @@ class Scenario(Record):
     mean: Mean = Mean()
     render: Render = Render()
     objects: Annotated[tuple[Object, ...] | None, Field(description="what is on and above the sea")] = None
+    likelihood: Annotated[Likelihood | None, Field(description="how often glint matters, for the command likelihood")] = None
 
     @model_validator(mode="before")
     @classmethod
     def _sun_by_default(cls, raw: Any) -> Any:
-        if isinstance(raw, dict) and not any(raw.get(key) is not None for key in ("time", "place", "sun")):
+        if isinstance(raw, dict) and not any(raw.get(key) is not None for key in ("time", "place", "sun")) and not _places_itself(raw):
             return {**raw, "sun": {}}
         return raw
 
@@ -59,9 +61,15 @@ class Scenario(Record):
         if self.sun is not None and (self.time is not None or self.place is not None):
             other = "time" if self.time is not None else "place"
             raise rule("sun", f"is given together with [{other}]; give [sun] alone, or [time] and [place] without [sun]")
+        if self.likelihood is not None and self.likelihood.places_itself:
+            for key, given in (("sun", self.sun), ("place", self.place), ("time", self.time)):
+                if given is not None:
+                    text = f"is given together with a region or places of weather in [likelihood]; leave [{key}] or those out"
+                    raise rule(key, text)
+            return self
         if self.sun is None and self.place is None:
             raise rule("place", "is missing: [time] needs [place] latitude_deg, longitude_deg to find the Sun; or give [sun] instead")
-        if self.sun is None and self.time is None:
+        if self.sun is None and self.time is None and self.likelihood is None:
             raise rule("time", "is missing: [place] needs [time] utc to find the Sun; or give [sun] instead")
         return self
 
@@ -142,3 +150,9 @@ class Scenario(Record):
             return self
         text = f"= {speed:g} is above the {slopes.kind} slope fit; allowed: 0 to {slopes.winds[1]:g} m/s, or set {ask}"
         raise rule("wind.speed_m_s", text, value=speed, allowed=slopes.winds)
+
+
+def _places_itself(raw: dict[str, Any]) -> bool:
+    """Whether a ``[likelihood]`` not yet validated names a region, or takes places from its weather."""
+    wanted = raw.get("likelihood")
+    return isinstance(wanted, dict) and (wanted.get("latitudes_deg") is not None or wanted.get("place_from_weather") is True)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 from typing import Final
 
+from seaglint.errors import ScenarioError
 from seaglint.scenario.model import Scenario
 
 SUN_STEP: Final = math.radians(0.05)
@@ -60,8 +61,8 @@ def sun_position(scenario: Scenario, step: int = 0) -> SunPosition:
     """
     if scenario.sun is not None:
         return SunPosition(math.radians(scenario.sun.zenith_deg), math.radians(scenario.sun.azimuth_deg), 1.0)
-    assert scenario.time is not None  # one of both is the model's own rule
-    assert scenario.place is not None
+    if scenario.time is None or scenario.place is None:  # fine with [likelihood] alone, whose time and place vary
+        raise ScenarioError("one position of the Sun is needed here; give [time] and [place], or [sun], not only what [likelihood] needs")
     # pandas and pvlib take over a second to import: paid only by scenarios with date and place.
     import pandas as pd
     from pvlib import solarposition

@@ -1,0 +1,174 @@
+"""The command ``seaglint likelihood``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from seaglint.cli.messages import files_read, log, naming_file, print_json
+from seaglint.cli.options import Overwrite, Progress
+from seaglint.cli.progress import ProgressMode
+
+if TYPE_CHECKING:
+    from seaglint.scenario.model import Scenario
+
+_FILES = ("likelihood.json", "likelihood.csv", "strata.csv", "likelihood.png")
+
+
+def likelihood(
+    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with a table [likelihood]")],
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="OUT", help="folder for JSON, CSV and charts, or one file: .json, .csv, .png, .nc (map)"),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
+    by_month: Annotated[bool, typer.Option("--map", help="map the region of [likelihood] by month: OUT.nc or a folder")] = False,
+    step: Annotated[float, typer.Option("--step", min=0.05, help="step of the map [deg]")] = 1.0,
+    track: Annotated[
+        Path | None,
+        typer.Option("--track", help="CSV of a ship's way: time_utc, latitude_deg, longitude_deg and, if it looks one way, bearing_deg"),
+    ] = None,
+    overwrite: Overwrite = False,
+    show: Progress = ProgressMode.AUTO,
+) -> None:
+    """Tell how often glint is brighter than thresholds, over weather, Sun and geometry."""
+    from seaglint.cli.progress import progress
+    from seaglint.scenario.load import load_scenario
+
+    loaded = load_scenario(scenario)
+    inputs = files_read(scenario, loaded)
+    if by_month:
+        _mapped(scenario, loaded, output, step, overwrite, show, inputs)
+        return
+    if track is not None:
+        _along(scenario, loaded, track, output, as_json, overwrite, [*inputs, track])
+        return
+    files = _files(output, overwrite, inputs)
+    from seaglint.pipeline.likelihood import likelihood as compute
+
+    with naming_file(scenario, loaded), progress(show, "steps") as report:
+        result = compute(loaded, progress=report)
+    found = result.as_dict()
+    for note in found["notes"]:
+        log(note)
+    _write(result, found, files, overwrite)
+    if as_json:
+        print_json(found)
+    else:
+        typer.echo("\n".join(lines(found)))
+
+
+def lines(found: dict[str, Any]) -> list[str]:
+    """A result for people."""
+    out = [f"{found['case']}, {found['quantity']}; {found['samples']} draws, clouds by '{found['clouds']}'"]
+    out += [f"  {'threshold [W m-2 sr-1]':>24}  {'probability':>12}  95 % interval"]
+    for row in found["results"]:
+        more = f"  {row['false_alarms_per_hour']:.4g} false alarms an hour" if "false_alarms_per_hour" in row else ""
+        out.append(
+            f"  {row['threshold_w_m2_sr']:>24g}  {row['probability']:>12.5g}  {row['interval'][0]:.5g} to {row['interval'][1]:.5g}{more}"
+        )
+    out.append(
+        f"  Sun up in {100 * found['sun_up']['share']:.4g} % of the draws, free of clouds in {100 * found['sun_free_of_clouds']:.4g} %"
+    )
+    told = ", ".join(f"{row['radiance_w_m2_sr']:.3g} in {100 * row['share_of_looks']:g} %" for row in found["contrast_exceeded_by_glint"])
+    return [*out, f"  glint exceeds [W m-2 sr-1]: {told} of the looks"]
+
+
+def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Path]:
+    """Files to write, refused before the work where they exist."""
+    from seaglint.errors import DataError
+    from seaglint.io.outputs import refuse_existing
+
+    if output is None:
+        return []
+    if output.suffix in (".json", ".csv", ".png"):
+        return [refuse_existing(output, overwrite=overwrite, inputs=inputs)]
+    if output.suffix:
+        raise DataError(f"{output}: give a folder, or a name that ends in .json, .csv or .png (with --map also .nc)")
+    _make(output)
+    return [refuse_existing(output / name, overwrite=overwrite, inputs=inputs) for name in _FILES]
+
+
+def _make(folder: Path) -> None:
+    from seaglint.io.failures import storage_errors
+
+    with storage_errors(folder, "choose another folder with -o"):
+        folder.mkdir(parents=True, exist_ok=True)
+
+
+def _write(result: Any, found: dict[str, Any], files: list[Path], overwrite: bool) -> None:
+    from seaglint.io.likelihood import write_json, write_rows
+
+    for path in files:
+        match path.suffix:
+            case ".json":
+                write_json(found, path, overwrite=overwrite)
+            case ".csv":
+                write_rows(found["strata" if path.name == "strata.csv" else "results"], path, overwrite=overwrite)
+            case _:
+                from seaglint.plot.likelihood import write_charts
+
+                write_charts(found, result.month_by_hour(), path)
+        log(f"{path} written")
+
+
+def _mapped(
+    path: Path, loaded: Scenario, output: Path | None, step: float, overwrite: bool, show: ProgressMode, inputs: list[Path]
+) -> None:
+    """The map by month: NetCDF and a picture."""
+    from seaglint.cli.progress import progress
+    from seaglint.errors import DataError
+    from seaglint.io.netcdf import write_netcdf
+    from seaglint.io.outputs import refuse_existing
+    from seaglint.pipeline.likelihood_map import likelihood_map
+    from seaglint.plot.likelihood import write_map
+
+    if output is None or output.suffix not in ("", ".nc"):
+        raise DataError("--map writes a NetCDF file and a picture; give -o OUT.nc, or a folder")
+    if output.suffix == "":
+        _make(output)
+        output = output / "likelihood_map.nc"
+    picture = output.with_suffix(".png")
+    for file in (output, picture):
+        refuse_existing(file, overwrite=overwrite, inputs=inputs)
+    with naming_file(path, loaded), progress(show, "months") as report:
+        dataset = likelihood_map(loaded, step=step, progress=report)
+    write_netcdf(dataset, output, overwrite=overwrite)
+    log(f"{output} written")
+    write_map(dataset, picture)
+    log(f"{picture} written")
+
+
+def _along(path: Path, loaded: Scenario, track: Path, output: Path | None, as_json: bool, overwrite: bool, inputs: list[Path]) -> None:
+    """Chances along a ship's way."""
+    from seaglint.errors import DataError
+    from seaglint.io.likelihood import write_json, write_rows
+    from seaglint.io.outputs import refuse_existing
+    from seaglint.pipeline.likelihood_track import along_track
+
+    if output is not None and output.suffix not in (".csv", ".json"):
+        raise DataError(f"{output}: --track writes one file; give a name that ends in .csv (the way) or .json (all)")
+    if output is not None:
+        refuse_existing(output, overwrite=overwrite, inputs=inputs)
+    with naming_file(path, loaded):
+        found = along_track(loaded, track)
+    if output is not None:
+        if output.suffix == ".json":
+            write_json(found, output, overwrite=overwrite)
+        else:
+            write_rows(found["way"], output, overwrite=overwrite)
+        log(f"{output} written")
+    if as_json:
+        print_json(found)
+        return
+    for row in found["results"]:
+        typer.echo(
+            f"{row['threshold_w_m2_sr']:g} W m-2 sr-1: {row['hours']:.3g} of {found['hours']:.3g} h; glint lasts "
+            f"{_hours(row['mean_duration_hours'])} and comes back after {_hours(row['mean_return_hours'])}"
+        )
+
+
+def _hours(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g} h"

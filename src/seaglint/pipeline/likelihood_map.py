@@ -1,0 +1,157 @@
+"""Maps of the likelihood of glint over a region, month by month."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from seaglint.conventions import FloatArray
+from seaglint.errors import ScenarioError
+from seaglint.io.provenance import provenance
+from seaglint.pipeline.likelihood import measured, numbers, seen
+from seaglint.pipeline.likelihood_model import Model
+from seaglint.scenario.model import Scenario
+from seaglint.weather.conditions import Conditions, Region, conditions
+from seaglint.weather.draws import Plan
+from seaglint.weather.table import WeatherTable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SAMPLES: Final = 512
+"""Draws for each cell and month: chances within 0.02."""
+
+_MOST: Final = 100_000
+_TOGETHER: Final = 1_000_000
+"""Draws that are worked on together: some 300 MB."""
+
+Report = Callable[[int, int], None]
+
+
+def likelihood_map(
+    scenario: Scenario, *, step: float = 1.0, samples: int = SAMPLES, weather: WeatherTable | None = None, progress: Report | None = None
+) -> xr.Dataset:
+    """Chance that glint exceeds each threshold, over cells of the region and months.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With a region in ``[likelihood]``.
+    step : float
+        Width and height of a cell [deg].
+    samples : int
+        Draws for each cell and month.
+    weather : WeatherTable, optional
+        Instead of the scenario's.
+    progress : callable, optional
+        Told months done and all of them.
+
+    Returns
+    -------
+    Dataset
+        ``probability`` over ``threshold, month, latitude, longitude`` (middles of cells); ``rows``, how many rows of weather a cell has.
+
+    Raises
+    ------
+    ScenarioError
+        No region, or more than 100 000 cells.
+
+    Notes
+    -----
+    A weather table with places gives every cell the rows inside it, and where it has none, those of the nearest place; without places
+    all cells have all rows. All cells share their uniform numbers, so that neighbours differ by weather and Sun alone.
+    """
+    import xarray as xr
+
+    model = Model.of(scenario, weather)
+    wanted, tell = model.wanted, progress or (lambda done, total: None)
+    if not isinstance(model.where, Region):
+        raise ScenarioError("likelihood.latitudes_deg and longitudes_deg are missing: a map needs the region's borders")
+    region = model.where
+    wide = region.east - region.west if region.east > region.west else region.east - region.west + 360.0
+    north, east = (np.arange(0.5 * step, size + 1e-9, step) for size in (region.north - region.south, wide))
+    if north.size == 0 or east.size == 0 or north.size * east.size > _MOST:
+        raise ScenarioError(f"the map has {north.size} x {east.size} cells of {step:g} deg; choose --step so that there are 1 to {_MOST}")
+    latitude, longitude = region.south + north, (region.west + east + 180.0) % 360.0 - 180.0
+    months = tuple(wanted.months or range(1, 13))
+    cells = _cells(model.table, latitude, longitude)
+    out = np.empty((len(wanted.threshold_w_m2_sr), len(months), latitude.size, longitude.size))
+    plan = Plan.of(samples)
+    together = max(_TOGETHER // (plan.total * longitude.size), 1)
+    rows = (
+        np.full((latitude.size, longitude.size), len(model.table))
+        if cells is None
+        else np.array([c.size for c in cells]).reshape(out.shape[2:])
+    )
+    for m, month in enumerate(months):
+        tell(m, len(months))
+        of_month = model.of_months((month,))
+        u = numbers(of_month, plan, scenario.seed)
+        here = conditions(model.table, u, of_month.when, (0.0, 0.0))
+        for first in range(0, latitude.size, together):
+            band = slice(first, min(first + together, latitude.size))
+            count = (band.stop - first) * longitude.size
+            if cells is None:
+                rows_drawn, time = np.tile(here.rows, count), np.tile(here.time, count)
+            else:
+                parts = [conditions(model.table, u, of_month.when, (0.0, 0.0), c) for c in cells[first * longitude.size :][:count]]
+                rows_drawn, time = np.concatenate([part.rows for part in parts]), np.concatenate([part.time for part in parts])
+            where = _inside(latitude[band], longitude, step, u)
+            joined = Conditions(rows_drawn, time, *where)
+            drawn = seen(of_month, {name: np.tile(values, count) for name, values in u.items()}, joined, plan)
+            for t, threshold in enumerate(wanted.threshold_w_m2_sr):
+                values = measured(of_month, drawn, threshold).reshape(-1, longitude.size, plan.total)
+                out[t, m, band] = values.mean(axis=2)
+    tell(len(months), len(months))
+    return xr.Dataset(
+        {
+            "probability": (("threshold", "month", "latitude", "longitude"), out, {"units": "1"}),
+            "rows": (("latitude", "longitude"), rows, {"units": "1"}),
+        },
+        coords={
+            "threshold": ("threshold", list(wanted.threshold_w_m2_sr), {"units": "W m-2 sr-1"}),
+            "month": list(months),
+            "latitude": ("latitude", latitude, {"units": "degrees_north"}),
+            "longitude": ("longitude", longitude, {"units": "degrees_east"}),
+        },
+        attrs=provenance(
+            "Likelihood of sea glint by month",
+            scenario.model_dump_json(exclude_none=True),
+            scenario.seed,
+            case=wanted.case,
+            quantity=wanted.quantity,
+            samples=samples,
+            notes="; ".join(model.notes),
+        ),
+    )
+
+
+def _inside(latitude: FloatArray, longitude: FloatArray, step: float, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Places of the draws in each cell, cell by cell [deg]."""
+    north = np.clip(latitude[:, None, None] + step * (u["across"] - 0.5), -90.0, 90.0)
+    east = (longitude[:, None] + step * (u["along"] - 0.5) + 180.0) % 360.0 - 180.0
+    shape = (latitude.size, longitude.size, u["across"].size)
+    return np.broadcast_to(north, shape).ravel(), np.broadcast_to(east, shape).ravel()
+
+
+def _cells(table: WeatherTable, latitude: FloatArray, longitude: FloatArray) -> list[np.ndarray] | None:
+    """Rows of each cell, row by row of the map; None where the table has no places."""
+    known = ~(np.isnan(table["latitude_deg"]) | np.isnan(table["longitude_deg"])) & (table["weight"] > 0.0)
+    if not known.any():
+        return None
+    rows = np.flatnonzero(known)
+    place = np.stack([table["latitude_deg"][rows], table["longitude_deg"][rows]], axis=1)
+    spots, spot = np.unique(place, axis=0, return_inverse=True)
+    by_spot = np.split(rows[np.argsort(spot, kind="stable")], np.cumsum(np.bincount(spot))[:-1])
+    step = float(latitude[1] - latitude[0]) if latitude.size > 1 else 1.0
+    out = []
+    for lat in latitude.tolist():
+        for lon in longitude.tolist():
+            north, east = spots[:, 0] - lat, (spots[:, 1] - lon + 180.0) % 360.0 - 180.0
+            inside = np.flatnonzero((np.abs(north) <= 0.5 * step) & (np.abs(east) <= 0.5 * step))
+            if inside.size == 0:
+                inside = np.array([np.argmin(north**2 + (east * np.cos(np.radians(lat))) ** 2)])
+            out.append(np.concatenate([by_spot[k] for k in inside]))
+    return out

@@ -1,0 +1,108 @@
+"""Points of randomised quasi-Monte Carlo, and the intervals that independent scramblings give."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from scipy.special import gammainccinv, gammaincinv
+from scipy.stats import t as student
+
+from seaglint.conventions import FloatArray
+from seaglint.random import stream
+
+SCRAMBLINGS: Final = 16
+"""Fewest independent scramblings: Student's factor is 2.13 then, against 1.96 of infinitely many."""
+
+LEVEL: Final = 0.95
+_FEW: Final = 10
+"""Hits below which a count's own interval holds too: means of so few are not normal."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How many points: ``scramblings`` times ``points``, the latter a power of two.
+
+    >>> Plan.of(100_000)
+    Plan(scramblings=25, points=4096)
+    """
+
+    scramblings: int
+    points: int
+
+    @classmethod
+    def of(cls, samples: int) -> Plan:
+        """At least ``samples`` in all, in 16 to 31 scramblings (32 where rounding asks for it)."""
+        points = 2 ** max(int(math.log2(max(samples // SCRAMBLINGS, 1))), 0)
+        return cls(max(math.ceil(samples / points), SCRAMBLINGS), points)
+
+    @property
+    def total(self) -> int:
+        """All points."""
+        return self.scramblings * self.points
+
+    def uniform(self, dimensions: int, seed: int, *, plain: bool = False) -> FloatArray:
+        """Scrambled Sobol points in the unit cube [(total, dimensions)], scrambling by scrambling; ``plain`` ones are random."""
+        rngs = [stream(seed, "likelihood", i) for i in range(self.scramblings)]
+        if plain:
+            return np.concatenate([rng.random((self.points, dimensions)) for rng in rngs])
+        from scipy.stats import qmc
+
+        exponent = self.points.bit_length() - 1
+        return np.concatenate([qmc.Sobol(dimensions, scramble=True, rng=rng).random_base2(exponent) for rng in rngs])
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mean and its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+def estimate(values: FloatArray, plan: Plan, *, weight: FloatArray | None = None, most: float = 1.0) -> Estimate:
+    """Mean of draws and its interval.
+
+    The means of the scramblings are independent: Student's interval. Where they hardly differ, or all of them agree, as for chances of 0
+    and 1, the interval is at least 3 draws wide to each side (the rule of three); few hits have the interval of their count.
+
+    Parameters
+    ----------
+    values : ndarray
+        Of every draw [(total,)], between 0 and ``most``.
+    plan : Plan
+        Scramblings and points.
+    weight : ndarray, optional
+        Weights of the draws [(total,)]: the ratio of the sums is estimated, with the scatter of its numerator about it.
+    most : float
+        Largest value possible; infinite for radiances.
+
+    Examples
+    --------
+    >>> plan = Plan(16, 64)
+    >>> estimate(np.zeros(plan.total), plan)
+    Estimate(value=0.0, low=0.0, high=0.0029296875)
+    """
+    shape = (plan.scramblings, plan.points)
+    numerator = values.reshape(shape).sum(axis=1) if weight is None else (values * weight).reshape(shape).sum(axis=1)
+    denominator = np.full(plan.scramblings, float(plan.points)) if weight is None else weight.reshape(shape).sum(axis=1)
+    total = float(denominator.sum())
+    if total <= 0.0:
+        return Estimate(math.nan, math.nan, math.nan)
+    mean = float(numerator.sum()) / total
+    scatter = (numerator - mean * denominator) * plan.scramblings / total
+    half = float(student.ppf(0.5 + 0.5 * LEVEL, plan.scramblings - 1)) * float(np.std(scatter, ddof=1)) / math.sqrt(plan.scramblings)
+    if not math.isfinite(most):
+        return Estimate(mean, max(mean - half, 0.0), mean + half)
+    half = max(half, 3.0 * most / total)
+    low, high = mean - half, mean + half
+    tail, hits, misses = 0.5 * (1.0 - LEVEL), float(numerator.sum()) / most, (most * total - float(numerator.sum())) / most
+    if 0.0 < hits < _FEW:
+        low, high = min(low, most * float(gammaincinv(hits, tail)) / total), max(high, most * float(gammainccinv(hits + 1.0, tail)) / total)
+    if 0.0 < misses < _FEW:
+        low = min(low, most - most * float(gammainccinv(misses + 1.0, tail)) / total)
+        high = max(high, most - most * float(gammaincinv(misses, tail)) / total)
+    return Estimate(mean, max(low, 0.0), min(high, most))

@@ -1,0 +1,89 @@
+"""Slopes of the sea and their shadowing at any wind, tabulated for draws with winds of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from seaglint.conventions import FloatArray
+from seaglint.radiance.glint import floored
+from seaglint.radiance.legs import Shadowing
+from seaglint.sea.nested import HIGHEST, between_bands, ratio_table
+from seaglint.sea.seen_and_lit import coupling_table
+from seaglint.sea.shadowing import projected_area
+from seaglint.sea.slopes import SlopeStatistics
+
+SlopesAt = Callable[[float], SlopeStatistics]
+"""Slopes of the sea at a wind [m/s] that blows towards azimuth 0."""
+
+_STEP: Final = 0.2
+"""Winds of the table [m/s]: slope variances are linear in the wind within 1e-4 of themselves over it."""
+
+_BANDS: Final = 0.25
+"""Steps of the number of bands of the nested law; shares of facets are mixed linearly between them, within 1e-3."""
+
+_AREA_WIND: Final = 2.0
+_EDGES: Final = 31
+_TURNS: Final = 19
+
+
+class Seas(NamedTuple):
+    """Slopes against the wind, as kernels take them. Made by :func:`seas`."""
+
+    first: float
+    """Lowest wind, and step [m/s]."""
+    step: float
+    slopes: FloatArray
+    """Variances along and across the waves, series (c21, c03, c40, c22, c04), bands of the law, azimuth of the waves from the wind's
+    [rad] [(winds, 9)]."""
+    is_gaussian: bool
+    sun_leg: bool
+    first_band: float
+    band_step: float
+    ratio: FloatArray
+    """Tables of the nested law [(bands, rows, columns)]; empty ones for Smith's."""
+    coupling: FloatArray
+    """Of facets seen and lit [(bands, view, Sun, slope)]."""
+    area: FloatArray
+    """Visible area over that of Gaussian slopes [(winds, edges, turns)]; empty for those."""
+
+
+def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) -> Seas:
+    """Tabulate slopes between two winds [m/s]."""
+    low, high = winds
+    count = max(int(np.ceil((high - low) / _STEP)) + 1, 2)
+    nodes = np.linspace(low, max(high, low + 1e-6), count)
+    found = [floored(slopes_at(float(min(wind, high)))) for wind in nodes]
+    bands = np.array([shadowing.law_bands(s) for s in found])
+    table = np.array([[s.mss_up, s.mss_cross, *s.coefficients] for s in found])
+    first = float(bands.min())
+    steps = 1 if bands.max() == first else max(int(np.ceil((bands.max() - first) / _BANDS)) + 1, 2)
+    grid = np.linspace(first, float(bands.max()), steps)
+    return Seas(
+        low,
+        float(nodes[1] - nodes[0]),
+        np.column_stack([table, bands, [s.wind_to_azimuth for s in found]]),
+        all(s.is_gaussian for s in found),
+        shadowing.sun,
+        first,
+        float(grid[1] - grid[0]) if steps > 1 else 1.0,
+        np.stack([between_bands(ratio_table, float(b)) for b in grid]),
+        np.stack([coupling_table(float(b)) for b in grid]) if shadowing.sun else np.zeros((steps, 0, 0, 0)),
+        np.zeros((0, 0, 0)) if all(s.is_gaussian for s in found) else _areas(slopes_at, nodes, shadowing),
+    )
+
+
+def _areas(slopes_at: SlopesAt, nodes: FloatArray, shadowing: Shadowing) -> FloatArray:
+    """Ratios at every tenth wind, elevations of the view to 6 rms slopes, and half of the compass from where the wind blows to."""
+    edge = np.maximum(np.linspace(0.0, HIGHEST, _EDGES), 1e-9)
+    turn = np.linspace(0.0, np.pi, _TURNS)
+    out = []
+    for wind in np.linspace(nodes[0], nodes[-1], max(int(np.ceil((nodes[-1] - nodes[0]) / _AREA_WIND)) + 1, 2)):
+        slopes = floored(slopes_at(float(wind)))
+        deviation = np.sqrt(slopes.mss_along(turn + slopes.wind_to_azimuth))
+        zenith = np.arctan(1.0 / (edge[:, None] * deviation))
+        area = shadowing.area(zenith, turn + slopes.wind_to_azimuth + 0.0 * zenith, slopes)
+        out.append(area / projected_area(zenith, deviation**2))
+    return np.stack(out)

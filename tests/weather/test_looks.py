@@ -1,0 +1,170 @@
+"""Many looks at once, from tables, against the model of the mean radiance itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from seaglint.atmosphere.table import TableAtmosphere
+from seaglint.optics.band import Band
+from seaglint.optics.sea_water import hale_querry_sea
+from seaglint.radiance.legs import NESTED
+from seaglint.radiance.mean import mean_radiance
+from seaglint.radiance.variance import sea_variance
+from seaglint.radiance.view import SeaView
+from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
+from seaglint.weather.draws import Plan
+from seaglint.weather.looks import Search, looks
+from seaglint.weather.measures import DetectionCurve, detected, deviation, exceeded_by, passes
+from seaglint.weather.seas import seas
+from seaglint.weather.sunlight import mirrored_light
+
+BAND = (3.5, 5.0)
+DEPRESSION = (0.02, 0.11)
+STATED = 0.005  # of radiance, at the 95th percentile
+SLOPES = {"gaussian": cox_munk_anisotropic, "skewed": cox_munk_gram_charlier}
+
+
+def air(model, wind):
+    return TableAtmosphere.load(model, wind, BAND)
+
+
+@pytest.fixture(scope="module")
+def light():
+    return mirrored_light(air, ["midlatitude-summer"], (0.0, 20.0), (30.0, 30.0), DEPRESSION, Band.rectangular(*BAND), hale_querry_sea())
+
+
+@pytest.fixture(scope="module")
+def sea():
+    return {name: seas(lambda wind, of=of: of(wind, 0.0), (0.0, 20.0), NESTED) for name, of in SLOPES.items()}
+
+
+def drawn(count, seed, heights=(30.0, 30.0), suns=(25.0, 89.9), beside=40.0, models=1):
+    """Looks drawn evenly over what matters [(count, 9)]."""
+    u = np.random.default_rng(seed).random((count, 9))
+    azimuth = 2.0 * np.pi * u[:, 4]
+    columns = [
+        np.floor(models * u[:, 8]),
+        20.0 * u[:, 0],
+        2.0 * np.pi * u[:, 1],
+        heights[0] * (heights[1] / heights[0]) ** u[:, 2],
+        np.radians(suns[0] + (suns[1] - suns[0]) * u[:, 3]),
+        azimuth,
+        np.full(count, 1.02),
+        azimuth + np.radians(beside) * (2.0 * u[:, 5] - 1.0),
+        DEPRESSION[0] + (DEPRESSION[1] - DEPRESSION[0]) * u[:, 6],
+    ]
+    return np.column_stack(columns)
+
+
+def direct(row, slopes_of, model="midlatitude-summer"):
+    return SeaView(
+        air(model, row[1]), Band.rectangular(*BAND), hale_querry_sea(), slopes_of(row[1], row[2]), 288.15, row[3], row[4], row[5],
+        sun_distance_factor=row[6], scattering=False, background="blackbody",
+    )  # fmt: skip
+
+
+def errors(rows, found, slopes_of, models=("midlatitude-summer",)):
+    """Relative errors of looks that are brighter than 1e-4 W m-2 sr-1."""
+    exact = np.array([mean_radiance(direct(r, slopes_of, models[int(r[0])]), [-r[8]], [r[7]]).sun[0, 0] for r in rows])
+    bright = exact > 1e-4
+    assert bright.sum() > 0.2 * rows.shape[0]
+    return np.abs(found.radiance[bright] / exact[bright] - 1.0)
+
+
+@pytest.mark.parametrize("kind", ["gaussian", "skewed"])
+def test_looks_equal_the_model(light, sea, kind):
+    rows = drawn(60, 4)
+    assert np.quantile(errors(rows, looks(rows, light, sea[kind]), SLOPES[kind]), 0.95) < STATED
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize("kind", ["gaussian", "skewed"])
+@pytest.mark.parametrize("heights", [(30.0, 30.0), (5.0, 3000.0)])
+def test_looks_equal_the_model_in_all_air(sea, kind, heights):
+    models = ("midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "tropical", "us-standard-1976")
+    table = mirrored_light(air, models, (0.0, 20.0), heights, DEPRESSION, Band.rectangular(*BAND), hale_querry_sea())
+    rows = drawn(600, 5, heights, models=6)
+    found = errors(rows, looks(rows, table, sea[kind]), SLOPES[kind], models)
+    assert np.quantile(found, 0.95) < STATED
+    assert np.median(found) < 0.001
+
+
+def test_wind_from_the_other_side_is_another_sea(light, sea):
+    rows = drawn(12, 8, suns=(60.0, 75.0), beside=10.0)
+    turned = rows.copy()
+    turned[:, 2] += np.pi
+    gaussian, skewed = (looks(turned, light, sea[k]).radiance / looks(rows, light, sea[k]).radiance - 1.0 for k in ("gaussian", "skewed"))
+    assert np.abs(gaussian).max() < 1e-9  # Gaussian slopes look the same from up and down the wind
+    assert np.abs(skewed).max() > 0.02
+
+
+def test_no_light_without_a_sun_and_above_the_horizon(light, sea):
+    rows = drawn(3, 1)
+    rows[0, 4] = np.radians(100.0)
+    rows[1, 8] = 0.001  # above the horizon of 30 m, 2.8 mrad
+    found = looks(rows, light, sea["gaussian"])
+    assert found.radiance[:2].tolist() == [0.0, 0.0]
+    assert found.radiance[2] > 0.0
+
+
+def test_trajectory_finds_the_brightest_depression(light, sea):
+    rows = drawn(5, 11, suns=(70.0, 88.0), beside=5.0)
+    found = looks(rows, light, sea["gaussian"], Search(12, 1, 4))
+    fine = np.linspace(*DEPRESSION, 400)
+    for row, brightest in zip(rows, found.radiance, strict=True):
+        many = np.tile(row, (fine.size, 1))
+        many[:, 8] = fine
+        assert brightest == pytest.approx(looks(many, light, sea["gaussian"]).radiance.max(), rel=2e-3)
+
+
+def test_field_of_view_sees_at_least_the_trajectory(light, sea):
+    rows = drawn(200, 12)
+    along, wide = (looks(rows, light, sea["gaussian"], s).radiance for s in (Search(12, 1, 4), Search(12, 5, 4, 0.035)))
+    assert np.all(wide >= along * 0.999)
+    assert np.any(wide > 1.5 * along)
+
+
+def test_deviation_is_that_of_the_mean_map(light, sea):
+    rows = drawn(6, 21, suns=(60.0, 80.0), beside=5.0)
+    found = deviation(looks(rows, light, sea["gaussian"]), rows[:, 3], 1e-7, 0.0026)
+    for row, sigma in zip(rows, found, strict=True):
+        view = direct(row, cox_munk_anisotropic)
+        seen = mean_radiance(view, [-row[8]], [row[7]])
+        assert sigma == pytest.approx(float(np.sqrt(sea_variance(view, seen, [-row[8]], 1e-7, 0.0026)[0, 0])), rel=0.005)
+
+
+def test_gamma_pixels_pass_as_often_as_drawn_ones():
+    # 200 000 draws of chance 0.05: standard error 5e-4, four of them
+    mean, sigma, threshold = 2.0, 1.5, 5.0
+    sample = np.random.default_rng(3).gamma((mean / sigma) ** 2, sigma**2 / mean, 200_000)
+    assert passes(np.array([mean]), np.array([sigma]), threshold)[0] == pytest.approx(np.mean(sample > threshold), abs=2e-3)
+    assert passes(np.array([2.0, 2.0]), np.zeros(2), 1.9).tolist() == [1.0, 1.0]
+
+
+def test_glint_behind_a_target_takes_from_its_contrast():
+    curve = DetectionCurve(np.array([0.0, 10.0]), np.array([0.0, 1.0]))
+    # half of the time the Sun is hidden: 0.5 * pd(8) + 0.5 * pd(8 - 3)
+    assert detected(np.array([3.0]), np.array([0.5]), curve, 8.0)[0] == pytest.approx(0.5 * 0.8 + 0.5 * 0.5)
+
+
+def test_contrasts_that_glint_exceeds():
+    radiance = np.arange(1000.0)
+    assert exceeded_by(radiance, np.ones(1000), [0.1])[0] == pytest.approx(900.0)
+    assert exceeded_by(radiance, np.full(1000, 0.5), [0.1])[0] == pytest.approx(800.0)
+
+
+@pytest.mark.validation
+def test_even_points_beat_random_ones(light, sea):
+    # One Sun: azimuth, depression, wind and its direction vary. 64 scramblings each: a ratio of 5 is told from 3 at 99 %.
+    plan = Plan(64, 1024)
+
+    def means(plain):
+        u = plan.uniform(4, 7, plain=plain)
+        rows = np.column_stack(
+            [np.zeros(plan.total), 15.0 * u[:, 2], 2 * np.pi * u[:, 3], np.full(plan.total, 30.0), np.full(plan.total, 1.3),
+             np.zeros(plan.total), np.ones(plan.total), 2 * np.pi * u[:, 0], DEPRESSION[0] + np.ptp(DEPRESSION) * u[:, 1]]
+        )  # fmt: skip
+        return (looks(rows, light, sea["gaussian"]).radiance > 0.25).reshape(64, -1).mean(axis=1)
+
+    assert np.var(means(True), ddof=1) > 5.0 * np.var(means(False), ddof=1)
