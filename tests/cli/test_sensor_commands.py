@@ -133,6 +133,23 @@ def test_bad_radiance_is_one_line(seaglint, scenario, tmp_path, values, options,
     assert not list(tmp_path.glob("out.zarr*"))
 
 
+def test_bad_radiance_of_a_later_frame_names_file_and_frame(seaglint, scenario, tmp_path) -> None:
+    values = np.ones((3, 8, 8))
+    values[2, 5, 6] = np.nan
+    answer = seaglint("sense", written(tmp_path / "in.npy", values), scenario, "-o", tmp_path / "out.zarr")
+    assert answer.code == 2
+    assert "in.npy" in answer.err
+    assert "frame 2: radiance: 1 of 64 pixels are not finite (first in row 5, column 6)" in answer.err
+
+
+def test_a_budget_beyond_saturation_says_so(seaglint, scenario) -> None:
+    # the default scene looks into the Sun's glint
+    assert "beyond saturation" in seaglint("sensor", scenario).out
+    short = scenario.with_name("short.toml")
+    short.write_text(TOML.replace("integration_time_s = 0.002", "integration_time_s = 0.0001"))
+    assert "beyond saturation" not in seaglint("sensor", short).out
+
+
 def test_a_scenario_without_a_sensor_is_refused(seaglint, tmp_path) -> None:
     path = tmp_path / "plain.toml"
     path.write_text("")

@@ -93,7 +93,12 @@ def test_a_well_fills_the_counts() -> None:
         ({"detector": PIXELS | {"bit_depth": 17}}, "sensor.detector.bit_depth", "1 to 16"),
         ({"detector": PIXELS | {"bit_depth": 8, "offset_counts": 300}}, "sensor.detector.offset_counts", "lower offset"),
         ({"detector": PIXELS | {"integration_time_s": 0.05}}, "sensor.detector.integration_time_s", "shorten it"),
-        ({"detector": PIXELS | {"integration_time_s": 0.03, "short_integration_time_s": 0.02}}, "integration_time_s", "shorten it"),
+        (
+            {"detector": PIXELS | {"well_capacity_e": 7e6, "integration_time_s": 0.03, "short_integration_time_s": 0.02}},
+            "integration_time_s",
+            "shorten it",
+        ),
+        ({"detector": PIXELS | {"integration_time_s": 0.02, "short_integration_time_s": 0.01}}, "well_capacity_e", "add it"),
         ({"detector": PIXELS | {"fill_factor": 1.2}}, "sensor.detector.fill_factor", "above 0 to 1"),
         ({"detector": PIXELS | {"quantum_efficiency": 1.2}}, "sensor.detector.quantum_efficiency", "above 0 to 1"),
         ({"detector": {}}, "sensor.detector.pitch_um", "add it"),

@@ -180,6 +180,14 @@ def test_two_integration_times_widen_the_range() -> None:
         assert (narrow.sense(radiance).saturated_share == 1.0) is wide_only
 
 
+def test_the_noise_of_a_short_reading_is_multiplied_with_its_light() -> None:
+    model = camera(Noise(), read_noise=5000.0, short_time=2e-4, bit_depth=16)
+    electrons = model.sense(flat(model, 400.0)).units.astype(float)
+    assert electrons.mean() > 7e6
+    # ten times the shot noise of a tenth of the light, and ten times that of a reading
+    assert electrons.std() == pytest.approx(np.hypot(np.sqrt(10.0 * electrons.mean()), 10.0 * 5000.0), rel=0.02)
+
+
 def microbolometer(**more) -> SensorModel:
     return SensorModel(
         Photons(Band.rectangular(8.0, 12.0)), Optics(0.02, 0.03, transmission=0.9), ThermalDetector(17e-6, 0.05, **more), Noise()

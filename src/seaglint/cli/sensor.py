@@ -156,7 +156,12 @@ def lines(found: dict[str, Any]) -> list[str]:
     for i in range(0, len(mtf["along"]), 5 if len(mtf["along"]) == MTF_POINTS else 1):
         out.append(f"    {mtf['frequency_cycles_per_mrad'][i]:<21.4g} {mtf['along'][i]:<7.3f} {mtf['across'][i]:.3f}")
     scene = budget["scene_apparent_temperature_k"]
-    out.append(f"  noise budget [{unit}] at {budget['scene_radiance']:.4g} W m-2 sr-1" + (f" ({scene:.4g} K)" if scene else ""))
+    full = found["saturation_radiance"] is not None and budget["scene_radiance"] > found["saturation_radiance"]
+    out.append(
+        f"  noise budget [{unit}] at the scene's mean of {budget['scene_radiance']:.4g} W m-2 sr-1"
+        + (f" ({scene:.4g} K)" if scene else "")
+        + (": beyond saturation; of a pixel without an end" if full else "")
+    )
     for name, value in budget.items():
         if not name.startswith("scene_") and (value or name in ("signal", "total_temporal")):
             out.append(f"    {name.replace('_', ' '):<21} {value:.5g}")

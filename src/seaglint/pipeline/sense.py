@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -157,10 +158,24 @@ def sense(
     check_output(output, resume=resume, overwrite=overwrite)
     with single_threaded_algebra():
         frames, layout = prepare_sense(recording, scenario, source=source, seed=seed, oversampling=oversampling, electrons=electrons)
-        require_radiance(frames.fine(0))  # before anything is written
-        return write_sequence(
-            output, layout, lambda number: frames.images(number, layout.variables), resume=resume, overwrite=overwrite, progress=progress
-        )
+
+        def images(number: int) -> dict[str, NDArray[Any]]:
+            with _naming(recording.source, number):
+                return frames.images(number, layout.variables)
+
+        with _naming(recording.source, 0):
+            require_radiance(frames.fine(0))  # before anything is written
+        return write_sequence(output, layout, images, resume=resume, overwrite=overwrite, progress=progress)
+
+
+@contextmanager
+def _naming(source: str, number: int) -> Iterator[None]:
+    """Say of which file and frame values are no radiances."""
+    try:
+        yield
+    except DataError as error:
+        told = str(error)
+        raise DataError(told if told.startswith(source) else f"{source}, frame {number}: {told}") from error
 
 
 def prepare_sense(

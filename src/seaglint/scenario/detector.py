@@ -46,6 +46,9 @@ class PhotonDetector(Record):
         if self.well_capacity_e is not None and self.well_capacity_e <= self.read_noise_e:
             text = f"= {self.well_capacity_e:g} is not above sensor.detector.read_noise_e = {self.read_noise_e:g}; correct one of them"
             raise rule("sensor.detector.well_capacity_e", text, value=self.well_capacity_e, allowed=f"above {self.read_noise_e:g}")
+        if self.short_integration_time_s is not None and self.well_capacity_e is None:
+            text = "is missing beside short_integration_time_s, which is taken where the well is full; add it"
+            raise rule("sensor.detector.well_capacity_e", text)
         if self.offset_counts >= (1 << self.bit_depth) - 1:
             text = f"= {self.offset_counts:g} leaves nothing of {self.bit_depth} bits; give a lower offset or a greater bit_depth"
             raise rule("sensor.detector.offset_counts", text, value=self.offset_counts)

@@ -229,6 +229,7 @@ class SensorModel:
         light = pattern.response(np.maximum(line.per_radiance * seen.astype(np.float64), 0.0) + (line.background - line.dark))
         dark = pattern.dark(shape) + line.dark
         detector = self.detector
+        reading: FloatArray | float = 1.0
         if isinstance(detector, Detector):
             mean, well = light + dark, math.inf if detector.well_capacity is None else detector.well_capacity
             units = self._collected(mean, frame, well, 0)
@@ -236,11 +237,13 @@ class SensorModel:
             if detector.short_time is not None:
                 factor = detector.range_factor
                 second = self._collected(mean / factor, frame, well, 1) * factor
-                units, full = np.where(units > SHORT_BELOW * well, second, units), second >= well * factor
+                short = units > SHORT_BELOW * well
+                units, full = np.where(short, second, units), second >= well * factor
+                reading = np.where(short, factor, 1.0)  # the short exposure is read with the same noise, and then multiplied
         else:
             units, full = light + dark, np.zeros(shape, np.bool_)
         added = temporal_noise(noise, self.seed, frame, shape, self.read_rms)
-        units = pattern.added(when, units if added is None else units + added)
+        units = pattern.added(when, units if added is None else units + reading * added)
         counts = line.counts(units)
         saturated = int(np.count_nonzero(full | (counts >= line.top_count)))
         return Exposure(counts.astype(np.uint16), units.astype(np.float32), saturated)
