@@ -114,6 +114,17 @@ def test_a_rendered_store_tells_its_pixels_and_its_band(seaglint, scenario, tmp_
     assert "band.min_um and band.max_um" in answer.err
 
 
+def test_a_stored_frame_alone_has_the_noise_of_its_sequence(seaglint, scenario, tmp_path) -> None:
+    fine = sg.load({"sensor": {"pixels": [12, 6], "fov_deg": [0.1, 0.05], "frames": 3}, "sea": {"resolve_waves": False}})
+    for name, frames in (("all", range(3)), ("last", range(2, 3))):
+        sg.render(fine, tmp_path / f"{name}.zarr", frames=frames)
+        assert seaglint("sense", tmp_path / f"{name}.zarr", scenario, "-o", tmp_path / f"{name}_out.zarr", "--oversampling", 1).code == 0
+    with open_sequence(tmp_path / "all_out.zarr") as whole, open_sequence(tmp_path / "last_out.zarr") as last:
+        assert last.frame.values.tolist() == [2]
+        assert last.time.values[0] == whole.time.values[2]
+        np.testing.assert_array_equal(last.signal[0], whole.signal[2])
+
+
 @pytest.mark.parametrize(
     ("values", "options", "said"),
     [

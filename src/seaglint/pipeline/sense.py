@@ -163,8 +163,8 @@ def sense(
             with _naming(recording.source, number):
                 return frames.images(number, layout.variables)
 
-        with _naming(recording.source, 0):
-            require_radiance(frames.fine(0))  # before anything is written
+        with _naming(recording.source, frames.first):
+            require_radiance(frames.fine(frames.first))  # before anything is written
         return write_sequence(output, layout, images, resume=resume, overwrite=overwrite, progress=progress)
 
 
@@ -201,15 +201,18 @@ def prepare_sense(
     rows, columns = shape
     model = replace(model, circle=model.circle and columns == scenario.sensor.pixels[0])
 
+    numbers = range(recording.frames) if known.frames is None or len(known.frames) != recording.frames else known.frames
+
     def fine(number: int) -> NDArray[np.float32]:
-        radiance = recording.read(number, number + 1)[0]
+        index = number - numbers.start
+        radiance = recording.read(index, index + 1)[0]
         return np.asarray(radiance + recording.offset, np.float32) if recording.offset else radiance
 
     azimuth, elevation = _directions(scenario, model, known, (rows, columns), times)
     layout = Layout(
         azimuth_deg=azimuth,
         elevation_deg=elevation,
-        frames=range(recording.frames),
+        frames=numbers,
         frame_rate=1.0 / model.frame_interval,
         band=model.photons.band,
         variables=("signal", *(("electrons",) if electrons else ())),
@@ -223,7 +226,7 @@ def prepare_sense(
             radiance_source=recording.source,
         ),
     )
-    return SensedFrames(_told(model, recording), fine, times), layout
+    return SensedFrames(_told(model, recording), fine, times, numbers.start), layout
 
 
 def signal_attributes(model: SensorModel) -> dict[str, Any]:

@@ -27,6 +27,8 @@ class Source:
     """Angle between columns and between rows [rad]."""
     azimuth_deg: FloatArray | None = None
     elevation_deg: FloatArray | None = None
+    frames: range | None = None
+    """Numbers of the frames in the sequence that they are of."""
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Source:
@@ -38,9 +40,19 @@ class Source:
         axes = [dataset[name].to_numpy().astype(np.float64) if name in dataset.variables else None for name in ("azimuth", "elevation")]
         azimuth, elevation = (a if a is not None and a.ndim == 1 and a.size > 1 else None for a in axes)
         if azimuth is None or elevation is None:
-            return cls(band)
+            return cls(band, frames=_numbers(dataset))
         step = tuple(float(np.radians(abs(a[-1] - a[0]) / (a.size - 1))) for a in (azimuth, elevation))
-        return cls(band, (step[0], step[1]), azimuth, elevation)
+        return cls(band, (step[0], step[1]), azimuth, elevation, _numbers(dataset))
+
+
+def _numbers(dataset: xr.Dataset) -> range | None:
+    """Of frames that follow one another."""
+    if "frame" not in dataset.variables:
+        return None
+    numbers = np.atleast_1d(dataset["frame"].to_numpy())
+    if numbers.ndim != 1 or numbers.size == 0 or numbers.dtype.kind not in "iu" or np.any(np.diff(numbers) != 1) or numbers[0] < 0:
+        return None
+    return range(int(numbers[0]), int(numbers[-1]) + 1)
 
 
 def source_of(path: Path) -> Source | None:
