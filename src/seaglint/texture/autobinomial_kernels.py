@@ -46,8 +46,8 @@ class Plan(NamedTuple):
     column_starts: NDArray[np.int64]
     wrap_rows: NDArray[np.int64]
     wrap_columns: NDArray[np.int64]
-    far: tuple[int, int]
-    margin: tuple[int, int]
+    far: NDArray[np.int64]
+    margin: NDArray[np.int64]
 
 
 @kernel
@@ -89,7 +89,7 @@ def binomial(probability: float, trials: int, key: tuple[int, int]) -> int:
 @kernel
 def neighbour_sum(field: NDArray[np.int16], law: Law, plan: Plan, y: int, x: int) -> float:
     """Neighbours of a pixel, each with its coupling."""
-    up, left = plan.far
+    up, left = plan.far[0], plan.far[1]
     total = 0.0
     for k in range(law.coupling.shape[0]):
         dy, dx = law.down[k], law.right[k]
@@ -109,10 +109,10 @@ def draw_row(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, in
 
 
 @njit
-def gibbs(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, int], first: int, sweeps: int) -> None:
+def gibbs(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
     """Sweeps number ``first`` and on, colour by colour, in place."""
     for sweep in range(first, first + sweeps):
-        now = cell_key(seed, sweep, sweep, 1)
+        now = cell_key((seed[0], seed[1]), sweep, sweep, 1)
         for down in range(plan.row_starts.shape[0] - 1):
             for across in range(plan.column_starts.shape[0] - 1):
                 for i in range(plan.row_starts[down], plan.row_starts[down + 1]):
@@ -120,14 +120,14 @@ def gibbs(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, int],
 
 
 @njit_parallel
-def gibbs_in_threads(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, int], first: int, sweeps: int) -> None:
+def gibbs_in_threads(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
     """As :func:`gibbs`, the rows of a colour shared by the threads: pixels of one colour are no neighbours."""
     for sweep in range(first, first + sweeps):
-        now = cell_key(seed, sweep, sweep, 1)
+        first_word, second_word = cell_key((seed[0], seed[1]), sweep, sweep, 1)
         for down in range(plan.row_starts.shape[0] - 1):
             for across in range(plan.column_starts.shape[0] - 1):
                 for i in numba.prange(plan.row_starts[down], plan.row_starts[down + 1]):
-                    draw_row(field, law, plan, now, plan.rows[i], across)
+                    draw_row(field, law, plan, (first_word, second_word), plan.rows[i], across)
 
 
 @kernel
@@ -144,13 +144,13 @@ def coupling_between(law: Law, shape: tuple[int, int], down: int, right: int) ->
 
 
 @njit
-def exchange(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, int], first: int, sweeps: int) -> int:
+def exchange(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64], first: int, sweeps: int) -> int:
     """Metropolis exchanges of two pixels drawn at random, half as many in a sweep as there are pixels; returns how many took place."""
     rows, columns = field.shape
     pixels = rows * columns
     taken = 0
     for sweep in range(first, first + sweeps):
-        now = cell_key(seed, sweep, sweep, 2)
+        now = cell_key((seed[0], seed[1]), sweep, sweep, 2)
         for proposal in range(pixels // 2):
             key = cell_key(now, proposal, proposal, 0)
             one, other = int(uniform(key, 0) * pixels), int(uniform(key, 1) * pixels)
@@ -171,7 +171,7 @@ def exchange(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, in
 def pair_sums(field: NDArray[np.int16], law: Law, plan: Plan, sums: FloatArray) -> None:
     """Add to ``sums`` the levels of all pixels that are drawn, and for each class the products of all pairs with one of them."""
     rows, columns = field.shape
-    (up, left), (high, wide) = plan.far, plan.margin
+    up, left, high, wide = plan.far[0], plan.far[1], plan.margin[0], plan.margin[1]
     for y in range(high, rows - high):
         for x in range(wide, columns - wide):
             here = int(field[y, x])

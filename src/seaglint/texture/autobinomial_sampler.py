@@ -42,16 +42,15 @@ def plan(model: Autobinomial, shape: tuple[int, int], *, held_border: bool = Fal
         orders.append(np.array([place for group in groups for place in group], dtype=np.int64))
         starts.append(np.cumsum([0, *map(len, groups)], dtype=np.int64))
         wraps.append(np.arange(-distance, size + distance, dtype=np.int64) % size)
-    return kernels.Plan(orders[0], starts[0], orders[1], starts[1], wraps[0], wraps[1], far, margin)
+    return kernels.Plan(orders[0], starts[0], orders[1], starts[1], wraps[0], wraps[1], np.array(far), np.array(margin))
 
 
-def words(seed: int, purpose: str) -> tuple[int, int]:
+def words(seed: int, purpose: str) -> NDArray[np.int64]:
     """Two words of 32 bits by which kernels name their random numbers."""
-    first, second = stream(seed, purpose).integers(0, kernels.WORD, size=2, endpoint=True)
-    return int(first), int(second)
+    return stream(seed, purpose).integers(0, kernels.WORD, size=2, endpoint=True)
 
 
-def sweep(field: NDArray[np.int16], held: kernels.Law, lattice: kernels.Plan, key: tuple[int, int], first: int, sweeps: int) -> None:
+def sweep(field: NDArray[np.int16], held: kernels.Law, lattice: kernels.Plan, key: NDArray[np.int64], first: int, sweeps: int) -> None:
     """Gibbs sweeps in place, in threads where the picture is worth it; bytes are the same either way."""
     run = kernels.gibbs_in_threads if field.size >= IN_THREADS_FROM else kernels.gibbs
     run(field, held, lattice, key, first, sweeps)
