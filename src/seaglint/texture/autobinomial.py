@@ -65,7 +65,7 @@ class Autobinomial:
         if not offsets or any(not one for one in self.neighbours) or any(offset <= (0, 0) for offset in offsets):
             raise DomainError("neighbours: each class is a list of offsets (rows down, columns right) that point down, or right in row 0")
         if len(set(offsets)) < len(offsets):
-            raise DomainError("neighbours: an offset is named twice; name each symmetric pair once, by the offset that points down or right")
+            raise DomainError("neighbours: an offset is named twice; name each symmetric pair once, pointing down or right")
         if len(self.beta) != len(self.neighbours):
             raise DomainError(f"beta has {len(self.beta)} couplings for {len(self.neighbours)} classes of neighbours: give one for each")
         if not all(map(math.isfinite, (self.alpha, *self.beta))):
@@ -88,7 +88,7 @@ class Autobinomial:
 
     @property
     def parameters(self) -> FloatArray:
-        """alpha and the couplings, in this order [1]."""
+        """Alpha and the couplings, in this order [1]."""
         return np.array([self.alpha, *self.beta])
 
     def with_parameters(self, parameters: FloatArray) -> Autobinomial:
@@ -141,8 +141,8 @@ def check_shape(shape: tuple[int, int], model: Autobinomial) -> None:
     rows, columns = (2 * far + 1 for far in model.reach)
     if len(shape) != 2 or shape[0] < rows or shape[1] < columns:
         raise DomainError(
-            f"shape = {' x '.join(map(str, shape))} pixels: neighbours of this field reach {model.reach[0]} rows and {model.reach[1]} columns, "
-            f"so it needs {rows} x {columns} pixels or more; take a larger picture or a lower order",
+            f"shape = {' x '.join(map(str, shape))} pixels: neighbours reach {model.reach[0]} rows and {model.reach[1]} columns, "
+            f"so the field needs {rows} x {columns} pixels or more; take a larger picture or a lower order",
             name="shape",
             value=shape,
             allowed=f"{rows} x {columns} or more",
@@ -158,6 +158,11 @@ def checked_field(field: IntArray, model: Autobinomial) -> NDArray[np.int16]:
         Not whole numbers, a level outside the model's, or a picture too small for its neighbours.
     """
     held = np.asarray(field)
+    if held.dtype.kind == "f" and not np.isfinite(held).all():
+        raise DomainError(
+            f"{int((~np.isfinite(held)).sum())} of {held.size} pixels are NaN or infinite: choose a region without them, or fill them",
+            name="image",
+        )
     if held.dtype.kind not in "iub":
         raise DomainError(
             f"grey levels are whole numbers 0 to {model.most}, not {held.dtype}: quantise the picture (seaglint.texture.levels)",

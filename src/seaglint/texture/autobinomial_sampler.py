@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 from seaglint.random import stream
+from seaglint.render.counter import WORD
 from seaglint.texture import autobinomial_kernels as kernels
 from seaglint.texture.autobinomial import Autobinomial, IntArray, check_shape, checked_field
 from seaglint.texture.neighbourhood import colours
@@ -47,7 +48,7 @@ def plan(model: Autobinomial, shape: tuple[int, int], *, held_border: bool = Fal
 
 def words(seed: int, purpose: str) -> NDArray[np.int64]:
     """Two words of 32 bits by which kernels name their random numbers."""
-    return stream(seed, purpose).integers(0, kernels.WORD, size=2, endpoint=True)
+    return stream(seed, purpose).integers(0, WORD, size=2, endpoint=True)
 
 
 def sweep(field: NDArray[np.int16], held: kernels.Law, lattice: kernels.Plan, key: NDArray[np.int64], first: int, sweeps: int) -> None:
@@ -123,7 +124,9 @@ def sample(
     else:
         field = checked_field(start, model)
         if field.shape != tuple(shape):
-            raise DomainError(f"start has {field.shape[0]} x {field.shape[1]} pixels, shape asks for {shape[0]} x {shape[1]}: give one of them")
+            raise DomainError(
+                f"start has {field.shape[0]} x {field.shape[1]} pixels, shape asks for {shape[0]} x {shape[1]}: give a start of that shape"
+            )
         field = np.ascontiguousarray(np.pad(field, ((down, down), (across, across)), mode="symmetric"))
     sweep(field, law(model), plan(model, whole), words(seed, "autobinomial-gibbs"), 0, sweeps)
     return np.ascontiguousarray(field[down : whole[0] - down, across : whole[1] - across])
