@@ -85,7 +85,7 @@ def analyze(
         recording,
         frame_rate=frame_rate,
         units=units,
-        raw=_raw_layout(raw),
+        raw=raw_layout(raw),
         variable=variable,
         channel=channel,
         axes=axes,
@@ -201,7 +201,8 @@ def _part(text: str) -> tuple[float, float]:
         raise DataError(f"--rows {text}: give FIRST:LAST as shares of the height from the top, e.g. 0.45: or 0.2:0.8") from None
 
 
-def _raw_layout(text: str | None) -> Any:
+def raw_layout(text: str | None) -> Any:
+    """Layout of a raw file from ``name=value`` pairs; None where nothing is said."""
     if text is None:
         return None
     from seaglint.errors import DataError

@@ -29,6 +29,7 @@ from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
 from seaglint.cli.sensor import SensorPreset, sense, sensor
 from seaglint.cli.sensor import line as counts_line
+from seaglint.cli.texture import texture
 from seaglint.errors import DataError, SeaglintError
 
 
@@ -90,6 +91,7 @@ app = typer.Typer(
 app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
 app.add_typer(atmosphere, name="atmosphere")
+app.add_typer(texture, name="texture")
 app.command()(analyze)
 app.command()(export)
 app.command("export-sea")(export_sea)

@@ -32,6 +32,10 @@ FLAT: Final = 1e-12
 """Least of 1 - 2 sum b cos at which a field still has a variance; below it one wave takes all of it."""
 
 
+MOST_VALLEYS: Final = 40
+"""Valleys of a symbol whose bottoms are looked for."""
+
+
 def canonical(offset: Sequence[int]) -> Offset:
     """The one of d and -d that comes first in time, then downwards, then to the right.
 
@@ -157,8 +161,37 @@ def _cosines(offsets: Sequence[Offset], weights: Sequence[float], shape: Offset)
     return out
 
 
+def least_symbol(model: GaussMarkov, grid: Sequence[int]) -> float:
+    """Smallest ``1 - 2 sum_k b_k cos(w . d_k)`` over all frequencies [1]: above 0 a field of any size exists.
+
+    Parameters
+    ----------
+    model : GaussMarkov
+    grid : (int, int, int)
+        Torus from whose lowest frequencies the minimum is searched downhill.
+    """
+    from scipy.ndimage import minimum_filter
+    from scipy.optimize import minimize
+
+    if not model.offsets:
+        return 1.0
+    offsets, weights = np.array(model.offsets, float), np.array(model.coefficients)
+    sides = tuple(max(n, 2 * r + 1) for n, r in zip(grid, model.reach, strict=True))
+    found = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, (sides[0], sides[1], sides[2]))
+    # Every valley of the grid: a shallow one may be the deepest between the grid's points.
+    valleys = np.flatnonzero((found <= minimum_filter(found, 3, mode="nearest")) & (found < found.min() + 0.05))
+    lowest = valleys[np.argsort(found.ravel()[valleys])][:MOST_VALLEYS]
+
+    def value(w: FloatArray) -> tuple[float, FloatArray]:
+        phase = offsets @ w
+        return float(1.0 - 2.0 * weights @ np.cos(phase)), 2.0 * (weights * np.sin(phase)) @ offsets
+
+    places = 2.0 * np.pi * np.array(np.unravel_index(lowest, found.shape)).T / np.array(sides)
+    return min(float(minimize(value, place, jac=True, method="BFGS", options={"gtol": 1e-9}).fun) for place in places)
+
+
 def spectral_density(model: GaussMarkov, shape: Sequence[int]) -> FloatArray:
-    """Variance of the waves of a torus, ``v / symbol`` [u², (frames, rows, columns // 2 + 1)]; its mean over all waves is a pixel's."""
+    """Variance of the waves of a torus, ``v / symbol`` [u², (frames, rows, columns // 2 + 1)]; the mean is a pixel's."""
     return model.variance / symbol(model, shape)
 
 

@@ -18,17 +18,20 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
-from seaglint.texture.gauss_markov import GaussMarkov, Offset, canonical
+from seaglint.texture.gauss_markov import GaussMarkov, Offset, canonical, half_weights, least_symbol
 
 PER_PARAMETER: Final = 50
 """Pixels that a parameter needs at least."""
 
 STEPS: Final = 60
 """Of Newton's method; ten serve unless the optimum lies on the border of the region, where there is none."""
+
+LEAST: Final = 1e-5
+"""Smallest 1 - 2 sum b cos of a fitted field."""
 
 SMALLEST_TORUS: Final = 16
 """Least side of the torus that stands for an endless plane, in times the largest offset."""
@@ -160,10 +163,20 @@ class GaussMarkovFit:
         return -2.0 * self.log_likelihood + (len(self.model.offsets) + 2) * math.log(self.pixels)
 
 
+SEARCHED: Final = ((1, 256, 256), (32, 64, 64))
+"""Largest torus of the search for a neighbourhood, without and with time: the data enter by their covariances, whatever their size."""
+
+LARGEST_TORUS: Final = ((1, 512, 512), (64, 128, 128))
+"""Largest torus that stands for an endless plane: long waves that hold much of the variance need a fine grid of frequencies."""
+
+SEARCH: Final = 1e-9
+"""Log likelihood per pixel within which the steps of the search for a neighbourhood end; a hundred thousandth of the criterion."""
+
+
 class _Likelihood:
     """Log likelihood of precisions on the grid of a torus; gradients and information from its transforms."""
 
-    def __init__(self, data: Covariances, offsets: Sequence[Offset]) -> None:
+    def __init__(self, data: Covariances, offsets: Sequence[Offset], largest: tuple[Offset, Offset] = LARGEST_TORUS) -> None:
         from scipy.fft import next_fast_len
 
         self.data = data
@@ -171,7 +184,8 @@ class _Likelihood:
         if data.periodic:
             self.shape = data.shape
         else:
-            sides = [max(n, SMALLEST_TORUS * int(f)) if n > 1 else 1 for n, f in zip(data.shape, far, strict=True)]
+            plane = largest[int(data.shape[0] > 1)]
+            sides = [max(min(n, most), SMALLEST_TORUS * int(f)) if n > 1 else 1 for n, most, f in zip(data.shape, plane, far, strict=True)]
             self.shape = tuple(next_fast_len(n, real=True) for n in sides)  # type: ignore[assignment]
         self.offsets = tuple(offsets)
 
@@ -192,8 +206,6 @@ class _Likelihood:
 
     def value(self, theta: FloatArray, lam: FloatArray) -> float:
         """Log likelihood per pixel, without its constant; -inf outside the region."""
-        from seaglint.texture.gauss_markov import half_weights
-
         if not float(lam.min()) > 0.0:
             return -math.inf
         mean_log = float((np.log(lam) * half_weights(self.shape[2])).sum()) / math.prod(self.shape)
@@ -211,23 +223,29 @@ class _Likelihood:
 
     def information(self, squared: FloatArray, offsets: Sequence[Offset]) -> FloatArray:
         """``1/2 mean(c_j c_k / lambda²)``, c = 1 and -2 cos: sums and differences of offsets in the transform of 1/lambda²."""
-        every = [(0, 0, 0), *offsets]
-        n = len(every)
-        out = np.empty((n, n))
-        for j, a in enumerate(every):
-            for k, b in enumerate(every[: j + 1]):
-                plus = squared[tuple((p + q) % m for p, q, m in zip(a, b, self.shape, strict=True))]
-                minus = squared[tuple((p - q) % m for p, q, m in zip(a, b, self.shape, strict=True))]
-                scale = (1.0 if j == 0 else -2.0) * (1.0 if k == 0 else -2.0)
-                out[j, k] = out[k, j] = 0.5 * scale * 0.5 * (plus + minus)
-        return out
+        every = np.array([(0, 0, 0), *offsets])
+        scale = np.where(np.arange(len(every)) == 0, 1.0, -2.0)
+        both = _read(squared, every[:, None] + every) + _read(squared, every[:, None] - every)
+        return np.asarray(0.25 * np.outer(scale, scale) * both)
+
+    def row(self, squared: FloatArray, offsets: Sequence[Offset], joining: Offset) -> FloatArray:
+        """The row of :meth:`information` of a pair that joins, its own entry last."""
+        every = np.array([(0, 0, 0), *offsets, joining])
+        scale = np.where(np.arange(len(every)) == 0, 1.0, -2.0)
+        return np.asarray(-0.5 * scale * (_read(squared, every + np.array(joining)) + _read(squared, every - np.array(joining))))
+
+
+def _read(values: FloatArray, offsets: NDArray[np.int64]) -> FloatArray:
+    """Values on a torus at offsets (..., 3)."""
+    t, y, x = np.moveaxis(offsets % np.array(values.shape), -1, 0)
+    return np.asarray(values[t, y, x])
 
 
 class NoOptimumError(DataError):
     """Covariances that no Gauss-Markov field of the neighbourhood has."""
 
 
-def _maximise(likelihood: _Likelihood, start: FloatArray | None) -> tuple[FloatArray, float, int]:
+def _maximise(likelihood: _Likelihood, start: FloatArray | None, tolerance: float = 1e-16) -> tuple[FloatArray, float, int]:
     """Precisions of the optimum, log likelihood per pixel, steps: Newton with halved steps, which stays in the region."""
     theta = np.zeros(len(likelihood.offsets) + 1)
     theta[0] = 1.0 / likelihood.data.at((0, 0, 0))
@@ -239,7 +257,7 @@ def _maximise(likelihood: _Likelihood, start: FloatArray | None) -> tuple[FloatA
         gradient, information = likelihood.derivatives(lam)
         direction = np.linalg.solve(information, gradient)
         decrement = float(gradient @ direction)
-        if decrement < 1e-16 * max(1.0, abs(value)):
+        if decrement < tolerance * max(1.0, abs(value)):
             return theta, value, step
         length = 1.0
         while True:
@@ -319,6 +337,15 @@ def _result(likelihood: _Likelihood, theta: FloatArray, value: float, steps: int
     jacobian = np.concatenate([-b[:, None], np.eye(b.size)], axis=1) / theta[0]
     errors = np.sqrt(np.einsum("ij,jk,ik->i", jacobian, spread, jacobian))
     model = GaussMarkov(likelihood.offsets, tuple(map(float, b)), float(1.0 / theta[0]), data.mean)
+    if not data.periodic:
+        least = least_symbol(model, likelihood.shape)
+        if least < LEAST:
+            # The grid of the data does not see the wave between its frequencies that would have no finite variance.
+            model = replace(model, coefficients=tuple(float(v) * (1.0 - LEAST) / (1.0 - least) for v in b))
+            notes = (
+                *notes,
+                f"weights were made smaller by {(LEAST - least) / (1.0 - least):.2g} of themselves, so that samples of any size exist",
+            )
     total = data.pixels * (value - 0.5 * math.log(2.0 * math.pi))
     return GaussMarkovFit(model, tuple(map(float, errors)), float(np.sqrt(spread[0, 0]) / theta[0] ** 2), total, data.pixels, steps, notes)
 
@@ -370,15 +397,15 @@ def choose(data: Covariances, among: Sequence[Offset], most: int = 16) -> GaussM
 def _forward(data: Covariances, pool: list[Offset], most: int) -> GaussMarkovFit:
     chosen: list[Offset] = []
     # One torus for all neighbourhoods, so that their likelihoods can be compared.
-    likelihood = _Likelihood(data, pool)
+    likelihood = _Likelihood(data, pool, SEARCHED)
     likelihood.offsets = ()
-    theta, value, steps = _maximise(likelihood, None)
+    theta, value, _ = _maximise(likelihood, None)
     penalty = 0.5 * math.log(data.pixels) / data.pixels
     while len(chosen) < most and len(chosen) < len(pool):
         best = _most_promising(likelihood, theta, [d for d in pool if d not in chosen])
         likelihood.offsets = (*chosen, best)
         try:
-            tried, gained, steps = _maximise(likelihood, np.append(theta, 0.0))
+            tried, gained, _ = _maximise(likelihood, np.append(theta, 0.0), SEARCH)
         except NoOptimumError:
             if len(chosen) >= 2:
                 likelihood.offsets = tuple(chosen)
@@ -392,11 +419,18 @@ def _forward(data: Covariances, pool: list[Offset], most: int) -> GaussMarkovFit
     for d in list(chosen):
         rest = [other for other in chosen if other != d]
         likelihood.offsets = tuple(rest)
-        lean, left, _ = _maximise(likelihood, None)
+        lean, left, _ = _maximise(likelihood, np.delete(theta, 1 + chosen.index(d)), SEARCH)
         if value - left < penalty:
             chosen, theta, value = rest, lean, left
     likelihood.offsets = tuple(chosen)
-    return _result(likelihood, theta, value, steps)
+    if not data.periodic:
+        # Weights that a coarse grid allows may not belong to a field: begin a little inside.
+        inside = GaussMarkov(tuple(chosen), tuple(theta[1:] / theta[0]), 1.0)
+        least = min(least_symbol(inside, likelihood.shape), 0.0)
+        theta[1:] *= (1.0 - LEAST) / (1.0 - least)
+    fine = _Likelihood(data, pool)
+    fine.offsets = tuple(chosen)
+    return _result(fine, *_maximise(fine, theta))
 
 
 def _most_promising(likelihood: _Likelihood, theta: FloatArray, pool: list[Offset]) -> Offset:
@@ -410,7 +444,7 @@ def _most_promising(likelihood: _Likelihood, theta: FloatArray, pool: list[Offse
     gains = []
     for d in pool:
         gradient = -(float(covariance[d]) - likelihood.data.at(d))
-        row = likelihood.information(squared, (*likelihood.offsets, d))[count]
+        row = likelihood.row(squared, likelihood.offsets, d)
         left = row[count] - row[:count] @ np.linalg.solve(own, row[:count])
         gains.append(gradient**2 / max(left, 1e-12 * row[count]))
     return pool[int(np.argmax(gains))]

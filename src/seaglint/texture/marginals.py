@@ -201,16 +201,16 @@ def _standard(marginal: Marginal) -> Callable[[FloatArray], FloatArray]:
     """Quantiles of the family with loc 0 and scale 1, of standard normal values."""
     from scipy import special
 
-    kind, shape = marginal.kind, marginal.shape
+    kind, shape = marginal.kind, float(marginal.shape or 0.0)
     if kind == "gaussian":
         return lambda g: g
     if kind == "lognormal":
-        return lambda g: np.exp(np.asarray(shape) * g)
+        return lambda g: np.exp(shape * g)
     if kind == "gamma":
         # Both tails by the smaller probability, which keeps its digits.
         return lambda g: np.where(g < 0.0, special.gammaincinv(shape, special.ndtr(g)), special.gammainccinv(shape, special.ndtr(-g)))
     if kind == "k":
-        return _k_quantiles(float(shape or 0.0))
+        return _k_quantiles(shape)
     knots = np.linspace(-4.0, 4.0, len(marginal.quantiles))
     values = np.array(marginal.quantiles)
     ends = [_tail_slope(knots, values, -1), _tail_slope(knots, values, 1)]
@@ -218,7 +218,7 @@ def _standard(marginal: Marginal) -> Callable[[FloatArray], FloatArray]:
     def empirical(g: FloatArray) -> FloatArray:
         inside = np.interp(g, knots, values)
         # Beyond the data the quantiles go on as a straight line: a Gaussian tail of their own slope.
-        return inside + ends[1] * np.maximum(g - 4.0, 0.0) + ends[0] * np.minimum(g + 4.0, 0.0)
+        return np.asarray(inside + ends[1] * np.maximum(g - 4.0, 0.0) + ends[0] * np.minimum(g + 4.0, 0.0))
 
     return empirical
 
@@ -229,8 +229,10 @@ def _tail_slope(knots: FloatArray, values: FloatArray, side: int) -> float:
 
 
 def _k_quantiles(shape: float) -> Callable[[FloatArray], FloatArray]:
-    """Quantiles of the K distribution of one look: an exponential whose mean is gamma distributed, ``P(x) = 2 (x^(v/2)) K_v(2 sqrt x) / G(v)``
-    above x (Ward, Tough and Watts 2006, Eq. 4.6)."""
+    """Quantiles of the K distribution of one look, an exponential whose mean is gamma distributed.
+
+    ``P(above x) = 2 x^(v/2) K_v(2 sqrt x) / Gamma(v)`` (Ward, Tough and Watts 2006, Eq. 4.6).
+    """
     from scipy import special
 
     x = np.exp(np.linspace(math.log(1e-14), math.log(4e3 * max(shape, 1.0)), 20_000))
@@ -241,7 +243,7 @@ def _k_quantiles(shape: float) -> Callable[[FloatArray], FloatArray]:
     rising, places = np.unique(g, return_index=True)
     kept = np.isfinite(rising)
     log_x = np.log(x)[places]
-    return lambda value: np.exp(np.interp(value, rising[kept], log_x[kept]))
+    return lambda value: np.asarray(np.exp(np.interp(value, rising[kept], log_x[kept])))
 
 
 def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
@@ -282,7 +284,7 @@ def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
         quantiles = (np.quantile(x, special.ndtr(knots)) - mean) / std
         return Marginal("empirical", mean, std, None, tuple(map(float, quantiles)))
     # Even steps of probability, and more of them in both tails.
-    g = np.linspace(*special.ndtri(INNER), 600)
+    g = np.linspace(float(special.ndtri(INNER[0])), float(special.ndtri(INNER[1])), 600)
     weight = np.exp(-0.25 * g**2)
     seen = np.quantile(x, special.ndtr(g))
 

@@ -4,8 +4,9 @@ Waves of a torus are independent: complex Gaussian amplitudes with the variances
 the field without any approximation, and periodic in rows, columns and time: frame N is frame 0.
 
 The product (the source article's Eq. 20, ``L = xi E``) is taken where the fast field is made: ``x = h * (sqrt(V) e)``, e white, V a slow
-field of gamma distributed values with mean 1, h the filter whose square is the spectral density. As e is white and independent of V, x has
-exactly the spectrum of the Gaussian field; what changes is that calm and rough patches alternate, so that its fine structure has long tails.
+field of gamma distributed values with mean 1, h the filter whose square is the spectral density. As e is white and independent of V, x
+has exactly the spectrum of the Gaussian field. What changes is that calm and rough patches alternate, so that its fine structure has long
+tails.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from numpy.typing import NDArray
 from seaglint import random
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
-from seaglint.texture.gauss_markov import GaussMarkov, Offset, require_torus, symbol
+from seaglint.texture.gauss_markov import GaussMarkov, Offset, half_weights, require_torus
 from seaglint.texture.marginals import Marginal
 
 Field = NDArray[np.float32]
@@ -123,11 +124,7 @@ def density_of(model: GaussMarkov, shape: Sequence[int]) -> Density:
     """
     sides = require_torus(model, shape)
     slabs = _Slabs(model, sides)
-    total = 0.0
-    weights = np.full(sides[2] // 2 + 1, 2.0)
-    weights[0] = 1.0
-    if sides[2] % 2 == 0:
-        weights[-1] = 1.0
+    weights = half_weights(sides[2])
     sums = np.zeros(sides[0])
 
     def add(k: int) -> None:
@@ -144,7 +141,6 @@ class _Slabs:
     def __init__(self, model: GaussMarkov, shape: Offset) -> None:
         self._shape = shape
         self._waves = 2.0 * np.pi * np.fft.fftfreq(shape[0])
-        symbol(GaussMarkov(model.offsets, model.coefficients, 1.0), _smaller(model, shape))  # no wave without a variance
         y, x = np.array([d[1:] for d in model.offsets], float).reshape(-1, 2).T
         self._rows = np.exp(1j * np.outer(2.0 * np.pi * np.fft.fftfreq(shape[1]), y)) * np.array(model.coefficients)
         self._columns = np.exp(1j * np.outer(x, 2.0 * np.pi * np.fft.rfftfreq(shape[2])))
@@ -159,22 +155,13 @@ class _Slabs:
         return np.asarray(found)
 
 
-def _smaller(model: GaussMarkov, shape: Offset) -> Offset:
-    """A torus that is checked at once, where the one to be sampled is large."""
-    sides = [min(n, max(32, 2 * r + 1)) for n, r in zip(shape, model.reach, strict=True)]
-    return sides[0], sides[1], sides[2]
-
-
 def slow(modulation: Modulation, shape: Sequence[int], seed: int) -> Field:
     """Sample of the slow field's power, mean 1 [1, (frames, rows, columns)]."""
     rows, columns = np.fft.fftfreq(shape[1]), np.fft.rfftfreq(shape[2])
     t, y, x = modulation.lengths
     across = np.exp(-((np.pi * y * rows) ** 2))[:, None] * np.exp(-((np.pi * x * columns) ** 2))
     along = np.exp(-((np.pi * t * np.fft.fftfreq(shape[0])) ** 2))
-    weights = np.full(columns.size, 2.0)
-    weights[0] = 1.0
-    if shape[2] % 2 == 0:
-        weights[-1] = 1.0
+    weights = half_weights(shape[2])
     mean = float((across * weights).sum()) * float(along.sum()) / math.prod(shape)
     field = gaussian(shape, lambda k: across * (along[k] / mean), seed, "texture modulation")
     return Marginal("gamma", 0.0, 1.0 / modulation.shape, modulation.shape).transform(field)

@@ -1,9 +1,9 @@
 """How much of the long tails of filtered pictures the marginal transform leaves, and the slow field that brings it.
 
-False alarms are counted in the Laplacian of a picture, and its tails have two sources. Pixels whose own values have a long tail, sparse glints
-on a dark sea, keep it when they are filtered: the marginal transform suffices. In a bright corridor pixels are spread evenly, and yet the
-Laplacian has a long tail, as rough and calm patches alternate: there the product with a slow field is needed. Its shape and lengths are
-those with which a sample has the exceedances of the data at 2.5, 3 and 3.5 standard deviations, and the same clustering of them.
+False alarms are counted in the Laplacian of a picture, and its tails have two sources. Pixels whose own values have a long tail, sparse
+glints on a dark sea, keep it when they are filtered: the marginal transform suffices. In a bright corridor pixels are spread evenly, and
+yet the Laplacian has a long tail, as rough and calm patches alternate: there the product with a slow field is needed. Its shape and lengths
+are those with which a sample has the exceedances of the data at 2.5, 3 and 3.5 standard deviations, and the same clustering of them.
 """
 
 from __future__ import annotations
@@ -97,7 +97,9 @@ def _length(line: FloatArray) -> float:
 
 def misfit(sample: Tail, data: Tail) -> FloatArray:
     """Log of the ratios of rates at the thresholds, sample over data [1]; one pixel stands for none."""
-    return np.log(np.maximum(sample.rates, 0.3 / PILOT) / np.maximum(data.rates, 0.5 * data.rates[0] / max(data.counts[0], 1.0) + 1e-12))
+    return np.asarray(
+        np.log(np.maximum(sample.rates, 0.3 / PILOT) / np.maximum(data.rates, 0.5 * data.rates[0] / max(data.counts[0], 1.0) + 1e-12))
+    )
 
 
 def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, seed: int = 0) -> tuple[Modulation | None, FloatArray]:
