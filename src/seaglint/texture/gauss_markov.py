@@ -32,7 +32,7 @@ FLAT: Final = 1e-12
 """Least of 1 - 2 sum b cos at which a field still has a variance; below it one wave takes all of it."""
 
 
-MOST_VALLEYS: Final = 40
+MOST_VALLEYS: Final = 200
 """Valleys of a symbol whose bottoms are looked for."""
 
 
@@ -178,8 +178,10 @@ def least_symbol(model: GaussMarkov, grid: Sequence[int]) -> float:
     offsets, weights = np.array(model.offsets, float), np.array(model.coefficients)
     sides = tuple(max(n, 2 * r + 1) for n, r in zip(grid, model.reach, strict=True))
     found = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, (sides[0], sides[1], sides[2]))
-    # Every valley of the grid: a shallow one may be the deepest between the grid's points.
-    valleys = np.flatnonzero((found <= minimum_filter(found, 3, mode="nearest")) & (found < found.min() + 0.05))
+    # Every valley of the grid that can be the deepest between its points: curvature times half a step squared lower than it looks.
+    steps = 2.0 * np.pi / np.array(sides)
+    deeper = float(np.abs(weights) @ ((np.abs(offsets) @ (0.5 * steps)) ** 2))
+    valleys = np.flatnonzero((found <= minimum_filter(found, 3, mode="nearest")) & (found < found.min() + deeper))
     lowest = valleys[np.argsort(found.ravel()[valleys])][:MOST_VALLEYS]
 
     def value(w: FloatArray) -> tuple[float, FloatArray]:
@@ -187,7 +189,9 @@ def least_symbol(model: GaussMarkov, grid: Sequence[int]) -> float:
         return float(1.0 - 2.0 * weights @ np.cos(phase)), 2.0 * (weights * np.sin(phase)) @ offsets
 
     places = 2.0 * np.pi * np.array(np.unravel_index(lowest, found.shape)).T / np.array(sides)
-    return min(float(minimize(value, place, jac=True, method="BFGS", options={"gtol": 1e-9}).fun) for place in places)
+    # Within a cell of the valley: a long first step would leave it for another.
+    found_at = (minimize(value, w, jac=True, method="L-BFGS-B", bounds=list(zip(w - steps, w + steps, strict=True))) for w in places)
+    return min(float(result.fun) for result in found_at)
 
 
 def spectral_density(model: GaussMarkov, shape: Sequence[int]) -> FloatArray:

@@ -15,6 +15,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numba
@@ -155,6 +156,12 @@ class _Slabs:
         return np.asarray(found)
 
 
+@lru_cache(maxsize=32)
+def _power(shape: float) -> Marginal:
+    """Gamma distribution with mean 1, with its table."""
+    return Marginal("gamma", 0.0, 1.0 / shape, shape)
+
+
 def slow(modulation: Modulation, shape: Sequence[int], seed: int) -> Field:
     """Sample of the slow field's power, mean 1 [1, (frames, rows, columns)]."""
     rows, columns = np.fft.fftfreq(shape[1]), np.fft.rfftfreq(shape[2])
@@ -164,7 +171,7 @@ def slow(modulation: Modulation, shape: Sequence[int], seed: int) -> Field:
     weights = half_weights(shape[2])
     mean = float((across * weights).sum()) * float(along.sum()) / math.prod(shape)
     field = gaussian(shape, lambda k: across * (along[k] / mean), seed, "texture modulation")
-    return Marginal("gamma", 0.0, 1.0 / modulation.shape, modulation.shape).transform(field)
+    return _power(modulation.shape).transform(field)
 
 
 def latent(model: GaussMarkov, shape: Sequence[int], seed: int, modulation: Modulation | None = None) -> Field:
