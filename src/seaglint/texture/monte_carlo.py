@@ -14,7 +14,7 @@ from seaglint.texture import autobinomial_sampler as sampler
 from seaglint.texture.autobinomial import Autobinomial
 from seaglint.texture.neighbourhood import Classes
 
-ROUNDS: Final = 40
+ROUNDS: Final = 60
 """Newton's steps with sampled moments before the climb is given up."""
 
 SWEEPS: Final = 150
@@ -30,6 +30,9 @@ LAST_SWEEPS: Final = 1500
 
 LONGEST_STEP: Final = 10.0
 """Longest step, in standard deviations of the sums: sampled moments tell little beyond."""
+
+LARGEST_TURN: Final = 0.05
+"""Largest change of the mean field's slope at half the largest level in a step: near the transition moments change within some 0.1."""
 
 NEAR: Final = 0.5
 """Distance between picture and samples, in standard deviations of the sums, from which the last sweeps are drawn."""
@@ -120,6 +123,7 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
         wanted = field.size * inside_products(field, first.neighbours)
     model, fixed = first, first.parameters[: int(keep_histogram)]
     rounds, distance = 0, np.inf
+    pairs = np.array([len(one) for one in first.neighbours])
 
     def moved(by: FloatArray) -> Autobinomial:
         return model.with_parameters(np.concatenate([fixed, model.parameters[int(keep_histogram) :] + by]))
@@ -131,7 +135,8 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
         step, distance = newton(wanted - found.mean(axis=0), np.atleast_2d(np.cov(found.T)))
         if distance < NEAR or not np.isfinite(distance):
             break
-        model = moved(step * min(1.0, LONGEST_STEP / distance))
+        turn = 0.5 * model.most * float(np.abs(step[-len(pairs) :]) @ pairs)
+        model = moved(step * min(1.0, LONGEST_STEP / distance, LARGEST_TURN / turn))
     size = 1 + len(first.beta)
     covariance = np.full((size, size), np.nan)
     if not distance < NEAR:
@@ -142,14 +147,18 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
 
 
 def inside_products(field: NDArray[np.int16], neighbours: Classes) -> FloatArray:
-    """Mean product of a pair of each class that lies inside the picture, times the pairs that a pixel of a torus has [level²]."""
-    held = field.astype(np.float64)
+    """Mean product of a pair of each class that lies inside the picture, times the pairs that a pixel of a torus has [level²].
+
+    The mean is the whole picture's: pixels at the edge, which are in fewer pairs, may have another.
+    """
+    mean = float(field.mean())
+    held = field - mean
     rows, columns = held.shape
     found = np.zeros(len(neighbours))
     for k, one in enumerate(neighbours):
         for dy, dx in one:
             left, right = max(-dx, 0), max(dx, 0)
-            found[k] += float((held[: rows - dy, left : columns - right] * held[dy:, right : columns - left]).mean())
+            found[k] += float((held[: rows - dy, left : columns - right] * held[dy:, right : columns - left]).mean()) + mean * mean
     return found
 
 
