@@ -13,7 +13,7 @@ from seaglint.texture.autobinomial_sampler import exchange, sample
 from seaglint.texture.levels import GreyLevels
 from seaglint.texture.neighbourhood import classes
 from seaglint.texture.pseudo_likelihood import conditional_log_likelihood
-from seaglint.texture.regime import correlations, mean_field, regime
+from seaglint.texture.regime import mean_field, regime
 
 KNOWN = Autobinomial.of(8, 2, -1.4, (0.09, 0.05, -0.02, 0.03), isotropic=False)
 
