@@ -17,7 +17,7 @@ from seaglint.texture.pseudo_likelihood import climb, conditional_log_likelihood
 from seaglint.texture.regime import Regime, regime
 from seaglint.threads import single_threaded_algebra
 
-Method = Literal["pseudo-likelihood", "monte-carlo"]
+Method = Literal["pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"]
 
 PIXELS_PER_PARAMETER: Final = 30
 """Pixels with all their neighbours that each parameter takes at least: below, standard errors mean nothing."""
@@ -37,7 +37,7 @@ class Fit:
         Log pseudo-likelihood of the picture at the fit, mean per pixel [nat].
     pixels : int
         Pixels that entered, each with all its neighbours.
-    method : {"pseudo-likelihood", "monte-carlo"}
+    method : {"pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"}
         How the parameters were found.
     converged : bool
         Whether the maximum was reached.
@@ -75,7 +75,7 @@ class Fit:
                 "the Monte Carlo likelihood was not climbed to its top (samples of the field do not come near the picture's sums): "
                 "take the pseudo-likelihood's fit, fewer levels or a lower order"
             )
-        if np.isnan(self.covariance).any() and self.converged:
+        if np.isnan(self.covariance).any() and self.method == "pseudo-likelihood":
             found.append("the picture is too small for standard errors of so many neighbours: take a larger one or a lower order")
         if self.regime is not None and self.regime.name != "usable":
             found.append(self.regime.text)
@@ -123,9 +123,10 @@ def fit(
         Neighbourhood: distances taken, from the shortest.
     isotropic : bool
         One coupling for each distance; else one for each symmetric pair of neighbours.
-    method : {"pseudo-likelihood", "monte-carlo"}
-        Maximum pseudo-likelihood; or from there maximum likelihood with sampled moments (seconds), whose samples have the picture's mean
-        and correlations.
+    method : {"pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"}
+        Maximum pseudo-likelihood; or from there maximum likelihood with sampled moments (seconds), whose Gibbs samples have the picture's
+        mean and products of neighbours; or that given the histogram, whose exchange samples have them. The last has no alpha to find: it is
+        kept from the pseudo-likelihood, and its variance is NaN.
     periodic : bool
         Whether opposite edges are neighbours, as in samples on a torus; else pixels at the edge only serve as neighbours.
     neighbours : tuple of tuple of (int, int), optional
@@ -171,8 +172,8 @@ def fit(
     top = climb(found, regressors, model.most, ties, start, periodic=periodic)
     model, covariance = model.with_parameters(top.parameters), top.covariance
     converged, steps = top.converged, top.steps
-    if method == "monte-carlo":
-        ascent = maximum_likelihood(field, model, seed, periodic=periodic)
+    if method != "pseudo-likelihood":
+        ascent = maximum_likelihood(field, model, seed, periodic=periodic, keep_histogram=method == "monte-carlo-exchange")
         converged, steps = ascent.converged, ascent.rounds
         model, covariance = ascent.model, ascent.covariance
     return Fit(

@@ -107,7 +107,7 @@ def neighbour_sum(field: NDArray[np.int16], law: Law, plan: Plan, y: int, x: int
 def draw_row(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, int], y: int, colour: int) -> None:
     """Draw the pixels of one colour in a row anew."""
     for j in range(plan.column_starts[colour], plan.column_starts[colour + 1]):
-        x = plan.columns[j]
+        x = int(plan.columns[j])
         logit = law.alpha + neighbour_sum(field, law, plan, y, x)
         field[y, x] = binomial(1.0 / (1.0 + math.exp(-logit)), law.most, cell_key(seed, y, x, 0))
 
@@ -116,22 +116,22 @@ def draw_row(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, in
 def gibbs(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
     """Sweeps number ``first`` and on, colour by colour, in place."""
     for sweep in range(first, first + sweeps):
-        now = cell_key((seed[0], seed[1]), sweep, sweep, 1)
+        now = cell_key((int(seed[0]), int(seed[1])), sweep, sweep, 1)
         for down in range(plan.row_starts.shape[0] - 1):
             for across in range(plan.column_starts.shape[0] - 1):
                 for i in range(plan.row_starts[down], plan.row_starts[down + 1]):
-                    draw_row(field, law, plan, now, plan.rows[i], across)
+                    draw_row(field, law, plan, now, int(plan.rows[i]), across)
 
 
 @njit_parallel
 def gibbs_in_threads(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
     """As :func:`gibbs`, the rows of a colour shared by the threads: pixels of one colour are no neighbours."""
     for sweep in range(first, first + sweeps):
-        first_word, second_word = cell_key((seed[0], seed[1]), sweep, sweep, 1)
+        first_word, second_word = cell_key((int(seed[0]), int(seed[1])), sweep, sweep, 1)
         for down in range(plan.row_starts.shape[0] - 1):
             for across in range(plan.column_starts.shape[0] - 1):
                 for i in numba.prange(plan.row_starts[down], plan.row_starts[down + 1]):
-                    draw_row(field, law, plan, (first_word, second_word), plan.rows[i], across)
+                    draw_row(field, law, plan, (first_word, second_word), int(plan.rows[i]), across)
 
 
 @kernel
@@ -154,7 +154,7 @@ def exchange(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.in
     pixels = rows * columns
     taken = 0
     for sweep in range(first, first + sweeps):
-        now = cell_key((seed[0], seed[1]), sweep, sweep, 2)
+        now = cell_key((int(seed[0]), int(seed[1])), sweep, sweep, 2)
         for proposal in range(pixels // 2):
             key = cell_key(now, proposal, proposal, 0)
             one, other = int(uniform(key, 0) * pixels), int(uniform(key, 1) * pixels)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -61,7 +61,9 @@ def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: in
     ----------
     A. Vehtari et al., "Rank-normalization, folding, and localization: an improved R-hat", Bayesian Analysis 16 (2021), 667-718.
     """
-    from arviz_stats.base.array import array_stats
+    from arviz_stats.base import array as arviz
+
+    judge: Any = arviz.array_stats  # no types of its own
 
     if chains < 2 or draws < 8:
         raise DomainError(f"chains = {chains}, draws = {draws}: R-hat compares 2 chains or more of 8 draws or more")
@@ -69,7 +71,7 @@ def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: in
     traces = np.empty((chains, draws, 1 + len(model.beta)))
     for chain in range(chains):
         field = np.full(shape, round(model.most * chain / (chains - 1)), dtype=np.int16)
-        key = sampler.word(seed, f"autobinomial-chain-{chain}")
+        key = sampler.words(seed, f"autobinomial-chain-{chain}")
         sampler.sweep(field, law, lattice, key, 0, warm)
         for draw in range(draws):
             sampler.sweep(field, law, lattice, key, warm + draw, 1)
@@ -78,6 +80,6 @@ def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: in
     pairs = np.array([1, *map(len, model.neighbours)]) * (shape[0] * shape[1])
     watched = np.concatenate([energy[..., None], traces], axis=-1)
     columns = [np.ascontiguousarray(watched[..., k]) for k in range(watched.shape[-1])]
-    rhat = np.array([array_stats.rhat(column, chain_axis=0, draw_axis=1) for column in columns], dtype=np.float64)
-    effective = np.array([array_stats.ess(column, chain_axis=0, draw_axis=1) for column in columns], dtype=np.float64)
+    rhat = np.array([judge.rhat(column, chain_axis=0, draw_axis=1) for column in columns], dtype=np.float64)
+    effective = np.array([judge.ess(column, chain_axis=0, draw_axis=1) for column in columns], dtype=np.float64)
     return Mixing(energy, traces / pairs, rhat, effective)

@@ -30,6 +30,9 @@ DRIFT: Final = 0.15
 EVEN: Final = 0.7
 """Ratios of standard deviations and of correlations below this, or above its inverse, are no match."""
 
+ORDERED: Final = 2.0
+"""Standard deviation of samples, over that of pixels without neighbours, from which they lie in domains or stripes of two phases."""
+
 REMEDY: Final = (
     "keep the picture's histogram with the exchange sampler (--sampler exchange), or take fewer levels, a lower order, "
     "or the Gauss-Markov field"
@@ -46,7 +49,7 @@ class Regime:
         Frozen: samples end in a phase, near a constant or as told by their start. Molten: samples lose the picture's contrast
         or correlation, towards white noise.
     susceptibility : float
-        Slope of the mean field, largest over all waves [1]: from 1 on a mean-field theory orders; correlations grow as it comes near.
+        Slope of the mean field at the picture's mean, largest over all waves [1]: from 1 on its waves grow until levels run out.
     phases : int
         Stable uniform solutions of the mean field.
     sample_mean, data_mean : float
@@ -108,12 +111,13 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
     shift = abs(float(own.mean()) - float(field.mean())) / model.most
     spread = float(own.std()) / float(field.std())
     name: Name = "usable"
-    # Domains of two phases in one picture have a larger spread; one phase a smaller.
-    if memory > APART or shift > DRIFT:
+    share = float(own.mean()) / model.most
+    alone = float(np.sqrt(model.most * share * (1.0 - share)))  # of pixels without neighbours
+    if memory > APART or shift > DRIFT or (spread > 1.0 / EVEN and float(own.std()) > ORDERED * alone):
         name = "frozen"
     elif not EVEN <= spread <= 1.0 / EVEN or (abs(data[0]) > 0.1 and not EVEN <= found[0] / data[0] <= 1.0 / EVEN):
         name = "molten"
-    slope, phases = mean_field(model)
+    slope, phases = mean_field(model, float(field.mean()) / model.most)
     return Regime(
         name,
         slope,
@@ -144,17 +148,26 @@ def correlations(field: NDArray[np.int16], neighbours: Classes) -> FloatArray:
     return found
 
 
-def mean_field(model: Autobinomial, waves: int = 64) -> tuple[float, int]:
+def mean_field(model: Autobinomial, share: float | None = None, waves: int = 64) -> tuple[float, int]:
     """Slope of the mean field and number of its stable uniform solutions.
 
     Where every neighbour has the mean share m, ``m = logistic(alpha + B m)``. A small wave of wave number k on it returns from its
     neighbours multiplied by ``N m (1 - m) sum_pairs 2 beta cos(k d)``: from 1 on it grows. Exact in the limit of many levels (each pixel is
     then ``levels - 1`` spins with as many ties to each neighbour); with two levels order sets in later, at 1.76 for four neighbours.
 
+    Parameters
+    ----------
+    model : Autobinomial
+        The field.
+    share : float, optional
+        Mean over the largest level at which the slope is taken [1]; the stable solution nearest 1/2 by default.
+    waves : int
+        Steps of wave number from 0 to the highest.
+
     Returns
     -------
     slope : float
-        Largest over all waves and, among the stable solutions, at that nearest 1/2 [1].
+        Largest over all waves [1].
     phases : int
         Stable uniform solutions.
     """
@@ -162,12 +175,13 @@ def mean_field(model: Autobinomial, waves: int = 64) -> tuple[float, int]:
     m = np.linspace(0.0, 1.0, 20001)[1:-1]
     gap = 1.0 / (1.0 + np.exp(np.clip(-(model.alpha + pull * m), -700.0, 700.0))) - m
     falling = np.flatnonzero((gap[:-1] > 0.0) & (gap[1:] <= 0.0))
-    solutions = m[falling] if falling.size else m[[int(np.argmin(np.abs(gap)))]]
-    mean = float(solutions[int(np.argmin(np.abs(solutions - 0.5)))])
+    if share is None:
+        solutions = m[falling] if falling.size else m[[int(np.argmin(np.abs(gap)))]]
+        share = float(solutions[int(np.argmin(np.abs(solutions - 0.5)))])
     k = np.linspace(0.0, np.pi, waves + 1)
     down, across = np.meshgrid(k, np.concatenate([-k[:0:-1], k]), indexing="ij")
     total = np.zeros_like(down)
     for one, beta in zip(model.neighbours, model.beta, strict=True):
         for dy, dx in one:
             total += 2.0 * beta * np.cos(dy * down + dx * across)
-    return float(model.most * mean * (1.0 - mean) * total.max()), int(max(falling.size, 1))
+    return float(model.most * share * (1.0 - share) * total.max()), int(max(falling.size, 1))
