@@ -73,7 +73,9 @@ def test_empirical_pixels_have_the_quantiles_of_the_data() -> None:
 def test_the_table_is_the_transform(kind: str) -> None:
     marginal = fit_marginal(np.random.default_rng(9).gamma(1.5, 1.0, 20_000), kind) if kind != "k" else ONE_OF_EACH[4]
     g = np.random.default_rng(1).standard_normal((3, 40)).astype(np.float32)
-    assert marginal.transform(g.copy()) == pytest.approx(marginal(g), abs=(2e-3 if kind == "empirical" else 2e-4) * np.sqrt(marginal.variance))
+    assert marginal.transform(g.copy()) == pytest.approx(
+        marginal(g), abs=(2e-3 if kind == "empirical" else 2e-4) * np.sqrt(marginal.variance)
+    )
     assert marginal.gaussian(marginal(g)) == pytest.approx(g, abs=2e-3)
 
 

@@ -176,7 +176,9 @@ def least_symbol(model: GaussMarkov, grid: Sequence[int]) -> float:
     if not model.offsets:
         return 1.0
     offsets, weights = np.array(model.offsets, float), np.array(model.coefficients)
-    sides = tuple(max(n, 2 * r + 1) for n, r in zip(grid, model.reach, strict=True))
+    # Finer than the grid, which does not resolve troughs that run obliquely between its points.
+    finer = 4 if model.reach[0] == 0 else 2
+    sides = [finer * max(n, 2 * r + 1) if r else 1 for n, r in zip(grid, model.reach, strict=True)]
     found = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, (sides[0], sides[1], sides[2]))
     # Every valley of the grid that can be the deepest between its points: curvature times half a step squared lower than it looks.
     steps = 2.0 * np.pi / np.array(sides)
@@ -189,8 +191,10 @@ def least_symbol(model: GaussMarkov, grid: Sequence[int]) -> float:
         return float(1.0 - 2.0 * weights @ np.cos(phase)), 2.0 * (weights * np.sin(phase)) @ offsets
 
     places = 2.0 * np.pi * np.array(np.unravel_index(lowest, found.shape)).T / np.array(sides)
-    # Within a cell of the valley: a long first step would leave it for another.
-    found_at = (minimize(value, w, jac=True, method="L-BFGS-B", bounds=list(zip(w - steps, w + steps, strict=True))) for w in places)
+    # Near the valley: a long first step would leave it for another.
+    found_at = (
+        minimize(value, w, jac=True, method="L-BFGS-B", bounds=list(zip(w - 3 * steps, w + 3 * steps, strict=True))) for w in places
+    )
     return min(float(result.fun) for result in found_at)
 
 
