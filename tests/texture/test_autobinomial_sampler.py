@@ -130,6 +130,16 @@ def test_certain_trials_and_deviates_uncompiled() -> None:
     assert plain == out.tolist()
 
 
+@pytest.mark.kernel
+def test_bytes_of_a_seed() -> None:
+    """Compiled or not, on any machine: 80 levels take two words of trials, a size of 5 three colours each way."""
+    model = Autobinomial.of(80, 2, -0.5, (0.003, 0.001, -0.001, 0.002), isotropic=False)
+    field = sample(model, (5, 5), 2, seed=3)
+    assert field[0].tolist() == [40, 35, 35, 42, 40]
+    assert field[4].tolist() == [37, 42, 38, 43, 37]
+    assert exchange(field, model, 2, seed=3)[0].tolist() == [36, 35, 35, 42, 40]
+
+
 def test_without_coupling_pixels_are_binomial() -> None:
     found = sample(Autobinomial.of(64, 2, 0.4, (0.0, 0.0)), (64, 63), 1, seed=3)
     expected = found.size * stats.binom(63, expit(0.4)).pmf(np.arange(64))

@@ -34,8 +34,8 @@ ORDERED: Final = 2.0
 """Standard deviation of samples, over that of pixels without neighbours, from which they lie in domains or stripes of two phases."""
 
 REMEDY: Final = (
-    "keep the picture's histogram with the exchange sampler (--sampler exchange), or take fewer levels, a lower order, "
-    "or the Gauss-Markov field"
+    "fit with method 'monte-carlo-exchange' and keep the picture's histogram with the exchange sampler, or take fewer levels, "
+    "a lower order, or the Gauss-Markov field"
 )
 
 
@@ -81,10 +81,12 @@ class Regime:
         if self.name == "usable":
             return f"samples keep the picture's contrast and correlation ({spread}; {tie})"
         if self.name == "frozen":
-            fall = f"samples begun at the lowest and the highest level stay {100.0 * self.memory:.0f} % of the range apart"
+            fall = "wherever they begin"
+            if self.memory > APART:
+                fall = f"begun at the lowest and the highest level they stay {100.0 * self.memory:.0f} % of the range apart"
             means = f"mean {self.sample_mean:.3g} levels in samples, {self.data_mean:.3g} in the picture"
             return f"frozen: beyond the phase transition Gibbs sweeps end near a constant ({fall}; {means}; {spread}); {REMEDY}"
-        return f"molten: Gibbs sweeps lose the texture ({spread}; {tie}); fit with method 'monte-carlo', or {REMEDY}"
+        return f"molten: Gibbs sweeps lose the texture ({spread}; {tie}); {REMEDY}"
 
 
 def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int = CHECK_SWEEPS) -> Regime:
