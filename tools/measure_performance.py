@@ -143,6 +143,22 @@ def sweeps_seconds(sweeps: int = 100) -> float:
     return min(found)
 
 
+def loop_seconds() -> float:
+    """Whole process of ``seaglint texture sample`` for 256 frames of 512 x 512 pixels, with neighbours in three frames."""
+    from seaglint.io.texture_file import StoredTexture, write_texture
+    from seaglint.texture.gauss_markov import GaussMarkov
+    from seaglint.texture.gaussian_texture import GaussianTexture
+    from seaglint.texture.marginals import Marginal
+
+    offsets = ((0, 0, 1), (0, 1, 0), (0, 1, 1), (0, 0, 2), (0, 2, 0), (1, 0, 0), (1, 0, 1), (2, 0, 1))
+    field = GaussMarkov(offsets, (0.12, 0.1, 0.05, -0.02, -0.01, 0.1, 0.08, 0.02), 1.0)
+    with tempfile.TemporaryDirectory() as name:
+        model, output = Path(name) / "model.json", Path(name) / "loop.zarr"
+        write_texture(StoredTexture(GaussianTexture(field, Marginal("gamma", 1.0, 0.5, 2.0))), model)
+        command = ("texture", "sample", str(model), "--size", "512x512", "--frames", "256", "-o", str(output), "--overwrite")
+        return best_seconds(sys.executable, "-c", "from seaglint.cli.app import main; main()", *command, attempts=3)
+
+
 def processor() -> str:
     """Name of the processor, where the system tells it."""
     try:
@@ -178,6 +194,7 @@ def measured() -> list[str]:
         ("mean map: scenario to prepared view (tables, facets)", f"{mean['ready']:.2f} s"),
         ("mean map: 1024 x 1024 pixels of the default scene", f"{mean['map']:.2f} s"),
         ("autobinomial field, 512 x 512 pixels, 64 grey levels: 100 Gibbs sweeps", f"{sweeps_seconds():.2f} s"),
+        ("endless loop of a gamma texture, 512 x 512 pixels, 256 frames, to Zarr: whole process", f"{loop_seconds():.1f} s"),
         ("`import seaglint` (Python alone: " + f"{start_python:.2f} s)", f"{start_import:.2f} s"),
         ("`seaglint --help`", f"{start_help:.2f} s"),
     ]

@@ -61,7 +61,7 @@ def pairs(frames: np.ndarray) -> tuple[list[float], list[float]]:
 
 
 def test_a_seam_detector_does_no_better_than_chance() -> None:
-    """Trained on sequences that are cut and begin again, it sees their seams; on loops it is right as often as a coin: 3 deviations of 200."""
+    """Trained on sequences that are cut and begin again, it sees their seams; on loops it is a coin (3 deviations of 400)."""
     field = GaussMarkov(((1, 0, 0), (0, 0, 1), (0, 1, 0)), (0.36, 0.05, 0.05), 1.0)
     texture = GaussianTexture(field, Marginal("gamma", 0.0, 1.0, 2.0))
     loops = [texture.sample((16, 24, 24), seed) for seed in range(200)]

@@ -37,6 +37,14 @@ class TailsOption(StrEnum):
     EMPIRICAL = "empirical"
 
 
+class MethodOption(StrEnum):
+    """Ways to fit an autobinomial field."""
+
+    PSEUDO_LIKELIHOOD = "pseudo-likelihood"
+    MONTE_CARLO = "monte-carlo"
+    MONTE_CARLO_EXCHANGE = "monte-carlo-exchange"
+
+
 class Product(StrEnum):
     """Whether a slow field multiplies the fast one."""
 
@@ -80,6 +88,7 @@ def fit(
     order: Annotated[int, typer.Option("--order", min=1, help="order of the neighbourhood (autobinomial)")] = 2,
     isotropic: Annotated[bool, typer.Option("--isotropic", help="one weight for each distance (autobinomial)")] = False,
     levels: Annotated[int, typer.Option("--levels", min=2, help="grey levels (autobinomial)")] = 16,
+    method: Annotated[MethodOption, typer.Option("--method", help="how it is fitted (autobinomial)")] = MethodOption.MONTE_CARLO_EXCHANGE,
     report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="write data and sample side by side")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print the texture's file")] = False,
     frame_rate: FrameRate = None,
@@ -113,6 +122,7 @@ def fit(
         order=order,
         isotropic=isotropic,
         levels=levels,
+        method=method.value,
         product={Product.AUTO: None, Product.ALWAYS: True, Product.NEVER: False}[product],
         seed=seed,
     )

@@ -20,6 +20,7 @@ from seaglint.io.store import Layout, Progress, check_output, write_sequence
 from seaglint.io.texture_file import StoredTexture, read_texture
 from seaglint.schema import VARIABLES
 from seaglint.texture import gauss_markov_fit as estimation
+from seaglint.texture.autobinomial_fit import Method
 from seaglint.texture.autobinomial_fit import fit as fit_autobinomial
 from seaglint.texture.autobinomial_texture import AutobinomialTexture
 from seaglint.texture.gauss_markov import GaussMarkov
@@ -64,8 +65,8 @@ class FitOptions:
         Fit also where the picture is not stationary.
     detrend : bool
         Take slow changes of mean and contrast off first.
-    order, isotropic, levels : int, bool, int
-        Of an autobinomial field.
+    order, isotropic, levels, method : int, bool, int, str
+        Of an autobinomial field; samples of textures are drawn by exchange, for which the last of the three methods fits.
     product : bool or None
         Whether a slow field multiplies the fast one; None to find out.
     seed : int
@@ -80,6 +81,7 @@ class FitOptions:
     order: int = 2
     isotropic: bool = False
     levels: int = 16
+    method: Method = "monte-carlo-exchange"
     product: bool | None = None
     seed: int = 0
 
@@ -186,7 +188,8 @@ def _autobinomial(data: Frames, options: FitOptions) -> tuple[AutobinomialTextur
     image = data[len(data) // 2]
     grey = GreyLevels.of(image, options.levels)
     field = grey.to_levels(image)
-    found = fit_autobinomial(field, options.levels, options.order, isotropic=options.isotropic, seed=options.seed)
+    method, seed = options.method, options.seed
+    found = fit_autobinomial(field, options.levels, options.order, isotropic=options.isotropic, method=method, seed=seed)
     shares = np.bincount(field.ravel(), minlength=options.levels) / field.size
     texture = AutobinomialTexture(found.model, grey, tuple(map(float, shares)))
     told = {name: value for name, value in found.as_dict().items() if name not in ("model", "notes")}
@@ -224,7 +227,9 @@ def _held_out(data: Frames, options: FitOptions, texture: GaussianTexture | Auto
             value = _refit(texture, seen, texture.marginal.kind).pseudo_log_likelihood(kept)
             alone = float(-0.5 * np.log(2.0 * np.pi * seen.var()) - 0.5 * np.mean((kept - seen.mean()) ** 2) / seen.var())
         else:
-            value = replace(_autobinomial(seen, options)[0], grey=texture.grey).pseudo_log_likelihood(kept)
+            value = replace(_autobinomial(seen, replace(options, method="pseudo-likelihood"))[0], grey=texture.grey).pseudo_log_likelihood(
+                kept
+            )
             shares = np.maximum(np.bincount(texture.grey.to_levels(seen).ravel(), minlength=options.levels) / seen.size, 0.5 / seen.size)
             alone = float(np.mean(np.log(shares)[texture.grey.to_levels(kept)]))
     except (DataError, ValueError) as error:

@@ -56,7 +56,7 @@ def draw_measures(comparison: Comparison, gaussian: Comparison | None = None) ->
         shown = (one.curve.threshold > 0.0) & (one.curve.exceedances > 0)
         rates.semilogy(one.curve.threshold[shown], one.curve.rate[shown], color=colour, label=one.name)
         values.hist(one.values, bins=120, density=True, histtype="step", color=colour, label=one.name, log=True)
-        spectra.loglog(*one.spectrum.radial(), color=colour, label=one.name)
+        spectra.semilogy(*one.spectrum.radial(), color=colour, label=one.name)
         space.plot(one.x, color=colour, label=f"{one.name}, columns")
         space.plot(one.y, color=colour, linestyle="--", label=f"{one.name}, rows")
         if one.time is not None:
