@@ -91,7 +91,7 @@ def test_an_autobinomial_texture_keeps_the_histogram(seaglint, recording, tmp_pa
     image = tmp_path / "image.npy"
     np.save(image, np.load(recording)[0])
     model = tmp_path / "model.json"
-    arguments = ("--model", "autobinomial", "--levels", 8, "--order", 1, "-o", model)
+    arguments = ("--model", "autobinomial", "--levels", 8, "--order", 1, "--method", "pseudo-likelihood", "-o", model)
     answer = seaglint("texture", "fit", image, *arguments)
     assert answer.code == 0, answer.err
     assert "autobinomial field of 8 levels" in answer.out

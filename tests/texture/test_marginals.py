@@ -40,11 +40,11 @@ def test_the_correlation_of_lognormal_pixels_is_the_closed_form() -> None:
 
 @pytest.mark.parametrize("marginal", ONE_OF_EACH, ids=lambda m: m.kind)
 def test_correlations_are_met_and_the_error_is_stated(marginal: Marginal) -> None:
-    """200 000 pairs of pixels: correlation within 5 standard errors, from 50 blocks."""
+    """100 000 pairs of pixels: correlation within 5 standard errors, from 50 blocks."""
     wanted = 0.4
     r = float(marginal.latent_correlation(wanted))
     rng = np.random.default_rng(6)
-    g = rng.standard_normal((2, 200_000))
+    g = rng.standard_normal((2, 100_000))
     pair = marginal(g[0]), marginal(r * g[0] + np.sqrt(1.0 - r * r) * g[1])
     blocks = [np.corrcoef(a, b)[0, 1] for a, b in zip(*(np.split(p, 50) for p in pair), strict=True)]
     assert np.mean(blocks) == pytest.approx(wanted, abs=5.0 * np.std(blocks) / np.sqrt(50) + 5e-4)
