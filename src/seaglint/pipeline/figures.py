@@ -19,7 +19,7 @@ from seaglint.conventions import FloatArray, horizon_depression, horizon_range, 
 from seaglint.optics import sea_water
 from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber
-from seaglint.pipeline.textures import figure_10
+from seaglint.pipeline.texture_figure import figure_10
 from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
 from seaglint.radiance.correlation import capillary_length
 from seaglint.radiance.legs import VIEWER

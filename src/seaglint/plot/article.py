@@ -10,7 +10,7 @@ import numpy as np
 
 from seaglint.conventions import FloatArray
 from seaglint.io.outputs import moved_when_whole
-from seaglint.plot.textures import draw_figure_10
+from seaglint.plot.texture_figure import draw_figure_10
 from seaglint.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 
 if TYPE_CHECKING:

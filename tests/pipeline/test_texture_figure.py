@@ -9,7 +9,7 @@ import pytest
 from scipy.special import expit
 
 from seaglint.io.columns import write_columns
-from seaglint.pipeline import figures, textures
+from seaglint.pipeline import figures, texture_figure
 from seaglint.plot.article import write_figure
 from seaglint.texture.autobinomial import Autobinomial
 from seaglint.texture.autobinomial_sampler import exchange
@@ -18,7 +18,7 @@ from seaglint.texture.regime import mean_field
 
 def test_weakened_couplings_keep_the_mean_and_have_the_slope() -> None:
     model = Autobinomial.of(8, 2, -2.6, (0.24, 0.19, -0.02, -0.03), isotropic=False)
-    weak = textures.weakened(model, 0.4, 0.8)
+    weak = texture_figure.weakened(model, 0.4, 0.8)
     assert mean_field(weak, 0.4)[0] == pytest.approx(0.8, rel=1e-12)
     assert expit(weak.alpha + 2 * 7 * sum(weak.beta) * 0.4) == pytest.approx(0.4, rel=1e-12)
     assert weak.beta[0] / weak.beta[1] == pytest.approx(0.24 / 0.19, rel=1e-12)
@@ -30,7 +30,7 @@ def test_figure_10_of_known_couplings(monkeypatch: pytest.MonkeyPatch, tmp_path)
     even = np.random.default_rng(5).permutation(np.repeat(np.arange(8), 512)).reshape(64, 64)
     known = Autobinomial.of(8, 2, 0.0, (0.17, 0.11, 0.0, 0.0), isotropic=False)
     picture = exchange(even, known, 500, seed=2)
-    monkeypatch.setattr(textures, "glint_from_above", lambda: picture.astype(float))
+    monkeypatch.setattr(texture_figure, "glint_from_above", lambda: picture.astype(float))
     found = figures.FIGURES["fig10"](lambda done, total: None)
     assert found.attrs["regimes"] == [["frozen", "molten"], ["frozen", "molten"]]
     assert (found["converged"] == 1.0).all()
