@@ -202,7 +202,7 @@ def _part(text: str) -> tuple[float, float]:
 
 
 def raw_layout(text: str | None) -> Any:
-    """Layout of a raw file from name=value pairs."""
+    """Layout of a raw file from ``name=value`` pairs; None where nothing is said."""
     if text is None:
         return None
     from seaglint.errors import DataError

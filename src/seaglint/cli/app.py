@@ -32,6 +32,7 @@ from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
 from seaglint.cli.sensor import SensorPreset, sense, sensor
 from seaglint.cli.sensor import line as counts_line
+from seaglint.cli.texture import texture
 from seaglint.cli.weather import weather
 from seaglint.errors import DataError, SeaglintError
 
@@ -95,6 +96,7 @@ app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
 app.add_typer(atmosphere, name="atmosphere")
 app.add_typer(weather, name="weather")
+app.add_typer(texture, name="texture")
 app.command()(analyze)
 app.command()(detect)
 app.command()(export)

@@ -39,6 +39,8 @@ def describe(path: Path) -> dict[str, Any]:
 
 
 def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
+    if "texture" in dataset:
+        return _texture_facts(path, dataset)
     radiance = pictures(dataset)
     azimuth, elevation = directions(dataset)
     upright = azimuth.ndim == 1
@@ -74,20 +76,46 @@ def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
     return facts
 
 
+def _texture_facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
+    """A loop of a texture, whose pixels look nowhere and have no band."""
+    field = dataset["texture"]
+    return {
+        "path": str(path),
+        "title": dataset.attrs.get("title", ""),
+        "variables": ["texture"],
+        "frames": field.sizes["time"],
+        "frames_done": len(images(dataset, "texture")),
+        "complete": len(images(dataset, "texture")) == field.sizes["time"],
+        "first_frame": int(dataset["frame"][0]),
+        "frame_rate_hz": float(dataset.attrs["frame_rate_hz"]),
+        "pixels": [int(field.sizes["x"]), int(field.sizes["y"])],
+        "units": field.attrs.get("units", ""),
+        "seed": int(dataset.attrs["seed"]),
+        "bytes": sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
+        "provenance": {key: _plain(value) for key, value in dataset.attrs.items() if key not in _HIDDEN},
+    }
+
+
 def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
 def lines(facts: dict[str, Any]) -> list[str]:
     """The same for people."""
-    (nx, ny), (a0, a1), (e0, e1), (w0, w1) = (facts[key] for key in ("pixels", "azimuth_deg", "elevation_deg", "band_um"))
+    nx, ny = facts["pixels"]
     out = [f"{facts['path']}: {facts['title']}"]
     if "frames" in facts:
         state = "complete" if facts["complete"] else f"UNFINISHED, {facts['frames_done']} done"
         out.append(f"  frames            {facts['frames']} from number {facts['first_frame']} at {facts['frame_rate_hz']:g} Hz, {state}")
+    if "band_um" in facts:
+        (a0, a1), (e0, e1), (w0, w1) = (facts[key] for key in ("azimuth_deg", "elevation_deg", "band_um"))
+        out += [
+            f"  pixels            {nx} x {ny}: azimuth {a0:g} to {a1:g} deg, elevation {e0:g} to {e1:g} deg",
+            f"  band              {w0:g} to {w1:g} um",
+        ]
+    else:
+        out.append(f"  pixels            {nx} x {ny}, periodic along every axis")
     out += [
-        f"  pixels            {nx} x {ny}: azimuth {a0:g} to {a1:g} deg, elevation {e0:g} to {e1:g} deg",
-        f"  band              {w0:g} to {w1:g} um",
         f"  variables         {', '.join(facts['variables'])}",
         f"  size              {facts['bytes'] / 1e6:.1f} MB",
         f"  seed              {facts['seed']}",

@@ -81,6 +81,11 @@ def fig5(
     )
 
 
+def fig10(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
+    """Autobinomial textures of a sea seen from above, isotropic and horizontal: DIR/fig10.png and fig10.csv."""
+    _figure("fig10", output, overwrite, show)
+
+
 @reproduce.command()
 def table1(
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="folder for table1.csv; not written without")] = None,
@@ -129,7 +134,7 @@ def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> Non
     picture, numbers = (refuse_existing(folder / f"{name}.{kind}", overwrite=overwrite) for kind in ("png", "csv"))
     from seaglint.pipeline import figures
 
-    with progress(show, "winds") as report:
+    with progress(show, "textures" if name == "fig10" else "winds") as report:
         dataset = figures.FIGURES[name](report)
     write_columns(figures.table(name, dataset), numbers, overwrite=overwrite)
     log(f"{numbers} written")

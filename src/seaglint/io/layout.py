@@ -28,8 +28,8 @@ class Layout:
     """Numbers of the frames, counted in the whole sequence."""
     frame_rate: float
     """Frames per second [Hz]."""
-    band: Band
-    """Spectral response that the radiance is integrated over."""
+    band: Band | None
+    """Spectral response that the radiance is integrated over; None of textures."""
     variables: tuple[str, ...] = ("radiance",)
     """Names of the per-frame variables."""
     attributes: Mapping[str, Any] = field(default_factory=dict)

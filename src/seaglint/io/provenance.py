@@ -79,8 +79,10 @@ def _different_keys(old: Any, new: Any, path: str = "") -> Iterator[str]:
         yield path
 
 
-def band_attributes(band: Band) -> dict[str, list[float]]:
-    """Spectral response as attributes, so that a file needs no other one to be read."""
+def band_attributes(band: Band | None) -> dict[str, list[float]]:
+    """Spectral response as attributes, so that a file needs no other one to be read; none of what has no band."""
+    if band is None:
+        return {}
     return {"band_wavelength_um": band.wavelength_um.tolist(), "band_response": band.response.tolist()}
 
 

@@ -294,7 +294,8 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
     group: Any = zarr.open_group(fresh, mode="w-", zarr_format=3, attributes=layout.all_attributes)
     directions = () if layout.turning else ("azimuth", "elevation")
     dated = () if layout.start is None else ("utc",)
-    coordinates = " ".join((*directions, "frame", *dated, "wavelength", *layout.poses))
+    banded = () if layout.band is None else ("wavelength",)
+    coordinates = " ".join((*directions, "frame", *dated, *banded, *layout.poses))
     for name in layout.variables:
         dtype = np.dtype(VARIABLES[name].dtype)
         group.create_array(
@@ -307,7 +308,7 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
             dimension_names=("time", "y", "x"),
             attributes={**VARIABLES[name].attributes, **layout.details.get(name, {}), "coordinates": coordinates},
         )
-    numbers, low, high = np.asarray(layout.frames, dtype=np.int64), layout.band.min_um, layout.band.max_um
+    numbers = np.asarray(layout.frames, dtype=np.int64)
     _put(group, "time", numbers / layout.frame_rate, ("time",))
     _put(group, "frame", numbers, ("time",))
     if layout.start is not None:
@@ -319,8 +320,10 @@ def _make_arrays(fresh: Path, layout: Layout) -> None:
         _put(group, "elevation", layout.elevation_deg, ("y", "x") if whole else ("y",))
     for name, values in layout.poses.items():
         _put(group, name, np.asarray(values), ("time",))
-    _put(group, "wavelength", np.asarray(0.5 * (low + high)), (), bounds="wavelength_bounds")
-    _put(group, "wavelength_bounds", np.array([low, high]), ("bounds",))
+    if layout.band is not None:
+        low, high = layout.band.min_um, layout.band.max_um
+        _put(group, "wavelength", np.asarray(0.5 * (low + high)), (), bounds="wavelength_bounds")
+        _put(group, "wavelength_bounds", np.array([low, high]), ("bounds",))
     # One chunk per frame here too: two processes that write into one chunk lose each other's entries without a word.
     for name, kind, fill in (("frame_done", "uint8", 0), *((name, "float32", np.nan) for name in layout.per_frame)):
         about = VARIABLES[name].attributes

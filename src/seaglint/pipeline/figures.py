@@ -1,8 +1,8 @@
-"""The source article's Figures 2, 3 and 4, computed anew: each a labelled dataset that the plots draw and a CSV file holds.
+"""The source article's Figures 2, 3, 4 and 10, computed anew: each a labelled dataset that the plots draw and a CSV file holds.
 
-Common to all: LOWTRAN7's midlatitude summer with the Navy maritime aerosol at the wind, sea 288.15 K, the article's refractive index,
-Cox-Munk slopes with the wind taken as it is, the viewer's leg shadowed. What the article leaves open (the heights of Figs. 3 and 4, the
-winds of all three, the Sun of Fig. 4) is chosen here and told in the attributes.
+The first three have in common: LOWTRAN7's midlatitude summer with the Navy maritime aerosol at the wind, sea 288.15 K, the article's
+refractive index, Cox-Munk slopes with the wind taken as it is, the viewer's leg shadowed. What the article leaves open (the heights of
+Figs. 3 and 4, the winds of all three, the Sun of Fig. 4) is chosen here and told in the attributes.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from seaglint.conventions import FloatArray, horizon_depression, horizon_range, 
 from seaglint.optics import sea_water
 from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.pipeline.texture_figure import figure_10
 from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
 from seaglint.radiance.correlation import capillary_length
 from seaglint.radiance.legs import VIEWER
@@ -247,11 +248,14 @@ def figure_4(report: Report = _silent) -> xr.Dataset:
     )
 
 
-FIGURES: Final[dict[str, Callable[[Report], xr.Dataset]]] = {"fig2": figure_2, "fig3": figure_3, "fig4": figure_4}
+FIGURES: Final[dict[str, Callable[[Report], xr.Dataset]]] = {"fig2": figure_2, "fig3": figure_3, "fig4": figure_4, "fig10": figure_10}
 """What ``seaglint reproduce`` computes, by name."""
 
 CSV_STEP: Final[dict[str, dict[str, int]]] = {"fig4": {"elevation_deg": 5, "azimuth_from_sun_deg": 10}}
 """Every how many values of a coordinate the CSV file holds: the images are smooth, and whole would be 200 MB."""
+
+CSV_WITHOUT: Final[dict[str, tuple[str, ...]]] = {"fig10": ("grey_level",)}
+"""Variables that the CSV file does not hold: samples, which seeds give again."""
 
 
 def table(name: str, dataset: xr.Dataset) -> dict[str, FloatArray]:
@@ -261,7 +265,9 @@ def table(name: str, dataset: xr.Dataset) -> dict[str, FloatArray]:
     """
     import xarray as xr
 
-    picked = dataset.isel({dim: slice(None, None, step) for dim, step in CSV_STEP.get(name, {}).items()})
+    picked = dataset.drop_vars(CSV_WITHOUT.get(name, ())).isel(
+        {dim: slice(None, None, step) for dim, step in CSV_STEP.get(name, {}).items()}
+    )
     coordinates, variables = list(map(str, picked.coords)), list(map(str, picked.data_vars))
     kinds = {picked[v].dims for v in variables}
     # What varies with fewer coordinates stands in the rows of what varies with more.

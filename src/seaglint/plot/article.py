@@ -1,4 +1,4 @@
-"""Figures 2, 3 and 4 of the source article, drawn from the datasets of the pipeline. The same dataset gives the same bytes."""
+"""Figures 2, 3, 4 and 10 of the source article, drawn from the datasets of the pipeline. The same dataset gives the same bytes."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from seaglint.conventions import FloatArray
 from seaglint.io.outputs import moved_when_whole
+from seaglint.plot.texture_figure import draw_figure_10
 from seaglint.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 
 if TYPE_CHECKING:
@@ -202,7 +203,12 @@ def draw_figure_4(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-DRAW: Final[dict[str, Callable[[xr.Dataset], Figure]]] = {"fig2": draw_figure_2, "fig3": draw_figure_3, "fig4": draw_figure_4}
+DRAW: Final[dict[str, Callable[[xr.Dataset], Figure]]] = {
+    "fig2": draw_figure_2,
+    "fig3": draw_figure_3,
+    "fig4": draw_figure_4,
+    "fig10": draw_figure_10,
+}
 """Drawings by the name of the figure."""
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 AXES: Final = ("time", "y", "x")
 """Dimensions of what is exported, frames first, row 0 on top."""
 
-DEFAULTS: Final = ("signal", "radiance")
+DEFAULTS: Final = ("signal", "radiance", "texture")
 """What is exported where nothing is said, the first that is there."""
 
 

@@ -1,0 +1,350 @@
+"""``seaglint texture``: statistical textures fitted to recordings, sampled as endless sequences, compared, laid on the sea."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from seaglint.cli.messages import files_read, log, naming_file, print_json
+from seaglint.cli.options import Overwrite, Progress
+from seaglint.cli.progress import ProgressMode
+
+if TYPE_CHECKING:
+    from seaglint.analysis.recording import Recording
+
+texture = typer.Typer(
+    rich_markup_mode=None, no_args_is_help=True, help="Statistical textures: fit, sample without end, compare, lay on the sea."
+)
+
+
+class Model(StrEnum):
+    """Fields that there are."""
+
+    AUTOBINOMIAL = "autobinomial"
+    GAUSS_MARKOV = "gauss-markov"
+
+
+class TailsOption(StrEnum):
+    """Distributions of the pixels."""
+
+    GAUSSIAN = "gaussian"
+    GAMMA = "gamma"
+    LOGNORMAL = "lognormal"
+    K = "k"
+    EMPIRICAL = "empirical"
+
+
+class MethodOption(StrEnum):
+    """Ways to fit an autobinomial field."""
+
+    PSEUDO_LIKELIHOOD = "pseudo-likelihood"
+    MONTE_CARLO = "monte-carlo"
+    MONTE_CARLO_EXCHANGE = "monte-carlo-exchange"
+
+
+class Product(StrEnum):
+    """Whether a slow field multiplies the fast one."""
+
+    AUTO = "auto"
+    ALWAYS = "always"
+    NEVER = "never"
+
+
+class Contrast(StrEnum):
+    """What sets the standard deviation of a pixel."""
+
+    AUTO = "auto"
+    GLINT = "glint"
+    MODEL = "model"
+
+
+Input = Annotated[str, typer.Argument(metavar="INPUT", help="what 'seaglint analyze' reads: Zarr, NetCDF, PNG, TIFF, FITS, NumPy, video")]
+FrameRate = Annotated[float | None, typer.Option("--frame-rate", help="frames per second, where the file does not say [Hz]")]
+Units = Annotated[str | None, typer.Option("--units", help="units of the values, where the file does not say")]
+Variable = Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")]
+Channel = Annotated[str | None, typer.Option("--channel", help="mean, red, green or blue of true colour images")]
+Axes = Annotated[str | None, typer.Option("--axes", help="order of an array of three axes: tyx (time first) or yxt (time last)")]
+Raw = Annotated[str | None, typer.Option("--raw", help="layout of a raw file, e.g. rows=512,columns=640,dtype=uint16")]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="of the random numbers: the same seed gives the same bytes")]
+
+
+@texture.command()
+def fit(
+    recording: Input,
+    output: Annotated[Path, typer.Option("-o", "--output", help="texture to write, e.g. model.json")],
+    model: Annotated[Model, typer.Option("--model", help="field of the texture")] = Model.GAUSS_MARKOV,
+    tails: Annotated[TailsOption, typer.Option("--tails", help="distribution of the pixels (gauss-markov)")] = TailsOption.GAUSSIAN,
+    region: Annotated[
+        str | None, typer.Option("--region", metavar="ROWS,COLUMNS", help="part of the picture in pixels, e.g. 120:248,64:192")
+    ] = None,
+    any_region: Annotated[bool, typer.Option("--any-region", help="fit also where the picture is not stationary")] = False,
+    detrend: Annotated[bool, typer.Option("--detrend", help="take slow changes of mean and contrast off first")] = False,
+    product: Annotated[
+        Product, typer.Option("--product", help="multiply fine structure by a slow gamma field where the tails ask for it, always or never")
+    ] = Product.AUTO,
+    order: Annotated[int, typer.Option("--order", min=1, help="order of the neighbourhood (autobinomial)")] = 2,
+    isotropic: Annotated[bool, typer.Option("--isotropic", help="one weight for each distance (autobinomial)")] = False,
+    levels: Annotated[int, typer.Option("--levels", min=2, help="grey levels (autobinomial)")] = 16,
+    method: Annotated[MethodOption, typer.Option("--method", help="how it is fitted (autobinomial)")] = MethodOption.MONTE_CARLO_EXCHANGE,
+    report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="write data and sample side by side")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print the texture's file")] = False,
+    frame_rate: FrameRate = None,
+    units: Units = None,
+    variable: Variable = None,
+    channel: Channel = None,
+    axes: Axes = None,
+    raw: Raw = None,
+    seed: Seed = 0,
+    overwrite: Overwrite = False,
+) -> None:
+    """Fit a texture to a recording, and say how good it is."""
+    from seaglint.errors import DataError
+    from seaglint.io.outputs import refuse_existing
+    from seaglint.io.texture_file import check_name, write_texture
+    from seaglint.pipeline.texture import FitOptions
+    from seaglint.pipeline.texture import fit as fitted
+
+    refuse_existing(check_name(output), overwrite=overwrite, inputs=[recording])
+    if report is not None:
+        _refuse_report(report, overwrite, [recording, output])
+    if model is Model.AUTOBINOMIAL and tails is not TailsOption.GAUSSIAN:
+        raise DataError(f"--tails {tails.value}: an autobinomial texture has the histogram of its picture; leave --tails out")
+    opened = _opened(recording, frame_rate, units, variable, channel, axes, raw)
+    options = FitOptions(
+        model=model.value,
+        tails=tails.value,
+        region=region,
+        any_region=any_region,
+        detrend=detrend,
+        order=order,
+        isotropic=isotropic,
+        levels=levels,
+        method=method.value,
+        product={Product.AUTO: None, Product.ALWAYS: True, Product.NEVER: False}[product],
+        seed=seed,
+    )
+    found = fitted(opened, options)
+    write_texture(found.stored, output, overwrite=overwrite)
+    log(f"{output} written")
+    if report is not None:
+        from seaglint.plot.texture import write_comparison
+
+        write_comparison(found.comparison, found.data, found.sample, report, gaussian=found.gaussian, overwrite=overwrite)
+        log(f"{report} written")
+    if as_json:
+        print_json(found.stored.to_dict())
+    else:
+        typer.echo("\n".join(fit_lines(found.stored.to_dict())))
+
+
+@texture.command()
+def sample(
+    model: Annotated[Path, typer.Argument(metavar="MODEL.json", help="texture of 'seaglint texture fit'")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Zarr store or video to write, e.g. loop.zarr or loop.mp4")],
+    size: Annotated[str, typer.Option("--size", metavar="COLUMNSxROWS", help="of the picture, e.g. 512x512")] = "512x512",
+    frames: Annotated[int, typer.Option("--frames", min=1, help="of the loop: the frame after the last is the first")] = 1,
+    seed: Seed = 0,
+    overwrite: Overwrite = False,
+    show: Progress = ProgressMode.AUTO,
+) -> None:
+    """Draw a sample, periodic in rows, columns and time: it can be shown for ever."""
+    from seaglint.cli.progress import patient_progress
+    from seaglint.io.texture_file import read_texture
+    from seaglint.pipeline import texture as pipeline
+
+    columns, rows = _size(size)
+    stored = read_texture(model)
+    with patient_progress(show, "frames") as report:
+        if output.suffix.lower() in (".mp4", ".gif"):
+            from seaglint.io.outputs import refuse_existing
+            from seaglint.plot.export import export_run
+
+            refuse_existing(output, overwrite=overwrite, inputs=[model])
+            dataset = pipeline.loop(stored, size=(columns, rows), frames=frames, seed=seed)
+            export_run(dataset, output, overwrite=overwrite, progress=report)
+        else:
+            pipeline.sample(stored, output, size=(columns, rows), frames=frames, seed=seed, overwrite=overwrite, progress=report)
+    what = f"a loop of {frames} frames" if frames > 1 else "1 frame"
+    log(f"{output}: {what} of {columns} x {rows} pixels, periodic along every axis")
+
+
+@texture.command()
+def compare(
+    first: Annotated[str, typer.Argument(metavar="A", help="the data: a recording")],
+    second: Annotated[str, typer.Argument(metavar="B", help="what is judged: a recording, or a texture .json, of which a sample is drawn")],
+    region: Annotated[
+        list[str] | None,
+        typer.Option("--region", metavar="ROWS,COLUMNS", help="part of A; given twice, of A and of B"),
+    ] = None,
+    report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="write both side by side")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
+    frame_rate: FrameRate = None,
+    units: Units = None,
+    variable: Variable = None,
+    channel: Channel = None,
+    axes: Axes = None,
+    raw: Raw = None,
+    seed: Seed = 0,
+    overwrite: Overwrite = False,
+) -> None:
+    """Compare two textures in numbers: filtered false alarms, values, spectra, correlations, co-occurrence."""
+    from seaglint.errors import DataError
+    from seaglint.pipeline.texture import compare_files
+
+    parts: list[str | None] = list(region or [])
+    if len(parts) > 2:
+        raise DataError(f"--region is given {len(parts)} times; give one for A and one for B")
+    parts += [None] * (2 - len(parts))
+    if report is not None:
+        _refuse_report(report, overwrite, [first, second])
+
+    def opened(path: str | Path) -> Recording:
+        return _opened(str(path), frame_rate, units, variable, channel, axes, raw)
+
+    found, one, other, likelihood = compare_files(first, second, opened, regions=parts, seed=seed)
+    result = {**found.as_dict(), "likelihood": likelihood}
+    if report is not None:
+        from seaglint.plot.texture import write_comparison
+
+        write_comparison(found, one, other, report, overwrite=overwrite)
+        log(f"{report} written")
+    if as_json:
+        print_json(result)
+    else:
+        typer.echo("\n".join(comparison_lines(result)))
+
+
+@texture.command()
+def place(
+    model: Annotated[Path, typer.Argument(metavar="MODEL.json", help="Gauss-Markov texture of 'seaglint texture fit'")],
+    scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file: camera, horizon, mean and contrast")],
+    output: Annotated[Path, typer.Option("-o", "--output", help="Zarr store to write")],
+    frames: Annotated[str | None, typer.Option("--frames", help="frames to write: 37, 37:38 (end not included), 10:")] = None,
+    size: Annotated[str, typer.Option("--size", metavar="COLUMNSxROWS", help="of the periodic field on the sea")] = "512x512",
+    cell: Annotated[
+        tuple[float, float] | None,
+        typer.Option("--cell", metavar="LENGTH WIDTH", help="of its pixels along and across the range in metres; nearest footprint"),
+    ] = None,
+    contrast: Annotated[
+        Contrast,
+        typer.Option("--contrast", help="standard deviation of glint in the mean map, or of the model; auto: glint where there is any"),
+    ] = Contrast.AUTO,
+    seed: Annotated[int | None, typer.Option("--seed", min=0, help="of the field; the scenario's where nothing is said")] = None,
+    overwrite: Overwrite = False,
+    show: Progress = ProgressMode.AUTO,
+) -> None:
+    """Lay a texture on the sea of a scenario: a sequence that stands in for a rendered one."""
+    from seaglint.cli.frames import parse_frames
+    from seaglint.cli.progress import patient_progress
+    from seaglint.io.store import check_output, open_sequence
+    from seaglint.io.texture_file import read_texture
+    from seaglint.pipeline.texture_place import place as placed
+    from seaglint.plot.summary import summarise
+    from seaglint.scenario.load import load_scenario
+
+    columns, rows = _size(size)
+    stored, loaded = read_texture(model), load_scenario(scenario)
+    check_output(output, overwrite=overwrite, inputs=[*files_read(scenario, loaded), model])
+    wanted = parse_frames(frames, loaded.sensor.frames)
+    with naming_file(scenario, loaded), patient_progress(show, "frames") as report:
+        placed(
+            stored,
+            loaded,
+            output,
+            frames=wanted,
+            size=(columns, rows),
+            cell=cell,
+            contrast=contrast.value,
+            seed=seed,
+            overwrite=overwrite,
+            progress=report,
+        )
+    with open_sequence(output) as dataset:
+        log(f"{output}: {summarise(dataset).line}")
+
+
+def _opened(
+    path: str, frame_rate: float | None, units: str | None, variable: str | None, channel: str | None, axes: str | None, raw: str | None
+) -> Recording:
+    from seaglint.cli.analyze import raw_layout
+    from seaglint.io.recording import open_recording
+
+    return open_recording(path, frame_rate=frame_rate, units=units, raw=raw_layout(raw), variable=variable, channel=channel, axes=axes)
+
+
+def _refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:
+    from seaglint.errors import DataError
+    from seaglint.io.outputs import refuse_existing
+
+    if report.suffix.lower() not in (".html", ".htm"):
+        raise DataError(f"--report {report}: a report is an HTML file; give a name that ends in .html")
+    refuse_existing(report, overwrite=overwrite, inputs=inputs)
+
+
+def _size(text: str) -> tuple[int, int]:
+    """Columns and rows of ``512x512``."""
+    from seaglint.errors import DataError
+
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.strip().isdecimal() and int(part) > 0 for part in parts):
+        raise DataError(f"--size {text}: give columns and rows above 0 as COLUMNSxROWS, e.g. 512x512")
+    return int(parts[0]), int(parts[1])
+
+
+def fit_lines(held: dict[str, Any]) -> list[str]:
+    """A texture's file as a few lines of text."""
+    model, source, quality = held["model"], held["source"], held["quality"]
+    out = [f"{source['input']}: {source['frames']} frames of {source['columns']} x {source['rows']} pixels, region {source['region']}"]
+    if model["kind"] == "gauss-markov":
+        slow = model["modulation"]
+        shape = "" if "shape" not in model["marginal"] else f" (shape {model['marginal']['shape']:.3g})"
+        out.append(
+            f"Gauss-Markov field of {len(model['offsets'])} neighbour pairs, {model['marginal']['kind']} pixels{shape}"
+            + ("" if slow is None else f", times a slow gamma field of shape {slow['shape']:.3g}")
+        )
+        out.append(f"correlations of the output are met to {max(held['fit']['correlation_error'], 1e-9):.1g} of the variance")
+    else:
+        errors = held["fit"]["standard_errors"]
+        told = [f"{v:.4g}" + ("" if e is None else f" +- {e:.2g}") for v, e in zip(held["fit"]["parameters"], errors, strict=True)]
+        out.append(f"autobinomial field of {model['levels']} levels: alpha {told[0]}; beta {', '.join(told[1:])}")
+    held_out = quality["held_out"]
+    if held_out["log_pseudo_likelihood"] is None:
+        out.append(f"held-out pseudo-likelihood: none ({held_out['reason']})")
+    else:
+        value, alone = held_out["log_pseudo_likelihood"], held_out["independent_pixels"]
+        out.append(f"held-out log pseudo-likelihood per pixel {value:.4g} (independent pixels {alone:.4g})")
+    out += comparison_lines({**quality, "likelihood": None})
+    for entry in quality.get("gaussian_filtered_rates", ()):
+        out.append(f"  the Gaussian field, {entry['threshold_sigma']:g} sigma: {_times(entry['second_over_first'])} the data's rate")
+    return out + [f"note: {note}" for note in held["notes"]]
+
+
+def _times(ratio: float | None) -> str:
+    return "none of" if ratio is None else f"{ratio:.3g} times"
+
+
+def comparison_lines(result: dict[str, Any]) -> list[str]:
+    """A comparison as a few lines of text."""
+    values = result["marginal"]
+    out = [f"{result['second']} against {result['first']}:"]
+    for entry in result["filtered_rates"]:
+        out.append(
+            f"  filtered > {entry['threshold_sigma']:g} sigma: {entry['first']:.3g} and {entry['second']:.3g} per pixel "
+            f"({entry['first_over_gaussian']:.3g} and {entry['second_over_gaussian']:.3g} x Gaussian), "
+            f"{_times(entry['second_over_first'])} the first's"
+        )
+    out.append(f"  values: KS {values['ks']:.3g}, Wasserstein {values['wasserstein_std']:.3g} standard deviations")
+    time = result["time_correlation_distance"]
+    out.append(
+        f"  spectra {result['spectrum_distance_db']:.3g} dB, correlations in space {result['correlation_distance']:.3g}"
+        + ("" if time is None else f", in time {time:.3g}")
+    )
+    features = ", ".join(f"{name} {pair['first']:.3g} / {pair['second']:.3g}" for name, pair in result["cooccurrence"].items())
+    out.append(f"  co-occurrence: {features}")
+    if result.get("likelihood"):
+        out.append(f"  log pseudo-likelihood per pixel of the data: {result['likelihood']['log_pseudo_likelihood']:.4g}")
+    out += [f"  fails: {sentence}" for sentence in result["fails"]] or ["  nothing is farther apart than the limits"]
+    return out

@@ -1,0 +1,276 @@
+"""How alike two pictures or sequences are as textures, in numbers: a sample and the data that it was fitted to, say.
+
+The false alarms of the Laplacian-filtered picture are what matters to a detector; distances of values, spectra, correlations in space and
+time and co-occurrence of grey levels say where a model fails that meets them, or why it does not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.clutter.correlation import spatial_correlation, temporal_correlation
+from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms, RateCurve
+from seaglint.clutter.spectrum import Spectrum, power_spectrum
+from seaglint.conventions import FloatArray
+from seaglint.errors import DataError
+from seaglint.texture.tails import interior
+
+THRESHOLDS: Final = (3.0, 3.5)
+
+LAGS: Final = 12
+"""Largest distance of the correlations compared [px]."""
+
+TIMES: Final = 25
+"""Largest number of frames between pixels compared."""
+
+SQUARE: Final = 64
+"""Side of the squares of the spectra compared [px]."""
+
+LEVELS: Final = 16
+"""Grey levels of the co-occurrence matrix."""
+
+PAIRS: Final = ((0, 1), (1, 0), (1, 1), (1, -1))
+"""Distances of its pairs (rows, columns)."""
+
+LIMITS: Final[Mapping[str, float]] = {
+    "rate_factor": 1.5,
+    "ks": 0.1,
+    "spectrum_db": 3.0,
+    "correlation": 0.1,
+    "time_correlation": 0.1,
+    "cooccurrence": 0.25,
+}
+"""What a texture is said to miss: ratio of rates, distance of distribution functions, rms of spectra [dB], rms of correlations, largest
+relative difference of co-occurrence features."""
+
+
+@dataclass(frozen=True)
+class Likeness:
+    """Measures of one texture.
+
+    Attributes
+    ----------
+    name : str
+    values : ndarray
+        Sorted sample of the pixels [u].
+    rates : tuple of FalseAlarmRate
+        Of the filtered picture at 3 and 3.5 standard deviations.
+    curve : RateCurve
+        At all thresholds.
+    spectrum : Spectrum
+        Of the pixels in standard deviations.
+    x, y : ndarray
+        Correlation by distance in columns and rows, from 0.
+    time : ndarray or None
+        Correlation by frames.
+    features : dict of float
+        Of co-occurring grey levels.
+    """
+
+    name: str
+    values: FloatArray
+    rates: tuple[FalseAlarmRate, ...]
+    curve: RateCurve
+    spectrum: Spectrum
+    x: FloatArray
+    y: FloatArray
+    time: FloatArray | None
+    features: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two textures, the first one the data."""
+
+    first: Likeness
+    second: Likeness
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain numbers and words."""
+        a, b = self.first, self.second
+        rates = [_rates(p, q) for p, q in zip(a.rates, b.rates, strict=True)]
+        values = self._values()
+        times = None if a.time is None or b.time is None else _rms(a.time, b.time)
+        features = {
+            name: {"first": a.features[name], "second": b.features[name], "relative": _relative(a.features[name], b.features[name])}
+            for name in a.features
+        }
+        found = {
+            "first": a.name,
+            "second": b.name,
+            "filtered_rates": rates,
+            "marginal": values,
+            "spectrum_distance_db": _decibels(a.spectrum, b.spectrum),
+            "correlation_distance": math.sqrt(0.5 * (_rms(a.x, b.x) ** 2 + _rms(a.y, b.y) ** 2)),
+            "time_correlation_distance": times,
+            "cooccurrence": features,
+        }
+        return {**found, "fails": _fails(found)}
+
+    def _values(self) -> dict[str, Any]:
+        a, b = self.first.values, self.second.values
+        every = np.concatenate([a, b])
+        every.sort()
+        shares = [np.searchsorted(v, every, side="right") / v.size for v in (a, b)]
+        steps = np.linspace(0.0005, 0.9995, 1000)
+        spread = max(float(a.std()), 1e-300)
+        out: dict[str, Any] = {
+            "ks": float(np.abs(shares[0] - shares[1]).max()),
+            "wasserstein_std": float(np.abs(np.quantile(a, steps) - np.quantile(b, steps)).mean()) / spread,
+        }
+        for name, v in (("first", a), ("second", b)):
+            z = (v - v.mean()) / max(float(v.std()), 1e-300)
+            moments = {"skewness": float((z**3).mean()), "excess_kurtosis": float((z**4).mean()) - 3.0}
+            out[name] = {"mean": float(v.mean()), "std": float(v.std()), **moments}
+        return out
+
+
+def _rates(a: FalseAlarmRate, b: FalseAlarmRate) -> dict[str, Any]:
+    ratio = b.rate / a.rate if a.exceedances and b.exceedances else None
+    return {
+        "threshold_sigma": a.threshold_sigma,
+        "gaussian_rate": a.gaussian_rate,
+        "first": a.rate,
+        "first_interval": [a.rate_low, a.rate_high],
+        "second": b.rate,
+        "second_interval": [b.rate_low, b.rate_high],
+        "first_over_gaussian": a.ratio,
+        "second_over_gaussian": b.ratio,
+        "second_over_first": ratio,
+    }
+
+
+def _fails(found: Mapping[str, Any]) -> list[str]:
+    """Sentences on what is farther apart than :data:`LIMITS`."""
+    out = []
+    for entry in found["filtered_rates"]:
+        ratio, most = entry["second_over_first"], LIMITS["rate_factor"]
+        if ratio is None:
+            out.append(f"at {entry['threshold_sigma']:g} sigma one of the two has no exceedance in the filtered picture")
+        elif not 1.0 / most <= ratio <= most:
+            out.append(f"the filtered picture exceeds {entry['threshold_sigma']:g} sigma {ratio:.2g} times as often as the first")
+    checks = (
+        ("ks", found["marginal"]["ks"], "distribution functions of the pixels differ by {:.2g}"),
+        ("spectrum_db", found["spectrum_distance_db"], "spectra differ by {:.2g} dB rms"),
+        ("correlation", found["correlation_distance"], "correlations in space differ by {:.2g} rms"),
+        ("time_correlation", found["time_correlation_distance"], "correlations in time differ by {:.2g} rms"),
+    )
+    out += [text.format(value) for name, value, text in checks if value is not None and value > LIMITS[name]]
+    worst = max(found["cooccurrence"], key=lambda name: found["cooccurrence"][name]["relative"])
+    if found["cooccurrence"][worst]["relative"] > LIMITS["cooccurrence"]:
+        pair = found["cooccurrence"][worst]
+        out.append(f"co-occurring grey levels differ most in {worst}: {pair['first']:.3g} and {pair['second']:.3g}")
+    return out
+
+
+def _relative(a: float, b: float) -> float:
+    return abs(a - b) / max(abs(a), abs(b), 1e-12)
+
+
+def _rms(a: FloatArray, b: FloatArray) -> float:
+    n = min(a.size, b.size)
+    return float(np.sqrt(np.nanmean((a[:n] - b[:n]) ** 2)))
+
+
+def _decibels(a: Spectrum, b: Spectrum) -> float:
+    """Rms of the ratio of two spectra over the frequencies that hold more than a millionth of the densest one's [dB]."""
+    largest = max(float(a.density.max()), float(b.density.max()))
+    floor = 1e-6 * largest
+    ratio = 10.0 * np.log10(np.maximum(a.density, floor) / np.maximum(b.density, floor))
+    return float(np.sqrt(np.mean(ratio**2)))
+
+
+def compare(
+    first: NDArray[np.floating], second: NDArray[np.floating], names: tuple[str, str] = ("data", "sample"), *, consecutive: bool = True
+) -> Comparison:
+    """Measure two textures.
+
+    Parameters
+    ----------
+    first, second : ndarray, shape (frames, rows, columns)
+        [u]; sizes may differ.
+    names : (str, str)
+        For reports.
+    consecutive : bool
+        Whether the frames follow each other, so that correlations in time mean something.
+
+    Raises
+    ------
+    DataError
+        Missing values, or pictures smaller than 24 x 24 pixels.
+    """
+    for name, x in zip(names, (first, second), strict=True):
+        if x.ndim != 3 or min(x.shape[1:]) < 2 * LAGS:
+            raise DataError(f"{name}: {x.shape} is too small to be compared; give 24 x 24 pixels or more")
+        if not np.isfinite(x).all():
+            raise DataError(f"{name}: values are missing or infinite; choose a region without them")
+    side = min(SQUARE, *first.shape[1:], *second.shape[1:])
+    ends = np.quantile(np.concatenate([_some(first), _some(second)]), [0.001, 0.999])
+    timed = consecutive and min(len(first), len(second)) >= 8
+    frames = min(len(first), len(second)) if timed else 0
+    return Comparison(*(_measure(name, x, side, ends, frames) for name, x in zip(names, (first, second), strict=True)))
+
+
+def _some(x: NDArray[np.floating]) -> FloatArray:
+    return np.asarray(x.reshape(-1)[:: max(x.size // 200_000, 1)], np.float64)
+
+
+def _measure(name: str, x: NDArray[np.floating], side: int, ends: FloatArray, frames: int) -> Likeness:
+    alarms = FalseAlarms(THRESHOLDS)
+    for frame in x:
+        alarms.add(interior(frame[None]))
+    std = max(float(x.std()), 1e-300)
+    few = x[np.unique(np.linspace(0, len(x) - 1, min(len(x), 12)).astype(int))]
+    near = spatial_correlation(few, longest=LAGS)
+    time = None
+    if frames:
+        step = max(int(math.sqrt(x[0].size / 4000.0)), 1)
+        series = x[:frames, ::step, ::step].reshape(frames, -1)
+        time = temporal_correlation(series, longest=min(TIMES, frames // 2)).rho
+    spectrum = power_spectrum((few - few.mean()) / std, size=side)
+    features = cooccurrence(few, (float(ends[0]), float(ends[1])))
+    return Likeness(name, np.sort(_some(x)), tuple(alarms.rates()), alarms.curve(), spectrum, near.x, near.y, time, features)
+
+
+def cooccurrence(frames: NDArray[np.floating], ends: tuple[float, float], levels: int = LEVELS) -> dict[str, float]:
+    """Features of the grey levels of pairs of pixels (Haralick, Shanmugam and Dinstein 1973), mean of four directions [1].
+
+    Parameters
+    ----------
+    frames : ndarray, shape (frames, rows, columns)
+        [u].
+    ends : (float, float)
+        Values of the first and last level [u].
+    levels : int
+        Number of levels.
+
+    Examples
+    --------
+    >>> features = cooccurrence(np.indices((8, 8)).sum(axis=0)[None] % 2, (0.0, 1.0), 2)
+    >>> round(features["contrast"], 3), round(features["homogeneity"], 3)
+    (0.5, 0.75)
+    """
+    width = max(ends[1] - ends[0], 1e-300)
+    grey = np.clip((frames - ends[0]) / width * levels, 0, levels - 1).astype(np.int64)
+    i, j = np.indices((levels, levels))
+    out: dict[str, list[float]] = {name: [] for name in ("contrast", "homogeneity", "energy", "entropy", "correlation")}
+    rows, columns = grey.shape[1:]
+    for down, right in PAIRS:
+        here = grey[:, : rows - down, max(-right, 0) : columns - max(right, 0)]
+        there = grey[:, down:, max(right, 0) : columns + min(right, 0)]
+        table = np.bincount((here * levels + there).ravel(), minlength=levels * levels).reshape(levels, levels).astype(np.float64)
+        p = (table + table.T) / (2.0 * table.sum())
+        mean = float((p * i).sum())
+        variance = max(float((p * (i - mean) ** 2).sum()), 1e-300)
+        out["contrast"].append(float((p * (i - j) ** 2).sum()))
+        out["homogeneity"].append(float((p / (1.0 + (i - j) ** 2)).sum()))
+        out["energy"].append(float((p**2).sum()))
+        out["entropy"].append(float(-(p[p > 0.0] * np.log(p[p > 0.0])).sum()))
+        out["correlation"].append(float((p * (i - mean) * (j - mean)).sum()) / variance)
+    return {name: float(np.mean(values)) for name, values in out.items()}

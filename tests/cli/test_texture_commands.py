@@ -1,0 +1,183 @@
+"""``seaglint texture``: from a recording to a model, a loop, a comparison and a picture of the sea."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from seaglint.io.recording import open_recording
+from seaglint.io.texture_file import read_texture, write_texture
+from seaglint.pipeline.texture import FitOptions, fit
+from seaglint.texture.gauss_markov import GaussMarkov
+from seaglint.texture.gaussian_texture import GaussianTexture
+from seaglint.texture.marginals import Marginal
+
+TRUE = GaussianTexture(GaussMarkov(((1, 0, 1), (0, 0, 1), (0, 1, 0)), (0.2, 0.1, 0.1), 1.0), Marginal("gamma", 1.0, 0.5, 1.5))
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory):
+    """Twenty frames cut from a gamma texture that travels one column a frame."""
+    path = tmp_path_factory.mktemp("data") / "sea.npy"
+    np.save(path, TRUE.sample((32, 80, 80), 3)[:20, :64, :64])
+    return path
+
+
+@pytest.fixture(scope="module")
+def model(recording):
+    """A texture fitted to it."""
+    found = fit(open_recording(recording, frame_rate=50.0, units="W m-2 sr-1"), FitOptions(tails="gamma"))
+    return write_texture(found.stored, recording.with_name("model.json"))
+
+
+def test_fit_sample_compare(seaglint, recording, tmp_path) -> None:
+    model = tmp_path / "model.json"
+    told = "--frame-rate", 50, "--units", "W m-2 sr-1"
+    answer = seaglint("texture", "fit", recording, "--tails", "gamma", *told, "-o", model)
+    assert answer.code == 0, answer.err
+    assert "the Gaussian field, 3.5 sigma" in answer.out
+    held = json.loads(model.read_text())
+    assert held["version"] == 1
+    assert sorted(map(tuple, held["model"]["offsets"])) == [(0, 0, 1), (0, 1, 0), (1, 0, 1)]
+    assert held["model"]["marginal"]["shape"] == pytest.approx(1.5, rel=0.15)
+    assert held["quality"]["held_out"]["log_pseudo_likelihood"] > held["quality"]["held_out"]["independent_pixels"]
+    gaussian = held["quality"]["gaussian_filtered_rates"][1]["second_over_first"]
+    assert gaussian < 0.2  # off by 5 and more, and the gamma field within 1.5
+    assert 1.0 / 1.5 < held["quality"]["filtered_rates"][1]["second_over_first"] < 1.5
+
+    loop = tmp_path / "loop.zarr"
+    assert seaglint("texture", "sample", model, "--size", "48x40", "--frames", 16, "--seed", 1, "-o", loop).code == 0
+    dataset = xr.open_dataset(loop, engine="zarr", consolidated=False, decode_times=False)
+    assert dataset.texture.shape == (16, 40, 48)
+    assert dataset.attrs["loop_frames"] == 16
+    assert (dataset.texture.attrs["units"], dataset.attrs["frame_rate_hz"]) == ("W m-2 sr-1", 50.0)
+    frames = dataset.texture.to_numpy()
+    assert frames == pytest.approx(read_texture(model).texture.sample((16, 40, 48), 1))
+    # From the last frame to the first the texture goes on as between any others.
+    z = frames - frames.mean()
+    steps = [(np.roll(z[k], 1, axis=1) * z[(k + 1) % 16]).mean() / z.var() for k in range(16)]
+    assert steps[15] == pytest.approx(np.mean(steps[:15]), abs=float(4.0 * np.std(steps[:15])))
+    opened = open_recording(loop)  # what analyze reads
+    assert (opened.frames, opened.frame_rate, opened.units) == (16, 50.0, "W m-2 sr-1")
+
+    report = tmp_path / "compare.html"
+    answer = seaglint("texture", "compare", recording, loop, "--report", report, "--json")
+    assert answer.code == 0, answer.err
+    assert json.loads(answer.out)["filtered_rates"][0]["first_over_gaussian"] > 3.0
+    assert "Side by side" in report.read_text()
+    answer = seaglint("texture", "compare", recording, model)
+    assert "log pseudo-likelihood per pixel of the data" in answer.out
+
+
+def test_loops_are_exported_and_told(seaglint, model, tmp_path) -> None:
+    loop = tmp_path / "loop.zarr"
+    assert seaglint("texture", "sample", model, "--size", "32x32", "--frames", 8, "-o", loop).code == 0
+    assert seaglint("export", loop, "-o", tmp_path / "loop.npy").code == 0
+    assert np.load(tmp_path / "loop.npy").shape == (8, 32, 32)
+    told = seaglint("info", loop)
+    assert told.code == 0, told.err
+    assert "loop_frames" in told.out
+    video = pytest.importorskip("av") and seaglint(
+        "texture", "sample", model, "--size", "32x32", "--frames", 8, "-o", tmp_path / "loop.mp4"
+    )
+    assert video.code == 0, video.err
+    assert (tmp_path / "loop.mp4").stat().st_size > 1000
+
+
+def test_an_autobinomial_texture_keeps_the_histogram(seaglint, recording, tmp_path) -> None:
+    image = tmp_path / "image.npy"
+    np.save(image, np.load(recording)[0])
+    model = tmp_path / "model.json"
+    arguments = ("--model", "autobinomial", "--levels", 8, "--order", 1, "--method", "pseudo-likelihood", "-o", model)
+    answer = seaglint("texture", "fit", image, *arguments)
+    assert answer.code == 0, answer.err
+    assert "autobinomial field of 8 levels" in answer.out
+    texture = read_texture(model).texture
+    values, counts = np.unique(texture.sample((1, 64, 64), 5), return_counts=True)
+    assert counts / 4096 == pytest.approx([share for share in texture.histogram if share > 0.0])
+    assert values == pytest.approx([v for v, s in zip(texture.grey.values, texture.histogram, strict=True) if s > 0.0])
+    refused = seaglint("texture", "sample", model, "--frames", 4, "--size", "64x64", "-o", tmp_path / "a.zarr")
+    assert (refused.code, "has no time" in refused.err) == (2, True)
+
+
+def test_models_of_another_version_and_damaged_ones_are_named(seaglint, model, tmp_path) -> None:
+    held = json.loads(model.read_text())
+    for change, told in (
+        ({"version": 9}, "has version 9, this seaglint"),
+        ({"format": "else"}, "is no texture"),
+        ({"model": {**held["model"], "kind": "cubist"}}, "allowed are gauss-markov and autobinomial"),
+        ({"model": {"kind": "gauss-markov"}}, "fit it anew"),
+    ):
+        other = tmp_path / "other.json"
+        other.write_text(json.dumps({**held, **change}))
+        answer = seaglint("texture", "sample", other, "-o", tmp_path / "x.zarr")
+        assert answer.code == 2
+        assert told in answer.err
+        assert not (tmp_path / "x.zarr").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--size", "512"), "COLUMNSxROWS"),
+        (("--size", "2x2", "--frames", "8"), "too small for neighbours"),
+        (("--size", "64x64", "--frames", "2"), "give at least 3"),
+        (("--size", "100000x100000", "--frames", "8"), "ask for fewer frames or a smaller --size"),
+    ],
+)
+def test_sizes_that_do_not_fit_are_refused(seaglint, model, tmp_path, arguments, told) -> None:
+    answer = seaglint("texture", "sample", model, *arguments, "-o", tmp_path / "x.zarr")
+    assert answer.code == 2
+    assert told in answer.err
+
+
+def test_bad_data_are_refused_in_a_line(seaglint, tmp_path) -> None:
+    ramp = np.random.default_rng(1).normal(size=(80, 80)) + np.linspace(0.0, 9.0, 80)
+    for name, image, told in (
+        ("constant", np.ones((40, 40)), "all values are 1"),
+        ("mask", np.eye(40), "two values only"),
+        ("small", np.random.default_rng(1).normal(size=(10, 40)), "too few for a texture"),
+        ("ramp", ramp, "is not stationary"),
+    ):
+        np.save(tmp_path / f"{name}.npy", image)
+        answer = seaglint("texture", "fit", tmp_path / f"{name}.npy", "-o", tmp_path / "m.json")
+        assert (answer.code, told in answer.err) == (2, True), answer.err
+    assert seaglint("texture", "fit", tmp_path / "ramp.npy", "--detrend", "-o", tmp_path / "m.json").code == 0
+
+
+def test_a_texture_stands_in_for_a_rendered_sequence(seaglint, model, tmp_path, monkeypatch) -> None:
+    """With a map whose mean and deviation are known: the sequence has them, and nothing moves above the horizon."""
+    scenario = tmp_path / "my.toml"
+    scenario.write_text("[sensor]\nfov_deg = [4, 2]\nelevation_deg = -0.8\npixels = [48, 24]\nframes = 12\nframe_rate_hz = 50\n")
+    from seaglint.io.provenance import band_attributes
+    from seaglint.optics.band import Band
+    from seaglint.pipeline import texture_place
+
+    def known(_: object) -> xr.Dataset:
+        maps = {"radiance": 5.0, "path_radiance": 1.0, "glint_radiance": 2.0, "glint_std": 0.8}
+        return xr.Dataset(
+            {name: (("y", "x"), np.full((24, 48), value, np.float32)) for name, value in maps.items()},
+            attrs=band_attributes(Band.rectangular(3.5, 5.0)),
+        )
+
+    monkeypatch.setattr(texture_place, "mean_map", known)
+    output = tmp_path / "placed.zarr"
+    answer = seaglint("texture", "place", model, scenario, "--size", "128x128", "-o", output)
+    assert answer.code == 0, answer.err
+    seen = xr.open_dataset(output, engine="zarr", consolidated=False, decode_times=False).radiance.to_numpy()
+    sea = seen.std(axis=(0, 2)) > 0.0
+    assert sea.sum() == 20  # of 24 rows from +0.2 to -1.8 deg, those whose lower edge is below the horizon at -0.16
+    assert seen[:, ~sea] == pytest.approx(5.0)
+    assert seen[:, sea].mean() == pytest.approx(5.0, rel=0.02)
+    assert seen[:, sea].std() == pytest.approx(0.8, rel=0.1)
+    refused = seaglint("texture", "place", model, scenario, "-o", output)
+    assert refused.code == 2
+
+
+def test_stored_textures_are_read_back(model, tmp_path) -> None:
+    stored = read_texture(model)
+    write_texture(stored, tmp_path / "again.json")
+    assert read_texture(tmp_path / "again.json") == stored

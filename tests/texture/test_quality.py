@@ -1,0 +1,65 @@
+"""Measures of likeness: two samples of one texture are alike, and each kind of difference is told."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from seaglint.errors import DataError
+from seaglint.texture.gauss_markov import GaussMarkov
+from seaglint.texture.gaussian_texture import GaussianTexture
+from seaglint.texture.marginals import Marginal
+from seaglint.texture.quality import compare, cooccurrence
+
+FIELD = GaussMarkov(((1, 0, 0), (0, 0, 1), (0, 1, 0)), (0.2, 0.1, 0.1), 1.0)
+SHAPE = (12, 96, 96)
+
+
+def frames(seed: int, field: GaussMarkov = FIELD, tails: Marginal | None = None) -> np.ndarray:
+    return GaussianTexture(field, tails or Marginal("gamma", 1.0, 1.0, 2.0)).sample(SHAPE, seed)
+
+
+def test_two_samples_of_one_texture_are_alike() -> None:
+    assert compare(frames(1), frames(2)).as_dict()["fails"] == []
+
+
+@pytest.mark.parametrize(
+    ("other", "told"),
+    [
+        (frames(2, tails=Marginal("gaussian", 3.0, 1.4)), "filtered picture exceeds 3.5 sigma"),
+        (frames(2, tails=Marginal("gamma", 3.0, 1.0, 2.0)), "distribution functions"),
+        (frames(2, GaussMarkov(((0, 0, 1), (0, 1, 0)), (0.24, 0.24), 1.0)), "correlations in space"),
+        (frames(2, GaussMarkov(((1, 0, 0), (0, 0, 1), (0, 1, 0)), (0.45, 0.01, 0.01), 1.0)), "correlations in time"),
+    ],
+    ids=["tails", "values", "space", "time"],
+)
+def test_each_difference_is_told(other: np.ndarray, told: str) -> None:
+    assert any(told in sentence for sentence in compare(frames(1), other).as_dict()["fails"])
+
+
+def test_rates_are_those_of_the_filtered_picture() -> None:
+    """White gamma noise: Laplacian by hand, share of the inner pixels above 3 of its deviations."""
+    noise = np.random.default_rng(2).gamma(1.0, 1.0, (1, 64, 64)).astype(np.float32)
+    x = noise[0].astype(float)
+    z = 4.0 * x[1:-1, 1:-1] - x[2:, 1:-1] - x[:-2, 1:-1] - x[1:-1, 2:] - x[1:-1, :-2]
+    share = float((z > z.mean() + 3.0 * z.std()).mean())
+    found = compare(noise, noise).as_dict()["filtered_rates"][0]
+    assert found["first"] == found["second"] == pytest.approx(share)
+    assert found["second_over_first"] == 1.0
+
+
+def test_cooccurrence_of_stripes() -> None:
+    stripes = np.tile([[0.0, 1.0]], (32, 16))[None]
+    found = cooccurrence(stripes, (0.0, 1.0), 2)
+    # Rows below are alike; right and diagonal neighbours differ.
+    assert found["contrast"] == pytest.approx(3.0 / 4.0)
+    assert found["homogeneity"] == pytest.approx((1.0 + 3.0 * 0.5) / 4.0)
+    assert found["energy"] == pytest.approx(0.5, abs=1e-3)
+    assert found["correlation"] == pytest.approx(-0.5, abs=1e-3)
+
+
+def test_pictures_that_cannot_be_compared() -> None:
+    with pytest.raises(DataError, match="24 x 24"):
+        compare(np.ones((1, 8, 8)), frames(1))
+    with pytest.raises(DataError, match="missing"):
+        compare(frames(1), np.full(SHAPE, np.nan))
