@@ -24,7 +24,8 @@ LAYOUT = Layout(np.arange(4.0), np.arange(3.0), range(4), 25.0, Band.rectangular
 OTHER = """
 import sys
 import numpy as np
-from seaglint.io.store import Layout, write_sequence
+from seaglint.io.layout import Layout
+from seaglint.io.store import write_sequence
 from seaglint.optics.band import Band
 
 def frame(number):
