@@ -57,7 +57,7 @@ VARIABLES: Final[dict[str, Variable]] = {
         Variable("apparent_temperature", "K", "apparent temperature", "brightness_temperature"),
         Variable("signal", "count", "signal of the detector", symbol="counts", dtype="uint16"),
         Variable("electrons", "1", "electrons of a pixel, noise and background in them", symbol="electrons"),
-        Variable("texture", "", "values of a statistical texture"),
+        Variable("texture", "1", "values of a statistical texture"),
         Variable("saturated_share", "1", "share of the pixels that are saturated", symbol=" "),
         # Not CF's sensor_azimuth_angle, which is measured at the point seen, towards the sensor: the opposite direction.
         Variable("azimuth", "degree", "azimuth of the line of sight at the sensor, clockwise from north", symbol="deg"),

@@ -117,9 +117,10 @@ def read_texture(path: str | Path) -> StoredTexture:
         )
     try:
         return StoredTexture(_model(held["model"]), held["source"], held["fit"], held["quality"], tuple(map(str, held["notes"])))
-    except (KeyError, TypeError, AttributeError, ValueError, DataError, DomainError) as error:
-        told = f"{error.args[0]!r} is missing" if isinstance(error, KeyError) else str(error)
-        raise DataError(f"{path}: {told}; the file is damaged, fit it anew") from error
+    except KeyError as error:
+        raise DataError(f"{path}: {error} is missing; the file is damaged, fit it anew") from error
+    except (TypeError, AttributeError, ValueError, DataError, DomainError) as error:
+        raise DataError(f"{path}: {error}; the file is damaged, fit it anew") from error
 
 
 def _model(held: Mapping[str, Any]) -> Texture:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -160,22 +159,10 @@ def sense(
         frames, layout = prepare_sense(recording, scenario, source=source, seed=seed, oversampling=oversampling, electrons=electrons)
 
         def images(number: int) -> dict[str, NDArray[Any]]:
-            with _naming(recording.source, number):
-                return frames.images(number, layout.variables)
+            return frames.images(number, layout.variables)
 
-        with _naming(recording.source, frames.first):
-            require_radiance(frames.fine(frames.first))  # before anything is written
+        frames.fine(frames.first)  # what is no radiance is told before anything is written
         return write_sequence(output, layout, images, resume=resume, overwrite=overwrite, progress=progress)
-
-
-@contextmanager
-def _naming(source: str, number: int) -> Iterator[None]:
-    """Say of which file and frame values are no radiances."""
-    try:
-        yield
-    except DataError as error:
-        told = str(error)
-        raise DataError(told if told.startswith(source) else f"{source}, frame {number}: {told}") from error
 
 
 def prepare_sense(
@@ -205,8 +192,11 @@ def prepare_sense(
 
     def fine(number: int) -> NDArray[np.float32]:
         index = number - numbers.start
-        radiance = recording.read(index, index + 1)[0]
-        return np.asarray(radiance + recording.offset, np.float32) if recording.offset else radiance
+        radiance: NDArray[np.float32] = recording.read(index, index + 1)[0]
+        if recording.offset:
+            radiance = np.asarray(radiance + recording.offset, np.float32)
+        require_radiance(radiance, f"{recording.source}, frame {number}: radiance")
+        return radiance
 
     azimuth, elevation = _directions(scenario, model, known, (rows, columns), times)
     layout = Layout(

@@ -276,8 +276,8 @@ class SensorModel:
         return replace(self, seed=seed, _transfers=self._transfers, _patterns={})
 
 
-def require_radiance(radiance: NDArray[np.float32]) -> None:
-    """Refuse values that are no radiances.
+def require_radiance(radiance: NDArray[np.float32], name: str = "radiance") -> None:
+    """Refuse values that are no radiances; errors call them ``name``.
 
     Raises
     ------
@@ -288,7 +288,7 @@ def require_radiance(radiance: NDArray[np.float32]) -> None:
     if bad:
         row, column = np.argwhere(~np.isfinite(radiance))[0]
         raise DataError(
-            f"radiance: {bad} of {radiance.size} pixels are not finite (first in row {row}, column {column}); "
+            f"{name}: {bad} of {radiance.size} pixels are not finite (first in row {row}, column {column}); "
             "a sensor needs a radiance in every pixel: fill them in or cut them off"
         )
     least = float(radiance.min())
@@ -296,6 +296,6 @@ def require_radiance(radiance: NDArray[np.float32]) -> None:
         count = int(np.count_nonzero(radiance < 0.0))
         row, column = np.argwhere(radiance < 0.0)[0]
         raise DataError(
-            f"radiance: {count} of {radiance.size} pixels are negative (least {least:g} W m-2 sr-1, first in row {row}, column {column}); "
+            f"{name}: {count} of {radiance.size} pixels are negative (least {least:g} W m-2 sr-1, first in row {row}, column {column}); "
             "give radiance at the aperture, not differences or temperatures in degC"
         )
