@@ -76,6 +76,7 @@ def test_a_change_of_what_a_kernel_calls_is_seen(package: Path) -> None:
     assert answer(package) == "15.5 15.5"
 
 
+@pytest.mark.validation
 def test_unchanged_kernels_are_not_compiled_again(package: Path) -> None:
     assert answer(package) == "7.0 7.0"
     before = compiled(package)

@@ -319,7 +319,9 @@ def test_multiple_scattering_only_adds(live):
     assert np.all(often > once)
 
 
-@pytest.mark.parametrize("haze", ["navy-maritime", "rural-23km", "urban", "desert", "none"])
+@pytest.mark.parametrize(
+    "haze", ["navy-maritime", *(pytest.param(h, marks=pytest.mark.validation) for h in ("rural-23km", "urban", "desert", "none"))]
+)
 @pytest.mark.parametrize("line", [(0.0, 20.0, 15.0, 60.0), (30.0, -2.0, 40.0, 70.0), (500.0, 5.0, 100.0, 40.0)])
 def test_laws_of_a_run_give_its_scattered_sunlight(live, haze, line):
     """1.5 %: hazes whose extinction follows the humidity of the path; 0.1 % for the Navy's."""

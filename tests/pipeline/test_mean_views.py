@@ -114,7 +114,7 @@ def test_a_view_straight_down_turns_with_the_scene():
         np.testing.assert_allclose(one[name], other[name], rtol=1e-5, atol=1e-6)
 
 
-@pytest.mark.parametrize("mode", ["spectral", "article"])
+@pytest.mark.parametrize("mode", [pytest.param("spectral", marks=pytest.mark.validation), "article"])
 def test_glint_of_coarse_pixels_is_that_of_fine_ones_averaged(mode):
     """Cells are independent: the variance of a pixel is the mean of its parts' variances over their number."""
     sensor = {"projection": "pinhole", "elevation_deg": -12, "roll_deg": 20}

@@ -67,7 +67,7 @@ def _brute_force(view, elevation, azimuth):
     ("wind", "sun", "height", "slopes"),
     [
         (7.0, 75.0, 30.0, cox_munk_anisotropic),
-        (3.0, 50.0, 10.0, cox_munk_anisotropic),
+        pytest.param(3.0, 50.0, 10.0, cox_munk_anisotropic, marks=pytest.mark.validation),
         pytest.param(14.0, 86.0, 3000.0, cox_munk_anisotropic, marks=pytest.mark.validation),
         pytest.param(10.0, 70.0, 100.0, cox_munk_gram_charlier, marks=pytest.mark.validation),
     ],

@@ -75,7 +75,7 @@ def _far(factor, height, mrad, band, top, bottom, seed=1):
 @pytest.mark.parametrize(
     ("height", "mrad", "band", "top", "bottom", "seas"),
     [
-        pytest.param(900.0, 1.75, (8.0, 12.0), 2.0, 6.0, 6, id="900 m"),
+        pytest.param(900.0, 1.75, (8.0, 12.0), 2.0, 6.0, 6, id="900 m", marks=pytest.mark.validation),
         *(
             pytest.param(*case, marks=pytest.mark.validation, id=f"{case[0]:g} m, {case[1]:g} mrad, {case[2]}")
             for case in (

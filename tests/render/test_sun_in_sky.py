@@ -97,7 +97,7 @@ def test_waves_cut_the_disc():
     assert 0.3 < held < 0.5, "crests stand above the mean horizon"
 
 
-@pytest.mark.parametrize("roll", [0.0, 0.5])
+@pytest.mark.parametrize("roll", [pytest.param(0.0, marks=pytest.mark.validation), 0.5])
 @pytest.mark.parametrize(("projection", "elevation"), [("pinhole", 20.0), ("equal-angle", 20.0), ("pinhole", 0.0)])
 def test_turned_cameras_hold_all_sunlight(projection, elevation, roll):
     """Away from the horizon by rays, across it by resampling."""
