@@ -107,7 +107,7 @@ def test_infinite_scan_speed_is_the_staring_picture_byte_for_byte() -> None:
 
 def test_every_column_is_the_sea_of_its_own_instant() -> None:
     run, staring = prepare_sensed(scanner(0.4)), prepare_sequence(prepare_sensed(small(frame_rate_hz=2.0)).fine_scenario)
-    picture = drawn_in_time(run.fine, run.scan, 3, 1.0)
+    picture = drawn_in_time(run.fine, run.scan, 3, 1.0).layers
     for column in (0, 7, 23):
         instant = 1.0 + column * 0.4 / 24
         np.testing.assert_array_equal(
@@ -123,7 +123,7 @@ def test_a_moving_scanner_is_where_it_was_at_its_columns_instant() -> None:
     run = prepare_sensed(parse_scenario({**moving, "sensor": {**SENSOR, "frame_rate_hz": 2.0, "scan": {"kind": "line", "period_s": 0.4}}}))
     staring = prepare_sensed(parse_scenario({**moving, "sensor": {**SENSOR, "frame_rate_hz": 2.0}}))
     columns = np.arange(0, 24, 3)
-    picture = binned(drawn_in_time(run.fine, run.scan, 3, 0.0), 3)["radiance"][:, columns]
+    picture = binned(drawn_in_time(run.fine, run.scan, 3, 0.0).layers, 3)["radiance"][:, columns]
     then = np.stack([binned(staring.fine.at(c * 0.4 / 24), 3)["radiance"][:, c] for c in columns], axis=1)
     before = binned(staring.fine.at(0.0), 3)["radiance"][:, columns]
 
@@ -143,7 +143,7 @@ def test_a_scanner_on_a_turning_platform_looks_where_it_was_turned_to() -> None:
     still = {**SMALL, "sun": low, "platform": way, "sea": {"resolve_waves": False}, "render": {"oversampling": 1}}
     sensor = {**SENSOR, "frame_rate_hz": 2.5, "frames": 1, "scan": {"kind": "line", "period_s": 0.4}}
     run = prepare_sensed(parse_scenario({**still, "sensor": sensor}))
-    picture = drawn_in_time(run.fine, run.scan, 1, 0.0).radiance
+    picture = drawn_in_time(run.fine, run.scan, 1, 0.0).layers.radiance
     np.testing.assert_allclose(picture, np.broadcast_to(picture[:, :1], picture.shape), rtol=2e-4)
     staring = run.fine.at(0.0).radiance
     assert np.ptp(staring, axis=1).max() > 0.02 * staring.mean()  # the corridor, across the picture
@@ -155,7 +155,7 @@ def test_a_scanner_that_rises_sees_from_its_columns_height() -> None:
     rising = {**SMALL, "platform": way, "sea": {"resolve_waves": False}, "render": {"oversampling": 1, "layers": ["range"]}}
     sensor = {**SENSOR, "frame_rate_hz": 2.5, "frames": 1, "scan": {"kind": "line", "period_s": 0.4}}
     run = prepare_sensed(parse_scenario({**rising, "sensor": sensor}))
-    distance = drawn_in_time(run.fine, run.scan, 1, 0.0)["range"]
+    distance = drawn_in_time(run.fine, run.scan, 1, 0.0).layers["range"]
     height = 30.0 + 2.0 * np.arange(24) / 24
     np.testing.assert_allclose(distance[12] / distance[12, 0], height / 30.0, rtol=0.005)
 
@@ -202,13 +202,13 @@ def test_a_panorama_has_no_seam_but_the_one_that_time_makes() -> None:
     first, second = (run.images(0)["signal"].astype(float) for run in (one, other))
     np.testing.assert_allclose(np.roll(first, -10, axis=1), second, rtol=2e-3)
     slow = prepare_sensed(parse_scenario({**wanted, "sensor": {**sensor, "scan": {"kind": "panoramic", "period_s": 1.0}}}))
-    picture = drawn_in_time(slow.fine, slow.scan, 1, 0.0)
+    picture = drawn_in_time(slow.fine, slow.scan, 1, 0.0).layers
     np.testing.assert_array_equal(picture.radiance[:, 104], slow.fine.at(104 / 105).radiance[:, 104])
 
 
 def test_rows_of_a_rolling_shutter_have_instants_near_their_own() -> None:
     run = prepare_sensed(small(scan={"row_time_s": 0.002}))
-    picture = drawn_in_time(run.fine, run.scan, 3, 0.0)
+    picture = drawn_in_time(run.fine, run.scan, 3, 0.0).layers
     rows = np.array_split(np.arange(16), ROLLING_PARTS)
     for some in (rows[0], rows[-1]):
         cut = slice(3 * some[0], 3 * some[-1] + 3)

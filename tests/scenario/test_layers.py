@@ -18,8 +18,8 @@ from seaglint.schema import LAYERS, VARIABLES
 
 def test_layers_are_variables_that_leave_the_program():
     assert set(LAYERS) < set(VARIABLES)
-    assert len(set(LAYERS)) == len(LAYERS) == 6
-    assert [VARIABLES[name].units for name in LAYERS] == 4 * ["W m-2 sr-1"] + ["m", "1"]
+    assert len(set(LAYERS)) == len(LAYERS) == 9
+    assert [VARIABLES[name].units for name in LAYERS] == 4 * ["W m-2 sr-1"] + ["m", *4 * ["1"]]
 
 
 def test_none_by_default_and_all_in_the_order_given():
@@ -33,7 +33,7 @@ def test_none_by_default_and_all_in_the_order_given():
 @pytest.mark.parametrize(
     ("layers", "words"),
     [
-        (["range", "glint"], ["render.layers[1] = 'glint'", *LAYERS, "did you mean 'glint_radiance'?"]),
+        (["range", "glint"], ["render.layers[1] = 'glint'", *LAYERS, "did you mean 'glint_share'?"]),
         (["rnage"], ["render.layers[0] = 'rnage'", "did you mean 'range'?"]),
         (["glint_std"], ["render.layers[0] = 'glint_std'", "is not one of 'path_radiance'"]),
         (["range", "coverage", "range"], ["render.layers = ['range', 'coverage', 'range']", "names 'range' 2 times", "once"]),

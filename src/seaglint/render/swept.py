@@ -17,7 +17,7 @@ from seaglint.errors import DomainError
 from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
-from seaglint.render.layers import CHANNELS, Layers, channels_for, layers_of, mean_distance, planes_for, require_layers, upright
+from seaglint.render.layers import CHANNELS, Layers, channels_for, layers_of, mean_over_sea, planes_for, require_layers, share_of_glint, upright
 from seaglint.render.levels import Levels
 from seaglint.render.path_basis import path_basis
 from seaglint.render.pieces import Merging
@@ -407,10 +407,12 @@ def composed(parts: Sequence[Layers]) -> Layers:
     def together(images: list[NDArray[Any]]) -> NDArray[np.float32]:
         return np.asarray(np.sum(images, axis=0), np.float32)
 
-    found = {name: together([part[name] for part in parts]) for name in parts[0] if name != "range"}
-    if "range" in parts[0]:
-        distance = together([np.nan_to_num(part["range"]) * part["coverage"] for part in parts])
-        found["range"] = mean_distance(distance, found["coverage"])
+    means = {"range", "slope", "glint_share"} & set(parts[0])
+    found = {name: together([part[name] for part in parts]) for name in parts[0] if name not in means}
+    for name in means - {"glint_share"}:
+        found[name] = mean_over_sea(together([np.nan_to_num(part[name]) * part["coverage"] for part in parts]), found["coverage"])
+    if "glint_share" in means:
+        found["glint_share"] = share_of_glint(found["glint_radiance"], found["radiance"])
     return Layers(found)
 
 
