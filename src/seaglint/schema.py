@@ -69,7 +69,9 @@ VARIABLES: Final[dict[str, Variable]] = {
         Variable("sensor_roll", "degree", "turn of the sensor about its line of sight, right side down", symbol="deg"),
         Variable("range", "m", "distance from the sensor to the sea, mean over what a pixel sees of it"),
         Variable("coverage", "1", "share of a pixel that the sea fills", symbol=" "),
-        Variable("slope", "1", "slope of the sea away from the sensor, mean over what a pixel sees of it; facing it is positive", symbol=" "),
+        Variable(
+            "slope", "1", "slope of the sea away from the sensor, mean over what a pixel sees of it; facing it is positive", symbol=" "
+        ),
         Variable("glint_share", "1", "share of reflected sunlight in the radiance", symbol=" "),
         Variable("column_px", "1", "column of an object's middle, pixel centres whole numbers", symbol="px"),
         Variable("row_px", "1", "row of an object's middle, from the top, pixel centres whole numbers", symbol="px"),

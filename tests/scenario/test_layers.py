@@ -33,7 +33,7 @@ def test_none_by_default_and_all_in_the_order_given():
 @pytest.mark.parametrize(
     ("layers", "words"),
     [
-        (["range", "glint"], ["render.layers[1] = 'glint'", *LAYERS, "did you mean 'glint_share'?"]),
+        (["range", "glint"], ["render.layers[1] = 'glint'", *LAYERS, "did you mean 'glint_radiance'?"]),
         (["rnage"], ["render.layers[0] = 'rnage'", "did you mean 'range'?"]),
         (["glint_std"], ["render.layers[0] = 'glint_std'", "is not one of 'path_radiance'"]),
         (["range", "coverage", "range"], ["render.layers = ['range', 'coverage', 'range']", "names 'range' 2 times", "once"]),

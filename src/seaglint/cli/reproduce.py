@@ -53,15 +53,17 @@ def fig4(output: Folder = Path(), overwrite: Overwrite = False, show: Progress =
 def fig12(
     output: Folder = Path(),
     frames: Annotated[str | None, typer.Option("--frames", help="frames to render: 37, 0:10 (end not included); all 100")] = None,
-    pixels: Annotated[int | None, typer.Option("--pixels", min=16, max=512, help="pixels along each side, fewer for a quick look; 512")] = None,
+    pixels: Annotated[
+        int | None, typer.Option("--pixels", min=16, max=512, help="pixels along each side, fewer for a quick look; 512")
+    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished sequence")] = False,
     overwrite: Overwrite = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
     """Two bodies that close over a glinting sea: DIR/fig12.zarr, .png, .csv and .mp4 (some minutes).
 
-    The picture shows a frame in colours and in grey, and the geometry from the side; fig12.csv has the labels of both bodies in every frame,
-    fig12.mp4 the sequence (with the extra 'video'). A quick look: seaglint reproduce fig12 --frames 60:80 --pixels 128
+    The picture shows a frame in colours and in grey, and the geometry from the side; fig12.csv has the labels of both bodies in every
+    frame, fig12.mp4 the sequence (with the extra 'video'). A quick look: seaglint reproduce fig12 --frames 60:80 --pixels 128
     """
     from seaglint.cli.frames import parse_frames
     from seaglint.cli.logs import show_logs

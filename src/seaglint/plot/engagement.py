@@ -147,7 +147,9 @@ def _side(axes: Axes, index: int, ways: Ways) -> None:
         return np.asarray(h + along * np.tan(elevation) + along**2 / (2.0 * EFFECTIVE_EARTH_RADIUS))
 
     lower, upper = (ray(elevation) for elevation in ways.sight)
-    axes.fill_between(1e-3 * (x + along), np.maximum(lower, 0.0), upper, color="0.9", lw=0, label=f"field of view at {ways.time[index]:.2f} s")
+    axes.fill_between(
+        1e-3 * (x + along), np.maximum(lower, 0.0), upper, color="0.9", lw=0, label=f"field of view at {ways.time[index]:.2f} s"
+    )
     axes.plot(1e-3 * (x + along), ray(-horizon_depression(h)), "k:", lw=0.8, label="to the horizon")
     every = max(round(_SECOND_MARKS / float(ways.time[1] - ways.time[0])), 1) if ways.time.size > 1 else 1
     for number, name in enumerate(names):

@@ -5,7 +5,7 @@ Kernels add to *channels*, one row of sums for each; layers are made of channels
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import numba
@@ -147,7 +147,7 @@ def mean_over_sea(weighted: NDArray[Any], coverage: NDArray[Any]) -> NDArray[Any
 
 def share_of_glint(glint: NDArray[Any], radiance: NDArray[Any]) -> NDArray[Any]:
     """Share of reflected sunlight in the radiance [1]; 0 where there is no light."""
-    return np.divide(glint, radiance, out=np.zeros_like(radiance), where=radiance > 0.0)
+    return np.asarray(np.divide(glint, radiance, out=np.zeros_like(radiance), where=radiance > 0.0))
 
 
 def layers_of(planes: NDArray[Any], kinds: NDArray[np.int64], names: Collection[str]) -> Layers:
@@ -165,3 +165,18 @@ def layers_of(planes: NDArray[Any], kinds: NDArray[np.int64], names: Collection[
     if "object_id" in names:
         images["object_id"] = np.zeros_like(images["radiance"])
     return Layers(images)
+
+
+def summed(parts: Sequence[Layers]) -> Layers:
+    """One image of parts that lie behind each other, each summed for itself and with its ``coverage``."""
+
+    def together(images: list[NDArray[Any]]) -> NDArray[np.float32]:
+        return np.asarray(np.sum(images, axis=0), np.float32)
+
+    means = {"range", "slope", "glint_share"} & set(parts[0])
+    found = {name: together([part[name] for part in parts]) for name in parts[0] if name not in means}
+    for name in means - {"glint_share"}:
+        found[name] = mean_over_sea(together([np.nan_to_num(part[name]) * part["coverage"] for part in parts]), found["coverage"])
+    if "glint_share" in means:
+        found["glint_share"] = share_of_glint(found["glint_radiance"], found["radiance"])
+    return Layers(found)

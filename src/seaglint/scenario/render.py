@@ -53,8 +53,8 @@ class Render(Record):
     layers: Annotated[
         tuple[Layer, ...],
         Field(
-            description="images written beside the radiance: its four parts, distance and slope of the sea, the share of a pixel that it fills, "
-            "that of glint in the radiance, the number of the object in it",
+            description="images written beside the radiance: its four parts, distance and slope of the sea, the share of a pixel that it "
+            "fills, that of glint in the radiance, the number of the object in it",
             json_schema_extra={"uniqueItems": True},
         ),
     ] = ()

@@ -1,7 +1,7 @@
 r"""Shadows of bodies on the glint: where a body stands between the mean sea and the Sun, its facets mirror no Sun.
 
-The shadow is the body laid on the mean sea along the Sun's rays: a vertex :math:`p` at a height :math:`z` goes to :math:`p - t s`, where the
-line to the Sun :math:`s` leaves the sphere,
+The shadow is the body laid on the mean sea along the Sun's rays: a vertex :math:`p` goes to :math:`p - t s`, where the line to the
+Sun :math:`s` leaves the sphere,
 
 .. math:: t = \frac{c}{q\cdot s + \sqrt{(q\cdot s)^2 - c}}, \qquad c = |q|^2 - R'^2, \qquad q = p + (0, 0, R' + h)
 
