@@ -24,17 +24,16 @@ SHADOW: dict[str, Any] = {
     "sun": {"zenith_deg": 76.0, "azimuth_deg": 180.0},
     "wind": {"speed_m_s": 7.0, "from_deg": 215.0},
     "sensor": {
-        "height_m": 60.0,
+        "height_m": 200.0,
         "azimuth_deg": 180.0,
-        "elevation_deg": -1.4,
-        "fov_deg": [14.0, 4.0],
-        "pixels": [560, 320],
-        "pixel_shape": "any",
+        "elevation_deg": -6.8,
+        "fov_deg": [16.0, 6.0],
+        "pixels": [640, 240],
         "frames": 1,
     },
     "sea": {"shortest_wave_m": 3.0},
     "render": {"lines_per_column": 2, "variance_error": 0.1, "tile_size": 256, "object_shadows": True},
-    "objects": [{"name": "ship", "preset": "container-ship", "east_m": 0.0, "north_m": -2000.0, "heading_deg": 90.0}],
+    "objects": [{"name": "ship", "preset": "container-ship", "east_m": 0.0, "north_m": -1500.0, "heading_deg": 90.0}],
 }
 
 
@@ -51,8 +50,8 @@ def boxes(run: Sequence, time: float) -> tuple[np.ndarray, list[tuple[str, float
 def harbour() -> Figure:
     """A frame and the bounding boxes of what is in it."""
     run = prepare_sequence(load_scenario(ROOT / "examples" / "harbour.toml"))
-    image, found = boxes(run, 1.0)
-    figure = Figure(figsize=(11.0, 4.3), layout="constrained")
+    image, found = boxes(run, 0.0)
+    figure = Figure(figsize=(11.0, 3.9), layout="constrained")
     axes = figure.subplots()
     low, high = scale_limits(image[: image.shape[0] * 5 // 6])
     shown = axes.imshow(image, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
@@ -66,16 +65,16 @@ def harbour() -> Figure:
 
 def shadow() -> Figure:
     """A ship in the corridor of a low Sun, without and with its shadow."""
-    figure = Figure(figsize=(11.0, 3.6), layout="constrained")
+    figure = Figure(figsize=(11.0, 2.9), layout="constrained")
     panels = figure.subplots(1, 2, sharey=True)
     limits: tuple[float, float] | None = None
     for axes, wanted in zip(panels, (False, True), strict=True):
         settings = {**SHADOW, "render": {**SHADOW["render"], "object_shadows": wanted}}
         image = prepare_sequence(parse_scenario(settings)).at(0.0).radiance
         limits = limits or scale_limits(image)
-        shown = axes.imshow(image, cmap="gray", vmin=limits[0], vmax=limits[1], aspect="auto", interpolation="nearest")
+        shown = axes.imshow(image, cmap="gray", vmin=limits[0], vmax=limits[1], interpolation="nearest")
         axes.set_title(f"render.object_shadows = {str(wanted).lower()}", fontsize=9)
-        axes.set(xlabel="column", ylim=(170.0, 40.0), xlim=(120.0, 440.0))
+        axes.set_xlabel("column")
     panels[0].set_ylabel("row")
     figure.colorbar(shown, ax=panels, extend="both", pad=0.01).set_label(f"in-band radiance [{VARIABLES['radiance'].symbol}]")
     return figure

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,6 @@ from seaglint.io.directions import directions
 from seaglint.io.labels import Label
 from seaglint.io.outputs import moved_when_whole
 from seaglint.io.provenance import stored_band
-from seaglint.pipeline.fig12 import Ways
 from seaglint.plot.scale import scale_of
 from seaglint.plot.summary import to_temperature
 from seaglint.schema import VARIABLES
@@ -32,6 +31,30 @@ _CLOSE: Final = 24
 
 _SECOND_MARKS: Final = 1.0
 """Time between marks on the ways [s]."""
+
+
+class Ways(Protocol):
+    """Where sensor and bodies are in the vertical plane of the line of sight, as :func:`seaglint.pipeline.fig12.ways` tells it."""
+
+    @property
+    def time(self) -> FloatArray:
+        """Of the frames [s]."""
+        ...
+
+    @property
+    def ahead(self) -> dict[str, FloatArray]:
+        """Distance ahead of the sensor's start by name [m, (frames,)]; that of the sensor is ``"sensor"``."""
+        ...
+
+    @property
+    def height(self) -> dict[str, FloatArray]:
+        """Height above the mean sea likewise [m]."""
+        ...
+
+    @property
+    def sight(self) -> tuple[float, float]:
+        """Elevations of the image's lower and upper edge [rad]."""
+        ...
 
 
 def draw(dataset: xr.Dataset, index: int, labels: list[Label], ways: Ways) -> Figure:
@@ -74,6 +97,8 @@ def draw(dataset: xr.Dataset, index: int, labels: list[Label], ways: Ways) -> Fi
             _marked(panels["colours"], label, radiance.shape, extent, COLOURS[number % len(COLOURS)])
             _close_view(panels["grey"], radiance, label, number, (scale.low, scale.high))
     _side(panels["side"], index, ways)
+    figure.draw_without_rendering()
+    panels["side"].set_title(f"{panels['side'].get_title()}; heights {_enlarged(panels['side']):.0f} times enlarged", fontsize=10)
     return figure
 
 
@@ -87,7 +112,7 @@ def write(dataset: xr.Dataset, index: int, labels: list[Label], ways: Ways, outp
     """
     output = Path(output)
     with moved_when_whole(output) as partial:
-        draw(dataset, index, labels, ways).savefig(partial, format="png", dpi=110, metadata={"Software": None})
+        draw(dataset, index, labels, ways).savefig(partial, format="png", dpi=90, metadata={"Software": None})
     return output
 
 
@@ -162,9 +187,13 @@ def _side(axes: Axes, index: int, ways: Ways) -> None:
     axes.set_xlim(min(0.0, *(1e-3 * float(a.min()) for a in ways.ahead.values())) - 0.05, 1e-3 * farthest)
     axes.set_ylim(-6.0, 1.25 * max(float(height.max()) for height in ways.height.values()))
     axes.set(xlabel="distance ahead of the sensor's start, along the sea [km]", ylabel="height above the mean sea [m]")
-    box = axes.get_position()
-    width, height_in = box.width * 12.0, box.height * 9.5
-    stretch = height_in / float(np.ptp(axes.get_ylim())) / (width / (1e3 * float(np.ptp(axes.get_xlim()))))
     marks = f"marks every {_SECOND_MARKS:g} s" if every > 1 else "marks every frame"
-    axes.set_title(f"(c) from the side, heights about {round(stretch, -1):.0f} times enlarged; {marks}", fontsize=10)
+    axes.set_title(f"(c) from the side; {marks}", fontsize=10)
     axes.legend(loc="upper right", fontsize=8, ncols=2)
+
+
+def _enlarged(axes: Axes) -> float:
+    """How many times heights are enlarged against distances, after the layout."""
+    size = axes.get_window_extent()
+    metres = float(np.ptp(axes.get_ylim())), 1e3 * float(np.ptp(axes.get_xlim()))
+    return float((size.height / metres[0]) / (size.width / metres[1]))

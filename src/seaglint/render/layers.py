@@ -140,7 +140,7 @@ def upright(columns: np.ndarray, planes: np.ndarray, out: np.ndarray) -> None:
 
 
 def mean_over_sea(weighted: NDArray[Any], coverage: NDArray[Any]) -> NDArray[Any]:
-    """Mean over what a pixel sees of the sea, of :data:`DISTANCE` or :data:`SLOPE` and :data:`COVERAGE`; NaN where it sees none."""
+    """Mean over what a pixel sees of the sea, of :data:`DISTANCE` [m] or :data:`SLOPE` [1] and :data:`COVERAGE`; NaN where it sees none."""
     seen = coverage > LEAST_SEEN
     return np.where(seen, weighted / np.where(seen, coverage, 1.0), np.nan).astype(weighted.dtype)
 

@@ -101,7 +101,7 @@ def labels(
 
 
 def numbers_of(sights: tuple[Sight, ...], shape: tuple[int, int], *, around: bool = False) -> NDArray[np.uint16]:
-    """The number, from 1, of the body that covers most of a pixel; 0 where none is."""
+    """The number [1], from 1, of the body that covers most of a pixel; 0 where none is."""
     return _owners([_pixels(sight, 1, shape, around) for sight in sights], shape)[1]
 
 
