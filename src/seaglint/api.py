@@ -102,8 +102,8 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     time : float
         Time from the start [s]; any, frames are not more than instants.
     layers : collection of str
-        Images to be there beside the radiance, of :data:`seaglint.schema.LAYERS`: the radiance's four parts, the distance of the sea, the
-        share of a pixel that it fills.
+        Images to be there beside the radiance, of :data:`seaglint.schema.LAYERS`: the radiance's four parts, distance and slope of the sea,
+        the share of a pixel that it fills, that of glint in the radiance, the number of the object in it.
 
     Returns
     -------

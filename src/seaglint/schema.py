@@ -70,6 +70,10 @@ VARIABLES: Final[dict[str, Variable]] = {
         Variable("sensor_roll", "degree", "turn of the sensor about its line of sight, right side down", symbol="deg"),
         Variable("range", "m", "distance from the sensor to the sea, mean over what a pixel sees of it"),
         Variable("coverage", "1", "share of a pixel that the sea fills", symbol=" "),
+        Variable(
+            "slope", "1", "slope of the sea away from the sensor, mean over what a pixel sees of it; facing it is positive", symbol=" "
+        ),
+        Variable("glint_share", "1", "share of reflected sunlight in the radiance", symbol=" "),
         Variable("column_px", "1", "column of an object's middle, pixel centres whole numbers", symbol="px"),
         Variable("row_px", "1", "row of an object's middle, from the top, pixel centres whole numbers", symbol="px"),
         Variable("range_m", "m", "distance from the sensor to an object's origin"),
@@ -110,7 +114,9 @@ VARIABLES: Final[dict[str, Variable]] = {
 }
 """Variables by name."""
 
-Layer = Literal["path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "range", "coverage"]
+Layer = Literal[
+    "path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "range", "coverage", "slope", "glint_share", "object_id"
+]
 """Name of a variable that an image may carry beside its radiance."""
 
 LAYERS: Final[tuple[str, ...]] = get_args(Layer)

@@ -6,6 +6,7 @@ import pytest
 from seaglint.errors import DomainError, ScenarioError
 from seaglint.limits import TABLE_BANDS_UM, TABLE_HEIGHTS
 from seaglint.pipeline import prepare
+from seaglint.pipeline.render import prepare_sequence
 from seaglint.scenario.load import parse_scenario
 
 
@@ -151,3 +152,34 @@ def test_slope_models_that_facets_cannot_draw_are_refused_unless_asked_for():
         prepare_sequence(parse_scenario(small))
     drawn = prepare_sequence(parse_scenario(small | {"render": {"gaussian_facets": True}}))
     assert drawn.at(0.0).radiance.shape == (4, 8)
+
+
+GLIDING = {"keyframes": [{"time_s": 0, "east_m": 0}, {"time_s": 1, "east_m": 50}]}
+
+
+def glide(**tables):
+    sensor = {"pixels": [12, 8], "frames": 2, "height_m": 30.0, **tables.pop("sensor", {})}
+    return parse_scenario({"sensor": sensor, "platform": GLIDING, "sea": {"resolve_waves": False}, **tables})
+
+
+@pytest.mark.parametrize(
+    ("tables", "swept"),
+    [
+        ({}, True),
+        ({"sensor": {"roll_deg": 5.0}}, False),
+        ({"sensor": {"projection": "pinhole"}}, False),
+        ({"platform": {"keyframes": [{"time_s": 0, "height_m": 30}, {"time_s": 1, "height_m": 31}]}}, False),
+        ({"platform": {"keyframes": [{"time_s": 0, "azimuth_deg": 0}, {"time_s": 1, "azimuth_deg": 9}]}}, False),
+        ({"platform": {"floats": True}}, False),
+    ],
+    ids=["level", "rolled", "plane", "rising", "turning", "floating"],
+)
+def test_what_glides_level_is_swept(tables, swept):
+    assert (prepare.swept_camera(glide(**tables)) is not None) is swept
+
+
+def test_a_calm_sea_is_the_same_from_everywhere_on_the_way():
+    moving, standing = prepare_sequence(glide()), prepare_sequence(glide(platform=None))
+    assert moving.layout.poses["sensor_east"].tolist() == [0.0, 50.0 / 25.0]
+    assert moving.images(1)["radiance"].tobytes() == standing.images(1)["radiance"].tobytes()
+    assert np.ndim(moving.layout.azimuth_deg) == 1

@@ -50,6 +50,7 @@ def test_the_parts_add_up_to_the_radiance(swept):
     require_sum(found)
     assert min(found[name].min() for name in PARTS) > -1e-6 * found.radiance.max()
     assert all(found[name].max() > 0.01 * found.radiance.min() for name in PARTS)
+    assert 0.02 < np.nanstd(found["slope"]) < 0.3
 
 
 @pytest.mark.parametrize("elevation", [-4.0, -60.0], ids=["swept", "walked"])
@@ -103,6 +104,34 @@ def test_range_of_sweep_and_of_walked_rays(air):
     np.testing.assert_allclose(walked["coverage"], 1.0)
 
 
+@pytest.mark.parametrize("walked", [False, True], ids=["swept", "walked"])
+def test_slope_is_the_rise_of_the_places_seen(air, walked):
+    """From the ranges of neighbouring rows, steep enough that no crest hides a trough."""
+    height, below = 20.0, {"walk_below": np.radians(-1.0)} if walked else {}
+    eye = Imager("pinhole", np.radians(6.0), np.radians(5.0), 28, 30)
+    track = Track.standing(height, Attitude(0.2, np.radians(-35.0)))
+    scene = turned_scene(lambda h: sea_view(air, SLOPES, h, 70.0), eye, track, elfouhaily(WIND), layers=LAYERS, **below)
+    found = shown(scene, 0.7)
+    azimuth, elevation = scene.imager.centres(scene.pose.attitude)
+    along, up = found["range"] * np.cos(elevation), height + found["range"] * np.sin(elevation)
+    rise = (up[:-2] - up[2:]) / (along[:-2] - along[2:])
+    slope = found["slope"][1:-1]
+    assert np.corrcoef(slope.ravel(), rise.ravel())[0, 1] > 0.95
+    assert (slope * rise).sum() / (rise**2).sum() == pytest.approx(1.0, abs=0.06)
+    assert azimuth.shape == found["slope"].shape
+
+
+def test_a_calm_sea_has_no_slope_and_its_glint_a_share(air):
+    eye = camera(30.0, 0.5, -30.0, 60, width=8.0, columns=3)
+    found = shown(swept_scene(sea_view(air, SLOPES, 30.0, 60.0), eye, layers=LAYERS), 0.0)
+    sea = found["coverage"] > 0.0
+    assert np.isnan(found["slope"][~sea]).all()
+    assert np.all(found["slope"][sea] == 0.0)
+    np.testing.assert_allclose(found["glint_share"] * found.radiance, found.glint_radiance, rtol=1e-6)
+    assert 0.1 < found["glint_share"].max() < 1.0
+    assert not found["object_id"].any()
+
+
 @pytest.mark.parametrize(
     "cuts",
     [np.array([300.0]), np.array([50.0, 400.0, 401.0, 3000.0]), np.linspace(200.0, 2000.0, 48).reshape(24, 2), np.array([1e9])],
@@ -114,7 +143,7 @@ def test_cuts_in_range_compose_to_the_whole_image(swept, cuts):
     back = composed(parts)
     for name in whole:
         assert back[name].tobytes() == whole[name].tobytes(), name
-        if name != "range":
+        if name not in ("range", "slope"):
             # parts are sums of their own, not what is left of the whole: nothing is negative
             assert min(float(part[name].min()) for part in parts) >= (-1e-12 if name == "sky_radiance" else 0.0), name
 

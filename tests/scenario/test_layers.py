@@ -18,8 +18,8 @@ from seaglint.schema import LAYERS, VARIABLES
 
 def test_layers_are_variables_that_leave_the_program():
     assert set(LAYERS) < set(VARIABLES)
-    assert len(set(LAYERS)) == len(LAYERS) == 6
-    assert [VARIABLES[name].units for name in LAYERS] == 4 * ["W m-2 sr-1"] + ["m", "1"]
+    assert len(set(LAYERS)) == len(LAYERS) == 9
+    assert [VARIABLES[name].units for name in LAYERS] == 4 * ["W m-2 sr-1"] + ["m", *4 * ["1"]]
 
 
 def test_none_by_default_and_all_in_the_order_given():

@@ -353,9 +353,9 @@ def _put(group: Any, name: str, values: NDArray[Any], dimensions: tuple[str, ...
 
 def _write_frame(group: Any, index: int, images: Mapping[str, NDArray[Any]]) -> None:
     for name, image in images.items():
-        if name in TRUTHS:
+        if name in TRUTHS and GROUP in group:
             group[GROUP][name][index] = image
-        else:
+        if name in group:  # object_id is truth, and a layer where one asks for it
             group[name][index] = np.asarray(image, dtype=VARIABLES[name].dtype)
     group["frame_done"][index] = 1
 

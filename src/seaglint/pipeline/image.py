@@ -14,6 +14,7 @@ from seaglint.io.provenance import band_attributes
 from seaglint.pipeline.render import directions, poses, prepare_sequence
 from seaglint.render.layers import require_layers
 from seaglint.scenario.model import Scenario
+from seaglint.schema import VARIABLES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -61,7 +62,7 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     whole = azimuth.ndim == 2
     place = {name: float(values[0]) for name, values in poses(run.track, np.array([time])).items()} if run.track.moves else {}
     return xr.Dataset(
-        {name: (("y", "x"), found[name]) for name in ("radiance", *wanted)},
+        {name: (("y", "x"), found[name].astype(VARIABLES[name].dtype, copy=False)) for name in ("radiance", *wanted)},
         coords={
             "azimuth": (("y", "x") if whole else "x", np.degrees(azimuth)),
             "elevation": (("y", "x") if whole else "y", np.degrees(elevation)),

@@ -322,6 +322,17 @@ def gliding_camera(scenario: Scenario) -> Camera | None:
             f"sensor.projection = '{scenario.sensor.projection}': the columns of a scanner (sensor.scan) are equal steps of azimuth; set "
             "sensor.projection = 'equal-angle'"
         )
+    return _level_camera(scenario)
+
+
+def swept_camera(scenario: Scenario) -> Camera | None:
+    """The image grid of a sensor that is drawn without turning its picture: upright, equal steps of angle, at one height, standing or on a
+    platform that neither turns nor rises; None for any other.
+    """
+    return _level_camera(scenario) if scenario.sensor.projection == "equal-angle" else None
+
+
+def _level_camera(scenario: Scenario) -> Camera | None:
     way = track(scenario)
     pose = way.at(float(way.time[0]))
     floats = scenario.platform is not None and scenario.platform.floats

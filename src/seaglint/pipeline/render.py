@@ -214,7 +214,7 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned
     sensor = scenario.sensor
     numbers = frames if frames is not None else range(sensor.frames)
     accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)
-    camera = prepare.gliding_camera(scenario) if scanned else prepare.upright_camera(scenario)
+    camera = prepare.gliding_camera(scenario) if scanned else prepare.swept_camera(scenario)
     if camera is not None:
         first = prepare.view(scenario)
         sea = prepare.sea(scenario, first.slopes)
@@ -235,7 +235,7 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned
 
     scene = prepared(sun_position(scenario))
     view = scene.view
-    objects = SceneObjects.of(bodies_of(scenario), sea.waves)
+    objects = SceneObjects.of(bodies_of(scenario), sea.waves, shadows=scenario.render.object_shadows)
     places = poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
     azimuth, elevation = directions(scene, track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0))
     _require_step(scenario, sea.waves)

@@ -14,7 +14,8 @@ from seaglint.io.truth import Truth, packed
 from seaglint.objects.body import Body
 from seaglint.render.bodies.compose import Sight, composed
 from seaglint.render.bodies.draw import Drawer, Stage
-from seaglint.render.bodies.truth import labels
+from seaglint.render.bodies.shadow import shadowed
+from seaglint.render.bodies.truth import labels, numbers_of
 from seaglint.render.layers import Layers
 from seaglint.render.platform import Pose
 from seaglint.render.scene import Instant, joined
@@ -66,12 +67,13 @@ class SceneObjects:
 
     drawer: Drawer
     _bodies: BodiesOf
+    shadows: bool = False
 
     @classmethod
-    def of(cls, bodies: BodiesOf, waves: WaveField | None) -> SceneObjects | None:
-        """Objects over a sea; None where there are none."""
+    def of(cls, bodies: BodiesOf, waves: WaveField | None, *, shadows: bool = False) -> SceneObjects | None:
+        """Objects over a sea, with ``shadows`` on its glint or without; None where there are none."""
         found = bodies(waves)
-        return cls(Drawer.of(found), bodies) if found else None
+        return cls(Drawer.of(found), bodies, shadows) if found else None
 
     def over(self, waves: WaveField | None) -> SceneObjects:
         """The same over another realisation of the sea."""
@@ -95,13 +97,18 @@ class SceneObjects:
         waves = None if scene.waves is None else (sea.levels, sea.surface)
         stage = Stage(scene.pixels, pose, scene.seen_from(pose), waves, *window)
         picture = self.drawer.picture(stage, time)
+        if self.shadows:
+            layers = shadowed(layers, stage, picture.placed, self.drawer.light(stage.view))
         out, sights = composed(layers, stage, picture, self.drawer.light(stage.view))
+        if "object_id" in out:
+            whole = numbers_of(sights, (stage.imager.rows, stage.imager.columns), around=stage.imager.goes_round)
+            out = Layers({**out, "object_id": whole[slice(*window[1]), slice(*window[0])].astype(np.float32)})
         return Drawn(out, layers.radiance, sights)
 
     def truth(self, drawn: Drawn, scene: SweptScene | TurnedScene, oversampling: int = 1) -> Mapping[str, NDArray[Any]]:
         """What is stored of the objects of a frame, by variable of the group ``truth``."""
         kelvin = self.drawer.light(scene.view).kelvin
-        numbers, masks, which = labels(drawn.sights, drawn.sea, kelvin, oversampling)
+        numbers, masks, which = labels(drawn.sights, drawn.sea, kelvin, oversampling, around=scene.pixels.goes_round)
         return {**numbers, "object_mask": packed(masks), "object_id": which}
 
     def layout(self) -> Truth:

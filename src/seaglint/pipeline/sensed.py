@@ -21,7 +21,7 @@ from seaglint.pipeline.render import Sequence, prepare_sequence
 from seaglint.pipeline.scene_objects import Drawn
 from seaglint.pipeline.sense import SensedFrames, require_electrons, signal_attributes
 from seaglint.pipeline.sensor import line_of_sight_rates, scan, sensor_attributes, sensor_model
-from seaglint.render.layers import LEAST_SEEN, Layers
+from seaglint.render.layers import LEAST_SEEN, Layers, share_of_glint
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sensor_presets import TABLES
 from seaglint.sensor.scan import Scan
@@ -173,19 +173,22 @@ def _rolled(sequence: Sequence, way: Scan, oversampling: int, time: float) -> Dr
 
 
 def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
-    """Means of layers over the detector's pixels; ranges over what is seen of the sea."""
+    """Means of layers over the detector's pixels; ranges and slopes over what is seen of the sea."""
 
     def mean(image: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
         rows, columns = image.shape[0] // oversampling, image.shape[1] // oversampling
         return np.asarray(image.reshape(rows, oversampling, columns, oversampling).mean(axis=(1, 3), dtype=np.float64))
 
-    out = {name: mean(layers[name]).astype(np.float32) for name in layers if name != "range"}
-    if "range" in layers:
-        seen = np.isfinite(layers["range"])
+    over_sea = {"range", "slope"} & set(layers)
+    out = {name: mean(layers[name]).astype(np.float32) for name in layers if name not in over_sea}
+    for name in over_sea:
+        seen = np.isfinite(layers[name])
         share = layers["coverage"] if "coverage" in layers else seen.astype(np.float32)
         weight = mean(np.where(seen, share, 0.0))
-        distance = mean(np.where(seen, share * np.nan_to_num(layers["range"]), 0.0))
-        out["range"] = np.where(weight > LEAST_SEEN, distance / np.maximum(weight, LEAST_SEEN), np.nan).astype(np.float32)
+        total = mean(np.where(seen, share * np.nan_to_num(layers[name]), 0.0))
+        out[name] = np.where(weight > LEAST_SEEN, total / np.maximum(weight, LEAST_SEEN), np.nan).astype(np.float32)
+    if "glint_share" in out:
+        out["glint_share"] = share_of_glint(out["glint_radiance"], out["radiance"])
     return out
 
 

@@ -5,7 +5,7 @@ Kernels add to *channels*, one row of sums for each; layers are made of channels
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any, Final
 
 import numba
@@ -37,13 +37,16 @@ DISTANCE: Final = 5
 COVERAGE: Final = 6
 """Share of the pixel that the sea fills [1]."""
 
-CHANNELS: Final = 7
+SLOPE: Final = 7
+"""Slope of the sea away from the sensor times the share of the pixel that the sea fills [1]."""
+
+CHANNELS: Final = 8
 """All of them."""
 
 FEWEST: Final = 3
 """Channels that every frame has: the first three."""
 
-SKY: Final = 7
+SKY: Final = 8
 """Plane of the mirrored sky, and of the sky itself: what the total has beside Sun, emission and path."""
 
 LEAST_SEEN: Final = 1e-9
@@ -56,14 +59,20 @@ _PLANES: Final = {
     "glint_radiance": (SUN,),
     "range": (DISTANCE, COVERAGE),
     "coverage": (COVERAGE,),
+    "slope": (SLOPE, COVERAGE),
+    "glint_share": (),
+    "object_id": (),
 }
+
+LIT: Final = frozenset({"glint_radiance", "glint_share", "object_id"})
+"""Layers that need no more than what every frame has."""
 
 
 class Layers(Mapping[str, NDArray[np.float32]]):
     """One frame: images (rows, columns) under the names of :data:`seaglint.schema.VARIABLES`; ``radiance`` and ``glint_radiance`` always.
 
     ``range`` is the distance from the sensor to the sea, mean over what a pixel sees of it, NaN where it sees none; ``coverage`` the share
-    of the pixel that the sea fills.
+    of the pixel that the sea fills; ``slope`` that of the resolved waves along the line of sight; ``object_id`` 0 where no object is.
     """
 
     def __init__(self, images: Mapping[str, NDArray[np.float32]]) -> None:
@@ -105,7 +114,7 @@ def require_layers(names: Collection[str]) -> tuple[str, ...]:
 
 def channels_for(names: Collection[str]) -> int:
     """Channels that the kernels must fill for some layers: few where only the mirrored Sun is wanted."""
-    return FEWEST if set(names) <= {"glint_radiance"} else CHANNELS
+    return FEWEST if set(names) <= LIT else CHANNELS
 
 
 def planes_for(names: Collection[str]) -> NDArray[np.int64]:
@@ -130,10 +139,15 @@ def upright(columns: np.ndarray, planes: np.ndarray, out: np.ndarray) -> None:
                         out[k, row, column] = columns[column, planes[k], row]
 
 
-def mean_distance(distance: NDArray[Any], coverage: NDArray[Any]) -> NDArray[Any]:
-    """Mean over what a pixel sees of the sea [m], of the planes :data:`DISTANCE` and :data:`COVERAGE`; NaN where it sees none."""
+def mean_over_sea(weighted: NDArray[Any], coverage: NDArray[Any]) -> NDArray[Any]:
+    """Mean over what a pixel sees of the sea, of :data:`DISTANCE` [m] or :data:`SLOPE` [1] and :data:`COVERAGE`; NaN where it sees none."""
     seen = coverage > LEAST_SEEN
-    return np.where(seen, distance / np.where(seen, coverage, 1.0), np.nan).astype(distance.dtype)
+    return np.where(seen, weighted / np.where(seen, coverage, 1.0), np.nan).astype(weighted.dtype)
+
+
+def share_of_glint(glint: NDArray[Any], radiance: NDArray[Any]) -> NDArray[Any]:
+    """Share of reflected sunlight in the radiance [1]; 0 where there is no light."""
+    return np.asarray(np.divide(glint, radiance, out=np.zeros_like(radiance), where=radiance > 0.0))
 
 
 def layers_of(planes: NDArray[Any], kinds: NDArray[np.int64], names: Collection[str]) -> Layers:
@@ -141,7 +155,28 @@ def layers_of(planes: NDArray[Any], kinds: NDArray[np.int64], names: Collection[
     by_kind = {int(kind): plane for kind, plane in zip(kinds, planes, strict=True)}
     images = {"radiance": by_kind[TOTAL], "glint_radiance": by_kind[SUN]}
     for name in names:
-        images[name] = by_kind[_PLANES[name][0]]
-    if "range" in names:
-        images["range"] = mean_distance(by_kind[DISTANCE], by_kind[COVERAGE])
+        if _PLANES[name]:
+            images[name] = by_kind[_PLANES[name][0]]
+    for name, plane in (("range", DISTANCE), ("slope", SLOPE)):
+        if name in names:
+            images[name] = mean_over_sea(by_kind[plane], by_kind[COVERAGE])
+    if "glint_share" in names:
+        images["glint_share"] = share_of_glint(images["glint_radiance"], images["radiance"])
+    if "object_id" in names:
+        images["object_id"] = np.zeros_like(images["radiance"])
     return Layers(images)
+
+
+def summed(parts: Sequence[Layers]) -> Layers:
+    """One image of parts that lie behind each other, each summed for itself and with its ``coverage``."""
+
+    def together(images: list[NDArray[Any]]) -> NDArray[np.float32]:
+        return np.asarray(np.sum(images, axis=0), np.float32)
+
+    means = {"range", "slope", "glint_share"} & set(parts[0])
+    found = {name: together([part[name] for part in parts]) for name in parts[0] if name not in means}
+    for name in means - {"glint_share"}:
+        found[name] = mean_over_sea(together([np.nan_to_num(part[name]) * part["coverage"] for part in parts]), found["coverage"])
+    if "glint_share" in means:
+        found["glint_share"] = share_of_glint(found["glint_radiance"], found["radiance"])
+    return Layers(found)

@@ -22,7 +22,7 @@ from seaglint.radiance.local_sun import SunTable, strength_kernel
 from seaglint.radiance.view import SeaView
 from seaglint.render.facet import FacetLevels, FacetOptics, facet_sunlight, level_optics
 from seaglint.render.haze import Haze, haze_between, haze_column, sky_haze
-from seaglint.render.layers import CHANNELS, COVERAGE, DISTANCE, EMITTED, PATH, SUN, TOTAL
+from seaglint.render.layers import CHANNELS, COVERAGE, DISTANCE, EMITTED, PATH, SLOPE, SUN, TOTAL
 from seaglint.render.path_basis import path_basis
 from seaglint.render.roughness import Sight, line_of_sight
 from seaglint.render.shade import sun_share
@@ -197,6 +197,7 @@ def ray(
     out[TOTAL], out[SUN] = warm + path + solar, solar
     out[EMITTED] = warm_light(tables.emitted, axes, air.path.emitted, i, sight, sine, slope)
     out[PATH], out[DISTANCE], out[COVERAGE] = path, s, 1.0
+    out[SLOPE] = -(slope[0] * sight.east + slope[1] * sight.north)
 
 
 @njit

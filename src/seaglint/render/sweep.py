@@ -22,7 +22,7 @@ from seaglint.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
 from seaglint.radiance.local_sun import SunTable, strength_kernel
 from seaglint.render.facet import FacetLevels, FacetOptics, facet_sunlight, level_optics
 from seaglint.render.haze import NO_HAZE, Haze, haze_between, haze_column, path_along
-from seaglint.render.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, PATH, SPREAD, SUN, TOTAL
+from seaglint.render.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, PATH, SLOPE, SPREAD, SUN, TOTAL
 from seaglint.render.pieces import Merging, Pieces, merge, new_pieces, read_slopes
 from seaglint.render.roughness import Sight, line_of_sight
 from seaglint.render.shade import sun_share
@@ -120,6 +120,7 @@ def add_rows(
             image[PATH, row] += (light[PATH] - lean[3] / rows.per_radian * off) * overlap
             image[DISTANCE, row] += light[DISTANCE] * overlap
             image[COVERAGE, row] += overlap
+            image[SLOPE, row] += light[SLOPE] * overlap
         row += 1
 
 
@@ -178,6 +179,7 @@ def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pi
         light[j, EMITTED] = facet_thermal(lit.tables.axes, line.emitted, walk.path.emitted, (p, f), line.sight, grazing[0], slope)
         light[j, PATH] = path
         light[j, DISTANCE] = distance(walk.eye, height(surface, line.course, 0, line.course.part.shape[0], r), r)
+        light[j, SLOPE] = -(slope[0] * line.sight.east + slope[1] * line.sight.north)
 
 
 @kernel

@@ -17,7 +17,7 @@ from seaglint.errors import DomainError
 from seaglint.radiance.view import SeaView
 from seaglint.render.accuracy import Accuracy
 from seaglint.render.camera import Camera
-from seaglint.render.layers import CHANNELS, Layers, channels_for, layers_of, mean_distance, planes_for, require_layers, upright
+from seaglint.render.layers import CHANNELS, Layers, channels_for, layers_of, planes_for, require_layers, summed, upright
 from seaglint.render.levels import Levels
 from seaglint.render.path_basis import path_basis
 from seaglint.render.pieces import Merging
@@ -403,15 +403,7 @@ def beyond(made: Camera, other: Camera) -> float:
 
 def composed(parts: Sequence[Layers]) -> Layers:
     """The whole image from its :meth:`SweptScene.intervals`, front to back."""
-
-    def together(images: list[NDArray[Any]]) -> NDArray[np.float32]:
-        return np.asarray(np.sum(images, axis=0), np.float32)
-
-    found = {name: together([part[name] for part in parts]) for name in parts[0] if name != "range"}
-    if "range" in parts[0]:
-        distance = together([np.nan_to_num(part["range"]) * part["coverage"] for part in parts])
-        found["range"] = mean_distance(distance, found["coverage"])
-    return Layers(found)
+    return summed(parts)
 
 
 def require_above(foot: float, height: float, time: float) -> None:

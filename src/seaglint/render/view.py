@@ -85,6 +85,11 @@ class Imager:
                 f"{np.degrees(widest):g}] x (0, {np.degrees(min(widest, np.pi)):g}] deg of a {self.projection} camera"
             )
 
+    @property
+    def goes_round(self) -> bool:
+        """Whether the image closes on itself: its last column lies beside its first."""
+        return self.projection == "equal-angle" and self.width > 2.0 * np.pi - 1e-9
+
     def directions(self, attitude: Attitude, across: ArrayLike, down: ArrayLike) -> FloatArray:
         """Unit vectors (east, north, up) of the lines of sight through image points.
 

@@ -47,10 +47,14 @@ class Render(Record):
         Annotated[int, Quantity(ge=1, le=15, integer=True)] | None,
         Field(description="with a detector: pixels drawn along each side of its pixels; what the optics' cut-off needs where left out"),
     ] = None
+    object_shadows: Annotated[
+        StrictBool, Field(description="objects shade the sea from the Sun: its glint is dark in their shadow, beside their own pixels too")
+    ] = False
     layers: Annotated[
         tuple[Layer, ...],
         Field(
-            description="images written beside the radiance: its four parts, the distance of the sea, the share of a pixel that it fills",
+            description="images written beside the radiance: its four parts, distance and slope of the sea, the share of a pixel that it "
+            "fills, that of glint in the radiance, the number of the object in it",
             json_schema_extra={"uniqueItems": True},
         ),
     ] = ()

@@ -17,7 +17,7 @@ from seaglint.render.bodies.draw import Patch, Picture, Stage, solid_angle
 from seaglint.render.bodies.eye import Stand
 from seaglint.render.bodies.light import Surroundings
 from seaglint.render.bodies.shade import ACROSS, COVER, DISTANCE, DOWN, EMITTED, MIRRORED, PATH, SEEN, SUN
-from seaglint.render.layers import LEAST_SEEN, Layers
+from seaglint.render.layers import LEAST_SEEN, Layers, share_of_glint
 
 LEAST_COVER: Final = 1e-12
 """Share of a pixel below which a body is not in it."""
@@ -127,7 +127,7 @@ def composed(layers: Layers, stage: Stage, picture: Picture, light: Surroundings
         Image, and one for every body.
     """
     if not picture.patches:
-        return layers, _sights(picture, [], [])
+        return layers, _sights(stage, picture, [], [])
     sea = np.asarray(layers.radiance, np.float64)
     out = {name: layers[name].copy() for name in layers}
     pixel = _pixels(stage)
@@ -147,7 +147,9 @@ def composed(layers: Layers, stage: Stage, picture: Picture, light: Surroundings
             new = np.asarray(out[name][where], np.float64) + own - share.cover * was
             out[name][where] = np.where(touched, np.maximum(new, 0.0), out[name][where]).astype(np.float32)
     _distances(layers, stage, picture.patches, out)
-    return Layers(out), _sights(picture, list(picture.patches), shares)
+    if {"slope", "glint_share"} & set(out):
+        _derived(layers, stage, picture.patches, out)
+    return Layers(out), _sights(stage, picture, list(picture.patches), shares)
 
 
 def _pixels(stage: Stage) -> FloatArray:
@@ -200,11 +202,25 @@ def _distances(layers: Layers, stage: Stage, patches: Sequence[Patch], out: dict
         out["range"][where] = np.where(cover > LEAST_COVER, new, was).astype(np.float32)
 
 
-def _sights(picture: Picture, patches: list[Patch], shares: list[Share]) -> tuple[Sight, ...]:
-    out = []
+def _derived(layers: Layers, stage: Stage, patches: Sequence[Patch], out: dict[str, NDArray[np.float32]]) -> None:
+    """The share of glint of what is seen now; no slope where bodies leave no sea to see."""
+    left = np.ones(layers.radiance.shape)
+    for patch in patches:
+        where = np.ix_(patch.rows - stage.rows[0], patch.columns - stage.columns[0])
+        touched = np.asarray(out["radiance"][where] != layers["radiance"][where])
+        if "glint_share" in out:
+            share = share_of_glint(out["glint_radiance"][where], out["radiance"][where])
+            out["glint_share"][where] = np.where(touched, share, out["glint_share"][where])
+        left[where] -= patch.planes[COVER]
+    if "slope" in out:
+        out["slope"][left <= LEAST_SEEN] = np.nan
+
+
+def _sights(stage: Stage, picture: Picture, patches: list[Patch], shares: list[Share]) -> tuple[Sight, ...]:
+    out, circle = [], stage.window.circle
     for number, (body, place) in enumerate(zip(picture.bodies, picture.stands, strict=True)):
         own = [(patch, share) for patch, share in zip(patches, shares, strict=True) if patch.placed.part.body == number]
-        sums = sum((patch.sums for patch, _ in own), np.zeros(4))
+        sums = sum((_beside(patch.sums, own[0][0].sums, circle) for patch, _ in own), np.zeros(4))
         points = [patch for patch, _ in own if patch.clear > 0.0]
         drawn = {id(patch.placed): float(patch.sums[0]) for patch, _ in own}
         whole = sum(drawn.get(id(one)) or solid_angle(one) for one in picture.placed if one.part.body == number)
@@ -215,6 +231,16 @@ def _sights(picture: Picture, patches: list[Patch], shares: list[Share]) -> tupl
             across, down = (float(sums[k] - sum(p.sums[k] for p in points)) for k in (ACROSS, DOWN))
         out.append(Sight(body.name, *_direction(place), float(whole), seen, across, down, tuple(share for _, share in own)))
     return tuple(out)
+
+
+def _beside(sums: FloatArray, first: FloatArray, circle: int) -> FloatArray:
+    """Sums of a part with its columns counted as those of the first part: on a panorama they may differ by full circles."""
+    if circle == 0 or sums[SEEN] == 0.0 or first[SEEN] == 0.0:
+        return sums
+    turns = round((sums[ACROSS] / sums[SEEN] - first[ACROSS] / first[SEEN]) / circle)
+    out = sums.copy()
+    out[ACROSS] -= turns * circle * sums[SEEN]
+    return out
 
 
 def _direction(place: Stand) -> tuple[float, float, float]:

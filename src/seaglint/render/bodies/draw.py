@@ -120,8 +120,7 @@ class Stage:
     @cached_property
     def window(self) -> Window:
         """Pixels that are drawn."""
-        around = self.imager.projection == "equal-angle" and self.imager.width > 2.0 * np.pi - 1e-9
-        return Window(self.columns, self.rows, self.imager.columns if around else 0)
+        return Window(self.columns, self.rows, self.imager.columns if self.imager.goes_round else 0)
 
     def crests(self, one: Placed) -> Crests:
         """The sea before a part."""

@@ -44,24 +44,37 @@ NUMBERS: Final = (
 
 @dataclass(frozen=True, eq=False)
 class _Pixels:
-    """What a body leaves in a box of pixels: coverage, radiance times it, the sea's share that it hides, and their solid angles."""
+    """What a body leaves in a box of pixels: coverage, radiance times it, the sea's share that it hides, and their solid angles.
+
+    ``shape``: rows and columns of the image; with ``around`` it closes on itself, and columns of a box go on beyond its right edge.
+    """
 
     top: int
     left: int
+    shape: tuple[int, int]
+    around: bool
     cover: FloatArray
     added: FloatArray
     hidden: FloatArray
     solid: FloatArray
     seen: NDArray[np.bool_]
 
-    @property
-    def where(self) -> tuple[slice, slice]:
-        """The box in the image."""
-        return slice(self.top, self.top + self.seen.shape[0]), slice(self.left, self.left + self.seen.shape[1])
+    def where(self, margin: int = 0) -> tuple[NDArray[Any], ...]:
+        """The box in the image, with some pixels around it."""
+        top, bottom = max(self.top - margin, 0), min(self.top + self.seen.shape[0] + margin, self.shape[0])
+        left, right = self.left - margin, self.left + self.seen.shape[1] + margin
+        if self.around:
+            return np.ix_(np.arange(top, bottom), np.arange(left, min(right, left + self.shape[1])) % self.shape[1])
+        return np.ix_(np.arange(top, bottom), np.arange(max(left, 0), min(right, self.shape[1])))
 
 
 def labels(
-    sights: tuple[Sight, ...], sea: NDArray[Any], kelvin: Callable[[float], float], oversampling: int = 1
+    sights: tuple[Sight, ...],
+    sea: NDArray[Any],
+    kelvin: Callable[[float], float],
+    oversampling: int = 1,
+    *,
+    around: bool = False,
 ) -> tuple[Mapping[str, FloatArray], list[NDArray[np.bool_]], NDArray[np.uint16]]:
     """Numbers (:data:`NUMBERS`) of bodies, their masks (rows, columns), and the number, from 1, of the body that covers most of a pixel.
 
@@ -75,45 +88,69 @@ def labels(
         Apparent temperature [K] of a radiance.
     oversampling : int
         Pixels drawn along the side of one that is labelled.
+    around : bool
+        Whether the image closes on itself: columns of a box that spans the seam count on from its left.
     """
     n = oversampling
     shape = (sea.shape[0] // n, sea.shape[1] // n)
     coarse = np.asarray(sea, np.float64).reshape(shape[0], n, shape[1], n).mean(axis=(1, 3)) if n > 1 else np.asarray(sea, np.float64)
-    number, most = np.zeros(shape, np.uint16), np.zeros(shape)
-    boxes = [_pixels(sight, n, shape) for sight in sights]
-    masks = []
-    for body, found in enumerate(boxes, 1):
-        mask = np.zeros(shape, bool)
-        if found is not None:
-            mask[found.where] = found.seen
-            more = found.seen & (found.cover >= most[found.where]) & ((found.cover > 0.0) | (number[found.where] == 0))
-            number[found.where] = np.where(more, np.uint16(body), number[found.where])
-            most[found.where] = np.where(more, found.cover, most[found.where])
-        masks.append(mask)
+    boxes = [_pixels(sight, n, shape, around) for sight in sights]
+    masks, number = _owners(boxes, shape)
     rows = [_numbers(sight, found, coarse, number > 0, kelvin, n) for sight, found in zip(sights, boxes, strict=True)]
     return {name: np.array([row[name] for row in rows], np.float64) for name in NUMBERS}, masks, number
 
 
-def _pixels(sight: Sight, n: int, shape: tuple[int, int]) -> _Pixels | None:
+def numbers_of(sights: tuple[Sight, ...], shape: tuple[int, int], *, around: bool = False) -> NDArray[np.uint16]:
+    """The number [1], from 1, of the body that covers most of a pixel; 0 where none is."""
+    return _owners([_pixels(sight, 1, shape, around) for sight in sights], shape)[1]
+
+
+def _owners(boxes: list[_Pixels | None], shape: tuple[int, int]) -> tuple[list[NDArray[np.bool_]], NDArray[np.uint16]]:
+    """Masks of bodies, and the number of the one that covers most."""
+    number, most, masks = np.zeros(shape, np.uint16), np.zeros(shape), []
+    for body, found in enumerate(boxes, 1):
+        mask = np.zeros(shape, bool)
+        if found is not None:
+            where = found.where()
+            mask[where] = found.seen
+            more = found.seen & (found.cover >= most[where]) & ((found.cover > 0.0) | (number[where] == 0))
+            number[where] = np.where(more, np.uint16(body), number[where])
+            most[where] = np.where(more, found.cover, most[where])
+        masks.append(mask)
+    return masks, number
+
+
+def _pixels(sight: Sight, n: int, shape: tuple[int, int], around: bool) -> _Pixels | None:
     """Sums over a body's shares in the pixels that are labelled."""
     shares = [share for share in sight.shares if share.cover.size]
     if not shares:
         return None
     top, bottom = min(int(s.rows.min()) for s in shares) // n, max(int(s.rows.max()) for s in shares) // n + 1
-    left, right = min(int(s.columns.min()) for s in shares) // n, max(int(s.columns.max()) for s in shares) // n + 1
-    top, left, bottom, right = max(top, 0), max(left, 0), min(bottom, shape[0]), min(right, shape[1])
+    left, right = _columns(np.concatenate([s.columns // n for s in shares]), shape[1], around)
+    top, bottom = max(top, 0), min(bottom, shape[0])
     size = (bottom - top, right - left)
     cover, added, hidden, solid = (np.zeros(size) for _ in range(4))
     seen = np.zeros(size, bool)
     for s in shares:
-        where = np.ix_(s.rows // n - top, s.columns // n - left)
+        where = np.ix_(s.rows // n - top, (s.columns // n - left) % shape[1])
         index = tuple(np.broadcast_arrays(*where))
         np.add.at(cover, index, s.cover / n**2)
         np.add.at(added, index, s.radiance * s.pixel)
         np.add.at(hidden, index, s.cover * s.image * s.pixel)
         np.maximum.at(solid, index, s.pixel * n**2)
         np.logical_or.at(seen, index, (s.cover > LEAST_COVER) | (s.radiance > 0.0))
-    return _Pixels(top, left, cover, added, hidden, solid, seen) if seen.any() else None
+    return _Pixels(top, left, shape, around, cover, added, hidden, solid, seen) if seen.any() else None
+
+
+def _columns(touched: NDArray[np.int64], width: int, around: bool) -> tuple[int, int]:
+    """First column and the one after the last; around a full circle from beyond the widest gap, on over the seam."""
+    found = np.unique(touched)
+    first, last = int(found[0]), int(found[-1])
+    gaps = np.diff(found)
+    if not around or gaps.size == 0 or gaps.max() <= first + width - last:
+        return first, last + 1
+    k = int(gaps.argmax())
+    return int(found[k + 1]), int(found[k]) + width + 1
 
 
 def _numbers(
@@ -142,7 +179,7 @@ def _numbers(
     point = sight.seen == 0.0
     weight = 1.0 if point else sight.seen
     row["visible_share"] = 1.0 if point else min(sight.seen / sight.whole, 1.0) if sight.whole > 0.0 else math.nan
-    row["column_px"] = sight.across / weight / n - 0.5
+    row["column_px"] = _on_image(sight.across / weight / n - 0.5, found)
     row["row_px"] = sight.down / weight / n - 0.5
     rows, columns = np.nonzero(found.seen)
     row["bbox_left_px"], row["bbox_top_px"] = float(found.left + columns.min()), float(found.top + rows.min())
@@ -151,7 +188,7 @@ def _numbers(
     row["irradiance_W_m2"] = total
     if abs(total) > 0.0:
         j, i = np.mgrid[0 : difference.shape[0], 0 : difference.shape[1]]
-        row["signal_column_px"] = found.left + float((difference * i).sum()) / total
+        row["signal_column_px"] = _on_image(found.left + float((difference * i).sum()) / total, found)
         row["signal_row_px"] = found.top + float((difference * j).sum()) / total
     if not point:
         row["contrast_W_m2_sr"] = total / sight.seen
@@ -163,10 +200,14 @@ def _numbers(
     return row
 
 
+def _on_image(column: float, found: _Pixels) -> float:
+    """A column of an image that closes on itself, from -0.5 on."""
+    return (column + 0.5) % found.shape[1] - 0.5 if found.around else column
+
+
 def _clutter(found: _Pixels, sea: FloatArray, covered: NDArray[np.bool_]) -> float:
     """Standard deviation of the sea's image around a body [W m-2 sr-1]; NaN where too little is left of it."""
-    top, left = max(found.top - SURROUND, 0), max(found.left - SURROUND, 0)
-    bottom, right = found.top + found.seen.shape[0] + SURROUND, found.left + found.seen.shape[1] + SURROUND
-    around = sea[top:bottom, left:right][~covered[top:bottom, left:right]]
+    where = found.where(SURROUND)
+    around = sea[where][~covered[where]]
     around = around[np.isfinite(around)]
     return float(around.std()) if around.size >= LEAST_CLUTTER else math.nan
