@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
+from seaglint.weather.daylight import arc, hours_of_light
 from seaglint.weather.ephemeris import year_span
 from seaglint.weather.table import MONTHS, IntArray, WeatherTable
 
@@ -41,9 +42,13 @@ class Times:
 
     def draw(self, day: FloatArray, hour: FloatArray) -> FloatArray:
         """Seconds since 1970-01-01 UTC at uniform numbers for the day and the hour [s]."""
-        days = self.days
         low, high = self.hours
-        return np.asarray(days[(day * days.size).astype(np.intp)] + 3600.0 * (low + (high - low) * hour))
+        return np.asarray(self.day(day) + 3600.0 * (low + (high - low) * hour))
+
+    def day(self, uniform: FloatArray) -> FloatArray:
+        """Beginnings of days at uniform numbers [s since 1970-01-01 UTC]."""
+        days = self.days
+        return np.asarray(days[(uniform * days.size).astype(np.intp)])
 
     @property
     def days(self) -> FloatArray:
@@ -88,12 +93,15 @@ class Conditions:
         Seconds since 1970-01-01 UTC [s].
     latitude, longitude : ndarray
         North and east positive [deg].
+    weight : ndarray, optional
+        What each draw stands for [1], 1 on average; all the same where it is not given.
     """
 
     rows: IntArray
     time: FloatArray
     latitude: FloatArray
     longitude: FloatArray
+    weight: FloatArray | None = None
 
 
 def months_of(time: FloatArray) -> NDArray[np.int64]:
@@ -107,6 +115,8 @@ def conditions(
     when: Times | float | None,
     where: Region | tuple[float, float] | None,
     some: NDArray[np.intp] | None = None,
+    *,
+    by_daylight: bool = False,
 ) -> Conditions:
     """Draw weather, time and place.
 
@@ -122,6 +132,8 @@ def conditions(
         Law of the place, one place (latitude, longitude) [deg]; None takes the rows' own, with their months and hours.
     some : ndarray of int, optional
         The only rows to draw from, with a law of the time.
+    by_daylight : bool
+        Draw most hours while the Sun is up, with weights, where time and place have a law of their own.
 
     Returns
     -------
@@ -138,11 +150,19 @@ def conditions(
         return Conditions(draw_pairs(table, row, uniform["cover"]), nowhere, nowhere, nowhere)
     if where is None:
         return _of_rows(table, uniform, when)
-    time = np.full(row.size, when) if isinstance(when, float) else when.draw(uniform["day"], uniform["hour"])
     place = where.draw(uniform["across"], uniform["along"]) if isinstance(where, Region) else [np.full(row.size, x) for x in where]
+    weight = None
+    if isinstance(when, float):
+        time = np.full(row.size, when)
+    elif by_daylight:
+        day = when.day(uniform["day"])
+        hours = hours_of_light(uniform["hour"], *arc(day, place[0], place[1]), when.hours)
+        time, weight = day + 3600.0 * hours.hour, hours.weight
+    else:
+        time = when.draw(uniform["day"], uniform["hour"])
     if some is None:
-        return Conditions(_rows_at(table, row, uniform["cover"], time), time, place[0], place[1])
-    return Conditions(some[_rows_at(table.take(some), row, uniform["cover"], time)], time, place[0], place[1])
+        return Conditions(_rows_at(table, row, uniform["cover"], time), time, place[0], place[1], weight)
+    return Conditions(some[_rows_at(table.take(some), row, uniform["cover"], time)], time, place[0], place[1], weight)
 
 
 def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> IntArray:
