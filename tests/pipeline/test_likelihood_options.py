@@ -12,6 +12,7 @@ from seaglint.cli.app import app
 from seaglint.errors import ScenarioError
 from seaglint.pipeline.fig5 import AZIMUTHS, CASES, PRINTED, THRESHOLDS, figure_5
 from seaglint.pipeline.likelihood import draw, likelihood, measured
+from seaglint.pipeline.likelihood_map import likelihood_map
 from seaglint.pipeline.likelihood_model import Model
 from seaglint.scenario.load import parse_scenario
 from seaglint.weather.draws import estimate
@@ -99,6 +100,21 @@ def test_integrated_azimuths_have_the_chance_of_drawn_ones_and_narrower_interval
 def test_trajectories_refuse_integrated_azimuths():
     with pytest.raises(ScenarioError, match="is for quantity = 'mean', case = 'single-look'"):
         parse_scenario({"likelihood": {"case": "trajectory", "azimuths": "integrated"}})
+
+
+def test_cells_of_a_map_have_the_chance_of_their_region():
+    # Longitude matters to neither of these tables; one has places, so that each cell draws for itself, and errs by a tenth with 2048 draws.
+    columns = {"wind_speed_m_s": np.array([3.0, 8.0]), "cloud_cover": np.array([0.2, 0.6])}
+    places = {"latitude_deg": np.full(2, 45.0), "longitude_deg": np.full(2, -20.0)}
+    base = {"atmosphere": {"source": "none"}}
+    region = {"latitudes_deg": [40, 50], "longitudes_deg": [-30, -10], "months": [3], "threshold_w_m2_sr": [0.25], "samples": 4096}
+    wanted = parse_scenario(base | {"likelihood": region})
+    exact = likelihood(wanted, weather=WeatherTable(columns)).estimates[0].value
+    alike = likelihood_map(wanted, step=10.0, weather=WeatherTable(columns)).probability.values.ravel()
+    own = likelihood_map(wanted, step=10.0, samples=2048, weather=WeatherTable(columns | places)).probability.values.ravel()
+    assert alike[0] == alike[1]
+    assert alike[0] == pytest.approx(exact, rel=0.1)
+    assert own == pytest.approx([exact, exact], rel=0.1)
 
 
 @pytest.mark.validation

@@ -59,7 +59,7 @@ def _bearings(axes: Axes, found: dict[str, Any], threshold: float) -> None:
     axes.set_theta_direction(-1)  # type: ignore[attr-defined]
     middle = [math.radians(0.5 * (row["low"] + row["high"])) for row in rows]
     axes.bar(middle, [row["value"] for row in rows], width=[math.radians(row["high"] - row["low"]) for row in rows], alpha=0.7)
-    axes.set_title("by azimuth from the Sun")
+    axes.set_title("probability [1] by azimuth from the Sun [deg]")
 
 
 def _causes(axes: Axes, found: dict[str, Any], threshold: float) -> None:
@@ -92,6 +92,8 @@ def write_map(dataset: xr.Dataset, output: Path) -> None:
         axes.tick_params(labelsize=7)
     if image is not None:
         figure.colorbar(image, ax=figure.axes, label="probability [1]", shrink=0.8)
+    figure.supxlabel("longitude [deg]", fontsize=9)
+    figure.supylabel("latitude [deg]", fontsize=9)
     figure.suptitle(f"glint above {float(chance.threshold):g} W m⁻² sr⁻¹, {dataset.attrs['case']}")
     _save(figure, output)
 
@@ -108,6 +110,7 @@ def write_regions(found: dict[str, dict[str, FloatArray]], output: Path) -> None
     left.set(xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability of a look [1]", ylim=(1e-4, 1.0))
     right.set(ylabel="probability above 0.25 W m⁻² sr⁻¹ [1]", ylim=(0.0, None))
     right.set_xticks(np.arange(12), [month[:1] for month in MONTHS])
+    right.set_xlabel("month")
     left.legend()
     _save(figure, output)
 
