@@ -27,7 +27,7 @@ SAMPLES: Final = 512
 """Draws for each cell and month: chances within 0.02."""
 
 INTEGRATED: Final = 64
-"""The same where each draw brings the share of its azimuths: chances within a sixth of themselves."""
+"""The same where each draw brings the share of its azimuths: standard error a tenth of the chance."""
 
 _SHARED: Final = 2048
 """Most draws for all cells of a latitude where longitude does not matter."""

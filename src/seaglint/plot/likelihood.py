@@ -50,7 +50,9 @@ def _thresholds(axes: Axes, found: dict[str, Any]) -> None:
     x, p = np.array([r["threshold_w_m2_sr"] for r in rows]), np.array([r["probability"] for r in rows])
     low, high = np.array([r["interval"] for r in rows]).T
     axes.errorbar(x, p, yerr=[np.maximum(p - low, 0.0), np.maximum(high - p, 0.0)], marker="o", capsize=3)
-    axes.set(xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability [1]", title="by threshold", ylim=(0.0, None))
+    axes.set(
+        xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability [1]", title="by threshold", ylim=(0.0, 1.1 * max(float(high.max()), 1e-6))
+    )
 
 
 def _bearings(axes: Axes, found: dict[str, Any], threshold: float) -> None:
