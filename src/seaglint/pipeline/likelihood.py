@@ -8,17 +8,19 @@ with I = 1 where the mirrored Sun at the sensor exceeds a threshold, and clouds 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
 from seaglint.pipeline import prepare
 from seaglint.pipeline.likelihood_model import Model
 from seaglint.scenario.model import Scenario
 from seaglint.weather import strata as by
+from seaglint.weather.azimuths import azimuth_shares
 from seaglint.weather.clouds import CloudLaw, illuminated
 from seaglint.weather.conditions import Conditions, Region, Times, conditions, months_of
 from seaglint.weather.draws import Estimate, Plan, estimate
@@ -28,11 +30,14 @@ from seaglint.weather.smooth import smoothed
 from seaglint.weather.strata import Stratum, strata
 from seaglint.weather.table import WeatherTable
 
-DIMENSIONS: Final = ("azimuth", "hour", "row", "day", "depression", "cover", "across", "wind", "height", "along")
+DIMENSIONS: Final = ("hour", "row", "depression", "day", "across", "azimuth", "cover", "wind", "height", "along")
 """Uniform numbers of a draw, those that matter most first."""
 
 NEEDED_SHARES: Final = (0.5, 0.1, 0.05, 0.01, 0.001)
 """Shares of looks in which glint is brighter than the contrasts that are told."""
+
+INTEGRATED: Final = 131_072
+"""Draws up to which azimuths = 'auto' integrates: some 4 s of processor time. A million looks of their own take less."""
 
 _SHINES: Final = 0.5 * math.pi + 0.3
 """Zenith angle of the Sun beyond which no place in view can be lit [rad]."""
@@ -55,8 +60,13 @@ class Draws:
     longitude: FloatArray
     solar_zenith: FloatArray
     azimuth_from_sun: FloatArray
+    solar_azimuth: FloatArray
     height: FloatArray
     found: Looks
+    weight: FloatArray
+    """What each draw stands for [1], 1 on average: more hours are drawn while the Sun is low than there are."""
+    shares: Mapping[float, FloatArray]
+    """By threshold above 0 [W m-2 sr-1] the share of the azimuths that exceed it [1]; empty where azimuths are drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,8 +84,8 @@ class Likelihood:
 
     @property
     def sun_up(self) -> Estimate:
-        """Share of draws whose Sun's centre is above the horizon [1]."""
-        return estimate((self.draws.solar_zenith < 0.5 * math.pi).astype(np.float64), self.draws.plan)
+        """Chance that the Sun's centre is above the horizon [1]."""
+        return estimate((self.draws.solar_zenith < 0.5 * math.pi).astype(np.float64), self.draws.plan, weight=self.draws.weight)
 
     def as_dict(self) -> dict[str, Any]:
         """Everything but the draws, for JSON."""
@@ -89,18 +99,19 @@ class Likelihood:
                 row["false_alarms_per_hour_interval"] = [found.low * rate, found.high * rate]
             results.append(row)
         up = self.sun_up
-        needed = exceeded_by(self.draws.radiance, self.draws.illuminated, NEEDED_SHARES)
+        needed = exceeded_by(self.draws.radiance, self.draws.illuminated, NEEDED_SHARES, self.draws.weight)
         return {
             "quantity": wanted.quantity,
             "case": wanted.case,
             "results": results,
             "sun_up": {"share": up.value, "interval": [up.low, up.high]},
-            "sun_free_of_clouds": float(np.mean(self.draws.illuminated)),
+            "sun_free_of_clouds": float(np.average(self.draws.illuminated, weights=self.draws.weight)),
             "contrast_exceeded_by_glint": [
                 {"share_of_looks": share, "radiance_w_m2_sr": float(value)} for share, value in zip(NEEDED_SHARES, needed, strict=True)
             ],
             "samples": plan.total,
             "scramblings": plan.scramblings,
+            "azimuths": "integrated" if self.draws.shares else "drawn",
             "confidence": 0.95,
             "clouds": cloud_law(self.model),
             "weather": {
@@ -113,7 +124,7 @@ class Likelihood:
                 for threshold, of in zip(self.thresholds, self.strata, strict=True)
                 for s in of
             ],
-            "notes": list(self.model.notes),
+            "notes": [*self.model.notes, *self._told_of_azimuths],
         }
 
     def month_by_hour(self) -> FloatArray | None:
@@ -123,8 +134,15 @@ class Likelihood:
         month = months_of(self.draws.time) - 1
         hour = ((self.draws.time / 3600.0 + self.draws.longitude / 15.0) % 24.0).astype(np.int64) % 24
         cell = month * 24 + hour
-        count, total = (np.bincount(cell, weight, 288) for weight in (np.ones(cell.size), self.values[0]))
+        count, total = (np.bincount(cell, each, 288) for each in (self.draws.weight, self.draws.weight * self.values[0]))
         return np.asarray(np.divide(total, count, out=np.full(288, np.nan), where=count > 0.0)).reshape(12, 24)
+
+    @property
+    def _told_of_azimuths(self) -> list[str]:
+        wanted = self.model.wanted
+        if self.draws.shares or wanted.azimuths == "drawn" or not wanted.integrates or self.draws.plan.total <= INTEGRATED:
+            return []
+        return [f"azimuths drawn: more than {INTEGRATED} draws; likelihood.azimuths = 'integrated' has narrower intervals and takes longer"]
 
     @property
     def _looks_per_hour(self) -> float:
@@ -162,9 +180,13 @@ def likelihood(
     drawn = draw(model)
     tell(2, 3)
     values = tuple(measured(model, drawn, threshold) for threshold in model.wanted.threshold_w_m2_sr)
-    estimates = tuple(estimate(v, drawn.plan) for v in values)
-    classes = _classes(model, drawn)
-    found = tuple(tuple(strata(v, drawn.plan, classes)) for v in values)
+    estimates = tuple(estimate(v, drawn.plan, weight=drawn.weight) for v in values)
+    classes, of_looks = _classes(model, drawn), _classes_of_looks(drawn)
+    one_look = values if not drawn.shares else tuple(measured(model, replace(drawn, shares={}), t) for t in model.wanted.threshold_w_m2_sr)
+    found = tuple(
+        (*strata(v, drawn.plan, classes, weight=drawn.weight), *strata(one, drawn.plan, of_looks, weight=drawn.weight))
+        for v, one in zip(values, one_look, strict=True)
+    )
     tell(3, 3)
     return Likelihood(model, drawn, model.wanted.threshold_w_m2_sr, estimates, found, values)
 
@@ -178,10 +200,17 @@ def cloud_law(model: Model) -> CloudLaw:
 
 
 def draw(model: Model, *, samples: int | None = None, seed: int | None = None, plain: bool = False, azimuth: float | None = None) -> Draws:
-    """Draw conditions and looks, and see what they see; an ``azimuth`` from the Sun [rad] stands in for the scenario's law."""
-    plan = Plan.of(model.wanted.samples if samples is None else samples)
+    """Draw conditions and looks, and see what they see; an ``azimuth`` from the Sun [rad] stands in for the scenario's law.
+
+    ``plain`` takes random numbers instead of Sobol points for the same integrand.
+    """
+    wanted = model.wanted
+    plan = Plan.of(wanted.samples if samples is None else samples)
     u = numbers(model, plan, model.scenario.seed if seed is None else seed, plain=plain)
-    return seen(model, u, conditions(model.table, u, model.when, model.where), plan, azimuth)
+    whole = wanted.azimuths == "integrated" or (wanted.azimuths == "auto" and plan.total <= INTEGRATED)
+    whole = whole and wanted.integrates and azimuth is None and "azimuth_from_sun_deg" not in model.looks
+    where = conditions(model.table, u, model.when, model.where, by_daylight=True)
+    return seen(model, u, where, plan, azimuth, integrated=whole)
 
 
 def numbers(model: Model, plan: Plan, seed: int, *, plain: bool = False) -> dict[str, FloatArray]:
@@ -191,8 +220,10 @@ def numbers(model: Model, plan: Plan, seed: int, *, plain: bool = False) -> dict
     return {name: np.zeros(plan.total) for name in DIMENSIONS} | {name: np.ascontiguousarray(points[:, i]) for i, name in enumerate(names)}
 
 
-def seen(model: Model, u: dict[str, FloatArray], where: Conditions, plan: Plan, azimuth: float | None = None) -> Draws:
-    """What looks see in conditions that are drawn already."""
+def seen(
+    model: Model, u: dict[str, FloatArray], where: Conditions, plan: Plan, azimuth: float | None = None, *, integrated: bool = False
+) -> Draws:
+    """What looks see in conditions that are drawn already; ``integrated`` finds the shares of their azimuths too."""
     wanted, table = model.wanted, model.table
     wind, cover, wind_from = (table[name][where.rows] for name in ("wind_speed_m_s", "cloud_cover", "wind_from_deg"))
     if model.bandwidth:
@@ -210,12 +241,43 @@ def seen(model: Model, u: dict[str, FloatArray], where: Conditions, plan: Plan, 
     if azimuth is not None:
         beside = np.full(wind.size, azimuth)
     free = illuminated(cloud_law(model), cover, 0.5 * math.pi - zenith, overcast=wanted.overcast_cover, aspect=wanted.cloud_aspect)
-    found = _seen(
-        model,
-        [model.row_model[where.rows].astype(np.float64), wind, wind_to, height, zenith, towards, factor, towards + beside, depression],
+    columns = [model.row_model[where.rows].astype(np.float64), wind, wind_to, height, zenith, towards, factor, towards + beside, depression]
+    at = np.flatnonzero((zenith < _SHINES) & (free > 0.0))
+    chosen = np.empty((at.size, len(columns)))
+    for i, column in enumerate(columns):
+        chosen[:, i] = column[at]
+    found = _everywhere(looks(chosen, model.light, model.seas, model.search), at, wind.size)
+    weight = np.ones(wind.size) if where.weight is None else where.weight
+    return Draws(
+        plan,
+        found.radiance,
         free,
+        wind,
+        cover,
+        where.time,
+        where.latitude,
+        where.longitude,
+        zenith,
+        beside,
+        towards,
+        height,
+        found,
+        weight,
+        _shares(model, chosen, at, wind.size) if integrated else {},
     )
-    return Draws(plan, found.radiance, free, wind, cover, where.time, where.latitude, where.longitude, zenith, beside, height, found)
+
+
+def _shares(model: Model, chosen: FloatArray, at: NDArray[np.intp], total: int) -> dict[float, FloatArray]:
+    """Shares of azimuths by threshold above 0; 0 where the Sun is down or behind clouds for sure."""
+    thresholds = [t for t in model.wanted.threshold_w_m2_sr if t > 0.0]
+    if not thresholds:
+        return {}
+    first, last = np.radians(model.wanted.azimuth_from_sun_deg).tolist()
+    some = azimuth_shares(chosen, model.light, model.seas, (first, last), thresholds)
+    out = {t: np.zeros(total) for t in thresholds}
+    for i, share in enumerate(out.values()):
+        share[at] = some[:, i]
+    return out
 
 
 def _varying(model: Model) -> list[str]:
@@ -238,14 +300,9 @@ def _varying(model: Model) -> list[str]:
     return [name for name in DIMENSIONS if depends[name]]
 
 
-def _seen(model: Model, columns: list[FloatArray], free: FloatArray) -> Looks:
-    """What the looks see; those whose Sun is down or behind clouds for sure are passed over."""
-    at = np.flatnonzero((columns[4] < _SHINES) & (free > 0.0))
-    chosen = np.empty((at.size, len(columns)))
-    for i, column in enumerate(columns):
-        chosen[:, i] = column[at]
-    some = looks(chosen, model.light, model.seas, model.search)
-    whole = np.zeros((5, free.size))
+def _everywhere(some: Looks, at: NDArray[np.intp], total: int) -> Looks:
+    """Looks among those that are passed over, whose Sun is down or behind clouds for sure."""
+    whole = np.zeros((5, total))
     whole[3] = -1.0
     for row, part in zip(whole, (some.radiance, some.chance, some.cos_incidence, some.elevation, some.sun_up), strict=True):
         row[at] = part
@@ -281,7 +338,8 @@ def measured(model: Model, drawn: Draws, threshold: float) -> FloatArray:
     wanted = model.wanted
     match wanted.quantity:
         case "mean":
-            return drawn.illuminated * exceeds(drawn.radiance, threshold)
+            share = drawn.shares.get(threshold)
+            return drawn.illuminated * (exceeds(drawn.radiance, threshold) if share is None else share)
         case "mean-plus-sigma":
             return drawn.illuminated * exceeds(drawn.radiance + wanted.sigmas * pixel_deviation(model, drawn), threshold)
         case "false-alarms":
@@ -302,7 +360,6 @@ def _classes(model: Model, drawn: Draws) -> dict[str, tuple[FloatArray, FloatArr
     found = {
         "wind_speed_m_s": (drawn.wind, by.WINDS),
         "sun_elevation_deg": (90.0 - np.degrees(drawn.solar_zenith), by.SUNS),
-        "azimuth_from_sun_deg": (np.degrees(drawn.azimuth_from_sun) % 360.0, by.BEARINGS),
     }
     if model.when is not None:
         found |= {
@@ -312,6 +369,14 @@ def _classes(model: Model, drawn: Draws) -> dict[str, tuple[FloatArray, FloatArr
             "latitude_deg": (drawn.latitude, by.LATITUDES),
         }
     return found
+
+
+def _classes_of_looks(drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:
+    """Quantities of the one look that each draw has, whatever is integrated."""
+    return {
+        "azimuth_from_sun_deg": (np.degrees(drawn.azimuth_from_sun) % 360.0, by.BEARINGS),
+        "bearing_deg": (np.degrees(drawn.azimuth_from_sun + drawn.solar_azimuth) % 360.0, by.BEARINGS),
+    }
 
 
 def _plain(row: dict[str, Any]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.atmosphere.table_file import table_models
 from seaglint.conventions import FloatArray
-from seaglint.errors import DataError, ScenarioError
+from seaglint.errors import DataError, DomainError, ScenarioError
 from seaglint.io.weather.own import SHIPPED, read_weather
 from seaglint.io.weather.text import read_cells
 from seaglint.limits import NAVY_AEROSOL_WIND, WIND_PROFILE
@@ -87,7 +87,7 @@ class Model:
         if weather is None:
             weather, told = _weather(wanted)
             notes += told
-        table, dropped = weather.complete()
+        table, dropped = _complete(weather, wanted)
         if dropped:
             notes.append(f"{dropped} of {len(weather)} rows of weather left out: wind speed or cloud cover missing")
         table = _of_region(table, wanted, notes).ordered("wind_speed_m_s", "cloud_cover")
@@ -95,6 +95,11 @@ class Model:
             used = table.month_used
             notes.append(
                 "no weather of " + ", ".join(f"{MONTHS[m - 1]} (rows of {MONTHS[used[m] - 1]} serve)" for m in table.missing_months)
+            )
+        if scenario.sun is not None and not scenario.sun.model_fields_set:
+            notes.append(
+                f"the Sun stands at zenith {scenario.sun.zenith_deg:g} deg: nothing else is said; give [sun], or [place] or a region "
+                "for all of the year"
             )
         models, row_model = _models(scenario, table)
         winds = _winds(scenario, table, notes)
@@ -247,6 +252,14 @@ def _weather(wanted: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
         return read_weather(SHIPPED[0]).table, (packaged,)
     found = read_weather(wanted.weather)
     return found.table, found.told
+
+
+def _complete(table: WeatherTable, wanted: Likelihood) -> tuple[WeatherTable, int]:
+    """Rows with wind and cover, and how many have not; an error names the file."""
+    try:
+        return table.complete()
+    except DomainError as error:
+        raise DataError(f"{wanted.weather or 'weather'}: {error}") from error
 
 
 def _of_region(table: WeatherTable, wanted: Likelihood, notes: list[str]) -> WeatherTable:

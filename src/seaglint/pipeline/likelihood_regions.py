@@ -44,7 +44,7 @@ def regions(samples: int = 131_072) -> dict[str, dict[str, FloatArray]]:
         month = months_of(drawn.time)
         found[name] = {
             "threshold": np.array(THRESHOLDS),
-            "probability": np.array([v.mean() for v in values]),
-            "by_month": np.array([values[_MONTHLY][month == m].mean() for m in range(1, 13)]),
+            "probability": np.array([np.average(v, weights=drawn.weight) for v in values]),
+            "by_month": np.array([np.average(values[_MONTHLY][month == m], weights=drawn.weight[month == m]) for m in range(1, 13)]),
         }
     return found

@@ -50,7 +50,9 @@ def _thresholds(axes: Axes, found: dict[str, Any]) -> None:
     x, p = np.array([r["threshold_w_m2_sr"] for r in rows]), np.array([r["probability"] for r in rows])
     low, high = np.array([r["interval"] for r in rows]).T
     axes.errorbar(x, p, yerr=[np.maximum(p - low, 0.0), np.maximum(high - p, 0.0)], marker="o", capsize=3)
-    axes.set(xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability [1]", title="by threshold", ylim=(0.0, None))
+    axes.set(
+        xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability [1]", title="by threshold", ylim=(0.0, 1.1 * max(float(high.max()), 1e-6))
+    )
 
 
 def _bearings(axes: Axes, found: dict[str, Any], threshold: float) -> None:
@@ -59,7 +61,7 @@ def _bearings(axes: Axes, found: dict[str, Any], threshold: float) -> None:
     axes.set_theta_direction(-1)  # type: ignore[attr-defined]
     middle = [math.radians(0.5 * (row["low"] + row["high"])) for row in rows]
     axes.bar(middle, [row["value"] for row in rows], width=[math.radians(row["high"] - row["low"]) for row in rows], alpha=0.7)
-    axes.set_title("by azimuth from the Sun")
+    axes.set_title("probability [1] by azimuth from the Sun [deg]")
 
 
 def _causes(axes: Axes, found: dict[str, Any], threshold: float) -> None:
@@ -92,6 +94,8 @@ def write_map(dataset: xr.Dataset, output: Path) -> None:
         axes.tick_params(labelsize=7)
     if image is not None:
         figure.colorbar(image, ax=figure.axes, label="probability [1]", shrink=0.8)
+    figure.supxlabel("longitude [deg]", fontsize=9)
+    figure.supylabel("latitude [deg]", fontsize=9)
     figure.suptitle(f"glint above {float(chance.threshold):g} W m⁻² sr⁻¹, {dataset.attrs['case']}")
     _save(figure, output)
 
@@ -108,6 +112,7 @@ def write_regions(found: dict[str, dict[str, FloatArray]], output: Path) -> None
     left.set(xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability of a look [1]", ylim=(1e-4, 1.0))
     right.set(ylabel="probability above 0.25 W m⁻² sr⁻¹ [1]", ylim=(0.0, None))
     right.set_xticks(np.arange(12), [month[:1] for month in MONTHS])
+    right.set_xlabel("month")
     left.legend()
     _save(figure, output)
 

@@ -56,6 +56,13 @@ class Likelihood(Record):
     samples: Annotated[int, Quantity(ge=256, le=MOST_SAMPLES, integer=True), Field(description="draws, rounded up to powers of two")] = (
         65_536
     )
+    azimuths: Annotated[
+        Literal["auto", "integrated", "drawn"],
+        Field(
+            description="integrated: each draw brings the share of the azimuths above the threshold (mean of single looks); drawn: one "
+            "azimuth; auto: integrated where that goes, up to 131072 draws"
+        ),
+    ] = "auto"
     latitudes_deg: Annotated[tuple[_Latitude, _Latitude] | None, Field(description="region: southern and northern border")] = None
     longitudes_deg: Annotated[tuple[_Degrees, _Degrees] | None, Field(description="region: western and eastern border")] = None
     place_from_weather: Annotated[StrictBool, Field(description="take place, month and hour from the rows of the weather table")] = False
@@ -126,9 +133,20 @@ class Likelihood(Record):
         if (self.quantity == "detection") != (self.detection_curve is not None):
             text = "needs a curve: quantity = 'detection' and detection_curve go together"
             raise rule("likelihood.detection_curve", text)
+        if self.azimuths == "integrated" and not self.integrates:
+            text = (
+                "= 'integrated' is for quantity = 'mean', case = 'single-look' and a range of azimuths; set likelihood.azimuths = 'drawn'"
+            )
+            raise rule("likelihood.azimuths", text)
         if self.quantity == "false-alarms" and self.case != "single-look":
             raise rule("likelihood.quantity", "= 'false-alarms' counts pixels of one look; set likelihood.case = 'single-look'")
         return self
+
+    @property
+    def integrates(self) -> bool:
+        """Whether azimuths can be integrated instead of drawn."""
+        wide = self.azimuth_from_sun_deg[0] < self.azimuth_from_sun_deg[1]
+        return self.case == "single-look" and self.quantity == "mean" and wide
 
     @property
     def places_itself(self) -> bool:

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
+from seaglint.weather.daylight import arc, hours_of_light
 from seaglint.weather.ephemeris import year_span
-from seaglint.weather.table import MONTHS, IntArray, WeatherTable
+from seaglint.weather.table import MONTHS, IntArray, WeatherTable, month_used
 
 _DAY: Final = 86_400.0
 _SMALL: Final = 16
@@ -41,9 +42,13 @@ class Times:
 
     def draw(self, day: FloatArray, hour: FloatArray) -> FloatArray:
         """Seconds since 1970-01-01 UTC at uniform numbers for the day and the hour [s]."""
-        days = self.days
         low, high = self.hours
-        return np.asarray(days[(day * days.size).astype(np.intp)] + 3600.0 * (low + (high - low) * hour))
+        return np.asarray(self.day(day) + 3600.0 * (low + (high - low) * hour))
+
+    def day(self, uniform: FloatArray) -> FloatArray:
+        """Beginnings of days at uniform numbers [s since 1970-01-01 UTC]."""
+        days = self.days
+        return np.asarray(days[(uniform * days.size).astype(np.intp)])
 
     @property
     def days(self) -> FloatArray:
@@ -88,12 +93,15 @@ class Conditions:
         Seconds since 1970-01-01 UTC [s].
     latitude, longitude : ndarray
         North and east positive [deg].
+    weight : ndarray, optional
+        What each draw stands for [1], 1 on average; all the same where it is not given.
     """
 
     rows: IntArray
     time: FloatArray
     latitude: FloatArray
     longitude: FloatArray
+    weight: FloatArray | None = None
 
 
 def months_of(time: FloatArray) -> NDArray[np.int64]:
@@ -105,8 +113,10 @@ def conditions(
     table: WeatherTable,
     uniform: Mapping[str, FloatArray],
     when: Times | float | None,
-    where: Region | tuple[float, float] | None,
+    where: Region | tuple[float, float] | tuple[FloatArray, FloatArray] | None,
     some: NDArray[np.intp] | None = None,
+    *,
+    by_daylight: bool = False,
 ) -> Conditions:
     """Draw weather, time and place.
 
@@ -119,9 +129,11 @@ def conditions(
     when : Times, float or None
         Law of the time, one time [s since 1970-01-01 UTC], or None where the Sun is given.
     where : Region, tuple or None
-        Law of the place, one place (latitude, longitude) [deg]; None takes the rows' own, with their months and hours.
+        Law of the place, one place (latitude, longitude) [deg] or one for each draw; None takes the rows' own, with their months and hours.
     some : ndarray of int, optional
         The only rows to draw from, with a law of the time.
+    by_daylight : bool
+        Draw most hours while the Sun is up, with weights, where time and place have a law of their own.
 
     Returns
     -------
@@ -138,11 +150,18 @@ def conditions(
         return Conditions(draw_pairs(table, row, uniform["cover"]), nowhere, nowhere, nowhere)
     if where is None:
         return _of_rows(table, uniform, when)
-    time = np.full(row.size, when) if isinstance(when, float) else when.draw(uniform["day"], uniform["hour"])
     place = where.draw(uniform["across"], uniform["along"]) if isinstance(where, Region) else [np.full(row.size, x) for x in where]
-    if some is None:
-        return Conditions(_rows_at(table, row, uniform["cover"], time), time, place[0], place[1])
-    return Conditions(some[_rows_at(table.take(some), row, uniform["cover"], time)], time, place[0], place[1])
+    weight = None
+    if isinstance(when, float):
+        time = np.full(row.size, when)
+    elif by_daylight:
+        day = when.day(uniform["day"])
+        hours = hours_of_light(uniform["hour"], *arc(day, place[0], place[1]), when.hours)
+        time, weight = day + 3600.0 * hours.hour, hours.weight
+    else:
+        time = when.draw(uniform["day"], uniform["hour"])
+    rows = _rows_at(table, row, uniform["cover"], time, np.arange(len(table)) if some is None else some)
+    return Conditions(rows, time, place[0], place[1], weight)
 
 
 def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> IntArray:
@@ -155,13 +174,17 @@ def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> 
     >>> draw_pairs(table, np.array([0.1, 0.74, 0.76]), np.array([0.5, 0.5, 0.5])).tolist()
     [1, 1, 0]
     """
-    weight = table["weight"]
-    order = np.lexsort((table["cloud_cover"], table["wind_speed_m_s"]))
+    return _pairs(table["weight"], table["wind_speed_m_s"], table["cloud_cover"], uniform, second)
+
+
+def _pairs(weight: FloatArray, wind: FloatArray, cover: FloatArray, uniform: FloatArray, second: FloatArray) -> IntArray:
+    """The same of columns."""
+    order = np.lexsort((cover, wind))
     order = order[weight[order] > 0.0]
     ends = np.cumsum(weight[order])
     groups = max(math.isqrt(order.size), 1) if order.size > _SMALL else order.size
     group = np.minimum(((ends - 0.5 * weight[order]) / ends[-1] * groups).astype(np.intp), groups - 1)
-    inner = np.lexsort((table["cloud_cover"][order], group))
+    inner = np.lexsort((cover[order], group))
     order, group = order[inner], group[inner]
     ends = np.cumsum(weight[order])
     last = np.append(np.flatnonzero(np.diff(group)), order.size - 1)
@@ -172,26 +195,28 @@ def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> 
     return np.asarray(order[np.minimum(at, last[chosen])], dtype=np.int64)
 
 
-def _rows_at(table: WeatherTable, uniform: FloatArray, second: FloatArray, time: FloatArray) -> IntArray:
-    """Rows of the month and the nearest hour of times; a month without rows has those of its neighbour, as the table does it.
+def _rows_at(table: WeatherTable, uniform: FloatArray, second: FloatArray, time: FloatArray, some: NDArray[np.intp]) -> IntArray:
+    """Of some rows those of the month and the nearest hour of times; a month without rows has those of its neighbour.
 
     A month that has no rows of an hour gives all of its own.
     """
-    used, hour = table.month_used, table["hour_utc"] % 24.0
+    weight, wind, cover, of_month, hour = (table[name][some] for name in ("weight", "wind_speed_m_s", "cloud_cover", "month", "hour_utc"))
+    hour = hour % 24.0
+    used = month_used(of_month, weight)
     month = months_of(time)
     key = np.array([0, *(used.get(m, 0) for m in range(1, 13))])[month]
-    hours = np.unique(hour[table["weight"] > 0.0])
+    hours = np.unique(hour[weight > 0.0])
     hours = hours[:0] if np.isnan(hours).any() or hours.size < 2 else hours
     at_hour = _nearest(time % _DAY / 3600.0, hours) if hours.size else np.zeros(time.size, dtype=np.intp)
     order = np.lexsort((at_hour, key))
     steps = np.flatnonzero(np.diff(key[order]) | np.diff(at_hour[order])) + 1
     out = np.empty(uniform.size, dtype=np.int64)
     for at in np.split(order, steps):
-        of_month = (table["month"] == key[at[0]]) if used else np.ones(len(table), dtype=np.bool_)
-        rows = of_month & (hour == hours[at_hour[at[0]]]) if hours.size else of_month
-        rows = rows if np.any(rows & (table["weight"] > 0.0)) else of_month
+        in_month = (of_month == key[at[0]]) if used else np.ones(some.size, dtype=np.bool_)
+        rows = in_month & (hour == hours[at_hour[at[0]]]) if hours.size else in_month
+        rows = rows if np.any(weight[rows] > 0.0) else in_month
         found = np.flatnonzero(rows)
-        out[at] = found[draw_pairs(table.take(found), uniform[at], second[at])]
+        out[at] = some[found[_pairs(weight[found], wind[found], cover[found], uniform[at], second[at])]]
     return out
 
 

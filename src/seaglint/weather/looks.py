@@ -29,7 +29,7 @@ from seaglint.weather.sunlight import (
     view_range_kernel,
 )
 
-_DUSK: Final = 0.3
+DUSK: Final = 0.3
 """Depression of the Sun from which it is up nowhere in view [rad]."""
 
 _FAINT: Final = 1e-300
@@ -114,7 +114,7 @@ class _Plan(NamedTuple):
     high: float
 
 
-class _Way(NamedTuple):
+class Way(NamedTuple):
     """Where a direction stands among the nodes of the light."""
 
     wind: int
@@ -128,7 +128,7 @@ class _Way(NamedTuple):
     """Of the cubics, those of view and Sun to be filled [(4, 4)]."""
 
 
-class _State(NamedTuple):
+class SeaState(NamedTuple):
     """The sea at one wind, and what is the same for all directions."""
 
     density: FacetDensity
@@ -160,7 +160,7 @@ def _area_ratio(sea: Seas, wind: float, edge: float, turn: float) -> float:
 
 
 @njit
-def _sea_at(sea: Seas, row: FloatArray, coefficients: FloatArray) -> _State:
+def sea_at(sea: Seas, row: FloatArray, coefficients: FloatArray) -> SeaState:
     """The sea under the wind of a look; fills the coefficients of its series."""
     wind = min(max((row[1] - sea.first) / sea.step, 0.0), sea.slopes.shape[0] - 1.0)
     i = min(int(wind), sea.slopes.shape[0] - 2)
@@ -175,12 +175,12 @@ def _sea_at(sea: Seas, row: FloatArray, coefficients: FloatArray) -> _State:
     turn = row[5] - azimuth
     deviation = math.sqrt(up * math.cos(turn) ** 2 + cross * math.sin(turn) ** 2)
     series = _area_ratio(sea, wind, 1.0 / max(math.tan(min(row[4], 0.5 * math.pi - SOLAR_ANGULAR_RADIUS)) * deviation, 1e-9), turn)
-    return _State(density, wind, ((1.0 - f) * low[7] + f * high[7] - sea.first_band) / sea.band_step, deviation, series, azimuth)
+    return SeaState(density, wind, ((1.0 - f) * low[7] + f * high[7] - sea.first_band) / sea.band_step, deviation, series, azimuth)
 
 
 @njit
-def _seen(
-    row: FloatArray, gamma: float, arc: float, azimuth: float, light: MirroredLight, sea: Seas, state: _State, disc: SunDisc, place: _Way
+def direction(
+    row: FloatArray, gamma: float, arc: float, azimuth: float, light: MirroredLight, sea: Seas, state: SeaState, disc: SunDisc, place: Way
 ) -> tuple[float, float, float, float]:
     """Radiance, chance, cosine of incidence and the sine of the Sun's elevation of one direction; fills weights of ``place``."""
     away = azimuth + math.pi
@@ -231,11 +231,11 @@ def _fill(
     for n in range(part[0], part[1]):
         row = draws[n]
         out[n, 3] = -1.0
-        if row[4] > 0.5 * math.pi + _DUSK:
+        if row[4] > 0.5 * math.pi + DUSK:
             continue
         aim_disc(points, row[4], row[5])
         disc = SunDisc(points, rule, 0.0, 1.0, np.empty(0))
-        state = _sea_at(sea, row, coefficients)
+        state = sea_at(sea, row, coefficients)
         wind = place_in_pieces(row[1], light.winds, light.pieces, weights[0])
         height = place_in_pieces(levels[n], light.heights, light.height_pieces, weights[1])
         coarse = between_kernel(row[1], light.coarse_winds), between_kernel(levels[n], light.coarse_heights)
@@ -272,8 +272,8 @@ def _fill(
                     break
                 x = math.asinh(gamma / scale)
             arc = EFFECTIVE_EARTH_RADIUS * max(depression - gamma, 0.0)
-            found = _seen(
-                row, gamma, arc, row[7] + a, light, sea, state, disc, _Way(wind, height, coarse, (x - start) / (last - start), weights)
+            found = direction(
+                row, gamma, arc, row[7] + a, light, sea, state, disc, Way(wind, height, coarse, (x - start) / (last - start), weights)
             )
             bright = max(found[0], _FAINT) if found[3] > 0.0 else 0.0
             if bright > out[n, 0] or step == 0:

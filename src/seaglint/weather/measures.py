@@ -83,10 +83,14 @@ def detected(radiance: FloatArray, illuminated: FloatArray, curve: DetectionCurv
     return np.asarray(free + illuminated * (curve(contrast - radiance) - free))
 
 
-def exceeded_by(radiance: FloatArray, illuminated: FloatArray, shares: Sequence[float]) -> FloatArray:
-    """Radiances that glint exceeds in these shares of all draws [W m-2 sr-1]: contrasts that stand out in the others."""
+def exceeded_by(radiance: FloatArray, illuminated: FloatArray, shares: Sequence[float], weight: FloatArray | None = None) -> FloatArray:
+    """Radiances that glint exceeds in these shares of all draws [W m-2 sr-1]: contrasts that stand out in the others.
+
+    ``weight`` is what each draw stands for [(n,)]; all the same where it is not given.
+    """
     order = np.argsort(radiance)[::-1]
-    above = np.cumsum(illuminated[order]) / radiance.size
+    each = np.ones(radiance.size) if weight is None else weight
+    above = np.cumsum((illuminated * each)[order]) / each.sum()
     at = np.searchsorted(above, np.asarray(shares), side="left")
     values = np.append(np.where(radiance[order] > 1e-200, radiance[order], 0.0), 0.0)
     return np.asarray(values[np.minimum(at, radiance.size)])

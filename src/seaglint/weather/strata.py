@@ -44,18 +44,29 @@ class Stratum:
     contribution: float
 
 
-def strata(values: FloatArray, plan: Plan, quantities: dict[str, tuple[FloatArray, FloatArray]], most: float = 1.0) -> list[Stratum]:
-    """Strata of draws by each quantity: values of every draw [(total,)] and the edges of its classes; NaN counts nowhere."""
+def strata(
+    values: FloatArray,
+    plan: Plan,
+    quantities: dict[str, tuple[FloatArray, FloatArray]],
+    most: float = 1.0,
+    *,
+    weight: FloatArray | None = None,
+) -> list[Stratum]:
+    """Strata of draws by each quantity: values of every draw [(total,)] and the edges of its classes; NaN counts nowhere.
+
+    ``weight`` is what each draw stands for [(total,)]; all the same where it is not given.
+    """
     found = []
-    whole = float(values.sum())
+    each = np.ones(values.size) if weight is None else weight
+    whole, total = float(values @ each), float(each.sum())
     for name, (what, edges) in quantities.items():
         place = np.digitize(what, edges)
         for i in range(1, edges.size):
-            inside = (place == i).astype(np.float64)
+            inside = np.where(place == i, each, 0.0)
             count = float(inside.sum())
             if count == 0.0:
                 continue
             e = estimate(values, plan, weight=inside, most=most)
-            part = float((values * inside).sum()) / whole if whole > 0.0 else float("nan")
-            found.append(Stratum(name, float(edges[i - 1]), float(edges[i]), count / values.size, e.value, e.low, e.high, part))
+            part = float(values @ inside) / whole if whole > 0.0 else float("nan")
+            found.append(Stratum(name, float(edges[i - 1]), float(edges[i]), count / total, e.value, e.low, e.high, part))
     return found

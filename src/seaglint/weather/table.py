@@ -194,19 +194,12 @@ class WeatherTable:
     @property
     def months(self) -> tuple[int, ...]:
         """Months that have rows of a weight above zero, ascending; empty where the table knows no months."""
-        month, weight = self["month"], self.columns["weight"]
-        return tuple(int(m) for m in np.unique(month[~np.isnan(month) & (weight > 0.0)]))
+        return _months(self["month"], self.columns["weight"])
 
     @property
     def month_used(self) -> dict[int, int]:
-        """For each of the months 1-12 the month whose rows are drawn: itself, or the nearest around the year that has rows.
-
-        Of two that are equally near the earlier one is taken. Empty where the table knows no months: all rows serve all the year.
-        """
-        there = self.months
-        if not there:
-            return {}
-        return {m: min(there, key=lambda t: (min((t - m) % 12, (m - t) % 12), (m - t) % 12)) for m in range(1, 13)}
+        """:func:`month_used` of the rows."""
+        return month_used(self["month"], self.columns["weight"])
 
     @property
     def missing_months(self) -> tuple[int, ...]:
@@ -241,6 +234,21 @@ class WeatherTable:
             at = month == wanted
             out[at] = rows[_inverse(self.columns["weight"][rows], uniform[at])]
         return out
+
+
+def _months(month: FloatArray, weight: FloatArray) -> tuple[int, ...]:
+    return tuple(int(m) for m in np.unique(month[~np.isnan(month) & (weight > 0.0)]))
+
+
+def month_used(month: FloatArray, weight: FloatArray) -> dict[int, int]:
+    """For each of the months 1-12 the month whose rows are drawn: itself, or the nearest around the year that has rows.
+
+    Of two that are equally near the earlier one is taken. Empty where no month is known: all rows serve all the year.
+    """
+    there = _months(month, weight)
+    if not there:
+        return {}
+    return {m: min(there, key=lambda t: (min((t - m) % 12, (m - t) % 12), (m - t) % 12)) for m in range(1, 13)}
 
 
 def _inverse(weight: FloatArray, uniform: FloatArray) -> IntArray:
