@@ -145,6 +145,11 @@ def test_bad_data_are_refused_in_a_line(seaglint, tmp_path) -> None:
         np.save(tmp_path / f"{name}.npy", image)
         answer = seaglint("texture", "fit", tmp_path / f"{name}.npy", "-o", tmp_path / "m.json")
         assert (answer.code, told in answer.err) == (2, True), answer.err
+    mask = np.random.default_rng(2).integers(0, 2, (40, 40)).astype(float)
+    np.save(tmp_path / "mask.npy", mask)  # what the error advises
+    two = "--model", "autobinomial", "--levels", 2, "--order", 1, "-o", tmp_path / "two.json"
+    assert seaglint("texture", "fit", tmp_path / "mask.npy", *two).code == 0
+    assert set(np.unique(read_texture(tmp_path / "two.json").texture.sample((1, 32, 32), 1))) == {0.0, 1.0}
     assert seaglint("texture", "fit", tmp_path / "ramp.npy", "--detrend", "-o", tmp_path / "m.json").code == 0
 
 

@@ -272,6 +272,8 @@ def place(
         )
     with open_sequence(output) as dataset:
         log(f"{output}: {summarise(dataset).line}")
+        if dataset.attrs["texture_contrast"] == "model":
+            log("standard deviations are the texture's own ratio to what comes from the sea: fit it to a sea of this band and light")
 
 
 def _opened(

@@ -136,7 +136,7 @@ def fit(recording: Recording, options: FitOptions) -> Fitted:
     """
     region = parse_region(options.region or ":,:", recording.rows, recording.columns)
     data = frames_of(recording, region)
-    require_values(data)
+    require_values(data, two=options.model == "autobinomial" and options.levels == 2)
     notes: list[str] = []
     if len(data) < recording.frames:
         notes.append(f"fitted to {len(data)} of {recording.frames} frames, from the middle")

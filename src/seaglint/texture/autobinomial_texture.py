@@ -31,7 +31,7 @@ SWEEPS: Final[Mapping[Sampler, int]] = {"gibbs": 300, "exchange": 200}
 
 
 APART: Final = 0.03
-"""Distance of distribution functions from which Gibbs samples are said to have another histogram: by chance 128 x 128 pixels differ by 0.01."""
+"""Distance of distribution functions from which Gibbs samples have another histogram: by chance 128 x 128 pixels differ by 0.01."""
 
 
 @dataclass(frozen=True)

@@ -96,13 +96,15 @@ def parse_region(text: str, rows: int, columns: int) -> Region:
     return Region(top, bottom, left, right)
 
 
-def require_values(frames: ArrayLike) -> None:
+def require_values(frames: ArrayLike, *, two: bool = False) -> None:
     """Refuse pictures that no texture can be fitted to.
 
     Parameters
     ----------
     frames : array_like, shape (frames, rows, columns)
         Of the region [u].
+    two : bool
+        Whether two values are enough: for an autobinomial field of two levels.
 
     Raises
     ------
@@ -126,10 +128,10 @@ def require_values(frames: ArrayLike) -> None:
     few = np.unique(x[:1] if x.size > 10_000_000 else x)[:3]
     if few.size == 1:
         raise DataError(f"all values are {few[0]:g}: there is no texture to fit; choose another region")
-    if few.size == 2:
+    if few.size == 2 and not two:
         raise DataError(
-            f"there are two values only, {few[0]:g} and {few[1]:g} (a mask, or a saturated picture); give the picture itself, or model "
-            "autobinomial with 2 levels"
+            f"there are two values only, {few[0]:g} and {few[1]:g} (a mask, or a saturated picture); give the picture itself, or fit "
+            "--model autobinomial --levels 2"
         )
 
 
