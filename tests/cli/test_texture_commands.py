@@ -186,3 +186,16 @@ def test_stored_textures_are_read_back(model, tmp_path) -> None:
     stored = read_texture(model)
     write_texture(stored, tmp_path / "again.json")
     assert read_texture(tmp_path / "again.json") == stored
+
+
+def test_the_report_says_what_was_fitted_and_how(seaglint, recording, tmp_path) -> None:
+    image = tmp_path / "image.npy"
+    np.save(image, np.load(recording)[0])
+    report = tmp_path / "fit.html"
+    arguments = "--model", "autobinomial", "--levels", 8, "--order", 1, "--method", "pseudo-likelihood", "--report", report
+    answer = seaglint("texture", "fit", image, *arguments, "-o", tmp_path / "model.json")
+    assert answer.code == 0, answer.err
+    text = report.read_text()
+    assert "The fit" in text
+    assert "couplings by pseudo-likelihood, samples by exchange" in text
+    assert "have another histogram" in text
