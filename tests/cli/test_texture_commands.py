@@ -145,6 +145,11 @@ def test_bad_data_are_refused_in_a_line(seaglint, tmp_path) -> None:
         np.save(tmp_path / f"{name}.npy", image)
         answer = seaglint("texture", "fit", tmp_path / f"{name}.npy", "-o", tmp_path / "m.json")
         assert (answer.code, told in answer.err) == (2, True), answer.err
+    mask = np.random.default_rng(2).integers(0, 2, (40, 40)).astype(float)
+    np.save(tmp_path / "mask.npy", mask)  # what the error advises
+    two = "--model", "autobinomial", "--levels", 2, "--order", 1, "-o", tmp_path / "two.json"
+    assert seaglint("texture", "fit", tmp_path / "mask.npy", *two).code == 0
+    assert set(np.unique(read_texture(tmp_path / "two.json").texture.sample((1, 32, 32), 1))) == {0.0, 1.0}
     assert seaglint("texture", "fit", tmp_path / "ramp.npy", "--detrend", "-o", tmp_path / "m.json").code == 0
 
 
@@ -181,3 +186,16 @@ def test_stored_textures_are_read_back(model, tmp_path) -> None:
     stored = read_texture(model)
     write_texture(stored, tmp_path / "again.json")
     assert read_texture(tmp_path / "again.json") == stored
+
+
+def test_the_report_says_what_was_fitted_and_how(seaglint, recording, tmp_path) -> None:
+    image = tmp_path / "image.npy"
+    np.save(image, np.load(recording)[0])
+    report = tmp_path / "fit.html"
+    arguments = "--model", "autobinomial", "--levels", 8, "--order", 1, "--method", "pseudo-likelihood", "--report", report
+    answer = seaglint("texture", "fit", image, *arguments, "-o", tmp_path / "model.json")
+    assert answer.code == 0, answer.err
+    text = report.read_text()
+    assert "The fit" in text
+    assert "couplings by pseudo-likelihood, samples by exchange" in text
+    assert "have another histogram" in text

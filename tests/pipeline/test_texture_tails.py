@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from seaglint.io.recording import open_recording
-from texture_table import judged, rendered
+from texture_table import held_out, judged, rendered
 
 pytestmark = pytest.mark.validation
 
@@ -33,3 +33,23 @@ def test_a_measured_picture(data_dir, region: str) -> None:
     found = judged(open_recording(data_dir / "imagery" / "Misc_66.png", channel="mean"), region)
     require_tails(found)
     assert found.stored.texture.modulation is not None  # it does not: the pixels themselves have no long tail
+
+
+def test_frames_that_the_fit_has_not_seen(tmp_path) -> None:
+    """Fitted to the first 25 frames, slow field and all, and compared with the others."""
+    for own, plain in held_out(rendered(tmp_path), None):
+        print(f"held out: gamma field {own}, Gaussian field {plain} times the data's rates")
+        assert own is not None
+        assert 1.0 / 1.5 < own < 1.5
+        assert plain is None or plain < 1.0 / 5.0
+
+
+@pytest.mark.parametrize("region", ["120:250,90:230", "50:125,100:300"], ids=["corridor", "flank"])
+def test_a_measured_picture_without_its_slow_changes_has_its_correlations_too(data_dir, region: str) -> None:
+    """The flank without the boat: the Gaussian field misses by 4 at 3 sigma, by 9 at 3.5; the corridor's by 5 and 19."""
+    found = judged(open_recording(data_dir / "imagery" / "Misc_66.png", channel="mean"), region, detrend=True)
+    quality = found.stored.quality
+    assert all(1.0 / 1.5 < entry["second_over_first"] < 1.5 for entry in quality["filtered_rates"])
+    assert quality["gaussian_filtered_rates"][1]["second_over_first"] < 1.0 / 5.0
+    assert found.stored.quality["marginal"]["ks"] < 0.1
+    assert found.stored.quality["correlation_distance"] < 0.1

@@ -62,6 +62,7 @@ def test_pseudo_likelihood_is_the_sum_over_pixels() -> None:
     assert conditional_log_likelihood(picture, model, periodic=True) == pytest.approx(total / 16, rel=1e-12)
 
 
+@pytest.mark.validation
 def test_standard_errors_are_those_of_repeats() -> None:
     """Spread over 100 pictures against the mean sandwich error; without the pairs of scores it would be 0.75 of it."""
     fits = [fit(sample(KNOWN, (40, 40), 40, seed=s), 8, 2, isotropic=False, periodic=True, check=False) for s in range(100)]
@@ -125,6 +126,7 @@ def test_fine_grain_of_many_levels_melts() -> None:
     assert "molten" in found.notes[0]
 
 
+@pytest.mark.validation
 def test_couplings_come_back_from_a_picture_of_any_histogram() -> None:
     """A histogram that no Gibbs sample has, and couplings under which one would freeze: the exchange likelihood finds them."""
     even = np.random.default_rng(5).permutation(np.repeat(np.arange(6), 384)).reshape(48, 48)

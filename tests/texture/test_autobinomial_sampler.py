@@ -75,6 +75,7 @@ def test_every_picture_of_3_x_3_comes_as_often_as_it_must(model: Autobinomial) -
     assert chi_square(counts, draws * exact(model, 3)) > LEVEL
 
 
+@pytest.mark.validation
 def test_every_picture_of_4_x_4_with_2_levels() -> None:
     """65 536 pictures: those that differ by a shift share a cell, named by the least of them."""
     model, draws = Autobinomial.of(2, 1, -1.6, (0.7, 0.2), isotropic=False), 12_000
@@ -102,6 +103,22 @@ def test_sums_of_4_x_4_are_those_of_the_transfer_matrix(levels: int) -> None:
     weights = np.fft.fft(generating).real / (most + 1)
     counts = np.bincount(chain(model, (4, 4), draws, 8, seed=3).sum(axis=(1, 2)), minlength=most + 1)
     assert chi_square(counts, draws * weights / weights.sum()) > LEVEL
+
+
+@pytest.mark.parametrize("levels", [2, 3])
+def test_pairs_of_4_x_4_are_those_of_the_transfer_matrix(levels: int) -> None:
+    """Sum of the products of all neighbours, whatever their direction: every pair weighted by z^product within and across rows."""
+    model, draws = Autobinomial.of(levels, 1, -0.9, (0.25, 0.1), isotropic=False), 12_000
+    rows = np.array(list(itertools.product(range(levels), repeat=4)))
+    along, across = (rows * np.roll(rows, -1, axis=1)).sum(axis=1), rows @ rows.T
+    own = model.alpha * rows.sum(axis=1) + np.log(comb(levels - 1, rows)).sum(axis=1) + model.beta[0] * along
+    most = 32 * (levels - 1) ** 2
+    circle = np.exp(2j * np.pi * np.arange(most + 1) / (most + 1))
+    steps = (np.exp(model.beta[1] * across) * z**across * np.exp(own) * z**along for z in circle)
+    weights = np.fft.fft([np.trace(np.linalg.matrix_power(step, 4)) for step in steps]).real / (most + 1)
+    found = chain(model, (4, 4), draws, 8, seed=4).astype(np.int64)
+    pairs = sum((found * np.roll(found, -1, axis=axis)).sum(axis=(1, 2)) for axis in (1, 2))
+    assert chi_square(np.bincount(pairs, minlength=most + 1), draws * np.maximum(weights, 0.0) / weights.sum()) > LEVEL
 
 
 @njit

@@ -68,6 +68,7 @@ def test_all_random_starts_reach_one_optimum() -> None:
     assert np.ptp(found, axis=0) == pytest.approx(0.0, abs=1e-7)
 
 
+@pytest.mark.validation
 def test_known_parameters_come_back_with_the_stated_coverage() -> None:
     """128 x 128 pixels, 100 seeds, three weights and the variance: 95 % intervals cover 90 to 99 %, 3 standard errors all but 2 %."""
     z = []

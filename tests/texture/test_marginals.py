@@ -53,11 +53,14 @@ def test_correlations_are_met_and_the_error_is_stated(marginal: Marginal) -> Non
 
 @pytest.mark.parametrize("marginal", ONE_OF_EACH, ids=lambda m: m.kind)
 def test_fits_find_the_family_again(marginal: Marginal) -> None:
-    """100 000 pixels: quantiles from 2 to 98 % within 4 % of the standard deviation; dark tails too."""
+    """100 000 pixels: quantiles from 2 to 98 % within 4 standard errors of the least certain one; dark tails too."""
     values = marginal(np.random.default_rng(7).standard_normal(100_000))
     found = fit_marginal(values, marginal.kind)
     g = np.linspace(-2.0, 2.0, 21)
-    assert found(g) == pytest.approx(marginal(g), abs=0.04 * values.std())
+    slope = np.abs(marginal(g + 1e-4) - marginal(g - 1e-4)) / 2e-4
+    share = stats.norm.cdf(g)
+    error = slope / stats.norm.pdf(g) * np.sqrt(share * (1.0 - share) / values.size)
+    assert found(g) == pytest.approx(marginal(g), abs=4.0 * error.max())
     assert np.sign(found.scale) == np.sign(marginal.scale)
     assert Marginal.from_dict(found.to_dict()) == found
 
@@ -74,9 +77,11 @@ def test_the_table_is_the_transform(kind: str) -> None:
     marginal = fit_marginal(np.random.default_rng(9).gamma(1.5, 1.0, 20_000), kind) if kind != "k" else ONE_OF_EACH[4]
     g = np.random.default_rng(1).standard_normal((3, 40)).astype(np.float32)
     assert marginal.transform(g.copy()) == pytest.approx(
-        marginal(g), abs=(2e-3 if kind == "empirical" else 2e-4) * np.sqrt(marginal.variance)
+        # Between quantiles that are kept an empirical distribution has kinks, beside those of the table.
+        marginal(g),
+        abs=(5e-4 if kind == "empirical" else 1e-5) * np.sqrt(marginal.variance),
     )
-    assert marginal.gaussian(marginal(g)) == pytest.approx(g, abs=2e-3)
+    assert marginal.gaussian(marginal(g)) == pytest.approx(g, abs=5e-4 if kind == "empirical" else 1e-5)
 
 
 def test_what_cannot_be_is_refused() -> None:

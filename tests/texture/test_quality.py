@@ -12,6 +12,7 @@ from seaglint.texture.marginals import Marginal
 from seaglint.texture.quality import compare, cooccurrence
 
 FIELD = GaussMarkov(((1, 0, 0), (0, 0, 1), (0, 1, 0)), (0.2, 0.1, 0.1), 1.0)
+FIELD_OF_NOISE = GaussMarkov((), (), 1.0)
 SHAPE = (12, 96, 96)
 
 
@@ -63,3 +64,17 @@ def test_pictures_that_cannot_be_compared() -> None:
         compare(np.ones((1, 8, 8)), frames(1))
     with pytest.raises(DataError, match="missing"):
         compare(frames(1), np.full(SHAPE, np.nan))
+
+
+def test_two_small_pictures_of_white_noise_are_alike() -> None:
+    """A single square of 64 px would differ from another by 8 dB rms, and correlations of 0.01 and 0.002 by their whole size."""
+    one, other = (np.random.default_rng(seed).gamma(2.0, 1.0, (1, 64, 64)).astype(np.float32) for seed in (1, 2))
+    found = compare(one, other).as_dict()
+    assert found["spectrum_distance_db"] < 3.0
+    assert not any("co-occurring" in sentence for sentence in found["fails"])
+
+
+def test_spectra_of_another_slope_are_told() -> None:
+    smooth = GaussMarkov(((0, 0, 1), (0, 1, 0)), (0.24, 0.24), 1.0)
+    one, other = (GaussianTexture(field, Marginal()).sample((1, 64, 64), 1) for field in (FIELD_OF_NOISE, smooth))
+    assert any("spectra differ" in sentence for sentence in compare(one, other).as_dict()["fails"])

@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from seaglint.errors import DataError
-from seaglint.texture.suitability import parse_region, require_stationary, require_values
+from seaglint.texture.gauss_markov import GaussMarkov
+from seaglint.texture.marginals import Marginal
+from seaglint.texture.suitability import REFUSED, Region, examine, parse_region, require_stationary, require_values
+from seaglint.texture.synthesis import latent
 
 NOISE = np.random.default_rng(3).normal(size=(1, 96, 96)).astype(np.float32)
 
@@ -53,3 +56,47 @@ def test_a_picture_that_is_not_stationary_is_named_with_a_region_that_is() -> No
 def test_regions_of_another_form_are_refused(text: str) -> None:
     with pytest.raises(DataError, match=r"--region .* give"):
         parse_region(text, 96, 96)
+
+
+def test_effects_count_and_not_levels() -> None:
+    """A ramp of 3 % of the variance is sure in 400 x 400 pixels and changes no texture; 20 % are told; 60 % are refused."""
+    noise = np.random.default_rng(5).normal(size=(1, 400, 400))
+    ramp = np.sqrt(12.0) * np.linspace(-0.5, 0.5, 400)  # of variance 1
+
+    def with_share(share: float) -> np.ndarray:
+        return np.sqrt(1.0 - share) * noise + np.sqrt(share) * ramp
+
+    assert examine(with_share(0.2)).mean == pytest.approx(0.2, abs=0.01)
+    assert require_stationary(with_share(0.03)) == ()
+    (told,) = require_stationary(with_share(0.2))
+    assert re.search(r"mean .* \(20 % of the variance\); --region \S+ is even, and --detrend takes", told)
+    with pytest.raises(DataError, match=r"60 % of the variance.*take slow changes off with --detrend"):
+        require_stationary(with_share(0.6))
+
+
+def test_deviations_of_parts_are_told() -> None:
+    noise = np.random.default_rng(6).normal(size=(1, 192, 192))
+    noise[:, :, 128:] *= 1.8
+    # Lowered by what chance does, here 15 % at most.
+    assert 1.8 * 0.8 < examine(noise).spread < 1.8 * 1.05
+    assert "variance differs from place to place" in require_stationary(noise)[0]
+
+
+@pytest.mark.parametrize("shape", [None, 0.3], ids=["gaussian", "gamma"])
+def test_correlated_stationary_fields_are_not_refused(shape: float | None) -> None:
+    """Correlation lengths of some 10 px in 100 x 140 px, long tails too: none of six is refused."""
+    field = GaussMarkov(((0, 0, 1), (0, 1, 0)), (0.2495, 0.2495), 1.0)
+    for seed in range(6):
+        x = latent(field, (1, 256, 256), seed)[:, :100, :140].astype(float)
+        seen = x if shape is None else Marginal("gamma", 0.0, 1.0, shape)(x)
+        assert not examine(seen).beyond(REFUSED)
+
+
+def test_the_part_is_named_in_rows_and_columns_of_the_picture() -> None:
+    image = NOISE.copy()
+    image[:, :, 60:] *= 3.0
+    with pytest.raises(DataError) as told:
+        require_stationary(image, Region(100, 196, 200, 296))
+    region = parse_region(re.search(r"--region (\S+),", str(told.value))[1], 196, 296)
+    assert region.top >= 100
+    assert 200 <= region.left < region.right <= 260

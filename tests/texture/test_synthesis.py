@@ -24,7 +24,7 @@ def mean_covariance(fields: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("slow_field", [None, SLOW], ids=["gaussian", "product"])
-@pytest.mark.parametrize("shape", [(4, 8, 8), (5, 9, 7)], ids=["even", "odd"])
+@pytest.mark.parametrize("shape", [(4, 8, 8), pytest.param((5, 9, 7), marks=pytest.mark.validation)], ids=["even", "odd"])
 def test_samples_have_the_covariances_of_the_field(shape: tuple[int, int, int], slow_field: Modulation | None) -> None:
     """Space and time at once, 400 samples: the Monte Carlo error of a covariance, from blocks of 20, is passed by 5 nowhere."""
     fields = np.stack([latent(FIELD, shape, seed, slow_field) for seed in range(400)])
@@ -34,6 +34,7 @@ def test_samples_have_the_covariances_of_the_field(shape: tuple[int, int, int], 
     assert np.abs((blocks.mean(axis=0) - wanted / wanted[0, 0, 0]) / error).max() < 5.0
 
 
+@pytest.mark.validation
 def test_the_slow_field_is_gamma_distributed_with_mean_1() -> None:
     power = np.stack([slow(Modulation(0.5, (1.0, 2.0, 2.0)), (4, 64, 64), seed) for seed in range(40)]).astype(float)
     assert power.mean() == pytest.approx(1.0, abs=0.02)

@@ -40,6 +40,7 @@ class TailsOption(StrEnum):
 class MethodOption(StrEnum):
     """Ways to fit an autobinomial field."""
 
+    AUTO = "auto"
     PSEUDO_LIKELIHOOD = "pseudo-likelihood"
     MONTE_CARLO = "monte-carlo"
     MONTE_CARLO_EXCHANGE = "monte-carlo-exchange"
@@ -88,7 +89,12 @@ def fit(
     order: Annotated[int, typer.Option("--order", min=1, help="order of the neighbourhood (autobinomial)")] = 2,
     isotropic: Annotated[bool, typer.Option("--isotropic", help="one weight for each distance (autobinomial)")] = False,
     levels: Annotated[int, typer.Option("--levels", min=2, help="grey levels (autobinomial)")] = 16,
-    method: Annotated[MethodOption, typer.Option("--method", help="how it is fitted (autobinomial)")] = MethodOption.MONTE_CARLO_EXCHANGE,
+    method: Annotated[
+        MethodOption, typer.Option("--method", help="how it is fitted (autobinomial); auto: as its regime asks for")
+    ] = MethodOption.AUTO,
+    keep_histogram: Annotated[
+        bool, typer.Option("--keep-histogram", help="draw samples with exactly the picture's histogram (autobinomial)")
+    ] = False,
     report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="write data and sample side by side")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print the texture's file")] = False,
     frame_rate: FrameRate = None,
@@ -123,6 +129,7 @@ def fit(
         isotropic=isotropic,
         levels=levels,
         method=method.value,
+        keep_histogram=keep_histogram,
         product={Product.AUTO: None, Product.ALWAYS: True, Product.NEVER: False}[product],
         seed=seed,
     )
@@ -132,7 +139,8 @@ def fit(
     if report is not None:
         from seaglint.plot.texture import write_comparison
 
-        write_comparison(found.comparison, found.data, found.sample, report, gaussian=found.gaussian, overwrite=overwrite)
+        about = [*model_lines(found.stored.to_dict()), *found.stored.notes]
+        write_comparison(found.comparison, found.data, found.sample, report, gaussian=found.gaussian, about=about, overwrite=overwrite)
         log(f"{report} written")
     if as_json:
         print_json(found.stored.to_dict())
@@ -264,6 +272,8 @@ def place(
         )
     with open_sequence(output) as dataset:
         log(f"{output}: {summarise(dataset).line}")
+        if dataset.attrs["texture_contrast"] == "model":
+            log("standard deviations are the texture's own ratio to what comes from the sea: fit it to a sea of this band and light")
 
 
 def _opened(
@@ -296,7 +306,23 @@ def _size(text: str) -> tuple[int, int]:
 
 def fit_lines(held: dict[str, Any]) -> list[str]:
     """A texture's file as a few lines of text."""
-    model, source, quality = held["model"], held["source"], held["quality"]
+    quality = held["quality"]
+    out = model_lines(held)
+    held_out = quality["held_out"]
+    if held_out["log_pseudo_likelihood"] is None:
+        out.append(f"held-out pseudo-likelihood: none ({held_out['reason']})")
+    else:
+        value, alone = held_out["log_pseudo_likelihood"], held_out["independent_pixels"]
+        out.append(f"held-out log pseudo-likelihood per pixel {value:.4g} (independent pixels {alone:.4g})")
+    out += comparison_lines({**quality, "likelihood": None})
+    for entry in quality.get("gaussian_filtered_rates", ()):
+        out.append(f"  the Gaussian field, {entry['threshold_sigma']:g} sigma: {_times(entry['second_over_first'])} the data's rate")
+    return out + [f"note: {note}" for note in held["notes"]]
+
+
+def model_lines(held: dict[str, Any]) -> list[str]:
+    """What was fitted to what."""
+    model, source = held["model"], held["source"]
     out = [f"{source['input']}: {source['frames']} frames of {source['columns']} x {source['rows']} pixels, region {source['region']}"]
     if model["kind"] == "gauss-markov":
         slow = model["modulation"]
@@ -310,16 +336,8 @@ def fit_lines(held: dict[str, Any]) -> list[str]:
         errors = held["fit"]["standard_errors"]
         told = [f"{v:.4g}" + ("" if e is None else f" +- {e:.2g}") for v, e in zip(held["fit"]["parameters"], errors, strict=True)]
         out.append(f"autobinomial field of {model['levels']} levels: alpha {told[0]}; beta {', '.join(told[1:])}")
-    held_out = quality["held_out"]
-    if held_out["log_pseudo_likelihood"] is None:
-        out.append(f"held-out pseudo-likelihood: none ({held_out['reason']})")
-    else:
-        value, alone = held_out["log_pseudo_likelihood"], held_out["independent_pixels"]
-        out.append(f"held-out log pseudo-likelihood per pixel {value:.4g} (independent pixels {alone:.4g})")
-    out += comparison_lines({**quality, "likelihood": None})
-    for entry in quality.get("gaussian_filtered_rates", ()):
-        out.append(f"  the Gaussian field, {entry['threshold_sigma']:g} sigma: {_times(entry['second_over_first'])} the data's rate")
-    return out + [f"note: {note}" for note in held["notes"]]
+        out.append(f"couplings by {held['fit']['method']}, samples by {model['sampler']}")
+    return out
 
 
 def _times(ratio: float | None) -> str:

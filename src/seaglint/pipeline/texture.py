@@ -21,12 +21,10 @@ from seaglint.io.store import Progress, check_output, write_sequence
 from seaglint.io.texture_file import StoredTexture, read_texture
 from seaglint.schema import VARIABLES
 from seaglint.texture import gauss_markov_fit as estimation
-from seaglint.texture.autobinomial_fit import Method
-from seaglint.texture.autobinomial_fit import fit as fit_autobinomial
-from seaglint.texture.autobinomial_texture import AutobinomialTexture
+from seaglint.texture.autobinomial_texture import AutobinomialTexture, Way
+from seaglint.texture.autobinomial_texture import fit_texture as fit_autobinomial
 from seaglint.texture.gauss_markov import GaussMarkov
 from seaglint.texture.gaussian_texture import GaussianTexture, fit_texture
-from seaglint.texture.levels import GreyLevels
 from seaglint.texture.marginals import Tails, fit_marginal
 from seaglint.texture.quality import Comparison, compare
 from seaglint.texture.suitability import Region, parse_region, require_stationary, require_values
@@ -43,6 +41,9 @@ MOST_VALUES: Final = 3_000_000
 
 STILL: Final = 8
 """Frames from which on correlations in time are fitted."""
+
+AVERAGED: Final = 8
+"""Part of a side over which the local contrast is averaged before its slow change is taken off."""
 
 NOMINAL_RATE: Final = 25.0
 """Of a sample whose data had none [Hz]."""
@@ -66,8 +67,8 @@ class FitOptions:
         Fit also where the picture is not stationary.
     detrend : bool
         Take slow changes of mean and contrast off first.
-    order, isotropic, levels, method : int, bool, int, str
-        Of an autobinomial field; samples of textures are drawn by exchange, for which the last of the three methods fits.
+    order, isotropic, levels, method, keep_histogram : int, bool, int, str, bool
+        Of an autobinomial field (:func:`seaglint.texture.autobinomial_texture.fit_texture`).
     product : bool or None
         Whether a slow field multiplies the fast one; None to find out.
     seed : int
@@ -82,7 +83,8 @@ class FitOptions:
     order: int = 2
     isotropic: bool = False
     levels: int = 16
-    method: Method = "monte-carlo-exchange"
+    method: Way = "auto"
+    keep_histogram: bool = False
     product: bool | None = None
     seed: int = 0
 
@@ -110,14 +112,17 @@ def frames_of(recording: Recording, region: Region, most: int = MOST_VALUES) -> 
 
 def detrended(frames: Frames) -> Frames:
     """Frames whose slow changes of mean and contrast are taken off: both are everywhere what they are on average."""
+    from scipy.ndimage import uniform_filter
+
     image = frames.mean(axis=0, dtype=np.float64)
-    trend = trend_surface(image, degree=2)
+    trend = trend_surface(image)
     left = frames - trend
-    power = trend_surface((left**2).mean(axis=0), degree=2)
-    whole = float((left**2).mean())
-    spread = np.sqrt(np.maximum(power, 0.05 * whole))
+    power = (left**2).mean(axis=0)
+    # Logarithms of means over some pixels: a surface through powers themselves passes 0 beside a bright edge.
+    local = uniform_filter(power, size=[max(n // AVERAGED, 1) for n in power.shape])
+    spread = np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * power.mean())), degree=2))
     flat = left / spread
-    return np.asarray(trend.mean() + math.sqrt(whole) * flat / flat.std(), np.float32)
+    return np.asarray(trend.mean() + math.sqrt(float(power.mean())) * flat / flat.std(), np.float32)
 
 
 @single_threaded_algebra()
@@ -131,7 +136,7 @@ def fit(recording: Recording, options: FitOptions) -> Fitted:
     """
     region = parse_region(options.region or ":,:", recording.rows, recording.columns)
     data = frames_of(recording, region)
-    require_values(data)
+    require_values(data, two=options.model == "autobinomial" and options.levels == 2)
     notes: list[str] = []
     if len(data) < recording.frames:
         notes.append(f"fitted to {len(data)} of {recording.frames} frames, from the middle")
@@ -139,7 +144,7 @@ def fit(recording: Recording, options: FitOptions) -> Fitted:
         data = detrended(data)
         notes.append("slow changes of mean and contrast were taken off")
     if not options.any_region:
-        notes += require_stationary(data, options.seed)
+        notes += require_stationary(data, region, detrended=options.detrend)
     if 1 < len(data) < STILL:
         notes.append(f"{len(data)} frames are too few for correlations in time (at least {STILL}): frames count as pictures of their own")
     texture: GaussianTexture | AutobinomialTexture
@@ -186,15 +191,17 @@ def _gauss_markov(data: Frames, options: FitOptions) -> tuple[GaussianTexture, d
 
 
 def _autobinomial(data: Frames, options: FitOptions) -> tuple[AutobinomialTexture, dict[str, Any], tuple[str, ...]]:
-    image = data[len(data) // 2]
-    grey = GreyLevels.of(image, options.levels)
-    field = grey.to_levels(image)
-    method, seed = options.method, options.seed
-    found = fit_autobinomial(field, options.levels, options.order, isotropic=options.isotropic, method=method, seed=seed)
-    shares = np.bincount(field.ravel(), minlength=options.levels) / field.size
-    texture = AutobinomialTexture(found.model, grey, tuple(map(float, shares)))
-    told = {name: value for name, value in found.as_dict().items() if name not in ("model", "notes")}
-    return texture, told, found.notes
+    found = fit_autobinomial(
+        data[len(data) // 2],
+        options.levels,
+        options.order,
+        isotropic=options.isotropic,
+        method=options.method,
+        keep_histogram=options.keep_histogram,
+        seed=options.seed,
+    )
+    told = {name: value for name, value in found.found.as_dict().items() if name not in ("model", "notes")}
+    return found.texture, {**told, "asked": found.tried}, found.notes
 
 
 def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> GaussianTexture | None:
@@ -228,11 +235,10 @@ def _held_out(data: Frames, options: FitOptions, texture: GaussianTexture | Auto
             value = _refit(texture, seen, texture.marginal.kind).pseudo_log_likelihood(kept)
             alone = float(-0.5 * np.log(2.0 * np.pi * seen.var()) - 0.5 * np.mean((kept - seen.mean()) ** 2) / seen.var())
         else:
-            value = replace(_autobinomial(seen, replace(options, method="pseudo-likelihood"))[0], grey=texture.grey).pseudo_log_likelihood(
-                kept
-            )
-            shares = np.maximum(np.bincount(texture.grey.to_levels(seen).ravel(), minlength=options.levels) / seen.size, 0.5 / seen.size)
-            alone = float(np.mean(np.log(shares)[texture.grey.to_levels(kept)]))
+            half_fit = _autobinomial(seen, replace(options, method="pseudo-likelihood"))[0]
+            value = half_fit.pseudo_log_likelihood(kept)
+            shares = np.maximum(half_fit.histogram, 0.5 / seen.size)
+            alone = float(np.mean(np.log(shares)[half_fit.grey.to_levels(kept)]))
     except (DataError, ValueError) as error:
         return {"log_pseudo_likelihood": None, "independent_pixels": None, "reason": str(error)}
     return {"log_pseudo_likelihood": value, "independent_pixels": alone, "reason": None}

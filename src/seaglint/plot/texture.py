@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -88,8 +89,10 @@ def draw_measures(comparison: Comparison, gaussian: Comparison | None = None) ->
     return figure
 
 
-def comparison_report(comparison: Comparison, first: Frames, second: Frames, gaussian: Comparison | None = None) -> str:
-    """The report as text."""
+def comparison_report(
+    comparison: Comparison, first: Frames, second: Frames, gaussian: Comparison | None = None, about: Sequence[str] = ()
+) -> str:
+    """The report as text; ``about`` are sentences on the fit."""
     found = comparison.as_dict()
     title = f"Textures: {found['second']} against {found['first']}"
     fails = found["fails"]
@@ -101,6 +104,7 @@ def comparison_report(comparison: Comparison, first: Frames, second: Frames, gau
     body = [
         f"<h1>{escape(title)}</h1>",
         verdict,
+        *([section("The fit", "<ul>" + "".join(f"<li>{escape(text)}</li>" for text in about) + "</ul>")] if about else []),
         section("Side by side", picture(png(draw_pictures(comparison, first, second)), "pictures", "Middle frames, and their Laplacians.")),
         section("False alarms of the filtered picture", _rates(found, gaussian)),
         section("Measures", _measures(found), picture(png(draw_measures(comparison, gaussian)), "measures", "Both textures in numbers.")),
@@ -157,7 +161,14 @@ def _methods() -> str:
 
 
 def write_comparison(
-    comparison: Comparison, first: Frames, second: Frames, path: str | Path, *, gaussian: Comparison | None = None, overwrite: bool = False
+    comparison: Comparison,
+    first: Frames,
+    second: Frames,
+    path: str | Path,
+    *,
+    gaussian: Comparison | None = None,
+    about: Sequence[str] = (),
+    overwrite: bool = False,
 ) -> Path:
     """Write the report of a comparison; the same comparison gives the same bytes.
 
@@ -170,6 +181,8 @@ def write_comparison(
         HTML file.
     gaussian : Comparison, optional
         Of the same data with a Gaussian field.
+    about : sequence of str
+        Sentences on the fit: what was fitted to what, and how.
     overwrite : bool
         Replace what is there.
 
@@ -181,7 +194,7 @@ def write_comparison(
         No room or no rights.
     """
     output = refuse_existing(path, overwrite=overwrite)
-    text = comparison_report(comparison, first, second, gaussian)
+    text = comparison_report(comparison, first, second, gaussian, about)
     with moved_when_whole(output) as partial:
         partial.write_text(text, encoding="utf-8", newline="\n")
     return output

@@ -45,6 +45,8 @@ class Fit:
         Newton's steps taken.
     regime : Regime or None
         What samples of the fit are like; None where it was not asked for.
+    distance : float or None
+        Left between the picture's sums and those of samples, in standard deviations of a sample's; None of a pseudo-likelihood.
     """
 
     model: Autobinomial
@@ -55,6 +57,7 @@ class Fit:
     converged: bool
     steps: int
     regime: Regime | None
+    distance: float | None = None
 
     @property
     def parameters(self) -> FloatArray:
@@ -71,9 +74,10 @@ class Fit:
         """Sentences for whoever uses the fit: what is wrong with it and what to do."""
         found = []
         if not self.converged:
+            left = "" if self.distance is None else f" {self.distance:.3g} standard deviations from"
             found.append(
-                "the Monte Carlo likelihood was not climbed to its top (samples of the field do not come near the picture's sums): "
-                "take the pseudo-likelihood's fit, fewer levels or a lower order"
+                f"the Monte Carlo likelihood was not climbed to its top in {self.steps} steps (sums over pixels and pairs of samples stay"
+                f"{left or ' away from'} the picture's): take the pseudo-likelihood's fit, fewer levels or a lower order"
             )
         if np.isnan(self.covariance).any() and self.method == "pseudo-likelihood":
             found.append("the picture is too small for standard errors of so many neighbours: take a larger one or a lower order")
@@ -171,10 +175,10 @@ def fit(
     found, regressors = neighbour_sums(field, ties, periodic=periodic)
     top = climb(found, regressors, model.most, ties, start, periodic=periodic)
     model, covariance = model.with_parameters(top.parameters), top.covariance
-    converged, steps = top.converged, top.steps
+    converged, steps, distance = top.converged, top.steps, None
     if method != "pseudo-likelihood":
         ascent = maximum_likelihood(field, model, seed, periodic=periodic, keep_histogram=method == "monte-carlo-exchange")
-        converged, steps = ascent.converged, ascent.rounds
+        converged, steps, distance = ascent.converged, ascent.rounds, ascent.distance
         model, covariance = ascent.model, ascent.covariance
     return Fit(
         model,
@@ -185,6 +189,7 @@ def fit(
         converged,
         steps,
         regime(field, model, seed) if check else None,
+        distance,
     )
 
 

@@ -26,11 +26,17 @@ THRESHOLDS: Final = (3.0, 3.5)
 LAGS: Final = 12
 """Largest distance of the correlations compared [px]."""
 
+FRAMES: Final = 12
+"""Frames whose spectra, correlations in space and co-occurrence are compared, evenly spread."""
+
 TIMES: Final = 25
 """Largest number of frames between pixels compared."""
 
-SQUARE: Final = 64
-"""Side of the squares of the spectra compared [px]."""
+SQUARES: Final = (64, 32, 16)
+"""Sides of the squares of the spectra compared [px]: the largest of which there are :data:`FEWEST` in both."""
+
+FEWEST: Final = 24
+"""Squares whose mean periodogram scatters by some 1 dB; a single one would by 5.6 dB, more than the limit of two that differ."""
 
 LEVELS: Final = 16
 """Grey levels of the co-occurrence matrix."""
@@ -98,7 +104,7 @@ class Comparison:
         values = self._values()
         times = None if a.time is None or b.time is None else _rms(a.time, b.time)
         features = {
-            name: {"first": a.features[name], "second": b.features[name], "relative": _relative(a.features[name], b.features[name])}
+            name: {"first": a.features[name], "second": b.features[name], "relative": _relative(name, a.features[name], b.features[name])}
             for name in a.features
         }
         found = {
@@ -169,8 +175,9 @@ def _fails(found: Mapping[str, Any]) -> list[str]:
     return out
 
 
-def _relative(a: float, b: float) -> float:
-    return abs(a - b) / max(abs(a), abs(b), 1e-12)
+def _relative(name: str, a: float, b: float) -> float:
+    """Difference of a feature over its larger value; of correlations, which are near 0 where nothing is, over 1."""
+    return abs(a - b) / (1.0 if name == "correlation" else max(abs(a), abs(b), 1e-12))
 
 
 def _rms(a: FloatArray, b: FloatArray) -> float:
@@ -210,11 +217,17 @@ def compare(
             raise DataError(f"{name}: {x.shape} is too small to be compared; give 24 x 24 pixels or more")
         if not np.isfinite(x).all():
             raise DataError(f"{name}: values are missing or infinite; choose a region without them")
-    side = min(SQUARE, *first.shape[1:], *second.shape[1:])
+    side = min(_side(first.shape), _side(second.shape))
     ends = np.quantile(np.concatenate([_some(first), _some(second)]), [0.001, 0.999])
     timed = consecutive and min(len(first), len(second)) >= 8
     frames = min(len(first), len(second)) if timed else 0
     return Comparison(*(_measure(name, x, side, ends, frames) for name, x in zip(names, (first, second), strict=True)))
+
+
+def _side(shape: tuple[int, ...]) -> int:
+    """Side of the squares of a spectrum, of which there are enough to average [px]."""
+    frames, rows, columns = min(shape[0], FRAMES), *shape[1:]
+    return next((side for side in SQUARES if frames * (rows // side) * (columns // side) >= FEWEST), SQUARES[-1])
 
 
 def _some(x: NDArray[np.floating]) -> FloatArray:
@@ -226,7 +239,7 @@ def _measure(name: str, x: NDArray[np.floating], side: int, ends: FloatArray, fr
     for frame in x:
         alarms.add(interior(frame[None]))
     std = max(float(x.std()), 1e-300)
-    few = x[np.unique(np.linspace(0, len(x) - 1, min(len(x), 12)).astype(int))]
+    few = x[np.unique(np.linspace(0, len(x) - 1, min(len(x), FRAMES)).astype(int))]
     near = spatial_correlation(few, longest=LAGS)
     time = None
     if frames:

@@ -76,6 +76,11 @@ class Regime:
     @property
     def text(self) -> str:
         """What was found and what to do, in a sentence."""
+        return self.finding if self.name == "usable" else f"{self.finding}; {REMEDY}"
+
+    @property
+    def finding(self) -> str:
+        """What was found, in a sentence."""
         spread = f"standard deviation {self.sample_std:.3g} levels in samples, {self.data_std:.3g} in the picture"
         tie = f"correlation with the nearest neighbours {self.sample_correlation[0]:.2f} and {self.data_correlation[0]:.2f}"
         if self.name == "usable":
@@ -85,8 +90,8 @@ class Regime:
             if self.memory > APART:
                 fall = f"begun at the lowest and the highest level they stay {100.0 * self.memory:.0f} % of the range apart"
             means = f"mean {self.sample_mean:.3g} levels in samples, {self.data_mean:.3g} in the picture"
-            return f"frozen: beyond the phase transition Gibbs sweeps end near a constant ({fall}; {means}; {spread}); {REMEDY}"
-        return f"molten: Gibbs sweeps lose the texture ({spread}; {tie}); {REMEDY}"
+            return f"frozen: beyond the phase transition Gibbs sweeps end near a constant ({fall}; {means}; {spread})"
+        return f"molten: Gibbs sweeps lose the texture ({spread}; {tie})"
 
 
 def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int = CHECK_SWEEPS) -> Regime:

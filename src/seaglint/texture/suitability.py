@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
@@ -10,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seaglint.clutter.correlation import spatial_correlation, trend_surface
-from seaglint.clutter.stationarity import Stationarity, stationarity
 from seaglint.errors import DataError
 
 SMALLEST_SIDE: Final = 24
@@ -22,10 +22,29 @@ SHARES: Final = (0.75, 0.5, 0.375, 0.25)
 STEPS: Final = 5
 """Places of a region of one size along each side."""
 
-PERMUTATIONS: Final = 199
-
 FEW: Final = 8
-"""Frames that the test of stationarity looks at; those between them hardly tell more."""
+"""Frames that slow changes are looked for in; those between them hardly tell more."""
+
+TOLD: Final = (0.1, 1.4)
+"""Share of the variance in slow changes of the mean, and ratio of the largest to the smallest standard deviation, that a user is told."""
+
+REFUSED: Final = (0.5, 2.0)
+"""The same from which a texture would be one of the slow change: a fit's correlations then miss the data's by more than 0.1."""
+
+TERMS: Final = 14
+"""Coefficients, but for the constant, of the surface that a slow change is: of degree 4."""
+
+PARTS: Final = 3
+"""Rows and columns of parts whose standard deviations are compared."""
+
+LOOKED_AT: Final = 64
+"""Rows and columns that slow changes are looked for in, evenly spread over the region."""
+
+BY_CHANCE: Final = (1.7, 4.4)
+"""Upper 95 % of chi-square with :data:`TERMS` degrees of freedom over its mean, and of the range of 9 normal deviates."""
+
+MOST_BY_CHANCE: Final = (0.2, 2.0)
+"""Most that chance is allowed: a region of a few correlation lengths looks like a slow change, and is as little a texture."""
 
 
 @dataclass(frozen=True)
@@ -77,13 +96,15 @@ def parse_region(text: str, rows: int, columns: int) -> Region:
     return Region(top, bottom, left, right)
 
 
-def require_values(frames: ArrayLike) -> None:
+def require_values(frames: ArrayLike, *, two: bool = False) -> None:
     """Refuse pictures that no texture can be fitted to.
 
     Parameters
     ----------
     frames : array_like, shape (frames, rows, columns)
         Of the region [u].
+    two : bool
+        Whether two values are enough: for an autobinomial field of two levels.
 
     Raises
     ------
@@ -107,32 +128,75 @@ def require_values(frames: ArrayLike) -> None:
     few = np.unique(x[:1] if x.size > 10_000_000 else x)[:3]
     if few.size == 1:
         raise DataError(f"all values are {few[0]:g}: there is no texture to fit; choose another region")
-    if few.size == 2:
+    if few.size == 2 and not two:
         raise DataError(
-            f"there are two values only, {few[0]:g} and {few[1]:g} (a mask, or a saturated picture); give the picture itself, or model "
-            "autobinomial with 2 levels"
+            f"there are two values only, {few[0]:g} and {few[1]:g} (a mask, or a saturated picture); give the picture itself, or fit "
+            "--model autobinomial --levels 2"
         )
 
 
-def examine(frames: NDArray[np.floating], seed: int = 0) -> Stationarity:
-    """Test of stationarity of a region, shape (frames, rows, columns), with the correlation lengths of its own."""
-    some = frames[np.unique(np.linspace(0, len(frames) - 1, min(len(frames), FEW)).astype(int))]
-    # A slow change of brightness must not pass for a correlation as long as the picture: blocks would be too large to see it.
-    found = spatial_correlation(some, mean=trend_surface(some.mean(axis=0)))
-    return stationarity(some, length_x=found.length_x, length_y=found.length_y, permutations=PERMUTATIONS, seed=seed)
+@dataclass(frozen=True)
+class Changes:
+    """How much a picture changes slowly from place to place, less what correlated pixels do by chance.
+
+    Effects and not levels of a test: in a large picture the least change is significant, and no measured sea is without.
+
+    Attributes
+    ----------
+    mean : float
+        Share of the variance in a surface of degree 4 through the mean [1].
+    spread : float
+        Largest over smallest standard deviation of nine parts, that surface taken off [1].
+    """
+
+    mean: float
+    spread: float
+
+    def beyond(self, limits: tuple[float, float]) -> bool:
+        """Whether one of the two is above its limit."""
+        return self.mean > limits[0] or self.spread > limits[1]
+
+    @property
+    def text(self) -> str:
+        """What changes, in words."""
+        told = []
+        if self.mean > TOLD[0]:
+            told.append(f"mean changes slowly from place to place ({100.0 * self.mean:.0f} % of the variance)")
+        if self.spread > TOLD[1]:
+            told.append(f"variance differs from place to place (standard deviations of its parts by a factor of {self.spread:.2g})")
+        return " and its ".join(told)
 
 
-def stationary_region(frames: NDArray[np.floating], seed: int = 0) -> Region | None:
-    """Largest region that passes the test of stationarity, of a few sizes and places; None where there is none."""
+def examine(frames: NDArray[np.floating]) -> Changes:
+    """Measure the slow changes of a region, shape (frames, rows, columns)."""
+    some = np.asarray(frames[np.unique(np.linspace(0, len(frames) - 1, min(len(frames), FEW)).astype(int))], np.float64)
+    some = some[:, :: max(some.shape[1] // LOOKED_AT, 1), :: max(some.shape[2] // LOOKED_AT, 1)]
+    variance = float(some.var())
+    if not variance > 0.0:
+        return Changes(0.0, 1.0)
+    surface = trend_surface(some.mean(axis=0))
+    near = spatial_correlation(some, mean=surface)
+    # Pixels that one independent value stands for.
+    area = float(np.nan_to_num(max(near.scale_x, 1.0) * max(near.scale_y, 1.0), nan=np.inf))
+    left = some - surface
+    share = float(surface.var()) / variance - min(TERMS * BY_CHANCE[0] * area / surface.size, MOST_BY_CHANCE[0])
+    parts = [part for rows in np.array_split(left, PARTS, axis=1) for part in np.array_split(rows, PARTS, axis=2)]
+    deviations = [float(part.std()) for part in parts]
+    if not min(deviations) > 0.0:
+        return Changes(max(share, 0.0), math.inf)
+    kurtosis = float((left**4).mean()) / float((left**2).mean()) ** 2
+    scatter = math.sqrt(max(kurtosis - 1.0, 0.0) * PARTS**2 * area / (4.0 * surface.size))
+    return Changes(max(share, 0.0), max(max(deviations) / min(deviations) / min(math.exp(BY_CHANCE[1] * scatter), MOST_BY_CHANCE[1]), 1.0))
+
+
+def even_region(frames: NDArray[np.floating]) -> Region | None:
+    """Largest region whose slow changes are too small to be told, of a few sizes and places; None where there is none."""
     rows, columns = frames.shape[-2:]
     for share in SHARES:
-        passed: list[tuple[float, Region]] = []
-        for region in _places(rows, columns, share):
-            found = examine(region.of(frames), seed)
-            if found.stationary:
-                passed.append((min(found.p_mean, found.p_variance), region))
+        found = [(examine(region.of(frames)), region) for region in _places(rows, columns, share)]
+        passed = [(changes.mean / TOLD[0] + changes.spread / TOLD[1], region) for changes, region in found if not changes.beyond(TOLD)]
         if passed:
-            return max(passed, key=lambda pair: pair[0])[1]
+            return min(passed, key=lambda pair: pair[0])[1]
     return None
 
 
@@ -145,28 +209,40 @@ def _places(rows: int, columns: int, share: float) -> Iterator[Region]:
             yield Region(int(top), int(top) + height, int(left), int(left) + width)
 
 
-def require_stationary(frames: NDArray[np.floating], seed: int = 0) -> tuple[str, ...]:
-    """Refuse a picture whose mean or variance is not the same everywhere, and name the part to choose.
+def require_stationary(frames: NDArray[np.floating], within: Region | None = None, *, detrended: bool = False) -> tuple[str, ...]:
+    """Refuse a picture whose mean or variance changes grossly across it (a horizon, a shore), and name the part to choose.
+
+    Parameters
+    ----------
+    frames : ndarray, shape (frames, rows, columns)
+        Of the region [u].
+    within : Region, optional
+        The region in the picture, so that the part is named in rows and columns of the picture; the frames by default.
+    detrended : bool
+        Whether slow changes were taken off already.
 
     Returns
     -------
     tuple of str
-        Notes, where the test cannot decide.
+        Notes on smaller changes, with the part that has none.
 
     Raises
     ------
     DataError
         Not stationary.
     """
-    found = examine(frames, seed)
-    if found.stationary is None:
-        return (f"whether the texture is stationary was not tested: {found.reason}",)
-    if found.stationary:
+    changes = examine(frames)
+    if not changes.beyond(TOLD):
         return ()
-    what = " and ".join(f"{name} (p = {p:.2g})" for name, p in (("mean", found.p_mean), ("variance", found.p_variance)) if p <= 0.025)
-    region = stationary_region(frames, seed)
-    advice = f"choose --region {region}" if region is not None else "no part of it is either: choose a smaller --region"
+    part = even_region(frames)
+    if part is not None and within is not None:
+        part = Region(within.top + part.top, within.top + part.bottom, within.left + part.left, within.left + part.right)
+    if not changes.beyond(REFUSED):
+        advice = "no part of it is even" if part is None else f"--region {part} is even"
+        return (f"the picture's {changes.text}; {advice}" + ("" if detrended else ", and --detrend takes such changes off"),)
+    advice = "no part of it is even: choose a smaller --region" if part is None else f"choose --region {part}"
     raise DataError(
-        f"the picture is not stationary: its {what} differ from place to place, in blocks of {found.block[0]} x {found.block[1]} pixels; "
-        f"{advice}, or --any-region to fit one texture all the same"
+        f"the picture is not stationary: its {changes.text}; {advice}, "
+        + ("" if detrended else "take slow changes off with --detrend, ")
+        + "or fit one texture all the same with --any-region"
     )

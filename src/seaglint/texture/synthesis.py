@@ -111,6 +111,10 @@ def _threads() -> int:
 
 
 def _each(work: Callable[[int], None], count: int) -> None:
+    if _threads() == 1:
+        for k in range(count):
+            work(k)
+        return
     with ThreadPoolExecutor(_threads()) as pool:
         list(pool.map(work, range(count)))
 
