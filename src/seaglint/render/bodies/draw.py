@@ -14,13 +14,13 @@ import numpy as np
 
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
-from seaglint.objects.body import Body, Plume
+from seaglint.objects.body import Body, Plume, Point
 from seaglint.radiance.view import SeaView
 from seaglint.render.bodies.crests import Crests, calm, crests
-from seaglint.render.bodies.eye import Grid, Lens, Plane, Stand, grid_over, lens, stand, strips
+from seaglint.render.bodies.eye import Grid, Lens, Plane, Stand, grid_over, image_point, lens, project, stand, strips
 from seaglint.render.bodies.light import Arriving, Corners, Surroundings
 from seaglint.render.bodies.parts import Mesh, Part, Placed, parts_of, placed
-from seaglint.render.bodies.raster import Faces, Samples, lay_samples, meet, whole_solid_angle
+from seaglint.render.bodies.raster import Faces, Samples, lay_samples, meet, outline, whole_solid_angle
 from seaglint.render.bodies.shade import (
     LIFT,
     PLANES,
@@ -131,17 +131,9 @@ class Stage:
 
     def faces(self, one: Placed, plane: Plane, about: Placed) -> Faces:
         """A part's triangles or points on a plane and in the image, columns ascending to both sides of another."""
-        seen = one.surface @ plane.axes.T
-        ahead = seen[:, 2] > 1e-3 * np.sqrt((seen**2).sum(axis=1))
-        depth = np.where(ahead, seen[:, 2], 1.0)
-        point = np.stack([seen[:, 0] / depth, seen[:, 1] / depth, np.where(ahead, 1.0 / depth, 0.0)], axis=1)
-        unit = one.surface / np.sqrt((one.surface**2).sum(axis=1))[:, None]
-        level = about.place @ self.lens.turn
-        across, down = self.imager.points(self.pose.attitude, unit, math.atan2(level[0], level[1]))
-        unseen = ~np.isfinite(across)
-        point[unseen, 2], across[unseen], down[unseen] = 0.0, 0.0, 0.0
-        corner = one.part.kind.corners if isinstance(one.part.kind, Mesh) else np.zeros((0, 3), np.int32)
-        return Faces(point, np.stack([across, down], axis=1), corner, self._bend(one))
+        middle = float(image_point(self.lens, tuple(about.place), 0.5 * self.imager.columns)[0])
+        point, image = project(one.surface, plane.axes, self.lens, middle)
+        return faces_of(one.part.kind, point, image, self._bend(one))
 
     def _bend(self, one: Placed) -> float:
         """Most that sides of a part bend in the image, as a share of their size."""
@@ -158,8 +150,8 @@ class Stage:
         seen = faces.point[:, 2] > 0.0
         if not seen.any():
             return None
-        image = faces.image[seen]
-        low, high = image.min(axis=0), image.max(axis=0)
+        across, down = (faces.image[:, k] if seen.all() else faces.image[seen, k] for k in (0, 1))
+        low, high = np.array([across.min(), down.min()]), np.array([across.max(), down.max()])
         if faces.bend >= 1.0:  # over the pole of the image's own angles
             return 0.0, float(self.imager.columns), 0.0, float(self.imager.rows)
         margin = faces.bend * (high - low).max() + 1e-9
@@ -230,6 +222,14 @@ class Drawer:
         return half > 1.2 or away <= half + one.angle
 
 
+def faces_of(kind: Mesh | Plume | Point, point: FloatArray, image: FloatArray, bend: float) -> Faces:
+    """What a part shows on a plane; nothing but its points where it is no mesh."""
+    if isinstance(kind, Mesh):
+        return Faces(point, image, kind.corners, kind.ends, kind.sides, bend)
+    none = np.zeros((0, 3), np.int32)
+    return Faces(point, image, none, none[:, :2], none, bend)
+
+
 def _temperatures(one: Placed) -> FloatArray:
     kind = one.part.kind
     if isinstance(kind, Mesh):
@@ -276,6 +276,7 @@ def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriv
     for some in strips(grid):
         samples = lay_samples(some, stage.lens, plane.axes)
         meet(faces, some, samples)
+        outline(faces, stage.lens, plane.axes, some, samples)
         behind = _others(samples, some, solids)
         scene = Scene(stage.pose.height, sea, behind, gases, plane.axes, one.heading)
         rows = some.first[1] - grid.first[1]
@@ -332,7 +333,7 @@ def _point(
     """A point: whether it is in view, and the transmittance of its path."""
     plane, sea, solids, gases = around
     grid = Grid((0, 0), (1, 1), (1, 1), (0, 0), (1, 1))
-    samples = Samples(np.zeros((1, 1)), np.zeros((1, 1)), np.zeros((1, 1)), np.full((1, 1), -1, np.int32))
+    samples = Samples(*np.zeros((3, 1, 1)), np.full((1, 1), -1, np.int32), np.ones((1, 1)))
     # every triangle is asked for the one direction
     near = _others(samples, grid, [faces._replace(image=np.zeros_like(faces.image)) for faces in solids])
     scene = Scene(stage.pose.height, sea, near, gases, plane.axes, one.heading)
@@ -380,9 +381,9 @@ def solid_angle(one: Placed) -> float:
     x = low[0] + step[0] * (i[None] + np.mod(0.5 + 0.6180339887498949 * i[:, None], 1.0))
     y = low[1] + step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
     if isinstance(one.part.kind, Mesh):
-        samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32))
-        image = (point[:, :2] - low) / step
-        return float(whole_solid_angle(Faces(point, image, one.part.kind.corners, 1e-9), samples, (float(step[0]), float(step[1]))))
+        samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32), np.zeros((0, 0)))
+        faces = faces_of(one.part.kind, point, (point[:, :2] - low) / step, 1e-9)
+        return float(whole_solid_angle(faces, samples, (float(step[0]), float(step[1]))))
     u = np.stack([x, y, np.ones_like(x)], axis=-1)
     w = (u**2).sum(axis=-1) ** -1.5 * step[0] * step[1]
     d = (u @ plane.axes) @ one.gas[3:12].reshape(3, 3).T

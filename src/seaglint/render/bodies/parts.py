@@ -13,6 +13,7 @@ from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 from seaglint.objects.body import Body, Plume, Point, Solid
+from seaglint.objects.solids import merged
 from seaglint.render.bodies.crests import Span
 from seaglint.render.bodies.eye import Stand
 
@@ -24,7 +25,10 @@ _TABLED: Final = 257
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """All solids of a body, in its axes [m]; ``code`` is the place of a vertex's temperature in ``temperatures`` [K]."""
+    """All solids of a body, in its axes [m]; ``code`` is the place of a vertex's temperature in ``temperatures`` [K].
+
+    ``ends``: vertices of its edges (edges, 2); ``sides``: edges of the triangles (triangles, 3), from 1, negative where they run backwards.
+    """
 
     vertices: FloatArray
     corners: NDArray[np.int32]
@@ -33,6 +37,8 @@ class Mesh:
     temperatures: FloatArray
     middle: FloatArray
     radius: float
+    ends: NDArray[np.int32]
+    sides: NDArray[np.int32]
 
     @classmethod
     def of(cls, solids: list[Solid]) -> Mesh:
@@ -49,7 +55,17 @@ class Mesh:
         middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
         radius = float(np.sqrt(((vertices - middle) ** 2).sum(axis=1).max()))
         emissivity = np.concatenate([np.asarray(s.emissivity, np.float64) for s in solids])
-        return cls(vertices, np.ascontiguousarray(corners), code, emissivity, found, middle, radius)
+        return cls(vertices, np.ascontiguousarray(corners), code, emissivity, found, middle, radius, *_edges(vertices, corners))
+
+
+def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Edges of triangles, and which of them each triangle has (:class:`Mesh`)."""
+    same = merged(vertices)[corners]
+    start, end = same, np.roll(same, -1, axis=1)
+    count = len(vertices)
+    found, which = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_inverse=True)
+    ends = np.stack(np.divmod(found, count), axis=1).astype(np.int32)
+    return ends, np.where(start < end, which.reshape(same.shape) + 1, -(which.reshape(same.shape) + 1)).astype(np.int32)
 
 
 @dataclass(frozen=True, eq=False)
