@@ -31,17 +31,19 @@ from seaglint.render.bodies.shade import (
     SunMap,
     Window,
     clear_to,
-    fill_sun_map,
     shade_gas,
     shade_solid,
+    sun_map,
 )
 from seaglint.render.levels import Levels
 from seaglint.render.platform import Pose
 from seaglint.render.surface import Surface
 from seaglint.render.view import Imager
 
-SHADOW_CELLS: Final = 256
-"""Cells along a side of a body's shadow map."""
+SHADOW_CELLS: Final = (128, 256)
+"""Cells along a side of a body's shadow map: of one with at most :data:`_FEW` samples along a side, and of larger ones."""
+
+_FEW: Final = 192
 
 _FACES_SUN: Final = 1e-3
 """Least share of light that a surface reflects for its shadow map to be made."""
@@ -127,7 +129,7 @@ class Stage:
         """The sea before a part."""
         if self.sea is None:
             return calm(self.pose.height)
-        return crests(*self.sea, self.pose.height, one.span(self.pose.height)[0])
+        return crests(*self.sea, self.pose.height, one.span[0])
 
     def faces(self, one: Placed, plane: Plane, about: Placed) -> Faces:
         """A part's triangles or points on a plane and in the image, columns ascending to both sides of another."""
@@ -190,10 +192,10 @@ class Drawer:
             The sensor is inside a body, or a body is where the air is not known.
         """
         stands = tuple(stand(body.motion.at(time), stage.pose) for body in self.bodies)
-        every = tuple(placed(part, stands[part.body]) for part in self._parts)
+        every = tuple(placed(part, stands[part.body], stage.pose.height) for part in self._parts)
         wanted = [one for one in every if self._near(stage, one)]
         light = self.light(stage.view)
-        corners = [_corners(one, stage.pose.height) for one in wanted]
+        corners = [_corners(one) for one in wanted]
         try:
             arriving = light.arriving(corners, [_temperatures(one) for one in wanted])
         except DomainError as error:
@@ -237,8 +239,8 @@ def _temperatures(one: Placed) -> FloatArray:
     return np.array([kind.temperature]) if isinstance(kind, Plume) else np.array([300.0])
 
 
-def _corners(one: Placed, eye: float) -> Corners:
-    span, heights = one.span(eye)
+def _corners(one: Placed) -> Corners:
+    span, heights = one.span
     return Corners(span.arc, heights, one.azimuth, one.elevation)
 
 
@@ -272,7 +274,7 @@ def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriv
         return _point(stage, one, (plane, sea, solids, gases), box, arriving)
     grid = grid_over(inside)
     planes, sums = np.zeros((PLANES, grid.pixels[1], grid.pixels[0])), np.zeros(SUMS)
-    shadow = _sun_map(one, light)
+    shadow = _sun_map(one, light, SHADOW_CELLS[max(grid.size) > _FEW])
     for some in strips(grid):
         samples = lay_samples(some, stage.lens, plane.axes)
         meet(faces, some, samples)
@@ -346,7 +348,7 @@ def _point(
     return Patch(one, np.array([math.floor(row)]), np.array([at]), np.zeros((PLANES, 1, 1)), sums, clear)
 
 
-def _sun_map(one: Placed, light: Surroundings) -> SunMap:
+def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
     """Shadow map of a body on itself; without cells where nothing would be lit."""
     sun = light.sun
     kind = one.part.kind
@@ -356,12 +358,8 @@ def _sun_map(one: Placed, light: Surroundings) -> SunMap:
     right = np.array([sun[1], -sun[0], 0.0])
     right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
     across = np.stack([right, np.cross(sun, right)])
-    flat = one.surface @ across.T
-    low, high = flat.min(axis=0), flat.max(axis=0)
-    first = np.array([low[0], low[1], *(SHADOW_CELLS / np.maximum(high - low, 1e-9))])
-    shadow = SunMap(sun, across, first, np.full((SHADOW_CELLS, SHADOW_CELLS), -np.inf), LIFT * one.radius)
-    fill_sun_map(one.surface, kind.corners, shadow)
-    return shadow
+    found: SunMap = sun_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
+    return found
 
 
 def solid_angle(one: Placed) -> float:

@@ -390,16 +390,25 @@ def shade_gas(
 
 
 @njit
-def fill_sun_map(vertex: np.ndarray, corner: np.ndarray, shadow: SunMap) -> None:
-    """Enter the triangles that face away from the Sun: a closed body shades itself by these, and no lit facet by itself."""
-    sun, across, first, nearest = shadow.sun, shadow.across, shadow.first, shadow.nearest
-    high, wide = nearest.shape
+def sun_map(vertex: np.ndarray, corner: np.ndarray, axes: tuple[np.ndarray, np.ndarray], cells: int, lift: float) -> SunMap:
+    """Shadow map of triangles that face away from the Sun: a closed body shades itself by these, and no lit facet by itself.
+
+    ``axes``: direction to the Sun and unit vectors across it; ``cells``: along a side; ``lift``: how much nearer to the Sun shades [m].
+    """
+    sun, across = axes
+    wide = high = cells
+    nearest = np.full((high, wide), -np.inf)
     point = np.empty((vertex.shape[0], 3))
+    low, top = np.full(2, np.inf), np.full(2, -np.inf)
     for n in range(vertex.shape[0]):
         east, north, up = vertex[n, 0], vertex[n, 1], vertex[n, 2]
-        point[n, 0] = (across[0, 0] * east + across[0, 1] * north + across[0, 2] * up - first[0]) * first[2]
-        point[n, 1] = (across[1, 0] * east + across[1, 1] * north + across[1, 2] * up - first[1]) * first[3]
+        for k in range(2):
+            point[n, k] = across[k, 0] * east + across[k, 1] * north + across[k, 2] * up
+            low[k], top[k] = min(low[k], point[n, k]), max(top[k], point[n, k])
         point[n, 2] = sun[0] * east + sun[1] * north + sun[2] * up
+    first = np.array([low[0], low[1], cells / max(top[0] - low[0], 1e-9), cells / max(top[1] - low[1], 1e-9)])
+    for n in range(vertex.shape[0]):
+        point[n, 0], point[n, 1] = (point[n, 0] - first[0]) * first[2], (point[n, 1] - first[1]) * first[3]
     for t in range(corner.shape[0]):
         a, b, c = corner[t, 0], corner[t, 1], corner[t, 2]
         ax, ay, bx, by, cx, cy = point[a, 0], point[a, 1], point[b, 0], point[b, 1], point[c, 0], point[c, 1]
@@ -421,3 +430,4 @@ def fill_sun_map(vertex: np.ndarray, corner: np.ndarray, shadow: SunMap) -> None
                         nearest[j, i] = along
                 of_b += b_across
                 of_c += c_across
+    return SunMap(sun, across, first, nearest, lift)
