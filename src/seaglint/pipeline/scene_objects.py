@@ -101,7 +101,8 @@ class SceneObjects:
     def truth(self, drawn: Drawn, scene: SweptScene | TurnedScene, oversampling: int = 1) -> Mapping[str, NDArray[Any]]:
         """What is stored of the objects of a frame, by variable of the group ``truth``."""
         kelvin = self.drawer.light(scene.view).kelvin
-        numbers, masks, which = labels(drawn.sights, drawn.sea, kelvin, oversampling)
+        around = scene.pixels.projection == "equal-angle" and scene.pixels.width > 2.0 * np.pi - 1e-9
+        numbers, masks, which = labels(drawn.sights, drawn.sea, kelvin, oversampling, around=around)
         return {**numbers, "object_mask": packed(masks), "object_id": which}
 
     def layout(self) -> Truth:

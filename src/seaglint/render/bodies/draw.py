@@ -48,7 +48,8 @@ _FEW: Final = 192
 _FACES_SUN: Final = 1e-3
 """Least share of light that a surface reflects for its shadow map to be made."""
 
-_WHOLE_CELLS: Final = 256
+_WHOLE_CELLS: Final = 128
+_OWN_PLANE: Final = Lens(np.eye(3), True, (0.0, 1.0), (0.0, 1.0), 1.0)
 _POLE: Final = math.radians(88.0)
 _KEPT: Final = 4
 
@@ -377,11 +378,12 @@ def solid_angle(one: Placed) -> float:
     step = np.maximum(high - low, 1e-12) / _WHOLE_CELLS
     i = np.arange(_WHOLE_CELLS)
     x = low[0] + step[0] * (i[None] + np.mod(0.5 + 0.6180339887498949 * i[:, None], 1.0))
-    y = low[1] + step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
+    y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
     if isinstance(one.part.kind, Mesh):
-        samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32), np.zeros((0, 0)))
-        faces = faces_of(one.part.kind, point, (point[:, :2] - low) / step, 1e-9)
-        return float(whole_solid_angle(faces, samples, (float(step[0]), float(step[1]))))
+        samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32), np.zeros(x.shape))
+        image = np.stack([point[:, 0] - low[0], high[1] - point[:, 1]], axis=1) / step  # rows go down
+        faces = faces_of(one.part.kind, point, image, 1e-9)
+        return float(whole_solid_angle(faces, _OWN_PLANE, samples, (float(step[0]), float(step[1]))))
     u = np.stack([x, y, np.ones_like(x)], axis=-1)
     w = (u**2).sum(axis=-1) ** -1.5 * step[0] * step[1]
     d = (u @ plane.axes) @ one.gas[3:12].reshape(3, 3).T

@@ -210,14 +210,14 @@ def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, 
     high, wide = samples.share.shape
     x0, y0, x1, y1 = line
     if y0 == y1:  # nothing to its right, but cells on it all the same
-        j = int(math.floor(y0))
+        j = math.floor(y0)
         if 0 <= j < high:
-            _touch(samples, j, max(int(math.floor(min(x0, x1))), 0), min(int(math.ceil(max(x0, x1))), wide), met)
+            _touch(samples, j, max(math.floor(min(x0, x1)), 0), min(math.ceil(max(x0, x1)), wide), met)
         return
     if y0 > y1:
         times, x0, y0, x1, y1 = -times, x1, y1, x0, y0
     slope = (x1 - x0) / (y1 - y0)
-    for j in range(max(int(math.floor(y0)), 0), min(int(math.ceil(y1)), high)):
+    for j in range(max(math.floor(y0), 0), min(math.ceil(y1), high)):
         top, bottom = max(float(j), y0), min(j + 1.0, y1)
         d = times * (bottom - top)
         a, b = x0 + slope * (top - y0), x0 + slope * (bottom - y0)
@@ -233,7 +233,7 @@ def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, 
             d, a = d * b / (b - a), 0.0
         if b > wide:
             d, b = d * (wide - a) / (b - a), float(wide)
-        i, last = int(a), min(int(math.ceil(b)), wide)
+        i, last = int(a), min(math.ceil(b), wide)
         _touch(samples, j, i, max(last, min(i + 1, wide)), met)
         # the mean share of cell k to the right of the line is the integral of what has been crossed
         done = 0.0
@@ -283,13 +283,15 @@ def chord(gas: np.ndarray, direction: tuple[float, float, float], first: float, 
 
 
 @njit
-def whole_solid_angle(faces: Faces, samples: Samples, cell: tuple[float, float]) -> float:
-    """Solid angle [sr] of triangles from samples that lie ``cell`` apart on the plane itself."""
+def whole_solid_angle(faces: Faces, lens: Lens, samples: Samples, cell: tuple[float, float]) -> float:
+    """Solid angle [sr] of triangles from samples that lie ``cell`` apart on the plane itself, which is the image of ``lens``."""
     total = 0.0
     high, wide = samples.x.shape
-    meet(faces, Grid((0, 0), (wide, high), (1, 1), (0, 0), (wide, high)), samples)
+    grid = Grid((0, 0), (wide, high), (1, 1), (0, 0), (wide, high))
+    meet(faces, grid, samples)
+    outline(faces, lens, lens.turn, grid, samples)
     for j in range(high):
         for i in range(wide):
-            if samples.near[j, i] > 0.0:
-                total += (1.0 + samples.x[j, i] ** 2 + samples.y[j, i] ** 2) ** -1.5
+            if samples.share[j, i] > 0.0:
+                total += samples.share[j, i] * (1.0 + samples.x[j, i] ** 2 + samples.y[j, i] ** 2) ** -1.5
     return total * cell[0] * cell[1]

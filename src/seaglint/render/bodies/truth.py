@@ -61,7 +61,7 @@ class _Pixels:
 
 
 def labels(
-    sights: tuple[Sight, ...], sea: NDArray[Any], kelvin: Callable[[float], float], oversampling: int = 1
+    sights: tuple[Sight, ...], sea: NDArray[Any], kelvin: Callable[[float], float], oversampling: int = 1, *, around: bool = False
 ) -> tuple[Mapping[str, FloatArray], list[NDArray[np.bool_]], NDArray[np.uint16]]:
     """Numbers (:data:`NUMBERS`) of bodies, their masks (rows, columns), and the number, from 1, of the body that covers most of a pixel.
 
@@ -75,6 +75,8 @@ def labels(
         Apparent temperature [K] of a radiance.
     oversampling : int
         Pixels drawn along the side of one that is labelled.
+    around : bool
+        Whether the image goes round the horizon: bodies on its seam are whole.
     """
     n = oversampling
     shape = (sea.shape[0] // n, sea.shape[1] // n)
@@ -90,7 +92,10 @@ def labels(
             number[found.where] = np.where(more, np.uint16(body), number[found.where])
             most[found.where] = np.where(more, found.cover, most[found.where])
         masks.append(mask)
-    rows = [_numbers(sight, found, coarse, number > 0, kelvin, n) for sight, found in zip(sights, boxes, strict=True)]
+    rows = [
+        _numbers(sight, found, coarse, number > 0, kelvin, (n, shape[1] if around else 0))
+        for sight, found in zip(sights, boxes, strict=True)
+    ]
     return {name: np.array([row[name] for row in rows], np.float64) for name in NUMBERS}, masks, number
 
 
@@ -122,9 +127,10 @@ def _numbers(
     sea: FloatArray,
     covered: NDArray[np.bool_],
     kelvin: Callable[[float], float],
-    n: int,
+    pixels: tuple[int, int],
 ) -> dict[str, float]:
-    """Numbers of one body."""
+    """Numbers of one body; ``pixels``: drawn along the side of one, and those around the horizon, 0 where the image does not go round."""
+    n, circle = pixels
     row = dict.fromkeys(NUMBERS, math.nan)
     row |= {
         "range_m": sight.distance,
@@ -142,17 +148,22 @@ def _numbers(
     point = sight.seen == 0.0
     weight = 1.0 if point else sight.seen
     row["visible_share"] = 1.0 if point else min(sight.seen / sight.whole, 1.0) if sight.whole > 0.0 else math.nan
-    row["column_px"] = sight.across / weight / n - 0.5
+    column = sight.across / weight / n
+    row["column_px"] = (column % circle if circle else column) - 0.5
     row["row_px"] = sight.down / weight / n - 0.5
-    rows, columns = np.nonzero(found.seen)
-    row["bbox_left_px"], row["bbox_top_px"] = float(found.left + columns.min()), float(found.top + rows.min())
+    place = found.left + np.arange(found.seen.shape[1], dtype=np.float64)
+    if circle:  # from the body's middle to both sides
+        place += circle * np.floor((row["column_px"] - place) / circle + 0.5)
+    rows, columns = np.flatnonzero(found.seen.any(axis=1)), place[found.seen.any(axis=0)]
+    left = float(columns.min())
+    row["bbox_left_px"], row["bbox_top_px"] = left % circle if circle else left, float(found.top + rows.min())
     row["bbox_width_px"], row["bbox_height_px"] = float(np.ptp(columns) + 1), float(np.ptp(rows) + 1)
     row["pixels"] = float(found.cover.sum())
     row["irradiance_W_m2"] = total
     if abs(total) > 0.0:
-        j, i = np.mgrid[0 : difference.shape[0], 0 : difference.shape[1]]
-        row["signal_column_px"] = found.left + float((difference * i).sum()) / total
-        row["signal_row_px"] = found.top + float((difference * j).sum()) / total
+        middle = float((difference * place).sum()) / total
+        row["signal_column_px"] = (middle + 0.5) % circle - 0.5 if circle else middle
+        row["signal_row_px"] = found.top + float((difference.sum(axis=1) * np.arange(difference.shape[0])).sum()) / total
     if not point:
         row["contrast_W_m2_sr"] = total / sight.seen
         row["temperature_difference_K"] = kelvin(float(found.added.sum()) / sight.seen) - kelvin(float(found.hidden.sum()) / sight.seen)
