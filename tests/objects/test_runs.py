@@ -60,7 +60,7 @@ def test_bytes_of_pictures_and_truth_do_not_depend_on_threads_or_frames_before()
 
 
 def test_a_run_taken_up_again_holds_the_truth_of_one_in_one_go(tmp_path):
-    scenario = parse_scenario({**WAVY, "sea": {"resolve_waves": False}, "objects": WAVY["objects"][:1]})
+    scenario = parse_scenario({**WAVY, **CALM, "objects": WAVY["objects"][:1]})
     render(scenario, tmp_path / "whole.zarr")
 
     def stop(done, total):
@@ -73,7 +73,7 @@ def test_a_run_taken_up_again_holds_the_truth_of_one_in_one_go(tmp_path):
     whole, run = (list(Labels.of(tmp_path / name)) for name in ("whole.zarr", "run.zarr"))
     assert len(whole) == 3
     for one, other in zip(whole, run, strict=True):
-        assert one.values == other.values
+        np.testing.assert_equal(one.values, other.values)  # also where both are not known
         assert np.array_equal(one.mask, other.mask)
 
 
@@ -86,9 +86,8 @@ def test_the_sea_outside_masks_keeps_its_bytes_and_masks_are_those_of_objects_al
     for name in ("radiance", "range", "coverage"):
         assert found[name][~touched].tobytes() == bare[name][~touched].tobytes(), name
     assert (found["radiance"][touched] != bare.radiance[touched]).all()
-    for n, item in enumerate(WAVY["objects"][:2]):
-        alone = prepare_sequence(parse_scenario({**WAVY, "objects": [item]})).images(0)
-        assert np.array_equal(alone["object_mask"][0] > 0, masks[n]), item["name"]
+    alone = prepare_sequence(parse_scenario({**WAVY, "objects": WAVY["objects"][1:2]})).images(0)
+    assert np.array_equal(alone["object_mask"][0] > 0, masks[1])
 
 
 def placed(east, north, height, eye):

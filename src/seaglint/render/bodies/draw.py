@@ -336,7 +336,8 @@ def _point(
     """A point: whether it is in view, and the transmittance of its path."""
     plane, sea, solids, gases = around
     grid = Grid((0, 0), (1, 1), (1, 1), (0, 0), (1, 1))
-    samples = Samples(*np.zeros((3, 1, 1)), triangle=np.full((1, 1), -1, np.int32), share=np.ones((1, 1)))
+    x, y, near = np.zeros((3, 1, 1))
+    samples = Samples(x, y, near, np.full((1, 1), -1, np.int32), np.ones((1, 1)))
     # every triangle is asked for the one direction
     near = _others(samples, grid, [faces._replace(image=np.zeros_like(faces.image)) for faces in solids])
     scene = Scene(stage.pose.height, sea, near, gases, plane.axes, one.heading)
