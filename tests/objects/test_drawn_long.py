@@ -7,7 +7,10 @@ import math
 import numpy as np
 import pytest
 import trimesh
+import xarray as xr
+from scipy.interpolate import RegularGridInterpolator
 
+from seaglint.cli.app import main
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.objects import primitives
 from seaglint.objects.body import Body, Placement
@@ -16,7 +19,7 @@ from seaglint.pipeline.render import prepare_sequence
 from seaglint.render.bodies.draw import Drawer, Stage
 from seaglint.render.bodies.shade import COVER, SEEN
 from seaglint.render.surface import course, height
-from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.load import load_scenario, parse_scenario
 
 pytestmark = pytest.mark.validation
 
@@ -66,6 +69,60 @@ def test_a_rough_sea_hides_low_objects_as_often_as_lines_of_sight_say():
     assert 0.2 < np.mean(counted == 0.0) < 0.98
     # three standard errors of a share that is the same for 95 % of them
     assert hidden == pytest.approx(np.mean(counted == 0.0), abs=3.0 * math.sqrt(0.05 / shown.size))
+    assert shown.mean() == pytest.approx(counted.mean(), abs=0.03)
+
+
+POSTS = """
+[sensor]
+pixels = [128, 64]
+fov_deg = [8.0, 4.0]
+elevation_deg = -0.2
+azimuth_deg = 0.0
+height_m = 8.0
+frames = 20
+frame_rate_hz = 1.0
+[wind]
+speed_m_s = 10.0
+[sea]
+shortest_wave_m = 4.0
+[render]
+tile_size = 256
+"""
+
+
+def test_labels_say_hidden_as_often_as_lines_of_sight_over_the_exported_sea(tmp_path, monkeypatch):
+    eye, far, count = 8.0, 3000.0, 29
+    azimuths = np.radians(np.linspace(-3.5, 3.5, count))
+    east, north = far * np.sin(azimuths), far * np.cos(azimuths)
+    posts = [
+        f'[[objects]]\nname = "{i}"\nshape = {{ kind = "box", size_m = [0.3, 0.3, 1] }}\ntemperature_k = 300\n'
+        f"east_m = {east[i]}\nnorth_m = {north[i]}\nheight_m = 0.5\n"
+        for i in range(count)
+    ]
+    path = tmp_path / "posts.toml"
+    path.write_text(POSTS + "".join(posts))
+    run = prepare_sequence(load_scenario(path))
+    arcs = np.arange(1000.0, far, 0.5)
+    drop = (eye + arcs**2 / (2.0 * EFFECTIVE_EARTH_RADIUS))[:, None]
+    shown, counted = [], []
+    for time in (0, 7, 19):
+        shown.append(run.images(time)["visible_share"])
+        patch = ("--time", time, "--centre", 0, 1990, "--extent", 400, 2040, "--spacing", 1, "--no-lattices")
+        monkeypatch.setattr("sys.argv", ["seaglint", "export-sea", str(path), "-o", str(tmp_path / f"{time}.nc"), *map(str, patch)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert not end.value.code
+        with xr.open_dataset(tmp_path / f"{time}.nc") as sea:
+            read = RegularGridInterpolator((sea.y.to_numpy(), sea.x.to_numpy()), sea.height.to_numpy())
+        heights = read((arcs[:, None] * np.cos(azimuths), arcs[:, None] * np.sin(azimuths)))
+        highest = ((heights - drop) / arcs[:, None]).max(axis=0)
+        lowest = np.maximum(highest * far + eye + far**2 / (2.0 * EFFECTIVE_EARTH_RADIUS), np.maximum(heights[-1], 0.0))
+        counted.append(np.clip(1.0 - lowest, 0.0, None))
+    shown, counted = np.concatenate(shown), np.concatenate(counted)
+    print(f"hidden {np.mean(shown < 1e-3):.3f} and {np.mean(counted == 0.0):.3f}, shown {shown.mean():.4f} and {counted.mean():.4f} m")
+    assert 0.2 < np.mean(counted == 0.0) < 0.98
+    # three standard errors of a share that is the same for 95 % of them
+    assert np.mean(shown < 1e-3) == pytest.approx(np.mean(counted == 0.0), abs=3.0 * math.sqrt(0.05 / shown.size))
     assert shown.mean() == pytest.approx(counted.mean(), abs=0.03)
 
 

@@ -63,7 +63,7 @@ def combined(operation: Operation, parts: Sequence[Solid]) -> Solid:
         Nothing is left, or a part is no closed surface.
     """
     if not parts:
-        raise DomainError(f"a {operation} of no parts; give two or more")
+        raise DomainError(f"shape.parts: a {operation} of no parts; give two or more")
     if len(parts) == 1:
         return parts[0]
     import manifold3d

@@ -198,7 +198,10 @@ def _temperature(material: Material) -> float:
 
 
 def _from_file(shape: shapes.MeshFile, material: Material) -> Solid:
-    data = read_mesh(shape.path, metres=METRES[shape.units] * shape.scale, up=shape.up)
+    try:
+        data = read_mesh(shape.path, metres=METRES[shape.units] * shape.scale, up=shape.up)
+    except DataError as error:
+        raise DataError(f"shape.path: {error}") from error
     # what is said of the mesh itself counts before the file's own
     temperature = data.temperature if data.temperature is not None and shape.temperature_k is None else _temperature(material)
     emissivity = data.emissivity if data.emissivity is not None and shape.emissivity is None else material[1]
@@ -342,12 +345,15 @@ def _require_apart(found: list[Body], track: Track, times: FloatArray) -> None:
         eye = np.array([pose.east, pose.north, pose.height])
         for body, at, far in zip(found, now, reach, strict=True):
             if np.linalg.norm(eye - at.position) <= far + CLEARANCE and _holds(body, at.rotation.T @ (eye - at.position)):
-                raise _refused(body.name, f"at {time:g} s the sensor is inside it; move one of them")
+                raise _refused(body.name, f"at {time:g} s the sensor is inside it; move one of them by east_m, north_m or height_m")
         for i, one in enumerate(found):
             for j in range(i):
                 near = np.linalg.norm(now[i].position - now[j].position) < reach[i] + reach[j]
                 if near and _overlap(one, now[i], found[j], now[j]):
-                    text = f"at {time:g} s it overlaps '{found[j].name}'; move one of them, or make them parts of one union"
+                    text = (
+                        f"at {time:g} s it overlaps '{found[j].name}'; move one of them by east_m, north_m or height_m, "
+                        "or make them parts of one union"
+                    )
                     raise _refused(one.name, text)
 
 

@@ -124,26 +124,6 @@ class Imager:
         # from the world's axes to the unrolled camera's, and back through the rolled one
         return np.asarray(level @ (Attitude(attitude.azimuth, attitude.elevation).axes.T @ axes))
 
-    def points(self, attitude: Attitude, directions: FloatArray, about: float | None = None) -> tuple[FloatArray, FloatArray]:
-        """Image points of directions (east, north, up): the inverse of :meth:`directions`, in pixels from the left and from the top edge.
-
-        ``about``: azimuth in the unrolled image from which columns ascend continuously to both sides [rad]; the image's own by default.
-        Behind a plane image there is nothing: NaN.
-        """
-        axes = attitude.axes
-        if self.projection == "pinhole":
-            seen = directions @ axes.T
-            depth = np.where(seen[..., 2] > 0.0, seen[..., 2], np.nan)
-            x = seen[..., 0] / depth / (2.0 * np.tan(0.5 * self.width))
-            y = seen[..., 1] / depth / (2.0 * np.tan(0.5 * self.height_angle))
-            return (x + 0.5) * self.columns, (0.5 - y) * self.rows
-        level = directions if attitude.roll == 0.0 else directions @ axes.T @ Attitude(attitude.azimuth, attitude.elevation).axes
-        middle = attitude.azimuth if about is None else about
-        # the middle's own turn first, so that a point on the seam of a panorama stays with its neighbours
-        off = float(wrap_angle(middle - attitude.azimuth)) + wrap_angle(np.arctan2(level[..., 0], level[..., 1]) - middle)
-        elevation = np.arctan2(level[..., 2], np.hypot(level[..., 0], level[..., 1]))
-        return (off / self.width + 0.5) * self.columns, (0.5 - (elevation - attitude.elevation) / self.height_angle) * self.rows
-
     def solid_angle(self, attitude: Attitude, across: ArrayLike, down: ArrayLike) -> FloatArray:
         """Solid angle per pixel at image points [sr, (...)]; points as in :meth:`directions`."""
         x, y = np.broadcast_arrays(np.asarray(across) / self.columns - 0.5, 0.5 - np.asarray(down) / self.rows)

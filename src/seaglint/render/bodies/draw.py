@@ -14,13 +14,13 @@ import numpy as np
 
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
-from seaglint.objects.body import Body, Plume
+from seaglint.objects.body import Body, Plume, Point
 from seaglint.radiance.view import SeaView
 from seaglint.render.bodies.crests import Crests, calm, crests
-from seaglint.render.bodies.eye import Grid, Lens, Plane, Stand, grid_over, lens, stand, strips
+from seaglint.render.bodies.eye import Grid, Lens, Plane, Stand, grid_over, image_point, lens, project, stand, strips
 from seaglint.render.bodies.light import Arriving, Corners, Surroundings
 from seaglint.render.bodies.parts import Mesh, Part, Placed, parts_of, placed
-from seaglint.render.bodies.raster import Faces, Samples, lay_samples, meet, whole_solid_angle
+from seaglint.render.bodies.raster import Faces, Samples, lay_samples, meet, outline, whole_solid_angle
 from seaglint.render.bodies.shade import (
     LIFT,
     PLANES,
@@ -31,22 +31,25 @@ from seaglint.render.bodies.shade import (
     SunMap,
     Window,
     clear_to,
-    fill_sun_map,
     shade_gas,
     shade_solid,
+    sun_map,
 )
 from seaglint.render.levels import Levels
 from seaglint.render.platform import Pose
 from seaglint.render.surface import Surface
 from seaglint.render.view import Imager
 
-SHADOW_CELLS: Final = 256
-"""Cells along a side of a body's shadow map."""
+SHADOW_CELLS: Final = (128, 256)
+"""Cells along a side of a body's shadow map: of one with at most :data:`_FEW` samples along a side, and of larger ones."""
+
+_FEW: Final = 192
 
 _FACES_SUN: Final = 1e-3
 """Least share of light that a surface reflects for its shadow map to be made."""
 
-_WHOLE_CELLS: Final = 256
+_WHOLE_CELLS: Final = 128
+_OWN_PLANE: Final = Lens(np.eye(3), True, (0.0, 1.0), (0.0, 1.0), 1.0)
 _POLE: Final = math.radians(88.0)
 _KEPT: Final = 4
 
@@ -126,21 +129,13 @@ class Stage:
         """The sea before a part."""
         if self.sea is None:
             return calm(self.pose.height)
-        return crests(*self.sea, self.pose.height, one.span(self.pose.height)[0])
+        return crests(*self.sea, self.pose.height, one.span[0])
 
     def faces(self, one: Placed, plane: Plane, about: Placed) -> Faces:
         """A part's triangles or points on a plane and in the image, columns ascending to both sides of another."""
-        seen = one.surface @ plane.axes.T
-        ahead = seen[:, 2] > 1e-3 * np.sqrt((seen**2).sum(axis=1))
-        depth = np.where(ahead, seen[:, 2], 1.0)
-        point = np.stack([seen[:, 0] / depth, seen[:, 1] / depth, np.where(ahead, 1.0 / depth, 0.0)], axis=1)
-        unit = one.surface / np.sqrt((one.surface**2).sum(axis=1))[:, None]
-        level = about.place @ self.lens.turn
-        across, down = self.imager.points(self.pose.attitude, unit, math.atan2(level[0], level[1]))
-        unseen = ~np.isfinite(across)
-        point[unseen, 2], across[unseen], down[unseen] = 0.0, 0.0, 0.0
-        corner = one.part.kind.corners if isinstance(one.part.kind, Mesh) else np.zeros((0, 3), np.int32)
-        return Faces(point, np.stack([across, down], axis=1), corner, self._bend(one))
+        middle = float(image_point(self.lens, tuple(about.place), 0.5 * self.imager.columns)[0])
+        point, image = project(one.surface, plane.axes, self.lens, middle)
+        return faces_of(one.part.kind, point, image, self._bend(one))
 
     def _bend(self, one: Placed) -> float:
         """Most that sides of a part bend in the image, as a share of their size."""
@@ -157,8 +152,8 @@ class Stage:
         seen = faces.point[:, 2] > 0.0
         if not seen.any():
             return None
-        image = faces.image[seen]
-        low, high = image.min(axis=0), image.max(axis=0)
+        across, down = (faces.image[:, k] if seen.all() else faces.image[seen, k] for k in (0, 1))
+        low, high = np.array([across.min(), down.min()]), np.array([across.max(), down.max()])
         if faces.bend >= 1.0:  # over the pole of the image's own angles
             return 0.0, float(self.imager.columns), 0.0, float(self.imager.rows)
         margin = faces.bend * (high - low).max() + 1e-9
@@ -197,10 +192,10 @@ class Drawer:
             The sensor is inside a body, or a body is where the air is not known.
         """
         stands = tuple(stand(body.motion.at(time), stage.pose) for body in self.bodies)
-        every = tuple(placed(part, stands[part.body]) for part in self._parts)
+        every = tuple(placed(part, stands[part.body], stage.pose.height) for part in self._parts)
         wanted = [one for one in every if self._near(stage, one)]
         light = self.light(stage.view)
-        corners = [_corners(one, stage.pose.height) for one in wanted]
+        corners = [_corners(one) for one in wanted]
         try:
             arriving = light.arriving(corners, [_temperatures(one) for one in wanted])
         except DomainError as error:
@@ -229,6 +224,14 @@ class Drawer:
         return half > 1.2 or away <= half + one.angle
 
 
+def faces_of(kind: Mesh | Plume | Point, point: FloatArray, image: FloatArray, bend: float) -> Faces:
+    """What a part shows on a plane; nothing but its points where it is no mesh."""
+    if isinstance(kind, Mesh):
+        return Faces(point, image, kind.corners, kind.ends, kind.sides, bend)
+    none = np.zeros((0, 3), np.int32)
+    return Faces(point, image, none, none[:, :2], none, bend)
+
+
 def _temperatures(one: Placed) -> FloatArray:
     kind = one.part.kind
     if isinstance(kind, Mesh):
@@ -236,8 +239,8 @@ def _temperatures(one: Placed) -> FloatArray:
     return np.array([kind.temperature]) if isinstance(kind, Plume) else np.array([300.0])
 
 
-def _corners(one: Placed, eye: float) -> Corners:
-    span, heights = one.span(eye)
+def _corners(one: Placed) -> Corners:
+    span, heights = one.span
     return Corners(span.arc, heights, one.azimuth, one.elevation)
 
 
@@ -271,10 +274,11 @@ def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriv
         return _point(stage, one, (plane, sea, solids, gases), box, arriving)
     grid = grid_over(inside)
     planes, sums = np.zeros((PLANES, grid.pixels[1], grid.pixels[0])), np.zeros(SUMS)
-    shadow = _sun_map(one, light)
+    shadow = _sun_map(one, light, SHADOW_CELLS[max(grid.size) > _FEW])
     for some in strips(grid):
         samples = lay_samples(some, stage.lens, plane.axes)
         meet(faces, some, samples)
+        outline(faces, stage.lens, plane.axes, some, samples)
         behind = _others(samples, some, solids)
         scene = Scene(stage.pose.height, sea, behind, gases, plane.axes, one.heading)
         rows = some.first[1] - grid.first[1]
@@ -331,7 +335,8 @@ def _point(
     """A point: whether it is in view, and the transmittance of its path."""
     plane, sea, solids, gases = around
     grid = Grid((0, 0), (1, 1), (1, 1), (0, 0), (1, 1))
-    samples = Samples(np.zeros((1, 1)), np.zeros((1, 1)), np.zeros((1, 1)), np.full((1, 1), -1, np.int32))
+    x, y, near = np.zeros((3, 1, 1))
+    samples = Samples(x, y, near, np.full((1, 1), -1, np.int32), np.ones((1, 1)))
     # every triangle is asked for the one direction
     near = _others(samples, grid, [faces._replace(image=np.zeros_like(faces.image)) for faces in solids])
     scene = Scene(stage.pose.height, sea, near, gases, plane.axes, one.heading)
@@ -344,7 +349,7 @@ def _point(
     return Patch(one, np.array([math.floor(row)]), np.array([at]), np.zeros((PLANES, 1, 1)), sums, clear)
 
 
-def _sun_map(one: Placed, light: Surroundings) -> SunMap:
+def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
     """Shadow map of a body on itself; without cells where nothing would be lit."""
     sun = light.sun
     kind = one.part.kind
@@ -354,12 +359,8 @@ def _sun_map(one: Placed, light: Surroundings) -> SunMap:
     right = np.array([sun[1], -sun[0], 0.0])
     right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
     across = np.stack([right, np.cross(sun, right)])
-    flat = one.surface @ across.T
-    low, high = flat.min(axis=0), flat.max(axis=0)
-    first = np.array([low[0], low[1], *(SHADOW_CELLS / np.maximum(high - low, 1e-9))])
-    shadow = SunMap(sun, across, first, np.full((SHADOW_CELLS, SHADOW_CELLS), -np.inf), LIFT * one.radius)
-    fill_sun_map(one.surface, kind.corners, shadow)
-    return shadow
+    found: SunMap = sun_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
+    return found
 
 
 def solid_angle(one: Placed) -> float:
@@ -377,11 +378,12 @@ def solid_angle(one: Placed) -> float:
     step = np.maximum(high - low, 1e-12) / _WHOLE_CELLS
     i = np.arange(_WHOLE_CELLS)
     x = low[0] + step[0] * (i[None] + np.mod(0.5 + 0.6180339887498949 * i[:, None], 1.0))
-    y = low[1] + step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
+    y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
     if isinstance(one.part.kind, Mesh):
-        samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32))
-        image = (point[:, :2] - low) / step
-        return float(whole_solid_angle(Faces(point, image, one.part.kind.corners, 1e-9), samples, (float(step[0]), float(step[1]))))
+        samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32), np.zeros(x.shape))
+        image = np.stack([point[:, 0] - low[0], high[1] - point[:, 1]], axis=1) / step  # rows go down
+        faces = faces_of(one.part.kind, point, image, 1e-9)
+        return float(whole_solid_angle(faces, _OWN_PLANE, samples, (float(step[0]), float(step[1]))))
     u = np.stack([x, y, np.ones_like(x)], axis=-1)
     w = (u**2).sum(axis=-1) ** -1.5 * step[0] * step[1]
     d = (u @ plane.axes) @ one.gas[3:12].reshape(3, 3).T

@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from seaglint._jit import kernel, njit
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray
 from seaglint.objects.body import Placement
@@ -87,6 +88,41 @@ def lens(imager: Imager, attitude: Attitude) -> Lens:
     steps = (imager.width / imager.columns, -imager.height_angle / imager.rows)
     first = (attitude.azimuth - 0.5 * imager.width, attitude.elevation + 0.5 * imager.height_angle)
     return Lens(np.ascontiguousarray(turn), False, (first[0], steps[0]), (first[1], steps[1]), -steps[0] * steps[1])
+
+
+@kernel
+def image_point(lens: Lens, direction: tuple[float, float, float], about: float) -> tuple[float, float, bool]:
+    """Column and row of a direction [pixels], the inverse of :class:`Lens`, and whether it is before the camera.
+
+    Of the columns that differ by a full circle it is the one nearest to ``about``.
+    """
+    t, (x, y, z) = lens.turn, direction
+    u, v, w = t[0, 0] * x + t[1, 0] * y + t[2, 0] * z, t[0, 1] * x + t[1, 1] * y + t[2, 1] * z, t[0, 2] * x + t[1, 2] * y + t[2, 2] * z
+    if lens.plane:
+        if v <= 0.0:
+            return 0.0, 0.0, False
+        return (u / v - lens.across[0]) / lens.across[1], (w / v - lens.down[0]) / lens.down[1], True
+    column = (math.atan2(u, v) - lens.across[0]) / lens.across[1]
+    circle = 2.0 * math.pi / lens.across[1]
+    column += circle * math.floor((about - column) / circle + 0.5)
+    return column, (math.atan2(w, math.sqrt(u * u + v * v)) - lens.down[0]) / lens.down[1], True
+
+
+@njit
+def project(surface: np.ndarray, axes: np.ndarray, lens: Lens, about: float) -> tuple[np.ndarray, np.ndarray]:
+    """Points [m, (n, 3)] on a plane, as tangents and one over the depth, 0 behind the sensor or the camera; and in the image [pixels]."""
+    point, image = np.zeros((surface.shape[0], 3)), np.zeros((surface.shape[0], 2))
+    for n in range(surface.shape[0]):
+        x, y, z = surface[n, 0], surface[n, 1], surface[n, 2]
+        depth = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z
+        ahead = depth > 1e-3 * math.sqrt(x * x + y * y + z * z)
+        scale = 1.0 / depth if ahead else 1.0
+        point[n, 0] = (axes[0, 0] * x + axes[0, 1] * y + axes[0, 2] * z) * scale
+        point[n, 1] = (axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z) * scale
+        column, row, seen = image_point(lens, (x, y, z), about)
+        point[n, 2] = scale if ahead and seen else 0.0
+        image[n, 0], image[n, 1] = column, row
+    return point, image
 
 
 class Grid(NamedTuple):

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint._jit import njit
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 from seaglint.objects.body import Body, Plume, Point, Solid
+from seaglint.objects.solids import merged
 from seaglint.render.bodies.crests import Span
 from seaglint.render.bodies.eye import Stand
 
@@ -24,7 +27,10 @@ _TABLED: Final = 257
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """All solids of a body, in its axes [m]; ``code`` is the place of a vertex's temperature in ``temperatures`` [K]."""
+    """All solids of a body, in its axes [m]; ``code`` is the place of a vertex's temperature in ``temperatures`` [K].
+
+    ``ends``: vertices of its edges (edges, 2); ``sides``: edges of the triangles (triangles, 3), from 1, negative where they run backwards.
+    """
 
     vertices: FloatArray
     corners: NDArray[np.int32]
@@ -33,6 +39,8 @@ class Mesh:
     temperatures: FloatArray
     middle: FloatArray
     radius: float
+    ends: NDArray[np.int32]
+    sides: NDArray[np.int32]
 
     @classmethod
     def of(cls, solids: list[Solid]) -> Mesh:
@@ -49,7 +57,17 @@ class Mesh:
         middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
         radius = float(np.sqrt(((vertices - middle) ** 2).sum(axis=1).max()))
         emissivity = np.concatenate([np.asarray(s.emissivity, np.float64) for s in solids])
-        return cls(vertices, np.ascontiguousarray(corners), code, emissivity, found, middle, radius)
+        return cls(vertices, np.ascontiguousarray(corners), code, emissivity, found, middle, radius, *_edges(vertices, corners))
+
+
+def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Edges of triangles, and which of them each triangle has (:class:`Mesh`)."""
+    same = merged(vertices)[corners]
+    start, end = same, np.roll(same, -1, axis=1)
+    count = len(vertices)
+    found, which = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_inverse=True)
+    ends = np.stack(np.divmod(found, count), axis=1).astype(np.int32)
+    return ends, np.where(start < end, which.reshape(same.shape) + 1, -(which.reshape(same.shape) + 1)).astype(np.int32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +106,8 @@ class Placed:
         Vertices of a mesh; points about a plume; the point itself [m, (n, 3)].
     gas : ndarray
         Of a plume, as :func:`~seaglint.render.bodies.raster.chord` takes it.
+    eye : float
+        Height of the sensor above the mean sea [m].
     """
 
     part: Part
@@ -95,6 +115,7 @@ class Placed:
     radius: float
     surface: FloatArray
     gas: FloatArray
+    eye: float
 
     @property
     def distance(self) -> float:
@@ -121,22 +142,35 @@ class Placed:
         """Angular radius of the sphere [rad]."""
         return math.asin(min(self.radius / max(self.distance, 1e-9), 1.0))
 
-    def span(self, eye: float) -> tuple[Span, tuple[float, float]]:
+    @cached_property
+    def span(self) -> tuple[Span, tuple[float, float]]:
         """What it takes up, and its least and greatest height above the mean sea [m]."""
-        level = np.hypot(self.surface[:, 0], self.surface[:, 1])
-        over = EFFECTIVE_EARTH_RADIUS + eye + self.surface[:, 2]
-        arc = EFFECTIVE_EARTH_RADIUS * np.arctan2(level, over)
-        height = np.hypot(level, over) - EFFECTIVE_EARTH_RADIUS
-        tangent = self.surface[:, 2] / np.maximum(level, 1e-9)
-        middle, s, c = self.azimuth, math.sin(self.azimuth), math.cos(self.azimuth)
-        near = float(arc.min())
+        middle, s, c = self.heading
+        low, high = _extent(self.surface, self.eye, (s, c))
+        turn, near = (low[0], high[0]), low[1]
         if math.hypot(self.place[0], self.place[1]) <= self.radius:  # over or under the sensor
             turn, near = (-math.pi, math.pi), 0.0
-        else:
-            off = np.arctan2(self.surface[:, 0] * c - self.surface[:, 1] * s, self.surface[:, 0] * s + self.surface[:, 1] * c)
-            turn = (float(off.min()), float(off.max()))
         ends = (middle + turn[0], middle + turn[1])
-        return Span(ends, (near, float(arc.max())), float(tangent.min()), float(tangent.max())), (float(height.min()), float(height.max()))
+        return Span(ends, (near, high[1]), low[2], high[2]), (low[3], high[3])
+
+
+@njit
+def _extent(surface: FloatArray, eye: float, heading: tuple[float, float]) -> tuple[list[float], list[float]]:
+    """Least and greatest azimuth from a heading (its sine and cosine) [rad], arc [m], tangent of elevation and height [m] of points."""
+    s, c = heading
+    low, high = [math.inf] * 4, [-math.inf] * 4
+    for n in range(surface.shape[0]):
+        east, north, up = surface[n, 0], surface[n, 1], surface[n, 2]
+        level, over = math.sqrt(east * east + north * north), EFFECTIVE_EARTH_RADIUS + eye + up
+        found = (
+            math.atan2(east * c - north * s, east * s + north * c),
+            EFFECTIVE_EARTH_RADIUS * math.atan2(level, over),
+            up / max(level, 1e-9),
+            math.sqrt(level * level + over * over) - EFFECTIVE_EARTH_RADIUS,
+        )
+        for k in range(4):
+            low[k], high[k] = min(low[k], found[k]), max(high[k], found[k])
+    return low, high
 
 
 _BALL: Final = np.array(
@@ -148,8 +182,8 @@ _BALL: Final = np.array(
 )
 
 
-def placed(part: Part, stand: Stand) -> Placed:
-    """A part of a body that stands somewhere.
+def placed(part: Part, stand: Stand, eye: float) -> Placed:
+    """A part of a body that stands somewhere, seen from a height [m].
 
     Raises
     ------
@@ -160,7 +194,7 @@ def placed(part: Part, stand: Stand) -> Placed:
     if isinstance(part.kind, Mesh):
         middle = stand.place + stand.turn @ part.kind.middle
         surface = part.kind.vertices @ stand.turn.T + stand.place
-        out = Placed(part, middle, part.kind.radius, surface, none)
+        out = Placed(part, middle, part.kind.radius, surface, none, eye)
         if out.distance < out.radius and _holds_sensor(surface, part.kind.corners):
             raise DomainError(
                 f"objects '{part.name}': the sensor is inside it; move it, or the sensor, or keep its path clear of the sensor's"
@@ -174,8 +208,8 @@ def placed(part: Part, stand: Stand) -> Placed:
         gas = np.concatenate([to_unit @ middle, to_unit.ravel(), [-math.log1p(-part.kind.emissivity)]])
         if np.linalg.norm(gas[:3]) < 1.0:
             raise DomainError(f"objects '{part.name}': the sensor is inside its plume; move it, or the sensor")
-        return Placed(part, middle, 1.03 * float(axes.max()), surface, gas)
-    return Placed(part, stand.place, 0.0, stand.place[None], none)
+        return Placed(part, middle, 1.03 * float(axes.max()), surface, gas, eye)
+    return Placed(part, stand.place, 0.0, stand.place[None], none, eye)
 
 
 def _holds_sensor(surface: FloatArray, corners: NDArray[np.int32]) -> bool:

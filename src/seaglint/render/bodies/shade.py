@@ -235,6 +235,9 @@ def _facet(
     # shares of the corners b and c
     g = ((py * wz - pz * wy) * nx + (pz * wx - px * wz) * ny + (px * wy - py * wx) * nz) / size
     h = ((uy * pz - uz * py) * nx + (uz * px - ux * pz) * ny + (ux * py - uy * px) * nz) / size
+    # samples beside the outline are on the triangle's border
+    g = min(max(g, 0.0), 1.0)
+    h = min(max(h, 0.0), 1.0 - g)
     f = 1.0 - g - h
     emissivity = f * shape.emissivity[a] + g * shape.emissivity[b] + h * shape.emissivity[c]
     kelvin = min(max(f * shape.kelvin[a] + g * shape.kelvin[b] + h * shape.kelvin[c], 0.0), float(most))
@@ -292,10 +295,10 @@ def shade_solid(
         parts = lit = far = 0.0
         whole = seen = across = 0.0
         for i in range(grid.size[0]):
-            near = samples.near[j, i]
-            if near <= 0.0:
+            near, clear = samples.near[j, i], samples.share[j, i]
+            if near <= 0.0 or clear <= 0.0:
                 continue
-            solid = row_solid * _falling(lens, grid, j, i)
+            solid = row_solid * _falling(lens, grid, j, i) * clear
             whole += solid
             column, row, drawn = _pixel(grid, window, i, j)
             if not drawn or scene.others[j, i] > near:
@@ -304,9 +307,9 @@ def shade_solid(
             if not _visible(scene, at):
                 continue
             distance = math.sqrt(at[0] * at[0] + at[1] * at[1] + at[2] * at[2])
-            clear = 1.0
             if scene.gases.shape[0] > 0:
-                clear = _clear(scene, (at[0] / distance, at[1] / distance, at[2] / distance), distance)
+                through = _clear(scene, (at[0] / distance, at[1] / distance, at[2] / distance), distance)
+                clear, solid = clear * through, solid * through
             t = samples.triangle[j, i]
             if t != last or column != before:
                 _enter(planes, above, before, facet, (share * parts, share * lit, share * far))
@@ -318,8 +321,8 @@ def shade_solid(
             far += clear * distance
             if facet[3] > 0.0 and _lit(shadow, (at[0], at[1], at[2])):
                 lit += clear
-            seen += solid * clear
-            across += solid * clear * (grid.begin[0] + i + 0.5)
+            seen += solid
+            across += solid * (grid.begin[0] + i + 0.5)
         _enter(planes, above, before, facet, (share * parts, share * lit, share * far))
         sums[WHOLE] += whole
         sums[SEEN] += seen
@@ -387,27 +390,44 @@ def shade_gas(
 
 
 @njit
-def fill_sun_map(vertex: np.ndarray, corner: np.ndarray, shadow: SunMap) -> None:
-    """Enter the triangles that face away from the Sun: a closed body shades itself by these, and no lit facet by itself."""
-    sun, across, first, nearest = shadow.sun, shadow.across, shadow.first, shadow.nearest
-    high, wide = nearest.shape
+def sun_map(vertex: np.ndarray, corner: np.ndarray, axes: tuple[np.ndarray, np.ndarray], cells: int, lift: float) -> SunMap:
+    """Shadow map of triangles that face away from the Sun: a closed body shades itself by these, and no lit facet by itself.
+
+    ``axes``: direction to the Sun and unit vectors across it; ``cells``: along a side; ``lift``: how much nearer to the Sun shades [m].
+    """
+    sun, across = axes
+    wide = high = cells
+    nearest = np.full((high, wide), -np.inf)
     point = np.empty((vertex.shape[0], 3))
+    low, top = np.full(2, np.inf), np.full(2, -np.inf)
     for n in range(vertex.shape[0]):
         east, north, up = vertex[n, 0], vertex[n, 1], vertex[n, 2]
-        point[n, 0] = (across[0, 0] * east + across[0, 1] * north + across[0, 2] * up - first[0]) * first[2]
-        point[n, 1] = (across[1, 0] * east + across[1, 1] * north + across[1, 2] * up - first[1]) * first[3]
+        for k in range(2):
+            point[n, k] = across[k, 0] * east + across[k, 1] * north + across[k, 2] * up
+            low[k], top[k] = min(low[k], point[n, k]), max(top[k], point[n, k])
         point[n, 2] = sun[0] * east + sun[1] * north + sun[2] * up
+    first = np.array([low[0], low[1], cells / max(top[0] - low[0], 1e-9), cells / max(top[1] - low[1], 1e-9)])
+    for n in range(vertex.shape[0]):
+        point[n, 0], point[n, 1] = (point[n, 0] - first[0]) * first[2], (point[n, 1] - first[1]) * first[3]
     for t in range(corner.shape[0]):
         a, b, c = corner[t, 0], corner[t, 1], corner[t, 2]
         ax, ay, bx, by, cx, cy = point[a, 0], point[a, 1], point[b, 0], point[b, 1], point[c, 0], point[c, 1]
         area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
         if area >= 0.0:
             continue
+        # shares of b and c, and how near the Sun it is, change by the same from cell to cell
+        scale = 1.0 / area
+        b_across, b_down, c_across, c_down = (cy - ay) * scale, (ax - cx) * scale, (ay - by) * scale, (bx - ax) * scale
+        to_b, to_c = point[b, 2] - point[a, 2], point[c, 2] - point[a, 2]
+        left, right = max(int(min(ax, bx, cx)), 0), min(int(max(ax, bx, cx)) + 1, wide)
         for j in range(max(int(min(ay, by, cy)), 0), min(int(max(ay, by, cy)) + 1, high)):
-            for i in range(max(int(min(ax, bx, cx)), 0), min(int(max(ax, bx, cx)) + 1, wide)):
-                dx, dy = i + 0.5 - ax, j + 0.5 - ay
-                of_b = (dx * (cy - ay) - dy * (cx - ax)) / area
-                of_c = ((bx - ax) * dy - (by - ay) * dx) / area
+            dx, dy = left + 0.5 - ax, j + 0.5 - ay
+            of_b, of_c = dx * b_across + dy * b_down, dx * c_across + dy * c_down
+            for i in range(left, right):
                 if of_b >= 0.0 and of_c >= 0.0 and of_b + of_c <= 1.0:
-                    along = point[a, 2] + of_b * (point[b, 2] - point[a, 2]) + of_c * (point[c, 2] - point[a, 2])
-                    nearest[j, i] = max(nearest[j, i], along)
+                    along = point[a, 2] + of_b * to_b + of_c * to_c
+                    if along > nearest[j, i]:
+                        nearest[j, i] = along
+                of_b += b_across
+                of_c += c_across
+    return SunMap(sun, across, first, nearest, lift)

@@ -1,0 +1,100 @@
+"""Scalar kernels of bodies in the picture, compiled or as plain Python: shares of cells from outlines, the camera's inverse, gas."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from seaglint.objects import primitives
+from seaglint.objects.solids import solid
+from seaglint.render.bodies.crests import calm, in_sight
+from seaglint.render.bodies.eye import Grid, image_point, lens, project
+from seaglint.render.bodies.parts import Mesh
+from seaglint.render.bodies.raster import Faces, Samples, chord, meet, outline
+from seaglint.render.view import Attitude, Imager
+
+pytestmark = pytest.mark.kernel
+
+CAMERAS = {
+    "plane": (Imager("pinhole", 0.4, 0.3, 40, 30), Attitude(0.5, -0.1, 0.3)),
+    "angles": (Imager("equal-angle", 0.4, 0.3, 40, 30), Attitude(0.5, -0.1, 0.3)),
+}
+
+
+@pytest.mark.parametrize("name", CAMERAS)
+def test_the_image_point_of_a_line_of_sight_is_where_it_began(name):
+    imager, attitude = CAMERAS[name]
+    eye = lens(imager, attitude)
+    for across, down in ((0.0, 0.0), (31.25, 7.5), (40.0, 30.0)):
+        along = imager.directions(attitude, across, down)
+        found = image_point(eye, tuple(float(x) for x in along), 20.0)
+        assert found == (pytest.approx(across, abs=1e-9), pytest.approx(down, abs=1e-9), True)
+
+
+def test_columns_go_on_over_the_seam():
+    eye = lens(Imager("equal-angle", 2.0 * math.pi, 0.5, 360, 30), Attitude(0.0, 0.0))
+    west = (-math.sin(0.1), -math.cos(0.1), 0.0)
+    assert image_point(eye, west, 359.0)[0] == pytest.approx(360.0 + math.degrees(0.1))
+    assert image_point(eye, west, 1.0)[0] == pytest.approx(math.degrees(0.1))
+
+
+def shares(mesh: Mesh, grid: Grid) -> np.ndarray:
+    """Shares of cells of a plane image, a unit from the eye, whose cells are a hundredth wide."""
+    eye = lens(Imager("pinhole", 2.0 * math.atan(0.1), 2.0 * math.atan(0.1), 20, 20), Attitude(0.0, 0.0))
+    axes = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+    point, image = project(mesh.vertices + np.array([0.0, 10.0, 0.0]), axes, eye, 10.0)
+    wide, high = grid.size
+    x = (grid.begin[0] + np.arange(wide) + 0.5)[None] / grid.cells[0] / 100.0 - 0.1 + np.zeros((high, 1))
+    y = 0.1 - (grid.begin[1] + np.arange(high) + 0.5)[:, None] / grid.cells[1] / 100.0 + np.zeros((1, wide))
+    samples = Samples(x, y, np.zeros((high, wide)), np.full((high, wide), -1, np.int32), np.zeros((high, wide)))
+    faces = Faces(point, image, mesh.corners, mesh.ends, mesh.sides, 1e-9)
+    meet(faces, grid, samples)
+    outline(faces, eye, axes, grid, samples)
+    return samples.share
+
+
+WHOLE = Grid((0, 0), (20, 20), (1, 1), (0, 0), (20, 20))
+
+
+def test_an_upright_plate_covers_cells_by_their_area():
+    # half sides of 3.25 and 1.5 cells about the image's middle, less where perspective makes it smaller
+    plate = Mesh.of([solid(primitives.box((0.65, 1e-9, 0.3)), 300.0, 1.0)])
+    expected = np.outer(np.r_[np.zeros(8), 0.5, 1.0, 1.0, 0.5, np.zeros(8)], np.r_[np.zeros(6), 0.25, np.ones(6), 0.25, np.zeros(6)])
+    np.testing.assert_allclose(shares(plate, WHOLE), expected, atol=1e-7)
+
+
+def test_a_turned_plate_covers_its_area_wherever_the_grid_ends():
+    corners, triangles = primitives.box((0.5, 1e-9, 0.2))
+    turn = np.array([[0.8, 0.0, -0.6], [0.0, 1.0, 0.0], [0.6, 0.0, 0.8]])
+    plate = Mesh.of([solid((corners @ turn.T + (0.031, 0.0, 0.017), triangles), 300.0, 1.0)])
+    whole = shares(plate, WHOLE)
+    assert whole.sum() == pytest.approx(5.0 * 2.0, rel=1e-6)
+    cut = shares(plate, Grid((9, 8), (4, 3), (1, 1), (9, 8), (4, 3)))
+    np.testing.assert_allclose(cut, whole[8:11, 9:13], atol=1e-12)
+
+
+def test_layers_behind_each_other_cover_once():
+    plate = primitives.box((0.65, 1e-9, 0.3))
+    both = Mesh.of([solid(plate, 300.0, 1.0), solid((plate[0] + (0.0, 1.0, 0.0), plate[1]), 300.0, 1.0)])
+    found = shares(both, WHOLE)
+    assert found.max() == 1.0
+    assert found[9].sum() == pytest.approx(6.5, abs=1e-6)
+
+
+def test_gas_is_as_deep_as_its_chord_is_long():
+    ball = np.concatenate([[0.0, 5.0, 0.0], np.eye(3).ravel() / 2.0, [0.7]])  # 10 m north, of 2 m, 0.7 deep along the middle
+    assert chord(ball, (0.0, 1.0, 0.0), 0.0, math.inf) == pytest.approx(0.7)
+    assert chord(ball, (0.0, 1.0, 0.0), 0.0, 10.0) == pytest.approx(0.35)
+    off = 1.0 / 10.0  # half a radius off: sqrt(3)/2 of the longest chord
+    assert chord(ball, (off, math.sqrt(1.0 - off * off), 0.0), 0.0, math.inf) == pytest.approx(0.7 * math.sqrt(0.75), rel=1e-9)
+
+
+def test_a_calm_sea_hides_what_is_under_it_and_behind_its_horizon():
+    sea = calm(20.0)
+    far = 2.0 * sea.horizon[0]
+    assert in_sight(sea, 0.0, 1000.0, 0.1, -0.02)
+    assert not in_sight(sea, 0.0, 1000.0, -0.1, -0.02)
+    assert in_sight(sea, 0.0, far, 30.0, sea.horizon[1] + 1e-9)
+    assert not in_sight(sea, 0.0, far, 10.0, sea.horizon[1] - 1e-9)
