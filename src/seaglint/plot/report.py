@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import base64
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from html import escape
 from pathlib import Path
 from typing import Any, Final
@@ -12,42 +11,11 @@ from typing import Any, Final
 from seaglint.analysis import Analysis
 from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
+from seaglint.plot.html import ABSENT, figure, interval, number, page, section, table
 from seaglint.version import __version__
 
 Progress = Callable[[int, int], None]
 """Called with pictures drawn and pictures in all."""
-
-_ABSENT: Final = "–"
-
-_WIDE: Final = 9
-"""Columns from which a table is set smaller, and its numbers may break, so that the last ones stay in view."""
-
-_STYLE: Final = """
-body { font: 15px/1.5 system-ui, -apple-system, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c2430; background: #fff;
-  max-width: 1800px; margin: 0 auto; padding: 1.5rem 1.2rem 4rem; }
-h1 { font-size: 1.5rem; line-height: 1.25; margin: 0 0 .3rem; overflow-wrap: anywhere; }
-h2 { font-size: 1.15rem; margin: 2.4rem 0 .5rem; padding-top: .8rem; border-top: 1px solid #d5dbe3; }
-h3 { font-size: 1rem; margin: 1.4rem 0 .3rem; }
-p { margin: .4rem 0 .8rem; max-width: 78ch; }
-.facts { color: #4a5666; }
-.notes { background: #fff6e0; border-left: 4px solid #e0a100; padding: .6rem 1rem .6rem 2rem; margin: 1rem 0; }
-.none { background: #eef6ee; border-left-color: #4c9a4c; padding-left: 1rem; }
-.table { overflow-x: auto; max-width: 100%; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; font-size: .88rem; margin: .4rem 0 .8rem; }
-th, td { padding: .25rem .5rem; text-align: right; border-bottom: 1px solid #e4e8ee; white-space: nowrap; }
-th { background: #f3f5f8; font-weight: 600; vertical-align: bottom; white-space: normal; }
-th:first-child, td:first-child, .text { text-align: left; }
-td.text { white-space: normal; min-width: 11rem; color: #4a5666; }
-.table.wide table { font-size: .8rem; }
-.table.wide th, .table.wide td { padding: .25rem .35rem; }
-.table.wide td { white-space: normal; overflow-wrap: break-word; }
-.table.wide td.text { min-width: 9rem; }
-figure { margin: .8rem 0 1.2rem; }
-figure img { max-width: 100%; height: auto; border: 1px solid #e4e8ee; }
-figcaption, .small { font-size: .85rem; color: #4a5666; max-width: 95ch; }
-pre { background: #f3f5f8; padding: .8rem; overflow-x: auto; font-size: .8rem; }
-@media print { body { max-width: none; padding: 0; } figure, tr { break-inside: avoid; } }
-""".strip()
 
 _SIGMA: Final = {
     "frame": "the mean and standard deviation of the region in the same frame",
@@ -94,68 +62,25 @@ def report(analysis: Analysis, progress: Progress = lambda done, total: None) ->
     results = analysis.as_dict()
     images: dict[str, str] = {}
     for done, (name, picture) in enumerate(PICTURES.items(), start=1):
-        images[name] = _picture(png(picture.draw(analysis)), picture.title, picture.caption)
+        images[name] = figure(png(picture.draw(analysis)), picture.title, picture.caption)
         progress(done, len(PICTURES))
     title = f"Clutter and false alarms: {results['source']}"
     body = [
         f"<h1>{escape(title)}</h1>",
         f'<p class="facts">{escape(_facts(results))}</p>',
         _notes(results),
-        _section("False alarms", _summary(results), images["rates"]),
-        _section("Regions", f"<p>{escape(_segmentation(results))}</p>", images["regions"], _moments(results)),
-        _section("Exceedances and events", images["exceedances"], _events(results), images["slices"]),
-        _section("Beyond the data", _tails(results)),
-        _section("Distributions", images["histograms"], *_fits(analysis, results)),
-        _section("Correlation, spectrum, stationarity", _memory(results), images["memory"]),
-        _section("How it was done", *_methods(analysis, results)),
+        section("False alarms", _summary(results), images["rates"]),
+        section("Regions", f"<p>{escape(_segmentation(results))}</p>", images["regions"], _moments(results)),
+        section("Exceedances and events", images["exceedances"], _events(results), images["slices"]),
+        section("Beyond the data", _tails(results)),
+        section("Distributions", images["histograms"], *_fits(analysis, results)),
+        section("Correlation, spectrum, stationarity", _memory(results), images["memory"]),
+        section("How it was done", *_methods(analysis, results)),
         "<details><summary>All numbers as JSON</summary><pre>",
         escape(json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False)),
         "</pre></details>",
     ]
-    head = (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        # Names and notes come from files of others: nothing in them may run or load.
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src 'unsafe-inline'\">\n"
-        f'<meta name="generator" content="seaglint {__version__}">\n<title>{escape(title)}</title>\n<style>\n{_STYLE}\n</style>\n</head>\n'
-    )
-    return head + "<body>\n" + "\n".join(body) + "\n</body>\n</html>\n"
-
-
-def number(value: Any, digits: int = 3) -> str:
-    """A number for a table; what does not exist is a dash."""
-    if value is None:
-        return _ABSENT
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    if isinstance(value, int):
-        return f"{value:,}".replace(",", "\u202f")
-    return f"{value:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e").replace("-", "\u2212")
-
-
-def _interval(ends: Sequence[float | None] | None, digits: int = 3) -> str:
-    return _ABSENT if ends is None or None in ends else f"{number(ends[0], digits)} … {number(ends[1], digits)}"
-
-
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[int] = ()) -> str:
-    """Cells are text; those of the columns ``words`` are sentences."""
-
-    def cell(tag: str, place: int, text: str) -> str:
-        return f'<{tag} class="text">{escape(text)}</{tag}>' if place in words else f"<{tag}>{escape(text)}</{tag}>"
-
-    lines = ["<tr>" + "".join(cell("td", i, text) for i, text in enumerate(row)) + "</tr>" for row in rows]
-    top = "<tr>" + "".join(cell("th", i, text) for i, text in enumerate(head)) + "</tr>"
-    kind = "table wide" if len(head) >= _WIDE else "table"
-    return f'<div class="{kind}"><table>\n<thead>' + top + "</thead>\n<tbody>\n" + "\n".join(lines) + "\n</tbody></table></div>"
-
-
-def _section(title: str, *parts: str) -> str:
-    return "\n".join([f"<h2>{escape(title)}</h2>", *parts])
-
-
-def _picture(content: bytes, title: str, caption: str) -> str:
-    data = base64.b64encode(content).decode("ascii")
-    return f'<figure><img alt="{escape(title)}" src="data:image/png;base64,{data}"><figcaption>{escape(caption)}</figcaption></figure>'
+    return page(title, body)
 
 
 def _regions(results: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
@@ -198,7 +123,7 @@ def _summary(results: dict[str, Any]) -> str:
                     number(entry["threshold_sigma"]),
                     number(entry["exceedances"]),
                     number(entry["rate"]),
-                    _interval([entry["rate_low"], entry["rate_high"]]),
+                    interval([entry["rate_low"], entry["rate_high"]]),
                     number(entry["gaussian_rate"]),
                     number(entry["ratio"]),
                     number(entry["inflation"]),
@@ -209,7 +134,7 @@ def _summary(results: dict[str, Any]) -> str:
     seconds = "s" if results["frame_rate_hz"] is not None else "frames"
     head = ["region", "filter or detector", "threshold [σ]", "false alarms", "rate per pixel", "95 % interval", "Gaussian tail"]
     head += ["rate / Gaussian", "variance / independent", f"correlation time [{seconds}]", "remarks"]
-    return _table(head, rows, words=(10,))
+    return table(head, rows, words=(10,))
 
 
 def _segmentation(results: dict[str, Any]) -> str:
@@ -233,7 +158,7 @@ def _moments(results: dict[str, Any]) -> str:
     keys = ("pixels", 3), ("values", 3), ("mean", 5), ("std", 5), ("minimum", 5), ("maximum", 5), ("skewness", 3), ("excess_kurtosis", 3)
     rows = [[name, *(number(r[key], digits) for key, digits in keys), number(100.0 * r["saturated"])] for name, r in _regions(results)]
     head = ["region", "pixels", "values", f"mean [{unit}]", f"standard deviation [{unit}]", f"minimum [{unit}]", f"maximum [{unit}]"]
-    return _table([*head, "skewness", "excess kurtosis", "saturated [%]"], rows)
+    return table([*head, "skewness", "excess kurtosis", "saturated [%]"], rows)
 
 
 def _events(results: dict[str, Any]) -> str:
@@ -245,7 +170,7 @@ def _events(results: dict[str, Any]) -> str:
     ]
     head = ["region", "filter or detector", "threshold [σ]", "events", "events per frame", "mean duration [s]"]
     text = "<p>An event is a set of exceeding pixels that touch in a frame or from one frame to the next.</p>"
-    return text + _table(head, rows)
+    return text + table(head, rows)
 
 
 def _tails(results: dict[str, Any]) -> str:
@@ -256,11 +181,11 @@ def _tails(results: dict[str, Any]) -> str:
             if tail is None:
                 continue
             if tail["reason"] is not None:
-                rows.append([name, entry["filter"], *[_ABSENT] * 8, tail["reason"]])
+                rows.append([name, entry["filter"], *[ABSENT] * 8, tail["reason"]])
                 continue
             values = [tail["from_sigma"], tail["events"], tail["shape"]]
             more = [tail["scale_sigma"], tail["goodness_p"], tail["trusted_to_sigma"], tail["trusted_to_rate"]]
-            rows.append([name, entry["filter"], *map(number, values), _interval(tail["shape_interval"]), *map(number, more), ""])
+            rows.append([name, entry["filter"], *map(number, values), interval(tail["shape_interval"]), *map(number, more), ""])
     head = ["region", "filter or detector", "from [σ]", "events", "shape ξ", "95 % interval", "scale β [σ]", "goodness p"]
     head += ["trusted to [σ]", "trusted to rate", "remarks"]
     text = (
@@ -268,7 +193,7 @@ def _tails(results: dict[str, Any]) -> str:
         "0 an exponential, below 0 a tail that ends. The rate is trusted while its 95 % interval spans less than a factor of ten, "
         "and not below one exceedance in ten such data sets; both given that the form of the tail holds.</p>"
     )
-    return text + _table(head, rows, words=(10,))
+    return text + table(head, rows, words=(10,))
 
 
 def _fits(analysis: Analysis, results: dict[str, Any]) -> list[str]:
@@ -282,11 +207,11 @@ def _fits(analysis: Analysis, results: dict[str, Any]) -> list[str]:
             remark = f["reason"] or (f"{100 * f['excluded']:.2g} % of the values, not above loc, left out" if f["excluded"] else "")
             good = analysis.regions[name].goodness.get(family)
             least = None if good is None else 1.0 / (good.replicates + 1)
-            row = [FAMILY_NAMES.get(family, family), number(f["shape"], 4), _interval(f["shape_interval"]), number(f["scale"], 4)]
-            row += [_interval(f["scale_interval"]), number(f["loc"], 4), number(f["ks"]), _level(f["ks_p"], least), number(f["ad"])]
+            row = [FAMILY_NAMES.get(family, family), number(f["shape"], 4), interval(f["shape_interval"]), number(f["scale"], 4)]
+            row += [interval(f["scale_interval"]), number(f["loc"], 4), number(f["ks"]), _level(f["ks_p"], least), number(f["ad"])]
             row += [_level(f["ad_p"], least), number(f["log_likelihood_per_value"], 5), number(f["effective_count"], 4), remark]
             rows.append(row)
-        parts += [f"<h3>{escape(name)}</h3>", _table(head, rows, words=(12,))]
+        parts += [f"<h3>{escape(name)}</h3>", table(head, rows, words=(12,))]
     return parts
 
 
@@ -300,12 +225,12 @@ def _memory(results: dict[str, Any]) -> str:
     for name, r in _regions(results):
         length, still = r["correlation_length_px"], r["stationarity"]
         verdict = r["stationary"]
-        block = " × ".join(map(str, still["block_px"])) if min(still["block_px"]) > 0 else _ABSENT
+        block = " × ".join(map(str, still["block_px"])) if min(still["block_px"]) > 0 else ABSENT
         row = [name, number(length["x"]), number(length["y"]), number(r["correlation_time_s"]), number(r["correlation_time_frames"])]
         row += ["not decidable" if verdict is None else number(verdict), number(still["p_mean"], 2), number(still["p_variance"], 2)]
         rows.append([*row, block, still["reason"] or ""])
     head = ["region", "length x [px]", "length y [px]", "time [s]", "time [frames]", "stationary", "p, means", "p, variances"]
-    return _table([*head, "blocks, rows × columns [px]", "remarks"], rows, words=(9,))
+    return table([*head, "blocks, rows × columns [px]", "remarks"], rows, words=(9,))
 
 
 def _methods(analysis: Analysis, results: dict[str, Any]) -> list[str]:
@@ -339,4 +264,4 @@ def _methods(analysis: Analysis, results: dict[str, Any]) -> list[str]:
         ["seed", str(options.seed)],
         ["seaglint", __version__],
     ]
-    return ["<ul>" + "".join(f"<li>{escape(text)}</li>" for text in done) + "</ul>", _table(["option", "value"], used, words=(1,))]
+    return ["<ul>" + "".join(f"<li>{escape(text)}</li>" for text in done) + "</ul>", table(["option", "value"], used, words=(1,))]
