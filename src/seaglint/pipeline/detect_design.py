@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
 
-from seaglint.detection.background import Background, FrameSource, count_false_alarms
+import numpy as np
+
+from seaglint.clutter.false_alarms import FalseAlarms
+from seaglint.detection.background import Background, FalseAlarmCount, FrameSource, Threshold, count_false_alarms
 from seaglint.detection.design import (
     RateThreshold,
     WhiteFrames,
@@ -16,10 +19,16 @@ from seaglint.detection.design import (
     threshold_for,
 )
 from seaglint.detection.isolated import IsolatedDetector
-from seaglint.detection.tails import LOWEST_THRESHOLD, rare_tail
+from seaglint.detection.tails import LOWEST_THRESHOLD, MOST_EVENTS, RareTail, rare_tail
 from seaglint.errors import DomainError, SeaglintError
 from seaglint.pipeline.detect import Options, Performance, detector_for
 from seaglint.threads import single_threaded_algebra
+
+TAIL_SHARE: Final = 0.02
+"""Share of the pixels that a tail holds at most [1]."""
+
+FEWEST_PIXELS: Final = 200
+"""Pixels that it holds at least, as far as that share allows."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +84,32 @@ def wanted_rate(found: Performance, wanted: Design) -> float:
 
 
 def rate_threshold(found: Performance, wanted: Design) -> RateThreshold:
-    """Threshold of that rate."""
-    return threshold_for(found.alarms, found.tail, wanted_rate(found, wanted))
+    """Threshold of that rate.
+
+    Raises
+    ------
+    DataError
+        A rate that is neither counted nor to be extrapolated.
+    """
+    return threshold_for(found.alarms, tail_from(found.judged, found.threshold, found.alarms, found.tail), wanted_rate(found, wanted))
+
+
+def tail_from(judged: Background, threshold: Threshold, count: FalseAlarmCount, tail: RareTail) -> RareTail:
+    """The tail above three standard deviations or, where too little is there, above what leaves enough to fit.
+
+    A field with a horizon or a corridor in it has a broad statistic that never comes far above its mean.
+    """
+    curve = count.alarms.curve()
+    lower = curve.threshold_for(min(TAIL_SHARE, max(MOST_EVENTS / max(curve.pixels, 1), FEWEST_PIXELS / max(curve.pixels, 1))))
+    if tail.fit is not None or lower is None or not 0.0 < lower < LOWEST_THRESHOLD:
+        return tail
+    alarms = FalseAlarms((lower,))
+    nothing = np.full(judged.statistic.shape[1:], np.nan, np.float32)
+    for k in range(judged.windows):
+        if k and judged.place.sequences > 1 and k % judged.place.each == 0:
+            alarms.add(nothing)
+        alarms.add(judged.z(k, threshold.law))
+    return rare_tail(alarms.curve(), alarms.events(lower))
 
 
 def design(found: Performance, source: FrameSource, options: Options, wanted: Design) -> dict[str, Any]:
@@ -129,8 +162,10 @@ def white_contrast(source: FrameSource, options: Options, wanted: Design, p_fa: 
             if detector.linear:
                 at = gaussian_threshold(p_fa)
             else:
-                count = count_false_alarms(judged, judged.threshold(4.0, "sigma"))
-                at = threshold_for(count, rare_tail(count.alarms.curve(), count.alarms.events(LOWEST_THRESHOLD)), p_fa)
+                four = judged.threshold(4.0, "sigma")
+                count = count_false_alarms(judged, four)
+                tail = rare_tail(count.alarms.curve(), count.alarms.events(LOWEST_THRESHOLD))
+                at = threshold_for(count, tail_from(judged, four, count, tail), p_fa)
             objects = replace(options.objects, injections=wanted.injections)
             return contrast_for(judged, white, objects, as_threshold(at), wanted.p_d).contrast, white.sigma
         finally:

@@ -17,7 +17,7 @@ from seaglint.pipeline.detect import detect
 from seaglint.pipeline.detect_design import Design, rate_threshold
 from seaglint.pipeline.detect_scene import SceneOptions, lead_of
 from seaglint.pipeline.injected import seen_object
-from seaglint.pipeline.scene_frames import SceneFrames, Seas, frames_key
+from seaglint.pipeline.scene_frames import Mirrored, SceneFrames, Seas, frames_key
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import sun_position
 
@@ -127,9 +127,9 @@ def p_d_at(
         source = SceneFrames(seas, parts.frames(name), length)
         source.grow(wanted.seas)
         row = round(seen.row)
-        objects = replace(wanted.options.objects, shape=seen.shape, contrasts=(seen.contrast,), only_rows=(row - ROWS, row + ROWS + 1))
+        objects = replace(wanted.options.objects, shape=seen.shape, contrasts=(abs(seen.contrast),), only_rows=(row - ROWS, row + ROWS + 1))
         options = replace(wanted.options, objects=objects, frame_rate=scene.sensor.frame_rate_hz, pixel_deg=seas.pixel_deg)
-        found = detect(source, options, name=asked.name)
+        found = detect(Mirrored(source) if seen.contrast < 0 else source, options, name=asked.name)
         at = rate_threshold(found, asked.design)
         rate = by_windows(found.trials.scores[0], at.sigma, options.level)
         out |= {
@@ -141,7 +141,7 @@ def p_d_at(
             "background_sigma": found.background[1],
         }
         if seen.contrast < 0:
-            out["note"] = "darker than what is behind it: the detectors look for bright objects"
+            out["note"] = "darker than what is behind it: the detector looks for dark objects"
         parts.forget_frames(name)
     parts.keep_case(f"range-{key}", out)
     return out
@@ -177,21 +177,23 @@ def detection_range(
         return float(points[-1]["p_d"])
 
     goal = asked.design.p_d
-    out: dict[str, Any] = {"object": asked.name, "bearing_deg": bearing_deg, "p_d": goal, "note": None}
-    if rate(near) < goal:
-        out |= {"range_m": None, "range_interval_m": [0.0, near], "note": f"P_d is below {goal:g} at the nearest range of {near:g} m"}
-    elif rate(far) >= goal:
-        out |= {
-            "range_m": None,
-            "range_interval_m": [far, None],
-            "note": f"P_d is still {goal:g} or more at the farthest range of {far:g} m",
-        }
-    else:
-        while far / near - 1.0 > asked.precision:
-            middle = math.sqrt(near * far)
-            if rate(middle) >= goal:
-                near = middle
-            else:
-                far = middle
-        out |= {"range_m": math.sqrt(near * far), "range_interval_m": [near, far]}
+    out: dict[str, Any] = {"object": asked.name, "bearing_deg": bearing_deg, "p_d": goal, "range_m": None, "note": None}
+    try:
+        if rate(near) < goal:
+            out |= {"range_interval_m": [0.0, near], "note": f"P_d is below {goal:g} at the nearest range of {near:g} m"}
+        elif rate(far) >= goal:
+            out |= {"range_interval_m": [far, None], "note": f"P_d is still {goal:g} or more at the farthest range of {far:g} m"}
+        else:
+            while far / near - 1.0 > asked.precision:
+                middle = math.sqrt(near * far)
+                if rate(middle) >= goal:
+                    near = middle
+                else:
+                    far = middle
+            out |= {"range_m": math.sqrt(near * far), "range_interval_m": [near, far]}
+    except DataError as error:
+        # one range that cannot be judged ends its bisection, not the others'
+        if not points:
+            raise
+        out |= {"range_interval_m": [near, far], "note": f"between {near:.0f} and {far:.0f} m: {error}"}
     return out | {"points": sorted(points, key=lambda p: p["range_m"])}

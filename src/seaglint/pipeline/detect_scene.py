@@ -20,7 +20,7 @@ from seaglint.pipeline.detect import Options, Performance, detect
 from seaglint.pipeline.detect_chips import chips, false_alarm_map
 from seaglint.pipeline.detect_design import Design, design
 from seaglint.pipeline.injected import Strength, point_shape, seen_object
-from seaglint.pipeline.scene_frames import SceneFrames, Seas, frames_key
+from seaglint.pipeline.scene_frames import Mirrored, SceneFrames, Seas, frames_key
 from seaglint.scenario.model import Scenario
 
 FIRST_SEAS: Final = 8
@@ -146,7 +146,9 @@ def run_scene(
     first = source.read(0, 1)[0].astype(np.float64)
     strength = wanted.strength or Strength((own,) if own is not None else tuple(float(f"{v * first.std():.3g}") for v in SWEEP))
     aperture = strength.at_aperture(seas, float(first.mean()))
-    objects = replace(wanted.options.objects, shape=shape, contrasts=tuple(share * c for c in aperture))
+    sign = -1.0 if max(aperture) < 0.0 else 1.0
+    judged = Mirrored(source) if sign < 0.0 else source
+    objects = replace(wanted.options.objects, shape=shape, contrasts=tuple(sign * share * c for c in aperture))
     options = replace(wanted.options, objects=objects, frame_rate=scenario.sensor.frame_rate_hz, pixel_deg=seas.pixel_deg, enough=None)
     target = wanted.seas if wanted.precision is None and wanted.precision_fa is None else min(FIRST_SEAS, wanted.seas)
 
@@ -157,7 +159,7 @@ def run_scene(
 
     while True:
         source.grow(target, go_on)
-        found = detect(source, options, name=name)
+        found = detect(judged, options, name=name)
         reason, told = _stopped(found, wanted, source.count, clock)
         if reason is not None:
             break
@@ -165,6 +167,8 @@ def run_scene(
     result = found.as_dict() | {"units": "W m-2 sr-1", "frame_rate_hz": options.frame_rate, "seas": source.count}
     result |= {"objects": wanted.objects, "contrast_unit": strength.unit, "stopped": reason, "point_share": share}
     result["notes"].append(told)
+    if sign < 0.0:
+        result["notes"].append("objects are darker than what is behind them: the frames are judged with their sign turned")
     rows = found.rows()
     for k, (given, at) in enumerate(zip(strength.values, aperture, strict=True)):
         added = {"contrast": given, "contrast_unit": strength.unit, "contrast_aperture": at, "contrast_pixel": share * at}
@@ -173,7 +177,8 @@ def run_scene(
     result["contrast"] = strength.values[0]
     if wanted.design is not None:
         inverse = _inverse(strength, seas, float(first.mean()), share)
-        result["design"] = _designed(found, source, options, wanted.design, inverse) | {"contrast_unit": strength.unit}
+        found_out = _designed(found, judged, options, wanted.design, lambda pixel: inverse(sign * pixel))
+        result["design"] = found_out | {"contrast_unit": strength.unit}
         for row in rows:
             row |= {f"design_{key}": result["design"].get(key) for key in ("contrast", "loss_db", "p_fa", "p_d")}
     curves = [found.characteristic(k) for k in range(len(rows))]
@@ -185,7 +190,7 @@ def run_scene(
         "rows": rows,
         "roc": roc,
         "map": false_alarm_map(found, *seas.directions),
-        "chips": chips(found, source),
+        "chips": chips(found, judged),
         "stopped": reason,
     }
 

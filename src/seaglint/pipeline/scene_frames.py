@@ -208,3 +208,41 @@ class SceneFrames:
                 raise DataError(f"{sea_path(self.folder, number)}: frames that were kept cannot be read again: {error}") from error
             parts.append(np.array(sea[max(start - number * length, 0) : stop - number * length], np.float32))
         return np.concatenate(parts)
+
+
+@dataclass(frozen=True)
+class Mirrored:
+    """Frames with their sign turned, in which dark objects are bright: what detectors look for.
+
+    Attributes
+    ----------
+    source : SceneFrames
+        The frames.
+    """
+
+    source: SceneFrames
+    saturation: float | None = None
+
+    @property
+    def sequence_length(self) -> int:
+        """Frames of each sea."""
+        return self.source.sequence_length
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        return self.source.frames
+
+    @property
+    def rows(self) -> int:
+        """Rows of a frame [px]."""
+        return self.source.rows
+
+    @property
+    def columns(self) -> int:
+        """Columns of a frame [px]."""
+        return self.source.columns
+
+    def read(self, start: int, stop: int) -> Frames:
+        """Frames ``start`` to ``stop`` (not included) [-W m-2 sr-1]."""
+        return -self.source.read(start, stop)
