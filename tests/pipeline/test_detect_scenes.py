@@ -186,6 +186,8 @@ def test_a_scene_of_white_noise_gives_the_q_functions(tmp_path: Path) -> None:
     # white noise against white noise: no loss, within what 400 objects tell (0.35 dB each)
     assert result["design"]["loss_db"] == pytest.approx(0.0, abs=1.2)
     assert result["design"]["contrast"] == pytest.approx(SIGMA * (norm.isf(1e-3) + norm.isf(0.1)), rel=0.1)
+    # objects are spread over all seas
+    assert result["injections"] == 400
     rate = result["false_alarms"]["pixels_per_frame"] * 25.0 / (0.025**2 * 48 * 40)
     assert result["false_alarms"]["pixels_per_deg2_s"] == pytest.approx(rate)
     cells = case["map"]
@@ -308,6 +310,7 @@ def test_objects_of_some_rows_stay_there() -> None:
     objects = Objects(GaussianSpot(0.5), (5.0,), 200, match_radius=0.0, only_rows=(30, 33))
     found = run_trials(background, source, objects, background.threshold(3.0, "sigma"))
     assert set(found.scores[0].row.tolist()) == {30, 31, 32}
+    assert len(set(found.scores[0].window.tolist())) == 6
     with pytest.raises(DomainError, match="hold no object"):
         run_trials(background, source, replace(objects, only_rows=(0, 1)), background.threshold(3.0, "sigma"))
 

@@ -100,6 +100,8 @@ class Plan:
         Of places and displacements.
     only_rows : (int, int), optional
         Rows that hold objects, first and end; all within the margin where nothing is said [px].
+    spread : bool
+        Whether all windows hold as many, however few: intervals of independent seas stand on how many there are.
 
     Raises
     ------
@@ -116,6 +118,7 @@ class Plan:
     placement: Placement = "random"
     seed: int = 0
     only_rows: tuple[int, int] | None = None
+    spread: bool = False
 
     def __post_init__(self) -> None:
         if self.injections < 1:
@@ -139,7 +142,7 @@ class Plan:
         """Injections of one batch: as many as spread them over all windows, at least :data:`SHARED`, as far as there is room."""
         first, end = self.row_range
         cells = max((end - first) // self.pitch, 1) * max((self.columns - 2 * self.margin) // self.pitch, 1)
-        return min(max(-(-self.injections // self.windows), SHARED), cells, self.injections)
+        return min(max(-(-self.injections // self.windows), 1 if self.spread else SHARED), cells, self.injections)
 
     @property
     def batches(self) -> int:

@@ -78,8 +78,19 @@ class Objects:
         travel = int(np.ceil(detector.lead * max(abs(v) for v in self.velocity)))
         pitch = pitch_for(detector, self.shape, self.match_radius, travel)
         margin = self.shape.half + int(self.match_radius) + travel
-        windows = Windows.of(source, detector.lead).count
-        return Plan(self.injections, windows, source.rows, source.columns, pitch, margin, self.placement, self.seed, self.only_rows)
+        place = Windows.of(source, detector.lead)
+        return Plan(
+            self.injections,
+            place.count,
+            source.rows,
+            source.columns,
+            pitch,
+            margin,
+            self.placement,
+            self.seed,
+            self.only_rows,
+            spread=place.sequences > 1,
+        )
 
 
 @dataclass(frozen=True)

@@ -10,6 +10,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from seaglint.detection.background import FrameSource
 from seaglint.detection.base import Detector
 from seaglint.detection.choice import named_for
 from seaglint.detection.isolated import IsolatedDetector
@@ -208,7 +209,7 @@ def _stopped(found: Performance, wanted: SceneOptions, seas: int, clock: Clock) 
         if reached:
             return "precision", f"stopped with {seas} seas: the stated precision is reached (P_d within {max(halves):.2g})"
     if clock.over:
-        return "time budget", f"stopped with {seas} seas: the time budget of {clock.budget:g} s is reached; go on with --resume"
+        return "time budget", f"stopped with {seas} seas: the time budget of {clock.budget:.3g} s is reached; go on with --resume"
     if seas >= wanted.seas:
         asked = wanted.precision is not None or wanted.precision_fa is not None
         return "frames", f"{seas} seas drawn, as many as wanted" + ("; the stated precision is not reached" if asked else "")
@@ -240,7 +241,7 @@ def _inverse(strength: Strength, seas: Seas, mean: float, share: float) -> Calla
 
 
 def _designed(
-    found: Performance, source: SceneFrames, options: Options, wanted: Design, inverse: Callable[[float], float]
+    found: Performance, source: FrameSource, options: Options, wanted: Design, inverse: Callable[[float], float]
 ) -> dict[str, Any]:
     """The designer's figures; where they do not exist, why."""
     try:

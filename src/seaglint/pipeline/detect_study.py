@@ -52,13 +52,16 @@ class Study:
         columns: dict[str, None] = {}
         out = []
         for number, case in enumerate(self.cases):
-            lines = case.get("rows") or [{"error": case["error"]}]
+            lines = case.get("rows") or [{}]
             for line in lines:
                 row = {"case": number, **case["parameters"], **line, "stopped": case.get("stopped"), "error": case.get("error")}
                 row |= {key: value for key, value in case["scenario"].items() if key not in row}
                 out.append(row)
                 columns |= dict.fromkeys(row)
-        return [{name: row.get(name) for name in columns} for row in out]
+        # what only cases with a result have stands before the scenario all the same
+        full = next((row for row in out if row["error"] is None), {})
+        order = list(dict.fromkeys([*full, *columns]))
+        return [{name: row.get(name) for name in order} for row in out]
 
     def characteristic(self) -> dict[str, list[float]]:
         """Columns of all operating characteristics."""
