@@ -9,14 +9,13 @@ import typer
 
 from seaglint.cli.analyze import RAW_HELP, filter_of, raw_layout, weights
 from seaglint.cli.detect_scene import SceneArguments, run_scenario
+from seaglint.cli.numbers import between, contrasts_of
 from seaglint.cli.options import Overwrite, Progress
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.sensor import SensorPreset
 
 if TYPE_CHECKING:
     from seaglint.detection.spot import Shape
-
-MOST_CONTRASTS = 200
 
 Law = Literal["sigma", "frame", "fixed", "design"]
 Placement = Literal["random", "centre"]
@@ -272,33 +271,6 @@ def _shape(sigma: float | None, psf: Path | None) -> Shape:
     return SampledSpot(weights(psf))
 
 
-def contrasts_of(text: str, option: str = "--contrast") -> tuple[float, ...]:
-    """Numbers of an option: one, several, or a range of them.
-
-    Raises
-    ------
-    DataError
-        What is no such thing, or too many.
-    """
-    import numpy as np
-
-    from seaglint.errors import DataError
-
-    wrong = DataError(f"{option} {text}: give a number, several as 1,2,4, or FIRST:LAST:STEP as 1:8:0.5, at most {MOST_CONTRASTS}")
-    try:
-        if ":" not in text:
-            found = tuple(float(part) for part in text.split(","))
-        else:
-            first, last, step = (float(part) for part in text.split(":"))
-            count = int((last - first) / step + 1.0 + 1e-9) if step and (last - first) / step < MOST_CONTRASTS else 0
-            found = tuple(float(v) for v in np.round(first + step * np.arange(max(count, 0)), 12))
-    except ValueError:
-        raise wrong from None
-    if not 0 < len(found) <= MOST_CONTRASTS:
-        raise wrong
-    return found
-
-
 def _velocity(text: str) -> tuple[float, float]:
     """Rows and columns a frame, of X,Y."""
     from seaglint.errors import DataError
@@ -352,8 +324,3 @@ def lines(result: dict[str, Any]) -> list[str]:
     if result["tail"]["note"]:
         out.append(f"tail: {result['tail']['note']}")
     return [*out, *(f"note: {note}" for note in result["notes"])]
-
-
-def between(ends: list[float] | None) -> str:
-    """An interval in brackets."""
-    return " (no interval)" if ends is None else f" ({ends[0]:.3g} to {ends[1]:.3g})"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from seaglint.cli.numbers import between, contrasts_of
 from seaglint.cli.progress import ProgressMode
 
 if TYPE_CHECKING:
@@ -148,7 +149,6 @@ def _wanted(arguments: SceneArguments, options: Options, contrasts: tuple[float,
 
 
 def _strength(arguments: SceneArguments, contrasts: tuple[float, ...] | None) -> Strength | None:
-    from seaglint.cli.detect import contrasts_of
     from seaglint.errors import DataError
     from seaglint.pipeline.injected import Strength, Unit
 
@@ -260,15 +260,12 @@ def _limits(text: str) -> tuple[float, float]:
 
 
 def _bearings(text: str) -> tuple[float, ...]:
-    from seaglint.cli.detect import contrasts_of
 
     return contrasts_of(text, "--bearings")
 
 
 def lines(study: Study) -> list[str]:
     """The result as lines of text."""
-    from seaglint.cli.detect import between
-
     out = []
     for case in study.good:
         result = case["result"]
