@@ -1,13 +1,12 @@
 """Draw detection in rendered seas into docs/images and print the table of needed contrasts for docs/validation.md.
 
-python tools/detection_figures.py [azimuth] [contrasts]
+python tools/detection_figures.py [azimuth] [contrasts] [pictures]
 """
 
 from __future__ import annotations
 
 import sys
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from seaglint.io.detection_parts import Parts
 from seaglint.pipeline.detect import Options, detect
 from seaglint.pipeline.detect_design import Design, rate_threshold
 from seaglint.pipeline.detect_scene import SceneOptions, lead_of, run_scene
+from seaglint.pipeline.injected import Strength
 from seaglint.pipeline.scene_frames import SceneFrames, Seas, frames_key
 from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map
 from seaglint.scenario.load import parse_scenario
@@ -108,7 +108,6 @@ def contrasts(parts: Parts) -> None:
     """Contrast for P_d 0.9 at 1e-6, corridor and open sea, before and behind the sensor; chips; a characteristic."""
     print("| detector | corridor, aperture | open sea, aperture | corridor, sensor | open sea, sensor |")
     print("|---|---|---|---|---|")
-    kept: dict[tuple[str, str, bool], dict[str, Any]] = {}
     for name in DETECTORS:
         cells = []
         for sensor in (False, True):
@@ -125,7 +124,6 @@ def contrasts(parts: Parts) -> None:
                     cells.append("none")
                     print(f"{name}, {place}: {error}", file=sys.stderr)
                     continue
-                kept[name, place, sensor] = case
                 design = case["result"]["design"]
                 if design.get("contrast") is None:
                     cells.append("none")
@@ -134,26 +132,35 @@ def contrasts(parts: Parts) -> None:
                     loss = "" if design["loss_db"] is None else f" ({design['loss_db']:+.1f} dB)"
                     cells.append(f"{design['contrast']:.3g}{loss}{'' if design['believed'] else ' ?'}")
         print(f"| `{name}` | {' | '.join(cells)} |", flush=True)
-    shown = kept["matched", "corridor", True]
-    chips = draw_chips(shown["chips"], shown["result"]["threshold_sigma"])
-    if chips is not None:
-        chips.savefig(IMAGES / "detection_chips.png", dpi=110)
-    draw_characteristic(shown["roc"], shown["rows"], "W m⁻² sr⁻¹").savefig(IMAGES / "detection_roc.png", dpi=110)
+
+
+def pictures(parts: Parts) -> None:
+    """Characteristic, misses and false alarms of one detector in the corridor behind a sensor, and where false alarms are."""
+    template = Objects(GaussianSpot(0.7), (1.0,), 1000, seed=5)
+    wanted = SceneOptions(
+        Options(template, detector="ca-cfar", threshold=3.0), strength=Strength((10.0, 15.0, 20.0, 30.0, 40.0)), seas=3 * SEAS
+    )
+    case = run_scene(scene(SUN + 5.0, (96, 64), PIXEL_DEG, elevation=-2.5, sensor=True), wanted, parts)
+    chips = draw_chips(case["chips"], case["result"]["threshold_sigma"])
+    assert chips is not None
+    chips.savefig(IMAGES / "detection_chips.png", dpi=110)
+    draw_characteristic(case["roc"], case["rows"], "W m⁻² sr⁻¹").savefig(IMAGES / "detection_roc.png", dpi=110)
     wide = scene(SUN + 8.0, (160, 48), 0.15, elevation=-5.0)
-    options = Options(Objects(GaussianSpot(0.7), (1.0,), 600, seed=5), detector="top-hat", threshold=3.0)
-    case = run_scene(wide, replace(SceneOptions(options), seas=SEAS), parts)
-    draw_map(case["map"]).savefig(IMAGES / "detection_map.png", dpi=110)
+    wanted = SceneOptions(Options(template, detector="top-hat", threshold=3.0), seas=SEAS)
+    draw_map(run_scene(wide, wanted, parts)["map"]).savefig(IMAGES / "detection_map.png", dpi=110)
 
 
 def main() -> None:
     """Make what is named, or all."""
-    wanted = sys.argv[1:] or ["azimuth", "contrasts"]
+    wanted = sys.argv[1:] or ["azimuth", "contrasts", "pictures"]
     with tempfile.TemporaryDirectory() as folder:
         parts = Parts.at(Path(folder) / "figures", resume=False, overwrite=True)
         if "contrasts" in wanted:
             contrasts(parts)
         if "azimuth" in wanted:
             azimuths(parts)
+        if "pictures" in wanted:
+            pictures(parts)
 
 
 if __name__ == "__main__":

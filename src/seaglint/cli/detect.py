@@ -118,7 +118,7 @@ def detect(
     report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="report with pictures")] = None,
     precision: Annotated[float | None, typer.Option("--precision", help="half width of the interval of P_d that is enough")] = None,
     precision_fa: Annotated[float | None, typer.Option("--precision-fa", help="the same of P_fa, as a share of it")] = None,
-    time_budget: Annotated[float | None, typer.Option("--time-budget", help="longest time for all cases [s]")] = None,
+    time_budget: Annotated[float | None, typer.Option("--time-budget", min=0.0, help="longest time for all cases [s]")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="go on with what is kept beside RESULT")] = False,
     design: Annotated[
         bool, typer.Option("--design", help="contrast for P_d 0.9 at one false alarm per hour and field, and the loss against white noise")

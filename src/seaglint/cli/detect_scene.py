@@ -89,6 +89,9 @@ def run_scenario(
     if arguments.report is not None:
         refuse_existing(arguments.report, overwrite=replace_all, inputs=inputs)
     base = None if files is None else files.result.with_suffix("")
+    if base is not None:
+        for name in ("range",) if arguments.range else ("map", "chips"):
+            refuse_existing(base.with_name(f"{base.name}_{name}.png"), overwrite=replace_all, inputs=inputs)
     wanted = _wanted(arguments, options, contrasts, shape)
     with parts_folder(base, resume=arguments.resume, overwrite=overwrite) as (parts, kept):
         with warnings.catch_warnings(), patient_progress(show, "seas") as progress:

@@ -78,6 +78,11 @@ class Parts:
         with moved_when_whole(self.folder / f"case-{key}.json") as partial:
             partial.write_text(json.dumps(value), encoding="utf-8")
 
+    @property
+    def empty(self) -> bool:
+        """Whether nothing is kept yet."""
+        return not any(path.is_file() and path.name != _MARK for path in self.folder.rglob("*"))
+
     def remove(self) -> None:
         """Remove all."""
         shutil.rmtree(self.folder, ignore_errors=True)
@@ -106,7 +111,12 @@ def keep_sea(folder: Path, number: int, frames: NDArray[np.float32]) -> None:
 def parts_folder(base: Path | None, *, resume: bool = False, overwrite: bool = False) -> Iterator[tuple[Parts, bool]]:
     """Parts beside a result, and whether they outlive an interruption; without a result a temporary folder."""
     if base is not None:
-        yield Parts.at(base, resume=resume, overwrite=overwrite), True
+        parts = Parts.at(base, resume=resume, overwrite=overwrite)
+        try:
+            yield parts, True
+        finally:
+            if parts.empty:
+                parts.remove()
         return
     import tempfile
 

@@ -40,7 +40,12 @@ def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[dict[str, An
     right.fill_between(x, ends[0], ends[1], color="0.2", alpha=0.2, linewidth=0)
     right.set(xlabel=f"contrast [{unit}]", ylabel="P_d", ylim=(-0.02, 1.02))
     if min(x) > 0 and max(x) > 8 * min(x):
+        from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+
         right.set_xscale("log")
+        right.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        right.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+        right.xaxis.set_minor_formatter(NullFormatter())
     right.set_title(f"at {ordered[0]['threshold_sigma']:.3g} sigma, P_fa {ordered[0]['p_fa']:.2g}", fontsize=10)
     return figure
 
