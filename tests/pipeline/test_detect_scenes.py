@@ -22,13 +22,14 @@ from seaglint.detection.level import Raised, level_shift
 from seaglint.detection.scoring import interval_of_sequences
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
+from seaglint.detection.tails import rare_tail
 from seaglint.detection.trials import Objects, run_trials
 from seaglint.errors import DataError, DomainError, ScenarioError
 from seaglint.io.detection_parts import Parts
 from seaglint.pipeline import detect_range, detect_scene
 from seaglint.pipeline.detect import Options
 from seaglint.pipeline.detect_cases import cases_of, parse_vary
-from seaglint.pipeline.detect_design import Design
+from seaglint.pipeline.detect_design import Design, told_threshold
 from seaglint.pipeline.detect_range import RangeOptions, detection_range, placed_at
 from seaglint.pipeline.detect_scene import Clock, SceneOptions, run_scene
 from seaglint.pipeline.detect_study import run_study
@@ -302,6 +303,23 @@ def test_the_level_of_a_recording_is_in_a_fixed_threshold() -> None:
     raised = Raised(source, 1000.0)
     assert raised.saturation == 1008.0
     assert raised.read(0, 1).mean() == pytest.approx(1000.0, abs=0.2)
+
+
+def test_a_rate_of_few_pixels_is_told_and_not_believed() -> None:
+    # one bright line in each of two frames: no forty events for a tail, and 20 pixels above any threshold below it
+    frames = np.random.default_rng(1).normal(0.0, 1.0, (2, 32, 32)).astype(np.float32)
+    frames[:, 7, 4:14] += 100.0
+    source = SimpleNamespace(frames=2, rows=32, columns=32, saturation=None, read=lambda start, stop: frames[start:stop].copy())
+    background = Background(FilterThreshold(), source)
+    threshold = background.threshold(3.0, "sigma")
+    count = count_false_alarms(background, threshold)
+    tail = rare_tail(count.alarms.curve(), count.alarms.events(3.0))
+    found = told_threshold(count, tail, 0.011)
+    assert 20 <= found.p_fa * 2048 <= 22
+    assert found.low < found.p_fa < found.high
+    assert (found.how, found.believed) == ("counted", False)
+    with pytest.raises(DataError, match="has no threshold"):
+        told_threshold(count, tail, 1e-6)
 
 
 def test_objects_of_some_rows_stay_there() -> None:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 
+from seaglint.clutter.cluster_variance import score_interval
 from seaglint.clutter.false_alarms import FalseAlarms
 from seaglint.detection.background import Background, FalseAlarmCount, FrameSource, Threshold, count_false_alarms
 from seaglint.detection.design import (
@@ -20,7 +22,7 @@ from seaglint.detection.design import (
 )
 from seaglint.detection.isolated import IsolatedDetector
 from seaglint.detection.tails import LOWEST_THRESHOLD, MOST_EVENTS, RareTail, rare_tail
-from seaglint.errors import DomainError, SeaglintError
+from seaglint.errors import DataError, DomainError, SeaglintError
 from seaglint.pipeline.detect import Options, Performance, detector_for
 from seaglint.threads import single_threaded_algebra
 
@@ -91,7 +93,27 @@ def rate_threshold(found: Performance, wanted: Design) -> RateThreshold:
     DataError
         A rate that is neither counted nor to be extrapolated.
     """
-    return threshold_for(found.alarms, tail_from(found.judged, found.threshold, found.alarms, found.tail), wanted_rate(found, wanted))
+    return told_threshold(found.alarms, tail_from(found.judged, found.threshold, found.alarms, found.tail), wanted_rate(found, wanted))
+
+
+def told_threshold(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateThreshold:
+    """Threshold of a rate; where no tail can be fitted that of the few pixels above it, which is not to be believed.
+
+    Raises
+    ------
+    DataError
+        Less than one pixel above it is expected as well.
+    """
+    try:
+        return threshold_for(count, tail, p_fa)
+    except DataError:
+        curve = count.alarms.curve()
+        sigma = curve.threshold_for(p_fa)
+        if sigma is None or not sigma > 0.0:
+            raise
+        number = int(curve.exceedances[int(np.searchsorted(curve.threshold, sigma - 1e-9))])
+        low, high = score_interval(number, curve.pixels, max(float(np.nan_to_num(count.per_pixel.inflation)), 1.0), math.inf, 0.95)
+        return RateThreshold(sigma, number / curve.pixels, low, high, "counted", believed=False)
 
 
 def tail_from(judged: Background, threshold: Threshold, count: FalseAlarmCount, tail: RareTail) -> RareTail:
@@ -165,7 +187,7 @@ def white_contrast(source: FrameSource, options: Options, wanted: Design, p_fa: 
                 four = judged.threshold(4.0, "sigma")
                 count = count_false_alarms(judged, four)
                 tail = rare_tail(count.alarms.curve(), count.alarms.events(LOWEST_THRESHOLD))
-                at = threshold_for(count, tail_from(judged, four, count, tail), p_fa)
+                at = told_threshold(count, tail_from(judged, four, count, tail), p_fa)
             objects = replace(options.objects, injections=wanted.injections)
             return contrast_for(judged, white, objects, as_threshold(at), wanted.p_d).contrast, white.sigma
         finally:
