@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from seaglint.cli.analyze import RAW_HELP, filter_of, raw_layout, weights
+from seaglint.cli.detect_scene import SceneArguments, run_scenario
+from seaglint.cli.numbers import between, contrasts_of
 from seaglint.cli.options import Overwrite, Progress
 from seaglint.cli.progress import ProgressMode
+from seaglint.cli.sensor import SensorPreset
 
 if TYPE_CHECKING:
     from seaglint.detection.spot import Shape
-
-MOST_CONTRASTS = 200
 
 Law = Literal["sigma", "frame", "fixed", "design"]
 Placement = Literal["random", "centre"]
@@ -23,14 +24,19 @@ Pointing = Literal["least-squares", "centroid"]
 
 def detect(
     recording: Annotated[
-        str, typer.Argument(metavar="INPUT", help="sequence without objects: Zarr, NetCDF, PNG, TIFF, FITS, NumPy, HDF5, video, raw")
-    ],
-    contrast: Annotated[
         str,
-        typer.Option(
-            "--contrast", help="what an object centred on a pixel adds to it: 4, several 1,2,4, or FIRST:LAST:STEP [units of INPUT]"
+        typer.Argument(
+            metavar="INPUT", help="SCENARIO.toml, or a sequence without objects: Zarr, NetCDF, PNG, TIFF, FITS, NumPy, HDF5, video, raw"
         ),
     ],
+    contrast: Annotated[
+        str | None,
+        typer.Option(
+            "--contrast",
+            help="what an object centred on a pixel adds to it: 4, several 1,2,4, or FIRST:LAST:STEP [units of INPUT]; "
+            "of a scenario the in-band contrast at the aperture [W m-2 sr-1]",
+        ),
+    ] = None,
     detector: Annotated[
         str,
         typer.Option(
@@ -94,18 +100,104 @@ def detect(
     raw: Annotated[str | None, typer.Option("--raw", help=RAW_HELP)] = None,
     overwrite: Overwrite = False,
     show: Progress = ProgressMode.AUTO,
+    objects_are: Annotated[
+        str | None, typer.Option("--objects", help="of a scenario: point, gaussian, or the name of one of its [[objects]]")
+    ] = None,
+    temperature_difference: Annotated[
+        str | None, typer.Option("--temperature-difference", help="instead of --contrast: apparent, to the field's mean [K]")
+    ] = None,
+    intensity: Annotated[str | None, typer.Option("--intensity", help="instead of --contrast: of a point at --range-m [W/sr]")] = None,
+    range_m: Annotated[float | None, typer.Option("--range-m", help="range of that point [m]")] = None,
+    object_height_m: Annotated[float | None, typer.Option("--object-height-m", help="its height; 5 where nothing is said [m]")] = None,
+    seas: Annotated[int | None, typer.Option("--frames", min=1, help="independent seas at most; 32 where nothing is said")] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="KEY=A,B,C", help="values of a scenario's key, of detector, filter or threshold; repeatable"),
+    ] = None,
+    cases: Annotated[Path | None, typer.Option("--cases", metavar="F.csv", help="a case a row, keys as headings")] = None,
+    report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="report with pictures")] = None,
+    precision: Annotated[float | None, typer.Option("--precision", help="half width of the interval of P_d that is enough")] = None,
+    precision_fa: Annotated[float | None, typer.Option("--precision-fa", help="the same of P_fa, as a share of it")] = None,
+    time_budget: Annotated[float | None, typer.Option("--time-budget", min=0.0, help="longest time for all cases [s]")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="go on with what is kept beside RESULT")] = False,
+    design: Annotated[
+        bool, typer.Option("--design", help="contrast for P_d 0.9 at one false alarm per hour and field, and the loss against white noise")
+    ] = False,
+    p_fa: Annotated[float | None, typer.Option("--p-fa", help="for --design and --range: rate per pixel instead")] = None,
+    alarms_per_hour: Annotated[float | None, typer.Option("--alarms-per-hour", help="or so many false alarms an hour")] = None,
+    wanted_p_d: Annotated[float | None, typer.Option("--p-d", help="for --design and --range: P_d wanted instead of 0.9")] = None,
+    find_range: Annotated[bool, typer.Option("--range", help="range up to which an object of the scenario is detected")] = False,
+    object_name: Annotated[str | None, typer.Option("--object", metavar="NAME", help="which of the [[objects]], for --range")] = None,
+    range_limits: Annotated[str | None, typer.Option("--range-limits", metavar="NEAR:FAR", help="ranges tried; 500:40000 [m]")] = None,
+    bearings: Annotated[
+        str | None, typer.Option("--bearings", help="for --range: from the Sun's azimuth, clockwise, e.g. 0:330:30 [deg]")
+    ] = None,
+    sensor_preset: SensorPreset = None,
 ) -> None:
-    """Probabilities of detection and false alarm, and errors of place, of a detector on a recording."""
+    """Probabilities of detection and false alarm, and errors of place, of a detector on a recording or in rendered scenes."""
     import warnings
 
     from seaglint.cli.messages import log, print_json
     from seaglint.cli.progress import patient_progress
     from seaglint.detection.trials import Objects
+    from seaglint.errors import DataError
     from seaglint.io.detection_files import DetectionFiles
     from seaglint.io.recording import open_recording
     from seaglint.pipeline.detect import Options
     from seaglint.pipeline.detect import detect as run
 
+    scene = SceneArguments(
+        objects_are,
+        temperature_difference,
+        intensity,
+        range_m,
+        object_height_m,
+        seas,
+        tuple(vary or ()),
+        cases,
+        report,
+        precision,
+        precision_fa,
+        time_budget,
+        resume,
+        design,
+        p_fa,
+        alarms_per_hour,
+        wanted_p_d,
+        find_range,
+        object_name,
+        range_limits,
+        bearings,
+        sensor_preset,
+    )
+    if Path(recording).suffix.lower() == ".toml":
+        theirs = {
+            "--raw": raw,
+            "--variable": variable,
+            "--channel": channel,
+            "--axes": axes,
+            "--units": units,
+            "--saturation": saturation,
+            "--frame-rate": frame_rate,
+            "--pixel-mrad": pixel_mrad,
+        }
+        wrong = [name for name, value in theirs.items() if value is not None]
+        if wrong:
+            raise DataError(f"{', '.join(wrong)}: says something of a recording, which a scenario says itself; leave it out")
+        given = None if contrast is None else contrasts_of(contrast)
+        shape = _shape(object_sigma_px, psf) if psf is not None or object_sigma_px is not None or objects_are == "gaussian" else None
+        template = Objects(
+            _shape(object_sigma_px, psf), (1.0,), injections, placement, match_radius, _velocity(velocity), pointing, seed, duration
+        )
+        judged = Options(
+            template, detector, filter_of(filter_name, kernel, signature), threshold, threshold_law, level, None, None, time_limit
+        )
+        run_scenario(Path(recording), scene, judged, given, shape, output, overwrite=overwrite, as_json=as_json, show=show)
+        return
+    if scene.given:
+        raise DataError(f"{', '.join(scene.given)}: for scenarios, and {recording} is a recording; give SCENARIO.toml, or leave it out")
+    if contrast is None:
+        raise DataError("--contrast is missing: what an object adds to its pixel, in the recording's units; give e.g. --contrast 4")
     inputs = [path for path in (recording, kernel, signature, psf) if path is not None]
     files = None if output is None else DetectionFiles.at(output, overwrite=overwrite, inputs=inputs)
     opened = open_recording(
@@ -120,7 +212,7 @@ def detect(
     )
     objects = Objects(
         _shape(object_sigma_px, psf),
-        _contrasts(contrast),
+        contrasts_of(contrast),
         injections,
         placement,
         match_radius,
@@ -179,26 +271,6 @@ def _shape(sigma: float | None, psf: Path | None) -> Shape:
     return SampledSpot(weights(psf))
 
 
-def _contrasts(text: str) -> tuple[float, ...]:
-    import numpy as np
-
-    from seaglint.errors import DataError
-
-    wrong = DataError(f"--contrast {text}: give a number, several as 1,2,4, or FIRST:LAST:STEP as 1:8:0.5, at most {MOST_CONTRASTS}")
-    try:
-        if ":" not in text:
-            found = tuple(float(part) for part in text.split(","))
-        else:
-            first, last, step = (float(part) for part in text.split(":"))
-            count = int((last - first) / step + 1.0 + 1e-9) if step and (last - first) / step < MOST_CONTRASTS else 0
-            found = tuple(float(v) for v in np.round(first + step * np.arange(max(count, 0)), 12))
-    except ValueError:
-        raise wrong from None
-    if not 0 < len(found) <= MOST_CONTRASTS:
-        raise wrong
-    return found
-
-
 def _velocity(text: str) -> tuple[float, float]:
     """Rows and columns a frame, of X,Y."""
     from seaglint.errors import DataError
@@ -231,7 +303,7 @@ def lines(result: dict[str, Any]) -> list[str]:
     out = [
         f"{result['source']}: {result['frames']} frames of {result['columns']} x {result['rows']}, detector {result['detector']}, "
         f"filter {result['filter']}, threshold {result['threshold_sigma']:.4g} sigma above the mean",
-        f"P_fa {result['p_fa']:.4g} per pixel and frame{_between(result['p_fa_interval'])}, "
+        f"P_fa {result['p_fa']:.4g} per pixel and frame{between(result['p_fa_interval'])}, "
         f"{result['false_alarms']['events_per_frame']:.4g} events a frame",
     ]
     for entry in result["sweep"]:
@@ -242,17 +314,13 @@ def lines(result: dict[str, Any]) -> list[str]:
             else ""
         )
         out.append(
-            f"contrast {entry['contrast']:g}{unit}: P_d {entry['p_d']:.4g}{_between(entry['p_d_interval'])} of {entry['injections']}{place}"
+            f"contrast {entry['contrast']:g}{unit}: P_d {entry['p_d']:.4g}{between(entry['p_d_interval'])} of {entry['injections']}{place}"
         )
     for rare in result["tail"]["rare"]:
         doubt = "" if rare["believed"] else ", not to be believed"
         out.append(
-            f"P_fa {rare['p_fa']:.1g} at {rare['threshold_sigma']:.4g} sigma{_between(rare['p_fa_interval'])}, by extrapolation{doubt}"
+            f"P_fa {rare['p_fa']:.1g} at {rare['threshold_sigma']:.4g} sigma{between(rare['p_fa_interval'])}, by extrapolation{doubt}"
         )
     if result["tail"]["note"]:
         out.append(f"tail: {result['tail']['note']}")
     return [*out, *(f"note: {note}" for note in result["notes"])]
-
-
-def _between(ends: list[float] | None) -> str:
-    return " (no interval)" if ends is None else f" ({ends[0]:.3g} to {ends[1]:.3g})"

@@ -54,11 +54,60 @@ class FrameSource(Protocol):
         ...
 
 
-def blocks_of(source: FrameSource) -> Iterator[Frames]:
-    """All frames in order, in blocks of some megabytes."""
+def blocks_of(source: FrameSource, first: int = 0, end: int | None = None) -> Iterator[Frames]:
+    """Frames ``first`` to ``end`` (not included), all where nothing is said, in order, in blocks of some megabytes."""
     step = max(int(_BLOCK_BYTES / (4.0 * source.rows * source.columns)), 1)
-    for start in range(0, source.frames, step):
-        yield source.read(start, min(start + step, source.frames))
+    last = source.frames if end is None else end
+    for start in range(first, last, step):
+        yield source.read(start, min(start + step, last))
+
+
+@dataclass(frozen=True)
+class Windows:
+    """Windows of frames that a detector sees: none reaches from one sequence into the next.
+
+    Attributes
+    ----------
+    frames : int
+        Frames of the source.
+    length : int
+        Frames of each of its sequences; all of them where it is one.
+    lead : int
+        Earlier frames that the detector needs.
+    """
+
+    frames: int
+    length: int
+    lead: int
+
+    @classmethod
+    def of(cls, source: FrameSource, lead: int) -> Windows:
+        """Those of a source; one with an attribute ``sequence_length`` holds independent sequences of so many frames."""
+        length = int(getattr(source, "sequence_length", 0)) or source.frames
+        return cls(source.frames, max(length, 1), lead)
+
+    @property
+    def each(self) -> int:
+        """Windows of one sequence."""
+        return max(self.length - self.lead, 0)
+
+    @property
+    def sequences(self) -> int:
+        """Whole sequences."""
+        return self.frames // self.length
+
+    @property
+    def count(self) -> int:
+        """All windows."""
+        return self.sequences * self.each
+
+    def start(self, window: int) -> int:
+        """First frame of a window."""
+        return window // self.each * self.length + window % self.each
+
+    def of_event(self, number: int) -> int:
+        """Window of a frame of :class:`seaglint.clutter.false_alarms.FalseAlarms`, which have an empty one between sequences."""
+        return number // (self.each + 1) * self.each + number % (self.each + 1) if self.sequences > 1 else number
 
 
 @dataclass(frozen=True)
@@ -103,17 +152,20 @@ class Background:
 
     def __init__(self, detector: Detector, source: FrameSource, report: Report | None = None) -> None:
         self.detector, self.lead = detector, detector.lead
-        self.windows = source.frames - self.lead
+        self.place = Windows.of(source, self.lead)
+        self.windows = self.place.count
         if self.windows < 1:
-            raise DataError(f"detector {detector.name} needs {self.lead + 1} frames; the sequence has {source.frames}")
+            have = min(self.place.length, source.frames)
+            raise DataError(f"detector {detector.name} needs {self.lead + 1} frames; the sequence has {have}")
         shape = (self.windows, source.rows, source.columns)
         self.statistic: NDArray[np.float32] = _room(shape)
         done = 0
-        for part in statistics(detector, blocks_of(source)):
-            self.statistic[done : done + part.shape[0]] = part
-            done += part.shape[0]
-            if report is not None:
-                report(done, self.windows)
+        for blocks in self._sequences(source):
+            for part in statistics(detector, blocks):
+                self.statistic[done : done + part.shape[0]] = part
+                done += part.shape[0]
+                if report is not None:
+                    report(done, self.windows)
         self.border = self._blank_border()
         scales = [frame_scale(frame) for frame in self.statistic]
         self.frame_mean, self.frame_sigma = (np.array([s[k][0] for s in scales]) for k in (0, 1))
@@ -132,6 +184,14 @@ class Background:
             raise DataError(
                 f"detector {detector.name}: the statistic is {self.mean:g} in every pixel; clutter without variation is not judged"
             )
+
+    def _sequences(self, source: FrameSource) -> Iterator[Iterator[Frames]]:
+        """Blocks of each sequence; of single frames, which need none before them, all at once."""
+        if self.lead == 0:
+            yield blocks_of(source, 0, self.windows)
+            return
+        for begin in range(0, self.place.sequences * self.place.length, self.place.length):
+            yield blocks_of(source, begin, begin + self.place.length)
 
     def _blank_border(self) -> int:
         """Leave out the pixels that see repeated ones beyond the border, where half of the pixels are left; their width [px].
@@ -218,10 +278,15 @@ def count_false_alarms(background: Background, threshold: Threshold, level: floa
     """Count every pixel above the threshold in every window; alarms are pixels and are not clustered."""
     windows, rows, columns = background.statistic.shape
     alarms = FalseAlarms(tuple({threshold.sigma, LOWEST_THRESHOLD}))
-    cells = Cells(windows, rows, columns, threshold.sigma, estimated=threshold.estimated)
+    place = background.place
+    each = place.each if place.sequences > 1 else 0
+    cells = Cells(windows, rows, columns, threshold.sigma, estimated=threshold.estimated, each=each)
     with_alarm = np.zeros(windows, np.int64)
+    nothing = np.full((rows, columns), np.nan, np.float32)
     for k in range(windows):
         z = background.z(k, threshold.law)
+        if k and place.sequences > 1 and k % place.each == 0:
+            alarms.add(nothing)  # exceedances of independent seas do not touch
         alarms.add(z)
         cells.add(k, z)
         with_alarm[k] = bool((z > threshold.sigma).any())

@@ -98,6 +98,10 @@ class Plan:
         Anywhere within the pixels, or at their centres.
     seed : int
         Of places and displacements.
+    only_rows : (int, int), optional
+        Rows that hold objects, first and end; all within the margin where nothing is said [px].
+    spread : bool
+        Whether all windows hold as many, however few: intervals of independent seas stand on how many there are.
 
     Raises
     ------
@@ -113,6 +117,8 @@ class Plan:
     margin: int
     placement: Placement = "random"
     seed: int = 0
+    only_rows: tuple[int, int] | None = None
+    spread: bool = False
 
     def __post_init__(self) -> None:
         if self.injections < 1:
@@ -122,14 +128,21 @@ class Plan:
                 f"frames of {self.rows} x {self.columns} px leave no place for an object {self.margin} px from the border; "
                 "give a smaller object or larger frames"
             )
+        if self.row_range[0] >= self.row_range[1]:
+            raise DomainError(f"rows {self.only_rows} hold no object {self.margin} px from the border of {self.rows} rows; give others")
+
+    @property
+    def row_range(self) -> tuple[int, int]:
+        """Rows that hold objects, first and end."""
+        first, end = self.only_rows or (0, self.rows)
+        return max(first, self.margin), min(end, self.rows - self.margin)
 
     @property
     def per_batch(self) -> int:
         """Injections of one batch: as many as spread them over all windows, at least :data:`SHARED`, as far as there is room."""
-        cells = 1
-        for n in (self.rows, self.columns):
-            cells *= max((n - 2 * self.margin) // self.pitch, 1)
-        return min(max(-(-self.injections // self.windows), SHARED), cells, self.injections)
+        first, end = self.row_range
+        cells = max((end - first) // self.pitch, 1) * max((self.columns - 2 * self.margin) // self.pitch, 1)
+        return min(max(-(-self.injections // self.windows), 1 if self.spread else SHARED), cells, self.injections)
 
     @property
     def batches(self) -> int:
@@ -140,7 +153,9 @@ class Plan:
         """Batch of that number, with all its places."""
         generator = stream(self.seed, "object places", number)
         first_row, first_column = generator.integers(0, self.pitch, 2)
-        rows = np.arange(self.margin + first_row, self.rows - self.margin, self.pitch)
+        first, end = self.row_range
+        # fewer rows than a pitch: each is as likely as any other, and none is left without
+        rows = np.arange(first + first_row * min(self.pitch, end - first) // self.pitch, end, self.pitch)
         columns = np.arange(self.margin + first_column, self.columns - self.margin, self.pitch)
         cells = generator.permutation(rows.size * columns.size)[: self.per_batch]
         # A narrow frame may have no place on a lattice that begins beyond it.

@@ -32,6 +32,9 @@ COARSER: Final = 4
 FEWEST: Final = 10
 """Occurrences below which their clustering cannot be told."""
 
+FEWEST_SEQUENCES: Final = 6
+"""Independent sequences from which on their scatter alone makes the intervals."""
+
 _WINDOW = 0.25
 
 
@@ -84,6 +87,8 @@ class Scores:
         Window of frames and pixel that hold the object.
     error : ndarray, shape (n, 2)
         Estimated less true place, row and column [px]; NaN where none was estimated.
+    offset : ndarray, shape (n, 2)
+        Displacement from the pixel's centre [px].
     """
 
     contrast: float
@@ -92,6 +97,7 @@ class Scores:
     row: IntArray
     column: IntArray
     error: FloatArray
+    offset: FloatArray
 
     @classmethod
     def joined(cls, contrast: float, parts: list[tuple[Batch, FloatArray, FloatArray]]) -> Scores:
@@ -105,6 +111,7 @@ class Scores:
             np.concatenate([b.row for b in batches]),
             np.concatenate([b.column for b in batches]),
             np.concatenate(errors),
+            np.concatenate([b.offset for b in batches]),
         )
 
     def detected(self, threshold: float) -> NDArray[np.bool_]:
@@ -146,10 +153,14 @@ class Cells:
         In standard deviations [1].
     estimated : bool
         Whether the threshold stands on the pixels' own mean and standard deviation.
+    each : int
+        Frames of one independent sequence; 0 where all belong together.
     """
 
-    def __init__(self, frames: int, rows: int, columns: int, threshold: float, *, estimated: bool) -> None:
+    def __init__(self, frames: int, rows: int, columns: int, threshold: float, *, estimated: bool, each: int = 0) -> None:
         self.threshold, self.estimated = float(threshold), estimated
+        self.each = each if each and frames // each >= FEWEST_SEQUENCES else 0
+        self._sequences = np.zeros((frames // self.each if self.each else 0, 4))
         self.per_segment = -(-frames // SEGMENTS)
         self.tile = max(4, -(-max(rows, columns) // TILES))
         segments = -(-frames // self.per_segment)
@@ -157,7 +168,11 @@ class Cells:
 
     def add(self, frame: int, z: NDArray[np.float32]) -> None:
         """Take one frame of z, shape (rows, columns), NaN where missing."""
-        _sum_cells(z, self.tile, self.threshold, self.sums[frame // self.per_segment])
+        one = np.zeros(self.sums.shape[1:])
+        _sum_cells(z, self.tile, self.threshold, one)
+        self.sums[frame // self.per_segment] += one
+        if self.each:
+            self._sequences[frame // self.each] += one.sum(axis=(1, 2))
 
     @property
     def pixels(self) -> int:
@@ -173,14 +188,25 @@ class Cells:
         """Standard deviations by which each cell moves the threshold, times all pixels."""
         return np.asarray(self.sums[:, 2] + 0.5 * self.threshold * self.sums[:, 3]) * float(self.estimated)
 
+    def _moved_by_sequences(self) -> FloatArray:
+        """The same of each independent sequence."""
+        return np.asarray(self._sequences[:, 2] + 0.5 * self.threshold * self._sequences[:, 3]) * float(self.estimated)
+
     def false_alarm_interval(self, density: float, level: float) -> Interval:
         """Of the rate of exceedances; ``density``: of z at the threshold [per standard deviation]."""
         counts = self.sums[:, 1].astype(np.int64)
+        if self.each:
+            return interval_of_sequences(self._sequences[:, 1], self._sequences[:, 0], density * self._moved_by_sequences(), level)
         return interval(counts, self.sums[:, 0].astype(np.int64), density * self._moved(), level)
 
     def detection_interval(self, scores: Scores, level: float) -> Interval:
         """Of the share of objects above the threshold."""
         hits = scores.detected(self.threshold)
+        if self.each:
+            sequence, number = scores.window // self.each, self._sequences.shape[0]
+            moved_all = self._moved_by_sequences() * scores.density(self.threshold) * hits.size / max(self.pixels, 1)
+            tried = np.bincount(sequence, minlength=number).astype(np.float64)
+            return interval_of_sequences(np.bincount(sequence, hits, number).astype(np.float64), tried, moved_all, level)
         segment = scores.window // self.per_segment
         few = max(self.sums.shape[0] // (SEGMENTS // COARSER), 1)
         place = (segment // few, scores.row // self.tile // COARSER, scores.column // self.tile // COARSER)
@@ -250,6 +276,38 @@ def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level
         return Interval(rate, None, None, spread.inflation, spread.note)
     low, high = score_interval(count, number, spread.inflation, spread.degrees, level)
     return Interval(rate, low, high, spread.inflation, spread.note)
+
+
+def interval_of_sequences(counts: FloatArray, trials: FloatArray, shift: FloatArray | None, level: float) -> Interval:
+    """The same from the scatter between independent sequences, whatever the correlation within each.
+
+        V = s / (s - 1) sum (counts_i - rate trials_i)² / trials²,   s sequences with trials
+
+    Parameters
+    ----------
+    counts, trials : ndarray, shape (sequences,)
+        Occurrences and trials of each [1].
+    shift : ndarray, optional
+        By how many occurrences each moved the total through the threshold [1].
+    level : float
+        Of the interval [1].
+    """
+    used = trials > 0
+    count, number, sequences = round(float(counts.sum())), round(float(trials.sum())), int(used.sum())
+    if number == 0:
+        return Interval(float("nan"), None, None, float("nan"), "no trials")
+    rate = count / number
+    few = min(count, number - count) < FEWEST
+    if few or sequences < 2:
+        which = "occurrences" if count < FEWEST else "misses" if few else "sequences"
+        low, high = score_interval(count, number, 1.0, float("inf"), level)
+        low, high = (low if count else 0.0), (high if count < number else 1.0)
+        return Interval(rate, low, high, 1.0, f"fewer than {FEWEST if few else 2} {which}; taken as independent")
+    residual = counts - rate * trials + (0.0 if shift is None else shift)
+    variance = sequences / (sequences - 1) * float((residual[used] ** 2).sum()) / number**2
+    inflation = max(variance * number / (rate * (1.0 - rate)), 1e-6)
+    low, high = score_interval(count, number, inflation, float(sequences - 1), level)
+    return Interval(rate, low, high, inflation)
 
 
 def mean_interval(values: FloatArray, level: float) -> tuple[float, float, float, float]:

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.detection.background import Background, FrameSource, Report, Threshold
+from seaglint.detection.background import Background, FrameSource, Report, Threshold, Windows
 from seaglint.detection.base import Detector, Frames
 from seaglint.detection.injection import Batch, Placement, Plan, free, inject, most_batches, nothing_free, pitch_for
 from seaglint.detection.pointing import Pointing, border_level, centroid, least_squares
@@ -48,6 +48,8 @@ class Objects:
         Of places.
     duration : int
         Frames for which an object is there, up to the one that is judged; 0 for all that the detector sees [frames].
+    only_rows : (int, int), optional
+        Rows that hold objects, first and end [px].
     """
 
     shape: Shape
@@ -59,6 +61,7 @@ class Objects:
     pointing: Pointing = "least-squares"
     seed: int = 0
     duration: int = 0
+    only_rows: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         wrong = [c for c in self.contrasts if c == 0 or not np.isfinite(c)]
@@ -75,8 +78,19 @@ class Objects:
         travel = int(np.ceil(detector.lead * max(abs(v) for v in self.velocity)))
         pitch = pitch_for(detector, self.shape, self.match_radius, travel)
         margin = self.shape.half + int(self.match_radius) + travel
-        windows = source.frames - detector.lead
-        return Plan(self.injections, windows, source.rows, source.columns, pitch, margin, self.placement, self.seed)
+        place = Windows.of(source, detector.lead)
+        return Plan(
+            self.injections,
+            place.count,
+            source.rows,
+            source.columns,
+            pitch,
+            margin,
+            self.placement,
+            self.seed,
+            self.only_rows,
+            spread=place.sequences > 1,
+        )
 
 
 @dataclass(frozen=True)
@@ -101,7 +115,8 @@ class Trials:
 class _Batches:
     """Statistics and patches of batches of objects."""
 
-    def __init__(self, background: Background, source: FrameSource, objects: Objects, threshold: Threshold) -> None:
+    def __init__(self, background: Background, source: FrameSource, objects: Objects, threshold: Threshold, *, locate: bool) -> None:
+        self.locate = locate
         self.background, self.source, self.objects, self.threshold = background, source, objects, threshold
         self.offsets = match_offsets(objects.match_radius)
         half = objects.shape.half
@@ -111,7 +126,8 @@ class _Batches:
     def run(self, batch: Batch) -> list[tuple[FloatArray, FloatArray, int]]:
         """Score, error of place and number of saturated objects, for each contrast."""
         objects, lead = self.objects, self.background.lead
-        frames = self.source.read(batch.window, batch.window + lead + 1)
+        start = self.background.place.start(batch.window)
+        frames = self.source.read(start, start + lead + 1)
         alone = np.zeros_like(frames)
         there = min(objects.duration, lead + 1) or lead + 1
         inject(alone[lead + 1 - there :], batch, objects.shape, 1.0, objects.velocity)
@@ -144,7 +160,7 @@ class _Batches:
         """Estimated less true places of what is above the threshold, NaN of the rest."""
         error = np.full((batch.size, 2), np.nan)
         found = np.flatnonzero(score > self.threshold.sigma)
-        if not found.size:
+        if not found.size or not self.locate:
             return error
         pixel = np.stack([batch.row, batch.column], axis=1)[found] + self.offsets[where[found]]
         side = 2 * self.objects.shape.half + 1
@@ -170,6 +186,7 @@ def run_trials(
     *,
     report: Report | None = None,
     enough: Callable[[Sequence[int]], str | None] | None = None,
+    locate: bool = True,
 ) -> Trials:
     """Inject objects until as many as wanted have been tried.
 
@@ -188,6 +205,8 @@ def run_trials(
     enough : callable, optional
         Asked after each batch, with the numbers of objects detected at each contrast so far and last those tried, whether to stop; it
         returns the reason, or None to go on.
+    locate : bool
+        Whether the places of what is detected are estimated.
 
     Raises
     ------
@@ -196,7 +215,7 @@ def run_trials(
     """
     detector = background.detector
     plan = objects.plan(detector, source)
-    work = _Batches(background, source, objects, threshold)
+    work = _Batches(background, source, objects, threshold, locate=locate)
     parts: list[list[tuple[Batch, FloatArray, FloatArray]]] = [[] for _ in objects.contrasts]
     saturated, tried, hits = [0] * len(objects.contrasts), 0, [0] * len(objects.contrasts)
     stopped: str | None = None

@@ -79,16 +79,39 @@ class DetectionFiles:
         """
         with moved_when_whole(self.result) as partial:
             partial.write_text(json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+        write_rows(rows, self.table)
         if self.table.suffix == ".parquet":
-            _write_parquet({name: [row[name] for row in rows] for name in rows[0]}, self.table)
             _write_parquet({name: values.tolist() for name, values in characteristic.items()}, self.characteristic)
         else:
-            with moved_when_whole(self.table) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-                writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-                writer.writeheader()
-                writer.writerows({k: "" if v is None else v for k, v in row.items()} for row in rows)
             write_columns({k: np.asarray(v) for k, v in characteristic.items()}, self.characteristic, overwrite=self.overwrite)
         draw(self.picture)
+
+
+def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
+    """Write rows of equal columns as CSV or, by the path's ending, Parquet; what is not known is an empty cell.
+
+    Raises
+    ------
+    StorageError
+        No room or no rights.
+    """
+    if path.suffix == ".parquet":
+        columns = {name: [row[name] for row in rows] for name in rows[0]}
+        # a column of numbers and text, as some cases have it, is text
+        mixed = {
+            name: len({type(v) for v in values if v is not None} - {int, float}) > 1 or _both(values) for name, values in columns.items()
+        }
+        _write_parquet({n: [None if v is None else str(v) for v in c] if mixed[n] else c for n, c in columns.items()}, path)
+        return
+    with moved_when_whole(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({k: "" if v is None else v for k, v in row.items()} for row in rows)
+
+
+def _both(values: Sequence[Any]) -> bool:
+    kinds = {isinstance(v, int | float) and not isinstance(v, bool) for v in values if v is not None}
+    return len(kinds) > 1
 
 
 def _arrow() -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 import numpy as np
@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from seaglint.clutter.filters import Filter, Unfiltered
 from seaglint.clutter.thresholds import gaussian_rate
-from seaglint.detection.background import Background, FalseAlarmCount, FrameSource, Law, Threshold, count_false_alarms
+from seaglint.detection.background import Background, FalseAlarmCount, FrameSource, Law, Threshold, Windows, count_false_alarms
 from seaglint.detection.base import Detector, Frames
 from seaglint.detection.choice import named_for
 from seaglint.detection.isolated import TIME_LIMIT, IsolatedDetector
+from seaglint.detection.level import Raised, level_shift
 from seaglint.detection.roc import Roc, roc
 from seaglint.detection.scoring import Interval, Scores, mean_interval
 from seaglint.detection.spatial import Chain, FilterThreshold
@@ -86,6 +87,7 @@ class Performance:
     background: tuple[float, float]
     border: int
     alarms: FalseAlarmCount
+    judged: Background
     trials: Trials
     detections: tuple[Interval, ...]
     tail: RareTail
@@ -175,7 +177,7 @@ class Performance:
 
     def _false_alarms(self) -> dict[str, Any]:
         o, count = self.options, self.alarms
-        windows = self.size[0] - self.detector.lead
+        windows = self.judged.windows
         events = count.alarms.events(self.threshold.sigma)
         per_frame, per_frame_events = count.cells.exceedances / windows, len(events) / windows
         area = None if o.pixel_deg is None else o.pixel_deg[0] * o.pixel_deg[1] * count.cells.pixels / windows
@@ -262,8 +264,9 @@ def detect(source: FrameSource, options: Options, *, name: str = "frames", progr
     DomainError
         Numbers that are not allowed.
     """
-    detector = _detector(source, options)
-    windows, injections = max(source.frames - detector.lead, 0), options.objects.injections
+    source = as_given(source, options)
+    detector = detector_for(source, options)
+    windows, injections = Windows.of(source, detector.lead).count, options.objects.injections
     in_all = windows + injections
 
     def shown(before: int) -> Progress | None:
@@ -273,7 +276,8 @@ def detect(source: FrameSource, options: Options, *, name: str = "frames", progr
         with single_threaded_algebra():
             options.objects.plan(detector, source) if windows else None
             background = Background(detector, source, shown(0))
-            threshold = background.threshold(options.threshold, options.law)
+            shift = level_shift(detector, source) if options.law == "fixed" else 0.0
+            threshold = replace(background.threshold(options.threshold - shift, options.law), given=options.threshold)
             alarms = count_false_alarms(background, threshold, options.level)
             trials = run_trials(background, source, options.objects, threshold, report=shown(windows), enough=options.enough)
             tail = rare_tail(alarms.alarms.curve(), alarms.alarms.events(LOWEST_THRESHOLD), seed=options.objects.seed)
@@ -284,10 +288,26 @@ def detect(source: FrameSource, options: Options, *, name: str = "frames", progr
     size = (source.frames, source.rows, source.columns)
     notes = tuple(_notes(detector, options, trials, alarms, detections))
     scale = (background.mean, background.sigma)
-    return Performance(name, size, options, detector, threshold, scale, background.border, alarms, trials, detections, tail, notes)
+    return Performance(
+        name, size, options, detector, threshold, scale, background.border, alarms, background, trials, detections, tail, notes
+    )
 
 
-def _detector(source: FrameSource, options: Options) -> Detector:
+def as_given(source: FrameSource, options: Options) -> FrameSource:
+    """The source in the file's own numbers where the detector's statistic depends on their level and no line tells how.
+
+    A recording takes a level off its frames for the sake of precision (:attr:`seaglint.analysis.Recording.offset`). Fixed thresholds
+    of statistics that are not linear, a user's function and the ratio of exponential clutter want it back.
+    """
+    offset = getattr(source, "offset", 0.0)
+    wants = ":" in options.detector or "exponential" in options.detector
+    plain = isinstance(options.filter, Unfiltered)
+    return Raised(source, offset) if offset and plain and wants else source
+
+
+def detector_for(source: FrameSource, options: Options) -> Detector:
+    """The detector of the options, with the covariances of the source where it takes them."""
+
     def background() -> Frames:
         most = max(int(COVARIANCE_VALUES / (source.rows * source.columns)), 1)
         chosen = np.unique(np.linspace(0, source.frames - 1, min(most, source.frames)).astype(int))

@@ -66,6 +66,11 @@ def number(value: Any, digits: int = 3) -> str:
     return f"{value:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e").replace("-", "\u2212")
 
 
+def interval(ends: Sequence[float | None] | None, digits: int = 3) -> str:
+    """Two ends for a table."""
+    return ABSENT if ends is None or None in ends else f"{number(ends[0], digits)} … {number(ends[1], digits)}"
+
+
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[int] = ()) -> str:
     """Cells are text; those of the columns ``words`` are sentences."""
 
@@ -83,7 +88,7 @@ def section(title: str, *parts: str) -> str:
     return "\n".join([f"<h2>{escape(title)}</h2>", *parts])
 
 
-def picture(content: bytes, title: str, caption: str) -> str:
+def figure(content: bytes, title: str, caption: str) -> str:
     """A PNG picture with its caption, inside the page."""
     data = base64.b64encode(content).decode("ascii")
     return f'<figure><img alt="{escape(title)}" src="data:image/png;base64,{data}"><figcaption>{escape(caption)}</figcaption></figure>'

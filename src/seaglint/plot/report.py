@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from html import escape
 from pathlib import Path
 from typing import Any, Final
@@ -11,7 +11,7 @@ from typing import Any, Final
 from seaglint.analysis import Analysis
 from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
-from seaglint.plot.page import ABSENT, number, page, picture, section, table
+from seaglint.plot.page import ABSENT, figure, interval, number, page, section, table
 from seaglint.version import __version__
 
 Progress = Callable[[int, int], None]
@@ -61,8 +61,8 @@ def report(analysis: Analysis, progress: Progress = lambda done, total: None) ->
     """The report as text."""
     results = analysis.as_dict()
     images: dict[str, str] = {}
-    for done, (name, drawn) in enumerate(PICTURES.items(), start=1):
-        images[name] = picture(png(drawn.draw(analysis)), drawn.title, drawn.caption)
+    for done, (name, picture) in enumerate(PICTURES.items(), start=1):
+        images[name] = figure(png(picture.draw(analysis)), picture.title, picture.caption)
         progress(done, len(PICTURES))
     title = f"Clutter and false alarms: {results['source']}"
     body = [
@@ -81,10 +81,6 @@ def report(analysis: Analysis, progress: Progress = lambda done, total: None) ->
         "</pre></details>",
     ]
     return page(title, body)
-
-
-def _interval(ends: Sequence[float | None] | None, digits: int = 3) -> str:
-    return ABSENT if ends is None or None in ends else f"{number(ends[0], digits)} … {number(ends[1], digits)}"
 
 
 def _regions(results: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
@@ -127,7 +123,7 @@ def _summary(results: dict[str, Any]) -> str:
                     number(entry["threshold_sigma"]),
                     number(entry["exceedances"]),
                     number(entry["rate"]),
-                    _interval([entry["rate_low"], entry["rate_high"]]),
+                    interval([entry["rate_low"], entry["rate_high"]]),
                     number(entry["gaussian_rate"]),
                     number(entry["ratio"]),
                     number(entry["inflation"]),
@@ -189,7 +185,7 @@ def _tails(results: dict[str, Any]) -> str:
                 continue
             values = [tail["from_sigma"], tail["events"], tail["shape"]]
             more = [tail["scale_sigma"], tail["goodness_p"], tail["trusted_to_sigma"], tail["trusted_to_rate"]]
-            rows.append([name, entry["filter"], *map(number, values), _interval(tail["shape_interval"]), *map(number, more), ""])
+            rows.append([name, entry["filter"], *map(number, values), interval(tail["shape_interval"]), *map(number, more), ""])
     head = ["region", "filter or detector", "from [σ]", "events", "shape ξ", "95 % interval", "scale β [σ]", "goodness p"]
     head += ["trusted to [σ]", "trusted to rate", "remarks"]
     text = (
@@ -211,8 +207,8 @@ def _fits(analysis: Analysis, results: dict[str, Any]) -> list[str]:
             remark = f["reason"] or (f"{100 * f['excluded']:.2g} % of the values, not above loc, left out" if f["excluded"] else "")
             good = analysis.regions[name].goodness.get(family)
             least = None if good is None else 1.0 / (good.replicates + 1)
-            row = [FAMILY_NAMES.get(family, family), number(f["shape"], 4), _interval(f["shape_interval"]), number(f["scale"], 4)]
-            row += [_interval(f["scale_interval"]), number(f["loc"], 4), number(f["ks"]), _level(f["ks_p"], least), number(f["ad"])]
+            row = [FAMILY_NAMES.get(family, family), number(f["shape"], 4), interval(f["shape_interval"]), number(f["scale"], 4)]
+            row += [interval(f["scale_interval"]), number(f["loc"], 4), number(f["ks"]), _level(f["ks_p"], least), number(f["ad"])]
             row += [_level(f["ad_p"], least), number(f["log_likelihood_per_value"], 5), number(f["effective_count"], 4), remark]
             rows.append(row)
         parts += [f"<h3>{escape(name)}</h3>", table(head, rows, words=(12,))]

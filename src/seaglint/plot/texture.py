@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.plot.clutter import png
-from seaglint.plot.page import number, page, picture, section, table
+from seaglint.plot.page import figure, number, page, section, table
 from seaglint.texture.quality import LIMITS, Comparison
 from seaglint.texture.tails import interior
 
@@ -105,9 +105,9 @@ def comparison_report(
         f"<h1>{escape(title)}</h1>",
         verdict,
         *([section("The fit", "<ul>" + "".join(f"<li>{escape(text)}</li>" for text in about) + "</ul>")] if about else []),
-        section("Side by side", picture(png(draw_pictures(comparison, first, second)), "pictures", "Middle frames, and their Laplacians.")),
+        section("Side by side", figure(png(draw_pictures(comparison, first, second)), "pictures", "Middle frames, and their Laplacians.")),
         section("False alarms of the filtered picture", _rates(found, gaussian)),
-        section("Measures", _measures(found), picture(png(draw_measures(comparison, gaussian)), "measures", "Both textures in numbers.")),
+        section("Measures", _measures(found), figure(png(draw_measures(comparison, gaussian)), "measures", "Both textures in numbers.")),
         section("How it was done", _methods()),
     ]
     return page(title, body)

@@ -1,0 +1,297 @@
+"""``seaglint detect SCENARIO.toml``: rendered scenes, cases of them, designer's figures and ranges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from seaglint.cli.numbers import between, contrasts_of
+from seaglint.cli.progress import ProgressMode
+
+if TYPE_CHECKING:
+    from seaglint.detection.spot import Shape
+    from seaglint.pipeline.detect import Options
+    from seaglint.pipeline.detect_cases import Case
+    from seaglint.pipeline.detect_scene import SceneOptions
+    from seaglint.pipeline.detect_study import Study
+    from seaglint.pipeline.injected import Strength
+
+
+@dataclass(frozen=True)
+class SceneArguments:
+    """What the command line says of scenarios; see the options' own help."""
+
+    objects: str | None = None
+    temperature_difference: str | None = None
+    intensity: str | None = None
+    range_m: float | None = None
+    object_height_m: float | None = None
+    frames: int | None = None
+    vary: tuple[str, ...] = ()
+    cases: Path | None = None
+    report: Path | None = None
+    precision: float | None = None
+    precision_fa: float | None = None
+    time_budget: float | None = None
+    resume: bool = False
+    design: bool = False
+    p_fa: float | None = None
+    alarms_per_hour: float | None = None
+    wanted_p_d: float | None = None
+    range: bool = False
+    object: str | None = None
+    range_limits: str | None = None
+    bearings: str | None = None
+    sensor: str | None = None
+
+    @property
+    def given(self) -> list[str]:
+        """Options that were set, as they are typed."""
+        plain = SceneArguments()
+        return [f"--{name.replace('_', '-')}" for name in self.__dataclass_fields__ if getattr(self, name) != getattr(plain, name)]
+
+
+def run_scenario(
+    path: Path,
+    arguments: SceneArguments,
+    options: Options,
+    contrasts: tuple[float, ...] | None,
+    shape: Shape | None,
+    output: Path | None,
+    *,
+    overwrite: bool,
+    as_json: bool,
+    show: ProgressMode,
+) -> None:
+    """Judge a detector in rendered scenes and write what was asked for."""
+    import warnings
+
+    from seaglint.cli.logs import show_logs
+    from seaglint.cli.messages import files_read, log, print_json
+    from seaglint.cli.progress import patient_progress
+    from seaglint.errors import DataError
+    from seaglint.io.detection_files import DetectionFiles
+    from seaglint.io.detection_parts import parts_folder
+    from seaglint.io.outputs import refuse_existing
+    from seaglint.pipeline.detect_cases import cases_of
+    from seaglint.pipeline.detect_study import run_study
+
+    show_logs(quiet=show is ProgressMode.NONE)
+    cases = cases_of(path, vary=arguments.vary, table=arguments.cases, sensor=arguments.sensor)
+    replace_all = overwrite or arguments.resume
+    inputs = [*files_read(path, cases[0].scenario), *([arguments.cases] if arguments.cases else [])]
+    files = None if output is None else DetectionFiles.at(output, overwrite=replace_all, inputs=inputs)
+    if arguments.resume and files is None:
+        raise DataError("--resume goes on with what is kept beside a result; give it with -o RESULT")
+    if arguments.report is not None:
+        refuse_existing(arguments.report, overwrite=replace_all, inputs=inputs)
+    base = None if files is None else files.result.with_suffix("")
+    if base is not None:
+        for name in ("range",) if arguments.range else ("map", "chips"):
+            refuse_existing(base.with_name(f"{base.name}_{name}.png"), overwrite=replace_all, inputs=inputs)
+    wanted = _wanted(arguments, options, contrasts, shape)
+    with parts_folder(base, resume=arguments.resume, overwrite=overwrite) as (parts, kept):
+        with warnings.catch_warnings(), patient_progress(show, "seas") as progress:
+            warnings.simplefilter("ignore", RuntimeWarning)
+            say = log if show is not ProgressMode.NONE else (lambda text: None)
+            if arguments.range:
+                _ranges(cases, wanted, arguments, parts, files, as_json=as_json, say=say)
+                if kept:
+                    parts.remove()
+                return
+            study = run_study(cases, wanted, parts, budget=arguments.time_budget, progress=progress, say=say if len(cases) > 1 else _silent)
+        result = {"source": str(path), **study.as_dict(), "scenario_file": str(path)}
+        if files is not None:
+            _write(study, result, files)
+            log(f"{', '.join(str(p) for p in files.paths)} written")
+        if arguments.report is not None:
+            from seaglint.io.outputs import moved_when_whole
+            from seaglint.plot.detection_report import study_report
+
+            text = study_report(f"Detection: {path}", study.cases, study.stopped)
+            with moved_when_whole(arguments.report) as partial:
+                partial.write_text(text, encoding="utf-8", newline="\n")
+            log(f"{arguments.report} written")
+        if kept and not study.unfinished:
+            parts.remove()
+    if as_json:
+        print_json(result)
+    else:
+        typer.echo("\n".join(lines(study)))
+    if study.errors:
+        failed = "\n".join(study.errors)
+        where = "; what was computed is written" if files is not None else ""
+        raise DataError(f"{failed}\n{len(study.errors)} of {len(study.cases)} cases failed{where}")
+
+
+def _silent(text: str) -> None:
+    pass
+
+
+def _wanted(arguments: SceneArguments, options: Options, contrasts: tuple[float, ...] | None, shape: Shape | None) -> SceneOptions:
+    from seaglint.pipeline.detect_design import Design
+    from seaglint.pipeline.detect_scene import SceneOptions
+
+    named = arguments.p_fa is not None or arguments.alarms_per_hour is not None or arguments.wanted_p_d is not None
+    design = None
+    if arguments.design or named:
+        design = Design(arguments.wanted_p_d or 0.9, arguments.p_fa, arguments.alarms_per_hour or 1.0)
+    return SceneOptions(
+        options,
+        arguments.objects or "point",
+        _strength(arguments, contrasts),
+        shape,
+        arguments.frames or 32,
+        arguments.precision,
+        arguments.precision_fa,
+        design,
+    )
+
+
+def _strength(arguments: SceneArguments, contrasts: tuple[float, ...] | None) -> Strength | None:
+    from seaglint.errors import DataError
+    from seaglint.pipeline.injected import Strength, Unit
+
+    given: dict[Unit, tuple[str, str | None]] = {
+        "K": ("--temperature-difference", arguments.temperature_difference),
+        "W/sr": ("--intensity", arguments.intensity),
+    }
+    stated = [unit for unit, (_, text) in given.items() if text is not None]
+    if len(stated) + (contrasts is not None) > 1:
+        raise DataError("--contrast, --temperature-difference and --intensity say the same of an object; give one of them")
+    if not stated:
+        return None if contrasts is None else Strength(contrasts)
+    option, text = given[stated[0]]
+    values = contrasts_of(text or "", option)
+    if stated[0] == "W/sr" and (arguments.objects or "point") != "point":
+        raise DataError(f"--intensity is that of a point, and --objects is {arguments.objects}; give --objects point")
+    height = 5.0 if arguments.object_height_m is None else arguments.object_height_m
+    return Strength(values, stated[0], arguments.range_m, height)
+
+
+def _write(study: Study, result: dict[str, Any], files: Any) -> None:
+    """All files of a study; pictures are those of the first case."""
+    import numpy as np
+
+    from seaglint.io.outputs import moved_when_whole
+    from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map
+
+    first = study.good[0]
+
+    def draw(path: Path) -> None:
+        with moved_when_whole(path) as partial:
+            draw_characteristic(first["roc"], first["rows"], first["result"]["contrast_unit"]).savefig(partial, dpi=120, format="png")
+
+    columns = {name: np.asarray(values, float) for name, values in study.characteristic().items()}
+    files.write(result, study.rows(), columns, draw)
+    base = files.result.with_suffix("")
+    pictures = {"map": draw_map(first["map"]), "chips": draw_chips(first["chips"], first["result"]["threshold_sigma"])}
+    for name, figure in pictures.items():
+        if figure is not None:
+            with moved_when_whole(base.with_name(f"{base.name}_{name}.png")) as partial:
+                figure.savefig(partial, dpi=120, format="png")
+
+
+def _ranges(cases: list[Case], wanted: SceneOptions, arguments: SceneArguments, parts: Any, files: Any, *, as_json: bool, say: Any) -> None:
+    from seaglint.cli.messages import log, print_json
+    from seaglint.errors import DataError
+    from seaglint.io.detection_files import write_rows
+    from seaglint.io.outputs import moved_when_whole
+    from seaglint.pipeline.detect_design import Design
+    from seaglint.pipeline.detect_range import RangeOptions, detection_range
+    from seaglint.pipeline.detect_study import with_case
+    from seaglint.plot.detection_study import draw_ranges
+
+    names = [item.name for item in cases[0].scenario.objects or ()]
+    name = arguments.object or (names[0] if len(names) == 1 else None)
+    if name is None:
+        raise DataError(f"--range is that of an object; name one of the scenario's with --object: {', '.join(names) or 'it has none'}")
+    limits = RangeOptions.limits if arguments.range_limits is None else _limits(arguments.range_limits)
+    asked = RangeOptions(name, limits, wanted.design or Design())
+    bearings: list[float | None] = [None] if arguments.bearings is None else list(_bearings(arguments.bearings))
+    found: list[dict[str, Any]] = []
+    for case in cases:
+        for bearing in bearings:
+            one = detection_range(case.scenario, with_case(wanted, case), asked, parts, bearing_deg=bearing, say=say)
+            found.append({"parameters": case.parameters, **one})
+    result = {"ranges": found}
+    if files is not None:
+        import json
+
+        rows = [
+            {
+                **one["parameters"],
+                **{key: one[key] for key in ("object", "bearing_deg", "p_d", "range_m")},
+                "range_low_m": one["range_interval_m"][0],
+                "range_high_m": one["range_interval_m"][1],
+                "note": one["note"],
+            }
+            for one in found
+        ]
+        with moved_when_whole(files.result) as partial:
+            partial.write_text(json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+        write_rows(rows, files.table)
+        with moved_when_whole(files.picture.with_name(files.picture.name.replace("_roc", "_range"))) as partial:
+            draw_ranges(found).savefig(partial, dpi=120, format="png")
+        log(f"{files.result}, {files.table} written")
+    if as_json:
+        print_json(result)
+        return
+    for one in found:
+        named = ", ".join(f"{k} = {v}" for k, v in one["parameters"].items())
+        place = "" if one["bearing_deg"] is None else f"{one['bearing_deg']:g} deg from the Sun: "
+        low, high = one["range_interval_m"]
+        told = (
+            one["note"]
+            if one["range_m"] is None
+            else f"detected with P_d {one['p_d']:g} to {one['range_m']:.0f} m ({low:.0f} to {high:.0f})"
+        )
+        typer.echo(f"{one['object']}{', ' + named if named else ''}: {place}{told}")
+
+
+def _limits(text: str) -> tuple[float, float]:
+    from seaglint.errors import DataError
+
+    try:
+        near, far = (float(part) for part in text.split(":"))
+    except ValueError:
+        raise DataError(f"--range-limits {text}: give NEAR:FAR in metres, e.g. 500:40000") from None
+    return near, far
+
+
+def _bearings(text: str) -> tuple[float, ...]:
+
+    return contrasts_of(text, "--bearings")
+
+
+def lines(study: Study) -> list[str]:
+    """The result as lines of text."""
+    out = []
+    for case in study.good:
+        result = case["result"]
+        named = ", ".join(f"{key} = {value}" for key, value in case["parameters"].items())
+        out.append(
+            f"{named + ': ' if named else ''}{result['frames']} frames of {result['seas']} seas, {result['columns']} x {result['rows']}, "
+            f"detector {result['detector']}, threshold {result['threshold_sigma']:.4g} sigma"
+        )
+        out.append(f"  P_fa {result['p_fa']:.4g} per pixel and frame{between(result['p_fa_interval'])}")
+        for row in result["sweep"]:
+            out.append(
+                f"  contrast {row['contrast']:g} {row['contrast_unit']}: P_d {row['p_d']:.4g}{between(row['p_d_interval'])} "
+                f"of {row['injections']}"
+            )
+        design = result.get("design")
+        if design is not None and design.get("contrast") is not None:
+            loss = "" if design["loss_db"] is None else f", {design['loss_db']:+.1f} dB against white noise"
+            doubt = "" if design["believed"] else "; its threshold is not to be believed"
+            out.append(
+                f"  P_d {design['p_d']:g} at P_fa {design['p_fa']:.2g} ({design['threshold_sigma']:.3g} sigma) needs contrast "
+                f"{design['contrast']:.4g} {design['contrast_unit']}{loss}{doubt}"
+            )
+        elif design is not None:
+            out.append(f"  design: {design['note']}")
+        out += [f"  note: {note}" for note in result["notes"]]
+    return out + ([study.stopped] if study.stopped else [])

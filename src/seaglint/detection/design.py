@@ -1,0 +1,246 @@
+"""What a designer asks of a detector: the contrast for a wanted P_d at a wanted P_fa, and what clutter costs against white noise."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.detection.background import Background, FalseAlarmCount, FrameSource, Law, Threshold
+from seaglint.detection.base import Frames
+from seaglint.detection.scoring import Interval, Scores, interval_of_sequences
+from seaglint.detection.tails import RareTail
+from seaglint.detection.trials import Objects, run_trials
+from seaglint.errors import DataError
+from seaglint.random import stream
+
+COUNTED: Final = 30
+"""False alarms at a threshold from which its rate is counted rather than extrapolated."""
+
+_STEPS = 5
+_ROUNDS = 3
+_DECADES = 5
+
+
+@dataclass(frozen=True)
+class RateThreshold:
+    """Threshold for a rate of false alarms.
+
+    Attributes
+    ----------
+    sigma : float
+        In standard deviations above the mean [1].
+    p_fa, low, high : float
+        Rate per pixel and the ends of its interval [1].
+    how : {"counted", "extrapolated", "gaussian"}
+        From the pixels above it, from the tail's fit, or by the law of white noise.
+    believed : bool
+        Whether the rate is to be believed.
+    """
+
+    sigma: float
+    p_fa: float
+    low: float
+    high: float
+    how: str
+    believed: bool
+
+
+def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateThreshold:
+    """Threshold of a rate per pixel: counted where there are enough, else from the tail's fit.
+
+    Raises
+    ------
+    DataError
+        Neither is possible.
+    """
+    curve = count.alarms.curve()
+    if p_fa * curve.pixels >= COUNTED:
+        found = curve.threshold_for(p_fa)
+        if found is not None and found > 0:
+            place = int(np.searchsorted(curve.threshold, found - 1e-9))
+            number = int(curve.exceedances[place])
+            half = 2.0 * math.sqrt(max(number, 1) * max(count.per_pixel.inflation if np.isfinite(count.per_pixel.inflation) else 1.0, 1.0))
+            rate = number / curve.pixels
+            return RateThreshold(found, rate, max(number - half, 0.0) / curve.pixels, (number + half) / curve.pixels, "counted", True)
+    rare = tail.threshold_for(p_fa)
+    if rare is None:
+        raise DataError(
+            f"a rate of {p_fa:.2g} per pixel has no threshold in {curve.pixels} pixels: {tail.note or 'their tail ends before'}; "
+            "give more frames or a higher rate"
+        )
+    return RateThreshold(rare.threshold_sigma, rare.rate, rare.low, rare.high, "extrapolated", rare.believed)
+
+
+@dataclass(frozen=True)
+class NeededContrast:
+    """Contrast for a wanted P_d.
+
+    Attributes
+    ----------
+    contrast : float
+        What an object centred on a pixel must add to it [u].
+    low, high : float or None
+        Contrasts at which the interval of P_d has the wanted one at its upper and its lower end [u].
+    tried : tuple
+        Contrasts and P_d on the way, rising.
+    """
+
+    contrast: float
+    low: float | None
+    high: float | None
+    tried: tuple[tuple[float, float], ...]
+
+
+def contrast_for(
+    background: Background,
+    source: FrameSource,
+    objects: Objects,
+    threshold: Threshold,
+    p_d: float = 0.9,
+) -> NeededContrast:
+    """Contrast at which so many objects are found, by rounds of contrasts between those that find fewer and more.
+
+    Parameters
+    ----------
+    background, source, threshold
+        Of the same frames without objects.
+    objects : Objects
+        What is injected; the sign of its first contrast is kept.
+    p_d : float
+        Wanted share [1].
+
+    Raises
+    ------
+    DataError
+        Nothing between a hundredth and a million standard deviations of the frames is found so often.
+    """
+    sign = math.copysign(1.0, objects.contrasts[0])
+    first = source.read(0, 1)
+    scale = float(np.nanstd(first.astype(np.float64))) or float(np.nanmax(np.abs(first))) or 1.0
+    grid: NDArray[np.float64] = np.asarray(scale * 10.0 ** (np.arange(_DECADES + 1) - 2.0), np.float64)
+    known: dict[float, Interval] = {}
+    low, high = 0.0, math.inf
+    for number in range(_ROUNDS + 1):
+        for contrast, found in zip(grid, _rates(background, source, objects, threshold, sign * grid), strict=True):
+            known[float(contrast)] = found
+        rising = sorted(known)
+        above = [c for c in rising if known[c].rate >= p_d]
+        if not above:
+            break
+        high = above[0]
+        below = [c for c in rising if c < high]
+        if not below:
+            low = 0.0
+            break
+        low = below[-1]
+        if number < _ROUNDS:
+            grid = np.asarray(np.geomspace(low, high, _STEPS + 2)[1:-1], np.float64)
+    rising = sorted(known)
+    tried = tuple((sign * c, known[c].rate) for c in rising)
+    if not math.isfinite(high) or low == 0.0:
+        raise DataError(
+            f"detector {background.detector.name}: P_d = {p_d:g} is reached by no contrast between {rising[0]:.3g} and {rising[-1]:.3g} "
+            f"(P_d {known[rising[0]].rate:.3g} and {known[rising[-1]].rate:.3g}); lower the threshold, or choose another detector"
+        )
+    exact = _crossing([(c, known[c].rate) for c in rising], p_d)
+    sure, doubtful = ([(c, getattr(known[c], name) or known[c].rate) for c in rising] for name in ("low", "high"))
+    least, most = (None if e is None else sign * e for e in (_crossing(doubtful, p_d), _crossing(sure, p_d)))
+    return NeededContrast(sign * (exact or high), least, most, tried)
+
+
+def _rates(
+    background: Background, source: FrameSource, objects: Objects, threshold: Threshold, contrasts: NDArray[np.float64]
+) -> list[Interval]:
+    found = run_trials(background, source, replace(objects, contrasts=tuple(float(c) for c in contrasts)), threshold, locate=False)
+    return [by_windows(scores, threshold.sigma, 0.95) for scores in found.scores]
+
+
+def by_windows(scores: Scores, threshold_sigma: float, level: float) -> Interval:
+    """Share of objects above a threshold; those that share a window go together."""
+    windows, which = np.unique(scores.window, return_inverse=True)
+    hits = np.bincount(which, scores.detected(threshold_sigma), windows.size).astype(np.float64)
+    return interval_of_sequences(hits, np.bincount(which, minlength=windows.size).astype(np.float64), None, level)
+
+
+def _crossing(points: list[tuple[float, float]], wanted: float) -> float | None:
+    """First contrast at which a curve reaches a rate, straight in the contrast's logarithm; None where it does not."""
+    for (c0, p0), (c1, p1) in pairwise(points):
+        if p0 < wanted <= p1:
+            return float(c0 * (c1 / c0) ** ((wanted - p0) / (p1 - p0)))
+    return None
+
+
+def loss_db(contrast: float, white: float) -> float:
+    """What clutter costs against white noise, 20 log10 of the ratio of contrasts [dB].
+
+    Examples
+    --------
+    >>> round(loss_db(2.0, 1.0), 2)
+    6.02
+    """
+    return 20.0 * math.log10(abs(contrast) / abs(white))
+
+
+@dataclass(frozen=True)
+class WhiteFrames:
+    """White Gaussian noise in the place of a source: as many frames, the same mean and variance.
+
+    Parameters
+    ----------
+    frames, rows, columns : int
+        Size.
+    mean, sigma : float
+        Of every pixel [u].
+    seed : int
+        Of the noise; a frame is a function of it and of its number.
+    sequence_length : int
+        Frames of a sequence; 0 where all are one.
+    """
+
+    frames: int
+    rows: int
+    columns: int
+    mean: float
+    sigma: float
+    seed: int = 0
+    sequence_length: int = 0
+    saturation: float | None = None
+
+    @classmethod
+    def like(cls, source: FrameSource, seed: int) -> WhiteFrames:
+        """Of a source's size, mean and variance, over all its pixels and frames."""
+        number, total, squares = 0, 0.0, 0.0
+        shift: float | None = None
+        for k in range(source.frames):
+            values = source.read(k, k + 1).astype(np.float64)
+            values = values[np.isfinite(values)]
+            shift = float(values.mean()) if shift is None and values.size else shift
+            values -= shift or 0.0
+            number, total, squares = number + values.size, total + float(values.sum()), squares + float((values**2).sum())
+        mean = total / max(number, 1)
+        sigma = math.sqrt(max(squares / max(number, 1) - mean**2, 0.0))
+        length = int(getattr(source, "sequence_length", 0))
+        return cls(source.frames, source.rows, source.columns, mean + (shift or 0.0), sigma, seed, length)
+
+    def read(self, start: int, stop: int) -> Frames:
+        """Frames ``start`` to ``stop`` (not included)."""
+        shape = (self.rows, self.columns)
+        frames = [stream(self.seed, "white frames", k).standard_normal(shape) for k in range(start, stop)]
+        return np.asarray(self.mean + self.sigma * np.stack(frames), np.float32)
+
+
+def gaussian_threshold(p_fa: float) -> RateThreshold:
+    """Threshold of a linear or calibrated statistic on white Gaussian noise."""
+    from scipy.special import ndtri
+
+    return RateThreshold(-float(ndtri(p_fa)), p_fa, p_fa, p_fa, "gaussian", True)
+
+
+def as_threshold(found: RateThreshold, law: Law = "sigma") -> Threshold:
+    """The same as a threshold of trials."""
+    return Threshold(law, found.sigma, found.sigma, False)

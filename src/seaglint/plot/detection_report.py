@@ -1,0 +1,106 @@
+"""Report of a detection study: one HTML file with tables and pictures inside."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from html import escape
+from typing import Any
+
+from seaglint.plot.clutter import png
+from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map, draw_sweep
+from seaglint.plot.page import figure, interval, number, page, section, table
+from seaglint.version import __version__
+
+
+def study_report(title: str, cases: Sequence[dict[str, Any]], stopped: str | None) -> str:
+    """The report as text.
+
+    Parameters
+    ----------
+    title : str
+        What was judged.
+    cases : sequence of dict
+        Of each ``parameters`` and ``result``, ``rows``, ``roc``, ``map``, ``chips``, or ``error``.
+    stopped : str, optional
+        Why some cases are missing.
+    """
+    good = [case for case in cases if "error" not in case]
+    notes = [*([stopped] if stopped else []), *(case["error"] for case in cases if "error" in case)]
+    body = [f"<h1>{escape(title)}</h1>", f'<p class="facts">{len(good)} cases · seaglint {__version__}</p>']
+    if notes:
+        body.append('<ul class="notes">' + "".join(f"<li>{escape(text)}</li>" for text in notes) + "</ul>")
+    body.append(section("Results", _summary(good)))
+    body += [section(f"Against {key}", figure(png(draw_sweep(rows, key)), key, "Bands: intervals of P_d.")) for key, rows in _swept(good)]
+    for case in good:
+        body.append(_case(case))
+    numbers = [{"parameters": case["parameters"], "result": case.get("result"), "error": case.get("error")} for case in cases]
+    told = escape(json.dumps(numbers, indent=1, ensure_ascii=False, allow_nan=False))
+    body.append(f"<details><summary>All numbers as JSON</summary><pre>{told}</pre></details>")
+    return page(title, body)
+
+
+def _named(case: dict[str, Any]) -> str:
+    return ", ".join(f"{key} = {value}" for key, value in case["parameters"].items()) or "the scenario"
+
+
+def _summary(good: Sequence[dict[str, Any]]) -> str:
+    head = ["case", "detector", "contrast", "unit", "P_d", "interval", "P_fa", "interval", "for P_d 0.9", "loss [dB]", "seas", "stopped by"]
+    lines = []
+    for case in good:
+        result = case["result"]
+        design = result.get("design") or {}
+        for row in case["rows"]:
+            lines.append(
+                [
+                    _named(case),
+                    result["detector"],
+                    number(row["contrast"]),
+                    row["contrast_unit"],
+                    number(row["p_d"]),
+                    interval([row["p_d_low"], row["p_d_high"]]),
+                    number(row["p_fa"]),
+                    interval([row["p_fa_low"], row["p_fa_high"]]),
+                    number(design.get("contrast")),
+                    number(design.get("loss_db")),
+                    number(result["seas"]),
+                    result["stopped"],
+                ]
+            )
+    return table(head, lines, words=(0,))
+
+
+def _swept(good: Sequence[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]]]:
+    """Numbers that were varied, with the rows told by what else was."""
+    keys = list(dict.fromkeys(key for case in good for key in case["parameters"]))
+    out = []
+    for key in keys:
+        values = [case["parameters"].get(key) for case in good]
+        if len({str(v) for v in values}) < 2 or not all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
+            continue
+        rows = []
+        for case in good:
+            others = ", ".join(f"{k} = {v}" for k, v in case["parameters"].items() if k != key)
+            for row in case["rows"]:
+                line = f"{row['contrast']:g} {row['contrast_unit']}" + (f", {others}" if others else "")
+                rows.append({**row, key: case["parameters"][key], "_line": line})
+        out.append((key, rows))
+    return out
+
+
+def _case(case: dict[str, Any]) -> str:
+    result = case["result"]
+    pictures = [
+        figure(
+            png(draw_characteristic(case["roc"], case["rows"], result["contrast_unit"])),
+            "operating characteristic",
+            "Bands: intervals of each rate alone, from the scatter between independent seas.",
+        ),
+        figure(png(draw_map(case["map"])), "false alarms over the field", "Share of pixels above the threshold, in tiles."),
+    ]
+    chips = draw_chips(case["chips"], result["threshold_sigma"])
+    if chips is not None:
+        caption = "Missed objects (they are in the middle), the nearest and the farthest from the threshold, and the highest false alarms."
+        pictures.append(figure(png(chips), "misses and false alarms", caption))
+    notes = "".join(f"<li>{escape(text)}</li>" for text in result["notes"])
+    return section(_named(case), *pictures, f"<ul>{notes}</ul>")

@@ -1,0 +1,145 @@
+"""Pictures of detection in rendered scenes: false alarms over the field, chips, sweeps, and ranges about the Sun."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+def _figure(width: float, height: float) -> Figure:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure as Made
+
+    made = Made(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(made)
+    return made
+
+
+def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[dict[str, Any]], unit: str) -> Figure:
+    """Operating characteristics with bands, and P_d against contrast."""
+    figure = _figure(10.0, 4.0)
+    left, right = figure.subplots(1, 2)
+    contrast = np.asarray(roc["contrast"])
+    for value in np.unique(contrast):
+        one = contrast == value
+        p_fa, p_d, low, high = (np.asarray(roc[name])[one] for name in ("p_fa", "p_d", "p_d_low", "p_d_high"))
+        seen = p_fa > 0
+        (line,) = left.plot(p_fa[seen], p_d[seen], linewidth=1.3, label=f"{value:g} {unit}")
+        left.fill_between(p_fa[seen], low[seen], high[seen], color=line.get_color(), alpha=0.2, linewidth=0)
+    left.set(xscale="log", xlabel="P_fa per pixel and frame", ylabel="P_d", ylim=(-0.02, 1.02))
+    left.legend(fontsize=8, frameon=False)
+    ordered = sorted(rows, key=lambda row: row["contrast"])
+    x = [row["contrast"] for row in ordered]
+    right.plot(x, [row["p_d"] for row in ordered], marker="o", markersize=3, color="0.2")
+    ends = [[row["p_d"] if row[name] is None else row[name] for row in ordered] for name in ("p_d_low", "p_d_high")]
+    right.fill_between(x, ends[0], ends[1], color="0.2", alpha=0.2, linewidth=0)
+    right.set(xlabel=f"contrast [{unit}]", ylabel="P_d", ylim=(-0.02, 1.02))
+    if min(x) > 0 and max(x) > 8 * min(x):
+        from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
+
+        right.set_xscale("log")
+        right.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        right.xaxis.set_major_formatter(FormatStrFormatter("%g"))
+        right.xaxis.set_minor_formatter(NullFormatter())
+    right.set_title(f"at {ordered[0]['threshold_sigma']:.3g} sigma, P_fa {ordered[0]['p_fa']:.2g}", fontsize=10)
+    return figure
+
+
+def draw_map(found: dict[str, Any]) -> Figure:
+    """P_fa over azimuth and elevation; tiles without a pixel that is judged are left out."""
+    figure = _figure(7.0, 3.6)
+    axes = figure.subplots()
+    pixels = np.asarray(found["pixels"], float)
+    rate = np.asarray(found["exceedances"], float) / np.where(pixels > 0, pixels, np.nan)
+    grid = "azimuth_deg" in found
+    x, y = (found["azimuth_deg"], found["elevation_deg"]) if grid else (found["column_px"], found["row_px"])
+    drawn = axes.pcolormesh(x, y, np.ma.masked_invalid(rate), cmap="magma", shading="flat")
+    if not grid:
+        axes.invert_yaxis()
+    axes.set(xlabel="azimuth [deg]" if grid else "column [px]", ylabel="elevation [deg]" if grid else "row [px]")
+    bar = figure.colorbar(drawn, ax=axes)
+    bar.set_label("P_fa per pixel and frame")
+    return figure
+
+
+def draw_chips(found: dict[str, Any], threshold_sigma: float) -> Figure | None:
+    """Missed objects above, false alarms below; None where there are neither."""
+    lines = [(name, found[name]) for name in ("missed", "false") if found[name]]
+    if not lines:
+        return None
+    columns = max(len(items) for _, items in lines)
+    figure = _figure(1.6 * columns, 1.95 * len(lines))
+    axes = figure.subplots(len(lines), columns, squeeze=False)
+    for (name, items), row in zip(lines, axes, strict=True):
+        for k, one in enumerate(row):
+            one.set(xticks=[], yticks=[])
+            if k >= len(items):
+                one.set_axis_off()
+                continue
+            pixels = np.array([[np.nan if v is None else v for v in line] for line in items[k]["pixels"]], float)
+            one.imshow(pixels, cmap="gray", interpolation="nearest")
+            middle = pixels.shape[0] // 2
+            one.add_patch(_square(middle, "#4cc9f0" if name == "missed" else "#f94144"))
+            one.set_title(f"{'missed' if name == 'missed' else 'false alarm'}, {items[k]['score']:.3g} σ", fontsize=8)
+    figure.suptitle(f"threshold {threshold_sigma:.3g} σ", fontsize=9)
+    return figure
+
+
+def _square(middle: int, colour: str) -> Any:
+    from matplotlib.patches import Rectangle
+
+    return Rectangle((middle - 3.0, middle - 3.0), 6.0, 6.0, fill=False, edgecolor=colour, linewidth=0.9)
+
+
+def draw_sweep(rows: Sequence[dict[str, Any]], key: str) -> Figure:
+    """P_d and P_fa against a number that was varied; a line for each of what else was varied and each contrast."""
+    figure = _figure(10.0, 4.0)
+    left, right = figure.subplots(1, 2)
+    lines: dict[str, list[dict[str, Any]]] = {}
+    for row in rows:
+        lines.setdefault(row["_line"], []).append(row)
+    for name, some in lines.items():
+        ordered = sorted(some, key=lambda row: row[key])
+        x = [row[key] for row in ordered]
+        (line,) = left.plot(x, [row["p_d"] for row in ordered], marker="o", markersize=3, label=name)
+        low, high = ([row["p_d"] if row[end] is None else row[end] for row in ordered] for end in ("p_d_low", "p_d_high"))
+        left.fill_between(x, low, high, color=line.get_color(), alpha=0.15, linewidth=0)
+        right.plot(x, [row["p_fa"] or np.nan for row in ordered], marker="o", markersize=3, color=line.get_color())
+    left.set(xlabel=key, ylabel="P_d", ylim=(-0.02, 1.02))
+    right.set(xlabel=key, ylabel="P_fa per pixel and frame", yscale="log")
+    if len(lines) <= 12:
+        left.legend(fontsize=7, frameon=False)
+    return figure
+
+
+def draw_ranges(found: Sequence[dict[str, Any]]) -> Figure:
+    """Ranges of detection: about the bearing from the Sun as polar curves where there are several bearings, else P_d against range."""
+    lines: dict[str, list[dict[str, Any]]] = {}
+    for one in found:
+        lines.setdefault(", ".join(f"{k} = {v}" for k, v in one["parameters"].items()), []).append(one)
+    polar = len({one["bearing_deg"] for one in found}) > 1
+    figure = _figure(5.6, 5.2)
+    axes: Any = figure.add_subplot(projection="polar" if polar else None)
+    for name, some in lines.items():
+        if polar:
+            axes.set_theta_zero_location("N")
+            axes.set_theta_direction(-1)
+            ordered = sorted(some, key=lambda one: one["bearing_deg"])
+            theta = np.radians([one["bearing_deg"] for one in ordered])
+            metres = [np.nan if one["range_m"] is None else one["range_m"] / 1e3 for one in ordered]
+            axes.plot(theta, metres, marker="o", markersize=3, label=name or None)
+        else:
+            for one in some:
+                points = one["points"]
+                axes.plot([p["range_m"] / 1e3 for p in points], [p["p_d"] for p in points], marker="o", markersize=3, label=name or None)
+            axes.set(xscale="log", xlabel="range [km]", ylabel="P_d", ylim=(-0.02, 1.02))
+    if polar:
+        axes.set_title("range of detection [km] by bearing from the Sun", fontsize=10)
+    if any(lines):
+        axes.legend(fontsize=8, frameon=False)
+    return figure
