@@ -126,6 +126,7 @@ def test_glint_of_coarse_pixels_is_that_of_fine_ones_averaged(mode):
         np.testing.assert_allclose(parts.mean(axis=(1, 3)) / (9.0 if power == 2 else 1.0), whole, rtol=5e-3)
 
 
+@pytest.mark.validation
 def test_pixels_that_the_horizon_cuts_are_averaged():
     """A low Sun's glint may end in half a pixel: a coarse map is the fine one averaged there too."""
     sensor = {"projection": "pinhole", "elevation_deg": -1, "fov_deg": [4, 3], "roll_deg": 25}

@@ -98,6 +98,7 @@ def test_paths_and_the_sky_above_are_those_of_the_air():
             assert (lit.sky - dark.sky)[i, j] == pytest.approx(sky, rel=1e-9)
 
 
+@pytest.mark.validation
 def test_tabulated_maps_are_the_sums():
     view = _view(sun=84.0, height=300.0)
     elevations, azimuths = np.radians(np.linspace(-1.0, -40.0, 30)), 0.3 + np.radians(np.linspace(-175.0, 175.0, 40))

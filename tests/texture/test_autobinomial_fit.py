@@ -104,6 +104,7 @@ def test_likelihood_of_an_exact_torus() -> None:
     assert np.abs(found.parameters - theta) == pytest.approx(np.zeros(2), abs=0.2 * error.min())
 
 
+@pytest.mark.validation
 def test_a_smooth_picture_freezes_and_exchange_keeps_it(sea: np.ndarray) -> None:
     grey = GreyLevels.of(sea, 16, "equal-share").to_levels(sea)
     found = fit(grey, 16, 2)
@@ -116,6 +117,7 @@ def test_a_smooth_picture_freezes_and_exchange_keeps_it(sea: np.ndarray) -> None
     assert kept.std() == grey.std()
 
 
+@pytest.mark.validation
 def test_fine_grain_of_many_levels_melts() -> None:
     """Pixels spread evenly over 64 levels: a binomial pixel has a deviation of 4 levels, whatever the picture's 18."""
     grain = gaussian_filter(np.random.default_rng(4).standard_normal((80, 80)), 0.5, mode="wrap")
