@@ -85,7 +85,7 @@ class TemporalProfile:
 class TrackBeforeDetect:
     """Sum of a pixel's brightness along the best of all tracks that end in it.
 
-        I_1 = z_1,  I_k(x) = z_k(x) + max over |d| <= v of I_(k-1)(x + d),  T = I_n / sqrt(n)
+        I_1 = z_1,  I_k(x) = z_k(x) + max over steps d of at most v of I_(k-1)(x + d),  T = I_n / sqrt(n)
 
     with z_k the frames. The maximum lifts the mean of noise, which a threshold above the measured mean takes off. No track passes through
     a missing pixel.

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
 
+# Corners (vertices, 3) [m] and triangles (triangles, 3), counterclockwise seen from outside.
 Mesh = tuple[FloatArray, NDArray[np.int32]]
-"""Corners (vertices, 3) [m] and triangles (triangles, 3), counterclockwise seen from outside."""
 
 PARTS: Final = 10
 """Parts of an icosahedron's edges for a sphere: 2000 triangles show its area within 0.05 % in every direction, 0.014 % rms."""

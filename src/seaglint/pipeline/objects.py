@@ -38,8 +38,8 @@ OVERLAP = 1e-6
 """Share of the smaller of two solids that they may have in common: what touches does not overlap."""
 
 Parts = list[Solid | Plume | Point]
+# Temperature [K] and emissivity of what says nothing itself.
 Material = tuple[float | None, float]
-"""Temperature [K] and emissivity of what says nothing itself."""
 
 
 def bodies(scenario: Scenario, waves: WaveField | None = None) -> tuple[Body, ...]:

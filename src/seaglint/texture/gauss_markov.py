@@ -25,8 +25,8 @@ from seaglint.errors import DataError, DomainError
 
 KIND: Final = "gauss-markov"
 
+# Frames, rows, columns from a pixel to a neighbour.
 Offset = tuple[int, int, int]
-"""Frames, rows, columns from a pixel to a neighbour."""
 
 FLAT: Final = 1e-12
 """Least of 1 - 2 sum b cos at which a field still has a variance; below it one wave takes all of it."""

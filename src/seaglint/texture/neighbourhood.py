@@ -6,11 +6,11 @@ from typing import Final
 
 from seaglint.errors import DomainError
 
+# Rows down and columns to the right from a pixel to its neighbour.
 Offset = tuple[int, int]
-"""Rows down and columns to the right from a pixel to its neighbour."""
 
+# Classes of symmetric pairs; each pair is named by the offset that points down, or to the right in its own row.
 Classes = tuple[tuple[Offset, ...], ...]
-"""Classes of symmetric pairs; each pair is named by the offset that points down, or to the right in its own row."""
 
 MOST_ORDER: Final = 40
 """Orders beyond reach over nine pixels: an 8 x 8 block of couplings, more than textures of a few hundred pixels determine."""
