@@ -148,3 +148,16 @@ def test_intervals_cover_the_q_functions() -> None:
         for k, (found, exact) in enumerate(zip(judged(frames, FilterThreshold(), 3.0, 3.0, 2000, seed), (0.5, norm.sf(3.0)), strict=True)):
             hits[k] += found.low <= exact <= found.high
     assert ((hits >= 930) & (hits <= 970)).all(), hits
+
+
+@pytest.mark.parametrize("size", [(4, 64, 64), (8, 48, 48)])
+def test_small_recordings_of_white_noise_have_an_interval_of_p_d(size: tuple[int, int, int]) -> None:
+    inside = 0
+    for repeat in range(10):
+        frames = np.random.default_rng(repeat).standard_normal(size).astype(np.float32)
+        found, _ = judged(frames, FilterThreshold(), 4.0, 4.0, 2000, seed=1)
+        assert found.low is not None
+        assert found.high is not None
+        inside += found.low <= 0.5 <= found.high
+    # 9.5 expected; 5 or fewer happen once in ten thousand
+    assert inside >= 6

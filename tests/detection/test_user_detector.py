@@ -32,6 +32,12 @@ def words(frames):
 def breaks(frames):
     return frames[99]
 
+def breaks_at_length(frames):
+    raise ValueError("first\\n  second")
+
+def turned(frames):
+    return 1j * frames
+
 class Scaled:
     name = "scaled"
     lead = 0
@@ -41,6 +47,12 @@ class Scaled:
 
 class Picky:
     def __init__(self, gain): ...
+
+class Unmade:
+    def __init__(self):
+        raise OSError("no\\nweights")
+    def __call__(self, frames):
+        return frames
 
 number = 3
 """
@@ -75,6 +87,7 @@ def test_function_object_and_class_plug_in(module: str) -> None:
         ("my_detectors_of_test:absent", "has no absent"),
         ("my_detectors_of_test:number", "cannot be called"),
         ("my_detectors_of_test:Picky", "needs arguments"),
+        ("my_detectors_of_test:Unmade", "no instance of the class can be made: OSError: no weights"),
     ],
 )
 def test_path_that_leads_nowhere_is_said(module: str, path: str, says: str) -> None:
@@ -83,7 +96,16 @@ def test_path_that_leads_nowhere_is_said(module: str, path: str, says: str) -> N
     assert "\n" not in str(error.value)
 
 
-@pytest.mark.parametrize(("name", "says"), [("late", "lead, now 0"), ("words", "array of numbers"), ("breaks", "IndexError")])
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("late", "lead, now 0"),
+        ("words", "array of real numbers"),
+        ("turned", "array of real numbers"),
+        ("breaks", "IndexError"),
+        ("breaks_at_length", "ValueError: first second$"),
+    ],
+)
 def test_wrong_results_are_said(module: str, name: str, says: str) -> None:
     with pytest.raises(DataError, match=says):
         load(f"{module}:{name}")(np.zeros((3, 4, 5), np.float32))

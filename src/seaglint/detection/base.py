@@ -180,13 +180,15 @@ class UserDetector:
         try:
             result = self.function(whole)
         except Exception as error:
-            raise DataError(f"detector {self.name} failed on frames of shape {frames.shape}: {type(error).__name__}: {error}") from error
+            raise DataError(f"detector {self.name} failed on frames of shape {frames.shape}: {_told(error)}") from error
         wanted = (frames.shape[0] - self.lead, *frames.shape[1:])
         try:
+            if np.iscomplexobj(result):
+                raise TypeError("no order among complex numbers")
             out = np.asarray(result, np.float32)
         except (TypeError, ValueError) as error:
             raise DataError(
-                f"detector {self.name} returned {type(result).__name__}; an array of numbers of shape {wanted} is needed"
+                f"detector {self.name} returned {type(result).__name__}; an array of real numbers of shape {wanted} is needed"
             ) from error
         if out.shape != wanted:
             raise DataError(
@@ -206,6 +208,11 @@ class UserDetector:
         return np.where(gone, np.float32(np.nan), statistic)
 
 
+def _told(error: Exception) -> str:
+    """Kind and text of a user's error, in one line."""
+    return " ".join(f"{type(error).__name__}: {error}".split())
+
+
 def load(path: str) -> Detector:
     """Detector behind ``package.module:attribute``; modules in the current folder are found as well.
 
@@ -215,7 +222,7 @@ def load(path: str) -> Detector:
     Raises
     ------
     DataError
-        A path without the form, a module that cannot be imported, or an attribute that is missing or cannot be called.
+        A path without the form, a module that cannot be imported, or an attribute that is missing, fails or cannot be called.
     """
     module_name, _, attribute = path.partition(":")
     if not module_name or not attribute:
@@ -225,7 +232,7 @@ def load(path: str) -> Detector:
     try:
         module = importlib.import_module(module_name)
     except Exception as error:
-        raise DataError(f"detector {path!r}: module {module_name} cannot be imported: {type(error).__name__}: {error}") from error
+        raise DataError(f"detector {path!r}: module {module_name} cannot be imported: {_told(error)}") from error
     finally:
         if here in sys.path:
             sys.path.remove(here)
@@ -237,6 +244,8 @@ def load(path: str) -> Detector:
             found = found()
         except TypeError as error:
             raise DataError(f"detector {path!r}: the class needs arguments ({error}); give an instance of it in the module") from error
+        except Exception as error:
+            raise DataError(f"detector {path!r}: no instance of the class can be made: {_told(error)}") from error
     if not callable(found):
         raise DataError(f"detector {path!r} is a {type(found).__name__}, which cannot be called; name a function of frames")
     lead = getattr(found, "lead", 0)

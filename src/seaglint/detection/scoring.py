@@ -207,14 +207,21 @@ class Cells:
             moved_all = self._moved_by_sequences() * scores.density(self.threshold) * hits.size / max(self.pixels, 1)
             tried = np.bincount(sequence, minlength=number).astype(np.float64)
             return interval_of_sequences(np.bincount(sequence, hits, number).astype(np.float64), tried, moved_all, level)
+        found = self._interval_of_cells(scores, hits, COARSER, level)
+        # A small frame has too few cells of that size to tell how far hits go together; its tiles may do.
+        return found if found.ends is not None else self._interval_of_cells(scores, hits, 1, level)
+
+    def _interval_of_cells(self, scores: Scores, hits: NDArray[np.bool_], coarser: int, level: float) -> Interval:
+        """The same from cells of that many tiles along an axis."""
         segment = scores.window // self.per_segment
         few = max(self.sums.shape[0] // (SEGMENTS // COARSER), 1)
-        place = (segment // few, scores.row // self.tile // COARSER, scores.column // self.tile // COARSER)
-        shape = tuple(-(-n // d) for n, d in zip(self._moved().shape, (few, COARSER, COARSER), strict=True))
+        place = (segment // few, scores.row // self.tile // coarser, scores.column // self.tile // coarser)
+        sizes, steps = self._moved().shape, (few, coarser, coarser)
+        shape = tuple(-(-n // d) for n, d in zip(sizes, steps, strict=True))
         objects, counts, moved = np.zeros(shape, np.int64), np.zeros(shape, np.int64), np.zeros(shape)
         np.add.at(objects, place, 1)
         np.add.at(counts, place, hits)
-        a, b, c = (np.arange(n) // d for n, d in zip(self._moved().shape, (few, COARSER, COARSER), strict=True))
+        a, b, c = (np.arange(n) // d for n, d in zip(sizes, steps, strict=True))
         np.add.at(moved, (a[:, None, None], b[:, None], c), self._moved())
         shift = moved * scores.density(self.threshold) * hits.size / max(self.pixels, 1)
         return interval(counts, objects, shift, level)

@@ -23,6 +23,9 @@ from seaglint.errors import DataError, DomainError
 
 FloatArray = NDArray[np.float64]
 
+LARGEST_CONTRAST: Final = 1e30
+"""Largest contrast that single precision takes, with room for the sums of detectors [u]."""
+
 
 @dataclass(frozen=True)
 class Objects:
@@ -68,6 +71,9 @@ class Objects:
         if wrong or not self.contrasts:
             given = f"contrast = {wrong[0]:g}" if wrong else "no contrast given"
             raise DomainError(f"{given}: an object must add something to its pixel; give a finite number other than 0")
+        beyond = max(map(abs, self.contrasts))
+        if beyond > LARGEST_CONTRAST:
+            raise DomainError(f"contrast = {beyond:g} is beyond what frames hold; give a number within {LARGEST_CONTRAST:g}")
         if not all(np.isfinite(self.velocity)) or max(abs(v) for v in self.velocity) > 50.0:
             raise DomainError(f"velocity = {self.velocity} px a frame; give two numbers within 50")
         if self.duration < 0:
