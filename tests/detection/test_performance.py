@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.stats import gamma, norm
+from scipy.stats import binom, gamma, norm
 
 from seaglint.analysis import Recording
 from seaglint.detection.background import Background, count_false_alarms
 from seaglint.detection.base import Detector
 from seaglint.detection.choice import named_for
-from seaglint.detection.scoring import interval, match_offsets
+from seaglint.detection.scoring import exact_interval, interval, match_offsets
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.tails import tail_of
@@ -102,8 +102,9 @@ def test_frames_that_cannot_be_judged() -> None:
 def test_intervals_of_few_occurrences_say_so() -> None:
     counts, trials = np.array([[[3]]]), np.array([[[100]]])
     found = interval(counts, trials, None, 0.95)
-    # Wilson's interval of 3 of 100 (Newcombe 1998, Stat. Med. 17, 857, his formula by hand): 0.0103 to 0.0845.
-    assert (found.low, found.high) == pytest.approx((0.01025, 0.08452), abs=1e-4)
+    # The ends at which 3 or more, and 3 or fewer, of 100 have a chance of 2.5 %.
+    assert binom.sf(2, 100, found.low) == pytest.approx(0.025, rel=1e-6)
+    assert binom.cdf(3, 100, found.high) == pytest.approx(0.025, rel=1e-6)
     assert "independent" in found.note
     assert interval(np.array([[[0]]]), trials, None, 0.95).low == 0.0
     assert match_offsets(1.5).shape == (9, 2)
@@ -161,3 +162,13 @@ def test_small_recordings_of_white_noise_have_an_interval_of_p_d(size: tuple[int
         inside += found.low <= 0.5 <= found.high
     # 9.5 expected; 5 or fewer happen once in ten thousand
     assert inside >= 6
+
+
+@pytest.mark.parametrize("expected", [0.13, 0.5, 2.0, 8.0])
+def test_exact_intervals_hold_rare_chances(expected):
+    """Summed over all counts that may occur, not drawn."""
+    number = 16384
+    counts = np.arange(40)
+    chance = expected / number
+    inside = [low <= chance <= high for low, high in (exact_interval(int(count), number, 0.95) for count in counts)]
+    assert binom.pmf(counts, number, chance)[inside].sum() >= 0.95
