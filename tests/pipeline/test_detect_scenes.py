@@ -18,7 +18,7 @@ from seaglint.detection.background import Background, Windows, count_false_alarm
 from seaglint.detection.choice import named_for
 from seaglint.detection.design import WhiteFrames, as_threshold, contrast_for, gaussian_threshold, loss_db
 from seaglint.detection.fine_spot import FineSpot
-from seaglint.detection.level import Raised, level_shift
+from seaglint.detection.level import Rescaled, level_shift
 from seaglint.detection.scoring import interval_of_sequences
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
@@ -300,9 +300,12 @@ def test_the_level_of_a_recording_is_in_a_fixed_threshold() -> None:
     assert level_shift(FilterThreshold(), source) == pytest.approx(1000.0)
     # the matched filter's weights keep no level, an average does
     assert level_shift(named_for("log", GaussianSpot(0.8), lambda: frames), source) == pytest.approx(0.0, abs=0.5)
-    raised = Raised(source, 1000.0)
+    raised = Rescaled(source, level=1000.0)
     assert raised.saturation == 1008.0
     assert raised.read(0, 1).mean() == pytest.approx(1000.0, abs=0.2)
+    turned = Rescaled(source, -1.0)
+    assert turned.saturation is None
+    np.testing.assert_array_equal(turned.read(0, 2), -frames)
 
 
 def test_a_rate_of_few_pixels_is_told_and_not_believed() -> None:

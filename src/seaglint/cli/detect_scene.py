@@ -108,12 +108,11 @@ def run_scenario(
             _write(study, result, files)
             log(f"{', '.join(str(p) for p in files.paths)} written")
         if arguments.report is not None:
-            from seaglint.io.outputs import moved_when_whole
+            from seaglint.io.text_file import write_text
             from seaglint.plot.detection_report import study_report
 
             text = study_report(f"Detection: {path}", study.cases, study.stopped)
-            with moved_when_whole(arguments.report) as partial:
-                partial.write_text(text, encoding="utf-8", newline="\n")
+            write_text(text, arguments.report)
             log(f"{arguments.report} written")
         if kept and not study.unfinished:
             parts.remove()
@@ -198,8 +197,9 @@ def _write(study: Study, result: dict[str, Any], files: Any) -> None:
 def _ranges(cases: list[Case], wanted: SceneOptions, arguments: SceneArguments, parts: Any, files: Any, *, as_json: bool, say: Any) -> None:
     from seaglint.cli.messages import log, print_json
     from seaglint.errors import DataError
-    from seaglint.io.detection_files import write_rows
     from seaglint.io.outputs import moved_when_whole
+    from seaglint.io.rows import write_rows
+    from seaglint.io.text_file import write_json
     from seaglint.pipeline.detect_design import Design
     from seaglint.pipeline.detect_range import RangeOptions, detection_range
     from seaglint.pipeline.detect_study import with_case
@@ -219,8 +219,6 @@ def _ranges(cases: list[Case], wanted: SceneOptions, arguments: SceneArguments, 
             found.append({"parameters": case.parameters, **one})
     result = {"ranges": found}
     if files is not None:
-        import json
-
         rows = [
             {
                 **one["parameters"],
@@ -231,8 +229,7 @@ def _ranges(cases: list[Case], wanted: SceneOptions, arguments: SceneArguments, 
             }
             for one in found
         ]
-        with moved_when_whole(files.result) as partial:
-            partial.write_text(json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+        write_json(result, files.result)
         write_rows(rows, files.table)
         with moved_when_whole(files.picture.with_name(files.picture.name.replace("_roc", "_range"))) as partial:
             draw_ranges(found).savefig(partial, dpi=120, format="png")

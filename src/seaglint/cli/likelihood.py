@@ -99,14 +99,15 @@ def _make(folder: Path) -> None:
 
 
 def _write(result: Any, found: dict[str, Any], files: list[Path], overwrite: bool) -> None:
-    from seaglint.io.likelihood import write_json, write_rows
+    from seaglint.io.likelihood import write_table
+    from seaglint.io.text_file import write_json
 
     for path in files:
         match path.suffix:
             case ".json":
-                write_json(found, path, overwrite=overwrite)
+                write_json(found, path)
             case ".csv":
-                write_rows(found["strata" if path.name == "strata.csv" else "results"], path, overwrite=overwrite)
+                write_table(found["strata" if path.name == "strata.csv" else "results"], path)
             case _:
                 from seaglint.plot.likelihood import write_charts
 
@@ -144,8 +145,9 @@ def _mapped(
 def _along(path: Path, loaded: Scenario, track: Path, output: Path | None, as_json: bool, overwrite: bool, inputs: list[Path]) -> None:
     """Chances along a ship's way."""
     from seaglint.errors import DataError
-    from seaglint.io.likelihood import write_json, write_rows
+    from seaglint.io.likelihood import write_table
     from seaglint.io.outputs import refuse_existing
+    from seaglint.io.text_file import write_json
     from seaglint.pipeline.likelihood_track import along_track
 
     if output is not None and output.suffix not in (".csv", ".json"):
@@ -156,9 +158,9 @@ def _along(path: Path, loaded: Scenario, track: Path, output: Path | None, as_js
         found = along_track(loaded, track)
     if output is not None:
         if output.suffix == ".json":
-            write_json(found, output, overwrite=overwrite)
+            write_json(found, output)
         else:
-            write_rows(found["way"], output, overwrite=overwrite)
+            write_table(found["way"], output)
         log(f"{output} written")
     if as_json:
         print_json(found)

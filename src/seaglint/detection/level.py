@@ -11,11 +11,15 @@ from seaglint.detection.base import Detector, Frames
 
 
 @dataclass(frozen=True)
-class Raised:
-    """A source with the level back that was taken off it."""
+class Rescaled:
+    """A source whose values are multiplied by a factor and raised by a level.
+
+    With a factor of -1 dark objects are bright, which is what detectors look for.
+    """
 
     source: FrameSource
-    by: float
+    factor: float = 1.0
+    level: float = 0.0
 
     @property
     def frames(self) -> int:
@@ -33,13 +37,19 @@ class Raised:
         return self.source.columns
 
     @property
+    def sequence_length(self) -> int:
+        """Frames of each independent sequence; 0 where all belong together."""
+        return int(getattr(self.source, "sequence_length", 0))
+
+    @property
     def saturation(self) -> float | None:
-        """Value beyond which no pixel goes [u]."""
-        return None if self.source.saturation is None else self.source.saturation + self.by
+        """Value beyond which no pixel goes [u]; None of turned signs, whose largest value was the least."""
+        highest = self.source.saturation
+        return None if highest is None or self.factor < 0.0 else self.factor * highest + self.level
 
     def read(self, start: int, stop: int) -> Frames:
         """Frames ``start`` to ``stop`` (not included) [u]."""
-        return np.asarray(self.source.read(start, stop).astype(np.float64) + self.by, np.float32)
+        return np.asarray(self.source.read(start, stop).astype(np.float64) * self.factor + self.level, np.float32)
 
 
 def level_shift(detector: Detector, source: FrameSource) -> float:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from seaglint.errors import DataError
 from seaglint.io.failures import storage_errors
 from seaglint.io.outputs import moved_when_whole
+from seaglint.io.text_file import write_json
 
 _MARK = "seaglint-detection-parts"
 
@@ -75,8 +76,7 @@ class Parts:
 
     def keep_case(self, key: str, value: dict[str, Any]) -> None:
         """Write a finished case."""
-        with moved_when_whole(self.folder / f"case-{key}.json") as partial:
-            partial.write_text(json.dumps(value), encoding="utf-8")
+        write_json(value, self.folder / f"case-{key}.json", indent=None)
 
     @property
     def empty(self) -> bool:

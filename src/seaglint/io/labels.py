@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from seaglint.errors import DataError
 from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.io.store import open_sequence
+from seaglint.io.text_file import write_json
 from seaglint.io.truth import BITS, GROUP
 from seaglint.render.bodies.truth import NUMBERS
 
@@ -92,15 +92,14 @@ def write_labels(labels: Labels, output: str | Path, *, overwrite: bool = False)
     """
     output = require_labels_name(output)
     refuse_existing(output, overwrite=overwrite, inputs=[labels.path])
-    with moved_when_whole(output) as partial:
-        if output.suffix.lower() == ".csv":
-            with partial.open("w", newline="", encoding="utf-8") as file:
-                writer = csv.writer(file, lineterminator="\n")
-                writer.writerow(("frame", "object", *NUMBERS))
-                for label in labels:
-                    writer.writerow((label.frame, label.name, *(_cell(label.values[name]) for name in NUMBERS)))
-        else:
-            partial.write_text(json.dumps(_coco(labels), allow_nan=False) + "\n", encoding="utf-8")
+    if output.suffix.lower() != ".csv":
+        write_json(_coco(labels), output, indent=None)
+        return output
+    with moved_when_whole(output) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("frame", "object", *NUMBERS))
+        for label in labels:
+            writer.writerow((label.frame, label.name, *(_cell(label.values[name]) for name in NUMBERS)))
     return output
 
 

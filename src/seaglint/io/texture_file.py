@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.errors import DataError, DomainError
-from seaglint.io.outputs import moved_when_whole, refuse_existing
+from seaglint.io.outputs import refuse_existing
+from seaglint.io.text_file import write_json
 from seaglint.texture.autobinomial import KIND as AUTOBINOMIAL
 from seaglint.texture.autobinomial_texture import AutobinomialTexture
 from seaglint.texture.gaussian_texture import KIND as GAUSS_MARKOV
@@ -80,9 +81,7 @@ def write_texture(stored: StoredTexture, path: str | Path, *, overwrite: bool = 
         No room or no rights.
     """
     output = refuse_existing(check_name(path), overwrite=overwrite)
-    with moved_when_whole(output) as partial:
-        text = json.dumps(stored.to_dict(), indent=1, ensure_ascii=False, allow_nan=False)
-        partial.write_text(text + "\n", encoding="utf-8", newline="\n")
+    write_json(stored.to_dict(), output, indent=1)
     return output
 
 

@@ -15,7 +15,7 @@ from seaglint.detection.background import Background, FalseAlarmCount, FrameSour
 from seaglint.detection.base import Detector, Frames
 from seaglint.detection.choice import named_for
 from seaglint.detection.isolated import TIME_LIMIT, IsolatedDetector
-from seaglint.detection.level import Raised, level_shift
+from seaglint.detection.level import Rescaled, level_shift
 from seaglint.detection.roc import Roc, roc
 from seaglint.detection.scoring import Interval, Scores, mean_interval
 from seaglint.detection.spatial import Chain, FilterThreshold
@@ -302,7 +302,7 @@ def as_given(source: FrameSource, options: Options) -> FrameSource:
     offset = getattr(source, "offset", 0.0)
     wants = ":" in options.detector or "exponential" in options.detector
     plain = isinstance(options.filter, Unfiltered)
-    return Raised(source, offset) if offset and plain and wants else source
+    return Rescaled(source, level=offset) if offset and plain and wants else source
 
 
 def detector_for(source: FrameSource, options: Options) -> Detector:

@@ -11,13 +11,14 @@ from typing import Any, Final
 
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.detection.design import by_windows
+from seaglint.detection.level import Rescaled
 from seaglint.errors import DataError, DomainError
 from seaglint.io.detection_parts import Parts
 from seaglint.pipeline.detect import detect
 from seaglint.pipeline.detect_design import Design, rate_threshold
 from seaglint.pipeline.detect_scene import SceneOptions, lead_of
 from seaglint.pipeline.injected import seen_object
-from seaglint.pipeline.scene_frames import Mirrored, SceneFrames, Seas, frames_key
+from seaglint.pipeline.scene_frames import SceneFrames, Seas, frames_key
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import sun_position
 
@@ -129,7 +130,7 @@ def p_d_at(
         row = round(seen.row)
         objects = replace(wanted.options.objects, shape=seen.shape, contrasts=(abs(seen.contrast),), only_rows=(row - ROWS, row + ROWS + 1))
         options = replace(wanted.options, objects=objects, frame_rate=scene.sensor.frame_rate_hz, pixel_deg=seas.pixel_deg)
-        found = detect(Mirrored(source) if seen.contrast < 0 else source, options, name=asked.name)
+        found = detect(Rescaled(source, -1.0) if seen.contrast < 0 else source, options, name=asked.name)
         at = rate_threshold(found, asked.design)
         rate = by_windows(found.trials.scores[0], at.sigma, options.level)
         out |= {

@@ -14,6 +14,7 @@ from seaglint.detection.background import FrameSource
 from seaglint.detection.base import Detector
 from seaglint.detection.choice import named_for
 from seaglint.detection.isolated import IsolatedDetector
+from seaglint.detection.level import Rescaled
 from seaglint.detection.spot import GaussianSpot, Shape
 from seaglint.errors import DomainError, SeaglintError
 from seaglint.io.detection_parts import Parts
@@ -21,7 +22,7 @@ from seaglint.pipeline.detect import Options, Performance, detect
 from seaglint.pipeline.detect_chips import chips, false_alarm_map
 from seaglint.pipeline.detect_design import Design, design
 from seaglint.pipeline.injected import Strength, point_shape, seen_object
-from seaglint.pipeline.scene_frames import Mirrored, SceneFrames, Seas, frames_key
+from seaglint.pipeline.scene_frames import SceneFrames, Seas, frames_key
 from seaglint.scenario.model import Scenario
 
 FIRST_SEAS: Final = 8
@@ -143,12 +144,14 @@ def run_scene(
     shape, share, own = injected(scenario, wanted, seas)
     length = lead_of(wanted.options, shape) + 1
     source = SceneFrames(seas, parts.frames(frames_key(scenario, length)), length)
+    if progress is not None:
+        progress(source.count, wanted.seas)
     source.grow(1)
     first = source.read(0, 1)[0].astype(np.float64)
     strength = wanted.strength or Strength((own,) if own is not None else tuple(float(f"{v * first.std():.3g}") for v in SWEEP))
     aperture = strength.at_aperture(seas, float(first.mean()))
     sign = -1.0 if max(aperture) < 0.0 else 1.0
-    judged = Mirrored(source) if sign < 0.0 else source
+    judged = Rescaled(source, -1.0) if sign < 0.0 else source
     objects = replace(wanted.options.objects, shape=shape, contrasts=tuple(sign * share * c for c in aperture))
     options = replace(wanted.options, objects=objects, frame_rate=scenario.sensor.frame_rate_hz, pixel_deg=seas.pixel_deg, enough=None)
     target = wanted.seas if wanted.precision is None and wanted.precision_fa is None else min(FIRST_SEAS, wanted.seas)

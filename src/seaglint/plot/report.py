@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.analysis import Analysis
-from seaglint.io.outputs import moved_when_whole, refuse_existing
+from seaglint.io.outputs import refuse_existing
+from seaglint.io.text_file import write_text
 from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
 from seaglint.plot.page import ABSENT, figure, interval, number, page, section, table
 from seaglint.version import __version__
@@ -52,8 +53,7 @@ def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = Fals
     """
     output = refuse_existing(path, overwrite=overwrite)
     text = report(analysis, progress)
-    with moved_when_whole(output) as partial:
-        partial.write_text(text, encoding="utf-8", newline="\n")
+    write_text(text, output)
     return output
 
 

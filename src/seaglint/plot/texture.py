@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.io.outputs import moved_when_whole, refuse_existing
+from seaglint.io.outputs import refuse_existing
+from seaglint.io.text_file import write_text
 from seaglint.plot.clutter import png
 from seaglint.plot.page import figure, number, page, section, table
 from seaglint.texture.quality import LIMITS, Comparison
@@ -195,6 +196,5 @@ def write_comparison(
     """
     output = refuse_existing(path, overwrite=overwrite)
     text = comparison_report(comparison, first, second, gaussian, about)
-    with moved_when_whole(output) as partial:
-        partial.write_text(text, encoding="utf-8", newline="\n")
+    write_text(text, output)
     return output
