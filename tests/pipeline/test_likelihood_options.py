@@ -144,6 +144,11 @@ def test_figure_5_has_its_cases_thresholds_and_azimuths():
     at = {(c, t): (columns["case"] == c) & (columns["threshold_w_m2_sr"] == t) for c in range(3) for t in THRESHOLDS}
     for here in at.values():
         assert np.all(np.diff(columns["probability_within"][here]) >= 0.0)
+        averaged = columns["probability_averaged"][here]
+        assert averaged[0] == columns["probability"][here][0]
+        # looks anywhere meet glint within some 10 deg of the Sun: a share of the half circle
+        assert averaged[-1] == pytest.approx(np.trapezoid(columns["probability"][here], AZIMUTHS) / 180.0)
+        assert averaged[-1] < 0.2 * averaged[0]
         assert columns["probability"][here][0] > 5.0 * columns["probability"][here][-4]  # 30 deg from the Sun
     for threshold in THRESHOLDS:
         single, way, field = (columns["probability"][at[c, threshold]] for c in range(3))

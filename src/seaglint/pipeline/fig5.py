@@ -82,8 +82,10 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
 
     Notes
     -----
-    (a) is the chance at one azimuth, the same to both sides of the Sun for winds from anywhere. (b) is the chance that any azimuth up to
-    theta_T from the Sun's, of those in :data:`AZIMUTHS` to both sides, exceeds: the same draws look at all azimuths.
+    (a) is the chance at one azimuth, the same to both sides of the Sun for winds from anywhere. The caption's (b), "for any azimuth less
+    than theta_T", can be read in two ways, and both are computed: that some azimuth up to theta_T from the Sun's, of those in
+    :data:`AZIMUTHS` to both sides, exceeds (``probability_within``; the same draws look at all azimuths), and that a look in a direction
+    drawn evenly among them does (``probability_averaged``, the mean of (a) up to theta_T).
     """
     tell = report or (lambda done, total: None)
     rows: list[tuple[float, ...]] = []
@@ -114,4 +116,17 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
         "probability_within", "within_low", "within_high",
     )  # fmt: skip
     table = np.array(rows)
-    return Fig5({name: table[:, i] for i, name in enumerate(names)}, brightest, printed)
+    columns = {name: table[:, i] for i, name in enumerate(names)}
+    return Fig5({**columns, "probability_averaged": _averaged(columns)}, brightest, printed)
+
+
+def _averaged(columns: dict[str, FloatArray]) -> FloatArray:
+    """Mean of (a) over azimuths from the Sun's to each, by trapezia [1]."""
+    out = np.empty(columns["probability"].size)
+    for number in range(len(CASES)):
+        for threshold in THRESHOLDS:
+            at = (columns["case"] == number) & (columns["threshold_w_m2_sr"] == threshold)
+            chance, azimuth = columns["probability"][at], columns["azimuth_deg"][at]
+            sums = np.cumsum(0.5 * (chance[1:] + chance[:-1]) * np.diff(azimuth))
+            out[at] = np.concatenate([chance[:1], sums / azimuth[1:]])
+    return out

@@ -129,9 +129,13 @@ def write_fig5(columns: dict[str, FloatArray], output: Path) -> None:
             axes = grid[row][panel]
             for number, (case, style) in enumerate(styles.items()):
                 at = (columns["threshold_w_m2_sr"] == threshold) & (columns["case"] == number)
-                axes.plot(columns["azimuth_deg"][at], columns[what][at], style, label=case)
+                (line,) = axes.plot(columns["azimuth_deg"][at], columns[what][at], style, label=case)
+                if panel == 1:
+                    averaged = columns["probability_averaged"][at]
+                    axes.plot(columns["azimuth_deg"][at], averaged, style, color=line.get_color(), marker=".", lw=0.8)
             axes.set(ylim=(0.0, None), title=f"({'ab'[panel]}) above {threshold:g} W m⁻² sr⁻¹")
-            axes.set_xlabel("azimuth from the Sun [deg]" if panel == 0 else "any azimuth within this of the Sun's [deg]")
+            within = "within this of the Sun [deg]: any (lines), one look (points)"
+            axes.set_xlabel("azimuth from the Sun [deg]" if panel == 0 else within)
             axes.set_ylabel("probability [1]")
     grid[0][0].legend()
     _save(figure, output)

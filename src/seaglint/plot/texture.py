@@ -42,10 +42,12 @@ def draw_pictures(comparison: Comparison, first: Frames, second: Frames) -> Figu
     low, high = np.quantile(np.concatenate([image.ravel() for image in images]), [0.002, 0.998])
     for column, (image, one) in enumerate(zip(images, (comparison.first, comparison.second), strict=True)):
         shown = axes[0, column].imshow(image, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
-        figure.colorbar(shown, ax=axes[0, column], shrink=0.8)
+        figure.colorbar(shown, ax=axes[0, column], shrink=0.8, label="value")
         axes[0, column].set_title(one.name, fontsize=10)
         shown = axes[1, column].imshow(interior(image[None])[0], cmap="gray", vmin=-4.0, vmax=4.0, interpolation="nearest")
         figure.colorbar(shown, ax=axes[1, column], shrink=0.8, label="Laplacian [σ]")
+        for panel in axes[:, column]:
+            panel.set(xlabel="column [px]", ylabel="row [px]")
     return figure
 
 
