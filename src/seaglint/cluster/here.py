@@ -1,0 +1,29 @@
+"""Work in this process, one unit after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
+from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, attempt
+
+
+class Here:
+    """The process that asks."""
+
+    count = 1
+
+    @contextmanager
+    def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
+        """Outcomes of all units in their order; see :class:`seaglint.cluster.base.Workers`."""
+        work = job.start(job.settings)
+
+        def outcomes() -> Iterator[Done[Unit, Record] | Failed[Unit]]:
+            for unit in units:
+                for tried in range(1, ATTEMPTS + 1):
+                    outcome = attempt(work, unit, "here", tried)
+                    if isinstance(outcome, Done):
+                        break
+                yield outcome
+
+        yield outcomes()

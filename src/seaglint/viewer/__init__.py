@@ -1,0 +1,1 @@
+"""Look at scenes and sequences in a browser; needs the extra ``viewer``."""
