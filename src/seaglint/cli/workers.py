@@ -20,6 +20,14 @@ DaskSlurmOption = Annotated[
 ]
 
 
+def done_here(workers: int | None, dask: str | None, dask_slurm: Path | None, what: str) -> None:
+    """Say that nobody shares a piece of work that cannot be parted."""
+    from seaglint.cli.messages import log
+
+    if workers is not None or dask is not None or dask_slurm is not None:
+        log(f"{what} in one piece, by this process alone")
+
+
 @contextmanager
 def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, threads: int | None = None) -> Iterator[Workers | None]:
     """Whoever was asked for; None where the work is this process's own. ``threads`` is for each local process.
