@@ -57,6 +57,8 @@ class DaskWorkers:
         Time that the scheduler or all workers may be away [s].
     """
 
+    task = staticmethod(do)
+
     def __init__(self, connect: Callable[[], Any], say: Say = lambda line: None, patience: float = PATIENCE) -> None:
         self._connect, self._say, self.patience = connect, say, patience
         self._client = connect()
@@ -165,10 +167,11 @@ class DaskWorkers:
                 self._looked = -LOOK
                 return
 
-    def submit(self, *arguments: Any) -> Any:
-        """A future of :func:`seaglint.cluster.remote.do`."""
+    def submit(self, units: list[bytes], content: bytes) -> list[Any]:
+        """Futures of :func:`seaglint.cluster.remote.do`, sent together: one by one they cost the scheduler several times as much."""
+        keys = [f"seaglint-{uuid.uuid4().hex}" for _ in units]
         try:
-            return self._client.submit(do, *arguments, pure=False, retries=0, key=f"seaglint-{uuid.uuid4().hex}")
+            return list(self._client.map(self.task, units, content=content, pure=False, retries=0, key=keys))
         except Exception as error:
             raise _SchedulerGoneError(one_line(error)) from error
 
@@ -231,16 +234,18 @@ class _Mapping:
 
     def _fill(self) -> bool:
         """Have enough on the way; False when nothing is left to do."""
-        wanted = AHEAD * self.workers.count
-        while len(self.flight) < wanted:
+        tasks: list[_Task] = []
+        for _ in range(AHEAD * self.workers.count - len(self.flight)):
             task = self.again.popleft() if self.again else next((_Task(unit) for unit in self.source), None)
             if task is None:
                 break
-            try:
-                future = self.workers.submit(self.content, pickle.dumps(task.unit))
-            except _SchedulerGoneError:
-                self.again.appendleft(task)
-                raise
+            tasks.append(task)
+        try:
+            futures = self.workers.submit([pickle.dumps(task.unit) for task in tasks], self.content) if tasks else []
+        except _SchedulerGoneError:
+            self.again.extendleft(reversed(tasks))
+            raise
+        for future, task in zip(futures, tasks, strict=True):
             self.flight[future.key] = (future, task)
             future.add_done_callback(self.ended.put)
         return bool(self.flight)

@@ -36,8 +36,8 @@ def describe() -> tuple[Any, ...] | None:
 describe.__module__ = "__main__"  # of no module that can be imported: it travels as a whole, to workers without the package too
 
 
-def do(content: bytes, unit: bytes) -> bytes:
-    """Do a unit of a job; what comes back is a pickled outcome, or the exception with which the job's start refused.
+def do(unit: bytes, content: bytes) -> bytes:
+    """Do a pickled unit of a packed job; what comes back is a pickled outcome, or the exception with which the job's start refused.
 
     Errors of a unit are values: what Dask itself reports of a task is a lost worker or one without the package.
     """
