@@ -196,6 +196,9 @@ def detect(
         judged = Options(
             template, detector, filter_of(filter_name, kernel, signature), threshold, threshold_law, level, None, None, time_limit
         )
+        if find_range:
+            done_here(workers, dask, dask_slurm, "ranges are found")
+            workers, dask, dask_slurm = None, None, None
         if output is None and (dask is not None or dask_slurm is not None):
             raise DataError("workers on other machines keep frames beside the result; give -o RESULT in a folder that they see too")
         with chosen(workers, dask, dask_slurm) as team:
