@@ -9,6 +9,8 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Final, Generic, Protocol, TypeVar
 
+from seaglint.errors import BackendError
+
 Settings = TypeVar("Settings")
 Unit = TypeVar("Unit")
 Record = TypeVar("Record")
@@ -80,6 +82,30 @@ def attempt(work: Callable[[Unit], Record], unit: Unit, worker: str, attempts: i
     try:
         record = work(unit)
     except Exception as error:
-        first = (str(error).splitlines() or [""])[0]
-        return Failed(unit, f"{type(error).__name__}: {first}" if first else type(error).__name__, traceback.format_exc(), attempts)
+        return Failed(unit, one_line(error), traceback.format_exc(), attempts)
     return Done(unit, record, time.perf_counter() - began, worker)
+
+
+def one_line(error: BaseException) -> str:
+    r"""An error as a line: its kind and the first line of its text.
+
+    >>> one_line(ValueError("no waves\nat all")), one_line(KeyboardInterrupt())
+    ('ValueError: no waves', 'KeyboardInterrupt')
+    """
+    first = (str(error).splitlines() or [""])[0]
+    return f"{type(error).__name__}: {first}" if first else type(error).__name__
+
+
+def record_of(outcome: Done[Unit, Record] | Failed[Unit]) -> Record:
+    """The record of a unit, where a result needs all of them.
+
+    Raises
+    ------
+    BackendError
+        The unit failed; the traceback is a note of the error.
+    """
+    if isinstance(outcome, Done):
+        return outcome.record
+    error = BackendError(f"{outcome.error}; a unit of the work ({outcome.unit}) was tried {outcome.attempts} times on the workers")
+    error.add_note(outcome.traceback)
+    raise error
