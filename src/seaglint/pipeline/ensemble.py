@@ -17,7 +17,7 @@ from seaglint.io.failures import storage_errors
 from seaglint.io.stopping import stop_on_signal
 from seaglint.io.store import Interrupted, Progress
 from seaglint.io.text_file import write_text
-from seaglint.pipeline.ensemble_draw import Numbers, Objects, Rows, count_key, quantity_of, sea_seed
+from seaglint.pipeline.ensemble_draw import Numbers, Objects, Rows, SingleLaw, count_key, quantity_of, sea_seed
 from seaglint.pipeline.ensemble_folder import Folder
 from seaglint.pipeline.ensemble_place import Picture
 from seaglint.pipeline.kept import Kept
@@ -92,25 +92,22 @@ def draw(ensemble: Ensemble) -> list[Scene]:
 def scenes(ensemble: Ensemble) -> Iterator[Scene]:
     """Scenes one after the other; see :func:`draw`."""
     settings = ensemble.ensemble
-    sampled = [*("weather" if isinstance(law, Weather) else law.key or "" for law in ensemble.vary)]
+    sampled = ["weather" if isinstance(law, Weather) else law.key or "" for law in ensemble.vary]
     sampled += [count_key(template) for template in ensemble.objects if not isinstance(template.count, int)]
     numbers = Numbers(ensemble, tuple(sampled))
     rows = {i: Rows.of(law, f"{ensemble.name}: vary[{i}]") for i, law in enumerate(ensemble.vary) if isinstance(law, Weather)}
-    quantities = {law.key: quantity_of(law.key) for law in ensemble.vary if not isinstance(law, Weather) and law.key}
     objects, width = Objects(ensemble, numbers), max(4, len(str(settings.scenes - 1)))
     for number in range(settings.scenes):
-        parameters: dict[str, Any] = {}
+        where, parameters = f"{ensemble.name}, scene {number}", dict[str, Any]()
         for i, law in enumerate(ensemble.vary):
             if isinstance(law, Weather):
                 parameters |= rows[i].at(numbers.of("weather", number), numbers.of("weather direction", number))
             else:
-                key = law.key or ""
-                parameters[key] = value_of(law, numbers.of(key, number), quantities[key], f"{ensemble.name}: vary[{i}] ({key})")
+                parameters[law.key or ""] = _value(ensemble, i, law, numbers, number)
         tables = copy.deepcopy(ensemble.base)
         tables["seed"] = sea_seed(settings.seed, number)
         if settings.frames is not None:
             tables.setdefault("sensor", {})["frames"] = settings.frames
-        where = f"{ensemble.name}, scene {number}"
         for key, value in parameters.items():
             set_key(tables, key, list(value) if isinstance(value, tuple) else value, where)
         made: list[dict[str, Any]] = []
@@ -126,6 +123,20 @@ def scenes(ensemble: Ensemble) -> Iterator[Scene]:
                 tables["objects"] = [*tables.get("objects", []), *made]
         scenario = _checked(ensemble, tables, parameters, where)
         yield Scene(number, f"{number:0{width}d}", scenario, with_absolute_paths(tables, scenario), parameters, tuple(made))
+
+
+def _value(ensemble: Ensemble, place: int, law: SingleLaw, numbers: Numbers, scene: int) -> Any:
+    """What a law of ``[[vary]]`` makes of a scene."""
+    key = law.key or ""
+    quantity = quantity_of(key)
+    try:
+        return value_of(law, numbers.of(key, scene), quantity, f"{ensemble.name}: vary[{place}] ({key})")
+    except ScenarioError:
+        if quantity is None:  # text with a unit for a key that there is not: the key is what is wrong
+            tables = copy.deepcopy(ensemble.base)
+            set_key(tables, key, "", ensemble.name)
+            _checked(ensemble, tables, {}, f"{ensemble.name}: vary[{place}]")
+        raise
 
 
 def _checked(ensemble: Ensemble, tables: Mapping[str, Any], parameters: Mapping[str, Any], where: str) -> Scenario:
