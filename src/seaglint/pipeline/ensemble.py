@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -18,6 +17,7 @@ from seaglint.io.stopping import stop_on_signal
 from seaglint.io.store import Interrupted, Progress
 from seaglint.io.text_file import write_text
 from seaglint.pipeline.ensemble_draw import Numbers, Objects, Rows, SingleLaw, count_key, quantity_of, sea_seed
+from seaglint.pipeline.ensemble_draw import Scene as Scene
 from seaglint.pipeline.ensemble_folder import Folder
 from seaglint.pipeline.ensemble_place import Picture
 from seaglint.pipeline.kept import Kept
@@ -27,55 +27,9 @@ from seaglint.scenario.laws import Weather, value_of
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.setting import set_key
-from seaglint.scenario.toml_text import document
 
 _MOST_NAMED: Final = 3
 """Scenes that failed, of which more are only counted."""
-
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """One scene of an ensemble.
-
-    Attributes
-    ----------
-    number : int
-        Counted from 0.
-    label : str
-        The number with leading zeros, as its files are called.
-    scenario : Scenario
-        What is rendered.
-    tables : dict
-        The scenario as a file has it, paths absolute.
-    parameters : dict
-        What was drawn, by key: numbers in the key's unit.
-    objects : tuple of dict
-        Tables of the objects drawn for it.
-    """
-
-    number: int
-    label: str
-    scenario: Scenario
-    tables: dict[str, Any]
-    parameters: dict[str, Any]
-    objects: tuple[dict[str, Any], ...]
-
-    @property
-    def seed(self) -> int:
-        """Of its sea."""
-        return self.scenario.seed
-
-    @property
-    def text(self) -> str:
-        """Its scenario file."""
-        return document(self.tables, f"scene {self.number} of an ensemble; 'seaglint render' renders it alone to the same bytes")
-
-    @property
-    def row(self) -> dict[str, Any]:
-        """Its row of the table of parameters; lists and tables as JSON."""
-        drawn = {key: value for key, value in self.parameters.items() if key != "seed"}
-        found = {"scene": self.number, "seed": self.seed, **drawn}
-        return {key: json.dumps(value) if isinstance(value, list | tuple | Mapping) else value for key, value in found.items()}
 
 
 def draw(ensemble: Ensemble) -> list[Scene]:

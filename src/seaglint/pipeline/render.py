@@ -160,6 +160,16 @@ class Sequence:
         objects = None if self.objects is None else self.objects.over(scene.waves)
         return replace(self, scene=scene, layout=layout, sun=sun, objects=objects)
 
+    @single_threaded_algebra()
+    def with_sea_of(self, scenario: Scenario) -> Sequence:
+        """The same sea state, air, Sun and sensor with the seed and the objects of another scenario, which differs in nothing else."""
+        found = replace(self, objects=None).reseeded(scenario.seed)
+        objects = SceneObjects.of(bodies_of(scenario), found.scene.waves, shadows=scenario.render.object_shadows)
+        told = found.layout.attributes
+        attributes = {**told, **provenance(told["title"], scenario.model_dump_json(exclude_none=True), scenario.seed)}
+        layout = replace(found.layout, truth=None if objects is None else objects.layout(), attributes=attributes)
+        return replace(found, objects=objects, layout=layout)
+
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
         """What is stored of a frame, by variable.
 
