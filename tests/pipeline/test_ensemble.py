@@ -17,7 +17,7 @@ from seaglint.errors import DataError, ScenarioError
 from seaglint.io.store import Interrupted
 from seaglint.objects.body import Placement
 from seaglint.pipeline import ensemble as module
-from seaglint.pipeline.ensemble import Scene, draw, render_ensemble
+from seaglint.pipeline.ensemble import Scene, draw, render_ensemble, render_scene
 from seaglint.pipeline.ensemble_folder import ensemble_text
 from seaglint.pipeline.ensemble_place import Picture
 from seaglint.pipeline.kept import Kept
@@ -272,13 +272,13 @@ def test_what_stands_there_is_not_lost(rendered: Path, tmp_path: Path) -> None:
 
 
 def test_scenes_that_fail_are_named_while_the_rest_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def fails_once(scenario: Any, output: Path, **options: Any) -> None:
+    def fails_once(scenario: Any, output: Path, *options: Any) -> None:
         if output.name == "0001.zarr":
             raise RuntimeError("no luck")
         output.mkdir()
 
     with monkeypatch.context() as patched:
-        patched.setattr(module, "render", fails_once)
+        patched.setattr(module, "render_scene", fails_once)
         with pytest.raises(DataError, match=r"1 of 3 scenes failed, the others are there; scene 0001: RuntimeError: no luck; trace"):
             render_ensemble(ensemble(WIND), tmp_path / "run")
     assert (tmp_path / "run" / "scenes" / "0002.zarr").is_dir()
@@ -288,12 +288,12 @@ def test_scenes_that_fail_are_named_while_the_rest_goes_on(tmp_path: Path, monke
 
 
 def test_a_request_to_stop_leaves_what_is_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def stopped(scenario: Any, output: Path, **options: Any) -> None:
+    def stopped(scenario: Any, output: Path, *options: Any) -> None:
         if output.name == "0001.zarr":
             raise Interrupted("between two frames")
         output.mkdir()
 
-    monkeypatch.setattr(module, "render", stopped)
+    monkeypatch.setattr(module, "render_scene", stopped)
     with pytest.raises(Interrupted, match=r"stopped after 1 of 3 scenes, kept in .*run; go on with the same command and --resume"):
         render_ensemble(ensemble(WIND), tmp_path / "run")
 
@@ -304,7 +304,7 @@ def test_scenes_that_share_have_the_same_bytes(tmp_path: Path) -> None:
     scenes = draw(parse_ensemble({"base": base, "ensemble": {"scenes": 2}, "objects": [POINTS | {"count": 2}]}))
     kept = Kept()
     for scene in scenes:
-        render(scene.scenario, tmp_path / f"{scene.label}.zarr", threads=1, kept=kept)
+        render_scene(scene.scenario, tmp_path / f"{scene.label}.zarr", 1, kept)
     render(scenes[1].scenario, tmp_path / "alone.zarr", threads=1)
     assert pixels(tmp_path / "alone.zarr") == pixels(tmp_path / "0001.zarr") != pixels(tmp_path / "0000.zarr")
     one, other = (zarr.open_group(tmp_path / name, mode="r").attrs.asdict() for name in ("alone.zarr", "0001.zarr"))

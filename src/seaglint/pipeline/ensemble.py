@@ -14,19 +14,21 @@ from seaglint.errors import DataError, ScenarioError
 from seaglint.io.claim import exclusive
 from seaglint.io.failures import storage_errors
 from seaglint.io.stopping import stop_on_signal
-from seaglint.io.store import Interrupted, Progress
+from seaglint.io.store import Interrupted, Progress, check_output, write_sequence
 from seaglint.io.text_file import write_text
 from seaglint.pipeline.ensemble_draw import Numbers, Objects, Rows, SingleLaw, count_key, quantity_of, sea_seed
 from seaglint.pipeline.ensemble_draw import Scene as Scene
 from seaglint.pipeline.ensemble_folder import Folder
 from seaglint.pipeline.ensemble_place import Picture
 from seaglint.pipeline.kept import Kept
-from seaglint.pipeline.sensed import render
+from seaglint.pipeline.render import prepare_sequence
+from seaglint.pipeline.sensed import prepare_sensed
 from seaglint.scenario.ensemble import Ensemble, with_absolute_paths
 from seaglint.scenario.laws import Weather, value_of
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.setting import set_key
+from seaglint.threads import thread_limit
 
 _MOST_NAMED: Final = 3
 """Scenes that failed, of which more are only counted."""
@@ -181,12 +183,20 @@ def scene_renderer(settings: Rendering) -> Callable[[str], int]:
     def work(label: str) -> int:
         scenario = load_scenario(folder.scenario(label))
         try:
-            render(scenario, folder.store(label), threads=settings.threads, resume=True, kept=kept)
+            render_scene(scenario, folder.store(label), settings.threads, kept)
         except Interrupted:
             raise KeyboardInterrupt from None  # no failure of the scene
         return scenario.sensor.frames
 
     return work
+
+
+def render_scene(scenario: Scenario, output: Path, threads: int | None, kept: Kept) -> None:
+    """Render a scene, or the rest of it: what 'seaglint render' writes of its scenario, with what it shares with the one before."""
+    check_output(output, resume=True)
+    with thread_limit(threads):
+        run = prepare_sensed(scenario, kept=kept) if scenario.sensor.senses else prepare_sequence(scenario, kept=kept)
+        write_sequence(output, run.layout, run.images, resume=True)
 
 
 def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, threads: int | None, progress: Progress | None) -> None:

@@ -46,7 +46,6 @@ def render(
     resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
-    kept: Kept | None = None,
 ) -> Path:
     """Render frames of a scenario into a Zarr store.
 
@@ -64,8 +63,6 @@ def render(
         Go on with an unfinished store, or replace what is there.
     progress : callable, optional
         Called with (frames done, frames in all).
-    kept : Kept, optional
-        What scenes rendered one after the other share.
 
     Returns
     -------
@@ -79,7 +76,7 @@ def render(
     """
     check_output(output, resume=resume, overwrite=overwrite)
     with thread_limit(threads):
-        run = prepare_sequence(scenario, frames, kept=kept)
+        run = prepare_sequence(scenario, frames)
         return write_sequence(output, run.layout, run.images, resume=resume, overwrite=overwrite, progress=progress)
 
 
