@@ -19,6 +19,7 @@ from seaglint.io.provenance import provenance
 from seaglint.io.store import Progress, check_output, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
+from seaglint.pipeline.kept import Kept
 from seaglint.pipeline.memory import require_memory
 from seaglint.pipeline.scene_objects import Drawn, SceneObjects, bodies_of
 from seaglint.radiance.view import SeaView
@@ -156,6 +157,16 @@ class Sequence:
         objects = None if self.objects is None else self.objects.over(scene.waves)
         return replace(self, scene=scene, layout=layout, sun=sun, objects=objects)
 
+    @single_threaded_algebra()
+    def with_sea_of(self, scenario: Scenario) -> Sequence:
+        """The same sea state, air, Sun and sensor with the seed and the objects of another scenario, which differs in nothing else."""
+        found = replace(self, objects=None).reseeded(scenario.seed)
+        objects = SceneObjects.of(bodies_of(scenario), found.scene.waves, shadows=scenario.render.object_shadows)
+        told = found.layout.attributes
+        attributes = {**told, **provenance(told["title"], scenario.model_dump_json(exclude_none=True), scenario.seed)}
+        layout = replace(found.layout, truth=None if objects is None else objects.layout(), attributes=attributes)
+        return replace(found, objects=objects, layout=layout)
+
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
         """What is stored of a frame, by variable.
 
@@ -194,12 +205,13 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
         )
 
 
-@single_threaded_algebra()
-def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False) -> Sequence:
+def prepare_sequence(
+    scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False, kept: Kept | None = None
+) -> Sequence:
     """Everything that is made before the first frame; also the way to single frames in Python.
 
     ``scanned`` prepares for columns that have poses of their own (:func:`seaglint.pipeline.prepare.gliding_camera`); ``fits`` says that
-    the memory was seen to be enough.
+    the memory was seen to be enough; ``kept`` is what scenes prepared one after the other share.
 
     Examples
     --------
@@ -210,6 +222,13 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned
     """
     if not fits:
         require_memory(scenario)
+    if kept is None:
+        return _prepared(scenario, frames, scanned)
+    return kept.sequence(scenario, f"{frames} {scanned}", lambda: _prepared(scenario, frames, scanned))
+
+
+@single_threaded_algebra()
+def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequence:
     prepare.require_drawable(scenario, prepare.slopes(scenario))
     sensor = scenario.sensor
     numbers = frames if frames is not None else range(sensor.frames)
