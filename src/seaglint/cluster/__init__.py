@@ -6,5 +6,6 @@ results to files themselves; what comes back is a small record.
 
 from seaglint.cluster.base import Done, Failed, Job, Workers
 from seaglint.cluster.here import Here
+from seaglint.cluster.local import LocalProcesses
 
-__all__ = ["Done", "Failed", "Here", "Job", "Workers"]
+__all__ = ["Done", "Failed", "Here", "Job", "LocalProcesses", "Workers"]

@@ -80,6 +80,15 @@ def attempt(work: Callable[[Unit], Record], unit: Unit, worker: str, attempts: i
     try:
         record = work(unit)
     except Exception as error:
-        first = (str(error).splitlines() or [""])[0]
-        return Failed(unit, f"{type(error).__name__}: {first}" if first else type(error).__name__, traceback.format_exc(), attempts)
+        return Failed(unit, one_line(error), traceback.format_exc(), attempts)
     return Done(unit, record, time.perf_counter() - began, worker)
+
+
+def one_line(error: BaseException) -> str:
+    r"""An error as a line: its kind and the first line of its text.
+
+    >>> one_line(ValueError("no waves\nat all")), one_line(KeyboardInterrupt())
+    ('ValueError: no waves', 'KeyboardInterrupt')
+    """
+    first = (str(error).splitlines() or [""])[0]
+    return f"{type(error).__name__}: {first}" if first else type(error).__name__

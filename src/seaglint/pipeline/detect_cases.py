@@ -6,16 +6,17 @@ import copy
 import itertools
 import json
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
-from seaglint.errors import DataError, ScenarioError
+from seaglint.errors import DataError
 from seaglint.io.cases import read_cases
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sensor_presets import with_sensor
+from seaglint.scenario.setting import set_key
 
 MOST_CASES: Final = 1000
 """Cases of one study at most."""
@@ -139,7 +140,7 @@ def cases_of(path: Path, *, vary: Sequence[str] = (), table: Path | None = None,
         name = f"{path}{where}" + (f" with {named}" if named else "")
         for key, value in parameters.items():
             if key not in STUDY_KEYS:
-                _set(changed, key, value, name)
+                set_key(changed, key, value, name)
         out.append(Case(parameters, parse_scenario(changed, name=name, base=path.parent), study))
     return out
 
@@ -152,25 +153,6 @@ def _rows(table: Path) -> list[tuple[dict[str, Any], str]]:
         row = {name: plain_value(cells[i][k]) for i, name in enumerate(cases.header) if cells[i][k]}
         out.append((row, f" (row {k + 1} of {table})"))
     return out
-
-
-def _set(raw: dict[str, Any], key: str, value: Any, name: str) -> None:
-    """Set a dotted key; ``objects.NAME.key`` is that of the object of the name."""
-    *way, last = key.split(".")
-    at: Any = raw
-    for k, step in enumerate(way):
-        if isinstance(at, list):
-            found = [item for item in at if isinstance(item, Mapping) and item.get("name") == step]
-            if not found:
-                raise ScenarioError(f"{name}: {key}: there is no object '{step}'; give a name of the scenario's [[objects]]")
-            at = found[0]
-        else:
-            at = at.setdefault(step, {})
-        if not isinstance(at, dict | list):
-            raise ScenarioError(f"{name}: {'.'.join(way[: k + 1])} is no table; the key {key} is not one of a scenario")
-    if isinstance(at, list):
-        raise ScenarioError(f"{name}: {key}: objects are named; give objects.NAME.key")
-    at[last] = value
 
 
 def flattened(scenario: Scenario) -> dict[str, Any]:

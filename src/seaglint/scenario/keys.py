@@ -24,11 +24,15 @@ class Key:
     """Records that the key may hold, when it is a table (several for a union)."""
 
     @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """Units and ranges of the key's numbers; empty where it has none."""
+        return tuple(_find(self.info.annotation, Quantity)) or tuple(item for item in self.info.metadata if isinstance(item, Quantity))
+
+    @property
     def allowed(self) -> str:
         """Range or choices as text; empty where any value goes."""
-        quantities = list(_find(self.info.annotation, Quantity)) or [item for item in self.info.metadata if isinstance(item, Quantity)]
-        if quantities:
-            return " x ".join(dict.fromkeys(quantity.allowed for quantity in quantities))
+        if self.quantities:
+            return " x ".join(dict.fromkeys(quantity.allowed for quantity in self.quantities))
         choices = " | ".join(f'"{choice}"' if isinstance(choice, str) else f"{choice}" for choice in _choices(self.info.annotation))
         if choices:
             return f"list of {choices}" if is_list(self.info.annotation) else choices

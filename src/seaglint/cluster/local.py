@@ -1,0 +1,323 @@
+"""Processes on this machine: each is handed one unit at a time, and one that dies is replaced.
+
+Our own and not the standard library's pool, of which one killed process breaks the whole. Processes are started fresh, not forked, since
+the kernels' threads do not survive a fork; each has its share of the processor's threads.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import pickle
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections import deque
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from multiprocessing.connection import Connection, wait
+from typing import Any, Final
+
+from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit
+from seaglint.errors import BackendError, DomainError, SeaglintError
+
+MOST: Final = 1024
+"""Processes that may be asked for."""
+
+GRACE: Final = 2.0
+"""Time that units at work have to end when the rest is cancelled, before their processes are killed [s]."""
+
+_ONE_THREAD: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+
+
+class _LostError(Exception):
+    """A process that is gone."""
+
+
+@dataclass(eq=False)
+class _Task:
+    """A unit on its way."""
+
+    unit: Any
+    tried_by: list[int] = field(default_factory=list)
+    """Process numbers of its attempts."""
+
+
+class _Worker:
+    """One process and the pipe to it."""
+
+    def __init__(self, threads: int) -> None:
+        ours, theirs = socket.socketpair()
+        with theirs:
+            number = theirs.fileno()
+            path = os.pathsep.join(os.path.abspath(p) for p in sys.path)
+            environment = os.environ | {"PYTHONPATH": path, "NUMBA_NUM_THREADS": str(threads)} | dict.fromkeys(_ONE_THREAD, "1")
+            # A session of its own: Ctrl-C reaches the parent alone. What a unit prints must not mix with a result on stdout.
+            self.process = subprocess.Popen(
+                [sys.executable, "-P", "-m", "seaglint.cluster.process", str(number)],
+                pass_fds=[number],
+                stdin=subprocess.DEVNULL,
+                stdout=2,
+                env=environment,
+                start_new_session=True,
+            )
+        self.pipe = Connection(ours.detach())
+        self.job: str = ""
+        """Digest of the job that it was told of."""
+        self.ready = False
+        self.task: _Task | None = None
+
+    @property
+    def number(self) -> int:
+        """Its process number."""
+        return self.process.pid
+
+    def tell(self, *message: Any) -> None:
+        """Send a message; a process that is gone is found out when its answer is read."""
+        with suppress(OSError):
+            self.pipe.send(message)
+
+    def answer(self) -> tuple[Any, ...]:
+        """Its next message.
+
+        Raises
+        ------
+        _LostError
+            It died.
+        """
+        try:
+            message: tuple[Any, ...] = self.pipe.recv()
+        except (EOFError, OSError, pickle.UnpicklingError):
+            raise _LostError from None
+        return message
+
+    def end(self) -> str:
+        """Kill it if it lives, and say how it ended."""
+        self.pipe.close()
+        self.process.kill()
+        code = self.process.wait()
+        if code >= 0:
+            return f"ended with code {code}"
+        try:
+            return f"was killed by {signal.Signals(-code).name}"
+        except ValueError:
+            return f"was killed by signal {-code}"
+
+
+class LocalProcesses:
+    """Processes on this machine; they stay for the next job until the context is left.
+
+    Parameters
+    ----------
+    count : int
+        How many.
+    threads : int, optional
+        Threads of the kernels in each; the machine's, or those that ``NUMBA_NUM_THREADS`` allows, shared out evenly. Results do not
+        depend on it.
+
+    Raises
+    ------
+    DomainError
+        A count below 1 or above :data:`MOST`.
+    """
+
+    def __init__(self, count: int, *, threads: int | None = None) -> None:
+        if not 1 <= count <= MOST:
+            raise DomainError(f"{count} worker processes; give 1 to {MOST}", name="workers", value=count, allowed=(1, MOST))
+        self.threads = threads_each(count) if threads is None else threads
+        self._count = count
+        self._workers: list[_Worker] = []
+        self._mapping = False
+
+    @property
+    def count(self) -> int:
+        """How many units are worked on at the same time."""
+        return self._count
+
+    def __enter__(self) -> LocalProcesses:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End all processes."""
+        for worker in self._workers:
+            worker.end()
+        self._workers.clear()
+
+    @contextmanager
+    def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
+        """Outcomes of all units as they finish; see :class:`seaglint.cluster.base.Workers`.
+
+        Units are taken from their iterable when a process is free for them: where it ends early, those that were taken are finished.
+        Leaving the context lets units at work end within :data:`GRACE` seconds.
+
+        Raises
+        ------
+        BackendError
+            Processes die again and again before they have begun.
+        Exception
+            What the job's start raised, in whatever process.
+        """
+        if self._mapping:
+            raise RuntimeError("these workers are at another job; leave its context first")
+        self._mapping = True
+        try:
+            yield _Mapping(self._workers, self._count, self.threads, job, units).outcomes()
+        finally:
+            try:
+                self._settle()
+            finally:
+                for worker in [w for w in self._workers if w.task is not None]:
+                    worker.end()
+                    self._workers.remove(worker)
+                self._mapping = False
+
+    def _settle(self) -> None:
+        """Wait a little for units at work."""
+        until = time.monotonic() + GRACE
+        while busy := [worker for worker in self._workers if worker.task is not None]:
+            found = wait([worker.pipe for worker in busy], max(until - time.monotonic(), 0.0))
+            if not found:
+                return
+            for worker in busy:
+                if worker.pipe in found:
+                    with suppress(_LostError):  # it is missed when the next job begins
+                        worker.answer()
+                    worker.task = None
+
+
+class _Mapping:
+    """One job over the processes: ``workers`` is the owner's list, which is kept up to date."""
+
+    def __init__(self, workers: list[_Worker], count: int, threads: int, job: Job[Any, Any, Any], units: Iterable[Any]) -> None:
+        self.workers, self.count, self.threads = workers, count, threads
+        self.content = pickle.dumps((job.start, job.settings))
+        self.job = hashlib.blake2b(self.content, digest_size=16).hexdigest()
+        self.source = iter(units)
+        self.queue: deque[_Task] = deque()
+        self.exhausted = False
+        self.lost_at_start = 0
+        """Processes that ended in a row before they were ready."""
+
+    def outcomes(self) -> Iterator[Done[Any, Any] | Failed[Any]]:
+        """What came of the units."""
+        while True:
+            self._take_units()
+            if not self.queue and not self.working:
+                return
+            self._start_workers()
+            self._hand_out()
+            found = set(wait([worker.pipe for worker in self.workers]))
+            for worker in [w for w in self.workers if w.pipe in found]:
+                try:
+                    outcome = self._read(worker, worker.answer())
+                except _LostError:
+                    outcome = self._lost(worker)
+                if outcome is not None:
+                    yield outcome
+
+    @property
+    def working(self) -> int:
+        """Units at work."""
+        return sum(worker.task is not None for worker in self.workers)
+
+    def _take_units(self) -> None:
+        """Have a unit for each process that is not at work."""
+        while not self.exhausted and len(self.queue) + self.working < self.count:
+            if (task := self._next()) is not None:
+                self.queue.append(task)
+
+    def _start_workers(self) -> None:
+        """Have a process for each unit, and all of them told of the job."""
+        for worker in [w for w in self.workers if w.task is None and w.process.poll() is not None]:
+            if worker.job != self.job:  # died between two jobs: nobody's fault
+                worker.end()
+                self.workers.remove(worker)
+        while len(self.workers) < min(len(self.queue) + self.working, self.count):
+            if self.lost_at_start >= ATTEMPTS and self.workers:
+                break  # the machine bears no more than these
+            self.workers.append(_Worker(self.threads))
+        for worker in self.workers:
+            if worker.job != self.job:
+                worker.job, worker.ready = self.job, False
+                worker.tell("job", self.job, self.content)
+
+    def _hand_out(self) -> None:
+        """Give each free process a unit: one that it has not failed at, where another process might take that."""
+        for worker in self.workers:
+            if worker.ready and worker.task is None and (task := self._task_for(worker)) is not None:
+                worker.task = task
+                task.tried_by.append(worker.number)
+                worker.tell("unit", pickle.dumps(task.unit))
+
+    def _task_for(self, worker: _Worker) -> _Task | None:
+        others = [other for other in self.workers if other is not worker]
+        for task in self.queue:
+            if worker.number not in task.tried_by or all(other.number in task.tried_by for other in others):
+                self.queue.remove(task)
+                return task
+        return self._next()
+
+    def _next(self) -> _Task | None:
+        """A unit that nobody has had."""
+        for unit in self.source:
+            return _Task(unit)
+        self.exhausted = True
+        return None
+
+    def _read(self, worker: _Worker, message: tuple[Any, ...]) -> Done[Any, Any] | Failed[Any] | None:
+        """What a process says."""
+        match message:
+            case ("ready", job) if job == self.job:
+                worker.ready, self.lost_at_start = True, 0
+            case ("refused", job, told, line, where) if job == self.job:
+                worker.job = ""
+                self.lost_at_start += 1
+                error = pickle.loads(told) if told is not None else RuntimeError(line)
+                if isinstance(error, SeaglintError):
+                    raise error
+                if self.lost_at_start >= ATTEMPTS:
+                    error.add_note(f"raised in process {worker.number}:\n{where}")
+                    raise error
+            case ("outcome", content):
+                task, worker.task = worker.task, None
+                assert task is not None  # only a unit has an outcome
+                outcome: Done[Any, Any] | Failed[Any] = pickle.loads(content)
+                if isinstance(outcome, Done):
+                    return Done(task.unit, outcome.record, outcome.seconds, outcome.worker)
+                return self._again(task, outcome.error, outcome.traceback)
+        return None
+
+    def _lost(self, worker: _Worker) -> Failed[Any] | None:
+        """A process died: its unit goes to another."""
+        self.workers.remove(worker)
+        how = worker.end()
+        if worker.task is not None:
+            return self._again(worker.task, f"worker process {worker.number} {how}", "")
+        if not worker.ready:
+            self.lost_at_start += 1
+            if self.lost_at_start >= ATTEMPTS and not self.workers:
+                raise BackendError(
+                    f"{self.lost_at_start} worker processes one after the other ended before they were ready, the last {how}; "
+                    "try fewer workers if memory is short, or none, and see the lines above"
+                )
+        return None
+
+    def _again(self, task: _Task, error: str, where: str) -> Failed[Any] | None:
+        """Try a unit once more, or give it up."""
+        if len(task.tried_by) >= ATTEMPTS:
+            return Failed(task.unit, error, where, len(task.tried_by))
+        self.queue.append(task)
+        return None
+
+
+def threads_each(count: int) -> int:
+    """Threads for each of some processes on this machine."""
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    allowed = os.environ.get("NUMBA_NUM_THREADS", "")
+    return max((int(allowed) if allowed.isdigit() else cores) // count, 1)

@@ -1,0 +1,279 @@
+"""Files of ensembles: a base scenario, laws for its keys, and how many scenes of how many frames are drawn."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import ConfigDict, Field, PrivateAttr, TypeAdapter, ValidationError, model_validator
+from pydantic_core import ErrorDetails
+
+from seaglint.errors import Mistake, ScenarioError
+from seaglint.scenario.dataset import Dataset
+from seaglint.scenario.laws import Choice, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
+from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.presets import PRESETS
+from seaglint.scenario.quantity import Quantity
+from seaglint.scenario.record import Record, rule
+from seaglint.scenario.sensor_presets import with_sensor
+
+Sampling = Literal["random", "latin_hypercube", "sobol"]
+
+MOST_OBJECTS = 1000
+"""Objects of one template in a scene at most."""
+
+COUNT = Quantity(ge=0, le=MOST_OBJECTS, integer=True)
+"""Numbers of objects."""
+
+_LAW: TypeAdapter[Any] = TypeAdapter(Law)
+
+Value = Law | Number
+"""A law, or always the same."""
+
+
+class Settings(Record):
+    """How many scenes there are, and how they are drawn."""
+
+    scenes: Annotated[int, Quantity(ge=1, le=1_000_000, integer=True), Field(description="number of scenes")]
+    frames: Annotated[
+        Annotated[int, Quantity(ge=1, le=10_000_000, integer=True)] | None,
+        Field(description="frames of every scene; sensor.frames of the base where nothing is said"),
+    ] = None
+    seed: Annotated[
+        int, Quantity(ge=0, le=9_223_372_036_854_775_807, integer=True), Field(description="the same seed draws the same scenes")
+    ] = 1
+    sampling: Annotated[
+        Sampling,
+        Field(
+            description="random: every draw by itself; latin_hypercube: of each key one draw in each of as many equally probable parts as "
+            "there are scenes; sobol: even in several keys at once"
+        ),
+    ] = "random"
+    sensor: Annotated[str | None, Field(description="preset that stands in for the base's sensor, as --sensor of render")] = None
+
+
+class Template(Record):
+    """Objects of a kind that every scene draws anew; further keys are those of a scenario's ``[[objects]]``, numbers or laws."""
+
+    model_config = ConfigDict(extra="allow")
+
+    name: Annotated[str, Field(min_length=1, max_length=90, description="objects are called NAME-1, NAME-2, ...")]
+    count: Annotated[Law | Annotated[int, COUNT], Field(description="how many")] = 1
+    column: Annotated[Value | None, Field(description="place in the first frame: pixels from its left edge")] = None
+    row: Annotated[Value | None, Field(description="place in the first frame: pixels from its upper edge")] = None
+    range_m: Annotated[Value | None, Field(description="distance along the sea")] = None
+    apart_px: Annotated[
+        float, Quantity(ge=0, le=10_000), Field(description="least distance in the first frame from objects drawn before [px]")
+    ] = 0.0
+
+    @property
+    def others(self) -> dict[str, Any]:
+        """Keys of the object itself."""
+        return dict(self.model_extra or {})
+
+    @model_validator(mode="after")
+    def _placed_once(self) -> Self:
+        where = f"objects ('{self.name}')"
+        if self.column is None:
+            for key in ("row", "range_m"):
+                if getattr(self, key) is not None:
+                    raise rule(where, f"has {key} and no column; give column, or east_m and north_m instead")
+            if self.apart_px:
+                raise rule(where, "has apart_px and no column; give column and row")
+            return self
+        for key in ("east_m", "north_m", "latitude_deg", "longitude_deg", "track", "keyframes"):
+            if key in self.others:
+                raise rule(where, f"has column and {key}; give one of them")
+        if self.row is None and self.range_m is None:
+            raise rule(where, "has column alone; add row, or range_m")
+        if self.row is not None and self.range_m is not None and {"height_m", "draught_m"} & self.others.keys():
+            raise rule(where, "has row, range_m and a height, which are one too many; give two of them")
+        return self
+
+
+class Ensemble(Record):
+    """An ensemble, read: its base has no file any more."""
+
+    base: Annotated[dict[str, Any], Field(description="a scenario's tables; in the file also its path")]
+    ensemble: Settings
+    vary: Annotated[tuple[Vary, ...], Field(description="laws of keys")] = ()
+    objects: Annotated[tuple[Template, ...], Field(description="objects that every scene draws anew, beside those of the base")] = ()
+    dataset: Annotated[Dataset, Field(description="labelled data sets of it, for the command dataset")] = Dataset()
+    _name: str = PrivateAttr("ensemble")
+    _folder: Path | None = PrivateAttr(None)
+
+    @property
+    def name(self) -> str:
+        """What errors call it: the path of its file."""
+        return self._name
+
+    @property
+    def folder(self) -> Path | None:
+        """What relative paths in it count from."""
+        return self._folder
+
+    @model_validator(mode="after")
+    def _keys_once(self) -> Self:
+        seen: set[str] = set()
+        for i, law in enumerate(self.vary):
+            if not isinstance(law, Weather) and not law.key:
+                raise rule(f"vary[{i}].key", "is missing; name a key of the scenario, e.g. key = 'wind.speed_m_s'")
+            for key in law.keys if isinstance(law, Weather) else (law.key or "",):
+                if key in seen:
+                    raise rule(f"vary[{i}].key", f"= '{key}' has two laws; leave one of them out", value=key)
+                seen.add(key)
+        names = [template.name for template in self.objects]
+        for name in names:
+            if names.count(name) > 1:
+                raise rule("objects", f"has the name '{name}' twice; give every one a name of its own", value=name)
+        return self
+
+
+def load_ensemble(path: str | Path) -> Ensemble:
+    """Read and check an ensemble file, without drawing from it.
+
+    Raises
+    ------
+    ScenarioError
+        With one line per mistake, of the file or of its base.
+    """
+    path = Path(path)
+    return parse_ensemble(read_toml(path, "ensemble"), name=str(path), folder=path.parent)
+
+
+def read_toml(path: Path, what: str) -> dict[str, Any]:
+    """Tables of a TOML file.
+
+    Raises
+    ------
+    ScenarioError
+        A file that cannot be read, or is no TOML.
+    """
+    try:
+        return tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read ({error.strerror}); give the {what}'s TOML file") from None
+    except UnicodeDecodeError as error:
+        raise ScenarioError(f"{path}: is not UTF-8 text (byte {error.start}); save it as UTF-8") from None
+    except (ValueError, RecursionError) as error:
+        raise ScenarioError(f"{path}: is not valid TOML: {error}; is the file whole, and is text in quotes?") from None
+
+
+def parse_ensemble(raw: Mapping[str, Any], *, name: str = "ensemble", folder: Path | None = None) -> Ensemble:
+    """Check tables laid out as an ensemble file; ``folder`` is what relative paths count from.
+
+    Raises
+    ------
+    ScenarioError
+        With one line per mistake.
+    """
+    try:
+        found = Ensemble.model_validate({**raw, "base": {}}, context={"base": folder})
+    except ValidationError as error:
+        lines = dict.fromkeys(_told(detail) for detail in error.errors(include_url=False))
+        mistakes = tuple(Mistake(key, value, None, text) for key, value, text in lines)
+        raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
+    base = _base(raw.get("base", {}), found.ensemble.sensor, name, folder)
+    found = found.model_copy(update={"base": base})
+    found._name, found._folder = name, folder
+    return found
+
+
+def law_of(raw: object, name: str) -> Uniform | LogUniform | Normal | Choice | None:
+    """The law that a template's key holds; None where it is a plain value.
+
+    Raises
+    ------
+    ScenarioError
+        A law with a mistake; ``name`` says whose it is.
+    """
+    if not isinstance(raw, Mapping) or "law" not in raw:
+        return None
+    try:
+        found: Uniform | LogUniform | Normal | Choice = _LAW.validate_python(dict(raw))
+    except ValidationError as error:
+        raise ScenarioError(f"{name}.{_told(error.errors(include_url=False)[0])[2]}") from None
+    if found.key is not None:
+        raise ScenarioError(f"{name}.key = '{found.key}': a law in a table of objects is of the key that it stands at; leave key out")
+    return found
+
+
+def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> dict[str, Any]:
+    """Tables of the base, its paths absolute."""
+    beside: Path | None
+    if isinstance(given, str):
+        path = Path(given) if folder is None else folder / given
+        raw, where, beside = read_toml(path, "base scenario"), str(path), path.parent
+    elif isinstance(given, Mapping):
+        raw, where, beside = dict(given), f"{name}: base", folder
+        preset = raw.pop("preset", None)
+        if preset is not None:
+            if preset not in PRESETS:
+                raise ScenarioError(f"{where}.preset = '{preset}' is not one of {', '.join(PRESETS)}")
+            raw = merged(PRESETS[preset].values, raw)
+    else:
+        raise ScenarioError(f"{name}: base = {given!r} must be the path of a scenario file, in quotes, or a table [base]")
+    raw = raw if sensor is None else with_sensor(raw, sensor)
+    return with_absolute_paths(raw, parse_scenario(raw, name=where, base=beside))
+
+
+def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Tables of which the keys of ``above`` win, table by table."""
+    out = dict(below)
+    for key, value in above.items():
+        inner = out.get(key)
+        out[key] = merged(inner, value) if isinstance(inner, Mapping) and isinstance(value, Mapping) else value
+    return out
+
+
+def with_absolute_paths(raw: Mapping[str, Any], scenario: Scenario) -> dict[str, Any]:
+    """The same tables with every path as the scenario found it, so that they mean the same in any folder."""
+
+    def walk(given: Any, found: Any) -> Any:
+        if isinstance(found, Path) and isinstance(given, str | Path):
+            return str(found.absolute())
+        if isinstance(given, Mapping):
+            return {key: walk(value, found.get(key) if isinstance(found, Mapping) else None) for key, value in given.items()}
+        if isinstance(given, list | tuple) and isinstance(found, list | tuple) and len(found) == len(given):
+            return [walk(one, other) for one, other in zip(given, found, strict=True)]
+        return list(given) if isinstance(given, tuple) else given
+
+    return {key: walk(value, found) for (key, value), found in zip(raw.items(), map(scenario.model_dump().get, raw), strict=True)}
+
+
+def _told(error: ErrorDetails) -> tuple[str, Any, str]:
+    """Key, value and line of one mistake."""
+    location = tuple(part for part in error["loc"] if part not in _TAGS)
+    key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
+    kind, given, context = error["type"], error["input"], error.get("ctx", {})
+    if kind == "rule":
+        at = key if context["key"].startswith(("objects", "vary")) else f"{key}.{context['key']}".lstrip(".")
+        return context["key"], context["value"], f"{context['key'] if at == key else at} {error['msg']}"
+    if kind == "extra_forbidden":
+        near = difflib.get_close_matches(str(location[-1]), _KEYS, n=1, cutoff=0.6)
+        return key, None, f"{key} is an unknown key; " + (f"did you mean {near[0]}?" if near else f"keys are {', '.join(_KEYS)}")
+    if kind == "missing":
+        return key, None, f"{key} is missing; add it to the file"
+    if kind == "union_tag_invalid":
+        near = difflib.get_close_matches(str(context["tag"]), _TAGS, n=1, cutoff=0.5)
+        hint = f"; did you mean '{near[0]}'?" if near else ""
+        return f"{key}.law", context["tag"], f"{key}.law = '{context['tag']}' is not one of {', '.join(_TAGS)}{hint}"
+    if kind == "union_tag_not_found":
+        return f"{key}.law", None, f"{key}.law is missing; add one of {', '.join(_TAGS)}"
+    shown = f"'{given}'" if isinstance(given, str) else f"{given}"
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return key, None, f"{key} = {shown} must be a table"
+    text = error["msg"] if kind in ("quantity", "missing_file") else f"is not allowed: {error['msg']}"
+    return key, None, f"{key} = {shown if len(shown) < 80 else shown[:77] + '...'} {text}"
+
+
+_TAGS = ("uniform", "log_uniform", "normal", "choice", "weather")
+_KEYS = tuple(
+    dict.fromkeys(
+        name for record in (Ensemble, Settings, Dataset, Template, Uniform, LogUniform, Normal, Choice, Weather) for name in record.model_fields
+    )
+)

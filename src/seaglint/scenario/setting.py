@@ -1,0 +1,62 @@
+"""Keys set in the raw tables of a scenario by their dotted names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from seaglint.errors import ScenarioError
+
+
+def set_key(raw: dict[str, Any], key: str, value: Any, name: str) -> None:
+    """Set a dotted key in place.
+
+    Parameters
+    ----------
+    raw : dict
+        Tables as the TOML file has them.
+    key : str
+        ``wind.speed_m_s``; of an object by its name or its place in the list, ``objects.ferry.course_deg``, ``objects.0.course_deg``; of
+        a list by the place in it, ``sensor.fov_deg.0``.
+    value : object
+        What it gets.
+    name : str
+        Whose tables they are, for messages.
+
+    Raises
+    ------
+    ScenarioError
+        Something on the way is no table, no object of that name, or no such place in a list.
+
+    Examples
+    --------
+    >>> raw = {"sensor": {"fov_deg": [16, 8]}}
+    >>> set_key(raw, "sensor.fov_deg.0", 12, "my.toml"), set_key(raw, "wind.speed_m_s", 5, "my.toml")
+    (None, None)
+    >>> raw
+    {'sensor': {'fov_deg': [12, 8]}, 'wind': {'speed_m_s': 5}}
+    """
+    *way, last = key.split(".")
+    at: Any = raw
+    for k, step in enumerate(way):
+        at = at[_place(at, step, key, name)] if isinstance(at, list) else at.setdefault(step, {})
+        if not isinstance(at, dict | list):
+            raise ScenarioError(f"{name}: {'.'.join(way[: k + 1])} is no table; the key {key} is not one of a scenario")
+    if isinstance(at, list):
+        if any(isinstance(item, Mapping) for item in at):
+            raise ScenarioError(f"{name}: {key}: objects are named; give objects.NAME.key")
+        at[_place(at, last, key, name)] = value
+    else:
+        at[last] = value
+
+
+def _place(items: list[Any], step: str, key: str, name: str) -> int:
+    """Place of an object in a list by its name, or of anything by its number."""
+    named = [i for i, item in enumerate(items) if isinstance(item, Mapping) and item.get("name") == step]
+    if named:
+        return named[0]
+    if step.isdecimal() and int(step) < len(items):
+        return int(step)
+    if any(isinstance(item, Mapping) for item in items):
+        raise ScenarioError(f"{name}: {key}: there is no object '{step}'; give a name of the scenario's [[objects]]")
+    raise ScenarioError(f"{name}: {key}: there is no place {step} in a list of {len(items)}; give 0 to {len(items) - 1}")

@@ -1,0 +1,60 @@
+"""Jobs of a few milliseconds, which worker processes find by this module's name."""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from seaglint.errors import DomainError
+
+
+def squares(offset: int) -> Callable[[int], int]:
+    return lambda unit: offset + unit * unit
+
+
+def lines(folder: str) -> Callable[[str], str]:
+    """Work told by the unit: ``kill``, ``raise`` or ``sleep SECONDS``, each told to a file of its attempts."""
+
+    def work(unit: str) -> str:
+        with (Path(folder) / unit.replace(" ", "-")).open("a") as file:
+            file.write(f"{os.getpid()}\n")
+        match unit.split():
+            case ["kill", *_]:
+                os.kill(os.getpid(), signal.SIGKILL)
+            case ["once", *_]:
+                if len(attempts(folder, unit)) == 1:
+                    os.kill(os.getpid(), signal.SIGKILL)
+            case ["raise", *_]:
+                raise ValueError("no waves\nat all")
+            case ["sleep", seconds]:
+                time.sleep(float(seconds))
+            case ["environment"]:
+                return f"{os.environ['NUMBA_NUM_THREADS']} {os.environ['OPENBLAS_NUM_THREADS']}"
+        return unit.upper()
+
+    return work
+
+
+def attempts(folder: str | Path, unit: str) -> list[int]:
+    """Processes that tried a unit."""
+    path = Path(folder) / unit.replace(" ", "-")
+    return [int(line) for line in path.read_text().split()] if path.exists() else []
+
+
+def dies_at_start(folder: str) -> Callable[[int], int]:
+    (Path(folder) / f"started-{os.getpid()}").touch()
+    os.kill(os.getpid(), signal.SIGKILL)
+    raise AssertionError
+
+
+def refuses(kind: str) -> Callable[[int], int]:
+    if kind == "seaglint":
+        raise DomainError("wind_speed = 31 m/s is outside 0-20 m/s", name="wind_speed", value=31.0, allowed=(0.0, 20.0))
+    raise KeyError("lost")
+
+
+def unsendable(_: None) -> Callable[[int], object]:
+    return lambda unit: lambda: unit
