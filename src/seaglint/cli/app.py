@@ -21,6 +21,7 @@ from typer.core import TyperGroup
 
 from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
+from seaglint.cli.dataset import dataset
 from seaglint.cli.detect import detect
 from seaglint.cli.evaluate import evaluate
 from seaglint.cli.export import export, export_sea
@@ -98,6 +99,7 @@ app.add_typer(atmosphere, name="atmosphere")
 app.add_typer(weather, name="weather")
 app.add_typer(texture, name="texture")
 app.command()(analyze)
+app.command()(dataset)
 app.command()(detect)
 app.command()(export)
 app.command("export-sea")(export_sea)
