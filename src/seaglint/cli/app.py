@@ -23,6 +23,7 @@ from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
 from seaglint.cli.dataset import dataset
 from seaglint.cli.detect import detect
+from seaglint.cli.ensemble import ensemble
 from seaglint.cli.evaluate import evaluate
 from seaglint.cli.export import export, export_sea
 from seaglint.cli.labels import labels
@@ -101,6 +102,7 @@ app.add_typer(texture, name="texture")
 app.command()(analyze)
 app.command()(dataset)
 app.command()(detect)
+app.command()(ensemble)
 app.command()(export)
 app.command("export-sea")(export_sea)
 app.command()(labels)

@@ -4,19 +4,33 @@ from __future__ import annotations
 
 import copy
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, Final
 
-from seaglint.errors import ScenarioError
+from seaglint.cluster import Failed, Here, Job, Workers
+from seaglint.errors import DataError, ScenarioError
+from seaglint.io.claim import exclusive
+from seaglint.io.failures import storage_errors
+from seaglint.io.stopping import stop_on_signal
+from seaglint.io.store import Interrupted, Progress
+from seaglint.io.text_file import write_text
 from seaglint.pipeline.ensemble_draw import Numbers, Objects, Rows, count_key, quantity_of, sea_seed
+from seaglint.pipeline.ensemble_folder import Folder
 from seaglint.pipeline.ensemble_place import Picture
+from seaglint.pipeline.kept import Kept
+from seaglint.pipeline.sensed import render
 from seaglint.scenario.ensemble import Ensemble, with_absolute_paths
 from seaglint.scenario.laws import Weather, value_of
-from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.setting import set_key
 from seaglint.scenario.toml_text import document
+
+_MOST_NAMED: Final = 3
+"""Scenes that failed, of which more are only counted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,3 +141,119 @@ def _checked(ensemble: Ensemble, tables: Mapping[str, Any], parameters: Mapping[
         if first.key not in parameters and parameters:
             told = f" (drawn: {', '.join(f'{key} = {value}' for key, value in parameters.items())})"
         raise ScenarioError(f"{where}: {first.text}{told}", mistakes=(first,)) from None
+
+
+def render_ensemble(
+    ensemble: Ensemble,
+    output: str | Path,
+    *,
+    workers: Workers | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    draw_only: bool = False,
+    progress: Progress | None = None,
+) -> Path:
+    """Draw an ensemble, write its scenarios and tables, and render its scenes.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        See :func:`seaglint.scenario.ensemble.load_ensemble`.
+    output : path
+        Folder to make: ``ensemble.toml``, ``parameters.csv``, ``objects.csv`` (both also as Parquet where PyArrow is installed), and
+        ``scenes/0000.toml``, ``scenes/0000.zarr`` and so on.
+    workers : Workers, optional
+        Who renders; this process by default. The bytes do not depend on it.
+    threads : int, optional
+        Processor threads of each worker; all by default.
+    resume, overwrite : bool
+        Render the scenes that are missing, or begin anew.
+    draw_only : bool
+        Leave the scenes unrendered; with ``resume`` they are rendered later.
+    progress : callable, optional
+        Called with (scenes done, scenes in all).
+
+    Returns
+    -------
+    Path
+        ``output``.
+
+    Raises
+    ------
+    DataError
+        The folder holds another ensemble, or scenes failed: the others are there, and ``failures/`` has a traceback of each.
+    Interrupted
+        After SIGINT or SIGTERM; what is done stays and can be resumed.
+    SeaglintError
+        See :func:`draw`; nothing is written then.
+    """
+    folder = Folder(Path(output))
+    folder.check(resume=resume, overwrite=overwrite)
+    drawn = draw(ensemble)
+    with ExitStack() as held:
+        with storage_errors(folder.path, "choose another folder"):
+            held.enter_context(exclusive(folder.path))
+        folder.check(resume=resume, overwrite=overwrite)
+        folder.write(ensemble, drawn, resume=resume, overwrite=overwrite)
+        if not draw_only:
+            _render(folder, [scene.label for scene in drawn], workers, threads, progress)
+    return folder.path
+
+
+@dataclass(frozen=True)
+class Rendering:
+    """What a worker needs to know to render scenes."""
+
+    folder: Path
+    threads: int | None
+
+
+def scene_renderer(settings: Rendering) -> Callable[[str], int]:
+    """Function that renders the scene of a label, or the rest of it, and returns its number of frames."""
+    folder, kept = Folder(settings.folder), Kept()
+
+    def work(label: str) -> int:
+        scenario = load_scenario(folder.scenario(label))
+        try:
+            render(scenario, folder.store(label), threads=settings.threads, resume=True, kept=kept)
+        except Interrupted:
+            raise KeyboardInterrupt from None  # no failure of the scene
+        return scenario.sensor.frames
+
+    return work
+
+
+def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, threads: int | None, progress: Progress | None) -> None:
+    """Render the scenes that have no store yet."""
+    missing = [label for label in labels if not folder.store(label).exists()]
+    done, failed = len(labels) - len(missing), dict[str, str]()
+    tell = progress or (lambda done, total: None)
+    tell(done, len(labels))
+    # Workers' own processes get no signals: leaving their context ends them. In this process a scene's frame at hand is finished.
+    with ExitStack() as held:
+        stopped = held.enter_context(stop_on_signal()) if workers is None else []
+        try:
+            outcomes = held.enter_context((workers or Here()).map(Job(scene_renderer, Rendering(folder.path.absolute(), threads)), missing))
+            for outcome in outcomes:
+                if isinstance(outcome, Failed):
+                    failed[outcome.unit] = outcome.error
+                    folder.failure(outcome.unit).parent.mkdir(exist_ok=True)
+                    write_text(outcome.traceback or f"{outcome.error}\n", folder.failure(outcome.unit))
+                else:
+                    done += 1
+                    folder.failure(outcome.unit).unlink(missing_ok=True)
+                    tell(done, len(labels))
+                if stopped:
+                    raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            raise Interrupted(
+                f"stopped after {done} of {len(labels)} scenes, kept in {folder.path}; go on with the same command and --resume"
+            ) from None
+    if failed:
+        named = "; ".join(f"scene {label}: {error}" for label, error in list(failed.items())[:_MOST_NAMED])
+        more = f"; and {len(failed) - _MOST_NAMED} more" if len(failed) > _MOST_NAMED else ""
+        raise DataError(
+            f"{folder.path}: {len(failed)} of {len(labels)} scenes failed, the others are there; {named}{more}; tracebacks are in "
+            f"{folder.path / 'failures'}; --resume tries them again"
+        )

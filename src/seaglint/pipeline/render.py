@@ -19,6 +19,7 @@ from seaglint.io.provenance import provenance
 from seaglint.io.store import Progress, check_output, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
+from seaglint.pipeline.kept import Kept
 from seaglint.pipeline.memory import require_memory
 from seaglint.pipeline.scene_objects import Drawn, SceneObjects, bodies_of
 from seaglint.radiance.view import SeaView
@@ -45,6 +46,7 @@ def render(
     resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
+    kept: Kept | None = None,
 ) -> Path:
     """Render frames of a scenario into a Zarr store.
 
@@ -62,6 +64,8 @@ def render(
         Go on with an unfinished store, or replace what is there.
     progress : callable, optional
         Called with (frames done, frames in all).
+    kept : Kept, optional
+        What scenes rendered one after the other share.
 
     Returns
     -------
@@ -75,7 +79,7 @@ def render(
     """
     check_output(output, resume=resume, overwrite=overwrite)
     with thread_limit(threads):
-        run = prepare_sequence(scenario, frames)
+        run = prepare_sequence(scenario, frames, kept=kept)
         return write_sequence(output, run.layout, run.images, resume=resume, overwrite=overwrite, progress=progress)
 
 
@@ -194,12 +198,13 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
         )
 
 
-@single_threaded_algebra()
-def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False) -> Sequence:
+def prepare_sequence(
+    scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False, kept: Kept | None = None
+) -> Sequence:
     """Everything that is made before the first frame; also the way to single frames in Python.
 
     ``scanned`` prepares for columns that have poses of their own (:func:`seaglint.pipeline.prepare.gliding_camera`); ``fits`` says that
-    the memory was seen to be enough.
+    the memory was seen to be enough; ``kept`` is what scenes prepared one after the other share.
 
     Examples
     --------
@@ -210,6 +215,13 @@ def prepare_sequence(scenario: Scenario, frames: range | None = None, *, scanned
     """
     if not fits:
         require_memory(scenario)
+    if kept is None:
+        return _prepared(scenario, frames, scanned)
+    return kept.sequence(scenario, f"{frames} {scanned}", lambda: _prepared(scenario, frames, scanned))
+
+
+@single_threaded_algebra()
+def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequence:
     prepare.require_drawable(scenario, prepare.slopes(scenario))
     sensor = scenario.sensor
     numbers = frames if frames is not None else range(sensor.frames)

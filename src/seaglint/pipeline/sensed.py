@@ -16,6 +16,7 @@ from seaglint.io.layout import Layout
 from seaglint.io.store import Progress, check_output, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import render as plain
+from seaglint.pipeline.kept import Kept
 from seaglint.pipeline.memory import require_memory
 from seaglint.pipeline.render import Sequence, prepare_sequence
 from seaglint.pipeline.scene_objects import Drawn
@@ -42,12 +43,13 @@ def render(
     progress: Progress | None = None,
     electrons: bool = False,
     radiance: bool = False,
+    kept: Kept | None = None,
 ) -> Path:
     """Render frames of a scenario: counts where it has a detector, else the radiance at the aperture.
 
     Parameters
     ----------
-    scenario, output, frames, threads, resume, overwrite, progress
+    scenario, output, frames, threads, resume, overwrite, progress, kept
         As :func:`seaglint.pipeline.render.render`.
     electrons, radiance : bool
         With a detector: write electrons, and the radiance at the aperture averaged over pixels, beside counts.
@@ -64,10 +66,12 @@ def render(
                 "--electrons and --radiance go with a sensor, and the scenario has no [sensor.detector]; leave them out, or add one "
                 "(radiance is written without)"
             )
-        return plain.render(scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
+        return plain.render(
+            scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress, kept=kept
+        )
     check_output(output, resume=resume, overwrite=overwrite)
     with thread_limit(threads):
-        run = prepare_sensed(scenario, frames, electrons=electrons, radiance=radiance)
+        run = prepare_sensed(scenario, frames, electrons=electrons, radiance=radiance, kept=kept)
         return write_sequence(output, run.layout, run.images, resume=resume, overwrite=overwrite, progress=progress)
 
 
@@ -192,8 +196,10 @@ def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
     return out
 
 
-def prepare_sensed(scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False) -> SensedSequence:
-    """The scene drawn finer and the sensor on it; also the way to single frames in Python.
+def prepare_sensed(
+    scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, kept: Kept | None = None
+) -> SensedSequence:
+    """The scene drawn finer and the sensor on it; also the way to single frames in Python. ``kept`` is what scenes share.
 
     Examples
     --------
@@ -213,7 +219,7 @@ def prepare_sensed(scenario: Scenario, frames: range | None = None, *, electrons
     settings = scenario.render.model_copy(update={"apparent_temperature": False})
     scanned = way.kind != "staring" and way.period > 0.0
     fine = scenario.model_copy(update={"sensor": finer, "render": settings})
-    sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True)
+    sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True, kept=kept)
     _require_track(sequence, way, sensor.pixels)
     drawn = _Drawn(sequence, way, n)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Final
 
@@ -154,6 +155,7 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
     )
 
 
+@lru_cache(maxsize=4)  # asked four times of the spectrum of a scene
 def longest_wave_number(spectrum: DirectionalSpectrum) -> float:
     """Wavenumber below which lies :data:`ENERGETIC_SHARE` of the height variance [rad m⁻¹]."""
     low, high = spectrum.wavenumber_range

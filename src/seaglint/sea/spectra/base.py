@@ -21,6 +21,7 @@ FloatArray = NDArray[np.float64]
 
 _PANELS_PER_DECADE: Final = 16
 _ORDER: Final = 8  # smooth spectra are integrated to 1e-9, tabulated ones exactly to their break points
+_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(_ORDER)
 
 
 class DirectionalSpectrum(ABC):
@@ -86,10 +87,9 @@ class DirectionalSpectrum(ABC):
         breaks = self.breakpoints()
         breaks = breaks[(breaks > low) & (breaks < high)]
         edges = np.unique(np.concatenate([np.linspace(np.log(low), np.log(high), panels + 1), np.log(breaks)]))
-        x, w = np.polynomial.legendre.leggauss(_ORDER)
         half = 0.5 * np.diff(edges)[:, None]
-        k = np.exp(edges[:-1, None] + half * (1.0 + x))
-        return float(np.sum(half * w * k * function(k)))
+        k = np.exp(edges[:-1, None] + half * (1.0 + _GAUSS_X))
+        return float(np.sum(half * _GAUSS_W * k * function(k)))
 
     def height_variance(self, k_max: float = np.inf, k_min: float = 0.0) -> float:
         """Variance of the height of waves with k_min <= k < k_max, ``int S dk`` [m²]."""
