@@ -27,6 +27,7 @@ ENSEMBLE = """
 scenes = 4
 frames = 2
 seed = 3
+sampling = "latin_hypercube"  # one of four scenes without specks
 
 [base.sun]
 zenith_deg = 60

@@ -99,11 +99,14 @@ def ensemble_dataset(
         else:
             folder = Folder(source.folder)
         return [
-            Entry(scene.label, str(folder.store(scene.label).absolute()), split_of(ensemble.ensemble.seed, scene.number, table.split), scene.row)
+            Entry(
+                scene.label,
+                str(folder.store(scene.label).absolute()),
+                split_of(ensemble.ensemble.seed, scene.number, table.split),
+                scene.row,
+            )
             for scene in drawn
         ]
 
     plan = Plan(source.title, ensemble.ensemble.seed, table, ensemble_text(ensemble))
-    return make_dataset(
-        output, plan, options, rendered, workers=workers, resume=resume, overwrite=overwrite, progress=progress[1]
-    )
+    return make_dataset(output, plan, options, rendered, workers=workers, resume=resume, overwrite=overwrite, progress=progress[1])

@@ -274,6 +274,8 @@ def _told(error: ErrorDetails) -> tuple[str, Any, str]:
 _TAGS = ("uniform", "log_uniform", "normal", "choice", "weather")
 _KEYS = tuple(
     dict.fromkeys(
-        name for record in (Ensemble, Settings, Dataset, Template, Uniform, LogUniform, Normal, Choice, Weather) for name in record.model_fields
+        name
+        for record in (Ensemble, Settings, Dataset, Template, Uniform, LogUniform, Normal, Choice, Weather)
+        for name in record.model_fields
     )
 )
