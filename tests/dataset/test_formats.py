@@ -6,6 +6,7 @@ import csv
 import hashlib
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from pycocotools import mask as coco_masks
 from pycocotools.coco import COCO
 from small_scenes import COLUMNS, FRAMES, LINE, ROWS, entries, masks, values
 
+from seaglint.cluster import Here
 from seaglint.errors import DataError
 from seaglint.io.dataset import check
 from seaglint.io.dataset.convert import pieces
@@ -229,6 +231,30 @@ def test_a_data_set_taken_up_again_has_the_same_bytes(stores, tmp_path, form):
     assert seen[0][0] == 2  # finished scenes are not written again
     assert digests(again) == digests(whole)
     assert made(stores, tmp_path / "D", form, resume=True) == again
+
+
+class Backwards:
+    """Workers who do the last scene first."""
+
+    count = 3
+
+    def map(self, job, units):
+        return Here().map(job, list(units)[::-1])
+
+
+@pytest.mark.parametrize("form", ["coco", "yolo", "sirst", "zarr"])
+def test_bytes_do_not_depend_on_the_order_of_work(stores, tmp_path, form):
+    assert digests(made(stores, tmp_path / "one", form)) == digests(made(stores, tmp_path / "other", form, workers=Backwards()))
+
+
+def test_scenes_that_fail_are_named_and_the_rest_is_kept(stores, tmp_path):
+    lost = {True: [*stores[True][:2], replace(stores[True][2], store=str(tmp_path / "gone.zarr")), stores[True][3]]}
+    with pytest.raises(DataError, match=r"scene 0002: .*no such sequence(.|\n)*1 of 4 scenes failed"):
+        made(lost, tmp_path / "D", "coco")
+    assert not (tmp_path / "D").exists()
+    seen = []
+    made(stores, tmp_path / "D", "coco", resume=True, progress=lambda done, _: seen.append(done))
+    assert seen == [3, 4]
 
 
 def test_resuming_with_other_settings_says_which(stores, tmp_path):

@@ -54,11 +54,7 @@ def dataset(
     output = Path(str(output).rstrip("/\\"))
     require_output(output, resume=resume, overwrite=overwrite)
     loaded = read_source(source)
-    with (
-        chosen(workers, dask, dask_slurm, threads=threads) as hands,
-        progress(show, "scenes") as rendered,
-        progress(show, "scenes written") as written,
-    ):
+    with chosen(workers, dask, dask_slurm, threads=threads) as hands, progress(show, "scenes") as report:
         ensemble_dataset(
             loaded,
             output,
@@ -67,7 +63,7 @@ def dataset(
             threads=threads,
             resume=resume,
             overwrite=overwrite,
-            progress=(rendered, written),
+            progress=report,
         )
     found = read_about(output)["statistics"]
     images, objects = (sum(found[name].values()) for name in ("images", "annotated_objects"))

@@ -53,7 +53,7 @@ def ensemble_dataset(
     threads: int | None = None,
     resume: bool = False,
     overwrite: bool = False,
-    progress: tuple[Progress | None, Progress | None] = (None, None),
+    progress: Progress | None = None,
 ) -> Path:
     """Make a labelled data set of an ensemble.
 
@@ -71,8 +71,8 @@ def ensemble_dataset(
         Processor threads of each worker; all by default.
     resume, overwrite : bool
         Go on with an unfinished data set, or replace what is there.
-    progress : pair of callables
-        Called with (scenes done, scenes in all), while they are rendered and while they are written.
+    progress : callable, optional
+        Called with (scenes done, scenes in all) while they are rendered, or written where they are rendered already.
 
     Returns
     -------
@@ -95,7 +95,7 @@ def ensemble_dataset(
 
     def rendered(place: Path) -> Sequence[Entry]:
         if source.folder is None:
-            folder = Folder(render_ensemble(ensemble, place, workers=workers, threads=threads, resume=True, progress=progress[0]))
+            folder = Folder(render_ensemble(ensemble, place, workers=workers, threads=threads, resume=True, progress=progress))
         else:
             folder = Folder(source.folder)
         return [
@@ -109,4 +109,13 @@ def ensemble_dataset(
         ]
 
     plan = Plan(source.title, ensemble.ensemble.seed, table, ensemble_text(ensemble))
-    return make_dataset(output, plan, options, rendered, workers=workers, resume=resume, overwrite=overwrite, progress=progress[1])
+    return make_dataset(
+        output,
+        plan,
+        options,
+        rendered,
+        workers=workers,
+        resume=resume,
+        overwrite=overwrite,
+        progress=progress if source.folder is not None else None,
+    )
