@@ -114,7 +114,7 @@ def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
             if not overwrite:
                 raise DataError(f"{output}: is not empty; choose another name, or replace a data set with --overwrite")
             check.read_about(output)
-        if partial.exists() and not resume and not output.exists():
+        if partial.exists() and not resume:
             if not overwrite:
                 raise DataError(f"{partial}: an unfinished data set is there; go on with --resume, or begin anew with --overwrite")
             _require_ours(partial)
