@@ -25,6 +25,7 @@ def main() -> None:
     raw["ensemble"] |= {"scenes": SCENES, "frames": 1}
     with tempfile.TemporaryDirectory() as folder:
         made = ensemble_dataset(Source(parse_ensemble(raw), "small-objects", None), Path(folder) / "D", Options.of("coco"))
+        print((made / "README.md").read_text(encoding="utf-8"))
         shutil.copy(made / "examples.png", ROOT / "docs" / "images" / "dataset_examples.png")
 
 

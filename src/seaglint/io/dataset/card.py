@@ -62,7 +62,7 @@ def _quartiles(values: Iterable[float | None]) -> dict[str, float]:
 def _ranges(catalogue: Catalogue) -> dict[str, Any]:
     """Least and greatest number of what was drawn; of words, how often each."""
     out: dict[str, Any] = {}
-    for name in dict.fromkeys(key for part in catalogue.parts for key in part.parameters):
+    for name in dict.fromkeys(key for part in catalogue.parts for key in part.parameters if key not in ("scene", "seed")):
         values = [part.parameters[name] for part in catalogue.parts if part.parameters.get(name) is not None]
         numbers = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
         if values and len(numbers) == len(values):

@@ -43,14 +43,15 @@ def write_sheet(examples: Sequence[Example], path: Path) -> None:
 
     columns = max(min(COLUMNS, len(examples)), 1)
     rows = max(math.ceil(len(examples) / columns), 1)
-    heights = [round(example.values.shape[0] * _zoom(example)) for example in examples] or [WIDTH]
-    across, down = WIDTH + _GAP, max(heights) + _TEXT + _GAP
+    sizes = [(round(e.values.shape[1] * _zoom(e)), round(e.values.shape[0] * _zoom(e))) for e in examples] or [(WIDTH, WIDTH)]
+    tall = max(height for _, height in sizes)
+    across, down = max(width for width, _ in sizes) + _GAP, tall + _TEXT + _GAP
     sheet = Image.new("RGB", (columns * across + _GAP, rows * down + _GAP), (24, 24, 28))
     pen = ImageDraw.Draw(sheet)
     for i, example in enumerate(examples):
         left, top = _GAP + i % columns * across, _GAP + i // columns * down
         zoom = _zoom(example)
-        size = (round(example.values.shape[1] * zoom), round(example.values.shape[0] * zoom))
+        size = sizes[i]
         way = Image.Resampling.NEAREST if zoom >= 1.0 else Image.Resampling.BOX
         sheet.paste(Image.fromarray(_grey(example.values)).resize(size, way).convert("RGB"), (left, top))
         for box in example.boxes:
@@ -59,7 +60,7 @@ def write_sheet(examples: Sequence[Example], path: Path) -> None:
             x1, y1 = left + (box[0] + box[2] + 3) * zoom, top + (box[1] + box[3] + 3) * zoom
             inside = (max(x0, left), max(y0, top), min(x1, left + size[0] - 1), min(y1, top + size[1] - 1))
             pen.rectangle(inside, outline=_GREEN)
-        pen.text((left, top + max(heights) + 1), example.title, fill=(220, 220, 220))
+        pen.text((left, top + tall + 1), example.title, fill=(220, 220, 220))
     with moved_when_whole(path) as partial:
         sheet.save(partial, format="PNG")
 
