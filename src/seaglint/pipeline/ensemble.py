@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -15,67 +14,24 @@ from seaglint.errors import DataError, ScenarioError
 from seaglint.io.claim import exclusive
 from seaglint.io.failures import storage_errors
 from seaglint.io.stopping import stop_on_signal
-from seaglint.io.store import Interrupted, Progress
+from seaglint.io.store import Interrupted, Progress, check_output, write_sequence
 from seaglint.io.text_file import write_text
-from seaglint.pipeline.ensemble_draw import Numbers, Objects, Rows, count_key, quantity_of, sea_seed
+from seaglint.pipeline.ensemble_draw import Numbers, Objects, Rows, SingleLaw, count_key, quantity_of, sea_seed
+from seaglint.pipeline.ensemble_draw import Scene as Scene
 from seaglint.pipeline.ensemble_folder import Folder
 from seaglint.pipeline.ensemble_place import Picture
 from seaglint.pipeline.kept import Kept
-from seaglint.pipeline.sensed import render
+from seaglint.pipeline.render import prepare_sequence
+from seaglint.pipeline.sensed import prepare_sensed
 from seaglint.scenario.ensemble import Ensemble, with_absolute_paths
 from seaglint.scenario.laws import Weather, value_of
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.setting import set_key
-from seaglint.scenario.toml_text import document
+from seaglint.threads import thread_limit
 
 _MOST_NAMED: Final = 3
 """Scenes that failed, of which more are only counted."""
-
-
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """One scene of an ensemble.
-
-    Attributes
-    ----------
-    number : int
-        Counted from 0.
-    label : str
-        The number with leading zeros, as its files are called.
-    scenario : Scenario
-        What is rendered.
-    tables : dict
-        The scenario as a file has it, paths absolute.
-    parameters : dict
-        What was drawn, by key: numbers in the key's unit.
-    objects : tuple of dict
-        Tables of the objects drawn for it.
-    """
-
-    number: int
-    label: str
-    scenario: Scenario
-    tables: dict[str, Any]
-    parameters: dict[str, Any]
-    objects: tuple[dict[str, Any], ...]
-
-    @property
-    def seed(self) -> int:
-        """Of its sea."""
-        return self.scenario.seed
-
-    @property
-    def text(self) -> str:
-        """Its scenario file."""
-        return document(self.tables, f"scene {self.number} of an ensemble; 'seaglint render' renders it alone to the same bytes")
-
-    @property
-    def row(self) -> dict[str, Any]:
-        """Its row of the table of parameters; lists and tables as JSON."""
-        drawn = {key: value for key, value in self.parameters.items() if key != "seed"}
-        found = {"scene": self.number, "seed": self.seed, **drawn}
-        return {key: json.dumps(value) if isinstance(value, list | tuple | Mapping) else value for key, value in found.items()}
 
 
 def draw(ensemble: Ensemble) -> list[Scene]:
@@ -92,25 +48,22 @@ def draw(ensemble: Ensemble) -> list[Scene]:
 def scenes(ensemble: Ensemble) -> Iterator[Scene]:
     """Scenes one after the other; see :func:`draw`."""
     settings = ensemble.ensemble
-    sampled = [*("weather" if isinstance(law, Weather) else law.key or "" for law in ensemble.vary)]
+    sampled = ["weather" if isinstance(law, Weather) else law.key or "" for law in ensemble.vary]
     sampled += [count_key(template) for template in ensemble.objects if not isinstance(template.count, int)]
     numbers = Numbers(ensemble, tuple(sampled))
     rows = {i: Rows.of(law, f"{ensemble.name}: vary[{i}]") for i, law in enumerate(ensemble.vary) if isinstance(law, Weather)}
-    quantities = {law.key: quantity_of(law.key) for law in ensemble.vary if not isinstance(law, Weather) and law.key}
     objects, width = Objects(ensemble, numbers), max(4, len(str(settings.scenes - 1)))
     for number in range(settings.scenes):
-        parameters: dict[str, Any] = {}
+        where, parameters = f"{ensemble.name}, scene {number}", dict[str, Any]()
         for i, law in enumerate(ensemble.vary):
             if isinstance(law, Weather):
                 parameters |= rows[i].at(numbers.of("weather", number), numbers.of("weather direction", number))
             else:
-                key = law.key or ""
-                parameters[key] = value_of(law, numbers.of(key, number), quantities[key], f"{ensemble.name}: vary[{i}] ({key})")
+                parameters[law.key or ""] = _value(ensemble, i, law, numbers, number)
         tables = copy.deepcopy(ensemble.base)
         tables["seed"] = sea_seed(settings.seed, number)
         if settings.frames is not None:
             tables.setdefault("sensor", {})["frames"] = settings.frames
-        where = f"{ensemble.name}, scene {number}"
         for key, value in parameters.items():
             set_key(tables, key, list(value) if isinstance(value, tuple) else value, where)
         made: list[dict[str, Any]] = []
@@ -126,6 +79,20 @@ def scenes(ensemble: Ensemble) -> Iterator[Scene]:
                 tables["objects"] = [*tables.get("objects", []), *made]
         scenario = _checked(ensemble, tables, parameters, where)
         yield Scene(number, f"{number:0{width}d}", scenario, with_absolute_paths(tables, scenario), parameters, tuple(made))
+
+
+def _value(ensemble: Ensemble, place: int, law: SingleLaw, numbers: Numbers, scene: int) -> Any:
+    """What a law of ``[[vary]]`` makes of a scene."""
+    key = law.key or ""
+    quantity = quantity_of(key)
+    try:
+        return value_of(law, numbers.of(key, scene), quantity, f"{ensemble.name}: vary[{place}] ({key})")
+    except ScenarioError:
+        if quantity is None:  # text with a unit for a key that there is not: the key is what is wrong
+            tables = copy.deepcopy(ensemble.base)
+            set_key(tables, key, "", ensemble.name)
+            _checked(ensemble, tables, {}, f"{ensemble.name}: vary[{place}]")
+        raise
 
 
 def _checked(ensemble: Ensemble, tables: Mapping[str, Any], parameters: Mapping[str, Any], where: str) -> Scenario:
@@ -216,12 +183,20 @@ def scene_renderer(settings: Rendering) -> Callable[[str], int]:
     def work(label: str) -> int:
         scenario = load_scenario(folder.scenario(label))
         try:
-            render(scenario, folder.store(label), threads=settings.threads, resume=True, kept=kept)
+            render_scene(scenario, folder.store(label), settings.threads, kept)
         except Interrupted:
             raise KeyboardInterrupt from None  # no failure of the scene
         return scenario.sensor.frames
 
     return work
+
+
+def render_scene(scenario: Scenario, output: Path, threads: int | None, kept: Kept) -> None:
+    """Render a scene, or the rest of it: what 'seaglint render' writes of its scenario, with what it shares with the one before."""
+    check_output(output, resume=True)
+    with thread_limit(threads):
+        run = prepare_sensed(scenario, kept=kept) if scenario.sensor.senses else prepare_sequence(scenario, kept=kept)
+        write_sequence(output, run.layout, run.images, resume=True)
 
 
 def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, threads: int | None, progress: Progress | None) -> None:

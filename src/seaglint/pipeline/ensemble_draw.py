@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,7 +19,9 @@ from seaglint.random import stream
 from seaglint.scenario.ensemble import COUNT, Ensemble, Template, law_of
 from seaglint.scenario.keys import key_at
 from seaglint.scenario.laws import Choice, LogUniform, Normal, Uniform, Weather, in_unit, value_of
+from seaglint.scenario.model import Scenario
 from seaglint.scenario.quantity import Quantity
+from seaglint.scenario.toml_text import document
 from seaglint.weather.table import TEXTS, WeatherTable
 
 MOST_TRIES: Final = 200
@@ -28,6 +31,51 @@ _SEED_BITS: Final = 53
 """Of the seeds of seas: whole numbers that every reader of tables keeps."""
 
 SingleLaw = Uniform | LogUniform | Normal | Choice
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """One scene of an ensemble.
+
+    Attributes
+    ----------
+    number : int
+        Counted from 0.
+    label : str
+        The number with leading zeros, as its files are called.
+    scenario : Scenario
+        What is rendered.
+    tables : dict
+        The scenario as a file has it, paths absolute.
+    parameters : dict
+        What was drawn, by key: numbers in the key's unit.
+    objects : tuple of dict
+        Tables of the objects drawn for it.
+    """
+
+    number: int
+    label: str
+    scenario: Scenario
+    tables: dict[str, Any]
+    parameters: dict[str, Any]
+    objects: tuple[dict[str, Any], ...]
+
+    @property
+    def seed(self) -> int:
+        """Of its sea."""
+        return self.scenario.seed
+
+    @property
+    def text(self) -> str:
+        """Its scenario file."""
+        return document(self.tables, f"scene {self.number} of an ensemble; 'seaglint render' renders it alone to the same bytes")
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """Its row of the table of parameters; lists and tables as JSON."""
+        drawn = {key: value for key, value in self.parameters.items() if key != "seed"}
+        found = {"scene": self.number, "seed": self.seed, **drawn}
+        return {key: json.dumps(value) if isinstance(value, list | tuple | Mapping) else value for key, value in found.items()}
 
 
 def sea_seed(seed: int, number: int) -> int:

@@ -9,17 +9,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 from seaglint.errors import DataError
 from seaglint.io.failures import storage_errors
 from seaglint.io.rows import write_rows
 from seaglint.io.text_file import write_text
+from seaglint.pipeline.ensemble_draw import Scene
 from seaglint.scenario.ensemble import Ensemble, read_toml
 from seaglint.scenario.toml_text import document
-
-if TYPE_CHECKING:
-    from seaglint.pipeline.ensemble import Scene
 
 _REMEDY: Final = "make room and run the same command with --resume"
 _TABLES: Final = ("parameters", "objects")

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import Any, Protocol, Self, TypeVar
 
-from seaglint.io.provenance import provenance
-from seaglint.pipeline.scene_objects import SceneObjects, bodies_of
 from seaglint.scenario.model import Scenario
-from seaglint.threads import single_threaded_algebra
 
-if TYPE_CHECKING:
-    from seaglint.pipeline.render import Sequence
+
+class Shareable(Protocol):
+    """A scene made ready, from which others can be had."""
+
+    def with_sea_of(self, scenario: Scenario) -> Self:
+        """The same with another scenario's seed and objects."""
+        ...
+
+
+Made = TypeVar("Made", bound=Shareable)
 
 
 @dataclass(eq=False)
@@ -24,9 +29,9 @@ class Kept:
     The bytes of a scene do not depend on what was kept.
     """
 
-    _latest: tuple[str, Sequence] | None = field(default=None, repr=False)
+    _latest: tuple[str, Any] | None = field(default=None, repr=False)
 
-    def sequence(self, scenario: Scenario, settings: str, prepare: Callable[[], Sequence]) -> Sequence:
+    def sequence(self, scenario: Scenario, settings: str, prepare: Callable[[], Made]) -> Made:
         """The scene of a scenario, from the latest one where only seed and objects differ.
 
         Parameters
@@ -42,19 +47,9 @@ class Kept:
             return prepare()  # its way depends on the sea
         key = settings + scenario.model_copy(update={"seed": 0, "objects": None}).model_dump_json()
         if self._latest is not None and self._latest[0] == key:
-            return _varied(self._latest[1], scenario)
+            latest: Made = self._latest[1]
+            return latest.with_sea_of(scenario)
         self._latest = None  # two at a time would be twice the memory
         made = prepare()
         self._latest = (key, made)
         return made
-
-
-@single_threaded_algebra()
-def _varied(made: Sequence, scenario: Scenario) -> Sequence:
-    """The same sea, air, Sun and sensor with another scenario's seed and objects."""
-    found = replace(made, objects=None).reseeded(scenario.seed)
-    objects = SceneObjects.of(bodies_of(scenario), found.scene.waves, shadows=scenario.render.object_shadows)
-    told = found.layout.attributes
-    attributes = {**told, **provenance(told["title"], scenario.model_dump_json(exclude_none=True), scenario.seed)}
-    layout = replace(found.layout, truth=None if objects is None else objects.layout(), attributes=attributes)
-    return replace(found, objects=objects, layout=layout)

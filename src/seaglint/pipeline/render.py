@@ -46,7 +46,6 @@ def render(
     resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
-    kept: Kept | None = None,
 ) -> Path:
     """Render frames of a scenario into a Zarr store.
 
@@ -64,8 +63,6 @@ def render(
         Go on with an unfinished store, or replace what is there.
     progress : callable, optional
         Called with (frames done, frames in all).
-    kept : Kept, optional
-        What scenes rendered one after the other share.
 
     Returns
     -------
@@ -79,7 +76,7 @@ def render(
     """
     check_output(output, resume=resume, overwrite=overwrite)
     with thread_limit(threads):
-        run = prepare_sequence(scenario, frames, kept=kept)
+        run = prepare_sequence(scenario, frames)
         return write_sequence(output, run.layout, run.images, resume=resume, overwrite=overwrite, progress=progress)
 
 
@@ -159,6 +156,16 @@ class Sequence:
         scene = self.scene.reseeded(seed)
         objects = None if self.objects is None else self.objects.over(scene.waves)
         return replace(self, scene=scene, layout=layout, sun=sun, objects=objects)
+
+    @single_threaded_algebra()
+    def with_sea_of(self, scenario: Scenario) -> Sequence:
+        """The same sea state, air, Sun and sensor with the seed and the objects of another scenario, which differs in nothing else."""
+        found = replace(self, objects=None).reseeded(scenario.seed)
+        objects = SceneObjects.of(bodies_of(scenario), found.scene.waves, shadows=scenario.render.object_shadows)
+        told = found.layout.attributes
+        attributes = {**told, **provenance(told["title"], scenario.model_dump_json(exclude_none=True), scenario.seed)}
+        layout = replace(found.layout, truth=None if objects is None else objects.layout(), attributes=attributes)
+        return replace(found, objects=objects, layout=layout)
 
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
         """What is stored of a frame, by variable.

@@ -43,13 +43,12 @@ def render(
     progress: Progress | None = None,
     electrons: bool = False,
     radiance: bool = False,
-    kept: Kept | None = None,
 ) -> Path:
     """Render frames of a scenario: counts where it has a detector, else the radiance at the aperture.
 
     Parameters
     ----------
-    scenario, output, frames, threads, resume, overwrite, progress, kept
+    scenario, output, frames, threads, resume, overwrite, progress
         As :func:`seaglint.pipeline.render.render`.
     electrons, radiance : bool
         With a detector: write electrons, and the radiance at the aperture averaged over pixels, beside counts.
@@ -66,12 +65,10 @@ def render(
                 "--electrons and --radiance go with a sensor, and the scenario has no [sensor.detector]; leave them out, or add one "
                 "(radiance is written without)"
             )
-        return plain.render(
-            scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress, kept=kept
-        )
+        return plain.render(scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
     check_output(output, resume=resume, overwrite=overwrite)
     with thread_limit(threads):
-        run = prepare_sensed(scenario, frames, electrons=electrons, radiance=radiance, kept=kept)
+        run = prepare_sensed(scenario, frames, electrons=electrons, radiance=radiance)
         return write_sequence(output, run.layout, run.images, resume=resume, overwrite=overwrite, progress=progress)
 
 
