@@ -21,6 +21,7 @@ from typer.core import TyperGroup
 
 from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
+from seaglint.cli.dataset import dataset
 from seaglint.cli.detect import detect
 from seaglint.cli.ensemble import ensemble
 from seaglint.cli.evaluate import evaluate
@@ -99,6 +100,7 @@ app.add_typer(atmosphere, name="atmosphere")
 app.add_typer(weather, name="weather")
 app.add_typer(texture, name="texture")
 app.command()(analyze)
+app.command()(dataset)
 app.command()(detect)
 app.command()(ensemble)
 app.command()(export)

@@ -115,7 +115,9 @@ class Folder:
             path.unlink(missing_ok=True)
 
     def _require_same(self, text: str, scenes: Sequence[Scene]) -> None:
-        differ = _differences(read_toml(self.file, "ensemble"), tomllib.loads(text))
+        # what a data set of it is called changes no scene
+        there, here = ({**tables, "dataset": {}} for tables in (read_toml(self.file, "ensemble"), tomllib.loads(text)))
+        differ = _differences(there, here)
         if not differ:
             for scene in scenes:
                 path = self.scenario(scene.label)
@@ -139,6 +141,7 @@ def ensemble_text(ensemble: Ensemble) -> str:
     tables: dict[str, Any] = {"ensemble": ensemble.ensemble.model_dump(exclude_none=True), "base": ensemble.base}
     tables["vary"] = laws
     tables["objects"] = [template.model_dump(exclude_unset=True) for template in ensemble.objects]
+    tables["dataset"] = ensemble.dataset.model_dump(exclude_unset=True)
     return document({name: value for name, value in tables.items() if value or name == "base"}, "as it was drawn, its base written out")
 
 

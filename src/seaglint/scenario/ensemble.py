@@ -12,6 +12,7 @@ from pydantic import ConfigDict, Field, PrivateAttr, TypeAdapter, ValidationErro
 from pydantic_core import ErrorDetails
 
 from seaglint.errors import Mistake, ScenarioError
+from seaglint.scenario.dataset import Dataset
 from seaglint.scenario.laws import Choice, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
@@ -101,6 +102,7 @@ class Ensemble(Record):
     ensemble: Settings
     vary: Annotated[tuple[Vary, ...], Field(description="laws of keys")] = ()
     objects: Annotated[tuple[Template, ...], Field(description="objects that every scene draws anew, beside those of the base")] = ()
+    dataset: Annotated[Dataset, Field(description="labelled data sets of it, for the command dataset")] = Dataset()
     _name: str = PrivateAttr("ensemble")
     _folder: Path | None = PrivateAttr(None)
 
@@ -272,6 +274,8 @@ def _told(error: ErrorDetails) -> tuple[str, Any, str]:
 _TAGS = ("uniform", "log_uniform", "normal", "choice", "weather")
 _KEYS = tuple(
     dict.fromkeys(
-        name for record in (Ensemble, Settings, Template, Uniform, LogUniform, Normal, Choice, Weather) for name in record.model_fields
+        name
+        for record in (Ensemble, Settings, Dataset, Template, Uniform, LogUniform, Normal, Choice, Weather)
+        for name in record.model_fields
     )
 )

@@ -1,0 +1,84 @@
+"""The command ``seaglint dataset``: labelled pictures of an ensemble, for training and testing detectors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from seaglint.cli.messages import log
+from seaglint.cli.options import Overwrite, Progress
+from seaglint.cli.progress import ProgressMode
+from seaglint.cli.workers import DaskOption, DaskSlurmOption, WorkersOption
+from seaglint.errors import DataError
+
+MOST_TOLD = 20
+"""Lines of what is wrong with a data set, of which more are only counted."""
+
+
+def dataset(
+    source: Annotated[
+        Path, typer.Argument(metavar="ENSEMBLE.toml", help="ensemble file, or the folder of a rendered one; with --check a data set")
+    ],
+    output: Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="folder to make")] = None,
+    form: Annotated[str, typer.Option("--format", help="coco, yolo, sirst, or zarr: the scenes' stores as they are")] = "coco",
+    bits: Annotated[int | None, typer.Option("--bits", help="8 or 16 bits of a pixel; 16 for coco, 8 for yolo and sirst")] = None,
+    image: Annotated[str | None, typer.Option("--image", help="png or tiff; png where nothing is said")] = None,
+    workers: WorkersOption = None,
+    dask: DaskOption = None,
+    dask_slurm: DaskSlurmOption = None,
+    threads: Annotated[
+        int | None, typer.Option("--threads", min=1, help="processor threads of each process; all where nothing is said")
+    ] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished data set")] = False,
+    overwrite: Overwrite = False,
+    check: Annotated[bool, typer.Option("--check", help="check a data set that is there, and make none")] = False,
+    show: Progress = ProgressMode.AUTO,
+) -> None:
+    """Render an ensemble and write its pictures with masks, boxes, tables and a data card; 'seaglint dataset --check DIR' checks one."""
+    if check:
+        _check(source)
+        return
+    if output is None:
+        raise DataError("-o is missing: the folder of the data set; give one, e.g. -o data")
+    from seaglint.cli.logs import show_logs
+    from seaglint.cli.progress import progress
+    from seaglint.cli.workers import chosen
+    from seaglint.io.dataset.check import read_about
+    from seaglint.pipeline.dataset import Options, require_output
+    from seaglint.pipeline.ensemble_dataset import ensemble_dataset, read_source
+
+    show_logs(quiet=show is ProgressMode.NONE)
+    options = Options.of(form, bits, image)
+    output = Path(str(output).rstrip("/\\"))
+    require_output(output, resume=resume, overwrite=overwrite)
+    loaded = read_source(source)
+    with chosen(workers, dask, dask_slurm, threads=threads) as hands, progress(show, "scenes") as report:
+        ensemble_dataset(
+            loaded,
+            output,
+            options,
+            workers=hands,
+            threads=threads,
+            resume=resume,
+            overwrite=overwrite,
+            progress=report,
+        )
+    found = read_about(output)["statistics"]
+    images, objects = (sum(found[name].values()) for name in ("images", "annotated_objects"))
+    log(f"{output}: {images} images with {objects} annotated objects, checked; {output / 'README.md'} says what is in it")
+
+
+def _check(folder: Path) -> None:
+    """Say what is wrong with a data set, and leave with 2 where something is."""
+    from seaglint.io.dataset.check import problems
+
+    found = list(problems(folder))
+    for line in found[:MOST_TOLD]:
+        log(f"seaglint: {folder}: {line}")
+    if len(found) > MOST_TOLD:
+        log(f"seaglint: {folder}: and {len(found) - MOST_TOLD} more")
+    if found:
+        raise typer.Exit(2)
+    log(f"{folder}: is whole: files, checksums, pictures, boxes, masks and splits")
