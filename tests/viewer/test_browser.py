@@ -143,47 +143,29 @@ def test_scrub_and_probe_tell_the_stores_values(seen):
     assert seen.number("probe-radiance") == float(radiance(8)[30, 40])
 
 
-def test_dragged_region_has_the_statistics_of_analyze(seen):
+def test_dragged_region_has_the_statistics_of_analyze(seen, store):
     seen.scrub(4)
     box = seen.drag((10, 8), (45, 40))
     assert box == {"left": 10, "top": 8, "width": 36, "height": 33}
     seen.until("document.getElementById('region').dataset.frame === '4' && document.querySelector('[data-testid=region-mean]')")
     mask = np.zeros((ROWS, COLUMNS), bool)
     mask[8:41, 10:46] = True
-    expected = analyze(open_source_of(seen).recording("radiance", only=4), Options(mask=mask)).regions["glint"].as_dict(25.0)
+    expected = analyze(open_source(store).recording("radiance", only=4), Options(mask=mask)).regions["glint"].as_dict(25.0)
     for name, key in (("mean", "mean"), ("std", "std"), ("skewness", "skewness"), ("kurtosis", "excess_kurtosis"), ("pixels", "pixels")):
         assert seen.number(f"region-{name}") == expected[key]
     assert seen.number("region-gamma") == expected["fits"]["gamma"]["shape"]
-    seen.on("analyse-frame").click()
-    seen.until("document.getElementById('analysis').dataset.result")
-    told = json.loads(seen.on("analysis").get_attribute("data-result"))
-    assert {key: told[key] for key in expected} == json.loads(json.dumps(expected))
-
-
-def open_source_of(seen: Seen):
-    """The first source of the viewer."""
-    return open_source(STORE[0])
-
-
-STORE: list[Path] = []
-
-
-@pytest.fixture(autouse=True)
-def _remember(store) -> None:
-    STORE[:] = [store]
 
 
 def test_threshold_counts_what_it_shows(seen):
     seen.scrub(2)
     seen.on("threshold-on").check()
     seen.on("threshold").evaluate("(slider) => { slider.value = 2.5; slider.dispatchEvent(new Event('input')) }")
-    seen.until(
-        "document.getElementById('threshold-table').dataset.sigma === '2.5' && document.getElementById('threshold-table').dataset.frame === '2'"
-    )
+    seen.until("(({ sigma, frame }) => sigma === '2.5' && frame === '2')(document.getElementById('threshold-table').dataset)")
     count = int((standardise(Laplacian().apply(radiance(2)[np.newaxis]))[0] > 2.5).sum())
     assert seen.number("threshold-count") == count > 0
     assert seen.number("threshold-rate") == count / (ROWS * COLUMNS)
-    shown = "(() => { const c = seaglint.state.panes.a.mask; return c.getContext('2d').getImageData(0, 0, c.width, c.height).data.filter((v, i) => i % 4 === 3 && v > 0).length })()"
+    pixels = "(() => { const c = seaglint.state.panes.a.mask; return c.getContext('2d').getImageData(0, 0, c.width, c.height).data })()"
+    shown = f"{pixels}.filter((value, place) => place % 4 === 3 && value > 0).length"
     assert seen.page.evaluate(shown) == count
 
 
@@ -239,6 +221,22 @@ def test_store_being_written_goes_on_and_vanishing_is_told(chromium, half):
     seen.until("document.getElementById('message').hidden")
     seen.end()
     viewer.end()
+
+
+@pytest.mark.validation
+def test_whole_analysis_of_a_region(seen, store):
+    seen.scrub(6)
+    box = seen.drag((5, 5), (50, 40))
+    seen.on("analyse-frame").click()
+    seen.until("document.getElementById('analysis').dataset.result")
+    told = json.loads(seen.on("analysis").get_attribute("data-result"))
+    mask = np.zeros((ROWS, COLUMNS), bool)
+    mask[box["top"] : box["top"] + box["height"], box["left"] : box["left"] + box["width"]] = True
+    expected = analyze(open_source(store).recording("radiance", only=6), Options(mask=mask)).regions["glint"].as_dict(25.0)
+    assert {key: told[key] for key in expected} == json.loads(json.dumps(expected))
+    with seen.page.expect_download() as waiting:
+        seen.on("save-csv").click()
+    assert f"mean,{expected['mean']}" in Path(waiting.value.path()).read_text().splitlines()
 
 
 @pytest.mark.validation

@@ -116,8 +116,18 @@ def test_what_cannot_be_is_told(app, path, told):
 
 @pytest.mark.parametrize(
     "path",
-    ["/static/../server.py", "/static/..%2fserver.py", "/static/%2e%2e/%2e%2e/cli/app.py", "/api/frame/../../etc/passwd", "/%2Fetc/passwd"]
-    + ["/api/source/-1", "/api/source/0%00", "/api/frame/0/0/extra", "/run.zarr/zarr.json", "/.env"],
+    [
+        "/static/../server.py",
+        "/static/..%2fserver.py",
+        "/static/%2e%2e/%2e%2e/cli/app.py",
+        "/api/frame/../../etc/passwd",
+        "/%2Fetc/passwd",
+        "/api/source/-1",
+        "/api/source/0%00",
+        "/api/frame/0/0/extra",
+        "/run.zarr/zarr.json",
+        "/.env",
+    ],
 )
 def test_nothing_is_served_by_path(app, path):
     found = ask(app, path)

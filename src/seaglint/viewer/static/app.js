@@ -142,7 +142,7 @@ async function open() {
   if (a === null) { say(new Error("choose a sequence, a map or a recording")); return; }
   try {
     const metaA = await json(`/api/source/${a}`), metaB = b === null ? null : await json(`/api/source/${b}`);
-    Object.assign(state, { a, b, meta: { a: metaA, b: metaB }, region: null, pinned: null, pointer: null });
+    Object.assign(state, { a, b, meta: { a: metaA, b: metaB }, region: null, pinned: null, pointer: null, probed: null });
     $("difference-box").hidden = b === null;
     if (b === null) $("difference").checked = false;
     arrange();

@@ -5,7 +5,8 @@ import { $, bytes, digits, fill, json, latest, short } from "./tools.js";
 
 /** Values under the pointer, of both sources. */
 export const probe = latest(async () => {
-  const where = state.pointer || state.pinned;
+  const where = state.pointer || state.probed || state.pinned; // the last pixel stays when the pointer leaves
+  state.probed = where;
   if (!where || state.a === null) return;
   const [column, row] = where;
   const inside = (meta) => meta && column < meta.columns && row < meta.rows;

@@ -9,6 +9,7 @@ export const state = {
   playing: false,
   region: null,
   pointer: null, // [column, row] under the pointer
+  probed: null, // the one whose values are told
   pinned: null, // [column, row] whose course is shown
   active: "a", // the pane that was touched last
   panes: {},
