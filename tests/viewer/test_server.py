@@ -287,6 +287,32 @@ def test_without_display_the_address_is_told(monkeypatch, capsys):
 
 
 @pytest.mark.validation
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="no /proc to read the memory from")
+def test_memory_is_flat_over_10_000_frames(tmp_path):
+    import asyncio
+
+    stored = np.lib.format.open_memmap(tmp_path / "long.npy", "w+", np.float32, (10_000, 128, 160))  # holes: no disk is filled
+    stored[::500] = 1.0
+    del stored
+    app = server.make_app(Library([tmp_path / "long.npy"]))
+
+    def resident() -> int:
+        return next(int(line.split()[1]) for line in Path("/proc/self/status").read_text().splitlines() if line.startswith("VmRSS"))
+
+    async def watch() -> list[int]:
+        told = []
+        async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url=f"http://{HOST}") as client:
+            for index in range(10_000):
+                assert (await client.get(f"/api/frame/0/{index}?scaling=plateau")).status_code == 200
+                if index % 1000 == 999:
+                    told.append(resident())
+        return told
+
+    told = asyncio.run(watch())
+    assert told[-1] - told[1] < 16_000  # kB; the frames read meanwhile are 650 MB
+
+
+@pytest.mark.validation
 def test_command_serves_until_it_is_told_to_end(store, tmp_path):
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))

@@ -27,7 +27,8 @@ export class Pane {
   static paint(target, levels, columns, rows, table) {
     if (target.width !== columns || target.height !== rows) { target.width = columns; target.height = rows; }
     const pen = target.getContext("2d");
-    const image = pen.createImageData(columns, rows);
+    if (!target.held || target.held.width !== columns || target.held.height !== rows) target.held = pen.createImageData(columns, rows);
+    const image = target.held; // one for all frames
     const out = new Uint32Array(image.data.buffer);
     for (let i = 0; i < out.length; i++) out[i] = table[levels[i]];
     pen.putImageData(image, 0, 0);
@@ -93,11 +94,11 @@ export class Pane {
     this.drawBoxes(pen, p);
     if (region) {
       pen.strokeStyle = INK.mark;
-      pen.lineWidth = 1.5;
+      pen.lineWidth = 2;
       pen.strokeRect(p.left + region.left * p.size, p.top + region.top * p.size, region.width * p.size, region.height * p.size);
     }
     if (pinned) this.cross(pen, p, pinned, INK.mark);
-    if (pointer) this.cross(pen, p, pointer, "#ffffffb0");
+    if (pointer) this.cross(pen, p, pointer, "#ffffff");
     pen.restore();
     this.axes(pen, p, frame);
     pen.textAlign = "left";
@@ -127,11 +128,13 @@ export class Pane {
 
   cross(pen, p, [column, row], colour) {
     const x = p.left + (column + 0.5) * p.size, y = p.top + (row + 0.5) * p.size, r = Math.max(p.size / 2, 3);
-    pen.strokeStyle = colour;
-    pen.lineWidth = 1;
-    pen.beginPath();
-    for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) { pen.moveTo(x + dx * r, y + dy * r); pen.lineTo(x + dx * (r + 7), y + dy * (r + 7)); }
-    pen.stroke();
+    for (const [ink, width] of [["#000000c0", 4], [colour, 1.6]]) { // dark around bright: seen on any ground
+      pen.strokeStyle = ink;
+      pen.lineWidth = width;
+      pen.beginPath();
+      for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) { pen.moveTo(x + dx * r, y + dy * r); pen.lineTo(x + dx * (r + 8), y + dy * (r + 8)); }
+      pen.stroke();
+    }
   }
 
   /** Degrees below and left where each column and row has one, pixels above and right; pixels alone otherwise. */
