@@ -209,6 +209,20 @@ def test_side_by_side_and_difference(chromium, served):
 
 
 @pytest.mark.validation
+def test_difference_of_two_sizes_is_told_and_both_are_shown(chromium, store, tmp_path):
+    np.save(tmp_path / "small.npy", np.arange(600.0).reshape(1, 20, 30))
+    np.save(tmp_path / "large.npy", np.arange(1200.0).reshape(1, 30, 40))
+    viewer = Served(tmp_path / "small.npy", tmp_path / "large.npy")
+    seen = Seen(chromium, viewer)
+    seen.on("difference").check()
+    seen.on("message").filter(has_text="30 x 20 and 40 x 30 pixels").wait_for()
+    assert seen.page.evaluate("seaglint.state.panes.a.levels.length") == 600
+    assert seen.page.evaluate("seaglint.state.panes.b.levels.length") == 1200
+    seen.end()
+    viewer.end()
+
+
+@pytest.mark.validation
 def test_store_being_written_goes_on_and_vanishing_is_told(chromium, half):
     viewer = Served(half)
     seen = Seen(chromium, viewer)

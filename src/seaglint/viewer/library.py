@@ -98,9 +98,9 @@ class Library:
                 if number >= self.given and not any(Path(path).resolve().is_relative_to(folder) for folder in self._folders):
                     raise DataError(f"{self._name(path)}: leads out of the folders that the viewer was started with")
                 found = open_source(path)
-            self._open[number] = found
+            self._open[number] = found  # the last to go
             while len(self._open) > max(MOST_OPEN, self.given):
-                self._open.pop(next(n for n in self._open if n >= self.given or len(self._open) > self.given))
+                self._open.pop(next(n for n in self._open if n >= self.given))
             return found
 
 

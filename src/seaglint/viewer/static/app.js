@@ -42,9 +42,11 @@ async function fetchPane(name, frame) {
   };
 }
 
-/** Show a frame in all panes; they change together. */
+/** Show a frame in all panes; they change together. A difference that cannot be is told, and the two are shown. */
 async function show(frame) {
-  const found = await Promise.all(names().map((name) => fetchPane(name, frame)));
+  let refused = null;
+  const part = (name) => (name === "d" ? fetchPane(name, frame).catch((error) => { refused = error; return null; }) : fetchPane(name, frame));
+  const found = (await Promise.all(names().map(part))).filter((one) => one !== null);
   state.frame = frame;
   for (const { name, levels, scale, above, boxes } of found) {
     const pane = state.panes[name];
@@ -57,12 +59,15 @@ async function show(frame) {
   redraw();
   readouts();
   count();
+  if (refused) say(refused);
+  return refused;
 }
 
 const goTo = latest(async (frame) => {
+  if (state.a === null || state.meta.a.first === null) return;
   try {
-    await show(Math.min(Math.max(frame, first()), last()));
-    if (!isGone()) say(null);
+    const refused = await show(Math.min(Math.max(frame, first()), last()));
+    if (!refused && !isGone()) say(null);
   } catch (error) { say(error); pause(); }
   aside();
 });
@@ -93,7 +98,7 @@ function count() {
 
 /** Play by the clock: a frame is asked for when the one before is drawn, and those that would be late are left out. */
 async function play() {
-  if (state.playing) return;
+  if (state.playing || state.a === null || last() <= first()) return;
   state.playing = true;
   $("play").textContent = "❚❚";
   let began = performance.now(), from = state.frame >= last() ? first() : state.frame;
