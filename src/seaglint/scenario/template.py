@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from seaglint.errors import DataError, ScenarioError, StorageError
 from seaglint.scenario.keys import Key, choices_of_kind, fields_of, is_list
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import PRESETS, Preset
+from seaglint.scenario.write import toml_value
 
 __all__ = ["PRESETS", "json_schema", "template", "write_template"]
 
@@ -164,7 +164,9 @@ def _kind(name: str, record: type[BaseModel]) -> str:
         default = key.info.default
         if key.path[-1] != "kind":
             shown = default is not None and not isinstance(default, BaseModel) and not key.info.is_required()
-            given.append(f"{key.path[-1]} = {_toml(default) if shown else _IN_LISTS.get(key.path[-1], _EXAMPLES.get(key.path[-1], '...'))}")
+            given.append(
+                f"{key.path[-1]} = {toml_value(default) if shown else _IN_LISTS.get(key.path[-1], _EXAMPLES.get(key.path[-1], '...'))}"
+            )
     return f"#   {name} = {{ {', '.join(given)} }}  # {_first_line(record)}"
 
 
@@ -191,20 +193,4 @@ def _entry(key: Key, value: Any, examples: Mapping[str, str] = _EXAMPLES) -> str
     comment = f"  # {note}" if note else ""
     if value is None:
         return f"# {name} = {examples.get(name, '...')}{comment}"
-    return f"{name} = {_toml(value)}{comment}"
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, datetime):
-        return value.isoformat().replace("+00:00", "Z")
-    if isinstance(value, int | float):
-        return repr(value)
-    if isinstance(value, tuple):
-        return "[" + ", ".join(_toml(item) for item in value) + "]"
-    if isinstance(value, BaseModel):
-        given = ((name, item) for name, item in value if item is not None)
-        return "{ " + ", ".join(f"{name} = {_toml(item)}" for name, item in given) + " }"
-    text = str(value).replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{text}"'
+    return f"{name} = {toml_value(value)}{comment}"
