@@ -49,6 +49,12 @@ class Scenario(Record):
     objects: Annotated[tuple[Object, ...] | None, Field(description="what is on and above the sea")] = None
     likelihood: Annotated[Likelihood | None, Field(description="how often glint matters, for the command likelihood")] = None
 
+    def _repr_html_(self) -> str:
+        """What a notebook shows."""
+        from seaglint.scenario.display import scenario_html  # it reads the models
+
+        return scenario_html(self)
+
     @model_validator(mode="before")
     @classmethod
     def _sun_by_default(cls, raw: Any) -> Any:
