@@ -138,7 +138,6 @@ class Analysis:
             "notes": list(self.notes),
         }
 
-
     def _repr_html_(self) -> str:
         """What a notebook shows: the regions' moments, and the notes."""
         found = self.as_dict()

@@ -39,7 +39,7 @@ def compass(scenario: Scenario, sun: SunPosition | None, azimuth_deg: float | No
     ticks = "".join(f'<path d="M{_at(a, _RADIUS)}L{_at(a, _RADIUS + (6 if a % 90 else 9))}"/>' for a in range(0, 360, 10))
     names = "".join(
         f'<text x="{place.split(",")[0]}" y="{place.split(",")[1]}" text-anchor="middle" dominant-baseline="central" '
-        f'font-weight="{600 if name in "NESW" else 400}">{name}</text>'
+        f'font-weight="{600 if len(name) == 1 else 400}">{name}</text>'
         for name, place in ((text, _at(a, _RADIUS + 20)) for a, text in _NAMES.items())
     )
     return (
