@@ -33,6 +33,7 @@ from seaglint.cli.reproduce import reproduce
 from seaglint.cli.sensor import SensorPreset, sense, sensor
 from seaglint.cli.sensor import line as counts_line
 from seaglint.cli.texture import texture
+from seaglint.cli.view import view
 from seaglint.cli.weather import weather
 from seaglint.errors import DataError, SeaglintError
 
@@ -105,6 +106,7 @@ app.command()(labels)
 app.command()(sense)
 app.command()(sensor)
 app.command()(likelihood)
+app.command()(view)
 
 _NO_MAPS = frozenset({".zarr", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
 """Endings that say another kind of file is meant than a mean map."""

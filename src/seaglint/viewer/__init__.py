@@ -1,1 +1,1 @@
-"""Look at scenes and sequences in a browser; needs the extra ``viewer``."""
+"""Look at sequences, maps, recordings and scenarios in a browser: ``seaglint view``."""

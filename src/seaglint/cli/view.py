@@ -1,0 +1,49 @@
+"""``seaglint view``: look at sequences, maps, recordings and scenarios in a browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+def view(
+    inputs: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[RUN.zarr|map.nc|SCENARIO.toml|RECORDING]...", help="what to look at; two sequences stand side by side"),
+    ] = None,
+    port: Annotated[int | None, typer.Option("--port", min=1, max=65535, help="port to listen at; the first free one from 8420")] = None,
+    host: Annotated[
+        str, typer.Option("--host", help="address to listen at; beyond this machine a token becomes part of the address")
+    ] = "127.0.0.1",
+    browser: Annotated[bool, typer.Option("--browser/--no-browser", help="open the address in a browser")] = True,
+    folder: Annotated[
+        Path | None, typer.Option("--folder", help="folder from which other files may be chosen; that of what is given")
+    ] = None,
+    variable: Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")] = None,
+) -> None:
+    """Look at sequences, maps, recordings and scenarios in a browser, on this machine alone.
+
+    Play, scrub and zoom; values under the pointer; two sequences and their difference; histograms of regions, thresholds and false alarms.
+    A scenario opens the workbench. The address is printed; Ctrl-C ends it.
+
+    Example: seaglint view run.zarr
+    """
+    from seaglint.errors import DataError
+    from seaglint.viewer.server import require_installed
+
+    require_installed()
+    given = inputs or []
+    scenarios = [name for name in given if name.lower().endswith(".toml")]
+    others = [name for name in given if name not in scenarios]
+    if len(scenarios) > 1:
+        raise DataError(f"{len(scenarios)} scenarios are given; the workbench changes one: give one of them")
+    if not given and folder is None:
+        raise DataError("nothing to look at; give a sequence, a map, a recording or a scenario, or --folder to choose from")
+    from seaglint.viewer.library import Library
+    from seaglint.viewer.server import serve, workbench
+
+    pages = [workbench(scenarios[0])] if scenarios else []
+    library = Library(others, folder if folder is not None or others else None, variable)
+    serve(library, pages, host=host, port=port, browser=browser, announce=lambda where: typer.echo(f"{where}"))

@@ -1,0 +1,95 @@
+"""Analyses that take longer than an answer may: one thread each, asked for how far they are, stopped when nobody asks any more."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from seaglint.errors import DataError, SeaglintError
+
+PATIENCE: Final = 15.0
+"""Seconds after which a job that nobody asks for is stopped: its browser is closed."""
+
+MOST: Final = 4
+"""Jobs at the same time."""
+
+
+class _StoppedError(Exception):
+    """Nobody waits for the result."""
+
+
+@dataclass
+class Job:
+    """One analysis: how far it is, and its result or the error's text."""
+
+    done: int = 0
+    total: int = 1
+    result: dict[str, Any] | None = None
+    error: str | None = None
+    asked: float = field(default_factory=time.monotonic)
+    finished: threading.Event = field(default_factory=threading.Event)
+
+    def progress(self, done: int, total: int) -> None:
+        """Note how far it is; leave where nobody waits."""
+        self.done, self.total = done, max(total, 1)
+        if time.monotonic() - self.asked > PATIENCE:
+            raise _StoppedError
+
+
+class Jobs:
+    """Those that run and the last ones that ran."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._jobs: dict[int, Job] = {}
+        self._numbers = itertools.count()
+
+    def start(self, work: Callable[[Callable[[int, int], None]], dict[str, Any]]) -> int:
+        """Begin ``work(progress)`` and return its number.
+
+        Raises
+        ------
+        DataError
+            Too many run already.
+        """
+        with self._lock:
+            if sum(not job.finished.is_set() for job in self._jobs.values()) >= MOST:
+                raise DataError(f"{MOST} analyses run already; wait for one of them")
+            while len(self._jobs) >= 4 * MOST:
+                self._jobs.pop(next(number for number, job in self._jobs.items() if job.finished.is_set()))
+            number, job = next(self._numbers), Job()
+            self._jobs[number] = job
+
+        def run() -> None:
+            try:
+                job.result = work(job.progress)
+            except _StoppedError:
+                job.error = "stopped: nobody waited for it"
+            except SeaglintError as error:
+                job.error = str(error)
+            except Exception as error:
+                job.error = f"failed: {type(error).__name__}: {error}"
+                raise
+            finally:
+                job.finished.set()
+
+        threading.Thread(target=run, name=f"analysis {number}", daemon=True).start()
+        return number
+
+    def get(self, number: int) -> Job:
+        """The job of a number, whose patience begins anew.
+
+        Raises
+        ------
+        DataError
+            No such job.
+        """
+        job = self._jobs.get(number)
+        if job is None:
+            raise DataError(f"analysis {number}: is not known any more; start it again")
+        job.asked = time.monotonic()
+        return job

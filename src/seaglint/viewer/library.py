@@ -1,0 +1,123 @@
+"""Files that a viewer may open: a list on the server, of which browsers know numbers only."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, Final
+
+from seaglint.errors import DataError
+from seaglint.io.recording import images, video
+from seaglint.viewer.frames import Source, open_source
+
+ENDINGS: Final = frozenset({
+    ".zarr", ".partial", ".nc", ".nc4", ".npy", ".npz", ".h5", ".hdf5", ".he5", ".mat", ".fits", ".fit", ".fts",
+    *images.ENDINGS, *video.ENDINGS,
+})  # fmt: skip
+"""Endings of what is offered in a folder; raw files need a layout and are given by name."""
+
+MOST_LISTED: Final = 300
+"""Files of a folder that are offered."""
+
+MOST_OPEN: Final = 6
+"""Sources that are kept open."""
+
+
+class Library:
+    """Numbered files under the folders that the viewer was started with.
+
+    Parameters
+    ----------
+    given : iterable of path
+        What the user named; opened at once, so that mistakes are told before a browser opens.
+    folder : path, optional
+        Where other files may be chosen from; the folders of what was given where none is named.
+    variable : str, optional
+        Which array of files that hold several.
+
+    Raises
+    ------
+    DataError
+        A folder that is none, or something given that cannot be opened.
+    """
+
+    def __init__(self, given: Iterable[str | Path] = (), folder: str | Path | None = None, variable: str | None = None) -> None:
+        self._lock = threading.RLock()
+        self._paths: list[str] = []
+        self._open: dict[int, Source] = {}
+        named = [str(path) for path in given]
+        if folder is not None and not Path(folder).is_dir():
+            raise DataError(f"--folder {folder}: is no folder; give one with sequences or recordings")
+        self._folders = [Path(folder).resolve()] if folder is not None else sorted({Path(path).resolve().parent for path in named})
+        for path in named:
+            self._open[self._number(path)] = open_source(path, variable)
+        self.given = len(self._paths)
+
+    def __len__(self) -> int:
+        """Files known."""
+        return len(self._paths)
+
+    def _number(self, path: str) -> int:
+        with self._lock:
+            if path not in self._paths:
+                self._paths.append(path)
+            return self._paths.index(path)
+
+    def listed(self) -> list[dict[str, Any]]:
+        """Number and name of every file that may be opened, those given first; folders are looked through anew."""
+        for folder in self._folders:
+            for path in _files(folder):
+                if len(self._paths) >= self.given + MOST_LISTED:
+                    break
+                self._number(str(path))
+        return [{"id": number, "name": self._name(path)} for number, path in enumerate(self._paths) if number < self.given or _there(path)]
+
+    def _name(self, path: str) -> str:
+        resolved = Path(path).resolve()
+        for folder in self._folders:
+            if resolved.is_relative_to(folder):
+                return str(resolved.relative_to(folder))
+        return Path(path).name
+
+    def source(self, number: int) -> Source:
+        """Source of a number, opened where it is not yet; the one not used for longest is let go.
+
+        Raises
+        ------
+        DataError
+            No such number, or a file that cannot be opened.
+        """
+        with self._lock:
+            if not 0 <= number < len(self._paths):
+                raise DataError(f"source {number}: the list has {len(self._paths)} files, from 0; choose one of them")
+            found = self._open.pop(number, None)
+            if found is None:
+                path = self._paths[number]
+                if number >= self.given and not any(Path(path).resolve().is_relative_to(folder) for folder in self._folders):
+                    raise DataError(f"{self._name(path)}: leads out of the folders that the viewer was started with")
+                found = open_source(path)
+            self._open[number] = found
+            while len(self._open) > max(MOST_OPEN, self.given):
+                self._open.pop(next(n for n in self._open if n >= self.given or len(self._open) > self.given))
+            return found
+
+
+def _there(path: str) -> bool:
+    return os.path.exists(path)
+
+
+def _files(folder: Path, depth: int = 2) -> Iterator[Path]:
+    """What has a known ending in a folder and the folders in it; links that lead out of it are left alone."""
+    try:
+        entries = sorted(folder.iterdir())
+    except OSError:
+        return
+    for entry in entries:
+        if entry.name.startswith(".") or not entry.resolve().is_relative_to(folder.resolve()):
+            continue
+        if entry.suffix.lower() in ENDINGS:
+            yield entry
+        elif depth > 1 and entry.is_dir():
+            yield from _files(entry, depth - 1)

@@ -1,0 +1,249 @@
+"""What a file holds to look at: layers, directions, truth; nothing but headers is read until a frame is asked for."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.analysis import Recording
+from seaglint.errors import DataError, SeaglintError
+from seaglint.io.counts import count_line
+from seaglint.io.directions import directions
+from seaglint.io.netcdf import open_netcdf
+from seaglint.io.provenance import stored_band
+from seaglint.io.recording import open_recording
+from seaglint.io.recording.arrays import stored_frame_rate
+from seaglint.io.store import is_sequence
+from seaglint.io.truth import GROUP
+from seaglint.plot.summary import to_temperature
+from seaglint.schema import VARIABLES
+
+MAIN: Final = ("radiance", "signal", "texture")
+"""Layers that are shown first, where they are there."""
+
+_MAPS: Final = (".nc", ".nc4")
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One image for each frame.
+
+    Attributes
+    ----------
+    name, label, unit : str
+        By which it is asked for, what it is, and the unit as it is written.
+    read : callable
+        ``read(index)`` gives the image (rows, columns).
+    saturation : float or None
+        Value at which the format or the detector saturates.
+    """
+
+    name: str
+    label: str
+    unit: str
+    read: Callable[[int], NDArray[np.floating[Any]]] = field(repr=False)
+    saturation: float | None = None
+
+
+@dataclass(frozen=True)
+class Box:
+    """An object in view: its name, and the first column and row, columns and rows that it touches [px]."""
+
+    name: str
+    left: float
+    top: float
+    width: float
+    height: float
+    range_m: float
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A file's frames; attributes as in :class:`~seaglint.viewer.frames.Source`."""
+
+    frames: int
+    rows: int
+    columns: int
+    layers: dict[str, Layer]
+    done: Callable[[], NDArray[np.int64]] = field(repr=False)
+    frame_rate: float | None = None
+    times: NDArray[np.float64] | None = None
+    directions: Callable[[int], tuple[NDArray[np.float64], NDArray[np.float64]]] | None = field(default=None, repr=False)
+    turning: bool = False
+    boxes: Callable[[int], list[Box]] | None = field(default=None, repr=False)
+    recording: Recording | None = None
+    title: str = ""
+    notes: tuple[str, ...] = ()
+
+
+def open_path(path: Path, variable: str | None = None) -> Opened:
+    """Open what is at a path.
+
+    Raises
+    ------
+    DataError
+        Nothing that can be looked at.
+    """
+    if path.is_dir() and is_sequence(path):
+        return _of_sequence(path, variable)
+    if path.suffix.lower() in _MAPS:
+        dataset = open_netcdf(path, decode_times=False)
+        if _images(dataset):
+            return _of_dataset(dataset, path, variable, None)
+    return _of_recording(open_recording(path, variable=variable))
+
+
+def _of_sequence(path: Path, variable: str | None) -> Opened:
+    """A store of ours. Which frames are done is told by the names of the chunks of ``frame_done``: reading them takes long for many."""
+    import xarray as xr
+
+    try:
+        dataset = xr.open_dataset(str(path), engine="zarr", consolidated=False, chunks=None, decode_times=False)
+        count = int(dataset.sizes["time"])
+    except Exception as error:
+        raise DataError(f"{path}: the sequence is damaged ({' '.join(str(error).split())[:200]}); render it again") from error
+
+    def done() -> NDArray[np.int64]:
+        try:
+            names = [entry.name for entry in os.scandir(path / "frame_done" / "c")]
+        except OSError:
+            names = []
+        found = np.array(sorted(int(name) for name in names if name.isdigit()), np.int64)
+        return found[found < count]
+
+    return _of_dataset(dataset, path, variable, done)
+
+
+def _images(dataset: Any) -> list[str]:
+    """Variables that are images, the most telling first; all have the size of the first."""
+    names = [
+        str(name)
+        for name, values in dataset.data_vars.items()
+        if (values.dims[-2:] == ("y", "x") and values.dims[:-2] in ((), ("time",))) and values.dtype.kind in "uif"
+    ]
+    return sorted(names, key=lambda name: MAIN.index(name) if name in MAIN else len(MAIN))
+
+
+def _of_dataset(dataset: Any, path: Path, variable: str | None, done: Callable[[], NDArray[np.int64]] | None) -> Opened:
+    names = _images(dataset)
+    if variable is not None:
+        if variable not in names:
+            raise DataError(f"{path}: has no image variable '{variable}'; it has {', '.join(names) or 'none'}")
+        names = [variable, *(name for name in names if name != variable)]
+    if not names:
+        raise DataError(f"{path}: holds no images; give a file made by 'seaglint render' or 'seaglint mean'")
+    first = dataset[names[0]]
+    moving = "time" in first.dims
+    frames = int(first.sizes["time"]) if moving else 1
+    rows, columns = (int(size) for size in first.shape[-2:])
+    layers = _layers(dataset, names)
+    everything = np.arange(frames, dtype=np.int64)
+    towards: Callable[[int], Any] | None = lambda index: directions(dataset, index)  # noqa: E731
+    try:
+        assert towards is not None
+        towards(0)
+    except (KeyError, ValueError, TypeError, IndexError):
+        towards = None
+    return Opened(
+        frames,
+        rows,
+        columns,
+        layers,
+        (lambda: everything) if done is None else done,
+        stored_frame_rate(dataset, first) if moving else None,
+        dataset["time"].to_numpy().astype(np.float64) if moving and "time" in dataset.variables else None,
+        towards,
+        turning="azimuth" not in dataset.variables,
+        boxes=_boxes(path) if moving else None,
+        title=str(dataset.attrs.get("title", "")),
+    )
+
+
+def _layers(dataset: Any, names: list[str]) -> dict[str, Layer]:
+    """Layers stored, and those that follow from the main one: radiance of counts, apparent temperature of radiance."""
+
+    def stored(name: str) -> Callable[[int], NDArray[np.floating[Any]]]:
+        def read(index: int) -> NDArray[np.floating[Any]]:
+            values = dataset[name]
+            found = np.array(values[index] if "time" in values.dims else values)
+            return found if found.dtype.kind == "f" else found.astype(np.float32)
+
+        return read
+
+    found: dict[str, Layer] = {}
+    for name in names:
+        known, about = VARIABLES.get(name), dataset[name].attrs
+        unit = (known.symbol or known.units).strip() if known else str(about.get("units", ""))
+        label = str(about.get("long_name") or (known.long_name if known else name))
+        full = about.get("saturation_counts")
+        found[name] = Layer(name, label, "" if unit == "1" else unit, stored(name), None if full is None else float(full))
+    _derive(dataset, found)
+    return found
+
+
+def _derive(dataset: Any, found: dict[str, Layer]) -> None:
+    about = VARIABLES["radiance"]
+    if "signal" in found and "radiance" not in found:
+        try:
+            scale, offset = count_line(dataset["signal"])
+        except SeaglintError:
+            return
+        counts = found["signal"].read
+        found["radiance"] = Layer("radiance", about.long_name, about.symbol, lambda index: counts(index) * scale + offset)
+    if "radiance" not in found or "apparent_temperature" in found:
+        return
+    try:
+        band = stored_band(dataset.attrs)
+    except (KeyError, ValueError):
+        return
+    radiance = found["radiance"].read
+    warm = VARIABLES["apparent_temperature"]
+    found[warm.name] = Layer(warm.name, warm.long_name, warm.units, lambda index: to_temperature(radiance(index), band))
+
+
+def _boxes(path: Path) -> Callable[[int], list[Box]] | None:
+    """Boxes of a store's truth."""
+    if not (path / GROUP / "zarr.json").exists():
+        return None
+    import zarr
+
+    group: Any = zarr.open_group(path / GROUP, mode="r", zarr_format=3)
+    names = [str(name) for name in group.attrs["objects"]]
+    wanted = ("bbox_left_px", "bbox_top_px", "bbox_width_px", "bbox_height_px", "range_m")
+
+    def read(index: int) -> list[Box]:
+        table = np.stack([np.asarray(group[name][index], np.float64) for name in wanted], axis=1)
+        rows = zip(names, table.tolist(), strict=True)
+        return [Box(name, *row) for name, row in rows if all(map(math.isfinite, row[:4])) and row[2] > 0.0 and row[3] > 0.0]
+
+    return read
+
+
+def _of_recording(found: Recording) -> Opened:
+    """Anything else; without units, numbers are counts where the format has whole ones, or not known."""
+    unit = found.units or ("counts" if found.saturation is not None else "unit not known")
+    label = "counts" if unit == "counts" else "value"
+
+    def read(index: int) -> NDArray[np.floating[Any]]:
+        block = np.array(found.read_block(index, index + 1)[0])
+        return block if block.dtype.kind == "f" else block.astype(np.float64 if block.dtype.itemsize > 2 else np.float32)
+
+    full = None if found.saturation is None else found.saturation + found.offset
+    everything = np.arange(found.frames, dtype=np.int64)
+    return Opened(
+        found.frames,
+        found.rows,
+        found.columns,
+        {"value": Layer("value", label, unit, read, full)},
+        lambda: everything,
+        found.frame_rate,
+        recording=found,
+        notes=found.notes,
+    )

@@ -1,0 +1,127 @@
+"""What is shown of a source: which layer, less which other source, on which scale."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from collections import OrderedDict
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.errors import DataError
+from seaglint.viewer.frames import Source
+from seaglint.viewer.scaling import Scaling, scaling_of
+
+SAMPLED: Final = 12
+"""Frames that set a scale for all."""
+
+MOST_SAMPLED: Final = 1_000_000
+"""Pixels in them that percentiles and histograms are made of."""
+
+_KEPT: Final = 64
+
+
+@dataclass(frozen=True)
+class Show:
+    """What is shown.
+
+    Attributes
+    ----------
+    source, minus : Source
+        Frames, and those that are taken off them, frame by frame.
+    layer : str or None
+        Layer of both.
+    kind : str
+        One of :data:`seaglint.viewer.scaling.KINDS`.
+    fixed : bool
+        One scale for all frames, from some of them; otherwise of each frame its own.
+    limits : (float, float) or None
+        Ends of a linear scale, given by hand.
+    """
+
+    source: Source
+    layer: str | None = None
+    minus: Source | None = None
+    kind: str = "percentile"
+    fixed: bool = True
+    limits: tuple[float, float] | None = None
+
+    def image(self, index: int) -> NDArray[np.floating[Any]]:
+        """Values of a frame (rows, columns) [unit of the layer].
+
+        Raises
+        ------
+        DataError
+            A frame or a layer that is not there, or two sources of different sizes or units.
+        """
+        found = self.source.read(index, self.layer)
+        if self.minus is None:
+            return found
+        mine = self.source.layer(self.layer)
+        other = self.minus.layer(self.layer)
+        if other.unit != mine.unit:
+            raise DataError(
+                f"difference: {mine.label} [{mine.unit}] and {other.label} [{other.unit}] have different units; choose one layer"
+            )
+        taken = self.minus.read(index, self.layer)
+        if taken.shape != found.shape:
+            sizes = " and ".join(f"{image.shape[1]} x {image.shape[0]}" for image in (found, taken))
+            raise DataError(f"difference: the pictures have {sizes} pixels; give two of one size")
+        return found - taken
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """Tells what is shown, but for the frame."""
+        sources = tuple((s.path, s.stamp) for s in (self.source, self.minus) if s is not None)
+        return (*sources, self.layer, self.kind, self.fixed, self.limits)
+
+
+class Scales:
+    """Scalings of what was shown last; those of a whole sequence take reading several frames."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._kept: OrderedDict[tuple[Any, ...], Scaling] = OrderedDict()
+
+    def of(self, show: Show, index: int) -> Scaling:
+        """Scaling of a frame."""
+        symmetric = show.minus is not None
+        if show.limits is not None:
+            return scaling_of((), show.kind, limits=show.limits)
+        if not show.fixed:
+            return scaling_of([show.image(index)], show.kind, symmetric=symmetric)
+        frames = sampled(show)
+        key = (*show.key, tuple(frames.tolist()))
+        with self._lock:
+            found = self._kept.get(key)
+            if found is None:
+                images = [show.image(int(frame)) for frame in frames]
+                pixels = sum(image.size for image in images)
+                if show.kind != "linear" and pixels > MOST_SAMPLED:
+                    step = int(np.ceil(np.sqrt(pixels / MOST_SAMPLED)))
+                    images = [image[::step, ::step] for image in images]
+                found = scaling_of(images, show.kind, symmetric=symmetric)
+                self._kept[key] = found
+                while len(self._kept) > _KEPT:
+                    self._kept.popitem(last=False)
+        return found
+
+
+def sampled(show: Show) -> NDArray[np.int64]:
+    """Frames that set the scale for all: evenly spaced over what is there, changing seldom while a sequence grows."""
+    done = show.source.done()
+    if show.minus is not None:
+        done = np.intersect1d(done, show.minus.done())
+    if done.size < show.source.opened.frames and done.size:
+        done = done[: 1 << (int(done.size).bit_length() - 1)]
+    return done[np.unique(np.linspace(0, max(done.size - 1, 0), min(done.size, SAMPLED)).astype(np.int64))]
+
+
+def tag(show: Show, index: int, scaling: Scaling) -> str:
+    """An ETag: the same for the same picture."""
+    steps = b"" if scaling.steps is None else scaling.steps.tobytes()
+    told = repr((show.key, index, scaling.low, scaling.high)).encode() + steps
+    return f'"{hashlib.blake2b(told, digest_size=12).hexdigest()}"'

@@ -1,0 +1,82 @@
+"""What is under the pointer: a pixel's values in every layer, where it looks, and its course in time."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from seaglint.errors import DataError
+from seaglint.viewer.frames import Source
+
+
+def probe(source: Source, index: int, row: int, column: int) -> dict[str, Any]:
+    """Values of a pixel of one frame, by layer, with units; direction and objects where they are known.
+
+    Raises
+    ------
+    DataError
+        A pixel outside the image, or a frame that is not there.
+    """
+    opened = source.opened
+    require_pixel(source, row, column)
+    values = []
+    for layer in opened.layers.values():
+        value = float(source.read(index, layer.name)[row, column])
+        values.append({"name": layer.name, "label": layer.label, "unit": layer.unit, "value": value if np.isfinite(value) else None})
+    azimuth, elevation = towards(source, index, row, column)
+    boxes = source.boxes(index)
+    inside = [b.name for b in boxes if b.left <= column < b.left + b.width and b.top <= row < b.top + b.height]
+    return {
+        "frame": index,
+        "row": row,
+        "column": column,
+        "azimuth_deg": azimuth,
+        "elevation_deg": elevation,
+        "values": values,
+        "objects": inside,
+    }
+
+
+def require_pixel(source: Source, row: int, column: int) -> None:
+    """Refuse a pixel outside the image."""
+    opened = source.opened
+    if not (0 <= row < opened.rows and 0 <= column < opened.columns):
+        raise DataError(f"pixel at row {row}, column {column}: the image has {opened.rows} rows and {opened.columns} columns, from 0")
+
+
+def towards(source: Source, index: int, row: int, column: int) -> tuple[float | None, float | None]:
+    """Azimuth and elevation of a pixel's centre [deg]; None where they are not known."""
+    found = source.directions(index)
+    if found is None:
+        return None, None
+    azimuth, elevation = found
+    if azimuth.ndim == 1:
+        return float(azimuth[column]), float(elevation[row])
+    return float(azimuth[row, column]), float(elevation[row, column])
+
+
+def trace(source: Source, row: int, column: int, around: int, layer: str | None = None) -> dict[str, Any]:
+    """Course of a pixel in time: frames, times [s] where they are known, values.
+
+    Raises
+    ------
+    DataError
+        A pixel outside the image, or a layer that does not exist.
+    """
+    require_pixel(source, row, column)
+    opened, chosen = source.opened, source.layer(layer)
+    frames, values = source.trace(row, column, around, layer)
+    times = None
+    if opened.times is not None:
+        times = opened.times[frames].tolist()
+    elif opened.frame_rate is not None:
+        times = (frames / opened.frame_rate).tolist()
+    return {
+        "frames": frames.tolist(),
+        "times_s": times,
+        "values": [value if np.isfinite(value) else None for value in values.tolist()],
+        "label": chosen.label,
+        "unit": chosen.unit,
+        "whole": bool(frames.size == source.done().size),
+    }

@@ -1,0 +1,314 @@
+"""Addresses of the page of sequences: what its script asks for, and nothing else.
+
+Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Final, get_args
+
+import numpy as np
+from starlette.requests import Request
+from starlette.responses import JSONResponse, RedirectResponse, Response
+from starlette.routing import Route
+
+from seaglint.clutter.filters import NAMES
+from seaglint.errors import DataError, SeaglintError
+from seaglint.plot.video import Colours, palette, video_available
+from seaglint.version import __version__
+from seaglint.viewer.export import TYPES, clip, frame_file, table
+from seaglint.viewer.frames import GoneError, Source
+from seaglint.viewer.jobs import Jobs
+from seaglint.viewer.library import Library
+from seaglint.viewer.picture import Scales, Show, tag
+from seaglint.viewer.probe import probe, trace
+from seaglint.viewer.region import Rectangle, exceedances, quick, whole
+from seaglint.viewer.scaling import KINDS
+
+STATIC: Final = Path(__file__).parent / "static"
+_FILES: Final = {path.name: path for path in sorted(STATIC.iterdir()) if path.suffix in (".js", ".css", ".html", ".svg")}
+_MEDIA: Final = {".js": "text/javascript", ".css": "text/css", ".html": "text/html", ".svg": "image/svg+xml"}
+_COLOURS: Final[tuple[Colours, ...]] = get_args(Colours)
+_TICKS: Final = 5
+_FRESH: Final = {"cache-control": "no-cache"}
+
+Answer = Callable[[Request], Response]
+
+
+class Query:
+    """Numbers and words of a request's query; what is malformed is told."""
+
+    def __init__(self, request: Request) -> None:
+        self._given = request.query_params
+
+    def word(self, name: str) -> str | None:
+        """Text, or None where there is none."""
+        return self._given.get(name) or None
+
+    def integer(self, name: str, default: int | None = None) -> int:
+        """A whole number."""
+        value = self.real(name, None if default is None else float(default))
+        if not value.is_integer():
+            raise DataError(f"{name} = {value:g}: give a whole number")
+        return int(value)
+
+    def real(self, name: str, default: float | None = None) -> float:
+        """A finite number."""
+        text = self._given.get(name)
+        if text is None or text == "":
+            if default is None:
+                raise DataError(f"{name}: is missing; give a number")
+            return default
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value) or abs(value) > 1e30:
+            raise DataError(f"{name} = {text[:40]!r}: give a finite number")
+        return value
+
+    def rectangle(self) -> Rectangle | None:
+        """A region, where one is told."""
+        if self.word("width") is None:
+            return None
+        return Rectangle(*(min(max(self.integer(name), -(10**9)), 10**9) for name in ("left", "top", "width", "height")))
+
+    def colours(self) -> Colours:
+        """Colours of brightness."""
+        wanted = self.word("colours") or _COLOURS[0]
+        for known in _COLOURS:
+            if known == wanted:
+                return known
+        raise DataError(f"colours '{wanted[:40]}': allowed are {', '.join(_COLOURS)}")
+
+
+def routes(library: Library, links: list[dict[str, str]]) -> list[Route]:
+    """Routes of the page and of all that it asks for; ``links`` are other pages of the viewer."""
+    return _Pages(library, links).routes()
+
+
+def _told(answer: Answer) -> Answer:
+    """Mistakes as JSON: ``{"error": text}``."""
+
+    def answered(request: Request) -> Response:
+        try:
+            return answer(request)
+        except GoneError as error:
+            return JSONResponse({"error": str(error), "gone": True}, status_code=410, headers=_FRESH)
+        except SeaglintError as error:
+            return JSONResponse({"error": str(error)}, status_code=409, headers=_FRESH)
+
+    return answered
+
+
+class _Pages:
+    """Handlers that share the library, scales and jobs."""
+
+    def __init__(self, library: Library, links: list[dict[str, str]]) -> None:
+        self._library, self._links = library, links
+        self._scales, self._jobs = Scales(), Jobs()
+
+    def routes(self) -> list[Route]:
+        """All of them."""
+        frame = "{source:int}/{index:int}"
+        table_of: list[tuple[str, Answer, str]] = [
+            ("/", self.page, "GET"),
+            ("/static/{name}", self.static, "GET"),
+            ("/api/session", self.session, "GET"),
+            ("/api/source/{source:int}", self.source, "GET"),
+            (f"/api/frame/{frame}", self.frame, "GET"),
+            (f"/api/probe/{frame}", self.probe, "GET"),
+            (f"/api/trace/{frame}", self.trace, "GET"),
+            (f"/api/truth/{frame}", self.truth, "GET"),
+            (f"/api/region/{frame}", self.region, "GET"),
+            (f"/api/exceedances/{frame}", self.exceedances, "GET"),
+            (f"/api/analysis/{frame}", self.analyse, "POST"),
+            ("/api/analysis/{job:int}", self.analysis, "GET"),
+            (f"/api/export/frame/{frame}/{{kind}}", self.export_frame, "GET"),
+            ("/api/export/clip/{source:int}", self.export_clip, "GET"),
+        ]
+        return [Route(path, _told(answer), methods=[method]) for path, answer, method in table_of]
+
+    def _of(self, request: Request) -> Source:
+        return self._library.source(int(request.path_params["source"]))
+
+    def _show(self, request: Request) -> Show:
+        query = Query(request)
+        minus, low = query.word("minus"), query.word("low")
+        return Show(
+            self._of(request),
+            query.word("layer"),
+            None if minus is None else self._library.source(query.integer("minus")),
+            query.word("scaling") or KINDS[1],
+            query.word("fixed") != "0",
+            None if low is None else (query.real("low"), query.real("high")),
+        )
+
+    def page(self, request: Request) -> Response:
+        """The page of sequences; where none was given, the first of the others."""
+        if self._links and not len(self._library):
+            return RedirectResponse(self._links[0]["path"])
+        return self._file("index.html")
+
+    def static(self, request: Request) -> Response:
+        """Script and style."""
+        return self._file(str(request.path_params["name"]))
+
+    def _file(self, name: str) -> Response:
+        found = _FILES.get(name)
+        if found is None:
+            return JSONResponse({"error": "no such file"}, status_code=404)
+        return Response(found.read_bytes(), media_type=_MEDIA[found.suffix], headers=_FRESH)
+
+    def session(self, request: Request) -> Response:
+        """What may be chosen from."""
+        tables = {name: base64.b64encode(palette(name).tobytes()).decode() for name in _COLOURS}
+        answer = {
+            "version": __version__,
+            "sources": self._library.listed(),
+            "given": self._library.given,
+            "pages": self._links,
+            "colours": tables,
+            "scalings": KINDS,
+            "filters": NAMES,
+            "video": video_available(),
+        }
+        return JSONResponse(answer, headers=_FRESH)
+
+    def source(self, request: Request) -> Response:
+        """What a source holds."""
+        found = self._of(request)
+        opened, done = found.opened, found.done()
+        directions = None if opened.directions is None or opened.turning else found.directions(0)
+        upright = directions is not None and directions[0].ndim == 1
+        return JSONResponse(
+            {
+                "name": Path(found.path).name,
+                "title": opened.title,
+                "frames": opened.frames,
+                "done": int(done.size),
+                "first": int(done[0]) if done.size else None,
+                "last": int(done[-1]) if done.size else None,
+                "rows": opened.rows,
+                "columns": opened.columns,
+                "frame_rate_hz": opened.frame_rate,
+                "start_s": None if opened.times is None or not opened.times.size else float(opened.times[0]),
+                "azimuth_deg": directions[0].tolist() if upright and directions is not None else None,
+                "elevation_deg": directions[1].tolist() if upright and directions is not None else None,
+                "layers": [{"name": layer.name, "label": layer.label, "unit": layer.unit} for layer in opened.layers.values()],
+                "truth": opened.boxes is not None,
+                "notes": list(opened.notes),
+            },
+            headers=_FRESH,
+        )
+
+    def frame(self, request: Request) -> Response:
+        """Levels of a frame, a byte a pixel, and what they mean in the header ``Seaglint-Scale``."""
+        show, index = self._show(request), int(request.path_params["index"])
+        scaling = self._scales.of(show, index)
+        etag = tag(show, index, scaling)
+        shares = np.linspace(0.0, 1.0, _TICKS)
+        scale = {"shares": shares.tolist(), "values": scaling.value(shares).tolist(), "unit": show.source.layer(show.layer).unit}
+        headers = {**_FRESH, "etag": etag, "seaglint-scale": json.dumps(scale)}
+        if request.headers.get("if-none-match") == etag:
+            return Response(status_code=304, headers=headers)
+        return Response(scaling.levels(show.image(index)).tobytes(), media_type="application/octet-stream", headers=headers)
+
+    def probe(self, request: Request) -> Response:
+        """Values under the pointer."""
+        query = Query(request)
+        index = int(request.path_params["index"])
+        return JSONResponse(probe(self._of(request), index, query.integer("row"), query.integer("column")), headers=_FRESH)
+
+    def trace(self, request: Request) -> Response:
+        """A pixel in time."""
+        query = Query(request)
+        index = int(request.path_params["index"])
+        found = trace(self._of(request), query.integer("row"), query.integer("column"), index, query.word("layer"))
+        return JSONResponse(found, headers=_FRESH)
+
+    def truth(self, request: Request) -> Response:
+        """Boxes of objects."""
+        boxes = self._of(request).boxes(int(request.path_params["index"]))
+        told = [vars(box) | {"range_m": box.range_m if math.isfinite(box.range_m) else None} for box in boxes]
+        return JSONResponse({"boxes": told}, headers=_FRESH)
+
+    def region(self, request: Request) -> Response:
+        """Histogram, moments and fits of a region of one frame."""
+        query = Query(request)
+        found = quick(self._of(request), int(request.path_params["index"]), self._rectangle(query), query.word("layer"))
+        return JSONResponse(found, headers=_FRESH)
+
+    @staticmethod
+    def _rectangle(query: Query) -> Rectangle:
+        found = query.rectangle()
+        if found is None:
+            raise DataError("no region is told; drag one on the picture")
+        return found
+
+    def exceedances(self, request: Request) -> Response:
+        """Pixels above a threshold: how many, and which as bits, row by row."""
+        query = Query(request)
+        told, above = exceedances(
+            self._of(request),
+            int(request.path_params["index"]),
+            query.real("sigma"),
+            query.word("filter") or NAMES[0],
+            query.word("layer"),
+            query.rectangle(),
+        )
+        bits = base64.b64encode(np.packbits(above).tobytes()).decode()
+        return JSONResponse({**told, "mask": bits}, headers=_FRESH)
+
+    def analyse(self, request: Request) -> Response:
+        """Begin the whole analysis of a region."""
+        query, source = Query(request), self._of(request)
+        where, layer = self._rectangle(query), query.word("layer")
+        only = None if query.word("all") == "1" else int(request.path_params["index"])
+        number = self._jobs.start(lambda progress: whole(source, where, layer, only, progress))
+        return JSONResponse({"job": number}, status_code=202, headers=_FRESH)
+
+    def analysis(self, request: Request) -> Response:
+        """How far it is; its result, as JSON or CSV, once it is there."""
+        job = self._jobs.get(int(request.path_params["job"]))
+        query = Query(request)
+        if job.error is not None:
+            raise DataError(job.error)
+        if job.result is None:
+            return JSONResponse({"done": job.done, "total": job.total, "result": None}, headers=_FRESH)
+        save = query.word("save")
+        if save == "csv":
+            return _download(table(job.result).encode(), "region.csv", "text/csv")
+        if save == "json":
+            return _download(json.dumps(job.result, indent=2, ensure_ascii=False).encode(), "region.json", "application/json")
+        return JSONResponse({"done": job.total, "total": job.total, "result": job.result}, headers=_FRESH)
+
+    def export_frame(self, request: Request) -> Response:
+        """One frame as a file."""
+        show, index = self._show(request), int(request.path_params["index"])
+        ending = "." + str(request.path_params["kind"])
+        if ending not in TYPES:
+            raise DataError(f"{ending[:20]}: a frame is saved as {', '.join(TYPES)}; choose one of them")
+        body = frame_file(show, index, ending, self._scales.of(show, index), Query(request).colours())
+        return _download(body, f"{_stem(show.source)}-{show.source.layer(show.layer).name}-{index:05d}{ending}", TYPES[ending])
+
+    def export_clip(self, request: Request) -> Response:
+        """Frames as a film."""
+        show, query = self._show(request), Query(request)
+        first, last = query.integer("first"), query.integer("last")
+        return _download(clip(show, first, last, self._scales, query.colours()), f"{_stem(show.source)}-{first}-{last}.mp4", "video/mp4")
+
+
+def _stem(source: Source) -> str:
+    """Name for a download: letters, digits and what joins them."""
+    stem = Path(source.path).name.removesuffix(".partial").split(".")[0]
+    return "".join(c if (c.isascii() and c.isalnum()) or c in "-_" else "_" for c in stem)[:60] or "frame"
+
+
+def _download(body: bytes, name: str, media: str) -> Response:
+    return Response(body, media_type=media, headers={**_FRESH, "content-disposition": f'attachment; filename="{name}"'})

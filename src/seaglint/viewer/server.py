@@ -1,0 +1,229 @@
+"""The viewer's server: an address, the pages, and nothing that leaves the machine."""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+import socket
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+from seaglint.errors import BackendError, DataError
+from seaglint.viewer.safety import MOST_BODY, Application, Guard, is_loopback, new_token
+
+if TYPE_CHECKING:
+    from seaglint.viewer.library import Library
+
+PORT: Final = 8420
+"""Where the viewer is looked for first."""
+
+_TRIED: Final = 50  # ports after it
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page made of NiceGUI's elements.
+
+    Attributes
+    ----------
+    path : str
+        Where it is: ``"/workbench"``.
+    title : str
+        Of the browser's tab, and of the link to it.
+    build : callable
+        Fills the page; called for every browser that opens it.
+    routes : tuple
+        Starlette routes that the page needs beside it, under ``/api/``.
+    """
+
+    path: str
+    title: str
+    build: Callable[[], None]
+    routes: tuple[Any, ...] = ()
+
+
+def workbench(scenario: str | Path) -> Page:
+    """The page that changes a scenario and shows what comes of it."""
+    from importlib import import_module
+
+    bench = import_module("seaglint.viewer.workbench")
+    return Page("/workbench", "Scenario workbench", lambda: bench.page(scenario))
+
+
+def require_installed() -> None:
+    """Refuse where the extra is missing.
+
+    Raises
+    ------
+    BackendError
+        NiceGUI or what it stands on is not installed.
+    """
+    from importlib.util import find_spec
+
+    if any(find_spec(name) is None for name in ("nicegui", "starlette", "uvicorn")):
+        raise BackendError("the viewer needs NiceGUI, which is not installed; pip install 'seaglint[viewer]'")
+
+
+def make_app(library: Library, pages: Sequence[Page] = (), *, host: str = "127.0.0.1", token: str | None = None) -> Application:
+    """The ASGI application: sequences at ``/``, the pages at their paths, behind the :class:`~seaglint.viewer.safety.Guard`."""
+    from seaglint.viewer.routes import routes
+
+    links = [{"path": page.path, "title": page.title} for page in pages]
+    found = [*routes(library, links), *(route for page in pages for route in page.routes)]
+    inner: Any
+    if pages:
+        inner = _with_pages(found, pages)
+    else:
+        from starlette.applications import Starlette
+
+        inner = Starlette(routes=found)
+    return Guard(inner, host=host, token=token)
+
+
+def _with_pages(found: list[Any], pages: Sequence[Page]) -> Any:
+    """NiceGUI behind the viewer's own routes; imported only where a page needs it, since it takes a second."""
+    from fastapi import FastAPI
+    from nicegui import ui
+
+    for page in pages:
+        ui.page(page.path, title=f"{page.title} - seaglint", dark=True)(page.build)
+    app = FastAPI(routes=found, openapi_url=None, docs_url=None, redoc_url=None)
+    ui.run_with(app, title="seaglint", dark=True, show_welcome_message=False, reconnect_timeout=10.0)
+    return app
+
+
+def bind(host: str, port: int | None) -> socket.socket:
+    """A socket that listens at ``port``, or at the first free one from :data:`PORT` on where none is asked for.
+
+    Raises
+    ------
+    DataError
+        The port is taken (the text names a free one) or may not be used, or the address is not of this machine.
+    """
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    wanted = range(PORT, PORT + _TRIED) if port is None else (port,)
+    for number in wanted:
+        made = socket.socket(family, socket.SOCK_STREAM)
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            made.bind((host, number))
+            made.listen(128)
+        except OSError as error:
+            made.close()
+            if error.errno == errno.EADDRINUSE:
+                continue
+            if error.errno in (errno.EACCES, errno.EPERM):
+                raise DataError(f"--port {number}: may not be used by this account; give one above 1023") from None
+            raise DataError(f"--host {host}: cannot be listened at ({error.strerror or error}); give an address of this machine") from None
+        return made
+    with socket.socket(family, socket.SOCK_STREAM) as probe:
+        probe.bind((host, 0))
+        free = probe.getsockname()[1]
+    raise DataError(f"--port {wanted[0]}: is taken, by another viewer perhaps; --port {free} is free")
+
+
+def serve(
+    library: Library,
+    pages: Sequence[Page] = (),
+    *,
+    host: str = "127.0.0.1",
+    port: int | None = None,
+    browser: bool = True,
+    announce: Callable[[str], None] = print,
+) -> None:
+    """Serve until Ctrl-C.
+
+    Parameters
+    ----------
+    library : Library
+        Files that may be looked at.
+    pages : sequence of Page
+        Other pages; the first one opens where the library is empty.
+    host, port : str, int
+        Address to listen at; beyond the own machine a token becomes part of it.
+    browser : bool
+        Open the address in a browser, where there is a display.
+    announce : callable
+        Told the address, one line.
+
+    Raises
+    ------
+    DataError
+        The address cannot be listened at.
+    """
+    import uvicorn
+
+    token = None if is_loopback(host) else new_token()
+    with bind(host, port) as listening, _storage_apart():
+        app = make_app(library, pages, host=host, token=token)
+        config = uvicorn.Config(
+            app,
+            log_level="error",
+            access_log=False,
+            ws_max_size=MOST_BODY,
+            ws_max_queue=8,
+            h11_max_incomplete_event_size=16_384,
+            timeout_graceful_shutdown=1,
+            server_header=False,
+            lifespan="on",
+        )
+        server = uvicorn.Server(config)
+        where = address(host, listening.getsockname()[1], token, "" if len(library) or not pages else pages[0].path)
+        announce(where)
+        if browser:
+            _open_browser(where)
+        try:
+            server.run(sockets=[listening])
+        except KeyboardInterrupt:
+            return  # the ordinary end
+
+
+def address(host: str, port: int, token: str | None, path: str = "") -> str:
+    """Address to open, with the token where there is one.
+
+    >>> address("0.0.0.0", 8420, None).startswith("http://0.0.0.0")
+    False
+    """
+    name = host
+    if host in ("0.0.0.0", "::", ""):
+        name = socket.gethostname()
+    if ":" in name:
+        name = f"[{name}]"
+    return f"http://{name}:{port}{path or '/'}" + ("" if token is None else f"?token={token}")
+
+
+def _open_browser(where: str) -> None:
+    """Open the address where there is a display: without one, browsers of text would take the terminal."""
+    shown = sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"))
+    opened = False
+    if shown:
+        import webbrowser
+
+        try:
+            opened = webbrowser.open(where)
+        except (webbrowser.Error, OSError):
+            opened = False
+    if not opened:
+        print("seaglint: no browser could be opened here; open the address in one", file=sys.stderr, flush=True)
+
+
+@contextmanager
+def _storage_apart() -> Iterator[None]:
+    """NiceGUI's files in a folder of their own, which goes with the server: the user's working folder is not ours."""
+    before = os.environ.get("NICEGUI_STORAGE_PATH")
+    folder = tempfile.mkdtemp(prefix="seaglint-view-")
+    os.environ["NICEGUI_STORAGE_PATH"] = folder
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ["NICEGUI_STORAGE_PATH"]
+        else:
+            os.environ["NICEGUI_STORAGE_PATH"] = before
+        shutil.rmtree(folder, ignore_errors=True)
