@@ -91,11 +91,13 @@ def day_svg(day: Day, minutes: float) -> str:
         if low <= e <= high
     )
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH:g} {_HEIGHT:g}" width="100%" role="img" aria-label="the Sun over the day" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH:g} {_HEIGHT:g}" width="100%" role="img" '
+        f'aria-label="the Sun over the day" '
         f'font-family="system-ui, sans-serif" font-size="11" fill="currentColor">'
         f'<rect x="{_LEFT:g}" y="{ground:.1f}" width="{inside[0]:g}" height="{_TOP + inside[1] - ground:.1f}" fill="currentColor" '
         f'fill-opacity=".08"/><path d="M{_LEFT:g},{ground:.1f}h{inside[0]:g}" stroke="currentColor" stroke-opacity=".5"/>'
         f'<path d="{path}" fill="none" stroke="{SUN}" stroke-width="1.8"/>{hours}{angles}'
         f'<text x="{_LEFT + inside[0] / 2:g}" y="{_HEIGHT - 4:g}" text-anchor="middle">hour [UTC]; elevation of the Sun [deg]</text>'
-        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="{SUN}"><title>{clock(minutes)}: {elevation:.1f}°, azimuth {azimuth:.1f}°</title></circle></svg>'
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="{SUN}">'
+        f"<title>{clock(minutes)}: {elevation:.1f}°, azimuth {azimuth:.1f}°</title></circle></svg>"
     )

@@ -15,10 +15,9 @@ from seaglint.io.outputs import moved_when_whole
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets import PRESETS
-from seaglint.scenario.write import scenario_toml, toml_value
-from seaglint.viewer.workbench.fields import Field
+from seaglint.scenario.write import differing, toml_text, toml_value
+from seaglint.viewer.workbench.fields import Field, file_keys
 from seaglint.viewer.workbench.fields import Path as Keys
-from seaglint.viewer.workbench.fields import file_keys
 
 MOST_TEXT: Final = 20_000
 """Signs of one field; more are no scenario."""
@@ -49,7 +48,13 @@ class Draft:
             load_scenario(self.source)  # its errors are those of every command
             self._read = self.source.read_bytes()
             self.raw = tomllib.loads(self._read.decode("utf-8-sig"))
-        self._own = frozenset(str(value) for _, value in _files(self.raw, ()))
+        self._own = frozenset(value for _, value in _files(self.raw, ())) if self.source is not None else frozenset()
+
+    def snapshot(self) -> Draft:
+        """What is typed by now; later changes do not reach it."""
+        made = copy.copy(self)
+        made.raw = copy.deepcopy(self.raw)
+        return made
 
     @property
     def name(self) -> str:
@@ -118,8 +123,14 @@ class Draft:
                 yield Mistake(key, value, None, text)
 
     def toml(self, scenario: Scenario) -> str:
-        """Text to save."""
-        return scenario_toml(scenario, self.folder)
+        """Text to save: only what differs from the defaults, with the units that were typed."""
+        tables = differing(scenario)
+        typed = _with_units(tables, self.raw)
+        try:
+            same = parse_scenario(typed, base=self.folder) == scenario
+        except ScenarioError:
+            same = False
+        return toml_text(typed if same else tables, self.folder)
 
     @property
     def changed_outside(self) -> bool:
@@ -164,8 +175,9 @@ def value_of(entry: Field, text: str) -> Any:
 
     Examples
     --------
-    >>> value_of(Field("speed_m_s", "number"), "5 kn"), value_of(Field("speed_m_s", "number"), " 5.5"), value_of(Field("a", "list"), "[1, 2]")
-    ('5 kn', 5.5, [1, 2])
+    >>> speed, pair = Field("speed_m_s", "number"), Field("pixels", "list")
+    >>> value_of(speed, "5 kn"), value_of(speed, " 5.5"), value_of(pair, "[64, 32]")
+    ('5 kn', 5.5, [64, 32])
     """
     text = text.strip()[:MOST_TEXT]
     if not text:
@@ -195,6 +207,19 @@ def text_of(value: Any) -> str:
     if value is None:
         return ""
     return value if isinstance(value, str) else toml_value(value)
+
+
+def _with_units(value: Any, typed: Any) -> Any:
+    """The value, numbers that were typed as text with a unit as that text."""
+    match value, typed:
+        case dict(), dict():
+            return {key: _with_units(inner, typed.get(key)) for key, inner in value.items()}
+        case (list() | tuple(), list()) if len(value) == len(typed):
+            return [_with_units(inner, beside) for inner, beside in zip(value, typed, strict=True)]
+        case float(), str():
+            return typed
+        case _:
+            return value
 
 
 def _files(table: Any, keys: tuple[str, ...]) -> Iterator[tuple[str, str]]:

@@ -32,14 +32,16 @@ def map_svg(found: Picture, quantity: Quantity = "radiance") -> str:
     height = min(max(width * shape, _LOW), _HIGH)
     if height == _HIGH and 0.2 < shape < 5.0:
         width = height / shape
+    middle, below = _TOP + height / 2, _TOP + height
     pieces = [
         f'<image x="{_LEFT:g}" y="{_TOP:g}" width="{width:.1f}" height="{height:.1f}" preserveAspectRatio="none" '
         f'style="image-rendering:pixelated" href="{_png(scale.share(values), _colours(quantity))}"/>',
-        f'<rect x="{_LEFT:g}" y="{_TOP:g}" width="{width:.1f}" height="{height:.1f}" fill="none" stroke="currentColor" stroke-opacity=".5"/>',
-        *_ticks(x, _LEFT, width, _TOP + height, across=True),
+        f'<rect x="{_LEFT:g}" y="{_TOP:g}" width="{width:.1f}" height="{height:.1f}" fill="none" stroke="currentColor" '
+        'stroke-opacity=".5"/>',
+        *_ticks(x, _LEFT, width, below, across=True),
         *_ticks(y, _TOP, height, _LEFT, across=False),
-        f'<text x="{_LEFT + width / 2:.1f}" y="{_TOP + height + 34:.1f}" text-anchor="middle">{names[0]}</text>',
-        f'<text x="13" y="{_TOP + height / 2:.1f}" text-anchor="middle" transform="rotate(-90 13 {_TOP + height / 2:.1f})">{names[1]}</text>',
+        f'<text x="{_LEFT + width / 2:.1f}" y="{below + 34:.1f}" text-anchor="middle">{names[0]}</text>',
+        f'<text x="13" y="{middle:.1f}" text-anchor="middle" transform="rotate(-90 13 {middle:.1f})">{names[1]}</text>',
         *_bar(scale, quantity, _LEFT + width + 12, height),
     ]
     size = f"{_LEFT + width + _RIGHT:.0f} {_TOP + height + _BOTTOM:.0f}"
@@ -91,7 +93,8 @@ def _bar(scale: Scale, quantity: Quantity, left: float, height: float) -> Iterat
     for share, value in zip(np.linspace(0.0, 1.0, 5), scale.value(np.linspace(0.0, 1.0, 5)), strict=True):
         at = _TOP + height * (1.0 - share)
         digits = ".4g" if quantity == "apparent_temperature" else ".3g"
-        yield f'<text x="{left + 17:.1f}" y="{min(max(at, _TOP + 5), _TOP + height - 5):.1f}" dominant-baseline="central">{value:{digits}}</text>'
+        y = min(max(at, _TOP + 5), _TOP + height - 5)
+        yield f'<text x="{left + 17:.1f}" y="{y:.1f}" dominant-baseline="central">{value:{digits}}</text>'
     unit, x, y = VARIABLES[quantity].symbol or VARIABLES[quantity].units, left + 68, _TOP + height / 2
     unit += ", log" if scale.logarithmic else ""
     yield f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="middle" transform="rotate(-90 {x:.1f} {y:.1f})">{unit}</text>'

@@ -7,7 +7,7 @@ import pickle
 import sys
 
 from seaglint.errors import SeaglintError
-from seaglint.viewer.workbench.pictures import picture
+from seaglint.viewer.workbench.pictures import Picture, picture
 
 
 def main() -> None:
@@ -22,7 +22,7 @@ def main() -> None:
         except EOFError:
             return
         try:
-            answer = ("picture", picture(job, scenario))
+            answer: tuple[str, Picture | SeaglintError] = ("picture", picture(job, scenario))
         except SeaglintError as error:
             answer = ("error", error)
         except Exception as error:  # a defect of seaglint is told, and the page lives on

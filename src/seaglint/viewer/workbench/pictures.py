@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, Final, Literal
 
@@ -196,5 +197,6 @@ class Painter:
                 self._process.wait()
                 for end in (self._process.stdin, self._process.stdout):
                     if end is not None:
-                        end.close()
+                        with suppress(OSError):  # an order that nobody took is still to be written
+                            end.close()
                 self._process = None

@@ -141,7 +141,8 @@ def _pieces(found: Plan, far: float) -> Iterator[str]:
         yield f'<circle cx="{x}" cy="{y}" r="6" fill="{SUN}"><title>towards the Sun</title></circle>'
     yield from _line(found.own, "sensor", "currentColor", far)
     used: list[tuple[float, float]] = []
-    for number, (name, way) in enumerate(found.ways.items()):
+    # names from the top down, so that those moved down keep their order
+    for number, (name, way) in enumerate(sorted(found.ways.items(), key=lambda item: -float(item[1][0, 1]))):
         colour = _COLOURS[number % len(_COLOURS)]
         yield from _line(way, name, colour, far)
         yield _name(_point(float(way[0, 0]), float(way[0, 1]), far), name, colour, used)
@@ -173,12 +174,12 @@ def _line(way: FloatArray, name: str, colour: str, far: float) -> Iterator[str]:
 
 def _name(place: tuple[float, float], name: str, colour: str, used: list[tuple[float, float]]) -> str:
     """A name beside its place, moved down where another one is, with a line to where it belongs."""
-    x, y = place[0] + 12.0, place[1]
+    x, y = place[0] + 26.0, place[1]
     while any(abs(y - other[1]) < 12.0 and abs(x - other[0]) < 90.0 for other in used):
         y += 3.0
     used.append((x, y))
     text = escape(name if len(name) < 24 else f"{name[:22]}…")
     left = x > _SIZE - 100.0
-    at, anchor = (x - 24.0, ' text-anchor="end"') if left else (x, "")
-    leader = f'<path d="M{place[0]:.1f},{place[1]:.1f}L{at:.1f},{y:.1f}" stroke="{colour}" stroke-opacity=".5"/>'
+    at, anchor = (x - 52.0, ' text-anchor="end"') if left else (x, "")
+    leader = f'<path d="M{place[0]:.1f},{place[1]:.1f}L{at:.1f},{y:.1f}" stroke="{colour}" stroke-opacity=".7"/>'
     return f'{leader}<text x="{at:.1f}" y="{y:.1f}" fill="{colour}" dominant-baseline="central"{anchor}>{text}</text>'
