@@ -58,3 +58,6 @@ def _default(key: str) -> str:
     if found is None or found.info.is_required() or found.info.default is None or isinstance(found.info.default, BaseModel):
         return ABSENT
     return told(found.info.default)
+
+
+Scenario.html = scenario_html

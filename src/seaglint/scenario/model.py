@@ -7,8 +7,9 @@ horizontal, so that looking down is negative.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -49,11 +50,11 @@ class Scenario(Record):
     objects: Annotated[tuple[Object, ...] | None, Field(description="what is on and above the sea")] = None
     likelihood: Annotated[Likelihood | None, Field(description="how often glint matters, for the command likelihood")] = None
 
-    def _repr_html_(self) -> str:
-        """What a notebook shows."""
-        from seaglint.scenario.display import scenario_html  # it reads the models
+    html: ClassVar[Callable[[Any], str] | None] = None
+    """What notebooks show; :mod:`seaglint.scenario.display`, which reads this module, puts it here."""
 
-        return scenario_html(self)
+    def _repr_html_(self) -> str | None:
+        return None if Scenario.html is None else Scenario.html(self)
 
     @model_validator(mode="before")
     @classmethod
