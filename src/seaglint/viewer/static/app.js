@@ -1,0 +1,326 @@
+// The page of sequences: what is shown, playing it, and what pointers and keys do.
+import { Pane, camera, diverging, tableOf } from "./pane.js";
+import { bindSide, files, follow, probe, region, retrace, threshold } from "./side.js";
+import { isGone, layerText, say, showing, state } from "./state.js";
+import { $, ask, bytes, digits, json, latest, short } from "./tools.js";
+
+const DIFFERENCE = diverging();
+const USUAL_RATE = 25;
+let shown = 0, since = performance.now();
+
+const rate = () => state.meta.a.frame_rate_hz || USUAL_RATE;
+const names = () => ["a", ...(state.b === null ? [] : ["b", ...($("difference").checked ? ["d"] : [])])];
+const first = () => state.meta.a.first ?? 0;
+const last = () => Math.min(state.meta.a.last ?? 0, state.b === null ? Infinity : state.meta.b.last ?? 0);
+
+/** Draw all panes again from what they hold. */
+function redraw() {
+  const region = state.region, opacity = Number($("opacity").value);
+  for (const [name, pane] of Object.entries(state.panes)) {
+    const meta = name === "b" ? state.meta.b : state.meta.a;
+    const title = name === "d" ? "A − B" : `${state.b === null ? "" : name.toUpperCase() + "  "}${meta.name}${meta.title ? ": " + meta.title : ""}`;
+    const layer = name === "d" ? `difference of ${layerText()}` : layerText();
+    pane.draw({ title, layer, region, pointer: state.pointer, pinned: state.pinned, opacity });
+  }
+}
+
+/** One pane's picture of a frame, with all that lies over it. */
+async function fetchPane(name, frame) {
+  const id = name === "b" ? state.b : state.a;
+  const base = `/api/frame/${id}/${frame}?`;
+  const over = name === "d" ? "" : $("overlay").value;
+  const jobs = [ask(base + showing(name === "d"))];
+  jobs.push(over ? ask(base + new URLSearchParams({ layer: over, scaling: "percentile" })) : null);
+  jobs.push($("truth").checked && name !== "d" && state.meta[name].truth ? json(`/api/truth/${id}/${frame}`) : null);
+  const [picture, above, truth] = await Promise.all(jobs);
+  return {
+    name,
+    levels: new Uint8Array(await picture.arrayBuffer()),
+    scale: JSON.parse(picture.headers.get("seaglint-scale")),
+    above: above ? new Uint8Array(await above.arrayBuffer()) : null,
+    boxes: truth ? truth.boxes : [],
+  };
+}
+
+/** Show a frame in all panes; they change together. */
+async function show(frame) {
+  const found = await Promise.all(names().map((name) => fetchPane(name, frame)));
+  state.frame = frame;
+  for (const { name, levels, scale, above, boxes } of found) {
+    const pane = state.panes[name];
+    if (!pane) continue;
+    pane.setLevels(levels, name === "d" ? DIFFERENCE : state.tables[$("colours").value], scale);
+    pane.setAbove(above, state.tables.perceptual);
+    pane.boxes = boxes;
+  }
+  if ($("threshold-on").checked) await threshold();
+  redraw();
+  readouts();
+  count();
+}
+
+const goTo = latest(async (frame) => {
+  try {
+    await show(Math.min(Math.max(frame, first()), last()));
+    if (!isGone()) say(null);
+  } catch (error) { say(error); pause(); }
+  aside();
+});
+
+/** What follows the frame. */
+function aside() { probe(); retrace(); if (state.region) region(); files(); }
+
+function readouts() {
+  const { frames, done, start_s: start } = state.meta.a;
+  $("scrub").value = state.frame;
+  $("frame-number").textContent = `frame ${state.frame} / ${frames - 1}`;
+  $("frame-number").dataset.frame = state.frame;
+  const rateKnown = state.meta.a.frame_rate_hz;
+  $("time").textContent = rateKnown ? `${((start || 0) + state.frame / rateKnown).toFixed(2)} s` : "";
+  if (done < frames) $("rate").textContent = `${done} written`;
+}
+
+/** Frames a second that are drawn. */
+function count() {
+  shown++;
+  const now = performance.now();
+  if (now - since < 1000) return;
+  const perSecond = (1000 * shown) / (now - since);
+  if (state.playing) { $("rate").textContent = `${perSecond.toFixed(0)} fps`; $("rate").dataset.fps = perSecond; }
+  shown = 0;
+  since = now;
+}
+
+/** Play by the clock: a frame is asked for when the one before is drawn, and those that would be late are left out. */
+async function play() {
+  if (state.playing) return;
+  state.playing = true;
+  $("play").textContent = "❚❚";
+  let began = performance.now(), from = state.frame >= last() ? first() : state.frame;
+  shown = 0;
+  since = began;
+  if (from !== state.frame) await show(from).catch(say);
+  while (state.playing) {
+    const due = from + Math.floor(((performance.now() - began) * rate() * Number($("speed").value)) / 1000);
+    if (due === state.frame) { await new Promise((go) => setTimeout(go, 2)); continue; }
+    if (due > last()) {
+      if (last() <= first()) break;
+      from = first() - 1;
+      began = performance.now();
+      state.frame = from;
+      continue;
+    }
+    try { await show(due); } catch (error) { say(error); break; }
+    probe();
+    retrace();
+    if (state.region) region();
+    await new Promise((go) => requestAnimationFrame(go));
+  }
+  pause();
+}
+
+function pause() {
+  if (!state.playing) return;
+  state.playing = false;
+  $("play").textContent = "▶";
+  if (state.frame < first()) state.frame = first();
+  aside();
+}
+
+const step = (by) => { pause(); goTo(state.frame + by); };
+
+/** Options of a select that stay chosen where they still are there. */
+function options(select, list, keep = select.value) {
+  select.replaceChildren(...list.map(([value, text]) => new Option(text, value)));
+  if (list.some(([value]) => value === keep)) select.value = keep;
+}
+
+/** Open what is chosen as A and B. */
+async function open() {
+  pause();
+  const [a, b] = ["source-a", "source-b"].map((id) => ($(id).value === "" ? null : Number($(id).value)));
+  if (a === null) { say(new Error("choose a sequence, a map or a recording")); return; }
+  try {
+    const metaA = await json(`/api/source/${a}`), metaB = b === null ? null : await json(`/api/source/${b}`);
+    Object.assign(state, { a, b, meta: { a: metaA, b: metaB }, region: null, pinned: null, pointer: null, probed: null });
+    $("difference-box").hidden = b === null;
+    if (b === null) $("difference").checked = false;
+    arrange();
+    const layers = metaA.layers.filter((layer) => !metaB || metaB.layers.some((other) => other.name === layer.name));
+    const text = (layer) => [layer.name, layer.unit ? `${short(layer.label)} [${layer.unit}]` : short(layer.label)];
+    if (!layers.length) throw new Error(`${metaA.name} and ${metaB.name} have no layer in common; choose two of a kind`);
+    options($("layer"), layers.map(text));
+    options($("overlay"), [["", "nothing"], ...layers.map(text)]);
+    $("truth-box").hidden = !metaA.truth;
+    $("title").textContent = metaA.notes.join("; ");
+    limits();
+    region();
+    follow();
+    if (metaA.first === null) { say(new Error(`${metaA.name}: no frame is written yet; it is shown as soon as there is one`)); return; }
+    say(null);
+    goTo(state.frame);
+  } catch (error) { say(error); }
+}
+
+/** Panes for what is compared. */
+function arrange() {
+  const wanted = names();
+  for (const name of Object.keys(state.panes)) if (!wanted.includes(name)) { state.panes[name].canvas.remove(); delete state.panes[name]; }
+  for (const name of wanted) {
+    if (!state.panes[name]) { state.panes[name] = new Pane(name, $("panes")); pointers(name, state.panes[name]); }
+    state.panes[name].meta = name === "b" ? state.meta.b : state.meta.a;
+    state.panes[name].levels = null;
+  }
+  if (!wanted.includes(state.active)) state.active = "a";
+  const wide = state.meta.a.columns > 1.7 * state.meta.a.rows;
+  $("panes").className = wanted.length === 1 || (wanted.length === 2 && wide) ? "one" : "two";
+}
+
+function limits() {
+  $("scrub").min = first();
+  $("scrub").max = Math.max(last(), first());
+  $("clip-first").value = first();
+  $("clip-last").value = last();
+  for (const id of ["play", "step-back", "step-forward", "scrub"]) $(id).disabled = last() <= first();
+}
+
+/** Look again at what is being written, or whether what is shown is still there. */
+async function look() {
+  if (state.a === null) return;
+  try {
+    for (const [name, id] of [["a", state.a], ["b", state.b]]) {
+      if (id === null) continue;
+      const before = state.meta[name], now = await json(`/api/source/${id}`);
+      const other = now.rows !== before.rows || now.columns !== before.columns || now.layers.length !== before.layers.length;
+      state.meta[name] = now;
+      if (state.panes[name]) state.panes[name].meta = now;
+      if (other || isGone() || (before.first === null && now.first !== null)) { await open(); return; }
+    }
+    const atEnd = Number($("scrub").max);
+    if (last() !== atEnd) limits();
+    readouts();
+  } catch (error) { say(error); pause(); }
+}
+
+/** Pointer and wheel on one pane. */
+function pointers(name, pane) {
+  const { canvas } = pane;
+  let began = null;
+  const place = (event) => { const box = canvas.getBoundingClientRect(); return [event.clientX - box.left, event.clientY - box.top]; };
+  const pixel = (x, y) => {
+    const [column, row] = pane.at(x, y).map(Math.floor);
+    return pane.contains(x, y) && column >= 0 && row >= 0 && column < pane.meta.columns && row < pane.meta.rows ? [column, row] : null;
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0 || !pane.meta) return;
+    state.active = name;
+    const [x, y] = place(event);
+    began = { x, y, moved: false, region: event.shiftKey || $("tool-region").getAttribute("aria-pressed") === "true", camera: { ...camera }, at: pane.at(x, y) };
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    if (!pane.meta) return;
+    const [x, y] = place(event);
+    state.pointer = pixel(x, y);
+    if (began) {
+      if (Math.hypot(x - began.x, y - began.y) > 3) began.moved = true;
+      if (began.moved && began.region) mark(pane, began.at, pane.at(x, y));
+      else if (began.moved) {
+        const { size } = pane.place(), { columns, rows } = pane.meta;
+        camera.x = began.camera.x - (x - began.x) / (size * columns);
+        camera.y = began.camera.y - (y - began.y) / (size * rows);
+      }
+    }
+    redraw();
+    probe();
+  });
+  canvas.addEventListener("pointerup", (event) => {
+    if (!began) return;
+    const was = began, [x, y] = place(event);
+    began = null;
+    if (was.moved && was.region) { region(); again(); }
+    else if (!was.moved) { state.pinned = pixel(x, y); follow(); }
+    files();
+    redraw();
+  });
+  canvas.addEventListener("pointercancel", () => { began = null; });
+  canvas.addEventListener("pointerleave", () => { state.pointer = null; redraw(); });
+  canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    const [x, y] = place(event), before = pane.at(x, y);
+    camera.zoom = Math.min(Math.max(camera.zoom * Math.exp(-event.deltaY / 400), 1), 200);
+    const after = pane.at(x, y);
+    camera.x += (before[0] - after[0]) / pane.meta.columns;
+    camera.y += (before[1] - after[1]) / pane.meta.rows;
+    if (camera.zoom === 1) camera.x = camera.y = 0.5;
+    redraw();
+  }, { passive: false });
+}
+
+function mark(pane, [x0, y0], [x1, y1]) {
+  const { columns, rows } = pane.meta, within = (v, most) => Math.min(Math.max(v, 0), most);
+  const left = Math.floor(within(Math.min(x0, x1), columns - 1)), top = Math.floor(within(Math.min(y0, y1), rows - 1));
+  const right = Math.ceil(within(Math.max(x0, x1), columns)), bottom = Math.ceil(within(Math.max(y0, y1), rows));
+  state.region = { left, top, width: Math.max(right - left, 1), height: Math.max(bottom - top, 1) };
+}
+
+function zoom(by) { camera.zoom = by === 0 ? 1 : Math.min(Math.max(camera.zoom * by, 1), 200); if (camera.zoom === 1) camera.x = camera.y = 0.5; redraw(); }
+
+function tool(wanted) { for (const name of ["pan", "region"]) $(`tool-${name}`).setAttribute("aria-pressed", String(name === wanted)); }
+
+const again = bindSide(redraw);
+
+function bind() {
+  $("play").addEventListener("click", () => (state.playing ? pause() : play()));
+  $("step-back").addEventListener("click", () => step(-1));
+  $("step-forward").addEventListener("click", () => step(1));
+  $("scrub").addEventListener("input", () => { pause(); goTo(Number($("scrub").value)); });
+  $("speed").addEventListener("change", () => { if (state.playing) { pause(); setTimeout(play, 50); } });
+  for (const id of ["source-a", "source-b"]) $(id).addEventListener("change", open);
+  $("difference").addEventListener("change", () => { arrange(); goTo(state.frame); });
+  for (const id of ["layer", "fixed", "overlay", "truth", "low", "high"]) $(id).addEventListener("change", () => { $("opacity-box").hidden = $("overlay").value === ""; goTo(state.frame); if (id === "layer") follow(); });
+  $("scaling").addEventListener("change", () => {
+    const manual = $("scaling").value === "limits";
+    document.querySelectorAll(".limits").forEach((box) => { box.hidden = !manual; });
+    if (manual && $("low").value === "" && state.panes.a.scale) {
+      const { values } = state.panes.a.scale;
+      $("low").value = Number(values[0].toPrecision(5));
+      $("high").value = Number(values[values.length - 1].toPrecision(5));
+    }
+    goTo(state.frame);
+  });
+  $("colours").addEventListener("change", () => { for (const [name, pane] of Object.entries(state.panes)) if (name !== "d") pane.recolour(state.tables[$("colours").value]); files(); redraw(); });
+  $("opacity").addEventListener("input", redraw);
+  $("tool-pan").addEventListener("click", () => tool("pan"));
+  $("tool-region").addEventListener("click", () => tool("region"));
+  $("zoom-in").addEventListener("click", () => zoom(1.5));
+  $("zoom-out").addEventListener("click", () => zoom(1 / 1.5));
+  $("zoom-reset").addEventListener("click", () => zoom(0));
+  document.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || ["INPUT", "SELECT", "TEXTAREA"].includes(event.target.tagName)) return;
+    const known = { " ": () => (state.playing ? pause() : play()), ArrowLeft: () => step(-1), ArrowRight: () => step(1), Home: () => goTo(first()), End: () => goTo(last()), "+": () => zoom(1.5), "-": () => zoom(1 / 1.5), 0: () => zoom(0) };
+    if (known[event.key]) { event.preventDefault(); known[event.key](); }
+  });
+  new ResizeObserver(() => { redraw(); retrace(); }).observe($("stage"));
+  setInterval(() => { if (!state.playing || state.meta.a.done < state.meta.a.frames) look(); }, 2000);
+}
+
+async function start() {
+  const session = await json("/api/session");
+  state.session = session;
+  for (const [name, table] of Object.entries(session.colours)) state.tables[name] = tableOf(bytes(table));
+  const list = session.sources.map(({ id, name }) => [String(id), name]);
+  options($("source-a"), session.given ? list : [["", "choose"], ...list]);
+  options($("source-b"), [["", "none"], ...list]);
+  if (session.given > 1) $("source-b").value = String(session.sources[1].id);
+  options($("threshold-filter"), session.filters.map((name) => [name, name.replaceAll("_", " ")]));
+  $("export-clip").hidden = !session.video;
+  $("pages").replaceChildren(...session.pages.map(({ path, title }) => { const link = document.createElement("a"); link.href = path; link.textContent = title; return link; }));
+  document.title = session.given ? `${session.sources[0].name} - seaglint` : "seaglint";
+  bind();
+  await open();
+}
+
+// For tests: where a pixel is on the screen, and what is held.
+window.seaglint = { state, camera, screen: (name, column, row) => { const box = state.panes[name].canvas.getBoundingClientRect(), [x, y] = state.panes[name].screen(column, row); return [box.left + x, box.top + y]; }, digits };
+start().catch(say);

@@ -1,0 +1,53 @@
+// What the page knows: sources, the frame shown, and how it is shown.
+import { $, short } from "./tools.js";
+
+export const state = {
+  session: null,
+  a: null, b: null, // numbers of the sources
+  meta: {}, // of a and b
+  frame: 0,
+  playing: false,
+  region: null,
+  pointer: null, // [column, row] under the pointer
+  probed: null, // the one whose values are told
+  pinned: null, // [column, row] whose course is shown
+  active: "a", // the pane that was touched last
+  panes: {},
+  tables: {},
+};
+
+/** Query of how a pane's layer is shown; of the difference where told. */
+export function showing(difference = false) {
+  const query = new URLSearchParams({ layer: $("layer").value, fixed: $("fixed").value });
+  const kind = $("scaling").value;
+  if (kind === "limits") {
+    query.set("scaling", "linear");
+    if (!difference && $("low").value !== "" && $("high").value !== "") { query.set("low", $("low").value); query.set("high", $("high").value); }
+  } else query.set("scaling", kind);
+  if (difference) query.set("minus", state.b);
+  return query;
+}
+
+export const regionQuery = () => (state.region ? Object.entries(state.region) : []);
+
+/** Source and number of the pane touched last; the difference has none of its own. */
+export const active = () => (state.active === "b" && state.b !== null ? state.b : state.a);
+
+export function layerText() {
+  const found = state.meta.a.layers.find((layer) => layer.name === $("layer").value);
+  return found ? short(found.label) : "";
+}
+
+let shownGone = false;
+
+/** Say what is wrong, or nothing. */
+export function say(error) {
+  const box = $("message");
+  if (!error) { box.hidden = true; shownGone = false; return; }
+  if (error.name === "AbortError") return;
+  shownGone = shownGone || Boolean(error.gone);
+  box.textContent = error.message || String(error);
+  box.hidden = false;
+}
+
+export const isGone = () => shownGone;

@@ -1,0 +1,67 @@
+"""A small sequence with a layer and an object, through the real store, and a client without a browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from seaglint.io.layout import Layout
+from seaglint.io.provenance import provenance
+from seaglint.io.store import write_sequence
+from seaglint.io.truth import NUMBERS, Truth
+from seaglint.optics.band import Band
+
+ROWS, COLUMNS, FRAMES = 48, 64, 12
+
+
+def layout(
+    frames: int = FRAMES, rows: int = ROWS, columns: int = COLUMNS, *, truth: bool = True, layers: tuple[str, ...] = ("range",)
+) -> Layout:
+    return Layout(
+        azimuth_deg=np.linspace(170.0, 190.0, columns),
+        elevation_deg=np.linspace(1.0, -6.0, rows),
+        frames=range(frames),
+        frame_rate=25.0,
+        band=Band.rectangular(3.5, 5.0),
+        variables=("radiance", *layers),
+        attributes=provenance("Infrared image sequence of the sea", scenario_json='{"wind": {"speed_m_s": 7.0}}', seed=1),
+        truth=Truth(("boat",)) if truth else None,
+    )
+
+
+def radiance(number: int, rows: int = ROWS, columns: int = COLUMNS) -> np.ndarray:
+    """Gamma clutter, brighter in the middle; another one every frame."""
+    noise = np.random.default_rng([7, number]).gamma(3.0, 0.4, (rows, columns))
+    corridor = 1.0 + 3.0 * np.exp(-(((np.arange(columns) - columns / 2) / (columns / 6)) ** 2))
+    return (noise * corridor).astype(np.float32)
+
+
+def images(number: int) -> dict[str, np.ndarray]:
+    mask = np.zeros((1, ROWS, COLUMNS), np.uint64)
+    mask[0, 20:24, 10 + number : 18 + number] = 1
+    truth = {name: np.array([0.0]) for name in NUMBERS}
+    box = {"bbox_left_px": 10 + number, "bbox_top_px": 20, "bbox_width_px": 8, "bbox_height_px": 4, "range_m": 1200.0}
+    truth |= {name: np.array([float(value)]) for name, value in box.items()}
+    distance = np.repeat(np.geomspace(9000.0, 300.0, ROWS)[:, np.newaxis], COLUMNS, axis=1).astype(np.float32)
+    return {"radiance": radiance(number), "range": distance, **truth, "object_mask": mask, "object_id": mask[0].astype(np.uint16)}
+
+
+@pytest.fixture(scope="session")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_sequence(tmp_path_factory.mktemp("run") / "run.zarr", layout(), images)
+
+
+@pytest.fixture
+def half(tmp_path: Path) -> Path:
+    """A sequence whose writing broke off after three frames; its final name."""
+
+    def until(number: int) -> dict[str, np.ndarray]:
+        if number == 3:
+            raise RuntimeError("stopped")
+        return images(number)
+
+    with pytest.raises(RuntimeError):
+        write_sequence(tmp_path / "half.zarr", layout(), until)
+    return tmp_path / "half.zarr"
