@@ -102,6 +102,24 @@ def test_a_draft_of_a_preset_is_the_preset(name):
         assert scenario == parse_scenario(PRESETS[name].values)
 
 
+def test_a_file_with_mistakes_opens_and_one_that_is_none_does_not(tmp_path):
+    path = tmp_path / "my.toml"
+    path.write_text("wind = 5\n[sensor]\nheight_m = -1\nhight = 2\n")
+    draft = Draft(path)
+    scenario, mistakes = draft.check()
+    assert scenario is None
+    assert {keys_of(mistake, draft.raw) for mistake in mistakes} == {("wind",), ("sensor", "height_m"), ("sensor", "hight")}
+    draft.put(("wind", "speed_m_s"), 5)
+    draft.put(("sensor", "hight"), None)
+    draft.put(("sensor", "height_m"), None)
+    assert draft.check()[0] == parse_scenario({"wind": {"speed_m_s": 5}})
+    with pytest.raises(ScenarioError, match="no such file"):
+        Draft(tmp_path / "none.toml")
+    path.write_text("wind = \n")
+    with pytest.raises(ScenarioError, match="is not valid TOML"):
+        Draft(path)
+
+
 def test_units_that_were_typed_are_kept(tmp_path):
     draft = Draft()
     draft.put(("wind", "speed_m_s"), "18 kn")

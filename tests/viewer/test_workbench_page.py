@@ -118,6 +118,9 @@ def test_a_preset_to_begin_with_and_the_day_of_its_sun(browser):
     with served() as address, opened(browser, address) as page:
         assert urlsplit(address).path == "/workbench"
         drawn(page)
+        page.locator('[data-key="preset"]').click()
+        page.get_by_text("calm: ").click()
+        playwright.expect(page.locator("[data-toml]")).to_contain_text("height_m = 100.0")
         page.locator('[data-do="by-time"]').click()
         playwright.expect(page.locator("[data-toml]")).to_contain_text("latitude_deg = 36.8")
         playwright.expect(page.get_by_text("17:30 UTC: elevation 75")).to_be_visible()

@@ -42,6 +42,10 @@ def view(
     from seaglint.viewer.library import Library
     from seaglint.viewer.server import serve, workbench
 
+    if scenarios:
+        from seaglint.viewer.workbench.draft import Draft
+
+        Draft(scenarios[0])  # what is no scenario file is told here, not in the browser
     # With nothing to look at the workbench begins with a preset.
     pages = [workbench(scenarios[0] if scenarios else None)] if scenarios or (not given and folder is None) else []
     library = Library(others, folder if folder is not None or others else None, variable)

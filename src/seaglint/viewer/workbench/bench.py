@@ -39,7 +39,7 @@ def painter() -> Painter:
     return made
 
 
-def page(path: str | Path | None = None) -> None:
+def fill(path: str | Path | None = None) -> None:
     """Fill the current page with the workbench of a scenario file, or of a preset that is chosen on it."""
     ui.add_css(CSS)
     ui.colors(primary="#f0b54a", dark_page="#15181b")

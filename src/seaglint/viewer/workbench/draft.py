@@ -35,6 +35,11 @@ class Draft:
         Scenario file to begin with.
     preset : str
         Preset to begin with where there is no file.
+
+    Raises
+    ------
+    ScenarioError
+        A file that is missing or no TOML.
     """
 
     def __init__(self, source: str | Path | None = None, preset: str = "glint") -> None:
@@ -45,7 +50,11 @@ class Draft:
         if self.source is None:
             self.raw = copy.deepcopy(PRESETS[preset].values)
         else:
-            load_scenario(self.source)  # its errors are those of every command
+            try:
+                load_scenario(self.source)
+            except ScenarioError as error:
+                if not error.mistakes:  # no scenario file at all; mistakes of keys are shown beside their fields
+                    raise
             self._read = self.source.read_bytes()
             self.raw = tomllib.loads(self._read.decode("utf-8-sig"))
         self._own = frozenset(value for _, value in _files(self.raw, ())) if self.source is not None else frozenset()

@@ -113,7 +113,8 @@ class Form:
         if group.tag:
 
             def choose(word: str) -> None:
-                kept = self._draft.get(keys) or {}
+                said = self._draft.get(keys)
+                kept = said if isinstance(said, dict) else {}
                 names = {entry.name for entry in group.entries(word)}
                 # what both kinds know stays
                 self._draft.put(keys, {group.tag: word} | {key: value for key, value in kept.items() if key in names})
