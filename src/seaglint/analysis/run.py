@@ -19,6 +19,7 @@ from seaglint.clutter.segmentation import Segmentation, segment
 from seaglint.clutter.thresholds import Scope, frame_scale, standardise
 from seaglint.detection.base import Detector, statistics
 from seaglint.errors import DataError, DomainError
+from seaglint.representation import card, notes, table
 from seaglint.threads import single_threaded_algebra
 
 BoolArray = NDArray[np.bool_]
@@ -136,6 +137,14 @@ class Analysis:
             "regions": {name: self.regions[name].as_dict(rate) if name in self.regions else None for name in REGIONS},
             "notes": list(self.notes),
         }
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the regions' moments, and the notes."""
+        found = self.as_dict()
+        names = ("pixels", "mean", "std", "skewness", "excess_kurtosis", "correlation_time_s", "stationary")
+        rows = [(name, *(region[key] for key in names)) for name, region in found["regions"].items() if region is not None]
+        size = f"{found['frames']} frames of {found['columns']} x {found['rows']} pixels, {found['units']}, filter {found['filter']}"
+        return card(f"Analysis of {found['source']}", notes([size]) + table(("region", *names), rows) + notes(self.notes))
 
 
 @single_threaded_algebra()

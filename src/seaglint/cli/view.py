@@ -26,7 +26,7 @@ def view(
     """Look at sequences, maps, recordings and scenarios in a browser, on this machine alone.
 
     Play, scrub and zoom; values under the pointer; two sequences and their difference; histograms of regions, thresholds and false alarms.
-    A scenario opens the workbench. The address is printed; Ctrl-C ends it.
+    A scenario opens the workbench, which begins with a preset where nothing is given. The address is printed; Ctrl-C ends it.
 
     Example: seaglint view run.zarr
     """
@@ -39,11 +39,14 @@ def view(
     others = [name for name in given if name not in scenarios]
     if len(scenarios) > 1:
         raise DataError(f"{len(scenarios)} scenarios are given; the workbench changes one: give one of them")
-    if not given and folder is None:
-        raise DataError("nothing to look at; give a sequence, a map, a recording or a scenario, or --folder to choose from")
     from seaglint.viewer.library import Library
     from seaglint.viewer.server import serve, workbench
 
-    pages = [workbench(scenarios[0])] if scenarios else []
+    if scenarios:
+        from seaglint.viewer.workbench.draft import Draft
+
+        Draft(scenarios[0])  # what is no scenario file is told here, not in the browser
+    # With nothing to look at the workbench begins with a preset.
+    pages = [workbench(scenarios[0] if scenarios else None)] if scenarios or (not given and folder is None) else []
     library = Library(others, folder if folder is not None or others else None, variable)
     serve(library, pages, host=host, port=port, browser=browser, announce=lambda where: typer.echo(f"{where}"))

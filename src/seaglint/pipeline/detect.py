@@ -23,6 +23,7 @@ from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.tails import LOWEST_THRESHOLD, RARE, RareRate, RareTail, rare_tail
 from seaglint.detection.trials import Objects, Trials, run_trials
 from seaglint.errors import DomainError
+from seaglint.representation import card, notes, table, told
 from seaglint.threads import single_threaded_algebra
 
 COVARIANCE_VALUES: Final = 4_000_000
@@ -97,6 +98,17 @@ class Performance:
         """Operating characteristic of one of the contrasts."""
         inflation = (self.alarms.per_pixel.inflation, self.detections[number].inflation)
         return roc(self.alarms.alarms.curve(), self.trials.scores[number], inflation, self.options.level)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: detection of each contrast, false alarms, and the notes."""
+        found = self.as_dict()
+        names = ("contrast", "injections", "detected", "p_d", "p_d_interval")
+        rows = [tuple(line[name] for name in names) for line in found["sweep"]]
+        facts = [
+            f"detector {found['detector']}, filter {found['filter']}, threshold {found['threshold_sigma']:.4g} sigma",
+            f"false alarms per pixel {told(found['p_fa'])} ({told(found['p_fa_interval'])})",
+        ]
+        return card(f"Detection in {found['source']}", notes(facts) + table(names, rows) + notes(self.notes))
 
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers and text; what is not known is None."""

@@ -16,6 +16,7 @@ from seaglint.io.detection_parts import Parts
 from seaglint.pipeline.detect_cases import Case, flattened
 from seaglint.pipeline.detect_scene import Clock, SceneOptions, run_scene
 from seaglint.pipeline.scene_frames import bare, frames_key
+from seaglint.representation import card, notes, table
 
 Progress = Callable[[int, int], None]
 
@@ -47,6 +48,14 @@ class Study:
     def good(self) -> list[dict[str, Any]]:
         """Cases with a result."""
         return [case for case in self.cases if "error" not in case]
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what was varied, and what came of it."""
+        lines = self.rows()
+        varied = dict.fromkeys(key for case in self.cases for key in case["parameters"])
+        names = [*varied, *(name for name in ("contrast", "p_d", "p_fa", "error") if any(line.get(name) is not None for line in lines))]
+        told = [] if self.stopped is None else [self.stopped]
+        return card(f"Study of {len(self.cases)} cases", table(names, [[line.get(name) for name in names] for line in lines]) + notes(told))
 
     def rows(self) -> list[dict[str, Any]]:
         """Tidy table: a row a contrast of each case, with what was varied first, then results, then the whole scenario."""

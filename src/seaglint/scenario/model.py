@@ -7,8 +7,9 @@ horizontal, so that looking down is negative.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
@@ -48,6 +49,12 @@ class Scenario(Record):
     render: Render = Render()
     objects: Annotated[tuple[Object, ...] | None, Field(description="what is on and above the sea")] = None
     likelihood: Annotated[Likelihood | None, Field(description="how often glint matters, for the command likelihood")] = None
+
+    html: ClassVar[Callable[[Any], str] | None] = None
+    """What notebooks show; :mod:`seaglint.scenario.display`, which reads this module, puts it here."""
+
+    def _repr_html_(self) -> str | None:
+        return None if Scenario.html is None else Scenario.html(self)
 
     @model_validator(mode="before")
     @classmethod

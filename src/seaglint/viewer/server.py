@@ -48,8 +48,8 @@ class Page:
     routes: tuple[Any, ...] = ()
 
 
-def workbench(scenario: str | Path) -> Page:
-    """The page that changes a scenario and shows what comes of it."""
+def workbench(scenario: str | Path | None = None) -> Page:
+    """The page that changes a scenario, of a file or a preset chosen there, and shows what comes of it."""
     from importlib import import_module
 
     bench = import_module("seaglint.viewer.workbench")

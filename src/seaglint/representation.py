@@ -1,0 +1,56 @@
+"""What notebooks show of scenarios and results: small pieces of HTML, escaped, that run nothing and load nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from html import escape
+from typing import Any, Final
+
+ABSENT: Final = "–"
+"""What stands for a number that does not exist."""
+
+_CELL: Final = "padding:.15rem .6rem;text-align:left;border-bottom:1px solid rgba(128,128,128,.3);vertical-align:top"
+
+
+def told(value: Any) -> str:
+    """A value as plain text, numbers with four digits.
+
+    Examples
+    --------
+    >>> told(3.14159), told((1.0, 2.5)), told(None), told(True)
+    ('3.142', '1, 2.5', '–', 'true')
+    """
+    match value:
+        case None:
+            return ABSENT
+        case bool():
+            return "true" if value else "false"
+        case float():
+            return f"{value:.4g}"
+        case list() | tuple():
+            return ", ".join(told(item) for item in value)
+        case _:
+            text = str(value)
+            return text if len(text) <= 120 else text[:117] + "..."
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """Cells are values or text."""
+
+    def line(tag: str, cells: Sequence[Any]) -> str:
+        return "<tr>" + "".join(f'<{tag} style="{_CELL}">{escape(told(cell))}</{tag}>' for cell in cells) + "</tr>"
+
+    body = "".join(line("td", row) for row in rows)
+    return f'<table style="border-collapse:collapse;font-size:.85rem">{line("th", head)}{body}</table>'
+
+
+def card(title: str, *parts: str) -> str:
+    """A heading and what stands below it side by side, pieces of HTML."""
+    inside = "".join(f"<div>{part}</div>" for part in parts if part)
+    return f'<div><strong>{escape(title)}</strong><div style="display:flex;flex-wrap:wrap;gap:1.2rem;margin-top:.3rem">{inside}</div></div>'
+
+
+def notes(texts: Iterable[str]) -> str:
+    """Sentences below each other; nothing where there are none."""
+    lines = "".join(f"<li>{escape(text)}</li>" for text in texts)
+    return f'<ul style="margin:.2rem 0;padding-left:1.2rem;font-size:.85rem">{lines}</ul>' if lines else ""

@@ -1,0 +1,291 @@
+"""The page: the form at the left, pictures of what it says at the right."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from functools import cache
+from html import escape
+from pathlib import Path
+from typing import Any, Final
+
+from nicegui import app, background_tasks, ui
+
+from seaglint.errors import Mistake, ScenarioError, SeaglintError
+from seaglint.scenario.compass import compass
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.presets import PRESETS
+from seaglint.viewer.workbench.daylight import Daylight
+from seaglint.viewer.workbench.draft import Draft
+from seaglint.viewer.workbench.fields import Path as Keys
+from seaglint.viewer.workbench.form import Form
+from seaglint.viewer.workbench.map import Quantity, map_svg
+from seaglint.viewer.workbench.pictures import Job, Painter, Picture
+from seaglint.viewer.workbench.plan import Plan, distance, plan, plan_svg
+from seaglint.viewer.workbench.redraw import Redraw
+from seaglint.viewer.workbench.style import CSS
+
+DEBOUNCE: Final = 0.2
+"""Seconds without a change after which the scenario is read."""
+
+_TITLES: Final[dict[Job, str]] = {"mean": "Mean map", "frame": "First frame"}
+
+
+@cache
+def painter() -> Painter:
+    """The process of all pages."""
+    made = Painter()
+    app.on_shutdown(made.stop)
+    return made
+
+
+def fill(path: str | Path | None = None) -> None:
+    """Fill the current page with the workbench of a scenario file, or of a preset that is chosen on it."""
+    ui.add_css(CSS)
+    ui.colors(primary="#f0b54a", dark_page="#15181b")
+    ui.query("body").classes("bench")
+    with ui.column().classes("whole") as whole:
+        _begin(whole, path)
+
+
+def _begin(whole: ui.column, path: str | Path | None, preset: str = "glint") -> None:
+    whole.clear()
+    with whole:
+        try:
+            draft = Draft(path, preset)
+        except SeaglintError as error:
+            ui.label(str(error)).classes("wrong banner")
+            return
+        bench = Bench(draft)
+        with ui.row().classes("top"):
+            ui.label("seaglint").classes("mark")
+            ui.label(draft.name if path is not None else "Scenario workbench").classes("faint grow")
+            if path is None:
+                words = {name: f"{name}: {chosen.title}" for name, chosen in PRESETS.items()}
+
+                def choose(name: str) -> None:
+                    bench.close()
+                    _begin(whole, None, name)
+
+                ui.select(words, label="begin with a preset", value=preset, on_change=lambda e: choose(str(e.value))).props(
+                    "dense outlined options-dense data-key=preset"
+                ).classes("presets")
+            bench.status = ui.label("").classes("faint status").props("data-status")
+        bench.build()
+    ui.context.client.on_delete(bench.close)
+
+
+class Bench:
+    """One page's draft and what is drawn of it."""
+
+    status: ui.label
+
+    def __init__(self, draft: Draft) -> None:
+        self._draft = draft
+        self._dirty = self._reads = self._closed = False
+        self._scenario: Scenario | None = None
+        self._text = ""
+        self._plan: Plan | None = None
+        self._found: dict[Job, Picture] = {}
+        self._quantity: Quantity = "radiance"
+        self._whole = False
+        self._redraw = Redraw(painter(), self._show, background_tasks.create)
+        painter().warm()
+
+    def build(self) -> None:
+        """Draw it in the current slot."""
+        with ui.element("div").classes("columns"):
+            self._left = ui.column().classes("left")
+            with ui.column().classes("right"):
+                self._problems = ui.column().classes("problems").props("data-problems")
+                self._problems.set_visibility(False)
+                with ui.row().classes("pictures"):
+                    self._maps = {job: self._map(job) for job in _TITLES}
+                with ui.row().classes("pictures"):
+                    self._around()
+                self._writing()
+        self._refill()
+        self.changed()
+
+    def _refill(self) -> None:
+        """The form anew: tables came or went."""
+        self._left.clear()
+        with self._left:
+            self._form = Form(self._draft, self.changed)
+            self._form.build()
+
+    def _map(self, job: Job) -> tuple[ui.html, ui.label]:
+        with ui.column().classes("card two"):
+            with ui.row().classes("head"):
+                ui.label(_TITLES[job]).classes("name")
+                words = ui.label("").classes("faint grow").props(f'data-words="{job}"')
+                if job == "mean":
+                    ui.toggle(
+                        {"radiance": "radiance", "apparent_temperature": "temperature"},
+                        value="radiance",
+                        on_change=lambda e: self._of(e.value),
+                    ).props("dense no-caps unelevated size=sm")
+            return ui.html("", sanitize=False).classes("picture").props(f'data-picture="{job}"'), words
+
+    def _around(self) -> None:
+        with ui.column().classes("card third"):
+            ui.label("Wind, Sun and view").classes("name")
+            self._compass = ui.html("", sanitize=False).classes("picture middle").props("data-picture=compass")
+            self._facts = ui.label("").classes("faint lines")
+        with ui.column().classes("card third"):
+            with ui.row().classes("head"):
+                ui.label("Plan").classes("name grow")
+                ui.switch("to the horizon", on_change=lambda e: self._far(bool(e.value))).props("dense")
+            self._map_above = ui.html("", sanitize=False).classes("picture").props("data-picture=plan")
+        with ui.column().classes("card third"):
+            ui.label("The Sun's day").classes("name")
+            self._daylight = Daylight(self._draft, self._moved, self._sun_changed)
+
+    def _writing(self) -> None:
+        with ui.column().classes("card"):
+            with ui.row().classes("head"):
+                ui.label(self._draft.name).classes("name grow")
+                ui.button("copy", icon="content_copy", on_click=lambda: ui.clipboard.write(self._text)).props("flat dense no-caps")
+                ui.button("download", icon="download", on_click=lambda: ui.download.content(self._text, self._draft.name)).props(
+                    "flat dense no-caps data-do=download"
+                )
+                if self._draft.source is not None:
+                    ui.button("save", icon="save", on_click=self._ask).props("flat dense no-caps data-do=save")
+            self._toml = ui.html("", sanitize=False).classes("text").props("data-toml")
+            for command in self._draft.commands():
+                with ui.row().classes("head command"):
+                    ui.label(command).classes("code grow")
+                    ui.button(icon="content_copy", on_click=lambda text=command: ui.clipboard.write(text)).props("flat dense size=sm")
+
+    def changed(self) -> None:
+        """Something was typed: read it a little later."""
+        self._dirty = True
+        if not self._reads and not self._closed:
+            self._reads = True
+            background_tasks.create(self._read())
+
+    def _moved(self, keys: Keys) -> None:
+        self._form.sync(keys)
+        self.changed()
+
+    def _sun_changed(self) -> None:
+        self._refill()
+        self.changed()
+
+    def _gone(self) -> bool:
+        return self._closed
+
+    def close(self) -> None:
+        """The browser left: nothing is drawn any more."""
+        self._closed = True
+        self._redraw.close()
+
+    async def _read(self) -> None:
+        try:
+            while self._dirty and not self._closed:
+                self._dirty = False
+                await asyncio.sleep(DEBOUNCE)
+                if not self._dirty:
+                    await self._follow(self._draft.snapshot())
+        finally:
+            self._reads = False
+
+    async def _follow(self, draft: Draft) -> None:
+        """Check, and draw what is right."""
+        scenario, mistakes = await asyncio.to_thread(draft.check)
+        if self._closed:
+            return
+        self._scenario = scenario
+        self._tell(mistakes, draft.raw)
+        if scenario is None:
+            self._redraw.drop()
+            return
+        self._redraw.want(scenario)
+        self._text = await asyncio.to_thread(draft.toml, scenario)
+        self._toml.content = f"<pre>{escape(self._text)}</pre>"
+        try:
+            found = await asyncio.to_thread(plan, scenario)
+        except ScenarioError as error:
+            self._redraw.drop()
+            self._tell(error.mistakes or (Mistake("", None, None, str(error)),), draft.raw)
+            found = None
+        except SeaglintError as error:
+            self._tell((Mistake("", None, None, str(error)),), draft.raw)
+            found = None
+        if found is not None and not self._gone():
+            self._lay_out(scenario, found)
+
+    def _lay_out(self, scenario: Scenario, found: Plan) -> None:
+        self._plan = found
+        self._compass.content = compass(scenario, found.sun, found.azimuth)
+        zenith, azimuth = math.degrees(found.sun.zenith), math.degrees(found.sun.azimuth) % 360
+        facts = [
+            f"wind {scenario.wind.speed_m_s:g} m/s from {scenario.wind.from_deg:g}°",
+            f"Sun: elevation {90 - zenith:.1f}°, azimuth {azimuth:.1f}°",
+            f"view: azimuth {found.azimuth % 360:g}°, elevation {scenario.sensor.elevation_deg:g}°",
+            f"horizon at {distance(found.horizon)}",
+        ]
+        self._facts.set_text("\n".join(facts))
+        self._map_above.content = plan_svg(found, whole=self._whole)
+        self._daylight.show(found.sun if scenario.time is not None else None)
+
+    def _far(self, whole: bool) -> None:
+        self._whole = whole
+        if self._plan is not None:
+            self._map_above.content = plan_svg(self._plan, whole=whole)
+
+    def _of(self, quantity: Quantity) -> None:
+        self._quantity = quantity
+        for job, found in self._found.items():
+            self._maps[job][0].content = map_svg(found, quantity)
+
+    def _show(self, job: Job, found: Picture | str | None) -> None:
+        if self._closed:
+            return
+        picture, words = self._maps[job]
+        if found is None:
+            words.set_text("drawing ...")
+        elif isinstance(found, str):
+            words.set_text(found)
+            words.classes(add="wrong")
+            picture.classes(add="old")
+        else:
+            self._found[job] = found
+            columns, rows = found.radiance.shape[::-1]
+            words.set_text(f"{columns} x {rows} of {found.pixels[0]} x {found.pixels[1]} pixels, {found.seconds:.1f} s")
+            words.classes(remove="wrong")
+            picture.classes(remove="old")
+            picture.content = map_svg(found, self._quantity)
+
+    def _tell(self, mistakes: tuple[Mistake, ...], raw: dict[str, Any]) -> None:
+        self._form.tell(mistakes, raw)
+        self._problems.clear()
+        self._problems.set_visibility(bool(mistakes))
+        with self._problems:
+            for mistake in mistakes:
+                ui.label(mistake.text)
+        for picture, _ in self._maps.values():
+            picture.classes(add="old") if mistakes else picture.classes(remove="old")
+        self.status.set_text(f"{len(mistakes)} to correct" if mistakes else "valid")
+
+    async def _ask(self) -> None:
+        """Confirm before the file is replaced."""
+        scenario = self._scenario
+        if scenario is None:
+            ui.notify("the scenario is not valid yet; correct it first", type="negative")
+            return
+        lost = "Comments in it are lost; only what differs from the defaults is written."
+        other = " It was changed by another program since it was opened here: that is lost too." if self._draft.changed_outside else ""
+        with ui.dialog() as dialog, ui.card():
+            ui.label(f"Replace {self._draft.name}? {lost}{other}")
+            with ui.row():
+                ui.button("replace", on_click=lambda: dialog.submit(True)).props("no-caps data-do=replace")
+                ui.button("keep the file", on_click=lambda: dialog.submit(False)).props("flat no-caps")
+
+        if not await dialog:
+            return
+        try:
+            written = await asyncio.to_thread(self._draft.save, scenario)
+            ui.notify(f"{written.name} is written", type="positive")
+        except SeaglintError as error:
+            ui.notify(str(error), type="negative")

@@ -1,0 +1,274 @@
+"""The scenario being changed: what was typed, what it is found to say, and what is wrong with it."""
+
+from __future__ import annotations
+
+import copy
+import re
+import shlex
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from seaglint.errors import DataError, Mistake, ScenarioError
+from seaglint.io.outputs import moved_when_whole
+from seaglint.scenario.load import load_scenario, parse_scenario
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.presets import PRESETS
+from seaglint.scenario.write import differing, toml_text, toml_value
+from seaglint.viewer.workbench.fields import Field, file_keys
+from seaglint.viewer.workbench.fields import Path as Keys
+
+MOST_TEXT: Final = 20_000
+"""Signs of one field; more are no scenario."""
+
+_WORDS: Final = frozenset({"spline", "straight", "north-atlantic"})
+"""What keys named as files hold where they do not mean a file."""
+
+
+class Draft:
+    """A scenario file's tables as they are typed; it need not be valid.
+
+    Parameters
+    ----------
+    source : path, optional
+        Scenario file to begin with.
+    preset : str
+        Preset to begin with where there is no file.
+
+    Raises
+    ------
+    ScenarioError
+        A file that is missing or no TOML.
+    """
+
+    def __init__(self, source: str | Path | None = None, preset: str = "glint") -> None:
+        self.source = None if source is None else Path(source)
+        self.preset = preset
+        self.raw: dict[str, Any] = {}
+        self._read = b""
+        if self.source is None:
+            self.raw = copy.deepcopy(PRESETS[preset].values)
+        else:
+            try:
+                load_scenario(self.source)
+            except ScenarioError as error:
+                if not error.mistakes:  # no scenario file at all; mistakes of keys are shown beside their fields
+                    raise
+            self._read = self.source.read_bytes()
+            self.raw = tomllib.loads(self._read.decode("utf-8-sig"))
+        self._own = frozenset(value for _, value in _files(self.raw, ())) if self.source is not None else frozenset()
+
+    def snapshot(self) -> Draft:
+        """What is typed by now; later changes do not reach it."""
+        made = copy.copy(self)
+        made.raw = copy.deepcopy(self.raw)
+        return made
+
+    @property
+    def name(self) -> str:
+        """Of the file, to save as."""
+        return "scenario.toml" if self.source is None else self.source.name
+
+    @property
+    def folder(self) -> Path | None:
+        """Where the scenario's files are looked for; None without a scenario file."""
+        return None if self.source is None else self.source.parent
+
+    def get(self, keys: Keys) -> Any:
+        """What is typed at a place; None where nothing is."""
+        here: Any = self.raw
+        for key in keys:
+            if isinstance(here, Mapping):
+                here = here.get(key)
+            elif isinstance(here, list) and isinstance(key, int) and key < len(here):
+                here = here[key]
+            else:
+                return None
+        return here
+
+    def put(self, keys: Keys, value: Any) -> None:
+        """Say something at a place, or nothing (None); tables on the way are made, and an empty one that is a default goes."""
+        here: Any = self.raw
+        for key in keys[:-1]:
+            if isinstance(here, list):
+                here = here[int(key)]
+                continue
+            if not isinstance(here.get(key), dict | list):
+                if value is None:
+                    return
+                here[key] = {}
+            here = here[key]
+        last = keys[-1]
+        if value is not None:
+            here[last] = value
+        elif isinstance(here, list):
+            del here[int(last)]
+        else:
+            here.pop(last, None)
+
+    def check(self) -> tuple[Scenario | None, tuple[Mistake, ...]]:
+        """The scenario, or what is wrong: as the program words it."""
+        outside = tuple(self._outside())
+        if outside:
+            return None, outside
+        try:
+            return parse_scenario(self.raw, base=self.folder), ()
+        except ScenarioError as error:
+            return None, error.mistakes or (Mistake("", None, None, str(error)),)
+
+    def _outside(self) -> Iterator[Mistake]:
+        """Files that the page may not name: a browser reaches only what stands beside the scenario, or what the file itself named."""
+        for key, value in _files(self.raw, ()):
+            if value in _WORDS or value in self._own:
+                continue
+            if self.folder is None:
+                text = (
+                    f"{key} = '{value}' needs a scenario file: save this one and open it with 'seaglint view', its folder is then searched"
+                )
+                yield Mistake(key, value, None, text)
+            elif not _inside(self.folder, value):
+                text = f"{key} = '{value}' is not in the scenario's folder; put the file there, or name it in the file before opening it"
+                yield Mistake(key, value, None, text)
+
+    def toml(self, scenario: Scenario) -> str:
+        """Text to save: only what differs from the defaults, with the units that were typed."""
+        tables = differing(scenario)
+        typed = _with_units(tables, self.raw)
+        try:
+            same = parse_scenario(typed, base=self.folder) == scenario
+        except ScenarioError:
+            same = False
+        return toml_text(typed if same else tables, self.folder)
+
+    @property
+    def changed_outside(self) -> bool:
+        """Whether the file is another than when it was read."""
+        try:
+            return self.source is not None and self.source.read_bytes() != self._read
+        except OSError:
+            return True
+
+    def save(self, scenario: Scenario) -> Path:
+        """Write the file that was opened, whole or not at all.
+
+        Raises
+        ------
+        DataError
+            There was none.
+        StorageError
+            It cannot be written.
+        """
+        if self.source is None:
+            raise DataError("no scenario file was opened; download the text instead, or begin with 'seaglint init'")
+        text = self.toml(scenario)
+        with moved_when_whole(self.source, "download the text instead") as partial:
+            partial.write_text(text, encoding="utf-8")
+        self._read = text.encode()
+        return self.source
+
+    def commands(self) -> list[str]:
+        """Command lines that compute what is seen."""
+        stem = Path(self.name).stem
+        name, run, mean = (shlex.quote(text) for text in (self.name, f"{stem}.zarr", f"{stem}.nc"))
+        return [f"seaglint render {name} -o {run} --preview", f"seaglint mean {name} -o {mean} --preview"]
+
+
+def value_of(entry: Field, text: str) -> Any:
+    """What a field's text says: as in the file, but that quotes may be left out.
+
+    Raises
+    ------
+    ScenarioError
+        A list or a list of tables that is no TOML.
+
+    Examples
+    --------
+    >>> speed, pair = Field("speed_m_s", "number"), Field("pixels", "list")
+    >>> value_of(speed, "5 kn"), value_of(speed, " 5.5"), value_of(pair, "[64, 32]")
+    ('5 kn', 5.5, [64, 32])
+    """
+    text = text.strip()[:MOST_TEXT]
+    if not text:
+        return None
+    if entry.kind in ("text", "file"):
+        return text[1:-1] if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'" else text
+    if entry.kind in ("list", "tables") and not text.startswith("["):
+        text = f"[{text}]"
+    try:
+        return tomllib.loads(f"value = {text}")["value"] if "\n" not in text or entry.kind == "tables" else text
+    except (tomllib.TOMLDecodeError, ValueError, RecursionError) as error:
+        if entry.kind == "tables":
+            raise ScenarioError(f"{entry.name}: is not valid TOML: {error}; write [{{ key = 1, ... }}, ...] as in the file") from None
+        # pairs with units may come without quotes too: [5 deg, 3 deg]
+        return [_word(part) for part in text.strip("[]").split(",")] if entry.kind == "list" else text
+
+
+def _word(text: str) -> Any:
+    try:
+        return tomllib.loads(f"value = {text.strip()}")["value"]
+    except (tomllib.TOMLDecodeError, ValueError):
+        return text.strip()
+
+
+def text_of(value: Any) -> str:
+    """What the field shows of a value, as one would type it."""
+    if value is None:
+        return ""
+    return value if isinstance(value, str) else toml_value(value)
+
+
+def _with_units(value: Any, typed: Any) -> Any:
+    """The value, numbers that were typed as text with a unit as that text."""
+    match value, typed:
+        case dict(), dict():
+            return {key: _with_units(inner, typed.get(key)) for key, inner in value.items()}
+        case (list() | tuple(), list()) if len(value) == len(typed):
+            return [_with_units(inner, beside) for inner, beside in zip(value, typed, strict=True)]
+        case float(), str():
+            return typed
+        case _:
+            return value
+
+
+def _files(table: Any, keys: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    """Dotted keys of files and what is said of them, at any depth."""
+    if isinstance(table, Mapping):
+        for name, value in table.items():
+            if name in file_keys() and isinstance(value, str):
+                yield ".".join((*keys, name)).replace(".[", "["), value
+            else:
+                yield from _files(value, (*keys, str(name)))
+    elif isinstance(table, list | tuple):
+        for place, value in enumerate(table):
+            yield from _files(value, (*keys, f"[{place}]"))
+
+
+def _inside(folder: Path, name: str) -> bool:
+    try:
+        return (folder / name).resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError):  # a name that no file system takes, links in a circle
+        return False
+
+
+_PLACE = re.compile(r"^(?P<name>[^\[]+)(?P<places>(\[\d+\])*)$")
+
+
+def keys_of(mistake: Mistake, raw: Mapping[str, Any]) -> Keys:
+    """Place that a mistake is about: keys and places in lists; objects that it names are found by their name."""
+    text = mistake.key
+    named = re.match(r"^objects \('(?P<name>.*)'\)", text, re.DOTALL)
+    if named is not None:
+        objects = raw.get("objects")
+        for place, item in enumerate(objects if isinstance(objects, list) else []):
+            if isinstance(item, Mapping) and item.get("name") == named["name"]:
+                return ("objects", place, *keys_of(Mistake(text[named.end() :].lstrip("."), None, None, ""), raw))
+        return ("objects",)
+    out: list[str | int] = []
+    for part in text.split(".") if text else []:
+        found = _PLACE.match(part)
+        if found is None:
+            break
+        out.append(found["name"])
+        out.extend(int(place) for place in re.findall(r"\d+", found["places"]))
+    return tuple(out)

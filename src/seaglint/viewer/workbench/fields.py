@@ -1,0 +1,173 @@
+"""The form of a scenario, read off its JSON Schema: groups by table, fields by key."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any, Final, Literal
+
+from seaglint.scenario.template import json_schema
+from seaglint.scenario.write import toml_value
+
+Kind = Literal["number", "text", "list", "tables", "switch", "choice", "file"]
+
+Path = tuple[str | int, ...]
+"""Where a key stands in the file: names of tables and keys, places in lists."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """One key.
+
+    Attributes
+    ----------
+    kind : str
+        ``number`` (with a unit as text), ``text``, ``file``, ``list`` and ``tables`` (of numbers, of tables, written as in the file),
+        ``switch`` or ``choice``.
+    default : object
+        What holds where nothing is said; None where nothing does.
+    choices : tuple
+        Of a choice; of a list, what may be in it.
+    """
+
+    name: str
+    kind: Kind
+    hint: str = ""
+    default: Any = None
+    choices: tuple[Any, ...] = ()
+    required: bool = False
+
+    @property
+    def placeholder(self) -> str:
+        """The default as one would type it."""
+        if self.default is None:
+            return "required" if self.required else "not given"
+        return self.default if self.kind in ("text", "file") else toml_value(self.default)
+
+
+@dataclass(frozen=True)
+class Group:
+    """One table, or a list of tables.
+
+    Attributes
+    ----------
+    tag : str
+        Key that chooses between ``variants``; empty where there is one variant only, by the name ``""``.
+    optional : bool
+        Whether the whole table may be left out and is by default.
+    many : bool
+        Whether the file has a list of such tables.
+    """
+
+    name: str
+    hint: str
+    variants: Mapping[str, tuple[Field | Group, ...]]
+    tag: str = ""
+    default_tag: str = ""
+    optional: bool = False
+    many: bool = False
+    hints: Mapping[str, str] = field(default_factory=dict)
+
+    def entries(self, tag: str = "") -> tuple[Field | Group, ...]:
+        """Keys and tables of a variant; of the first one for a tag that there is not."""
+        return self.variants.get(tag or self.default_tag, next(iter(self.variants.values())))
+
+
+_DEEPEST: Final = 4
+"""Tables below each other that become groups; what is deeper is typed as in the file."""
+
+
+@cache
+def form() -> Group:
+    """The whole form."""
+    schema = json_schema()
+    return Group("", schema.get("description", ""), {"": tuple(_entries(schema, schema["$defs"], 1))})
+
+
+def _entries(record: Mapping[str, Any], defs: Mapping[str, Any], depth: int) -> Iterator[Field | Group]:
+    required, known = record.get("required", ()), record.get("default") or {}
+    for name, own in record.get("properties", {}).items():
+        # the table's own default knows more than its keys': the edges of the band
+        told = own if known.get(name) is None else {**own, "default": known[name]}
+        if "const" not in told:  # the tag of a union: its group has it
+            yield _entry(name, told, defs, depth, name in required)
+
+
+def _entry(name: str, told: Mapping[str, Any], defs: Mapping[str, Any], depth: int, required: bool) -> Field | Group:
+    ways = [_resolved(way, defs) for way in told.get("anyOf", [told])]
+    given = [way for way in ways if way.get("type") != "null"]
+    hint = str(told.get("description", ""))
+    optional = len(given) < len(ways)
+    for way in given:
+        many = way.get("type") == "array" and "items" in way
+        inner = _resolved(way["items"], defs) if many else way
+        if not _is_table(inner):
+            continue
+        if depth >= _DEEPEST or (many and depth > 1):
+            return Field(name, "tables", hint, told.get("default"), required=required)
+        return _group(name, inner, defs, depth, hint, optional=optional or (many and told.get("default") is None), many=many)
+    return _field(name, told, given, hint, required)
+
+
+def _group(name: str, table: Mapping[str, Any], defs: Mapping[str, Any], depth: int, hint: str, *, optional: bool, many: bool) -> Group:
+    if "oneOf" not in table:
+        hint = hint or _first_line(table)
+        return Group(name, hint, {"": tuple(_entries(table, defs, depth + 1))}, optional=optional, many=many)
+    tag, mapping = table["discriminator"]["propertyName"], table["discriminator"]["mapping"]
+    records = {word: _resolved({"$ref": place}, defs) for word, place in mapping.items()}
+    # in the order of the models, which put the common ones first
+    order = [ref["$ref"] for ref in table["oneOf"]]
+    records = dict(sorted(records.items(), key=lambda item: order.index(mapping[item[0]])))
+    default = table.get("default") or {}
+    return Group(
+        name,
+        hint,
+        {word: tuple(_entries(record, defs, depth + 1)) for word, record in records.items()},
+        tag=tag,
+        default_tag=str(default.get(tag) or next(iter(records))),
+        optional=optional,
+        many=many,
+        hints={word: _first_line(record) for word, record in records.items()},
+    )
+
+
+def _field(name: str, told: Mapping[str, Any], ways: list[dict[str, Any]], hint: str, required: bool) -> Field:
+    default = told.get("default")
+    kinds = {way.get("type") for way in ways}
+    for way in ways:
+        if "enum" in way:
+            return Field(name, "choice", hint, default, tuple(way["enum"]), required)
+        if way.get("type") == "array":
+            return Field(name, "list", hint, default, tuple(way.get("items", {}).get("enum", ())), required)
+        if way.get("format") in ("path", "file-path"):
+            return Field(name, "file", hint, default, required=required)
+    kind: Kind = "switch" if "boolean" in kinds else "number" if kinds & {"number", "integer"} else "text"
+    return Field(name, kind, hint, default, required=required)
+
+
+def _resolved(told: Mapping[str, Any], defs: Mapping[str, Any]) -> dict[str, Any]:
+    """What a reference stands for, with what is said beside it."""
+    if "$ref" not in told:
+        return dict(told)
+    rest = {key: value for key, value in told.items() if key != "$ref"}
+    return {**defs[told["$ref"].rsplit("/", 1)[-1]], **rest}
+
+
+def _is_table(told: Mapping[str, Any]) -> bool:
+    return "oneOf" in told or "properties" in told
+
+
+def _first_line(record: Mapping[str, Any]) -> str:
+    return str(record.get("description", "")).split("\n")[0].rstrip(".").replace("``", "")
+
+
+@cache
+def file_keys() -> frozenset[str]:
+    """Names of the keys that hold paths of files, wherever they stand."""
+    found = set()
+    for record in json_schema()["$defs"].values():
+        for name, told in record.get("properties", {}).items():
+            if any(way.get("format") in ("path", "file-path") for way in told.get("anyOf", [told])):
+                found.add(name)
+    return frozenset(found)

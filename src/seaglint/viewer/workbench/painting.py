@@ -1,0 +1,38 @@
+"""The process that computes the workbench's pictures: orders come on its standard input, pictures leave on its standard output."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import sys
+
+from seaglint.errors import SeaglintError
+from seaglint.viewer.workbench.pictures import Picture, picture
+
+
+def main() -> None:
+    """Work until the input ends, with the server."""
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what libraries print must not get between the pictures
+    from seaglint.pipeline import image, mean  # noqa: F401 - loaded while nobody waits
+
+    while True:
+        try:
+            job, scenario = pickle.load(sys.stdin.buffer)
+        except EOFError:
+            return
+        try:
+            answer: tuple[str, Picture | SeaglintError] = ("picture", picture(job, scenario))
+        except SeaglintError as error:
+            answer = ("error", error)
+        except Exception as error:  # a defect of seaglint is told, and the page lives on
+            answer = ("error", SeaglintError(f"{type(error).__name__}: {error}; this is a defect of seaglint, please report it"))
+        pickle.dump(answer, answers)
+        answers.flush()
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except (KeyboardInterrupt, BrokenPipeError):
+        sys.exit(0)

@@ -1,0 +1,185 @@
+"""What stands where: the plan from above, with the sensor's view, range rings, horizon, objects and their ways."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from html import escape
+from typing import Final
+
+import numpy as np
+
+from seaglint.conventions import FloatArray, horizon_range, surface_range
+from seaglint.pipeline import prepare
+from seaglint.pipeline.objects import bodies
+from seaglint.scenario.compass import SUN, VIEW
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.sun import SunPosition, sun_position
+
+_TIMES: Final = 41
+"""Places along a way."""
+
+_SIZE, _RADIUS = 420.0, 186.0
+
+_COLOURS: Final = ("#e4572e", "#a06cd5", "#2e9e9e", "#d1495b", "#7a9e3f", "#c77d2a", "#4f7cac", "#b0578d")
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """Places east and north of the sensor's start [m] and directions [deg].
+
+    Attributes
+    ----------
+    ways : dict of str to ndarray, shape (times, 2)
+        Of the objects, by name, over the time of the frames.
+    own : ndarray, shape (times, 2)
+        The sensor's way.
+    horizon : float
+        Range of the horizon [m].
+    nearest : float
+        Range of the nearest sea in view [m]; NaN where no sea is.
+    azimuth : float
+        Of the view's middle at the start [deg].
+    """
+
+    ways: dict[str, FloatArray]
+    own: FloatArray
+    horizon: float
+    nearest: float
+    azimuth: float
+    width: float
+    sun: SunPosition
+
+
+def plan(scenario: Scenario) -> Plan:
+    """Lay out a scenario, on a flat sea.
+
+    Raises
+    ------
+    ScenarioError
+        Ways and objects that cannot be.
+    """
+    calm = scenario
+    if scenario.platform is not None and scenario.platform.floats:  # it only rocks about its place
+        still = None if scenario.platform.track is None and scenario.platform.keyframes is None else scenario.platform
+        calm = scenario.model_copy(update={"platform": still and still.model_copy(update={"floats": False})})
+    times = np.linspace(0.0, (scenario.sensor.frames - 1) / scenario.sensor.frame_rate_hz, _TIMES)
+    track = prepare.track(calm)
+    poses = [track.at(float(time)) for time in times]
+    own = np.array([(pose.east, pose.north) for pose in poses])
+    ways = {body.name: np.array([body.motion.at(float(time)).position[:2] for time in times]) - own[0] for body in bodies(calm)}
+    height, azimuth = poses[0].height, math.degrees(poses[0].attitude.azimuth)
+    steepest = math.radians(-scenario.sensor.elevation_deg + 0.5 * scenario.sensor.fov_deg[1])
+    nearest = float(surface_range(height, min(steepest, 0.5 * math.pi)))
+    return Plan(ways, own - own[0], horizon_range(height), nearest, azimuth, scenario.sensor.fov_deg[0], sun_position(scenario))
+
+
+def reach(found: Plan, whole: bool) -> float:
+    """Range shown [m]: up to the farthest object, or the horizon where ``whole`` or there is none."""
+    far = max((float(np.hypot(way[:, 0], way[:, 1]).max()) for way in found.ways.values()), default=0.0)
+    return found.horizon * 1.05 if whole or not found.ways else max(far * 1.12, 20.0)
+
+
+def rings(far: float) -> list[float]:
+    """Three to six round ranges up to one [m].
+
+    >>> rings(6500.0)
+    [1000.0, 2000.0, 3000.0, 4000.0, 5000.0, 6000.0]
+    """
+    step = 10.0 ** math.floor(math.log10(far))
+    step = next(step * part for part in (0.1, 0.2, 0.5, 1.0, 2.0) if far / (step * part) <= 6.5)
+    return [step * (n + 1) for n in range(math.floor(far / step))]
+
+
+def distance(metres: float) -> str:
+    """A range as text.
+
+    >>> distance(500.0), distance(14280.0)
+    ('500 m', '14.3 km')
+    """
+    return f"{metres:.3g} m" if metres < 1000.0 else f"{metres / 1000.0:.3g} km"
+
+
+def plan_svg(found: Plan, *, whole: bool = False) -> str:
+    """The plan as SVG, north up, the sensor's start in the middle."""
+    far = reach(found, whole)
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_SIZE:g} {_SIZE:g}" width="100%" role="img" '
+        f'aria-label="plan: north up" font-family="system-ui, sans-serif" font-size="11" fill="currentColor">'
+        + "".join(_pieces(found, far))
+        + "</svg>"
+    )
+
+
+def _point(east: float, north: float, far: float) -> tuple[float, float]:
+    return 0.5 * _SIZE + _RADIUS * east / far, 0.5 * _SIZE - _RADIUS * north / far
+
+
+def _polar(azimuth: float, radius: float) -> str:
+    angle = math.radians(azimuth)
+    return f"{0.5 * _SIZE + radius * math.sin(angle):.1f},{0.5 * _SIZE - radius * math.cos(angle):.1f}"
+
+
+def _pieces(found: Plan, far: float) -> Iterator[str]:
+    middle = 0.5 * _SIZE
+    yield _wedge(found, far)
+    for ring in rings(far):
+        r = _RADIUS * ring / far
+        yield f'<circle cx="{middle:g}" cy="{middle:g}" r="{r:.1f}" fill="none" stroke="currentColor" stroke-opacity=".22"/>'
+        yield f'<text x="{middle + 4:g}" y="{middle - r - 3:.1f}" opacity=".65">{distance(ring)}</text>'
+    if found.horizon <= far:
+        r = _RADIUS * found.horizon / far
+        yield f'<circle class="horizon" cx="{middle:g}" cy="{middle:g}" r="{r:.1f}" fill="none" stroke="{VIEW}" stroke-dasharray="6 4"/>'
+        place = _polar(135.0, r + 4)
+        yield f'<text x="{place.split(",")[0]}" y="{place.split(",")[1]}" fill="{VIEW}">horizon {distance(found.horizon)}</text>'
+    for azimuth, name in ((0, "N"), (90, "E"), (180, "S"), (270, "W")):
+        x, y = _polar(azimuth, _RADIUS + 14).split(",")
+        yield f'<text x="{x}" y="{y}" text-anchor="middle" dominant-baseline="central" font-weight="600">{name}</text>'
+    if found.sun.zenith < 0.5 * math.pi:
+        x, y = _polar(math.degrees(found.sun.azimuth), _RADIUS).split(",")
+        yield f'<circle cx="{x}" cy="{y}" r="6" fill="{SUN}"><title>towards the Sun</title></circle>'
+    yield from _line(found.own, "sensor", "currentColor", far)
+    used: list[tuple[float, float]] = []
+    # names from the top down, so that those moved down keep their order
+    for number, (name, way) in enumerate(sorted(found.ways.items(), key=lambda item: -float(item[1][0, 1]))):
+        colour = _COLOURS[number % len(_COLOURS)]
+        yield from _line(way, name, colour, far)
+        yield _name(_point(float(way[0, 0]), float(way[0, 1]), far), name, colour, used)
+
+
+def _wedge(found: Plan, far: float) -> str:
+    """Sea in view: from the nearest to the horizon."""
+    half, top = 0.5 * min(found.width, 359.9), _RADIUS * min(found.horizon, far) / far
+    bottom = min(_RADIUS * found.nearest / far, top) if math.isfinite(found.nearest) else top
+    left, right = found.azimuth - half, found.azimuth + half
+    large = int(found.width > 180.0)
+    outer = f"L{_polar(left, top)}A{top:.1f},{top:.1f} 0 {large} 1 {_polar(right, top)}"
+    inner = f"M{_polar(right, bottom)}A{bottom:.1f},{bottom:.1f} 0 {large} 0 {_polar(left, bottom)}"
+    return f'<path class="sea" d="{inner}{outer}Z" fill="{VIEW}" fill-opacity=".2" stroke="{VIEW}" stroke-opacity=".6"/>'
+
+
+def _line(way: FloatArray, name: str, colour: str, far: float) -> Iterator[str]:
+    """A way: a dot where it begins, an arrow's head where it ends."""
+    points = [_point(float(east), float(north), far) for east, north in way]
+    (x, y), (u, v) = points[0], points[-1]
+    text = escape(name)
+    if math.hypot(u - x, v - y) > 1.0:
+        path = "M" + "L".join(f"{a:.1f},{b:.1f}" for a, b in points)
+        back = math.atan2(points[-2][1] - v, points[-2][0] - u)
+        head = "".join(f"M{u:.1f},{v:.1f}L{u + 6 * math.cos(back + t):.1f},{v + 6 * math.sin(back + t):.1f}" for t in (-0.5, 0.5))
+        yield f'<path class="way" d="{path}{head}" fill="none" stroke="{colour}" stroke-width="1.6"><title>{text}</title></path>'
+    yield f'<circle class="place" cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="{colour}"><title>{text}</title></circle>'
+
+
+def _name(place: tuple[float, float], name: str, colour: str, used: list[tuple[float, float]]) -> str:
+    """A name beside its place, moved down where another one is, with a line to where it belongs."""
+    x, y = place[0] + 26.0, place[1]
+    while any(abs(y - other[1]) < 12.0 and abs(x - other[0]) < 90.0 for other in used):
+        y += 3.0
+    used.append((x, y))
+    text = escape(name if len(name) < 24 else f"{name[:22]}…")
+    left = x > _SIZE - 100.0
+    at, anchor = (x - 52.0, ' text-anchor="end"') if left else (x, "")
+    leader = f'<path d="M{place[0]:.1f},{place[1]:.1f}L{at:.1f},{y:.1f}" stroke="{colour}" stroke-opacity=".7"/>'
+    return f'{leader}<text x="{at:.1f}" y="{y:.1f}" fill="{colour}" dominant-baseline="central"{anchor}>{text}</text>'

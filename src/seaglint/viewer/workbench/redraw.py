@@ -1,0 +1,82 @@
+"""Pictures follow changes: a little after the last one, and a newer change overtakes what is under way."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from typing import Any, Final
+
+from seaglint.errors import SeaglintError
+from seaglint.scenario.model import Scenario
+from seaglint.viewer.workbench.pictures import Job, Order, Overtaken, Painter, Picture
+
+JOBS: Final[tuple[Job, ...]] = ("mean", "frame")
+
+Show = Callable[[Job, "Picture | str | None"], None]
+"""Told a picture, why there is none, or None where one is begun."""
+
+
+class Redraw:
+    """The pictures of one page.
+
+    Parameters
+    ----------
+    painter : Painter
+        Shared by all pages.
+    show : callable
+        Called with the name of a picture and what came of it.
+    start : callable
+        Starts a coroutine in the background.
+    """
+
+    def __init__(self, painter: Painter, show: Show, start: Callable[[Coroutine[Any, Any, None]], object]) -> None:
+        self._painter, self._show, self._start = painter, show, start
+        self._wanted: Scenario | None = None
+        self._order: Order | None = None
+        self._works = self._closed = False
+
+    def want(self, scenario: Scenario) -> None:
+        """Draw this one; what was wanted before is not any more."""
+        if self._closed:
+            return
+        self.drop()
+        self._wanted = scenario
+        if not self._works:
+            self._works = True
+            self._start(self._work())
+
+    def drop(self) -> None:
+        """Nothing is wanted."""
+        self._wanted = None
+        if self._order is not None:
+            self._order.drop()
+
+    def close(self) -> None:
+        """The page is gone."""
+        self._closed = True
+        self.drop()
+
+    async def _work(self) -> None:
+        try:
+            while self._wanted is not None:
+                scenario, self._wanted = self._wanted, None
+                for job in JOBS:
+                    if not await self._draw(job, scenario):
+                        break
+        finally:
+            self._works = False
+
+    async def _draw(self, job: Job, scenario: Scenario) -> bool:
+        """One picture; False where it was overtaken."""
+        self._order = order = Order(job, scenario)
+        self._show(job, None)
+        try:
+            found: Picture | str = await asyncio.get_running_loop().run_in_executor(self._painter.line, self._painter.paint, order)
+        except Overtaken:
+            return False
+        except SeaglintError as error:
+            found = str(error)
+        if order.dropped.is_set():
+            return False
+        self._show(job, found)
+        return True
