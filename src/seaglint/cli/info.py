@@ -17,7 +17,9 @@ from seaglint.plot.summary import images, summarise
 if TYPE_CHECKING:
     import xarray as xr
 
-_HIDDEN = frozenset({"scenario", "band_wavelength_um", "band_response", "Conventions", "title", "seaglint_format", "frame_rate_hz", "seed"})
+_HIDDEN = frozenset(
+    {"scenario", "band_wavelength_um", "band_response", "Conventions", "title", "seaglint_format", "frame_rate_hz", "seed", "unfinished"}
+)
 
 
 def describe(path: Path | str) -> dict[str, Any]:

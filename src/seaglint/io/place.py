@@ -214,6 +214,7 @@ class Remote:
         with _reached(self.output):
             if replace and self._files.exists(self.output):
                 self._files.rm(self.output, recursive=True)
+                type(self._files).clear_instance_cache()  # Zarr's own client remembers what was there
             make_arrays(self.output, layout)
 
     def keep_traceback(self, name: str, text: str) -> None:
