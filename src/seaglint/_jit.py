@@ -5,16 +5,18 @@
 
 from __future__ import annotations
 
+import os
 import threading
 import uuid
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 
-from seaglint._kernel_cache import kernel_folder
+from seaglint._kernel_cache import end_turn, kernel_folder, take_turn
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -43,6 +45,7 @@ def _compiled(function: F, **options: Any) -> F:
         finally:
             _settings.CACHE_DIR = users
     _name_apart(made)
+    _take_turns(made, folder)
     return cast(F, made)
 
 
@@ -56,6 +59,33 @@ def _name_apart(made: Any) -> None:
         file = made._cache._cache_file
         stem = file._index_name.removesuffix(".nbi")
         file._data_name = lambda number: f"{stem}.{uuid.uuid4().hex[:12]}.nbc"
+
+
+def _take_turns(made: Any, folder: Path) -> None:
+    """Let one of the processes that begin at the same time compile a function, and the others wait for it and load what it made.
+
+    A function is compiled after those that it calls, and calls lead round in no circle: nobody waits for ever.
+    """
+    with suppress(AttributeError):  # as above
+        cache = made._cache
+        load, save, name = cache.load_overload, cache.save_overload, os.path.relpath(cache._cache_file._index_path, folder)
+
+        def load_or_wait(*arguments: Any) -> Any:
+            found = load(*arguments)
+            if found is None:
+                take_turn(folder, name)
+                found = load(*arguments)
+                if found is not None:
+                    end_turn(folder, name)
+            return found
+
+        def save_and_go_on(*arguments: Any) -> None:
+            try:
+                save(*arguments)
+            finally:
+                end_turn(folder, name)
+
+        cache.load_overload, cache.save_overload = load_or_wait, save_and_go_on
 
 
 def kernel(function: F) -> F:

@@ -11,6 +11,7 @@ import os
 import shutil
 import tempfile
 import time
+import zlib
 from collections.abc import Iterator
 from contextlib import suppress
 from functools import cache
@@ -18,6 +19,11 @@ from pathlib import Path
 from typing import Final
 
 from seaglint.user_cache import cache_folder
+
+try:
+    import fcntl
+except ImportError:  # Windows: processes that begin at the same time compile for themselves
+    fcntl = None  # type: ignore[assignment]
 
 PACKAGE: Final = Path(__file__).parent
 
@@ -31,6 +37,9 @@ KEPT: Final = 5
 
 IN_USE: Final = 86400.0
 """Seconds from its start for which a program may still compile into its folder, which is then left alone."""
+
+TURN: Final = 600.0
+"""Longest wait for another process that compiles the same function [s]; then this one compiles it too."""
 
 
 def sources_digest(package: Path = PACKAGE) -> str:
@@ -117,3 +126,46 @@ def remove_old(present: Path) -> None:
             with suppress(OSError):
                 folder.rename(gone)  # at once for everybody; a process that comes now makes a new one
                 shutil.rmtree(gone)
+
+
+@cache
+def _turns(folder: Path) -> int | None:
+    """File in which each function has a byte that is locked while a process compiles it; open for as long as this process lives.
+
+    It has the ending of Numba's index files: who removes these removes it too.
+    """
+    try:
+        return os.open(folder / "compiling.nbi", os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError:
+        return None
+
+
+def _byte(function: str) -> int:
+    return zlib.crc32(function.encode()) >> 1
+
+
+def take_turn(folder: Path, function: str) -> None:
+    """Wait until no other process compiles a function.
+
+    The system gives the lock back when its process ends, however it ends. Where files cannot be locked nobody waits: each process then
+    compiles for itself, which only takes longer.
+    """
+    file, until, pause = _turns(folder), time.monotonic() + TURN, 0.01
+    while fcntl is not None and file is not None and time.monotonic() < until:
+        try:
+            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _byte(function))
+        except (BlockingIOError, PermissionError):
+            time.sleep(pause)
+            pause = min(1.5 * pause, 0.25)
+        except OSError:
+            return
+        else:
+            return
+
+
+def end_turn(folder: Path, function: str) -> None:
+    """Let another process go on."""
+    file = _turns(folder)
+    if fcntl is not None and file is not None:
+        with suppress(OSError):
+            fcntl.lockf(file, fcntl.LOCK_UN, 1, _byte(function))

@@ -52,7 +52,7 @@ def start(package: Path, code: str = RUN, **environment: str) -> subprocess.Pope
     """Run code with the copy, whose own and the user's folders are all that it may write to."""
     kept = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA_", "SEAGLINT_", "COVERAGE_"))}
     given = {"PYTHONPATH": str(package.parent), "SEAGLINT_CACHE": str(package.parent / "user")} | environment
-    return subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True, env=kept | given)
+    return subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=kept | given)
 
 
 def answer(package: Path, code: str = RUN, **environment: str) -> str:
@@ -176,3 +176,40 @@ def test_the_digest_costs_nothing_to_speak_of() -> None:
         assert len(_kernel_cache.sources_digest()) == 20
         seconds.append(time.perf_counter() - start)
     assert min(seconds) < 0.02
+
+
+TOGETHER = """
+import os, time
+from pathlib import Path
+from seaglint.outer import outer
+ready = Path(os.environ["READY"])
+(ready / str(os.getpid())).touch()
+while len(list(ready.iterdir())) < 3:
+    time.sleep(0.001)
+print(outer(3.0))
+"""
+
+
+def test_of_processes_that_begin_together_one_compiles_each_function(package: Path, tmp_path: Path) -> None:
+    ready = tmp_path / "ready"
+    ready.mkdir()
+    processes = [start(package, TOGETHER, READY=str(ready)) for _ in range(3)]
+    assert [process.communicate()[0].strip() for process in processes] == ["7.0"] * 3
+    assert len(compiled(package)) == 2
+
+
+def test_nobody_waits_for_a_process_that_was_killed_while_it_compiled(package: Path) -> None:
+    holds = (
+        "from pathlib import Path; from seaglint._kernel_cache import kernel_folder, take_turn; import seaglint.outer, os\n"
+        "cache = seaglint.outer.outer._cache._cache_file; folder = kernel_folder()\n"
+        "take_turn(folder, os.path.relpath(cache._index_path, folder)); print('held', flush=True); input()"
+    )
+    holder = start(package, holds)
+    assert holder.stdout is not None
+    assert holder.stdout.readline() == "held\n"
+    waiting = start(package, "from seaglint.outer import outer; print(outer(3.0))")
+    with pytest.raises(subprocess.TimeoutExpired):
+        waiting.communicate(timeout=1.5)
+    holder.kill()
+    holder.communicate()
+    assert waiting.communicate(timeout=60)[0].strip() == "7.0"

@@ -13,6 +13,7 @@ from seaglint.cli.numbers import between, contrasts_of
 from seaglint.cli.options import Overwrite, Progress
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.sensor import SensorPreset
+from seaglint.cli.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen, done_here
 
 if TYPE_CHECKING:
     from seaglint.detection.spot import Shape
@@ -133,6 +134,9 @@ def detect(
         str | None, typer.Option("--bearings", help="for --range: from the Sun's azimuth, clockwise, e.g. 0:330:30 [deg]")
     ] = None,
     sensor_preset: SensorPreset = None,
+    workers: WorkersOption = None,
+    dask: DaskOption = None,
+    dask_slurm: DaskSlurmOption = None,
 ) -> None:
     """Probabilities of detection and false alarm, and errors of place, of a detector on a recording or in rendered scenes."""
     import warnings
@@ -192,8 +196,14 @@ def detect(
         judged = Options(
             template, detector, filter_of(filter_name, kernel, signature), threshold, threshold_law, level, None, None, time_limit
         )
-        run_scenario(Path(recording), scene, judged, given, shape, output, overwrite=overwrite, as_json=as_json, show=show)
+        if output is None and (dask is not None or dask_slurm is not None):
+            raise DataError("workers on other machines keep frames beside the result; give -o RESULT in a folder that they see too")
+        with chosen(workers, dask, dask_slurm) as team:
+            run_scenario(
+                Path(recording), scene, judged, given, shape, output, overwrite=overwrite, as_json=as_json, show=show, workers=team
+            )
         return
+    done_here(workers, dask, dask_slurm, "a recording is judged")
     if scene.given:
         raise DataError(f"{', '.join(scene.given)}: for scenarios, and {recording} is a recording; give SCENARIO.toml, or leave it out")
     if contrast is None:

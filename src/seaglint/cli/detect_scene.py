@@ -12,6 +12,7 @@ from seaglint.cli.numbers import between, contrasts_of
 from seaglint.cli.progress import ProgressMode
 
 if TYPE_CHECKING:
+    from seaglint.cluster import Workers
     from seaglint.detection.spot import Shape
     from seaglint.pipeline.detect import Options
     from seaglint.pipeline.detect_cases import Case
@@ -65,8 +66,9 @@ def run_scenario(
     overwrite: bool,
     as_json: bool,
     show: ProgressMode,
+    workers: Workers | None = None,
 ) -> None:
-    """Judge a detector in rendered scenes and write what was asked for."""
+    """Judge a detector in rendered scenes, by workers where some are named, and write what was asked for."""
     import warnings
 
     from seaglint.cli.logs import show_logs
@@ -102,7 +104,8 @@ def run_scenario(
                 if kept:
                     parts.remove()
                 return
-            study = run_study(cases, wanted, parts, budget=arguments.time_budget, progress=progress, say=say if len(cases) > 1 else _silent)
+            told = say if len(cases) > 1 else _silent
+            study = run_study(cases, wanted, parts, budget=arguments.time_budget, progress=progress, say=told, workers=workers)
         result = {"source": str(path), **study.as_dict(), "scenario_file": str(path)}
         if files is not None:
             _write(study, result, files)

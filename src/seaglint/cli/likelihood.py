@@ -10,8 +10,10 @@ import typer
 from seaglint.cli.messages import files_read, log, naming_file, print_json
 from seaglint.cli.options import Overwrite, Progress
 from seaglint.cli.progress import ProgressMode
+from seaglint.cli.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen, done_here
 
 if TYPE_CHECKING:
+    from seaglint.cluster import Workers
     from seaglint.scenario.model import Scenario
 
 _FILES = ("likelihood.json", "likelihood.csv", "strata.csv", "likelihood.png")
@@ -32,6 +34,9 @@ def likelihood(
     ] = None,
     overwrite: Overwrite = False,
     show: Progress = ProgressMode.AUTO,
+    workers: WorkersOption = None,
+    dask: DaskOption = None,
+    dask_slurm: DaskSlurmOption = None,
 ) -> None:
     """Tell how often glint is brighter than thresholds, over weather, Sun and geometry."""
     from seaglint.cli.progress import progress
@@ -40,8 +45,10 @@ def likelihood(
     loaded = load_scenario(scenario)
     inputs = files_read(scenario, loaded)
     if by_month:
-        _mapped(scenario, loaded, output, step, overwrite, show, inputs)
+        with chosen(workers, dask, dask_slurm) as team:
+            _mapped(scenario, loaded, output, step, overwrite, show, inputs, team)
         return
+    done_here(workers, dask, dask_slurm, "all but maps is computed")
     if track is not None:
         _along(scenario, loaded, track, output, as_json, overwrite, [*inputs, track])
         return
@@ -116,7 +123,14 @@ def _write(result: Any, found: dict[str, Any], files: list[Path], overwrite: boo
 
 
 def _mapped(
-    path: Path, loaded: Scenario, output: Path | None, step: float, overwrite: bool, show: ProgressMode, inputs: list[Path]
+    path: Path,
+    loaded: Scenario,
+    output: Path | None,
+    step: float,
+    overwrite: bool,
+    show: ProgressMode,
+    inputs: list[Path],
+    workers: Workers | None,
 ) -> None:
     """The map by month: NetCDF and a picture."""
     from seaglint.cli.progress import progress
@@ -135,7 +149,7 @@ def _mapped(
     for file in (output, picture):
         refuse_existing(file, overwrite=overwrite, inputs=inputs)
     with naming_file(path, loaded), progress(show, "months") as report:
-        dataset = likelihood_map(loaded, step=step, progress=report)
+        dataset = likelihood_map(loaded, step=step, progress=report, workers=workers)
     write_netcdf(dataset, output, overwrite=overwrite)
     log(f"{output} written")
     write_map(dataset, picture)

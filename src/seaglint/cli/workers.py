@@ -20,6 +20,14 @@ DaskSlurmOption = Annotated[
 ]
 
 
+def done_here(workers: int | None, dask: str | None, dask_slurm: Path | None, what: str) -> None:
+    """Say that nobody shares a piece of work that cannot be parted."""
+    from seaglint.cli.messages import log
+
+    if workers is not None or dask is not None or dask_slurm is not None:
+        log(f"{what} in one piece, by this process alone")
+
+
 @contextmanager
 def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, threads: int | None = None) -> Iterator[Workers | None]:
     """Whoever was asked for; None where the work is this process's own. ``threads`` is for each local process.
@@ -41,10 +49,17 @@ def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, th
 
         with LocalProcesses(workers, threads=threads) as processes:
             yield processes
-    elif dask is not None or dask_slurm is not None:
-        from seaglint.cluster.dask import connected, queued
+    elif dask is not None:
+        from seaglint.cli.messages import log
+        from seaglint.cluster.dask import connected
 
-        with connected(dask) if dask is not None else queued(dask_slurm) as cluster:
+        with connected(dask, log) as cluster:
+            yield cluster
+    elif dask_slurm is not None:
+        from seaglint.cli.messages import log
+        from seaglint.cluster.batch_queue import queued
+
+        with queued(dask_slurm, log) as cluster:
             yield cluster
     else:
         yield None

@@ -9,6 +9,8 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Final, Generic, Protocol, TypeVar
 
+from seaglint.errors import BackendError
+
 Settings = TypeVar("Settings")
 Unit = TypeVar("Unit")
 Record = TypeVar("Record")
@@ -92,3 +94,18 @@ def one_line(error: BaseException) -> str:
     """
     first = (str(error).splitlines() or [""])[0]
     return f"{type(error).__name__}: {first}" if first else type(error).__name__
+
+
+def record_of(outcome: Done[Unit, Record] | Failed[Unit]) -> Record:
+    """The record of a unit, where a result needs all of them.
+
+    Raises
+    ------
+    BackendError
+        The unit failed; the traceback is a note of the error.
+    """
+    if isinstance(outcome, Done):
+        return outcome.record
+    error = BackendError(f"{outcome.error}; a unit of the work ({outcome.unit}) was tried {outcome.attempts} times on the workers")
+    error.add_note(outcome.traceback)
+    raise error

@@ -10,6 +10,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from seaglint.cluster import Workers
 from seaglint.detection.background import FrameSource
 from seaglint.detection.base import Detector
 from seaglint.detection.choice import named_for
@@ -126,8 +127,9 @@ def run_scene(
     clock: Clock | None = None,
     name: str = "scene",
     progress: Progress | None = None,
+    workers: Workers | None = None,
 ) -> dict[str, Any]:
-    """Judge a detector in one scene.
+    """Judge a detector in one scene, of which ``workers`` render the seas.
 
     Returns
     -------
@@ -143,7 +145,7 @@ def run_scene(
     seas = Seas.of(scenario)
     shape, share, own = injected(scenario, wanted, seas)
     length = lead_of(wanted.options, shape) + 1
-    source = SceneFrames(seas, parts.frames(frames_key(scenario, length)), length)
+    source = SceneFrames(seas, parts.frames(frames_key(scenario, length)), length, workers=workers)
     if progress is not None:
         progress(source.count, wanted.seas)
     source.grow(1)

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from seaglint.cluster import Workers
 from seaglint.clutter.filters import named as named_filter
 from seaglint.errors import DataError, SeaglintError
 from seaglint.io.detection_parts import Parts
@@ -114,6 +115,7 @@ def run_study(
     budget: float | None = None,
     progress: Progress | None = None,
     say: Callable[[str], None] = lambda text: None,
+    workers: Workers | None = None,
 ) -> Study:
     """Run all cases; those that ``parts`` has already are taken as they are.
 
@@ -131,6 +133,8 @@ def run_study(
         Called with (seas done, seas at most, over all cases).
     say : callable
         Told of every case that ends.
+    workers : Workers, optional
+        Who renders the seas of each case; this process where nobody is named. Results do not depend on it.
 
     Raises
     ------
@@ -155,7 +159,8 @@ def run_study(
                     break
                 clock = Clock(None if left is None else max(left, 0.0) / (len(cases) - number))
                 shown = None if progress is None else _shown(progress, number, wanted.seas, len(cases))
-                kept = told | run_scene(case.scenario, mine, parts, clock=clock, name=_name(case, number), progress=shown)
+                name = _name(case, number)
+                kept = told | run_scene(case.scenario, mine, parts, clock=clock, name=name, progress=shown, workers=workers)
                 if kept["stopped"] == "time budget":
                     unfinished = True
                 else:

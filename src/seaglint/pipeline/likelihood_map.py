@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
-from typing import TYPE_CHECKING, Final
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.cluster import Job, Workers
+from seaglint.cluster.base import record_of
 from seaglint.conventions import FloatArray
 from seaglint.errors import ScenarioError
 from seaglint.io.provenance import provenance
@@ -46,6 +51,7 @@ def likelihood_map(
     samples: int | None = None,
     weather: WeatherTable | None = None,
     progress: Report | None = None,
+    workers: Workers | None = None,
 ) -> xr.Dataset:
     """Chance that glint exceeds each threshold, over cells of the region and months.
 
@@ -61,6 +67,8 @@ def likelihood_map(
         Instead of the scenario's.
     progress : callable, optional
         Told months done and all of them.
+    workers : Workers, optional
+        Who does the months and bands of latitude; this process where nobody is named. Results do not depend on it.
 
     Returns
     -------
@@ -80,54 +88,27 @@ def likelihood_map(
     """
     import xarray as xr
 
-    model = Model.of(scenario, weather)
-    wanted, tell = model.wanted, progress or (lambda done, total: None)
-    if not isinstance(model.where, Region):
-        raise ScenarioError("likelihood.latitudes_deg and longitudes_deg are missing: a map needs the region's borders")
-    region = model.where
-    wide = region.east - region.west if region.east > region.west else region.east - region.west + 360.0
-    north, east = (np.arange(0.5 * step, size + 1e-9, step) for size in (region.north - region.south, wide))
-    if north.size == 0 or east.size == 0 or north.size * east.size > _MOST:
-        raise ScenarioError(f"the map has {north.size} x {east.size} cells of {step:g} deg; choose --step so that there are 1 to {_MOST}")
-    latitude, longitude = region.south + north, (region.west + east + 180.0) % 360.0 - 180.0
-    months = tuple(wanted.months or range(1, 13))
-    cells = _cells(model.table, latitude, longitude)
-    out = np.empty((len(wanted.threshold_w_m2_sr), len(months), latitude.size, longitude.size))
-    whole = wanted.integrates and wanted.azimuths != "drawn" and "azimuth_from_sun_deg" not in model.looks
-    samples = samples or (INTEGRATED if whole else SAMPLES)
-    alike = cells is None and isinstance(model.when, Times) and model.when.hours == (0.0, 24.0) and np.isnan(model.table["hour_utc"]).all()
-    across = longitude[:1] if alike else longitude
-    each = min(samples * longitude.size, max(samples, _SHARED)) if alike else samples
-    plan = Plan(1, 2 ** round(math.log2(each)))
-    together = max(_TOGETHER // (plan.total * across.size), 1)
-    rows = (
-        np.full((latitude.size, longitude.size), len(model.table))
-        if cells is None
-        else np.array([c.size for c in cells]).reshape(out.shape[2:])
-    )
-    for m, month in enumerate(months):
-        tell(m, len(months))
-        of_month = model.of_months((month,))
-        u = numbers(of_month, plan, scenario.seed)
-        for first in range(0, latitude.size, together):
-            band = slice(first, min(first + together, latitude.size))
-            count = (band.stop - first) * across.size
-            places = _inside(latitude[band], across, step, u)
-            tiled = {name: np.tile(values, count) for name, values in u.items()}
-            of_cells = None if cells is None else cells[first * across.size :][:count]
-            drawn = seen(of_month, tiled, _drawn(of_month, tiled, places, of_cells), plan, integrated=whole)
-            weight = drawn.weight.reshape(-1, across.size, plan.total)
-            for t, threshold in enumerate(wanted.threshold_w_m2_sr):
-                values = measured(of_month, drawn, threshold).reshape(weight.shape)
-                out[t, m, band] = (values * weight).sum(axis=2) / weight.sum(axis=2)
-    tell(len(months), len(months))
+    settings = MapSettings(scenario, step, samples, weather)
+    cells = Cells.of(settings)
+    tell = progress or (lambda done, total: None)
+    latitude, longitude, months = cells.latitude, cells.longitude, cells.months
+    out = np.empty((len(cells.model.wanted.threshold_w_m2_sr), len(months), latitude.size, longitude.size))
+    pieces = [(m, first) for m in range(len(months)) for first in range(0, latitude.size, cells.together)]
+    left = Counter(m for m, _ in pieces)
+    tell(0, len(months))
+    with _outcomes(cells, settings, pieces, workers) as found:
+        for (m, first), values in found:
+            out[:, m, first : first + cells.together] = values
+            left[m] -= 1
+            if not left[m]:
+                tell(sum(not n for n in left.values()), len(months))
     return xr.Dataset(
         {
             "probability": (("threshold", "month", "latitude", "longitude"), out, {"units": "1"}),
-            "rows": (("latitude", "longitude"), rows, {"units": "1"}),
+            "rows": (("latitude", "longitude"), cells.row_counts, {"units": "1"}),
         },
         coords={
-            "threshold": ("threshold", list(wanted.threshold_w_m2_sr), {"units": "W m-2 sr-1"}),
+            "threshold": ("threshold", list(cells.model.wanted.threshold_w_m2_sr), {"units": "W m-2 sr-1"}),
             "month": list(months),
             "latitude": ("latitude", latitude, {"units": "degrees_north"}),
             "longitude": ("longitude", longitude, {"units": "degrees_east"}),
@@ -136,12 +117,139 @@ def likelihood_map(
             "Likelihood of sea glint by month",
             scenario.model_dump_json(exclude_none=True),
             scenario.seed,
-            case=wanted.case,
-            quantity=wanted.quantity,
-            samples=plan.total,
-            notes="; ".join(model.notes),
+            case=cells.model.wanted.case,
+            quantity=cells.model.wanted.quantity,
+            samples=cells.plan.total,
+            notes="; ".join(cells.model.notes),
         ),
     )
+
+
+class MapSettings(NamedTuple):
+    """What a map is computed of; see :func:`likelihood_map`."""
+
+    scenario: Scenario
+    step: float
+    samples: int | None
+    weather: WeatherTable | None
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """A map made ready, of which pieces are computed in any order.
+
+    Attributes
+    ----------
+    model : Model
+        Of the scenario.
+    latitude, longitude : ndarray
+        Middles of the cells [deg].
+    months : tuple of int
+        Months that count.
+    rows : list of ndarray or None
+        Rows of weather of each cell; None where all have all.
+    across : ndarray
+        Longitudes that are drawn [deg]: one where all are alike.
+    plan : Plan
+        Draws of a cell.
+    whole : bool
+        Whether azimuths are integrated.
+    step : float
+        Size of a cell [deg].
+    """
+
+    model: Model
+    latitude: FloatArray
+    longitude: FloatArray
+    months: tuple[int, ...]
+    rows: list[NDArray[np.intp]] | None
+    across: FloatArray
+    plan: Plan
+    whole: bool
+    step: float
+
+    @classmethod
+    def of(cls, settings: MapSettings) -> Cells:
+        """Read the weather and lay out the cells."""
+        step = settings.step
+        model = Model.of(settings.scenario, settings.weather)
+        wanted = model.wanted
+        if not isinstance(model.where, Region):
+            raise ScenarioError("likelihood.latitudes_deg and longitudes_deg are missing: a map needs the region's borders")
+        region = model.where
+        wide = region.east - region.west if region.east > region.west else region.east - region.west + 360.0
+        north, east = (np.arange(0.5 * step, size + 1e-9, step) for size in (region.north - region.south, wide))
+        if north.size == 0 or east.size == 0 or north.size * east.size > _MOST:
+            raise ScenarioError(
+                f"the map has {north.size} x {east.size} cells of {step:g} deg; choose --step so that there are 1 to {_MOST}"
+            )
+        latitude, longitude = region.south + north, (region.west + east + 180.0) % 360.0 - 180.0
+        rows = _cells(model.table, latitude, longitude)
+        whole = wanted.integrates and wanted.azimuths != "drawn" and "azimuth_from_sun_deg" not in model.looks
+        samples = settings.samples or (INTEGRATED if whole else SAMPLES)
+        known = isinstance(model.when, Times) and model.when.hours == (0.0, 24.0) and np.isnan(model.table["hour_utc"]).all()
+        alike = bool(rows is None and known)
+        each = min(samples * longitude.size, max(samples, _SHARED)) if alike else samples
+        plan = Plan(1, 2 ** round(math.log2(each)))
+        months = tuple(wanted.months or range(1, 13))
+        return cls(model, latitude, longitude, months, rows, longitude[:1] if alike else longitude, plan, whole, step)
+
+    @property
+    def together(self) -> int:
+        """Latitudes of a piece."""
+        return max(_TOGETHER // (self.plan.total * self.across.size), 1)
+
+    @property
+    def row_counts(self) -> NDArray[np.int64]:
+        """How many rows of weather each cell has [(latitudes, longitudes)]."""
+        shape = (self.latitude.size, self.longitude.size)
+        return np.full(shape, len(self.model.table)) if self.rows is None else np.array([c.size for c in self.rows]).reshape(shape)
+
+    def piece(self, month: int, first: int) -> FloatArray:
+        """Chances of a month, by its place among those that count, from a latitude on [(thresholds, latitudes, longitudes drawn)]."""
+        of_month, u = self._of_month(month)
+        band = slice(first, min(first + self.together, self.latitude.size))
+        count = (band.stop - first) * self.across.size
+        places = _inside(self.latitude[band], self.across, self.step, u)
+        tiled = {name: np.tile(values, count) for name, values in u.items()}
+        of_cells = None if self.rows is None else self.rows[first * self.across.size :][:count]
+        drawn = seen(of_month, tiled, _drawn(of_month, tiled, places, of_cells), self.plan, integrated=self.whole)
+        weight = drawn.weight.reshape(-1, self.across.size, self.plan.total)
+        out = np.empty((len(self.model.wanted.threshold_w_m2_sr), *weight.shape[:2]))
+        for t, threshold in enumerate(self.model.wanted.threshold_w_m2_sr):
+            values = measured(of_month, drawn, threshold).reshape(weight.shape)
+            out[t] = (values * weight).sum(axis=2) / weight.sum(axis=2)
+        return out
+
+    @cached_property
+    def _of_months(self) -> dict[int, tuple[Model, dict[str, FloatArray]]]:
+        return {}
+
+    def _of_month(self, month: int) -> tuple[Model, dict[str, FloatArray]]:
+        """Model and uniform numbers of a month; the latest is kept."""
+        if month not in self._of_months:
+            self._of_months.clear()
+            model = self.model.of_months((self.months[month],))
+            self._of_months[month] = (model, numbers(model, self.plan, self.model.scenario.seed))
+        return self._of_months[month]
+
+
+def mapper(settings: MapSettings) -> Callable[[tuple[int, int]], FloatArray]:
+    """Function of a piece of the map: a chance a cell is all that travels."""
+    cells = Cells.of(settings)
+    return lambda piece: cells.piece(*piece)
+
+
+@contextmanager
+def _outcomes(
+    cells: Cells, settings: MapSettings, pieces: list[tuple[int, int]], workers: Workers | None
+) -> Iterator[Iterator[tuple[tuple[int, int], FloatArray]]]:
+    """Pieces and their chances, in any order."""
+    if workers is None:
+        yield ((piece, cells.piece(*piece)) for piece in pieces)
+        return
+    with workers.map(Job(mapper, settings), pieces) as found:
+        yield ((outcome.unit, record_of(outcome)) for outcome in found)
 
 
 def _drawn(

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.cluster import Job, Workers
+from seaglint.cluster.base import record_of
 from seaglint.conventions import FloatArray
 from seaglint.detection.base import Frames
 from seaglint.errors import DataError
@@ -152,12 +154,15 @@ class SceneFrames:
         Frames of each sea.
     count : int
         Seas that there are.
+    workers : Workers, optional
+        Who renders them; this process where nobody is named.
     """
 
     seas: Seas
     folder: Path
     sequence_length: int
     count: int = 0
+    workers: Workers | None = None
     _held: dict[int, Frames] = field(default_factory=dict, repr=False)
 
     @property
@@ -189,6 +194,11 @@ class SceneFrames:
             Seas that there are now.
         """
         shape = (self.sequence_length, self.rows, self.columns)
+        if self.workers is not None and count - self.count > 1:
+            self._share_out(self.workers, count, go_on)
+            while self.count < count and whole_sea(self.folder, self.count, shape):
+                self.count += 1
+            return self.count
         while self.count < count:
             if not whole_sea(self.folder, self.count, shape):
                 if self.count and not go_on(self.count):
@@ -196,6 +206,19 @@ class SceneFrames:
                 keep_sea(self.folder, self.count, self.seas.sea(self.count, self.sequence_length))
             self.count += 1
         return self.count
+
+    def _share_out(self, workers: Workers, count: int, go_on: Callable[[int], bool]) -> None:
+        """Have the seas that are missing rendered by workers."""
+        shape = (self.sequence_length, self.rows, self.columns)
+        missing = [number for number in range(self.count, count) if not whole_sea(self.folder, number, shape)]
+        there = count - len(missing)
+        job = Job(sea_writer, (self.seas.scenario, self.folder.absolute(), self.sequence_length))
+        with workers.map(job, missing) as outcomes:
+            for outcome in outcomes:
+                record_of(outcome)
+                there += 1
+                if there < count and not go_on(there):
+                    return
 
     def read(self, start: int, stop: int) -> Frames:
         """Frames ``start`` to ``stop`` (not included), the caller's own [W m-2 sr-1]."""
@@ -208,3 +231,14 @@ class SceneFrames:
                 raise DataError(f"{sea_path(self.folder, number)}: frames that were kept cannot be read again: {error}") from error
             parts.append(np.array(sea[max(start - number * length, 0) : stop - number * length], np.float32))
         return np.concatenate(parts)
+
+
+def sea_writer(settings: tuple[Scenario, Path, int]) -> Callable[[int], None]:
+    """Function that renders a sea by its number into its file; of a scenario, a folder and the frames of a sea."""
+    scenario, folder, length = settings
+    seas = Seas.of(scenario)
+
+    def write(number: int) -> None:
+        keep_sea(folder, number, seas.sea(number, length))
+
+    return write

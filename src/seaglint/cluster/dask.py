@@ -1,0 +1,427 @@
+"""A Dask cluster: of a scheduler's address, or of a batch queue. Its engine is Dask's; units and small records are all that travels."""
+
+from __future__ import annotations
+
+import logging
+import pickle
+import queue
+import re
+import time
+import uuid
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from typing import Any, Final
+
+from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, one_line
+from seaglint.cluster.machine import Machine, this_machine
+from seaglint.cluster.remote import describe, do, packed
+from seaglint.errors import BackendError, DataError, SeaglintError
+
+CONNECT: Final = 5.0
+"""Time within which a scheduler must answer [s]."""
+
+PATIENCE: Final = 60.0
+"""Time that a scheduler or all workers may be away before a job is given up [s]."""
+
+LOOK: Final = 2.0
+"""Time between two looks at which workers there are [s]."""
+
+AHEAD: Final = 2
+"""Units on their way for each worker: one at work, and the next."""
+
+Say = Callable[[str], None]
+
+
+@dataclass(eq=False)
+class _Task:
+    unit: Any
+    attempts: int = 0
+
+
+class _SchedulerGoneError(Exception):
+    """The connection to the scheduler is lost."""
+
+
+class DaskWorkers:
+    """Workers of a Dask scheduler; each process does one unit at a time, with as many threads of the kernels as Dask gives it threads.
+
+    Parameters
+    ----------
+    connect : callable
+        Makes a client; called again when the scheduler was lost.
+    say : callable
+        Told of what the user should know, a line at a time.
+    patience : float
+        Time that the scheduler or all workers may be away [s].
+    """
+
+    task = staticmethod(do)
+
+    def __init__(self, connect: Callable[[], Any], say: Say = lambda line: None, patience: float = PATIENCE) -> None:
+        self._connect, self._say, self.patience = connect, say, patience
+        self._client = connect()
+        self._known: dict[str, Machine] = {}
+        self._present: tuple[str, ...] = ()
+        self._looked = -LOOK
+
+    @property
+    def count(self) -> int:
+        """Worker processes that there are."""
+        with suppress(_SchedulerGoneError):  # the last known number; who maps finds out
+            self.look()
+        return max(len(self._present), 1)
+
+    @property
+    def seen(self) -> bool:
+        """Whether any worker was ever there."""
+        return bool(self._present)
+
+    def wait_for_one(self) -> None:
+        """Wait for the first worker.
+
+        Raises
+        ------
+        BackendError
+            There is none in time, or one that cannot be used.
+        """
+        until = time.monotonic() + self.patience
+        while not self.look(at_once=True):
+            if time.monotonic() > until:
+                raise BackendError(f"no worker came within {self.patience:g} s; start some, or see whether the queue is full")
+            time.sleep(0.2)
+
+    def close(self) -> None:
+        """Leave the scheduler."""
+        with suppress(Exception):  # whatever state a lost connection is in
+            self._client.close(timeout=2)
+
+    @contextmanager
+    def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
+        """Outcomes of all units as they finish; see :class:`seaglint.cluster.base.Workers`.
+
+        Leaving the context takes back what was not begun. A unit that is at work on another machine ends there, and nobody hears of it.
+
+        Raises
+        ------
+        BackendError
+            The scheduler or all workers stay away, or a worker cannot be used.
+        Exception
+            What the job's start raised on a worker.
+        """
+        mapping = _Mapping(self, packed(job), units)
+        try:
+            yield mapping.outcomes()
+        finally:
+            mapping.cancel()
+
+    def look(self, *, at_once: bool = False) -> tuple[str, ...]:
+        """Addresses of the workers; new ones are asked what they are."""
+        if at_once or time.monotonic() - self._looked >= LOOK:
+            try:
+                self._present = tuple(self._client.nthreads())
+                new = [address for address in self._present if address not in self._known]
+                found = self._client.run(describe, workers=new, on_error="return") if new else {}
+            except Exception as error:
+                raise _SchedulerGoneError(one_line(error)) from error
+            machines = judged(found, this_machine())
+            self._tell_processors(machines)
+            self._known |= machines
+            self._looked = time.monotonic()
+        return self._present
+
+    def _tell_processors(self, new: dict[str, Machine]) -> None:
+        """Say once of each processor type that it is not this machine's."""
+        told = {this_machine().processor} | {machine.processor for machine in self._known.values()}
+        for processor in sorted({machine.processor for machine in new.values()} - told):
+            some = [address for address, machine in new.items() if machine.processor == processor]
+            self._say(
+                f"{len(some)} workers ({_some(some)}) have another processor type, {processor} and not {this_machine().processor}: "
+                "the last bits of their frames can differ"
+            )
+
+    def reconnect(self) -> None:
+        """Wait for the scheduler to come back.
+
+        Raises
+        ------
+        BackendError
+            It does not.
+        """
+        self.close()
+        self._say(f"the Dask scheduler is lost; it may come back within {self.patience:g} s")
+        until = time.monotonic() + self.patience
+        while True:
+            try:
+                self._client = self._connect()
+            except BackendError as error:
+                if time.monotonic() > until:
+                    raise BackendError(
+                        f"the Dask scheduler was lost and did not come back within {self.patience:g} s; what is done stays: "
+                        "start it again, and go on with --resume"
+                    ) from error
+                time.sleep(0.5)
+            else:
+                self._known.clear()
+                self._looked = -LOOK
+                return
+
+    def submit(self, units: list[bytes], content: bytes) -> list[Any]:
+        """Futures of :func:`seaglint.cluster.remote.do`, sent together: one by one they cost the scheduler several times as much."""
+        keys = [f"seaglint-{uuid.uuid4().hex}" for _ in units]
+        try:
+            return list(self._client.map(self.task, units, content=content, pure=False, retries=0, key=keys))
+        except Exception as error:
+            raise _SchedulerGoneError(one_line(error)) from error
+
+    def gather(self, futures: list[Any]) -> list[bytes]:
+        """Results of finished futures, in one request."""
+        try:
+            return list(self._client.gather(futures))
+        except Exception as error:
+            raise _SchedulerGoneError(one_line(error)) from error
+
+    def cancel(self, futures: list[Any]) -> None:
+        """Take back what was not begun."""
+        with suppress(Exception):  # it may be gone
+            if futures and self._client.status == "running":
+                self._client.cancel(futures, force=True)
+
+    @property
+    def connected(self) -> bool:
+        """Whether the scheduler is there."""
+        return bool(self._client.status == "running")
+
+
+class _Mapping:
+    """One job over the workers."""
+
+    def __init__(self, workers: DaskWorkers, content: bytes, units: Iterable[Any]) -> None:
+        self.workers, self.content, self.source = workers, content, iter(units)
+        self.again: deque[_Task] = deque()
+        self.flight: dict[str, tuple[Any, _Task]] = {}
+        """Futures and their units, by the futures' keys."""
+        self.ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self.losses = 0
+        """How often in a row the scheduler was lost, with nothing done in between."""
+
+    def outcomes(self) -> Iterator[Done[Any, Any] | Failed[Any]]:
+        """What came of the units."""
+        seen = time.monotonic()
+        while True:
+            try:
+                if not self._fill():
+                    return
+                ended = self._wait()
+                if self.workers.look():
+                    seen = time.monotonic()
+                elif time.monotonic() - seen > self.workers.patience:
+                    raise BackendError(
+                        f"no worker was left for {self.workers.patience:g} s; what is done stays: start some, and go on with --resume"
+                    )
+                for outcome in self._read(ended):
+                    self.losses = 0
+                    yield outcome
+            except _SchedulerGoneError as error:
+                self._lost(error)
+                seen = time.monotonic()
+
+    def cancel(self) -> None:
+        """Take back what is not done."""
+        futures, self.flight = [future for future, _ in self.flight.values()], {}
+        self.workers.cancel(futures)
+
+    def _fill(self) -> bool:
+        """Have enough on the way; False when nothing is left to do."""
+        tasks: list[_Task] = []
+        for _ in range(AHEAD * self.workers.count - len(self.flight)):
+            task = self.again.popleft() if self.again else next((_Task(unit) for unit in self.source), None)
+            if task is None:
+                break
+            tasks.append(task)
+        try:
+            futures = self.workers.submit([pickle.dumps(task.unit) for task in tasks], self.content) if tasks else []
+        except _SchedulerGoneError:
+            self.again.extendleft(reversed(tasks))
+            raise
+        for future, task in zip(futures, tasks, strict=True):
+            self.flight[future.key] = (future, task)
+            future.add_done_callback(self.ended.put)
+        return bool(self.flight)
+
+    def _wait(self) -> list[Any]:
+        """Futures that ended; perhaps none after a while."""
+        ended = []
+        with suppress(queue.Empty):
+            ended.append(self.ended.get(timeout=0.5))
+            while True:
+                ended.append(self.ended.get_nowait())
+        if not self.workers.connected:
+            raise _SchedulerGoneError("the connection is closed")
+        return [future for future in ended if future.key in self.flight]
+
+    def _read(self, ended: list[Any]) -> Iterator[Done[Any, Any] | Failed[Any]]:
+        """Outcomes of futures that ended; those that are to be tried again are kept."""
+        if any(future.status in ("cancelled", "lost") for future in ended):
+            raise _SchedulerGoneError("tasks are lost")
+        whole = [future for future in ended if future.status == "finished"]
+        for future, content in zip(whole, self.workers.gather(whole) if whole else [], strict=True):
+            _, task = self.flight.pop(future.key)
+            outcome = pickle.loads(content)
+            if isinstance(outcome, Exception):  # the job's start: a worker's own trouble, unless it is the user's to mend
+                if isinstance(outcome, SeaglintError) or task.attempts + 1 >= ATTEMPTS:
+                    raise outcome
+                list(self._retry(task, 1, "", ""))
+            elif isinstance(outcome, Done):
+                yield Done(task.unit, outcome.record, outcome.seconds, outcome.worker)
+            else:
+                yield from self._retry(task, 1, outcome.error, outcome.traceback)
+        for future in ended:
+            if future.status == "error":
+                _, task = self.flight.pop(future.key)
+                yield from self._retry(task, *_told(future.exception()), "")
+
+    def _retry(self, task: _Task, attempts: int, error: str, where: str) -> Iterator[Failed[Any]]:
+        """Try a unit once more, or give it up."""
+        task.attempts += attempts
+        if task.attempts >= ATTEMPTS:
+            yield Failed(task.unit, error, where, task.attempts)
+        else:
+            self.again.append(task)
+
+    def _lost(self, error: _SchedulerGoneError) -> None:
+        """Wait for the scheduler and put back what was on the way: it was nobody's fault."""
+        self.losses += 1
+        if self.losses > ATTEMPTS:
+            raise BackendError(
+                f"the Dask scheduler was lost {self.losses} times with nothing done in between ({error}); what is done stays: "
+                "see why it ends, and go on with --resume"
+            ) from error
+        self.again.extend(task for _, task in self.flight.values())
+        self.flight = {}
+        self.workers.reconnect()
+
+
+def _told(error: BaseException) -> tuple[int, str]:
+    """How many attempts an error of Dask itself stands for, and its line.
+
+    Raises
+    ------
+    BackendError
+        The worker lacks the package.
+    """
+    from distributed.scheduler import KilledWorker
+
+    if isinstance(error, KilledWorker):
+        died = error.allowed_failures + 1
+        return died, f"{died} worker{'s' if died > 1 else ''} died at it, the last {error.last_worker.address}"
+    if isinstance(error, ImportError):
+        raise BackendError(f"a worker cannot import the work: {one_line(error)}; install seaglint and its extras there as here") from error
+    return 1, one_line(error)
+
+
+def judged(found: dict[str, Any], mine: Machine) -> dict[str, Machine]:
+    """Workers that can be used, of what they say of themselves; those that answer with an error are asked again.
+
+    Raises
+    ------
+    BackendError
+        Some have no package, or another version of it.
+    """
+    good = {address: Machine(*told) for address, told in found.items() if isinstance(told, tuple)}
+    without = [address for address, told in found.items() if told is None]
+    if without:
+        raise BackendError(
+            f"{len(without)} workers have no seaglint, or one that knows no such work: {_some(without)}; install {mine.version} there"
+        )
+    others = {address: m for address, m in good.items() if m.version != mine.version}
+    if others:
+        versions = ", ".join(sorted({m.version for m in others.values()}))
+        raise BackendError(
+            f"{len(others)} workers have seaglint {versions} and not {mine.version}: {_some(list(others))}; install {mine.version} there"
+        )
+    changed = [address for address, m in good.items() if m.sources != mine.sources]
+    if changed:
+        raise BackendError(
+            f"{len(changed)} workers have other sources of seaglint {mine.version}: {_some(changed)}; install the same ones there, "
+            "and start the workers again"
+        )
+    return good
+
+
+def _some(addresses: list[str]) -> str:
+    """A few of many addresses."""
+    return ", ".join(sorted(addresses)[:3]) + (f" and {len(addresses) - 3} more" if len(addresses) > 3 else "")
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Keep Dask's own logs from the terminal: what matters of them is told as errors."""
+    names = [name for name in logging.root.manager.loggerDict if name.split(".")[0] in ("distributed", "tornado", "dask_jobqueue")]
+    before = {name: logging.getLogger(name).level for name in {"distributed", "tornado", "dask_jobqueue", *names}}
+    for name in before:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for name, level in before.items():
+            logging.getLogger(name).setLevel(level)
+
+
+def client_of(address: Any, shown: str) -> Any:
+    """A client of a scheduler.
+
+    Raises
+    ------
+    BackendError
+        Dask is not installed, or no scheduler answers.
+    """
+    import distributed
+
+    client: Any = distributed.Client  # without types of its own
+    try:
+        return client(address, timeout=CONNECT, set_as_default=False, name="seaglint")
+    except (OSError, TimeoutError, ValueError) as error:
+        raise BackendError(
+            f"{shown}: no Dask scheduler answers within {CONNECT:g} s; start one with 'dask scheduler', or see address and firewall"
+        ) from error
+
+
+def require_dask() -> None:
+    """See that the extra is installed.
+
+    Raises
+    ------
+    BackendError
+        It is not.
+    """
+    try:
+        import distributed  # noqa: F401
+    except ImportError:
+        raise BackendError("Dask is not installed; pip install 'seaglint[cluster]' adds it, and --workers N needs nothing") from None
+
+
+@contextmanager
+def connected(address: str, say: Say = lambda line: None, *, patience: float = PATIENCE) -> Iterator[DaskWorkers]:
+    """Workers of the scheduler at an address.
+
+    Raises
+    ------
+    DataError
+        That is no address.
+    BackendError
+        No scheduler is there, no worker, or one of another version.
+    """
+    require_dask()
+    if not re.fullmatch(r"((tcp|tls|ws|wss|inproc)://)?[^/\s]+:\d+|inproc://\S+", address):
+        raise DataError(f"--dask {address}: give the scheduler's address, e.g. tcp://host:8786")
+    with quiet():
+        workers = DaskWorkers(lambda: client_of(address, f"--dask {address}"), say, patience)
+        try:
+            workers.wait_for_one()
+            yield workers
+        except _SchedulerGoneError as error:
+            raise BackendError(f"--dask {address}: the scheduler does not answer ({error}); see its log") from error
+        finally:
+            workers.close()

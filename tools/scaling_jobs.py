@@ -1,0 +1,75 @@
+"""Work that the scaling report hands to workers, in a module of its own that they can import; as a script, many simulated Dask workers."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import pickle
+import resource
+import sys
+import time
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+
+class FrameRecord(NamedTuple):
+    """What comes back of a frame."""
+
+    frame: int
+    checksum: str
+    cpu_seconds: float
+    peak_mb: float
+
+
+def frames(scenario: Any) -> Callable[[int], FrameRecord]:
+    """Frames of a scenario, rendered and thrown away."""
+    from seaglint.pipeline.render import prepare_sequence
+    from seaglint.threads import single_threaded_algebra
+
+    run = prepare_sequence(scenario)
+
+    def render(number: int) -> FrameRecord:
+        began = time.process_time()
+        with single_threaded_algebra():
+            radiance = run.images(number)["radiance"]
+        seconds = time.process_time() - began
+        return FrameRecord(number, hashlib.sha256(radiance.tobytes()).hexdigest(), seconds, peak_mb())
+
+    return render
+
+
+def sleeping(seconds: float) -> Callable[[int], FrameRecord]:
+    """Frames that take time and nothing else."""
+
+    def work(number: int) -> FrameRecord:
+        time.sleep(seconds)
+        return FrameRecord(number, "0" * 64, seconds, peak_mb())
+
+    return work
+
+
+def peak_mb() -> float:
+    """Largest memory of this process so far [MB]."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000.0
+
+
+def simulated(unit: bytes, content: bytes) -> bytes:
+    """In the place of :func:`seaglint.cluster.remote.do`: many units sleep for 1 s at the same time in one process."""
+    from seaglint.cluster.base import Done
+
+    began = time.perf_counter()
+    time.sleep(1.0)
+    number = pickle.loads(unit)
+    return pickle.dumps(Done(number, FrameRecord(number, "0" * 64, 0.0, 0.0), time.perf_counter() - began, "simulated"))
+
+
+async def host(address: str, workers: int, threads: int) -> None:
+    """Many workers of a scheduler in one process, until it goes."""
+    from distributed import Worker
+
+    made: list[Any] = [await Worker(address, nthreads=threads, dashboard=False, memory_limit=0) for _ in range(workers)]
+    await asyncio.gather(*(worker.finished() for worker in made))
+
+
+if __name__ == "__main__":
+    asyncio.run(host(sys.argv[1], int(sys.argv[2]), int(sys.argv[3])))
