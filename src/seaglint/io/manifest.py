@@ -2,18 +2,12 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Iterable
 from hashlib import blake2b
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from seaglint.io.shards import Shards
-
-log = logging.getLogger(__name__)
 
 DONE: Final = "frame_done"
 """Array that says which frames have been written."""
@@ -40,37 +34,6 @@ def frame_checksum(images: Iterable[NDArray[Any]]) -> int:
             values = np.where(np.isnan(values), values.dtype.type(np.nan), values) + values.dtype.type(0.0)
         digest.update(np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).tobytes())
     return int.from_bytes(digest.digest(), "little")
-
-
-def forget_damaged(shards: Shards, units: Iterable[int], numbers: NDArray[np.int64]) -> list[int]:
-    """Take frames that cannot be read, or do not fit their checksums, off the manifest; ``numbers`` are those of all frames.
-
-    Returns
-    -------
-    list of int
-        Places of these frames in the sequence.
-    """
-    found: list[int] = []
-    for unit in units:
-        span = shards.span(unit)
-        places = np.arange(span.start, span.stop)
-        try:
-            there = shards.done[span].astype(bool)
-            if not there.any():
-                continue
-            block, sums = shards.read(span), shards.checksums[span]
-        except Exception:  # codecs raise nearly anything for what is cut
-            log.warning("seaglint: frames %s cannot be read; they are made again", listed(numbers[places]))
-            shards.erase(unit)
-            found += places.tolist()
-            continue
-        wrong = [i for i in np.flatnonzero(there) if frame_checksum(block[path][i] for path in block) != int(sums[i])]
-        if wrong:
-            log.warning("seaglint: frames %s do not fit their checksums; they are made again", listed(numbers[places[wrong]]))
-            there[wrong] = False
-            shards.done[span] = there.astype(np.uint8)
-            found += places[wrong].tolist()
-    return found
 
 
 def listed(numbers: Iterable[int], most: int = 8) -> str:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.io.manifest import CHECKSUM, DONE, OVER, frame_checksum
+from seaglint.io.manifest import CHECKSUM, DONE, OVER, frame_checksum, listed
+
+log = logging.getLogger(__name__)
 
 Frame = Callable[[int], Mapping[str, NDArray[Any]]]
 """Images of one frame by variable (ny, nx), and its truth, given its number in the whole sequence."""
@@ -156,3 +159,34 @@ def make_unit(
         raise failed
     frames = tuple(numbers[span.start + index] for index in made)
     return UnitRecord(unit, frames, tuple(int(sums[index]) for index in made), time.perf_counter() - began)
+
+
+def forget_damaged(shards: Shards, units: Iterable[int], numbers: NDArray[np.int64]) -> list[int]:
+    """Take frames that cannot be read, or do not fit their checksums, off the manifest; ``numbers`` are those of all frames.
+
+    Returns
+    -------
+    list of int
+        Places of these frames in the sequence.
+    """
+    found: list[int] = []
+    for unit in units:
+        span = shards.span(unit)
+        places = np.arange(span.start, span.stop)
+        try:
+            there = shards.done[span].astype(bool)
+            if not there.any():
+                continue
+            block, sums = shards.read(span), shards.checksums[span]
+        except Exception:  # codecs raise nearly anything for what is cut
+            log.warning("seaglint: frames %s cannot be read; they are made again", listed(numbers[places]))
+            shards.erase(unit)
+            found += places.tolist()
+            continue
+        wrong = [i for i in np.flatnonzero(there) if frame_checksum(block[path][i] for path in block) != int(sums[i])]
+        if wrong:
+            log.warning("seaglint: frames %s do not fit their checksums; they are made again", listed(numbers[places[wrong]]))
+            there[wrong] = False
+            shards.done[span] = there.astype(np.uint8)
+            found += places[wrong].tolist()
+    return found

@@ -22,11 +22,11 @@ from seaglint.io.consolidated import consolidate
 from seaglint.io.failures import storage_errors
 from seaglint.io.filling import Interrupted, Progress, Spread, fill
 from seaglint.io.layout import FORMAT, UNFINISHED, Layout
-from seaglint.io.manifest import CHECKSUM, DONE, forget_damaged, listed
+from seaglint.io.manifest import CHECKSUM, DONE, listed
 from seaglint.io.outputs import ELSEWHERE
 from seaglint.io.place import PATIENCE, Place, attributes, is_ours, partial_path, place_of
 from seaglint.io.provenance import PROCESSORS_MIXED, differences, processor
-from seaglint.io.shards import Frame, Shards
+from seaglint.io.shards import Frame, Shards, forget_damaged
 from seaglint.io.share import Share, shares_of
 from seaglint.version import __version__
 
