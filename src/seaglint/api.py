@@ -191,7 +191,7 @@ def render(
     from seaglint.io.store import open_sequence
     from seaglint.pipeline.sensed import render as written
 
-    kept = {"electrons": electrons, "radiance": radiance}
+    kept: dict[str, Any] = {"electrons": electrons, "radiance": radiance}
     path = written(scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress, **kept)
     return with_band(open_sequence(path))
 

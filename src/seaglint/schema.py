@@ -108,6 +108,7 @@ VARIABLES: Final[dict[str, Variable]] = {
         Variable("tile_v", "m", "distance along a tile's second axis"),
         Variable("frame", "1", "number of the frame in the whole sequence, from 0", symbol=" "),
         Variable("frame_done", "1", "1 where the frame has been written completely", symbol=" "),
+        Variable("frame_checksum", "1", "BLAKE2b of what is stored of the frame, 64 bits", symbol=" ", dtype="uint64"),
         Variable("wavelength", "um", "centre of the band", "sensor_band_central_radiation_wavelength", symbol="µm"),
         Variable("wavelength_bounds", "um", "edges of the band", symbol="µm"),
     )

@@ -55,7 +55,7 @@ def _image(scenario: Scenario, number: int) -> np.ndarray:
     return np.random.default_rng([scenario.seed, number]).gamma(2.0, 0.5, (ny, nx)).astype(np.float32)
 
 
-def fake_render(scenario, output, *, frames=None, threads=None, resume=False, overwrite=False, progress=None):
+def fake_render(scenario, output, *, frames=None, threads=None, resume=False, overwrite=False, progress=None, share=None):
     """Sequence of noise, through the real store."""
     azimuth, elevation = _axes(scenario)
     layout = Layout(
@@ -63,8 +63,9 @@ def fake_render(scenario, output, *, frames=None, threads=None, resume=False, ov
         Band.rectangular(3.5, 5.0), attributes=provenance("Noise", scenario.model_dump_json(), scenario.seed),
     )  # fmt: skip
     return write_sequence(
-        output, layout, lambda number: {"radiance": _image(scenario, number)}, resume=resume, overwrite=overwrite, progress=progress
-    )
+        output, layout, lambda number: {"radiance": _image(scenario, number)}, resume=resume, overwrite=overwrite, progress=progress,
+        share=share,
+    )  # fmt: skip
 
 
 def fake_mean(scenario):

@@ -159,12 +159,12 @@ def test_wrong_command_lines_are_code_2(seaglint, arguments):
 
 
 def test_a_full_disk_is_code_3(seaglint, pipeline, scenario, tmp_path, monkeypatch):
-    from seaglint.io import store
+    from seaglint.io.shards import Shards
 
     def full(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(store, "_write_frame", full)
+    monkeypatch.setattr(Shards, "write", full)
     answer = seaglint("render", scenario, "-o", tmp_path / "run.zarr", "--progress", "none")
     assert answer.code == 3
     assert one_line(answer.err)

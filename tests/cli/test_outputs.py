@@ -11,8 +11,9 @@ import time
 import pytest
 
 from seaglint.cli.app import main
-from seaglint.io import store
+from seaglint.io import empty_store, store
 from seaglint.io.claim import lock_path
+from seaglint.io.shards import Shards
 
 
 def one_line(text: str) -> bool:
@@ -90,7 +91,7 @@ def test_a_full_disk_at_the_start_leaves_nothing_and_says_so(seaglint, pipeline,
     def full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(store, "_put", full)
+    monkeypatch.setattr(empty_store, "_put", full)
     answer = seaglint("render", scenario, "-o", tmp_path / "run.zarr", "--progress", "none")
     assert (answer.code, one_line(answer.err)) == (3, True)
     assert "nothing was written; make room" in answer.err
@@ -113,21 +114,21 @@ def test_a_full_disk_leaves_no_lock(seaglint, pipeline, scenario, tmp_path, monk
 
 
 def test_half_written_chunks_of_a_killed_process_go(seaglint, pipeline, scenario, tmp_path, monkeypatch):
-    real = store._write_frame
+    real = Shards.write
 
-    def killed(group, index, images):
-        if index == 2:
+    def killed(shards, unit, *rest):
+        if unit == 2:
             raise RuntimeError("killed here")
-        real(group, index, images)
+        real(shards, unit, *rest)
 
-    monkeypatch.setattr(store, "_write_frame", killed)
+    monkeypatch.setattr(Shards, "write", killed)
     monkeypatch.setattr(sys, "argv", ["seaglint", "render", str(scenario), "-o", str(tmp_path / "run.zarr")])
     with pytest.raises(RuntimeError):
         main()
     left = store.partial_path(tmp_path / "run.zarr") / "radiance" / "c" / "1" / "0" / "0.abc.partial"
     assert left.parent.is_dir()
     left.write_bytes(b"half")
-    monkeypatch.setattr(store, "_write_frame", real)
+    monkeypatch.setattr(Shards, "write", real)
     store_made = seaglint("render", scenario, "-o", tmp_path / "run.zarr", "--resume", "--progress", "none")
     assert store_made.code == 0, store_made.err
     assert not list(tmp_path.rglob("*.partial"))

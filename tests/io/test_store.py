@@ -15,9 +15,9 @@ import pytest
 import xarray as xr
 
 from seaglint.errors import DataError, StorageError
-from seaglint.io import store
 from seaglint.io.layout import Layout
 from seaglint.io.provenance import provenance
+from seaglint.io.shards import Shards
 from seaglint.io.store import Interrupted, open_sequence, partial_path, write_sequence
 from seaglint.optics.band import Band
 
@@ -168,15 +168,15 @@ def test_a_crash_leaves_the_frames_done(output):
 
 def test_pixels_without_their_record_are_computed_again(output, monkeypatch):
     # Killed between the pixels and frame_done: the frame counts as absent.
-    real = store._write_frame
+    real = Shards.write
 
-    def torn(group, index, images):
-        if index == 1:
-            group["radiance"][index] = np.full((ROWS, COLUMNS), 99.0)
+    def torn(shards, unit, *rest):
+        if unit == 1:
+            shards.arrays["radiance"][unit] = np.full((ROWS, COLUMNS), 99.0)
             raise RuntimeError("killed here")
-        real(group, index, images)
+        real(shards, unit, *rest)
 
-    monkeypatch.setattr(store, "_write_frame", torn)
+    monkeypatch.setattr(Shards, "write", torn)
     with pytest.raises(RuntimeError):
         write_sequence(output, layout(), frame)
     monkeypatch.undo()
@@ -187,14 +187,14 @@ def test_pixels_without_their_record_are_computed_again(output, monkeypatch):
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EDQUOT, errno.EFBIG])
 def test_a_full_disk_is_a_storage_error_and_can_be_resumed(output, monkeypatch, number):
-    real = store._write_frame
+    real = Shards.write
 
-    def full(group, index, images):
-        if index == 2:
+    def full(shards, unit, *rest):
+        if unit == 2:
             raise OSError(number, os.strerror(number))
-        real(group, index, images)
+        real(shards, unit, *rest)
 
-    monkeypatch.setattr(store, "_write_frame", full)
+    monkeypatch.setattr(Shards, "write", full)
     with pytest.raises(StorageError, match=r"no room left.*--resume") as caught:
         write_sequence(output, layout(), frame)
     assert caught.value.exit_code == 3

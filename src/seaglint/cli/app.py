@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -29,7 +29,7 @@ from seaglint.cli.export import export, export_sea
 from seaglint.cli.labels import labels
 from seaglint.cli.likelihood import likelihood
 from seaglint.cli.messages import files_read, log, naming_file, print_json
-from seaglint.cli.options import Overwrite, PreviewScale, Progress
+from seaglint.cli.options import Overwrite, PreviewScale, Progress, ShardOption, place_given
 from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
 from seaglint.cli.sensor import SensorPreset, sense, sensor
@@ -37,7 +37,11 @@ from seaglint.cli.sensor import line as counts_line
 from seaglint.cli.texture import texture
 from seaglint.cli.view import view
 from seaglint.cli.weather import weather
+from seaglint.cli.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen
 from seaglint.errors import DataError, SeaglintError
+
+if TYPE_CHECKING:
+    from seaglint.io.share import Share
 
 
 class _Terminated(BaseException):
@@ -115,6 +119,9 @@ app.command()(view)
 _NO_MAPS = frozenset({".zarr", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
 """Endings that say another kind of file is meant than a mean map."""
 
+RenderedFile = Annotated[
+    str, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one (with --finish alone: the store)")
+]
 ScenarioFile = Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file; 'seaglint init my.toml' writes one")]
 AsJson = Annotated[bool, typer.Option("--json", help="print JSON")]
 ScaleOption = Annotated[
@@ -208,8 +215,10 @@ def mean(
 
 @app.command()
 def render(
-    scenario: ScenarioFile,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Zarr store to write, e.g. run.zarr")],
+    scenario: RenderedFile,
+    output: Annotated[
+        str | None, typer.Option("-o", "--output", help="Zarr store to write: run.zarr, or a URL like s3://bucket/run.zarr")
+    ] = None,
     frames: Annotated[str | None, typer.Option("--frames", help="frames to render: 37, 37:38 (end not included), 10:")] = None,
     threads: Annotated[int | None, typer.Option("--threads", min=1, help="processor threads; all where nothing is said")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished sequence")] = False,
@@ -220,23 +229,39 @@ def render(
     sensor_preset: SensorPreset = None,
     electrons: Annotated[bool, typer.Option("--electrons", help="with a detector: write electrons beside counts")] = False,
     radiance: Annotated[bool, typer.Option("--radiance", help="with a detector: write radiance at the aperture beside counts")] = False,
+    workers: WorkersOption = None,
+    dask: DaskOption = None,
+    dask_slurm: DaskSlurmOption = None,
+    shard: ShardOption = None,
+    finish: Annotated[
+        bool, typer.Option("--finish", help="check that all frames of a store are there, and name it: --finish RUN.zarr")
+    ] = False,
 ) -> None:
     """Render the sequence, frame by frame: radiance at the aperture, or counts of the scenario's detector."""
+    from seaglint.cli.finish import finish_store, require_one_way, tell_share
     from seaglint.cli.frames import parse_frames
     from seaglint.cli.logs import show_logs
     from seaglint.cli.progress import progress
+    from seaglint.io.share import Share
     from seaglint.io.store import check_output
     from seaglint.scenario.load import load_scenario
 
     show_logs(quiet=show is ProgressMode.NONE)
-    loaded = load_scenario(scenario, sensor=sensor_preset)
+    if finish:
+        require_one_way(shard=shard, overwrite=overwrite)
+        finish_store(scenario, output, sensor_preset)
+        return
+    if output is None:
+        raise typer.BadParameter("Missing option '-o' / '--output'.")
+    share = None if shard is None else Share.parse(shard)
+    file = Path(scenario)
+    loaded = load_scenario(file, sensor=sensor_preset)
     wanted = parse_frames(frames, loaded.sensor.frames)
-    # A trailing slash or a bare name would put the previews elsewhere than beside the store.
-    output = Path(str(output).rstrip("/\\"))
-    inputs = files_read(scenario, loaded)
-    check_output(output, resume=resume, overwrite=overwrite, inputs=inputs)
-    pictures = _Pictures(output, inputs, replace=overwrite or resume) if preview else None
-    render_sequence: Callable[..., Path]
+    store = place_given(output)
+    inputs = files_read(file, loaded)
+    check_output(store, resume=resume, overwrite=overwrite, inputs=inputs, share=share)
+    pictures = _Pictures(_beside(store, share), inputs, replace=overwrite or resume) if preview else None
+    render_sequence: Callable[..., Path | str]
     if loaded.sensor.senses or electrons or radiance:
         from seaglint.pipeline.sensed import render as render_counts
 
@@ -245,17 +270,32 @@ def render(
         from seaglint.pipeline.render import render as render_radiance
 
         render_sequence = render_radiance
-    with naming_file(scenario, loaded), progress(show, "frames") as report:
-        render_sequence(loaded, output, frames=wanted, threads=threads, resume=resume, overwrite=overwrite, progress=report)
+    with naming_file(file, loaded), chosen(workers, dask, dask_slurm, threads=threads) as others, progress(show, "frames") as report:
+        more: dict[str, Any] = {"share": share} if share is not None else {}
+        more |= {"workers": others} if others is not None else {}
+        alone = None if others is not None else threads
+        render_sequence(loaded, store, frames=wanted, threads=alone, resume=resume, overwrite=overwrite, progress=report, **more)
+    if share is not None:
+        tell_share(store, share)
+        return
     from seaglint.io.store import open_sequence
     from seaglint.plot.summary import summarise
 
-    with open_sequence(output) as dataset:
+    with open_sequence(store) as dataset:
         if pictures is not None:
             pictures.write(dataset, scale)
-        log(f"{output}: {summarise(dataset).line}")
+        log(f"{store}: {summarise(dataset).line}")
         if "signal" in dataset:
-            log(f"{output}: {counts_line(dataset)}")
+            log(f"{store}: {counts_line(dataset)}")
+
+
+def _beside(store: Path | str, share: Share | None) -> Path:
+    """Where pictures of a store go."""
+    if share is not None:
+        raise DataError("--preview shows a whole sequence and --shard makes a part; leave --preview out")
+    if not isinstance(store, Path):
+        raise DataError(f"--preview writes pictures beside a folder, and {store} is none; leave it out")
+    return store
 
 
 def _refuse_preview(path: Path, replace: bool, inputs: list[Path]) -> None:
@@ -298,13 +338,13 @@ class _Pictures:
 
 @app.command()
 def info(
-    path: Annotated[Path, typer.Argument(metavar="RUN.zarr", help="sequence, finished or not, or a mean map")],
+    path: Annotated[str, typer.Argument(metavar="RUN.zarr", help="sequence, finished or not, or a mean map; also a URL of a sequence")],
     as_json: AsJson = False,
 ) -> None:
     """Say what a sequence or map holds and how it was made."""
     from seaglint.cli.info import describe, lines
 
-    found = describe(path)
+    found = describe(place_given(path))
     if as_json:
         print_json(found)
     else:

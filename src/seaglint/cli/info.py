@@ -10,16 +10,19 @@ from seaglint.errors import DataError, SeaglintError
 from seaglint.io.counts import pictures
 from seaglint.io.directions import directions
 from seaglint.io.netcdf import open_netcdf
+from seaglint.io.place import place_of
 from seaglint.io.store import open_sequence
 from seaglint.plot.summary import images, summarise
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_HIDDEN = frozenset({"scenario", "band_wavelength_um", "band_response", "Conventions", "title", "seaglint_format", "frame_rate_hz", "seed"})
+_HIDDEN = frozenset(
+    {"scenario", "band_wavelength_um", "band_response", "Conventions", "title", "seaglint_format", "frame_rate_hz", "seed", "unfinished"}
+)
 
 
-def describe(path: Path) -> dict[str, Any]:
+def describe(path: Path | str) -> dict[str, Any]:
     """Facts about an output file as plain values.
 
     Raises
@@ -27,7 +30,10 @@ def describe(path: Path) -> dict[str, Any]:
     DataError
         Nothing is there, or it cannot be read.
     """
-    dataset = open_sequence(path, allow_partial=True) if path.is_dir() or not path.exists() else open_netcdf(path, decode_times=False)
+    if isinstance(path, Path) and path.is_file():
+        dataset = open_netcdf(path, decode_times=False)
+    else:
+        dataset = open_sequence(path, allow_partial=True)
     with dataset:
         try:
             return _facts(path, dataset)
@@ -38,7 +44,13 @@ def describe(path: Path) -> dict[str, Any]:
             raise DataError(f"{path}: cannot be read as a seaglint file ({told}); make it again") from error
 
 
-def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
+def _size(path: Path | str) -> int:
+    if isinstance(path, Path) and path.is_file():
+        return path.stat().st_size
+    return place_of(path).bytes
+
+
+def _facts(path: Path | str, dataset: xr.Dataset) -> dict[str, Any]:
     if "texture" in dataset:
         return _texture_facts(path, dataset)
     radiance = pictures(dataset)
@@ -60,7 +72,7 @@ def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
         "elevation_deg": [float(elevation[0]), float(elevation[-1])] if upright else [float(elevation.max()), float(elevation.min())],
         "band_um": [float(dataset.attrs["band_wavelength_um"][0]), float(dataset.attrs["band_wavelength_um"][-1])],
         "seed": int(dataset.attrs["seed"]) if "seed" in dataset.attrs else None,
-        "bytes": sum(file.stat().st_size for file in path.rglob("*") if file.is_file()) if path.is_dir() else path.stat().st_size,
+        "bytes": _size(path),
     }
     if len(images(dataset)):
         found = summarise(dataset)
@@ -76,7 +88,7 @@ def _facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
     return facts
 
 
-def _texture_facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
+def _texture_facts(path: Path | str, dataset: xr.Dataset) -> dict[str, Any]:
     """A loop of a texture, whose pixels look nowhere and have no band."""
     field = dataset["texture"]
     return {
@@ -91,7 +103,7 @@ def _texture_facts(path: Path, dataset: xr.Dataset) -> dict[str, Any]:
         "pixels": [int(field.sizes["x"]), int(field.sizes["y"])],
         "units": field.attrs.get("units", ""),
         "seed": int(dataset.attrs["seed"]),
-        "bytes": sum(file.stat().st_size for file in path.rglob("*") if file.is_file()),
+        "bytes": _size(path),
         "provenance": {key: _plain(value) for key, value in dataset.attrs.items() if key not in _HIDDEN},
     }
 

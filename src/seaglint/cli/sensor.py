@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from seaglint.cli.messages import files_read, log, naming_file, print_json
+from seaglint.cli.options import ShardOption, StoreOption, place_given
 from seaglint.cli.progress import ProgressMode
+from seaglint.cli.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,7 +37,7 @@ def sense(
         str, typer.Argument(metavar="INPUT", help="radiance at the aperture in W m-2 sr-1: Zarr, NetCDF, NumPy, TIFF and more")
     ],
     scenario: ScenarioFile,
-    output: Annotated[Path, typer.Option("-o", "--output", help="Zarr store to write, e.g. out.zarr")],
+    output: StoreOption,
     seed: Annotated[int | None, typer.Option("--seed", min=0, help="of the noise; the scenario's where nothing is said")] = None,
     oversampling: Annotated[
         int | None, typer.Option("--oversampling", min=1, help="pixels of INPUT along each side of the detector's; told by our own files")
@@ -49,24 +51,31 @@ def sense(
     show: Annotated[
         ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")
     ] = ProgressMode.AUTO,
+    workers: WorkersOption = None,
+    dask: DaskOption = None,
+    dask_slurm: DaskSlurmOption = None,
+    shard: ShardOption = None,
 ) -> None:
     """Put a sensor on recorded radiance: counts of its detector."""
+    from seaglint.cli.finish import tell_share
     from seaglint.cli.progress import patient_progress
     from seaglint.io.recording import open_recording
     from seaglint.io.recording.source import source_of
+    from seaglint.io.share import Share
     from seaglint.io.store import check_output, open_sequence
+    from seaglint.pipeline.sense import Reopen
     from seaglint.pipeline.sense import sense as sensed
     from seaglint.scenario.load import load_scenario
 
     loaded = load_scenario(scenario, sensor=sensor_preset)
-    output = Path(str(output).rstrip("/\\"))
-    check_output(output, resume=resume, overwrite=overwrite, inputs=[*files_read(scenario, loaded), Path(recording)])
+    store, share = place_given(output), None if shard is None else Share.parse(shard)
+    check_output(store, resume=resume, overwrite=overwrite, inputs=[*files_read(scenario, loaded), Path(recording)], share=share)
     opened = open_recording(recording, frame_rate=frame_rate, variable=variable)
-    with naming_file(scenario, loaded), patient_progress(show, "frames") as report:
+    with naming_file(scenario, loaded), chosen(workers, dask, dask_slurm) as others, patient_progress(show, "frames") as report:
         sensed(
             opened,
             loaded,
-            output,
+            store,
             source=source_of(Path(recording)),
             seed=seed,
             oversampling=oversampling,
@@ -74,9 +83,15 @@ def sense(
             resume=resume,
             overwrite=overwrite,
             progress=report,
+            share=share,
+            workers=others,
+            reopen=Reopen(recording, frame_rate, variable),
         )
-    with open_sequence(output) as dataset:
-        log(f"{output}: {line(dataset)}")
+    if share is not None:
+        tell_share(store, share)
+        return
+    with open_sequence(store) as dataset:
+        log(f"{store}: {line(dataset)}")
 
 
 def line(dataset: xr.Dataset) -> str:

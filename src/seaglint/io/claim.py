@@ -10,7 +10,8 @@ from __future__ import annotations
 import os
 import secrets
 import sys
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,8 +56,14 @@ def lock_path(folder: Path) -> Path:
 
 
 @contextmanager
-def exclusive(folder: Path) -> Iterator[Claim]:
+def exclusive(folder: Path, patience: float = 0.0) -> Iterator[Claim]:
     """Claim a folder, which need not exist yet, for as long as the context lasts.
+
+    Parameters
+    ----------
+    folder : Path
+    patience : float
+        How long another's claim is waited for [s].
 
     Raises
     ------
@@ -66,7 +73,7 @@ def exclusive(folder: Path) -> Iterator[Claim]:
         The file beside the folder cannot be written.
     """
     path = lock_path(folder)
-    descriptor = _open_locked(folder, path)
+    descriptor = _open_locked(folder, path, _lock, patience)
     claim = Claim(folder, secrets.token_hex(16))
     try:
         try:
@@ -81,12 +88,38 @@ def exclusive(folder: Path) -> Iterator[Claim]:
         _release(descriptor, claim)
 
 
-def _open_locked(folder: Path, path: Path) -> int:
+@contextmanager
+def shared(folder: Path, patience: float = 5.0) -> Iterator[None]:
+    """Hold a folder together with others who do the same; who wants it alone is refused, and refuses us.
+
+    Raises
+    ------
+    DataError
+        Another process has held it alone for ``patience`` seconds.
+    OSError
+        The file beside the folder cannot be made.
+    """
+    path = lock_path(folder)
+    descriptor = _open_locked(folder, path, _lock_shared, patience)
+    try:
+        yield
+    finally:
+        # The last one takes the file away. Who cannot have it alone is not the last.
+        try:
+            if _lock(descriptor) and _has_name(descriptor, path):
+                with suppress(OSError):
+                    path.unlink()
+        finally:
+            os.close(descriptor)
+
+
+def _open_locked(folder: Path, path: Path, lock: Callable[[int], bool], patience: float) -> int:
     """Open and lock the file; the one locked must be the one that has the name, not one that its last owner just removed."""
+    until = time.monotonic() + patience
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
         try:
-            free = _lock(descriptor)
+            free = lock(descriptor)
             owner = b"" if free else os.read(descriptor, 100)
             current = free and _has_name(descriptor, path)
         except BaseException:
@@ -95,7 +128,9 @@ def _open_locked(folder: Path, path: Path) -> int:
         if current:
             return descriptor
         os.close(descriptor)
-        if not free:
+        if not free and time.monotonic() < until:
+            time.sleep(0.02)
+        elif not free:
             pid = owner.split(maxsplit=1)[:1]
             known = f" (pid {pid[0].decode('ascii', 'replace')})" if pid else ""
             raise DataError(f"{folder}: is being written by another process{known}; wait for it or choose another name")
@@ -122,6 +157,10 @@ if sys.platform == "win32":
             os.lseek(descriptor, 0, os.SEEK_SET)
         return True
 
+    def _lock_shared(descriptor: int) -> bool:
+        """There are no shared locks here: parts are written one after the other."""
+        return _lock(descriptor)
+
     def _release(descriptor: int, claim: Claim) -> None:
         os.close(descriptor)
         with suppress(OSError):  # an open file cannot be removed here: the next owner has it already
@@ -132,8 +171,14 @@ else:
 
     def _lock(descriptor: int) -> bool:
         """Lock the file; false when another process holds it. Where there are no locks, the token alone has to do."""
+        return _flock(descriptor, fcntl.LOCK_EX)
+
+    def _lock_shared(descriptor: int) -> bool:
+        return _flock(descriptor, fcntl.LOCK_SH)
+
+    def _flock(descriptor: int, kind: int) -> bool:
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
         except BlockingIOError:
             return False
         except OSError:

@@ -6,7 +6,7 @@ import warnings
 from pathlib import Path
 
 
-def consolidate(store: Path) -> None:
+def consolidate(store: Path | str) -> None:
     """Repeat the arrays' metadata in the store's own: ``xarray.open_zarr`` then reads one file and warns of nothing."""
     import zarr
 

@@ -6,7 +6,7 @@ Arrays have the frames and objects of the sequence. A mask is a bit of ``object_
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -32,17 +32,28 @@ class Truth:
 
     names: tuple[str, ...]
 
-    def make(self, group: Any, shape: tuple[int, int, int], compressor: Any) -> None:
-        """Make the empty arrays of ``frames, rows, columns``; one chunk a frame, as all that a frame writes."""
+    @property
+    def planes(self) -> int:
+        """Planes of masks."""
+        return -(-len(self.names) // BITS)
+
+    @property
+    def bytes_per_pixel(self) -> int:
+        """Size of masks and numbers in a pixel."""
+        return sum(size * np.dtype(VARIABLES[name].dtype).itemsize for name, size in (("object_mask", self.planes), ("object_id", 1)))
+
+    def make(self, group: Any, shape: tuple[int, int, int], shards: Callable[[int, tuple[int, ...]], dict[str, Any]]) -> None:
+        """Make the empty arrays of ``frames, rows, columns``; ``shards(itemsize, size)`` says how images are cut."""
         frames, rows, columns = shape
-        count, planes = len(self.names), -(-len(self.names) // BITS)
+        count, planes = len(self.names), self.planes
+        unit = group["frame_done"].chunks[0]
         held: Any = group.create_group(GROUP, attributes={"objects": list(self.names)})
         for name in NUMBERS:
             about = VARIABLES[name].attributes
             held.create_array(
                 name,
                 shape=(frames, count),
-                chunks=(1, count),
+                chunks=(unit, count),
                 dtype="float64",
                 fill_value=np.nan,
                 dimension_names=("time", "object"),
@@ -56,10 +67,9 @@ class Truth:
             held.create_array(
                 name,
                 shape=(frames, *size),
-                chunks=(1, *size),
                 dtype=dtype,
                 fill_value=0,
-                compressors=compressor(dtype.itemsize),
+                **shards(dtype.itemsize, size),
                 dimension_names=dimensions,
                 attributes=VARIABLES[name].attributes,
             )

@@ -12,16 +12,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.cluster import Workers
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
 from seaglint.io.layout import Layout
 from seaglint.io.provenance import provenance
-from seaglint.io.store import Progress, check_output, write_sequence
+from seaglint.io.share import Share
+from seaglint.io.store import Frame, Progress, check_output, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import prepare
 from seaglint.pipeline.kept import Kept
 from seaglint.pipeline.memory import require_memory
 from seaglint.pipeline.scene_objects import Drawn, SceneObjects, bodies_of
+from seaglint.pipeline.spread import over
 from seaglint.radiance.view import SeaView
 from seaglint.render.layers import Layers
 from seaglint.render.platform import Pose, Track
@@ -46,7 +49,9 @@ def render(
     resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
-) -> Path:
+    share: Share | None = None,
+    workers: Workers | None = None,
+) -> Path | str:
     """Render frames of a scenario into a Zarr store.
 
     Parameters
@@ -63,10 +68,14 @@ def render(
         Go on with an unfinished store, or replace what is there.
     progress : callable, optional
         Called with (frames done, frames in all).
+    share : Share, optional
+        Render its units alone, into a store that other shares write too; :func:`seaglint.io.store.finish_sequence` names it.
+    workers : Workers, optional
+        Who renders; this process by default. The bytes do not depend on it.
 
     Returns
     -------
-    Path
+    path
         ``output``.
 
     Raises
@@ -74,10 +83,17 @@ def render(
     SeaglintError
         See :func:`seaglint.io.store.write_sequence` and :mod:`seaglint.pipeline.prepare`.
     """
-    check_output(output, resume=resume, overwrite=overwrite)
+    check_output(output, resume=resume, overwrite=overwrite, share=share)
     with thread_limit(threads):
-        run = prepare_sequence(scenario, frames)
-        return write_sequence(output, run.layout, run.images, resume=resume, overwrite=overwrite, progress=progress)
+        layout, images = prepared_frames((scenario, frames))
+        spread = over(workers, prepared_frames, (scenario, frames))
+        return write_sequence(output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread)
+
+
+def prepared_frames(settings: tuple[Scenario, range | None]) -> tuple[Layout, Frame]:
+    """Layout and frames of a scenario, of some frames where asked."""
+    run = prepare_sequence(*settings)
+    return run.layout, run.images
 
 
 class MovingSun:
@@ -282,6 +298,7 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
             atmosphere_table=prepare.atmosphere_provenance(view.atmosphere),
         ),
     )
+    layout = layout.in_units(sensor.frames)
     return Sequence(scene, track, layout, None if scenario.time is None else MovingSun(scenario, prepared), objects)
 
 

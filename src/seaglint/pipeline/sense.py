@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,14 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
+from seaglint.cluster import Workers
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
 from seaglint.io.layout import Layout
 from seaglint.io.provenance import provenance
 from seaglint.io.recording.source import Source
-from seaglint.io.store import Progress, check_output, write_sequence
+from seaglint.io.share import Share
+from seaglint.io.store import Frame, Progress, check_output, write_sequence
 from seaglint.optics.band import Band
 from seaglint.pipeline.sensor import sensor_attributes, sensor_model
+from seaglint.pipeline.spread import over
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sensor import AGREEMENT
 from seaglint.sensor.chain import Exposure, SensorModel, require_radiance
@@ -125,7 +129,10 @@ def sense(
     resume: bool = False,
     overwrite: bool = False,
     progress: Progress | None = None,
-) -> Path:
+    share: Share | None = None,
+    workers: Workers | None = None,
+    reopen: Reopen | None = None,
+) -> Path | str:
     """Put a scenario's sensor on a recording of radiance and store its counts.
 
     Parameters
@@ -148,21 +155,50 @@ def sense(
         Go on with an unfinished store, or replace what is there.
     progress : callable, optional
         Called with (frames done, frames in all).
+    share : Share, optional
+        Make its units alone, in a store that other shares write too; :func:`seaglint.io.store.finish_sequence` names it.
+    workers : Workers, optional
+        Who makes the frames; this process by default. They read the recording themselves, which takes ``reopen``.
+    reopen : Reopen, optional
+        How others open the recording.
 
     Raises
     ------
     SeaglintError
         No sensor, a picture that the oversampling does not divide, values that are no radiances, a store that is there already.
     """
-    check_output(output, resume=resume, overwrite=overwrite)
+    check_output(output, resume=resume, overwrite=overwrite, share=share)
+    if workers is not None and reopen is None:
+        raise DataError(f"{recording.source}: is in this process alone; give workers a file, or none")
     with single_threaded_algebra():
         frames, layout = prepare_sense(recording, scenario, source=source, seed=seed, oversampling=oversampling, electrons=electrons)
-
-        def images(number: int) -> dict[str, NDArray[Any]]:
-            return frames.images(number, layout.variables)
-
         frames.fine(frames.first)  # what is no radiance is told before anything is written
-        return write_sequence(output, layout, images, resume=resume, overwrite=overwrite, progress=progress)
+        settings = (reopen, scenario, seed, oversampling, electrons)
+        return write_sequence(
+            output, layout, partial(frames.images, wanted=layout.variables), resume=resume, overwrite=overwrite, progress=progress,
+            share=share, spread=over(workers, _reopened_frames, settings),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Reopen:
+    """A recording by name, for other processes."""
+
+    path: str
+    frame_rate: float | None = None
+    variable: str | None = None
+
+
+def _reopened_frames(settings: tuple[Reopen, Scenario, int | None, int | None, bool]) -> tuple[Layout, Frame]:
+    """Layout and frames in another process."""
+    from seaglint.io.recording import open_recording
+    from seaglint.io.recording.source import source_of
+
+    file, scenario, seed, oversampling, electrons = settings
+    opened = open_recording(file.path, frame_rate=file.frame_rate, variable=file.variable)
+    known = source_of(Path(file.path))
+    frames, layout = prepare_sense(opened, scenario, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
+    return layout, partial(frames.images, wanted=layout.variables)
 
 
 def prepare_sense(
@@ -215,7 +251,7 @@ def prepare_sense(
             **sensor_attributes(model, times),
             radiance_source=recording.source,
         ),
-    )
+    ).in_units(recording.frames)
     return SensedFrames(_told(model, recording), fine, times, numbers.start), layout
 
 

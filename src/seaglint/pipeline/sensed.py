@@ -10,10 +10,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.cluster import Workers
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError
 from seaglint.io.layout import Layout
-from seaglint.io.store import Progress, check_output, write_sequence
+from seaglint.io.share import Share
+from seaglint.io.store import Frame, Progress, check_output, write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.pipeline import render as plain
 from seaglint.pipeline.kept import Kept
@@ -22,6 +24,7 @@ from seaglint.pipeline.render import Sequence, prepare_sequence
 from seaglint.pipeline.scene_objects import Drawn
 from seaglint.pipeline.sense import SensedFrames, require_electrons, signal_attributes
 from seaglint.pipeline.sensor import line_of_sight_rates, scan, sensor_attributes, sensor_model
+from seaglint.pipeline.spread import over
 from seaglint.render.layers import LEAST_SEEN, Layers, share_of_glint
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sensor_presets import TABLES
@@ -43,19 +46,21 @@ def render(
     progress: Progress | None = None,
     electrons: bool = False,
     radiance: bool = False,
-) -> Path:
+    share: Share | None = None,
+    workers: Workers | None = None,
+) -> Path | str:
     """Render frames of a scenario: counts where it has a detector, else the radiance at the aperture.
 
     Parameters
     ----------
-    scenario, output, frames, threads, resume, overwrite, progress
+    scenario, output, frames, threads, resume, overwrite, progress, share, workers
         As :func:`seaglint.pipeline.render.render`.
     electrons, radiance : bool
         With a detector: write electrons, and the radiance at the aperture averaged over pixels, beside counts.
 
     Returns
     -------
-    Path
+    path
         ``output``.
     """
     require_electrons(scenario, electrons)
@@ -65,11 +70,23 @@ def render(
                 "--electrons and --radiance go with a sensor, and the scenario has no [sensor.detector]; leave them out, or add one "
                 "(radiance is written without)"
             )
-        return plain.render(scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
-    check_output(output, resume=resume, overwrite=overwrite)
+        return plain.render(
+            scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress,
+            share=share, workers=workers,
+        )  # fmt: skip
+    check_output(output, resume=resume, overwrite=overwrite, share=share)
     with thread_limit(threads):
-        run = prepare_sensed(scenario, frames, electrons=electrons, radiance=radiance)
-        return write_sequence(output, run.layout, run.images, resume=resume, overwrite=overwrite, progress=progress)
+        settings = (scenario, frames, electrons, radiance)
+        layout, images = prepared_frames(settings)
+        spread = over(workers, prepared_frames, settings)
+        return write_sequence(output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread)
+
+
+def prepared_frames(settings: tuple[Scenario, range | None, bool, bool]) -> tuple[Layout, Frame]:
+    """Layout and frames of a scenario with a detector: some frames where asked, with electrons and with radiance."""
+    scenario, frames, electrons, radiance = settings
+    run = prepare_sensed(scenario, frames, electrons=electrons, radiance=radiance)
+    return run.layout, run.images
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,7 +265,7 @@ def prepare_sensed(
             "scan_period_s": way.period,
         },
     )
-    return SensedSequence(sequence, sensed, way, layout, fine)
+    return SensedSequence(sequence, sensed, way, layout.in_units(sensor.frames), fine)
 
 
 def _require_track(sequence: Sequence, way: Scan, pixels: tuple[int, int]) -> None:

@@ -264,7 +264,7 @@ def sample(
     seed: int,
     overwrite: bool = False,
     progress: Progress | None = None,
-) -> Path:
+) -> Path | str:
     """Sample a texture and store it: rows, columns and frames are periodic, so that the sequence can be shown for ever.
 
     Parameters

@@ -42,7 +42,7 @@ def place(
     seed: int | None = None,
     overwrite: bool = False,
     progress: Progress | None = None,
-) -> Path:
+) -> Path | str:
     """Lay a texture on the sea of a scenario and store what its sensor sees.
 
     Parameters
