@@ -1,7 +1,6 @@
 """Sunset.
 
-Two degrees before the Sun touches the horizon: a thin bright strip on the far sea
-and the aureole of the haze above it, on a logarithmic scale.
+Two degrees before the Sun touches the horizon: its disc, the haze that it lights, and a broken path on the sea; the scale is logarithmic.
 """
 
 import os
