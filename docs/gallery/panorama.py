@@ -1,6 +1,6 @@
 """All around.
 
-A panorama of 360°: the corridor stands under the Sun in the south-west, and upwind the sea looks rougher than across the wind.
+A panorama of 360°: the corridor stands under the Sun in the south-west, and the haze is lit on both sides of it.
 """
 
 import os

@@ -1,6 +1,6 @@
 """Straight down.
 
-A camera behind a lens 150 m above the water under a high Sun: glitter around the place that mirrors the Sun, crests across the wind.
+A camera behind a lens 150 m above the water under a high Sun: glitter around the place that mirrors the Sun.
 """
 
 import os

@@ -1,7 +1,7 @@
 """Wind sea and swell.
 
-The same light wind without and with a swell of 2 m and 12 s that runs past from the right: long dark and bright bands
-under the short waves.
+The same light wind without and with a swell of 2 m and 12 s that runs past from the right: the path of glint breaks
+into bands.
 """
 
 import os
