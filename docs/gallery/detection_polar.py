@@ -13,7 +13,7 @@ import seaglint as sg
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 CONTRASTS = [0.02, 0.2, 2.0]
-bearings = np.arange(0, 360, 60 if SMALL else 10)
+bearings = np.arange(0, 360, 120 if SMALL else 10)
 shares = []
 for bearing in bearings:
     scene = sg.load(

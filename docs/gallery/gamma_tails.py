@@ -25,7 +25,7 @@ scene = sg.load(
             "pixels": [64, 16] if SMALL else [256, 32],
             "pixel_shape": "any",
         },
-        "sea": {"shortest_wave_m": 0.5},
+        "sea": {"shortest_wave_m": 8 if SMALL else 0.5},
     }
 )
 seas = [sg.image(scene.model_copy(update={"seed": s}), layers=["glint_radiance"]).glint_radiance.values for s in range(2 if SMALL else 12)]

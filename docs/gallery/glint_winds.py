@@ -19,7 +19,7 @@ for axes, speed in zip(panels.flat, (2, 5, 9, 14), strict=True):
             "sun": {"zenith_deg": 70, "azimuth_deg": 180},
             "wind": {"speed_m_s": speed, "from_deg": 180},
             "sensor": {"height_m": 25, "azimuth_deg": 180, "elevation_deg": -9, "fov_deg": [32, 20], "pixels": PIXELS},
-            "sea": {"shortest_wave_m": 1},
+            "sea": {"shortest_wave_m": 8 if SMALL else 1},
         }
     )
     kelvin = sg.apparent_temperature(sg.image(scene).radiance)

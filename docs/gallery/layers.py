@@ -23,7 +23,7 @@ scene = sg.load(
             "fov_deg": [20, 12],
             "pixels": [60, 36] if SMALL else [300, 180],
         },
-        "sea": {"shortest_wave_m": 1},
+        "sea": {"shortest_wave_m": 8 if SMALL else 1},
     }
 )
 image = sg.image(scene, layers=list(PARTS))

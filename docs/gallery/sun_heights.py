@@ -18,7 +18,7 @@ for axes, height in zip(panels.flat, (50, 30, 15, 5), strict=True):
             "sun": {"zenith_deg": 90 - height, "azimuth_deg": 180},
             "wind": {"speed_m_s": 6, "from_deg": 210},
             "sensor": {"height_m": 25, "azimuth_deg": 180, "elevation_deg": -9, "fov_deg": [32, 20], "pixels": PIXELS},
-            "sea": {"shortest_wave_m": 1},
+            "sea": {"shortest_wave_m": 8 if SMALL else 1},
         }
     )
     kelvin = sg.apparent_temperature(sg.image(scene).radiance)
