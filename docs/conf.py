@@ -22,6 +22,8 @@ extensions = [
     "sphinx.ext.mathjax",
     "sphinx.ext.viewcode",
     "numpydoc",
+    "sphinx_design",
+    "gallery",
     "generated_tables",
 ]
 templates_path = ["_templates"]

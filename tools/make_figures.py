@@ -18,6 +18,8 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pictures import slim
+
 if TYPE_CHECKING:
     from seaglint.analysis import Analysis
 
@@ -106,6 +108,7 @@ def main(names: list[str]) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for name in names or pictures:
             shutil.copy(pictures[name](Path(folder)), IMAGES / f"{name}.png")
+            slim(IMAGES / f"{name}.png")
     for picture in sorted(IMAGES.glob("*.png")):
         print(f"{picture.relative_to(ROOT)}  {picture.stat().st_size / 1e3:.0f} kB")
 

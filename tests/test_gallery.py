@@ -1,0 +1,75 @@
+"""Scripts of the gallery run at reduced size, and their committed pictures are small and shown."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from make_gallery import IMAGES, MOST_BYTES, SCRIPTS, draw, encoded, keep, names
+
+QUICK = ("air_spectra", "wave_spectrum", "wind_rose")
+PAGES = {path.name: path.read_text(encoding="utf-8") for path in SCRIPTS.glob("*.md")}
+
+
+def test_there_are_twenty_and_more() -> None:
+    assert len(names()) >= 20
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_script_is_short_and_told(name: str) -> None:
+    text = (SCRIPTS / f"{name}.py").read_text(encoding="utf-8")
+    told = ast.get_docstring(ast.parse(text))
+    assert told is not None
+    title, _, rest = told.partition("\n")
+    assert title.endswith(".")
+    assert rest.strip().endswith(".")
+    assert len(text.splitlines()) <= 60
+    assert f'("{name}.png"' in text, "the picture has the script's name"
+    assert "SEAGLINT_GALLERY_SIZE" in text, "it has a reduced size"
+    assert re.search(r"label", text) or "write_weather_plot" in text, "axes have labels"
+
+
+@pytest.mark.parametrize("name", names())
+def test_its_picture_is_small_and_shown(name: str) -> None:
+    pictures = [path for path in IMAGES.glob(f"{name}.*") if path.suffix in (".png", ".jpg")]
+    assert len(pictures) == 1, f"run python tools/make_gallery.py {name}"
+    assert pictures[0].stat().st_size < MOST_BYTES
+    assert (IMAGES / "small" / f"{name}.jpg").stat().st_size < 40_000
+    pages = [page for page, text in PAGES.items() if re.search(rf"\{{gallery-picture\}} {name}$", text, re.MULTILINE)]
+    assert len(pages) == 1
+    assert re.search(rf"\{{gallery-cards\}} .*\b{name}\b", PAGES["index.md"])
+
+
+def test_no_picture_is_left_behind() -> None:
+    assert {path.stem for path in IMAGES.glob("*.*")} == set(names())
+
+
+def drawn(name: str, folder: Path) -> None:
+    """Draw at reduced size; the picture shows something."""
+    picture = draw(name, small=True)
+    assert min(picture.size) > 200
+    assert len(picture.convert("L").getcolors()) > 10
+    assert keep(name, picture, folder).stat().st_size < MOST_BYTES
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_it_runs_at_reduced_size(name: str, tmp_path: Path) -> None:
+    drawn(name, tmp_path)
+
+
+@pytest.mark.validation
+@pytest.mark.parametrize("name", [name for name in names() if name not in QUICK])
+def test_all_run_at_reduced_size(name: str, tmp_path: Path) -> None:
+    drawn(name, tmp_path)
+
+
+def test_a_picture_stays_small() -> None:
+    noise = Image.effect_noise((420, 300), 60.0).convert("RGB")
+    ending, content = encoded(noise)
+    assert ending == "jpg"
+    assert len(content) < MOST_BYTES
+    assert encoded(Image.new("RGB", (700, 500), "white"))[0] == "png"

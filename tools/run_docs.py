@@ -1,0 +1,171 @@
+"""Run the code of documentation pages, and write what commands print back into them.
+
+    python tools/run_docs.py docs/tutorials/*.md            compare: what is shown must be what is printed
+    python tools/run_docs.py --write docs/tutorials/*.md    show what is printed
+
+A page runs in an empty folder of its own. A comment in the line before a block says more of it: ``<!-- file: NAME -->`` writes the block
+into a file of that name, ``<!-- not run: REASON -->`` leaves it out. Blocks of ``python`` share their names; in blocks of ``console``
+lines that begin with ``$`` are commands and the others what they print; in blocks of ``sh`` all lines are commands. Numbers that are
+printed may differ by 2 per cent from those shown, a line ``...`` stands for any lines.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+BLOCK = re.compile(
+    r"^(?:<!-- (?P<note>[^\n]*?) -->\n)?(?P<fence>```+|~~~+)(?P<kind>[^\n`]*)\n(?P<body>.*?)^(?P=fence)[ ]*$", re.DOTALL | re.MULTILINE
+)
+NUMBER = re.compile(r"(?<![A-Za-z_\d.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\dA-Za-z_])")
+CLOSE = 0.02
+PRELUDE = f'seaglint() {{ {shlex.quote(sys.executable)} -m seaglint.cli.app "$@"; }}; python() {{ {shlex.quote(sys.executable)} "$@"; }}; '
+
+
+class PageError(Exception):
+    """A block that fails, or prints other than what is shown."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block: its language, text, the comment before it and where its text stands in the page."""
+
+    kind: str
+    body: str
+    note: str
+    span: tuple[int, int]
+
+    @property
+    def file(self) -> str:
+        """Name of the file that it is, or nothing."""
+        return self.note.removeprefix("file:").strip() if self.note.startswith("file:") else ""
+
+    @property
+    def reason(self) -> str:
+        """Why it is not run, or nothing."""
+        return self.note.removeprefix("not run:").strip() if self.note.startswith("not run:") else ""
+
+
+def blocks(text: str) -> list[Block]:
+    """All fenced blocks of a page."""
+    return [Block(m["kind"].strip(), m["body"], m["note"] or "", m.span("body")) for m in BLOCK.finditer(text)]
+
+
+def commands(block: Block) -> Iterator[tuple[str, list[str]]]:
+    """Each command of a block with the lines that it prints; a backslash goes on in the next line."""
+    lines = block.body.replace("\\\n", "").splitlines()
+    if block.kind == "sh":
+        yield from ((line, []) for line in lines if line.strip() and not line.lstrip().startswith("#"))
+        return
+    command, shown = "", list[str]()
+    for line in lines:
+        if line.startswith("$ "):
+            if command:
+                yield command, shown
+            command, shown = line[2:], []
+        else:
+            shown.append(line)
+    if command:
+        yield command, shown
+
+
+def printed(command: str, folder: Path) -> list[str]:
+    """Lines that a command prints."""
+    where = os.pathsep.join(filter(None, [str(ROOT / "src"), os.environ.get("PYTHONPATH", "")]))
+    run = subprocess.run(
+        ["bash", "-c", PRELUDE + command],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": where, "COLUMNS": "140"},
+        stdin=subprocess.DEVNULL,
+    )
+    if run.returncode not in (0, 2):
+        raise PageError(f"'{command}' ended with {run.returncode}: {run.stderr[-2000:]}")
+    return [line.rstrip() for line in (run.stdout + run.stderr).splitlines()]
+
+
+def alike(shown: str, found: str) -> bool:
+    """Whether two lines have the same words, and numbers within 2 per cent."""
+    if NUMBER.sub("#", shown).split() != NUMBER.sub("#", found).split():
+        return False
+    pairs = zip(NUMBER.findall(shown), NUMBER.findall(found), strict=True)
+    return all(abs(float(a) - float(b)) <= CLOSE * max(abs(float(a)), abs(float(b))) for a, b in pairs)
+
+
+def matches(shown: list[str], found: list[str]) -> bool:
+    """Whether what is shown is what was found."""
+    if not shown:
+        return not found
+    if shown[0].strip() == "...":
+        return any(matches(shown[1:], found[start:]) for start in range(len(found) + 1))
+    return bool(found) and alike(shown[0], found[0]) and matches(shown[1:], found[1:])
+
+
+def run(text: str, folder: Path, *, write: bool = False) -> str:
+    """Run a page in a folder; the page with what was printed, if wanted, else as it was.
+
+    Raises
+    ------
+    PageError
+        A command that fails, or prints other than what is shown.
+    """
+    names: dict[str, object] = {"__name__": "__page__"}
+    pieces, end = [], 0
+    for block in blocks(text):
+        body = block.body
+        if block.reason:
+            pass
+        elif block.file:
+            (folder / block.file).write_text(body, encoding="utf-8")
+        elif block.kind == "python":
+            exec(compile(body, f"block of {block.body[:40]!r}", "exec"), names)
+        elif block.kind in ("console", "sh"):
+            lines = []
+            for command, shown in commands(block):
+                found = printed(command, folder)
+                if block.kind == "console" and not write and not matches(shown, found):
+                    raise PageError("\n".join([f"'{command}' prints", *found, "and the page shows", *shown]))
+                lines += [f"$ {command}", *(shown if "..." in (line.strip() for line in shown) else found)]
+            body = "\n".join(lines) + "\n" if write and block.kind == "console" else body
+        pieces += [text[end : block.span[0]], body]
+        end = block.span[1]
+    return "".join([*pieces, text[end:]])
+
+
+def main() -> None:
+    """Run pages."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("pages", nargs="+", type=Path)
+    parser.add_argument("--write", action="store_true", help="write what commands print into the pages")
+    parser.add_argument("--keep", type=Path, help="run in this folder and leave it")
+    given = parser.parse_args()
+    for page in given.pages:
+        text, before = page.read_text(encoding="utf-8"), Path.cwd()
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = given.keep or Path(temporary)
+            folder.mkdir(parents=True, exist_ok=True)
+            page = page.resolve()
+            os.chdir(folder)
+            try:
+                done = run(text, folder, write=given.write)
+            except PageError as problem:
+                sys.exit(f"{page}: {problem}")
+            finally:
+                os.chdir(before)
+        if given.write:
+            page.write_text(done, encoding="utf-8")
+        print(f"{page.name}: {len(blocks(text))} blocks")
+
+
+if __name__ == "__main__":
+    main()
