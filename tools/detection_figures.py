@@ -44,12 +44,12 @@ SENSOR: dict[str, Any] = {
 DETECTORS = ("threshold", "matched", "top-hat", "ca-cfar", "temporal-profile")
 PIXEL_DEG = float(np.degrees(15e-6 / 0.05))
 SEAS = 16
-RAFT: dict[str, Any] = {
-    "name": "raft",
-    "shape": {"kind": "cylinder", "radius_m": 1.2, "length_m": 1.2},
-    "temperature_k": 295.0,
+BUOY: dict[str, Any] = {
+    "name": "buoy",
+    "shape": {"kind": "cylinder", "radius_m": 0.4, "length_m": 1.0},
+    "temperature_k": 300.0,
     "north_m": 2000.0,
-    "height_m": 0.6,
+    "height_m": 0.5,
 }
 SINGLE = (640, 1)
 """Independent seas and frames of each, for detectors of one frame: 5.9 million pixels of 192 x 48."""
@@ -169,21 +169,21 @@ def pictures(parts: Parts) -> None:
 
 
 def ranges(parts: Parts) -> None:
-    """Range of detection of a raft against wind and bearing from the Sun."""
+    """Range of detection of a buoy against wind and bearing from the Sun."""
     found = []
     for wind in (3.0, 7.0):
-        # the wind comes from the Sun and the raft is round: one half of the circle is the mirror image of the other
+        # the wind comes from the Sun and the buoy is round: one half of the circle is the mirror image of the other
         scenario = parse_scenario(
             {
                 "seed": 11,
                 "sun": {"zenith_deg": 70.0, "azimuth_deg": SUN},
                 "wind": {"speed_m_s": wind, "from_deg": SUN},
-                "sensor": {"height_m": 30.0, "fov_deg": [64 * PIXEL_DEG, 48 * PIXEL_DEG], "pixels": [64, 48]},
-                "objects": [RAFT],
+                "sensor": {"height_m": 30.0, "fov_deg": [96 * PIXEL_DEG, 32 * PIXEL_DEG], "pixels": [96, 32]},
+                "objects": [BUOY],
             }
         )
-        wanted = SceneOptions(Options(Objects(GaussianSpot(0.7), (1.0,), 150, seed=5), detector="top-hat", threshold=3.5), seas=8)
-        asked = RangeOptions("raft", (500.0, 16_000.0), Design(p_fa=2e-3), precision=0.2)
+        wanted = SceneOptions(Options(Objects(GaussianSpot(0.7), (1.0,), 150, seed=5), detector="ca-cfar", threshold=3.5), seas=8)
+        asked = RangeOptions("buoy", (1000.0, 16_000.0), Design(p_d=0.5, p_fa=2e-3), precision=0.2)
         for bearing in (0.0, 20.0, 45.0, 90.0, 180.0):
             one = detection_range(scenario, wanted, asked, parts, bearing_deg=bearing)
             at = [bearing] if bearing in (0.0, 180.0) else [bearing, 360.0 - bearing]
