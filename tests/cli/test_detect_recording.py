@@ -72,7 +72,9 @@ def test_samples_of_a_texture_are_read_as_recordings(seaglint, tmp_path: Path) -
     white = np.random.default_rng(1).normal(20.0, 1.5, (8, 64, 64)).astype(np.float32)
     np.save(tmp_path / "sea.npy", white)
     assert seaglint("texture", "fit", tmp_path / "sea.npy", "-o", tmp_path / "model.json").code == 0
-    assert seaglint("texture", "sample", tmp_path / "model.json", "-o", tmp_path / "loop.zarr", "--size", "64x64", "--frames", "8").code == 0
+    assert (
+        seaglint("texture", "sample", tmp_path / "model.json", "-o", tmp_path / "loop.zarr", "--size", "64x64", "--frames", "8").code == 0
+    )
     answer = seaglint("detect", tmp_path / "loop.zarr", *COMMON, "--placement", "centre", "--match-radius", "0", "--json")
     assert answer.code == 0, answer.err
     found = json.loads(answer.out)

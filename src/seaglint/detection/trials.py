@@ -145,7 +145,7 @@ class _Batches:
         out = []
         for contrast in objects.contrasts:
             added = np.float32(contrast) * alone
-            if draws is not None:
+            if counting is not None and draws is not None:
                 added = counting.added(added, draws)
             with_objects = frames + added
             high = self._saturated(with_objects, batch)
