@@ -134,9 +134,10 @@ def needed(seas: Seas, name: str, parts: Parts) -> str:
         return "none"
     low, high = told["p_fa_interval"]
     rate = f"{told['threshold_how']} at {told['threshold_sigma']:.2f} sigma, {told['p_fa']:.2g} ({low:.2g} to {high:.2g})"
-    print(f"{name}: {found.alarms.cells.pixels} pixels, {rate}, {told['note'] or ''}", file=sys.stderr, flush=True)
     loss = "" if told["loss_db"] is None else f" ({told['loss_db']:+.1f} dB)"
-    return f"{told['contrast'] / share:.3g}{loss}{'' if told['believed'] else ' ?'}"
+    cell = f"{told['contrast'] / share:.3g}{loss}{'' if told['believed'] else ' ?'}"
+    print(f"{name}: {cell}; {found.alarms.cells.pixels} pixels, {rate}, {told['note'] or ''}", file=sys.stderr, flush=True)
+    return cell
 
 
 def contrasts(parts: Parts) -> None:
