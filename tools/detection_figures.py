@@ -1,6 +1,8 @@
 """Draw detection in rendered seas into docs/images and print the table of needed contrasts for docs/validation.md.
 
-python tools/detection_figures.py [azimuth] [contrasts] [pictures]
+python tools/detection_figures.py [azimuth] [contrasts] [pictures] [ranges] [FOLDER]
+
+Frames are kept in the folder, where one is given.
 """
 
 from __future__ import annotations
@@ -20,11 +22,12 @@ from seaglint.detection.trials import Objects
 from seaglint.errors import SeaglintError
 from seaglint.io.detection_parts import Parts
 from seaglint.pipeline.detect import Options, detect
-from seaglint.pipeline.detect_design import Design, rate_threshold
+from seaglint.pipeline.detect_design import Design, design, rate_threshold
+from seaglint.pipeline.detect_range import RangeOptions, detection_range
 from seaglint.pipeline.detect_scene import SceneOptions, lead_of, run_scene
-from seaglint.pipeline.injected import Strength
+from seaglint.pipeline.injected import Strength, point_shape
 from seaglint.pipeline.scene_frames import SceneFrames, Seas, frames_key
-from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map
+from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map, draw_ranges
 from seaglint.scenario.load import parse_scenario
 
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
@@ -41,6 +44,17 @@ SENSOR: dict[str, Any] = {
 DETECTORS = ("threshold", "matched", "top-hat", "ca-cfar", "temporal-profile")
 PIXEL_DEG = float(np.degrees(15e-6 / 0.05))
 SEAS = 16
+BUOY: dict[str, Any] = {
+    "name": "buoy",
+    "shape": {"kind": "cylinder", "radius_m": 0.4, "length_m": 1.0},
+    "temperature_k": 300.0,
+    "north_m": 2000.0,
+    "height_m": 0.5,
+}
+SINGLE = (640, 1)
+"""Independent seas and frames of each, for detectors of one frame: 5.9 million pixels of 192 x 48."""
+TEMPORAL = (32, 32)
+"""The same where earlier frames are needed: sixteen windows in each sea, 4.7 million pixels."""
 
 
 def scene(azimuth: float, pixels: tuple[int, int], pixel_deg: float, *, elevation: float, sensor: bool = False) -> Any:
@@ -104,34 +118,39 @@ def azimuths(parts: Parts) -> None:
     figure.savefig(IMAGES / "detection_azimuth.png", dpi=110)
 
 
+def needed(seas: Seas, name: str, parts: Parts) -> str:
+    """A cell of the table: contrast for P_d 0.9 at 1e-6, loss against white noise, and whether the rate is to be believed."""
+    # a still object is its own background to a temporal filter
+    (count, length), still = (TEMPORAL, 1) if name == "temporal-profile" else (SINGLE, 0)
+    shape, share = point_shape(seas.model)
+    source = SceneFrames(seas, parts.frames(frames_key(seas.scenario, length)), length)
+    source.grow(count)
+    options = Options(Objects(shape, (1.0,), 600, seed=5, duration=still), detector=name, threshold=3.5)
+    try:
+        found = detect(source, options)
+        told = design(found, source, options, Design(p_fa=1e-6, injections=600))
+    except SeaglintError as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        return "none"
+    low, high = told["p_fa_interval"]
+    rate = f"{told['threshold_how']} at {told['threshold_sigma']:.2f} sigma, {told['p_fa']:.2g} ({low:.2g} to {high:.2g})"
+    loss = "" if told["loss_db"] is None else f" ({told['loss_db']:+.1f} dB)"
+    cell = f"{told['contrast'] / share:.3g}{loss}{'' if told['believed'] else ' ?'}"
+    print(f"{name}: {cell}; {found.alarms.cells.pixels} pixels, {rate}, {told['note'] or ''}", file=sys.stderr, flush=True)
+    return cell
+
+
 def contrasts(parts: Parts) -> None:
-    """Contrast for P_d 0.9 at 1e-6, corridor and open sea, before and behind the sensor; chips; a characteristic."""
+    """Contrast for P_d 0.9 at 1e-6, corridor and open sea, before and behind the sensor."""
+    columns = []
+    for sensor in (False, True):
+        for azimuth in (SUN, SUN + 60.0):
+            seas = Seas.of(scene(azimuth, (192, 48), PIXEL_DEG, elevation=-2.5, sensor=sensor))
+            columns.append([needed(seas, name, parts) for name in DETECTORS])
     print("| detector | corridor, aperture | open sea, aperture | corridor, sensor | open sea, sensor |")
     print("|---|---|---|---|---|")
-    for name in DETECTORS:
-        cells = []
-        for sensor in (False, True):
-            for place, azimuth in (("corridor", SUN), ("open sea", SUN + 60.0)):
-                scenario = scene(azimuth, (64, 48), PIXEL_DEG, elevation=-2.5, sensor=sensor)
-                still = 1 if name == "temporal-profile" else 0  # a still object is its own background to a temporal filter
-                template = Objects(GaussianSpot(0.7), (1.0,), 600, seed=5, duration=still)
-                options = Options(template, detector=name, threshold=3.5)
-                seas = SEAS if name == "temporal-profile" else 3 * SEAS
-                wanted = SceneOptions(options, seas=seas, design=Design(p_fa=1e-6, injections=300))
-                try:
-                    case = run_scene(scenario, wanted, parts)
-                except SeaglintError as error:
-                    cells.append("none")
-                    print(f"{name}, {place}: {error}", file=sys.stderr)
-                    continue
-                design = case["result"]["design"]
-                if design.get("contrast") is None:
-                    cells.append("none")
-                    print(f"{name}, {place}: {design['note']}", file=sys.stderr)
-                else:
-                    loss = "" if design["loss_db"] is None else f" ({design['loss_db']:+.1f} dB)"
-                    cells.append(f"{design['contrast']:.3g}{loss}{'' if design['believed'] else ' ?'}")
-        print(f"| `{name}` | {' | '.join(cells)} |", flush=True)
+    for name, *cells in zip(DETECTORS, *columns, strict=True):
+        print(f"| `{name}` | {' | '.join(cells)} |")
 
 
 def pictures(parts: Parts) -> None:
@@ -150,17 +169,46 @@ def pictures(parts: Parts) -> None:
     draw_map(run_scene(wide, wanted, parts)["map"]).savefig(IMAGES / "detection_map.png", dpi=110)
 
 
+def ranges(parts: Parts) -> None:
+    """Range of detection of a buoy against wind and bearing from the Sun."""
+    found = []
+    for wind in (3.0, 7.0):
+        # the wind comes from the Sun and the buoy is round: one half of the circle is the mirror image of the other
+        scenario = parse_scenario(
+            {
+                "seed": 11,
+                "sun": {"zenith_deg": 70.0, "azimuth_deg": SUN},
+                "wind": {"speed_m_s": wind, "from_deg": SUN},
+                "sensor": {"height_m": 30.0, "fov_deg": [96 * PIXEL_DEG, 32 * PIXEL_DEG], "pixels": [96, 32]},
+                "objects": [BUOY],
+            }
+        )
+        wanted = SceneOptions(Options(Objects(GaussianSpot(0.7), (1.0,), 150, seed=5), detector="ca-cfar", threshold=3.5), seas=8)
+        asked = RangeOptions("buoy", (1000.0, 16_000.0), Design(p_d=0.5, p_fa=2e-3), precision=0.2)
+        for bearing in (0.0, 20.0, 45.0, 90.0, 180.0):
+            one = detection_range(scenario, wanted, asked, parts, bearing_deg=bearing)
+            at = [bearing] if bearing in (0.0, 180.0) else [bearing, 360.0 - bearing]
+            found += [{"parameters": {"wind": f"{wind:g} m/s"}, **one, "bearing_deg": k} for k in at]
+            points = [f"{p['range_m']:.0f} m {p['p_d']:.2f} ({p['visible_share']:.2f} seen)" for p in one["points"]]
+            print(f"{wind:g} m/s, {bearing:g} deg: {one['range_m']} {one['note'] or ''}; {', '.join(points)}", flush=True)
+    draw_ranges(found).savefig(IMAGES / "detection_range.png", dpi=110)
+
+
 def main() -> None:
     """Make what is named, or all."""
-    wanted = sys.argv[1:] or ["azimuth", "contrasts", "pictures"]
+    names = ("azimuth", "contrasts", "pictures", "ranges")
+    wanted = [name for name in sys.argv[1:] if name in names] or names
+    kept = [name for name in sys.argv[1:] if name not in names]
     with tempfile.TemporaryDirectory() as folder:
-        parts = Parts.at(Path(folder) / "figures", resume=False, overwrite=True)
+        parts = Parts.at(Path(kept[0] if kept else folder) / "figures", resume=bool(kept), overwrite=not kept)
         if "contrasts" in wanted:
             contrasts(parts)
         if "azimuth" in wanted:
             azimuths(parts)
         if "pictures" in wanted:
             pictures(parts)
+        if "ranges" in wanted:
+            ranges(parts)
 
 
 if __name__ == "__main__":

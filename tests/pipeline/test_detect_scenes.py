@@ -425,3 +425,40 @@ def test_a_drawn_point_is_seen_as_its_shape_says() -> None:
     watts = Strength((500.0,), "W/sr", 4000.0, 20.0).at_aperture(seas, 1.0)[0]
     # the renderer's path, distance and pixel against the formula's; the fine pixel of the drawing smears by a few per cent
     assert seen.contrast == pytest.approx(share * watts, rel=0.08)
+
+
+class HalfHidden(Seen):
+    """An object that every second sea hides, and every fourth leaves half of."""
+
+    def visible_shares(self, seas: int) -> np.ndarray:
+        return np.resize([0.0, 1.0, 0.0, 0.5], seas)
+
+
+def test_waves_before_an_object_count_in_its_detection(path: Path, tmp_path: Path, monkeypatch) -> None:
+    scenario = cases_of(path)[0].scenario
+    contrast = 12.0 * SIGMA / 5.0 * 7.0
+    monkeypatch.setattr(detect_range, "seen_object", lambda scene, name: HalfHidden(GaussianSpot(0.8), contrast, 20.0, 24.0))
+    asked = RangeOptions("boat", (500.0, 20_000.0), Design(p_fa=1e-2))
+    found = detect_range.p_d_at(scenario, scene_options(seas=8), asked, 1000.0, None, parts_at(tmp_path))
+    # at twelve and six standard deviations all that is seen is found
+    assert found["p_d"] == pytest.approx(0.5, abs=0.01)
+    assert found["visible_share"] == pytest.approx(0.375)
+    low, high = found["p_d_interval"]
+    # eight seas say a half to 0.35 either way
+    assert low == pytest.approx(0.15, abs=0.03)
+    assert high == pytest.approx(0.85, abs=0.03)
+    monkeypatch.setattr(HalfHidden, "visible_shares", lambda self, seas: np.zeros(seas))
+    gone = detect_range.p_d_at(scenario, scene_options(seas=8), asked, 1200.0, None, parts_at(tmp_path))
+    assert gone["p_d"] == 0.0
+    assert "hidden behind waves" in gone["note"]
+
+
+@pytest.mark.validation
+def test_a_rough_sea_hides_a_post_as_often_as_lines_of_sight_say() -> None:
+    post = {"name": "post", "shape": {"kind": "box", "size_m": [0.3, 0.3, 1]}, "temperature_k": 300, "height_m": 0.5, "north_m": 3000.0}
+    sensor = {"pixels": [48, 40], "fov_deg": [1.4, 1.2], "elevation_deg": -0.2, "azimuth_deg": 0.0, "height_m": 8.0}
+    scenario = parse_scenario({"seed": 3, "sensor": sensor, "wind": {"speed_m_s": 10.0}, "objects": [post]})
+    shares = seen_object(scenario, "post").visible_shares(80)
+    # 0.701 hidden and 0.076 of its height seen, by lines of sight over the sea's heights; three standard errors of 80 seas
+    assert np.mean(shares == 0.0) == pytest.approx(0.701, abs=3.0 * math.sqrt(0.21 / 80))
+    assert shares.mean() == pytest.approx(0.076, abs=3.0 * shares.std() / math.sqrt(80))

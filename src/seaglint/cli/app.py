@@ -26,6 +26,7 @@ from seaglint.cli.detect import detect
 from seaglint.cli.ensemble import ensemble
 from seaglint.cli.evaluate import evaluate
 from seaglint.cli.export import export, export_sea
+from seaglint.cli.groups import add_examples, write_groups
 from seaglint.cli.labels import labels
 from seaglint.cli.likelihood import likelihood
 from seaglint.cli.messages import files_read, log, naming_file, print_json
@@ -68,6 +69,10 @@ def _termination() -> Iterator[None]:
 class _Commands(TyperGroup):
     """Errors that the user can mend are one line each on stderr; anything else keeps its traceback."""
 
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands by what a person wants."""
+        write_groups(ctx, self, formatter)
+
     def invoke(self, ctx: Any) -> Any:
         """Run the command chosen."""
         try:
@@ -97,7 +102,7 @@ app = typer.Typer(
     help="Infrared ocean clutter: mean radiance, glint and calibrated image sequences of a moving sea.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    add_completion=False,
+    add_completion=True,
 )
 app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
@@ -365,6 +370,9 @@ def doctor(as_json: AsJson = False) -> None:
         for problem in report.problems:
             log(f"seaglint: {problem}")
         raise typer.Exit(2)
+
+
+add_examples(app)
 
 
 def main() -> None:

@@ -2,78 +2,36 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
+from seaglint.cli.detect_options import OF_RECORDINGS, DetectOptions
 from seaglint.cli.numbers import between, contrasts_of
 from seaglint.cli.progress import ProgressMode
 
 if TYPE_CHECKING:
-    from seaglint.cluster import Workers
-    from seaglint.detection.spot import Shape
-    from seaglint.pipeline.detect import Options
     from seaglint.pipeline.detect_cases import Case
     from seaglint.pipeline.detect_scene import SceneOptions
     from seaglint.pipeline.detect_study import Study
     from seaglint.pipeline.injected import Strength
 
 
-@dataclass(frozen=True)
-class SceneArguments:
-    """What the command line says of scenarios; see the options' own help."""
+def detect_scene(options: DetectOptions) -> None:
+    """Judge a detector in rendered scenes and write what was asked for.
 
-    objects: str | None = None
-    temperature_difference: str | None = None
-    intensity: str | None = None
-    range_m: float | None = None
-    object_height_m: float | None = None
-    frames: int | None = None
-    vary: tuple[str, ...] = ()
-    cases: Path | None = None
-    report: Path | None = None
-    precision: float | None = None
-    precision_fa: float | None = None
-    time_budget: float | None = None
-    resume: bool = False
-    design: bool = False
-    p_fa: float | None = None
-    alarms_per_hour: float | None = None
-    wanted_p_d: float | None = None
-    range: bool = False
-    object: str | None = None
-    range_limits: str | None = None
-    bearings: str | None = None
-    sensor: str | None = None
-
-    @property
-    def given(self) -> list[str]:
-        """Options that were set, as they are typed."""
-        plain = SceneArguments()
-        return [f"--{name.replace('_', '-')}" for name in self.__dataclass_fields__ if getattr(self, name) != getattr(plain, name)]
-
-
-def run_scenario(
-    path: Path,
-    arguments: SceneArguments,
-    options: Options,
-    contrasts: tuple[float, ...] | None,
-    shape: Shape | None,
-    output: Path | None,
-    *,
-    overwrite: bool,
-    as_json: bool,
-    show: ProgressMode,
-    workers: Workers | None = None,
-) -> None:
-    """Judge a detector in rendered scenes, by workers where some are named, and write what was asked for."""
+    Raises
+    ------
+    DataError
+        Options of recordings, what the pipeline refuses, or cases that failed, once the others are written.
+    """
     import warnings
 
     from seaglint.cli.logs import show_logs
     from seaglint.cli.messages import files_read, log, print_json
     from seaglint.cli.progress import patient_progress
+    from seaglint.cli.workers import chosen, done_here
     from seaglint.errors import DataError
     from seaglint.io.detection_files import DetectionFiles
     from seaglint.io.detection_parts import parts_folder
@@ -81,45 +39,54 @@ def run_scenario(
     from seaglint.pipeline.detect_cases import cases_of
     from seaglint.pipeline.detect_study import run_study
 
-    show_logs(quiet=show is ProgressMode.NONE)
-    cases = cases_of(path, vary=arguments.vary, table=arguments.cases, sensor=arguments.sensor)
-    replace_all = overwrite or arguments.resume
-    inputs = [*files_read(path, cases[0].scenario), *([arguments.cases] if arguments.cases else [])]
-    files = None if output is None else DetectionFiles.at(output, overwrite=replace_all, inputs=inputs)
-    if arguments.resume and files is None:
+    o, path = options, Path(options.recording)
+    wrong = o.given(OF_RECORDINGS)
+    if wrong:
+        raise DataError(f"{', '.join(wrong)}: says something of a recording, which a scenario says itself; leave it out")
+    if o.find_range:
+        done_here(o.workers, o.dask, o.dask_slurm, "ranges are found")
+    elif o.output is None and (o.dask is not None or o.dask_slurm is not None):
+        raise DataError("workers on other machines keep frames beside the result; give -o RESULT in a folder that they see too")
+    wanted = _wanted(o)
+    show_logs(quiet=o.show is ProgressMode.NONE)
+    cases = cases_of(path, vary=o.vary or (), table=o.cases, sensor=o.sensor_preset)
+    replace_all = o.overwrite or o.resume
+    inputs = [*files_read(path, cases[0].scenario), *([o.cases] if o.cases else [])]
+    files = None if o.output is None else DetectionFiles.at(o.output, overwrite=replace_all, inputs=inputs)
+    if o.resume and files is None:
         raise DataError("--resume goes on with what is kept beside a result; give it with -o RESULT")
-    if arguments.report is not None:
-        refuse_existing(arguments.report, overwrite=replace_all, inputs=inputs)
+    if o.report is not None:
+        refuse_existing(o.report, overwrite=replace_all, inputs=inputs)
     base = None if files is None else files.result.with_suffix("")
     if base is not None:
-        for name in ("range",) if arguments.range else ("map", "chips"):
+        for name in ("range",) if o.find_range else ("map", "chips"):
             refuse_existing(base.with_name(f"{base.name}_{name}.png"), overwrite=replace_all, inputs=inputs)
-    wanted = _wanted(arguments, options, contrasts, shape)
-    with parts_folder(base, resume=arguments.resume, overwrite=overwrite) as (parts, kept):
-        with warnings.catch_warnings(), patient_progress(show, "seas") as progress:
+    with parts_folder(base, resume=o.resume, overwrite=o.overwrite) as (parts, kept):
+        with warnings.catch_warnings(), patient_progress(o.show, "seas") as progress:
             warnings.simplefilter("ignore", RuntimeWarning)
-            say = log if show is not ProgressMode.NONE else (lambda text: None)
-            if arguments.range:
-                _ranges(cases, wanted, arguments, parts, files, as_json=as_json, say=say)
+            say = log if o.show is not ProgressMode.NONE else (lambda text: None)
+            if o.find_range:
+                _ranges(cases, wanted, o, parts, files, say=say)
                 if kept:
                     parts.remove()
                 return
             told = say if len(cases) > 1 else _silent
-            study = run_study(cases, wanted, parts, budget=arguments.time_budget, progress=progress, say=told, workers=workers)
+            with chosen(o.workers, o.dask, o.dask_slurm) as workers:
+                study = run_study(cases, wanted, parts, budget=o.time_budget, progress=progress, say=told, workers=workers)
         result = {"source": str(path), **study.as_dict(), "scenario_file": str(path)}
         if files is not None:
             _write(study, result, files)
             log(f"{', '.join(str(p) for p in files.paths)} written")
-        if arguments.report is not None:
+        if o.report is not None:
             from seaglint.io.text_file import write_text
             from seaglint.plot.detection_report import study_report
 
             text = study_report(f"Detection: {path}", study.cases, study.stopped)
-            write_text(text, arguments.report)
-            log(f"{arguments.report} written")
+            write_text(text, o.report)
+            log(f"{o.report} written")
         if kept and not study.unfinished:
             parts.remove()
-    if as_json:
+    if o.as_json:
         print_json(result)
     else:
         typer.echo("\n".join(lines(study)))
@@ -133,33 +100,25 @@ def _silent(text: str) -> None:
     pass
 
 
-def _wanted(arguments: SceneArguments, options: Options, contrasts: tuple[float, ...] | None, shape: Shape | None) -> SceneOptions:
+def _wanted(o: DetectOptions) -> SceneOptions:
     from seaglint.pipeline.detect_design import Design
     from seaglint.pipeline.detect_scene import SceneOptions
 
-    named = arguments.p_fa is not None or arguments.alarms_per_hour is not None or arguments.wanted_p_d is not None
-    design = None
-    if arguments.design or named:
-        design = Design(arguments.wanted_p_d or 0.9, arguments.p_fa, arguments.alarms_per_hour or 1.0)
-    return SceneOptions(
-        options,
-        arguments.objects or "point",
-        _strength(arguments, contrasts),
-        shape,
-        arguments.frames or 32,
-        arguments.precision,
-        arguments.precision_fa,
-        design,
-    )
+    named = o.p_fa is not None or o.alarms_per_hour is not None or o.wanted_p_d is not None
+    design = Design(o.wanted_p_d or 0.9, o.p_fa, o.alarms_per_hour or 1.0) if o.design or named else None
+    shape = o.shape if o.shape_is_given else None
+    judged, strength = o.judged(o.objects((1.0,))), _strength(o)
+    return SceneOptions(judged, o.objects_are or "point", strength, shape, o.seas or 32, o.precision, o.precision_fa, design)
 
 
-def _strength(arguments: SceneArguments, contrasts: tuple[float, ...] | None) -> Strength | None:
+def _strength(o: DetectOptions) -> Strength | None:
     from seaglint.errors import DataError
     from seaglint.pipeline.injected import Strength, Unit
 
+    contrasts = o.contrasts
     given: dict[Unit, tuple[str, str | None]] = {
-        "K": ("--temperature-difference", arguments.temperature_difference),
-        "W/sr": ("--intensity", arguments.intensity),
+        "K": ("--temperature-difference", o.temperature_difference),
+        "W/sr": ("--intensity", o.intensity),
     }
     stated = [unit for unit, (_, text) in given.items() if text is not None]
     if len(stated) + (contrasts is not None) > 1:
@@ -168,10 +127,9 @@ def _strength(arguments: SceneArguments, contrasts: tuple[float, ...] | None) ->
         return None if contrasts is None else Strength(contrasts)
     option, text = given[stated[0]]
     values = contrasts_of(text or "", option)
-    if stated[0] == "W/sr" and (arguments.objects or "point") != "point":
-        raise DataError(f"--intensity is that of a point, and --objects is {arguments.objects}; give --objects point")
-    height = 5.0 if arguments.object_height_m is None else arguments.object_height_m
-    return Strength(values, stated[0], arguments.range_m, height)
+    if stated[0] == "W/sr" and (o.objects_are or "point") != "point":
+        raise DataError(f"--intensity is that of a point, and --objects is {o.objects_are}; give --objects point")
+    return Strength(values, stated[0], o.range_m, 5.0 if o.object_height_m is None else o.object_height_m)
 
 
 def _write(study: Study, result: dict[str, Any], files: Any) -> None:
@@ -197,7 +155,7 @@ def _write(study: Study, result: dict[str, Any], files: Any) -> None:
                 figure.savefig(partial, dpi=120, format="png")
 
 
-def _ranges(cases: list[Case], wanted: SceneOptions, arguments: SceneArguments, parts: Any, files: Any, *, as_json: bool, say: Any) -> None:
+def _ranges(cases: list[Case], wanted: SceneOptions, o: DetectOptions, parts: Any, files: Any, *, say: Any) -> None:
     from seaglint.cli.messages import log, print_json
     from seaglint.errors import DataError
     from seaglint.io.outputs import moved_when_whole
@@ -209,12 +167,12 @@ def _ranges(cases: list[Case], wanted: SceneOptions, arguments: SceneArguments, 
     from seaglint.plot.detection_study import draw_ranges
 
     names = [item.name for item in cases[0].scenario.objects or ()]
-    name = arguments.object or (names[0] if len(names) == 1 else None)
+    name = o.object_name or (names[0] if len(names) == 1 else None)
     if name is None:
         raise DataError(f"--range is that of an object; name one of the scenario's with --object: {', '.join(names) or 'it has none'}")
-    limits = RangeOptions.limits if arguments.range_limits is None else _limits(arguments.range_limits)
+    limits = RangeOptions.limits if o.range_limits is None else _limits(o.range_limits)
     asked = RangeOptions(name, limits, wanted.design or Design())
-    bearings: list[float | None] = [None] if arguments.bearings is None else list(_bearings(arguments.bearings))
+    bearings: list[float | None] = [None] if o.bearings is None else list(contrasts_of(o.bearings, "--bearings"))
     found: list[dict[str, Any]] = []
     for case in cases:
         for bearing in bearings:
@@ -237,7 +195,7 @@ def _ranges(cases: list[Case], wanted: SceneOptions, arguments: SceneArguments, 
         with moved_when_whole(files.picture.with_name(files.picture.name.replace("_roc", "_range"))) as partial:
             draw_ranges(found).savefig(partial, dpi=120, format="png")
         log(f"{files.result}, {files.table} written")
-    if as_json:
+    if o.as_json:
         print_json(result)
         return
     for one in found:
@@ -260,11 +218,6 @@ def _limits(text: str) -> tuple[float, float]:
     except ValueError:
         raise DataError(f"--range-limits {text}: give NEAR:FAR in metres, e.g. 500:40000") from None
     return near, far
-
-
-def _bearings(text: str) -> tuple[float, ...]:
-
-    return contrasts_of(text, "--bearings")
 
 
 def lines(study: Study) -> list[str]:

@@ -267,13 +267,30 @@ def fit_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> tuple[TailFi
             continue
         p = (1 + sum(_anderson_darling(d, fit_pareto(d)) >= distance for d in drawn)) / 100
         if p >= 0.1:
-            return _with_limits(curve, edge, u, number, fit, p, float(excess.max()), generator), None
+            return with_limits(curve, edge, u, number, fit, p, float(excess.max()), generator), None
     return None, "no threshold leaves exceedances that follow a generalised Pareto distribution; the measured curve is all there is"
 
 
-def _with_limits(
+def with_limits(
     curve: RateCurve, edge: int, u: float, number: int, fit: ParetoFit, p: float, reached: float, generator: np.random.Generator
 ) -> TailFit:
+    """A fit with what maximum likelihood tells of its precision.
+
+    Parameters
+    ----------
+    curve : RateCurve
+        Measured rates.
+    edge, u : int, float
+        Number of the threshold of the fit in the curve, and itself [standard deviations].
+    number : int
+        Events above it.
+    fit, p : ParetoFit, float
+        Distribution and its significance.
+    reached : float
+        Largest excess [standard deviations].
+    generator : Generator
+        Of the draws behind the intervals.
+    """
     # Smith 1985, for xi and log beta: [[(1 + xi)^2, -(1 + xi)], [-(1 + xi), 2 (1 + xi)]] / n; the number of events is Poisson.
     rate = float(curve.rate[edge])
     a = 1.0 + fit.shape

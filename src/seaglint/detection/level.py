@@ -8,6 +8,7 @@ import numpy as np
 
 from seaglint.detection.background import FrameSource
 from seaglint.detection.base import Detector, Frames
+from seaglint.detection.counting import Counting
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,15 @@ class Rescaled:
         """Value beyond which no pixel goes [u]; None of turned signs, whose largest value was the least."""
         highest = self.source.saturation
         return None if highest is None or self.factor < 0.0 else self.factor * highest + self.level
+
+    @property
+    def counting(self) -> Counting | None:
+        """How an object's light is counted; turned signs are those of dark objects, which have no shot noise of their own."""
+        found: Counting | None = getattr(self.source, "counting", None)
+        if found is None:
+            return None
+        electrons = None if found.electrons is None or self.factor < 0.0 else found.electrons / self.factor
+        return Counting(electrons, found.step * abs(self.factor))
 
     def read(self, start: int, stop: int) -> Frames:
         """Frames ``start`` to ``stop`` (not included) [u]."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -45,12 +44,6 @@ class Roc:
         """Columns of a table."""
         names = ("threshold", "p_fa", "p_fa_low", "p_fa_high", "p_d", "p_d_low", "p_d_high")
         return {("threshold_sigma" if name == "threshold" else name): getattr(self, name) for name in names}
-
-
-def joined(curves: Sequence[Roc]) -> dict[str, FloatArray]:
-    """Columns of several characteristics, one after the other."""
-    tables = [curve.columns() for curve in curves]
-    return {name: np.concatenate([table[name] for table in tables]) for name in tables[0]}
 
 
 def roc(curve: RateCurve, scores: Scores, inflation: tuple[float, float], level: float = 0.95) -> Roc:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Final
+from typing import Final, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,7 +32,10 @@ LOWEST_THRESHOLD: Final = 3.0
 MOST_EVENTS: Final = 1500
 """Largest events that are fitted: with them rates of 1e-7 from a million values cover the truth of Gaussian and gamma clutter."""
 
-_QUANTILE = 2.1  # with 1.96 a rate of 1e-7 from a million values is inside in 278 of 300 samples: the tail is not of the fit's form yet
+QUANTILE: Final = 2.1
+"""Standard errors of the region: with 1.96 a rate of 1e-7 from a million values is inside in 278 of 300 samples, as the tail is not of the
+fit's form yet."""
+
 _GRID = 121
 
 FloatArray = NDArray[np.float64]
@@ -63,6 +66,18 @@ class RareRate:
     believed: bool
 
 
+class Levels(Protocol):
+    """Steps of a statistic, see :class:`seaglint.detection.stepped.Steps`."""
+
+    def below(self, threshold: float) -> float:
+        """Middle between the two levels that a threshold lies between [standard deviations]."""
+        ...
+
+    def above(self, threshold: float) -> float:
+        """The lowest middle between two levels from a threshold on [standard deviations]."""
+        ...
+
+
 @dataclass(frozen=True)
 class RareTail:
     """Tail of a statistic on frames without objects.
@@ -79,6 +94,8 @@ class RareTail:
         Why there is no fit.
     region : (ndarray, ndarray)
         Shapes and scales whose log likelihood is within 2.2 of the largest [1, standard deviations].
+    levels : Levels, optional
+        Of a statistic that takes steps: thresholds are told as the middle between two of them.
     """
 
     fit: TailFit | None
@@ -86,17 +103,20 @@ class RareTail:
     pixels: int
     note: str | None = None
     region: tuple[FloatArray, FloatArray] = field(default=(np.empty(0), np.empty(0)), repr=False)
+    levels: Levels | None = None
 
     def at(self, threshold_sigma: float) -> RareRate | None:
         """Rate at a threshold [standard deviations]; None below that of the fit."""
+        if self.levels is not None:
+            threshold_sigma = self.levels.below(threshold_sigma)
         if self.fit is None or threshold_sigma < self.fit.threshold:
             return None
         excess = float(threshold_sigma) - self.fit.threshold
         rate = self.fit.rate * float(self.fit.fit.survival(excess))
-        survival = _survival(*self.region, excess)
+        shares = survival(*self.region, excess)
         # The number of events at the threshold of the fit is Poisson, and independent of how far they reach.
-        known = _QUANTILE / math.sqrt(self.fit.events)
-        low, high = (self.fit.rate * float(s) for s in (survival.min(), survival.max()))
+        known = QUANTILE / math.sqrt(self.fit.events)
+        low, high = (self.fit.rate * float(s) for s in (shares.min(), shares.max()))
         low = rate * math.exp(-math.hypot(math.log(rate / low), known)) if 0.0 < low <= rate else 0.0
         high = rate * math.exp(math.hypot(math.log(high / rate), known)) if rate > 0.0 else high
         believed = high < TRUSTED_SPAN * low and rate * self.pixels >= 1.0 / TRUSTED_SETS
@@ -105,7 +125,9 @@ class RareTail:
     def threshold_for(self, rate: float) -> RareRate | None:
         """Threshold at which the rate is ``rate`` [1]; None above the rate at the threshold of the fit, or where the tail ends before."""
         found = None if self.fit is None else self.fit.threshold_for(rate)
-        return None if found is None else self.at(found)
+        if found is None:
+            return None
+        return self.at(found if self.levels is None else self.levels.above(found))
 
 
 def rare_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> RareTail:
@@ -124,7 +146,7 @@ def rare_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> RareTail:
     return RareTail(fit, index, curve.pixels, None, _region(curve, fit))
 
 
-def _survival(shape: FloatArray, scale: FloatArray, excess: FloatArray | float) -> FloatArray:
+def survival(shape: FloatArray, scale: FloatArray, excess: FloatArray | float) -> FloatArray:
     """P(X > excess) of generalised Pareto distributions, none of shape exactly 0 [1]."""
     inside = np.maximum(1.0 + shape * np.asarray(excess) / scale, 0.0)
     with np.errstate(divide="ignore"):
@@ -149,7 +171,7 @@ def _region(curve: RateCurve, fit: TailFit) -> tuple[FloatArray, FloatArray]:
         inside = 1.0 + shape * y / scale
         with np.errstate(invalid="ignore", divide="ignore"):
             likelihood -= np.where(inside > 0, n * (1.0 + 1.0 / shape) * np.log(inside), np.inf)
-    near = likelihood >= likelihood.max() - 0.5 * _QUANTILE**2
+    near = likelihood >= likelihood.max() - 0.5 * QUANTILE**2
     return shape[near], scale[near]
 
 

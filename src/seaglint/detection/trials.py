@@ -1,7 +1,8 @@
 """Injected objects through a detector, batch by batch.
 
 A detector that is linear sees clutter and objects apart: the statistic of the clutter is known, that of the objects is computed once and
-scaled to every contrast. Any other sees the frames with the objects in them.
+scaled to every contrast. Any other sees the frames with the objects in them. A source that is a sensor's has an attribute ``counting``
+(:class:`seaglint.detection.counting.Counting`): its objects have shot noise, and what they add is counted in steps.
 """
 
 from __future__ import annotations
@@ -137,19 +138,25 @@ class _Batches:
         alone = np.zeros_like(frames)
         there = min(objects.duration, lead + 1) or lead + 1
         inject(alone[lead + 1 - there :], batch, objects.shape, 1.0, objects.velocity)
-        linear = self.background.detector.linear
-        response = self.background.detector(alone)[-1] if linear else None
+        detector, counting = self.background.detector, getattr(self.source, "counting", None)
+        draws = None if counting is None else counting.draws(objects.seed, start, alone.shape)
+        response = detector(alone)[-1] if detector.linear and counting is None else None
         base = around(self.background.statistic[batch.window], batch.row, batch.column, self.offsets)
         out = []
         for contrast in objects.contrasts:
-            with_objects = frames + np.float32(contrast) * alone
+            added = np.float32(contrast) * alone
+            if counting is not None and draws is not None:
+                added = counting.added(added, draws)
+            with_objects = frames + added
             high = self._saturated(with_objects, batch)
             if response is not None and not high:
                 values = base + contrast * around(response, batch.row, batch.column, self.offsets)
+            elif detector.linear and not high:
+                values = base + around(detector(added)[-1], batch.row, batch.column, self.offsets)
             else:
                 if self.source.saturation is not None:
                     with_objects = np.minimum(with_objects, np.maximum(frames, np.float32(self.source.saturation)))
-                statistic = self.background.detector(with_objects)[-1]
+                statistic = detector(with_objects)[-1]
                 values = around(statistic, batch.row, batch.column, self.offsets)
             mean, sigma = self.background.scale(batch.window, self.threshold.law)
             score, where = best((values - mean) / sigma)

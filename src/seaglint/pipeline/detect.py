@@ -20,7 +20,8 @@ from seaglint.detection.roc import Roc, roc
 from seaglint.detection.scoring import Interval, Scores, mean_interval
 from seaglint.detection.spatial import Chain, FilterThreshold
 from seaglint.detection.spot import GaussianSpot
-from seaglint.detection.tails import LOWEST_THRESHOLD, RARE, RareRate, RareTail, rare_tail
+from seaglint.detection.stepped import tail_above
+from seaglint.detection.tails import LOWEST_THRESHOLD, RARE, RareRate, RareTail
 from seaglint.detection.trials import Objects, Trials, run_trials
 from seaglint.errors import DomainError
 from seaglint.representation import card, notes, table, told
@@ -292,7 +293,8 @@ def detect(source: FrameSource, options: Options, *, name: str = "frames", progr
             threshold = replace(background.threshold(options.threshold - shift, options.law), given=options.threshold)
             alarms = count_false_alarms(background, threshold, options.level)
             trials = run_trials(background, source, options.objects, threshold, report=shown(windows), enough=options.enough)
-            tail = rare_tail(alarms.alarms.curve(), alarms.alarms.events(LOWEST_THRESHOLD), seed=options.objects.seed)
+            curve, events = alarms.alarms.curve(), alarms.alarms.events(LOWEST_THRESHOLD)
+            tail = tail_above(background, threshold.law, curve, events, seed=options.objects.seed)
     finally:
         if isinstance(detector, IsolatedDetector):
             detector.close()

@@ -1,7 +1,8 @@
-"""What was missed and what alarmed falsely, cut out of the frames to look at, and where in the field false alarms are."""
+"""What is shown of a judged detector: its characteristic, misses and false alarms cut out of the frames, where in the field they are."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -51,6 +52,15 @@ def chips(found: Performance, source: FrameSource) -> dict[str, Any]:
             score = score if np.isfinite(score) else -99.0
             missed.append({"score": score, "frame": window, "row": row, "column": column, "pixels": _cut(frame, row, column)})
     return {"missed": missed, "false": false, "missed_contrast_pixel": contrast}
+
+
+def characteristic(found: Performance, contrasts: Sequence[float]) -> dict[str, list[float]]:
+    """Operating characteristics below each other, with the contrasts as they were stated."""
+    curves = [found.characteristic(k) for k in range(len(contrasts))]
+    out = {"contrast": np.repeat(contrasts, [c.threshold.size for c in curves]).tolist()}
+    for column in ("threshold_sigma", "p_fa", "p_fa_low", "p_fa_high", "p_d", "p_d_low", "p_d_high"):
+        out[column] = np.concatenate([c.columns()[column] for c in curves]).tolist()
+    return out
 
 
 def _last(found: Performance, source: FrameSource, window: int) -> Frames:

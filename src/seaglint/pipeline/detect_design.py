@@ -21,7 +21,8 @@ from seaglint.detection.design import (
     threshold_for,
 )
 from seaglint.detection.isolated import IsolatedDetector
-from seaglint.detection.tails import LOWEST_THRESHOLD, MOST_EVENTS, RareTail, rare_tail
+from seaglint.detection.stepped import tail_above
+from seaglint.detection.tails import LOWEST_THRESHOLD, MOST_EVENTS, RareTail
 from seaglint.errors import DataError, DomainError, SeaglintError
 from seaglint.pipeline.detect import Options, Performance, detector_for
 from seaglint.threads import single_threaded_algebra
@@ -131,7 +132,7 @@ def tail_from(judged: Background, threshold: Threshold, count: FalseAlarmCount, 
         if k and judged.place.sequences > 1 and k % judged.place.each == 0:
             alarms.add(nothing)
         alarms.add(judged.z(k, threshold.law))
-    return rare_tail(alarms.curve(), alarms.events(lower))
+    return tail_above(judged, threshold.law, alarms.curve(), alarms.events(lower), lowest=lower)
 
 
 def design(found: Performance, source: FrameSource, options: Options, wanted: Design) -> dict[str, Any]:
@@ -186,7 +187,7 @@ def white_contrast(source: FrameSource, options: Options, wanted: Design, p_fa: 
             else:
                 four = judged.threshold(4.0, "sigma")
                 count = count_false_alarms(judged, four)
-                tail = rare_tail(count.alarms.curve(), count.alarms.events(LOWEST_THRESHOLD))
+                tail = tail_above(judged, four.law, count.alarms.curve(), count.alarms.events(LOWEST_THRESHOLD))
                 at = told_threshold(count, tail_from(judged, four, count, tail), p_fa)
             objects = replace(options.objects, injections=wanted.injections)
             return contrast_for(judged, white, objects, as_threshold(at), wanted.p_d).contrast, white.sigma

@@ -9,6 +9,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
+import numpy as np
+from numpy.typing import NDArray
+
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.detection.design import by_windows
 from seaglint.detection.level import Rescaled
@@ -103,7 +106,11 @@ def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float 
 def p_d_at(
     scenario: Scenario, wanted: SceneOptions, asked: RangeOptions, range_m: float, bearing: float | None, parts: Parts
 ) -> dict[str, Any]:
-    """P_d of the object at one range at the threshold of the wanted rate; 0 with a note where nothing of it is seen."""
+    """P_d of the object at one range at the threshold of the wanted rate; 0 with a note where nothing of it is seen.
+
+    Waves that are geometry hide some of the object: as many seas as there are frames of say which share is seen, and P_d is the mean over
+    them of that at the share's part of the contrast.
+    """
     scene = placed_at(scenario, asked.name, range_m, bearing)
     key = hashlib.sha256(pickle.dumps((scene.model_dump_json(), wanted, asked.design), protocol=5)).hexdigest()[:16]
     kept = parts.case(f"range-{key}")
@@ -113,6 +120,7 @@ def p_d_at(
         "range_m": range_m,
         "p_d": 0.0,
         "p_d_interval": None,
+        "visible_share": 0.0,
         "contrast_pixel": 0.0,
         "threshold_sigma": None,
         "note": None,
@@ -122,20 +130,29 @@ def p_d_at(
     except DataError as error:
         out["note"] = str(error)
     else:
+        shares = seen.visible_shares(wanted.seas)
+        if not shares.any():
+            out["note"] = f"object '{asked.name}' is hidden behind waves in all of {wanted.seas} seas"
+            parts.keep_case(f"range-{key}", out)
+            return out
         seas = Seas.of(scene)
         length = lead_of(wanted.options, seen.shape) + 1
         name = frames_key(scene, length)
         source = SceneFrames(seas, parts.frames(name), length)
         source.grow(wanted.seas)
         row = round(seen.row)
-        objects = replace(wanted.options.objects, shape=seen.shape, contrasts=(abs(seen.contrast),), only_rows=(row - ROWS, row + ROWS + 1))
+        levels, weights = levels_of(shares)
+        contrasts = tuple(float(abs(seen.contrast) * level) for level in levels)
+        objects = replace(wanted.options.objects, shape=seen.shape, contrasts=contrasts, only_rows=(row - ROWS, row + ROWS + 1))
         options = replace(wanted.options, objects=objects, frame_rate=scene.sensor.frame_rate_hz, pixel_deg=seas.pixel_deg)
         found = detect(Rescaled(source, -1.0) if seen.contrast < 0 else source, options, name=asked.name)
         at = rate_threshold(found, asked.design)
-        rate = by_windows(found.trials.scores[0], at.sigma, options.level)
+        rates = [by_windows(scores, at.sigma, options.level) for scores in found.trials.scores]
+        p_d, ends = _over_seas([rate.rate for rate in rates], [rate.ends for rate in rates], weights, shares.size)
         out |= {
-            "p_d": rate.rate,
-            "p_d_interval": rate.ends,
+            "p_d": p_d,
+            "p_d_interval": ends,
+            "visible_share": float(shares.mean()),
             "contrast_pixel": seen.contrast,
             "threshold_sigma": at.sigma,
             "believed": at.believed,
@@ -146,6 +163,36 @@ def p_d_at(
         parts.forget_frames(name)
     parts.keep_case(f"range-{key}", out)
     return out
+
+
+def levels_of(shares: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Visible shares in eighths, each the mean of those in it, and how many seas have them [1]; hidden ones are left out.
+
+    Examples
+    --------
+    >>> levels, weights = levels_of(np.array([0.0, 0.5, 1.0, 1.0]))
+    >>> levels.tolist(), weights.tolist()
+    ([0.5, 1.0], [0.25, 0.5])
+    """
+    seen = shares[shares > 0.0]
+    eighth = np.ceil(8.0 * seen)
+    kinds = np.unique(eighth)
+    levels = np.array([seen[eighth == kind].mean() for kind in kinds])
+    return levels, np.array([np.count_nonzero(eighth == kind) / shares.size for kind in kinds])
+
+
+def _over_seas(
+    rates: list[float], ends: list[list[float] | None], weights: NDArray[np.float64], seas: int
+) -> tuple[float, list[float] | None]:
+    """P_d over all visible shares, and its interval: that of each share, and the seas that happened to be drawn."""
+    p_d = float(weights @ np.array(rates))
+    if any(end is None for end in ends):
+        return p_d, None
+    low, high = (np.array([end[k] for end in ends if end is not None]) for k in (0, 1))
+    spread = float(weights @ np.array(rates) ** 2) - p_d**2
+    drawn = 1.96 * math.sqrt(max(spread, 0.0) / seas) if weights.sum() < 1.0 or weights.size > 1 else 0.0
+    below, above = math.hypot(p_d - float(weights @ low), drawn), math.hypot(float(weights @ high) - p_d, drawn)
+    return p_d, [max(p_d - below, 0.0), min(p_d + above, 1.0)]
 
 
 def detection_range(

@@ -20,7 +20,7 @@ from seaglint.detection.spot import GaussianSpot, Shape
 from seaglint.errors import DomainError, SeaglintError
 from seaglint.io.detection_parts import Parts
 from seaglint.pipeline.detect import Options, Performance, detect
-from seaglint.pipeline.detect_chips import chips, false_alarm_map
+from seaglint.pipeline.detect_chips import characteristic, chips, false_alarm_map
 from seaglint.pipeline.detect_design import Design, design
 from seaglint.pipeline.injected import Strength, point_shape, seen_object
 from seaglint.pipeline.scene_frames import SceneFrames, Seas, frames_key
@@ -187,14 +187,10 @@ def run_scene(
         result["design"] = found_out | {"contrast_unit": strength.unit}
         for row in rows:
             row |= {f"design_{key}": result["design"].get(key) for key in ("contrast", "loss_db", "p_fa", "p_d")}
-    curves = [found.characteristic(k) for k in range(len(rows))]
-    roc = {"contrast": np.repeat(strength.values, [c.threshold.size for c in curves]).tolist()}
-    for column in ("threshold_sigma", "p_fa", "p_fa_low", "p_fa_high", "p_d", "p_d_low", "p_d_high"):
-        roc[column] = np.concatenate([c.columns()[column] for c in curves]).tolist()
     return {
         "result": result,
         "rows": rows,
-        "roc": roc,
+        "roc": characteristic(found, strength.values),
         "map": false_alarm_map(found, *seas.directions),
         "chips": chips(found, judged),
         "stopped": reason,

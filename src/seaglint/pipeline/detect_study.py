@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import pickle
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,6 +13,7 @@ from seaglint.cluster import Workers
 from seaglint.clutter.filters import named as named_filter
 from seaglint.errors import DataError, SeaglintError
 from seaglint.io.detection_parts import Parts
+from seaglint.pipeline.detect import Options
 from seaglint.pipeline.detect_cases import Case, flattened
 from seaglint.pipeline.detect_scene import Clock, SceneOptions, run_scene
 from seaglint.pipeline.scene_frames import bare, frames_key
@@ -89,25 +90,29 @@ class Study:
         return whole | {"cases": told, "study_stopped": self.stopped}
 
 
-def with_case(wanted: SceneOptions, case: Case) -> SceneOptions:
-    """The options with what the case says of detector, filter and threshold.
+def with_settings(options: Options, settings: Mapping[str, Any]) -> Options:
+    """The options with what a case says of detector, filter and threshold.
 
     Raises
     ------
     DataError
         A threshold that is no number, or a filter that there is not.
     """
-    options = wanted.options
-    if "detector" in case.study:
-        options = replace(options, detector=str(case.study["detector"]))
-    if "filter" in case.study:
-        options = replace(options, filter=named_filter(str(case.study["filter"])))
-    if "threshold" in case.study:
+    if "detector" in settings:
+        options = replace(options, detector=str(settings["detector"]))
+    if "filter" in settings:
+        options = replace(options, filter=named_filter(str(settings["filter"])))
+    if "threshold" in settings:
         try:
-            options = replace(options, threshold=float(case.study["threshold"]))
+            options = replace(options, threshold=float(settings["threshold"]))
         except (TypeError, ValueError):
-            raise DataError(f"threshold = {case.study['threshold']} is no number; give e.g. 4") from None
-    return replace(wanted, options=options)
+            raise DataError(f"threshold = {settings['threshold']} is no number; give e.g. 4") from None
+    return options
+
+
+def with_case(wanted: SceneOptions, case: Case) -> SceneOptions:
+    """What is wanted of a case, see :func:`with_settings`."""
+    return replace(wanted, options=with_settings(wanted.options, case.study))
 
 
 def case_key(case: Case, wanted: SceneOptions) -> str:

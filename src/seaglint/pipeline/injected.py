@@ -14,8 +14,8 @@ from seaglint.conventions import FloatArray
 from seaglint.detection.fine_spot import FineSpot
 from seaglint.detection.spot import GaussianSpot, Shape
 from seaglint.errors import DataError, DomainError
-from seaglint.pipeline.render import prepare_sequence
-from seaglint.pipeline.scene_frames import Seas
+from seaglint.pipeline.render import Sequence, prepare_sequence
+from seaglint.pipeline.scene_frames import Seas, sea_seed
 from seaglint.pipeline.sensed import prepare_sensed
 from seaglint.scenario.model import Scenario
 from seaglint.sensor.chain import SensorModel
@@ -176,12 +176,48 @@ class Seen:
         Of its brightest pixel, when it is centred there [W m-2 sr-1].
     row, column : float
         That pixel in the whole picture [px].
+    among : Scenario, optional
+        The object alone among the scenario's waves; None where they are no geometry and hide nothing.
     """
 
     shape: Shape
     contrast: float
     row: float
     column: float
+    among: Scenario | None = None
+
+    def visible_shares(self, seas: int) -> FloatArray:
+        """What independent seas leave in view of the object, against the mean sea, which hides only what is under the horizon [1].
+
+        Parameters
+        ----------
+        seas : int
+            How many are drawn.
+
+        Returns
+        -------
+        ndarray, shape (seas,)
+            1 for each where no waves are geometry. A point is seen or not.
+        """
+        if self.among is None:
+            return np.ones(seas)
+        scenario = self.among
+        calm = prepare_sequence(scenario.model_copy(update={"sea": scenario.sea.model_copy(update={"resolve_waves": False})}))
+        middle, half = round(self.column), self.shape.half + 2
+        columns = max(middle - half, 0), min(middle + half + 1, scenario.sensor.pixels[0])
+        whole, sequence = _in_view(calm, columns), prepare_sequence(scenario)
+        if not whole > 0.0:
+            return np.zeros(seas)
+        seen = [_in_view(sequence.reseeded(sea_seed(scenario.seed, k)), columns) for k in range(seas)]
+        return np.minimum(np.array(seen) / whole, 1.0)
+
+
+def _in_view(sequence: Sequence, columns: tuple[int, int]) -> float:
+    """Solid angle of the one object that is seen in some columns [sr]; of a point 1 or 0."""
+    (sight,) = sequence.drawn(0.0, columns).sights
+    if sight.whole > 0.0:
+        return sight.seen
+    return float(any((share.radiance > 0.0).any() for share in sight.shares))
 
 
 def seen_object(scenario: Scenario, name: str) -> Seen:
@@ -196,13 +232,9 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
     if not found:
         names = ", ".join(item.name for item in scenario.objects or ()) or "none"
         raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
-    calm = scenario.model_copy(
-        update={
-            "objects": tuple(found),
-            "sea": scenario.sea.model_copy(update={"resolve_waves": False}),
-            "render": scenario.render.model_copy(update={"layers": (), "apparent_temperature": False, "step_m": None}),
-        }
-    )
+    plain = scenario.render.model_copy(update={"layers": (), "apparent_temperature": False, "step_m": None})
+    alone = scenario.model_copy(update={"objects": tuple(found), "render": plain})
+    calm = alone.model_copy(update={"sea": scenario.sea.model_copy(update={"resolve_waves": False})})
     if calm.sensor.senses:
         sensed = prepare_sensed(calm)
         sequence, steps, model = sensed.fine, sensed.sensed.oversampling, sensed.sensed.model
@@ -233,4 +265,4 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
         raise DataError(f"object '{name}': {error}") from error
     peak = np.unravel_index(int(np.abs(response).argmax()), response.shape)
     place = [(at - reach) + (float(p) + 0.5) / steps - 0.5 for at, p in zip((row, column), peak, strict=True)]
-    return Seen(shape, contrast, place[0], place[1])
+    return Seen(shape, contrast, place[0], place[1], alone if scenario.sea.resolve_waves else None)

@@ -17,6 +17,7 @@ from seaglint.cluster import Job, Workers
 from seaglint.cluster.base import record_of
 from seaglint.conventions import FloatArray
 from seaglint.detection.base import Frames
+from seaglint.detection.counting import Counting
 from seaglint.errors import DataError
 from seaglint.io.detection_parts import keep_sea, sea_path, whole_sea
 from seaglint.pipeline.render import Sequence, prepare_sequence
@@ -25,6 +26,7 @@ from seaglint.pipeline.sensed import SensedSequence, drawn_in_time, prepare_sens
 from seaglint.random import stream
 from seaglint.scenario.model import Scenario
 from seaglint.sensor.chain import SensorModel
+from seaglint.sensor.detector import Detector
 from seaglint.version import __version__
 
 
@@ -43,6 +45,13 @@ def frames_key(scenario: Scenario, length: int) -> str:
 def sea_seed(seed: int, number: int) -> int:
     """Seed of an independent sea."""
     return int(stream(seed, "independent seas", number).integers(2**62))
+
+
+def counting_of(model: SensorModel) -> Counting:
+    """How a sensor counts the light of an object that is added to its frames, told as radiance at the aperture."""
+    line = model.readout
+    shot = isinstance(model.detector, Detector) and model.noise.temporal
+    return Counting(line.per_radiance if shot else None, line.radiance_scale)
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,6 +193,11 @@ class SceneFrames:
     def saturation(self) -> float | None:
         """Value beyond which no pixel goes [W m-2 sr-1]."""
         return self.seas.saturation
+
+    @cached_property
+    def counting(self) -> Counting | None:
+        """How the light of an injected object is counted; None without a sensor."""
+        return None if self.seas.model is None else counting_of(self.seas.model)
 
     def grow(self, count: int, go_on: Callable[[int], bool] = lambda done: True) -> int:
         """Render seas until there are ``count``, or ``go_on`` says no; those that are there already are taken as they are.

@@ -41,7 +41,12 @@ def study_report(title: str, cases: Sequence[dict[str, Any]], stopped: str | Non
 
 
 def _named(case: dict[str, Any]) -> str:
-    return ", ".join(f"{key} = {value}" for key, value in case["parameters"].items()) or "the scenario"
+    return ", ".join(f"{key} = {value}" for key, value in case["parameters"].items()) or "the whole"
+
+
+def _unit(result: dict[str, Any]) -> str:
+    """Unit of a result's contrasts; of a recording that of its values."""
+    return str(result.get("contrast_unit") or result["units"] or "")
 
 
 def _summary(good: Sequence[dict[str, Any]]) -> str:
@@ -56,15 +61,15 @@ def _summary(good: Sequence[dict[str, Any]]) -> str:
                     _named(case),
                     result["detector"],
                     number(row["contrast"]),
-                    row["contrast_unit"],
+                    _unit(result),
                     number(row["p_d"]),
                     interval([row["p_d_low"], row["p_d_high"]]),
                     number(row["p_fa"]),
                     interval([row["p_fa_low"], row["p_fa_high"]]),
                     number(design.get("contrast")),
                     number(design.get("loss_db")),
-                    number(result["seas"]),
-                    result["stopped"],
+                    number(result.get("seas")),
+                    result.get("stopped") or "",
                 ]
             )
     return table(head, lines, words=(0,))
@@ -82,7 +87,7 @@ def _swept(good: Sequence[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any
         for case in good:
             others = ", ".join(f"{k} = {v}" for k, v in case["parameters"].items() if k != key)
             for row in case["rows"]:
-                line = f"{row['contrast']:g} {row['contrast_unit']}" + (f", {others}" if others else "")
+                line = f"{row['contrast']:g} {_unit(case['result'])}" + (f", {others}" if others else "")
                 rows.append({**row, key: case["parameters"][key], "_line": line})
         out.append((key, rows))
     return out
@@ -90,11 +95,12 @@ def _swept(good: Sequence[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any
 
 def _case(case: dict[str, Any]) -> str:
     result = case["result"]
+    scattered = "independent seas" if "seas" in result else "tiles and times"
     pictures = [
         figure(
-            png(draw_characteristic(case["roc"], case["rows"], result["contrast_unit"])),
+            png(draw_characteristic(case["roc"], case["rows"], _unit(result))),
             "operating characteristic",
-            "Bands: intervals of each rate alone, from the scatter between independent seas.",
+            f"Bands: intervals of each rate alone, from the scatter between {scattered}.",
         ),
         figure(png(draw_map(case["map"])), "false alarms over the field", "Share of pixels above the threshold, in tiles."),
     ]

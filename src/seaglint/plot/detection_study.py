@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+MOST_CURVES: Final = 6
+"""Characteristics drawn, evenly chosen from the contrasts."""
 
 
 def _figure(width: float, height: float) -> Figure:
@@ -25,11 +29,12 @@ def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[dict[str, An
     figure = _figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
     contrast = np.asarray(roc["contrast"])
-    for value in np.unique(contrast):
+    values = np.unique(contrast)
+    for value in values[np.unique(np.linspace(0, values.size - 1, min(values.size, MOST_CURVES)).astype(int))]:
         one = contrast == value
         p_fa, p_d, low, high = (np.asarray(roc[name])[one] for name in ("p_fa", "p_d", "p_d_low", "p_d_high"))
         seen = p_fa > 0
-        (line,) = left.plot(p_fa[seen], p_d[seen], linewidth=1.3, label=f"{value:g} {unit}")
+        (line,) = left.plot(p_fa[seen], p_d[seen], linewidth=1.3, label=f"{value:g} {unit}".strip())
         left.fill_between(p_fa[seen], low[seen], high[seen], color=line.get_color(), alpha=0.2, linewidth=0)
     left.set(xscale="log", xlabel="P_fa per pixel and frame", ylabel="P_d", ylim=(-0.02, 1.02))
     left.legend(fontsize=8, frameon=False)
@@ -38,7 +43,7 @@ def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[dict[str, An
     right.plot(x, [row["p_d"] for row in ordered], marker="o", markersize=3, color="0.2")
     ends = [[row["p_d"] if row[name] is None else row[name] for row in ordered] for name in ("p_d_low", "p_d_high")]
     right.fill_between(x, ends[0], ends[1], color="0.2", alpha=0.2, linewidth=0)
-    right.set(xlabel=f"contrast [{unit}]", ylabel="P_d", ylim=(-0.02, 1.02))
+    right.set(xlabel=f"contrast [{unit}]" if unit else "contrast", ylabel="P_d", ylim=(-0.02, 1.02))
     if min(x) > 0 and max(x) > 8 * min(x):
         from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
@@ -131,8 +136,12 @@ def draw_ranges(found: Sequence[dict[str, Any]]) -> Figure:
             axes.set_theta_direction(-1)
             ordered = sorted(some, key=lambda one: one["bearing_deg"])
             theta = np.radians([one["bearing_deg"] for one in ordered])
-            metres = [np.nan if one["range_m"] is None else one["range_m"] / 1e3 for one in ordered]
-            axes.plot(theta, metres, marker="o", markersize=3, label=name or None)
+            metres = [(one["range_interval_m"][0] if one["range_m"] is None else one["range_m"]) / 1e3 for one in ordered]
+            around = np.diff(theta, append=theta[0] + 2.0 * np.pi).max() < 0.6 * np.pi  # closed where no wide gap is left
+            x, y = ([*v, v[0]] if around else v for v in (theta, metres))
+            (line,) = axes.plot(x, y, marker="o", markersize=3, label=name or None)
+            open_ended = [k for k, one in enumerate(ordered) if one["range_m"] is None]
+            axes.plot(theta[open_ended], np.array(metres)[open_ended], "o", markersize=7, fillstyle="none", color=line.get_color())
         else:
             for one in some:
                 points = one["points"]

@@ -1,0 +1,147 @@
+"""``seaglint detect RECORDING``: a detector judged on frames that are there, or several settings of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from seaglint.cli.analyze import raw_layout
+from seaglint.cli.detect_options import OF_SCENARIOS, DetectOptions
+from seaglint.cli.numbers import between
+
+if TYPE_CHECKING:
+    from seaglint.pipeline.detect_study import Study
+
+
+def detect_recording(options: DetectOptions) -> None:
+    """Judge a detector on a recording and write what was asked for.
+
+    Raises
+    ------
+    DataError
+        Options of scenarios, no contrast, or what the pipeline refuses.
+    """
+    import warnings
+
+    from seaglint.cli.messages import log, print_json
+    from seaglint.cli.progress import patient_progress
+    from seaglint.cli.workers import done_here
+    from seaglint.errors import DataError
+    from seaglint.io.detection_files import DetectionFiles
+    from seaglint.io.outputs import refuse_existing
+    from seaglint.io.recording import open_recording
+    from seaglint.pipeline.detect_recording import run_recording, settings_of
+
+    o = options
+    wrong = o.given(OF_SCENARIOS)
+    if wrong:
+        raise DataError(f"{', '.join(wrong)}: for scenarios, and {o.recording} is a recording; give SCENARIO.toml, or leave it out")
+    if o.contrasts is None:
+        raise DataError("--contrast is missing: what an object adds to its pixel, in the recording's units; give e.g. --contrast 4")
+    inputs = [path for path in (o.recording, o.kernel, o.signature, o.psf) if path is not None]
+    files = None if o.output is None else DetectionFiles.at(o.output, overwrite=o.overwrite, inputs=inputs)
+    if o.report is not None:
+        refuse_existing(o.report, overwrite=o.overwrite, inputs=inputs)
+    done_here(o.workers, o.dask, o.dask_slurm, "a recording is judged")
+    settings = settings_of(o.vary or ())
+    opened = open_recording(
+        o.recording,
+        frame_rate=o.frame_rate,
+        units=o.units,
+        raw=raw_layout(o.raw),
+        variable=o.variable,
+        channel=o.channel,
+        axes=o.axes,
+        saturation=o.saturation,
+    )
+    judged = o.judged(o.objects(o.contrasts), opened.frame_rate, _pixel(o.recording, o.pixel_mrad))
+    with warnings.catch_warnings():
+        # Of numbers that do not exist (a detector that divides by 0): the result says what is absent and why.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        with patient_progress(o.show, "frames and objects") as progress:
+            study = run_recording(opened, judged, settings, progress=progress)
+    result = study.as_dict() if o.vary else study.good[0]["result"]
+    if files is not None:
+        _write(study, result, files, single=not o.vary)
+        log(f"{', '.join(str(path) for path in files.paths)} written")
+    if o.report is not None:
+        from seaglint.io.text_file import write_text
+        from seaglint.plot.detection_report import study_report
+
+        write_text(study_report(f"Detection: {o.recording}", study.cases, None), o.report)
+        log(f"{o.report} written")
+    if o.as_json:
+        print_json(result)
+    else:
+        for case in study.good:
+            named = ", ".join(f"{key} = {value}" for key, value in case["parameters"].items())
+            typer.echo("\n".join([*([f"{named}:"] if named else []), *lines(case["result"])]))
+    if study.errors:
+        failed = "\n".join(study.errors)
+        raise DataError(f"{failed}\n{len(study.errors)} of {len(study.cases)} cases failed{'; the others are written' if files else ''}")
+
+
+def _write(study: Study, result: dict[str, Any], files: Any, *, single: bool) -> None:
+    """All files; the picture is that of the first case."""
+    import numpy as np
+
+    from seaglint.io.outputs import moved_when_whole
+    from seaglint.plot.detection_study import draw_characteristic
+
+    first = study.good[0]
+    columns = {name: np.asarray(values, float) for name, values in study.characteristic().items()}
+    if single:
+        columns.pop("case")
+
+    def draw(path: Path) -> None:
+        with moved_when_whole(path) as partial:
+            draw_characteristic(first["roc"], first["rows"], first["result"]["units"] or "").savefig(partial, dpi=120, format="png")
+
+    rows = first["rows"] if single else study.rows()
+    files.write(result, rows, columns, draw)
+
+
+def _pixel(recording: str, pixel_mrad: float | None) -> tuple[float, float] | None:
+    """Angle between rows and between columns [deg], as far as it is known."""
+    from math import degrees
+
+    from seaglint.errors import DataError
+    from seaglint.io.recording.source import source_of
+
+    if pixel_mrad is not None:
+        if not 0 < pixel_mrad < 1000:
+            raise DataError(f"--pixel-mrad {pixel_mrad:g}: give an angle above 0 and below 1000 mrad")
+        return (degrees(1e-3 * pixel_mrad),) * 2
+    source = source_of(Path(recording))
+    return None if source is None or source.step is None else (degrees(source.step[1]), degrees(source.step[0]))
+
+
+def lines(result: dict[str, Any]) -> list[str]:
+    """The result as a few lines of text."""
+    unit = f" {result['units']}" if result["units"] else ""
+    out = [
+        f"{result['source']}: {result['frames']} frames of {result['columns']} x {result['rows']}, detector {result['detector']}, "
+        f"filter {result['filter']}, threshold {result['threshold_sigma']:.4g} sigma above the mean",
+        f"P_fa {result['p_fa']:.4g} per pixel and frame{between(result['p_fa_interval'])}, "
+        f"{result['false_alarms']['events_per_frame']:.4g} events a frame",
+    ]
+    for entry in result["sweep"]:
+        error = entry["pointing_error"]
+        place = (
+            f"; error of place x {error['column']['std_px']:.3g}, y {error['row']['std_px']:.3g} px"
+            if error["row"]["std_px"] is not None
+            else ""
+        )
+        out.append(
+            f"contrast {entry['contrast']:g}{unit}: P_d {entry['p_d']:.4g}{between(entry['p_d_interval'])} of {entry['injections']}{place}"
+        )
+    for rare in result["tail"]["rare"]:
+        doubt = "" if rare["believed"] else ", not to be believed"
+        out.append(
+            f"P_fa {rare['p_fa']:.1g} at {rare['threshold_sigma']:.4g} sigma{between(rare['p_fa_interval'])}, by extrapolation{doubt}"
+        )
+    if result["tail"]["note"]:
+        out.append(f"tail: {result['tail']['note']}")
+    return [*out, *(f"note: {note}" for note in result["notes"])]
