@@ -10,7 +10,6 @@ import pkgutil
 import re
 import subprocess
 import sys
-import time
 import typing
 from pathlib import Path
 
