@@ -31,7 +31,6 @@ ALWAYS: Final = (3.0, 3.5)
 Border = Literal["auto", "keep", "drop"]
 
 REGIONS: Final = ("all", "glint", "background")
-RegionName = Literal["all", "glint", "background"]
 
 _HAZARD: Final = {3.0: 3.2831, 3.5: 3.7513}
 """Density of a Gaussian over its tail."""

@@ -21,12 +21,14 @@ from typer.core import TyperGroup
 
 from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
+from seaglint.cli.completion import InstallCompletion, ShowCompletion
 from seaglint.cli.dataset import dataset
 from seaglint.cli.detect import detect
 from seaglint.cli.ensemble import ensemble
 from seaglint.cli.evaluate import evaluate
+from seaglint.cli.examples import add_examples
 from seaglint.cli.export import export, export_sea
-from seaglint.cli.groups import add_examples, write_groups
+from seaglint.cli.groups import write_groups
 from seaglint.cli.labels import labels
 from seaglint.cli.likelihood import likelihood
 from seaglint.cli.messages import files_read, log, naming_file, print_json
@@ -102,7 +104,7 @@ app = typer.Typer(
     help="Infrared ocean clutter: mean radiance, glint and calibrated image sequences of a moving sea.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    add_completion=True,
+    add_completion=False,  # seaglint.cli.completion has its own
 )
 app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
@@ -145,6 +147,8 @@ def _version(wanted: bool) -> None:
 @app.callback()
 def _seaglint(
     version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and leave")] = False,
+    install_completion: InstallCompletion = None,
+    show_completion: ShowCompletion = None,
 ) -> None:
     pass
 
@@ -190,7 +194,7 @@ def mean(
     preview: Annotated[bool, typer.Option("--preview", help="write a picture beside the file")] = False,
     scale: ScaleOption = PreviewScale.AUTO,
 ) -> None:
-    """Map the mean radiance and apparent temperature over the field of view."""
+    """Map mean radiance and apparent temperature over the view."""
     from seaglint.cli.logs import show_logs
     from seaglint.io.netcdf import write_netcdf
     from seaglint.io.outputs import refuse_existing
@@ -242,7 +246,10 @@ def render(
         bool, typer.Option("--finish", help="check that all frames of a store are there, and name it: --finish RUN.zarr")
     ] = False,
 ) -> None:
-    """Render the sequence, frame by frame: radiance at the aperture, or counts of the scenario's detector."""
+    """Render the sequence: radiance, or counts of a detector.
+
+    Radiance is at the aperture; where the scenario has a detector, frames are its counts. Any frame alone is the same as in the sequence.
+    """
     from seaglint.cli.finish import finish_store, require_one_way, tell_share
     from seaglint.cli.frames import parse_frames
     from seaglint.cli.logs import show_logs
@@ -358,7 +365,7 @@ def info(
 
 @app.command()
 def doctor(as_json: AsJson = False) -> None:
-    """Check the installation: versions, threads, GPU, codecs, table checksums."""
+    """Check versions, threads, GPU, codecs and tables' checksums."""
     from seaglint.cli.doctor import examine
 
     report = examine()
@@ -377,7 +384,7 @@ add_examples(app)
 
 def main() -> None:
     """Entry point of the command ``seaglint``."""
-    app()
+    app(prog_name="seaglint")
 
 
 if __name__ == "__main__":

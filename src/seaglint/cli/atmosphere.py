@@ -32,7 +32,10 @@ def export(
     output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")],
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
 ) -> None:
-    """Write transmittance, radiance and sunlight for the scenario's sensor height and band: a start for an atmosphere file of your own."""
+    """Write the air of a scenario's sensor height and band.
+
+    Transmittance, radiance and sunlight: a start for an atmosphere file of your own.
+    """
     from seaglint.io.atmosphere_file import require_kind, write_atmosphere
     from seaglint.io.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
@@ -58,7 +61,10 @@ def write(
     scattered: Annotated[bool, typer.Option(help="ask for sunlight scattered by the air, where the Sun is up")] = True,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace files that stand in the folder")] = False,
 ) -> None:
-    """Write a MODTRAN deck of all lines of sight that the scenario needs: run it, then read its output with atmosphere read DIR."""
+    """Write a MODTRAN deck of a scenario's lines of sight.
+
+    Run it, then read its output with 'seaglint atmosphere read DIR'.
+    """
     from seaglint.scenario.load import load_scenario
 
     loaded = load_scenario(scenario)
@@ -83,7 +89,10 @@ def read(
     output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .nc NetCDF, .csv text")],
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
 ) -> None:
-    """Make a file for atmosphere.source = "file" of what MODTRAN or LOWTRAN7 computed: path, sky, Sun and scattered sunlight apart."""
+    """Make a file of air from what MODTRAN or LOWTRAN7 computed.
+
+    For atmosphere.source = "file" of a scenario; path, sky, Sun and scattered sunlight apart.
+    """
     from seaglint.io.atmosphere_file import require_kind, write_atmosphere
     from seaglint.io.outputs import refuse_existing
 

@@ -36,7 +36,10 @@ def dataset(
     check: Annotated[bool, typer.Option("--check", help="check a data set that is there, and make none")] = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
-    """Render an ensemble and write its pictures with masks, boxes, tables and a data card; 'seaglint dataset --check DIR' checks one."""
+    """Render labelled pictures of an ensemble: masks, boxes, tables.
+
+    With a data card that says what is in them; 'seaglint dataset --check DIR' checks a data set that is there.
+    """
     if check:
         _check(source)
         return

@@ -7,7 +7,10 @@ from seaglint.cli.detect_options import DetectOptions, with_options
 
 @with_options
 def detect(options: DetectOptions) -> None:
-    """Probabilities of detection and false alarm, and errors of place, of a detector on a recording or in rendered scenes."""
+    """Probabilities of detection and false alarm of a detector.
+
+    With errors of place, of objects injected into a recording or into rendered scenes.
+    """
     if options.of_scenario:
         from seaglint.cli.detect_scene import detect_scene
 

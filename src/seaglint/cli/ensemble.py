@@ -27,7 +27,7 @@ def ensemble(
     draw_only: Annotated[bool, typer.Option("--draw-only", help="write scenario files and tables, and render nothing")] = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
-    """Draw scenes from laws of a scenario's keys, and render each as a sequence of its own."""
+    """Draw scenes from laws of a scenario's keys and render each."""
     from seaglint.cli.logs import show_logs
     from seaglint.cli.progress import progress
     from seaglint.cli.workers import chosen

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from seaglint.pipeline.evaluate import Columns, Report
 
 evaluate = typer.Typer(
-    help="Results for many cases at once: each row of a CSV file gets its columns; further columns pass through.", no_args_is_help=True
+    help="Results for many cases: each row of a CSV file gets columns.\n\nFurther columns pass through.", no_args_is_help=True
 )
 
 CasesFile = Annotated[Path, typer.Argument(metavar="CASES.csv", help="one case a row; the first line names the columns")]
@@ -64,7 +64,7 @@ def atmosphere(
     overwrite: Overwrite = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
-    """Transmittance, path radiance, sunlight and sky of the LOWTRAN7 tables.
+    """Transmittance, path, sunlight and sky of the LOWTRAN7 tables.
 
     Columns needed: atmosphere (a model's name), wind_speed_m_s, sensor_height_m, depression_deg (of the refracted ray at the sensor; it
     must end on the sea), solar_zenith_deg, sky_zenith_deg. Columns made, per band: tau_mean (flat over wavenumber),
@@ -81,7 +81,9 @@ def atmosphere(
 def emissivity(
     cases: CasesFile, output: Output, extrapolate: Extrapolate = False, overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO
 ) -> None:
-    """Emissivity of the wind-roughened sea: isotropic Cox-Munk slopes, salt water, sea-to-sea reflection on.
+    """Emissivity of the wind-roughened sea.
+
+    Isotropic Cox-Munk slopes, salt water, sea-to-sea reflection on.
 
     Columns needed: wavelength_um, wind_speed_m_s (at 12.5 m, as the slope fit has it), zenith_deg. Column made: emissivity.
     """
@@ -100,7 +102,7 @@ def mean(
     overwrite: Overwrite = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
-    """Mean radiance of the sea, apparent temperature, and standard deviation of glint in a pixel.
+    """Mean radiance of the sea, and standard deviation of glint.
 
     Columns needed: atmosphere (a model's name), wind_speed_m_s (at 10 m), sensor_height_m, depression_deg, solar_zenith_deg,
     relative_azimuth_deg (0 looks towards the Sun), sea_temperature_k, ifov_mrad (side of the square pixel). Columns made, per band:
@@ -124,7 +126,7 @@ def scattered(
     overwrite: Overwrite = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
-    """Sunlight scattered by the air into paths to the sea and into the clear sky, and their thermal radiance.
+    """Sunlight scattered into paths to the sea and the clear sky.
 
     Columns needed: kind (path or sky), atmosphere (a model's name), wind_speed_m_s, sensor_height_m (0 for sky seen from the sea),
     elevation_deg (of the refracted ray at the sensor; below 0 for paths, which must end on the sea), azimuth_from_sun_deg,

@@ -98,7 +98,7 @@ def export_sea(
     lattices: Annotated[bool, typer.Option("--lattices/--no-lattices", help="with the periodic tiles beside the patch (.nc)")] = True,
     overwrite: Overwrite = False,
 ) -> None:
-    """Write heights, slopes and facet roughness of the sea at one time."""
+    """Write heights, slopes and roughness of the sea at one time."""
     from seaglint.io.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
 

@@ -16,7 +16,7 @@ def labels(
     output: Annotated[Path, typer.Option("-o", "--output", help="file to write: .json (COCO) or .csv")],
     overwrite: Overwrite = False,
 ) -> None:
-    """Write places, masks and contrasts of the objects in each frame.
+    """Write places, masks and contrasts of objects, by frame.
 
     'seaglint labels run.zarr -o labels.csv' writes a row for each object and frame, 'seaglint labels run.zarr -o labels.json' COCO's
     annotations with masks, boxes and track numbers.

@@ -38,7 +38,10 @@ def likelihood(
     dask: DaskOption = None,
     dask_slurm: DaskSlurmOption = None,
 ) -> None:
-    """Tell how often glint is brighter than thresholds, over weather, Sun and geometry."""
+    """Tell how often glint is brighter than thresholds.
+
+    Over weather, Sun and geometry, as the scenario's table [likelihood] says.
+    """
     from seaglint.cli.progress import progress
     from seaglint.scenario.load import load_scenario
 

@@ -33,19 +33,28 @@ def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")]
 
 @reproduce.command()
 def fig2(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
-    """Path and boundary properties against range and wind: DIR/fig2.png and fig2.csv."""
+    """Path and boundary properties against range and wind.
+
+    Writes DIR/fig2.png and fig2.csv.
+    """
     _figure("fig2", output, overwrite, show)
 
 
 @reproduce.command()
 def fig3(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
-    """Mirrored Sun and apparent temperature against both zenith angles, three winds: DIR/fig3.png and fig3.csv."""
+    """Mirrored Sun and apparent temperature against zenith angles.
+
+    Writes DIR/fig3.png and fig3.csv.
+    """
     _figure("fig3", output, overwrite, show)
 
 
 @reproduce.command()
 def fig4(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
-    """Glint images, mean and standard deviation, for winds and their directions: DIR/fig4.png and fig4.csv."""
+    """Glint images for winds: mean and standard deviation.
+
+    Writes DIR/fig4.png and fig4.csv.
+    """
     _figure("fig4", output, overwrite, show)
 
 
@@ -57,7 +66,10 @@ def fig5(
     spectral: Annotated[bool, typer.Option("--spectral", help="radiance per wavenumber, not the article's way")] = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
-    """Chance of glint against the azimuth from the Sun, three cases, two thresholds: DIR/fig5.png and fig5.csv (a minute)."""
+    """Chance of glint against the azimuth from the Sun.
+
+    Writes DIR/fig5.png and fig5.csv (a minute).
+    """
     from seaglint.cli.progress import progress
     from seaglint.io.columns import write_columns
     from seaglint.io.outputs import refuse_existing
@@ -83,7 +95,10 @@ def fig5(
 
 @reproduce.command()
 def fig10(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
-    """Autobinomial textures of a sea seen from above, isotropic and horizontal: DIR/fig10.png and fig10.csv."""
+    """Autobinomial textures, isotropic and horizontal.
+
+    Writes DIR/fig10.png and fig10.csv.
+    """
     _figure("fig10", output, overwrite, show)
 
 
@@ -98,7 +113,9 @@ def fig12(
     overwrite: Overwrite = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
-    """Two bodies that close over a glinting sea: DIR/fig12.zarr, .png, .csv and .mp4 (some minutes).
+    """Two bodies that close over a glinting sea.
+
+    Writes DIR/fig12.zarr, .png, .csv and .mp4 (some minutes).
 
     The picture shows a frame in colours and in grey, and the geometry from the side; fig12.csv has the labels of both bodies in every
     frame, fig12.mp4 the sequence (with the extra 'video'). A quick look: seaglint reproduce fig12 --frames 60:80 --pixels 128
@@ -145,7 +162,10 @@ def table1(
     overwrite: Overwrite = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
-    """Render two seconds of glint and print the article's Table 1 of false alarms beside ours (some five minutes on two cores)."""
+    """Print the article's Table 1 of false alarms beside ours.
+
+    Renders two seconds of glint for it: some five minutes on two cores.
+    """
     from seaglint.cli.progress import progress
     from seaglint.io.columns import write_columns
     from seaglint.io.outputs import refuse_existing

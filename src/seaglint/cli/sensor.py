@@ -120,7 +120,7 @@ def sensor(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the picture that is there")] = False,
     presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list sensors and leave")] = False,
 ) -> None:
-    """Figures of merit of a scenario's sensor: NETD, MTF, noise budget and more."""
+    """Figures of merit of a sensor: NETD, MTF, noise budget."""
     from seaglint.errors import DataError
     from seaglint.io.outputs import refuse_existing
     from seaglint.pipeline.sensor import describe_sensor

@@ -15,9 +15,7 @@ from seaglint.cli.progress import ProgressMode
 if TYPE_CHECKING:
     from seaglint.analysis.recording import Recording
 
-texture = typer.Typer(
-    rich_markup_mode=None, no_args_is_help=True, help="Statistical textures: fit, sample without end, compare, lay on the sea."
-)
+texture = typer.Typer(rich_markup_mode=None, no_args_is_help=True, help="Statistical textures: fit, sample, compare, lay on the sea.")
 
 
 class Model(StrEnum):
@@ -158,7 +156,7 @@ def sample(
     overwrite: Overwrite = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
-    """Draw a sample, periodic in rows, columns and time: it can be shown for ever."""
+    """Draw a sample, periodic in rows, columns and time."""
     from seaglint.cli.progress import patient_progress
     from seaglint.io.texture_file import read_texture
     from seaglint.pipeline import texture as pipeline
@@ -198,7 +196,10 @@ def compare(
     seed: Seed = 0,
     overwrite: Overwrite = False,
 ) -> None:
-    """Compare two textures in numbers: filtered false alarms, values, spectra, correlations, co-occurrence."""
+    """Compare two textures in numbers.
+
+    Filtered false alarms, values, spectra, correlations and co-occurrence.
+    """
     from seaglint.errors import DataError
     from seaglint.pipeline.texture import compare_files
 
@@ -244,7 +245,7 @@ def place(
     overwrite: Overwrite = False,
     show: Progress = ProgressMode.AUTO,
 ) -> None:
-    """Lay a texture on the sea of a scenario: a sequence that stands in for a rendered one."""
+    """Lay a texture on the sea of a scenario, instead of rendering."""
     from seaglint.cli.frames import parse_frames
     from seaglint.cli.progress import patient_progress
     from seaglint.io.store import check_output, open_sequence

@@ -11,7 +11,7 @@ import typer
 def view(
     inputs: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[RUN.zarr|map.nc|SCENARIO.toml|RECORDING]...", help="what to look at; two sequences stand side by side"),
+        typer.Argument(metavar="RUN.zarr|map.nc|SCENARIO.toml|RECORDING", help="what to look at; two sequences stand side by side"),
     ] = None,
     port: Annotated[int | None, typer.Option("--port", min=1, max=65535, help="port to listen at; the first free one from 8420")] = None,
     host: Annotated[
@@ -23,12 +23,11 @@ def view(
     ] = None,
     variable: Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")] = None,
 ) -> None:
-    """Look at sequences, maps, recordings and scenarios in a browser, on this machine alone.
+    """Look at sequences, maps and scenarios in a browser.
 
-    Play, scrub and zoom; values under the pointer; two sequences and their difference; histograms of regions, thresholds and false alarms.
-    A scenario opens the workbench, which begins with a preset where nothing is given. The address is printed; Ctrl-C ends it.
-
-    Example: seaglint view run.zarr
+    Recordings of other programs too; on this machine alone. Play, scrub and zoom; values under the pointer; two sequences and their
+    difference; histograms of regions, thresholds and false alarms. A scenario opens the workbench, which begins with a preset where
+    nothing is given. The address is printed; Ctrl-C ends it.
     """
     from seaglint.errors import DataError
     from seaglint.viewer.server import require_installed

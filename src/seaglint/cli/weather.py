@@ -41,7 +41,10 @@ def build(
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
 ) -> None:
-    """Make a table of weather of reanalysis, ship reports, buoys or any CSV file; what is left out or assumed is told with counts."""
+    """Make a table of weather from reanalysis, ships, buoys or CSV.
+
+    What is left out or assumed is told with counts.
+    """
     from seaglint.io.weather.area import parse_box, parse_cycle, read_polygon
     from seaglint.io.weather.own import check_output, write_weather
     from seaglint.io.weather.read import Reading
@@ -72,7 +75,10 @@ def info(
     plot: Annotated[Path | None, typer.Option("--plot", help="picture to write: wind rose, joint density, months, missing values")] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the picture")] = False,
 ) -> None:
-    """Say what a weather table holds: means, months, wind rose, wind and cloud together, share of missing values."""
+    """Say what a weather table holds.
+
+    Means, months, wind rose, wind and cloud together, share of missing values.
+    """
     from seaglint.errors import DataError
     from seaglint.io.outputs import refuse_existing
     from seaglint.pipeline.weather import describe

@@ -148,11 +148,6 @@ class WaveField:
         """Ensemble significant height of all tiles together [m]."""
         return 4.0 * float(np.sqrt(self.height_variance))
 
-    @property
-    def lattice_mss(self) -> tuple[float, float]:
-        """Ensemble slope variance (up, cross) at the lattice points, all tiles together [1]."""
-        return self.resolved_mss("none")
-
     def resolved_mss(self, interpolation: Literal["bilinear", "none"] = "bilinear") -> tuple[float, float]:
         """Ensemble slope variance that a sampler gets, along and across the wind.
 

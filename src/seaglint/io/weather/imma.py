@@ -28,8 +28,6 @@ CORE: Final = (
 )
 """Fields of the core in their order, with the number of characters of each; 108 in all."""
 
-CORE_LENGTH: Final = 108
-
 _SCALE: Final = {
     "MO": 1.0,
     "HR": 0.01,

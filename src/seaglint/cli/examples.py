@@ -1,0 +1,117 @@
+"""The example at the end of each command's help: lines that work one after the other in an empty folder."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import typer
+
+_SCENE = "seaglint init my.toml"
+_RUN = (_SCENE, "seaglint render my.toml -o run.zarr --frames 0:8")
+_FIT = (*_RUN, "seaglint texture fit run.zarr -o model.json")
+_ANGLES = "printf 'wavelength_um,wind_speed_m_s,zenith_deg\\n4,5,70\\n' > angles.csv"
+_AIR = (
+    "printf 'atmosphere,wind_speed_m_s,sensor_height_m,depression_deg,' > air.csv",
+    "printf 'solar_zenith_deg,sky_zenith_deg\\n' >> air.csv",
+    "printf 'us-standard-1976,7,30,3,75,80\\n' >> air.csv",
+)
+_VIEWS = (
+    "printf 'atmosphere,wind_speed_m_s,sensor_height_m,depression_deg,' > views.csv",
+    "printf 'solar_zenith_deg,relative_azimuth_deg,sea_temperature_k,ifov_mrad\\n' >> views.csv",
+    "printf 'us-standard-1976,7,30,3,75,0,288,0.5\\n' >> views.csv",
+)
+_LINES = (
+    "printf 'kind,atmosphere,wind_speed_m_s,sensor_height_m,elevation_deg,' > lines.csv",
+    "printf 'azimuth_from_sun_deg,solar_zenith_deg\\n' >> lines.csv",
+    "printf 'path,us-standard-1976,7,30,-1,20,76\\n' >> lines.csv",
+)
+_BOAT = (
+    "printf '[sensor]\\nelevation_deg = -3\\nfov_deg = [4, 2]\\npixels = [128, 64]\\n' > boat.toml",
+    'printf \'[[objects]]\\nname = "boat"\\npreset = "small-boat"\\n\' >> boat.toml',
+    "printf 'east_m = 0\\nnorth_m = -600\\nheading_deg = 60\\n' >> boat.toml",
+)
+_WINDS = (
+    *_BOAT,
+    "printf 'base = \"boat.toml\"\\n[ensemble]\\nscenes = 4\\nframes = 2\\n' > winds.toml",
+    'printf \'[[vary]]\\nkey = "wind.speed_m_s"\\nlaw = "uniform"\\n\' >> winds.toml',
+    "printf 'min = 2\\nmax = 12\\n' >> winds.toml",
+)
+_SHIP = (
+    "printf 'date,wind,clouds\\n2026-06-21T12:00,12,3\\n2026-06-21T18:00,9,8\\n' > ship.csv",
+    "seaglint weather build ship.csv --utc --map time=date --map wind_speed_m_s=wind:kn \\",
+    "    --map cloud_cover=clouds:oktas -o weather.csv",
+)
+
+EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
+    "": (_SCENE, "seaglint render my.toml -o run.zarr --frames 0:8 --preview", "seaglint info run.zarr"),
+    "init": ("seaglint init my.toml --preset glint",),
+    "schema": ("seaglint schema > scenario.schema.json",),
+    "doctor": ("seaglint doctor --json",),
+    "view": (*_RUN, "seaglint view run.zarr"),
+    "info": (*_RUN, "seaglint info run.zarr"),
+    "reproduce": ("seaglint reproduce headline",),
+    "reproduce headline": ("seaglint reproduce headline",),
+    "reproduce fig2": ("seaglint reproduce fig2 -o article",),
+    "reproduce fig3": ("seaglint reproduce fig3 -o article",),
+    "reproduce fig4": ("seaglint reproduce fig4 -o article",),
+    "reproduce fig5": ("seaglint reproduce fig5 -o article",),
+    "reproduce fig10": ("seaglint reproduce fig10 -o article",),
+    "reproduce fig12": ("seaglint reproduce fig12 --frames 60:80 --pixels 128 -o article",),
+    "reproduce table1": ("seaglint reproduce table1 -o article",),
+    "mean": (_SCENE, "seaglint mean my.toml -o mean.nc --preview"),
+    "render": (_SCENE, "seaglint render my.toml -o run.zarr --frames 0:8 --preview"),
+    "sense": (*_RUN, "seaglint sense run.zarr my.toml --sensor mwir-insb-640 -o counts.zarr"),
+    "sensor": (_SCENE, "seaglint sensor my.toml --sensor mwir-insb-640"),
+    "evaluate": (_ANGLES, "seaglint evaluate emissivity angles.csv -o emissivity.csv"),
+    "evaluate atmosphere": (*_AIR, "seaglint evaluate atmosphere air.csv --band 3.5-5.0 -o air-out.csv"),
+    "evaluate emissivity": (_ANGLES, "seaglint evaluate emissivity angles.csv -o emissivity.csv"),
+    "evaluate mean": (*_VIEWS, "seaglint evaluate mean views.csv --band 3.5-5.0 -o views-out.csv"),
+    "evaluate scattered": (*_LINES, "seaglint evaluate scattered lines.csv --band 3.5-5.0 -o lines-out.csv"),
+    "atmosphere": (_SCENE, "seaglint atmosphere export my.toml -o air.nc"),
+    "atmosphere export": (_SCENE, "seaglint atmosphere export my.toml -o air.nc"),
+    "atmosphere write": (_SCENE, "seaglint atmosphere write my.toml --format tape5 -o decks"),
+    "atmosphere read": (
+        _SCENE,
+        "seaglint atmosphere write my.toml --format tape5 -o decks",
+        "# run your MODTRAN in the folder decks",
+        "seaglint atmosphere read decks -o modtran.nc",
+    ),
+    "weather": ("seaglint weather info north-atlantic",),
+    "weather build": _SHIP,
+    "weather info": ("seaglint weather info north-atlantic",),
+    "texture": _FIT,
+    "texture fit": _FIT,
+    "texture sample": (*_FIT, "seaglint texture sample model.json -o loop.zarr --size 256x256 --frames 32"),
+    "texture compare": (*_FIT, "seaglint texture compare run.zarr model.json"),
+    "texture place": (*_FIT, "seaglint texture place model.json my.toml -o placed.zarr"),
+    "ensemble": (*_WINDS, "seaglint ensemble winds.toml -o scenes --draw-only"),
+    "analyze": (*_RUN, "seaglint analyze run.zarr --report clutter.html"),
+    "detect": (*_RUN, "seaglint detect run.zarr --contrast 0.05:0.4:0.05 --detector matched -o found"),
+    "likelihood": (
+        "printf '[likelihood]\\nthreshold_w_m2_sr = [0.25, 2.5]\\n' > looks.toml",
+        "seaglint likelihood looks.toml -o likelihood",
+    ),
+    "export": (*_RUN, "seaglint export run.zarr -o run.tif"),
+    "export-sea": (_SCENE, "seaglint export-sea my.toml -o sea.nc"),
+    "labels": (*_BOAT, "seaglint render boat.toml -o boat.zarr --frames 0:2", "seaglint labels boat.zarr -o labels.json"),
+    "dataset": (*_WINDS, "seaglint dataset winds.toml -o data --format coco"),
+}
+"""Lines by command; of a group of commands, and of the program itself under no name, those of what one begins with."""
+
+
+def epilog(command: str) -> str | None:
+    """What the help of a command ends with; nothing where it has no example."""
+    lines = EXAMPLES.get(command)
+    # \b keeps the lines as they are
+    return None if lines is None else "\b\n" + "\n".join(["Example:", *(f"  {line}" for line in lines)])
+
+
+def add_examples(app: typer.Typer, before: str = "") -> None:
+    """End the help of a group, and of each command in it, with its example."""
+    app.info.epilog = epilog(before.strip())
+    for info in app.registered_commands:
+        callback = info.callback.__name__ if info.callback is not None else ""
+        info.epilog = epilog(before + (info.name or callback.replace("_", "-")))
+    for group in app.registered_groups:
+        if group.typer_instance is not None:
+            add_examples(group.typer_instance, f"{before}{group.name} ")
