@@ -458,7 +458,7 @@ def test_waves_before_an_object_count_in_its_detection(path: Path, tmp_path: Pat
 
 @pytest.mark.validation
 def test_seas_hide_a_post_as_lines_of_sight_over_the_same_seas_say() -> None:
-    eye, far, seas = 8.0, 3000.0, 40
+    eye, far, seas = 8.0, 3000.0, 24
     post = {"name": "post", "shape": {"kind": "box", "size_m": [0.3, 0.3, 1]}, "temperature_k": 300, "height_m": 0.5, "north_m": far}
     sensor = {"pixels": [48, 40], "fov_deg": [1.4, 1.2], "elevation_deg": -0.2, "azimuth_deg": 0.0, "height_m": eye}
     scenario = parse_scenario({"seed": 3, "sensor": sensor, "wind": {"speed_m_s": 10.0}, "objects": [post]})

@@ -10,6 +10,7 @@ import numpy as np
 from seaglint.conventions import FloatArray
 from seaglint.detection.background import FrameSource
 from seaglint.detection.base import Frames
+from seaglint.detection.counting import Counting
 from seaglint.detection.injection import Batch, inject
 from seaglint.pipeline.detect import Performance
 
@@ -73,12 +74,14 @@ def _with_object(found: Performance, source: FrameSource, batch: Batch, contrast
     light = np.zeros_like(frame)[None]
     objects = found.options.objects
     inject(light, batch, objects.shape, contrast)
-    counting = getattr(source, "counting", None)
+    counting: Counting | None = getattr(source, "counting", None)
     if counting is not None:
         last = found.judged.place.start(batch.window) + found.judged.lead
         light = counting.added(light, counting.draws(objects.seed, last, light.shape))
     lit = frame + light[0]
-    return lit if source.saturation is None else np.minimum(lit, np.maximum(frame, np.float32(source.saturation)))
+    if source.saturation is not None:
+        np.minimum(lit, np.maximum(frame, np.float32(source.saturation)), out=lit)
+    return lit
 
 
 def _cut(frame: Frames, row: int, column: int) -> list[list[float | None]]:
