@@ -78,7 +78,7 @@ def _with_object(found: Performance, source: FrameSource, batch: Batch, contrast
     if counting is not None:
         last = found.judged.place.start(batch.window) + found.judged.lead
         light = counting.added(light, counting.draws(objects.seed, last, light.shape))
-    lit = frame + light[0]
+    lit: Frames = frame + light[0]
     if source.saturation is not None:
         np.minimum(lit, np.maximum(frame, np.float32(source.saturation)), out=lit)
     return lit
