@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from concurrent.futures import ProcessPoolExecutor
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +53,8 @@ BUOY: dict[str, Any] = {
     "north_m": 2000.0,
     "height_m": 0.5,
 }
+WINDS = (3.0, 7.0)
+BEARINGS = (0.0, 90.0, 180.0, 30.0, 15.0, 60.0, 135.0)
 SINGLE = (640, 1)
 """Independent seas and frames of each, for detectors of one frame: 5.9 million pixels of 192 x 48."""
 TEMPORAL = (32, 32)
@@ -169,29 +173,27 @@ def pictures(parts: Parts) -> None:
     draw_map(run_scene(wide, wanted, parts)["map"]).savefig(IMAGES / "detection_map.png", dpi=110)
 
 
+def range_of(wind: float, bearing: float, parts: Parts) -> dict[str, Any]:
+    """Range of detection of the buoy in a wind [m/s] from the Sun, at a bearing from the Sun [deg]."""
+    field = {"height_m": 30.0, "fov_deg": [96 * PIXEL_DEG, 32 * PIXEL_DEG], "pixels": [96, 32]}
+    weather = {"sun": BASE["sun"], "wind": {"speed_m_s": wind, "from_deg": SUN}}
+    scenario = parse_scenario({"seed": 11, **weather, "sensor": field, "objects": [BUOY]})
+    wanted = SceneOptions(Options(Objects(GaussianSpot(0.7), (1.0,), 150, seed=5), detector="ca-cfar", threshold=3.5), seas=8)
+    asked = RangeOptions("buoy", (1000.0, 12_000.0), Design(p_d=0.5, p_fa=2e-3), precision=0.4)
+    found = detection_range(scenario, wanted, asked, parts, bearing_deg=bearing)
+    points = [f"{p['range_m']:.0f} m {p['p_d']:.2f} ({p['visible_share']:.2f} seen)" for p in found["points"]]
+    print(f"{wind:g} m/s, {bearing:g} deg: {found['range_m']} {found['note'] or ''}; {', '.join(points)}", flush=True)
+    return {"parameters": {"wind": f"{wind:g} m/s"}, **found}
+
+
 def ranges(parts: Parts) -> None:
     """Range of detection of a buoy against wind and bearing from the Sun."""
-    found = []
-    for wind in (3.0, 7.0):
-        # the wind comes from the Sun and the buoy is round: one half of the circle is the mirror image of the other
-        scenario = parse_scenario(
-            {
-                "seed": 11,
-                "sun": {"zenith_deg": 70.0, "azimuth_deg": SUN},
-                "wind": {"speed_m_s": wind, "from_deg": SUN},
-                "sensor": {"height_m": 30.0, "fov_deg": [96 * PIXEL_DEG, 32 * PIXEL_DEG], "pixels": [96, 32]},
-                "objects": [BUOY],
-            }
-        )
-        wanted = SceneOptions(Options(Objects(GaussianSpot(0.7), (1.0,), 150, seed=5), detector="ca-cfar", threshold=3.5), seas=8)
-        asked = RangeOptions("buoy", (1000.0, 16_000.0), Design(p_d=0.5, p_fa=2e-3), precision=0.2)
-        for bearing in (0.0, 20.0, 45.0, 90.0, 180.0):
-            one = detection_range(scenario, wanted, asked, parts, bearing_deg=bearing)
-            at = [bearing] if bearing in (0.0, 180.0) else [bearing, 360.0 - bearing]
-            found += [{"parameters": {"wind": f"{wind:g} m/s"}, **one, "bearing_deg": k} for k in at]
-            points = [f"{p['range_m']:.0f} m {p['p_d']:.2f} ({p['visible_share']:.2f} seen)" for p in one["points"]]
-            print(f"{wind:g} m/s, {bearing:g} deg: {one['range_m']} {one['note'] or ''}; {', '.join(points)}", flush=True)
-    draw_ranges(found).savefig(IMAGES / "detection_range.png", dpi=110)
+    cases = [(wind, bearing) for wind in WINDS for bearing in BEARINGS]
+    with ProcessPoolExecutor() as workers:
+        halves = list(workers.map(range_of, *zip(*cases, strict=True), repeat(parts)))
+    # the wind comes from the Sun and the buoy is round: one half of the circle is the mirror image of the other
+    mirrored = [{**one, "bearing_deg": 360.0 - one["bearing_deg"]} for one in halves if one["bearing_deg"] not in (0.0, 180.0)]
+    draw_ranges(halves + mirrored).savefig(IMAGES / "detection_range.png", dpi=110)
 
 
 def main() -> None:

@@ -15,6 +15,8 @@ from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.stepped import steps_of, tail_above
 from seaglint.detection.trials import Objects, run_trials
+from seaglint.pipeline.detect import Options, detect
+from seaglint.pipeline.detect_chips import chips
 
 
 def source_of(frames: np.ndarray, **more: object) -> SimpleNamespace:
@@ -115,3 +117,15 @@ def test_saturation_is_told_whatever_the_noise() -> None:
     assert found.saturated == (0, 300)
     # nothing goes beyond it
     assert (found.scores[1].score * background.sigma).max() == pytest.approx(3.0, abs=0.01)
+
+
+def test_pictures_of_misses_show_what_was_judged() -> None:
+    source = Dim(Counting(50.0, 0.0025), saturation=0.06)
+    found = detect(source, Options(Objects(GaussianSpot(0.3), (0.04,), 300, "centre", 0.0, seed=3), threshold=100.0))
+    missed = chips(found, source)["missed"]
+    assert len(missed) == 6
+    for chip in missed:
+        # its score is that of the pixel in the middle: two electrons or so, in steps, cut at saturation
+        value = chip["score"] * found.background[1] + found.background[0]
+        assert chip["pixels"][12][12] == pytest.approx(value, abs=1e-6)
+    assert len({round(chip["pixels"][12][12], 2) for chip in missed}) > 1

@@ -10,6 +10,7 @@ import numpy as np
 from seaglint.conventions import FloatArray
 from seaglint.detection.background import FrameSource
 from seaglint.detection.base import Frames
+from seaglint.detection.counting import Counting
 from seaglint.detection.injection import Batch, inject
 from seaglint.pipeline.detect import Performance
 
@@ -45,9 +46,8 @@ def chips(found: Performance, source: FrameSource) -> dict[str, Any]:
         order = below[np.argsort(-scores.score[below], kind="stable")]
         for k in [*order[: CHIPS // 2], *order[max(order.size - CHIPS // 2, CHIPS // 2) :]]:
             window, row, column = (int(v[k]) for v in (scores.window, scores.row, scores.column))
-            frame = _last(found, source, window)
             batch = Batch(window, np.array([row]), np.array([column]), scores.offset[k : k + 1])
-            inject(frame[None], batch, found.options.objects.shape, contrast)
+            frame = _with_object(found, source, batch, contrast)
             score = float(scores.score[k])
             score = score if np.isfinite(score) else -99.0
             missed.append({"score": score, "frame": window, "row": row, "column": column, "pixels": _cut(frame, row, column)})
@@ -66,6 +66,22 @@ def characteristic(found: Performance, contrasts: Sequence[float]) -> dict[str, 
 def _last(found: Performance, source: FrameSource, window: int) -> Frames:
     last = found.judged.place.start(window) + found.judged.lead
     return np.asarray(source.read(last, last + 1)[0], np.float32)
+
+
+def _with_object(found: Performance, source: FrameSource, batch: Batch, contrast: float) -> Frames:
+    """Last frame of a window with an object as it was judged: counted by the sensor, cut at saturation."""
+    frame = _last(found, source, batch.window)
+    light = np.zeros_like(frame)[None]
+    objects = found.options.objects
+    inject(light, batch, objects.shape, contrast)
+    counting: Counting | None = getattr(source, "counting", None)
+    if counting is not None:
+        last = found.judged.place.start(batch.window) + found.judged.lead
+        light = counting.added(light, counting.draws(objects.seed, last, light.shape))
+    lit: Frames = frame + light[0]
+    if source.saturation is not None:
+        np.minimum(lit, np.maximum(frame, np.float32(source.saturation)), out=lit)
+    return lit
 
 
 def _cut(frame: Frames, row: int, column: int) -> list[list[float | None]]:

@@ -130,12 +130,12 @@ def p_d_at(
     except DataError as error:
         out["note"] = str(error)
     else:
-        shares = seen.visible_shares(wanted.seas)
+        seas = Seas.of(scene)
+        shares = seen.visible_shares(wanted.seas, seas)
         if not shares.any():
             out["note"] = f"object '{asked.name}' is hidden behind waves in all of {wanted.seas} seas"
             parts.keep_case(f"range-{key}", out)
             return out
-        seas = Seas.of(scene)
         length = lead_of(wanted.options, seen.shape) + 1
         name = frames_key(scene, length)
         source = SceneFrames(seas, parts.frames(name), length)

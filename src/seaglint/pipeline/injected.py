@@ -14,8 +14,9 @@ from seaglint.conventions import FloatArray
 from seaglint.detection.fine_spot import FineSpot
 from seaglint.detection.spot import GaussianSpot, Shape
 from seaglint.errors import DataError, DomainError
-from seaglint.pipeline.render import Sequence, prepare_sequence
+from seaglint.pipeline.render import prepare_sequence
 from seaglint.pipeline.scene_frames import Seas, sea_seed
+from seaglint.pipeline.scene_objects import Drawn
 from seaglint.pipeline.sensed import prepare_sensed
 from seaglint.scenario.model import Scenario
 from seaglint.sensor.chain import SensorModel
@@ -176,6 +177,10 @@ class Seen:
         Of its brightest pixel, when it is centred there [W m-2 sr-1].
     row, column : float
         That pixel in the whole picture [px].
+    columns : (int, int)
+        Columns that it is in, first and end [px].
+    whole : float
+        Solid angle of it that is in view over the mean sea [sr]; of a point 1.
     among : Scenario, optional
         The object alone among the scenario's waves; None where they are no geometry and hide nothing.
     """
@@ -184,37 +189,37 @@ class Seen:
     contrast: float
     row: float
     column: float
+    columns: tuple[int, int] = (0, 0)
+    whole: float = 0.0
     among: Scenario | None = None
 
-    def visible_shares(self, seas: int) -> FloatArray:
+    def visible_shares(self, count: int, seas: Seas) -> FloatArray:
         """What independent seas leave in view of the object, against the mean sea, which hides only what is under the horizon [1].
 
         Parameters
         ----------
-        seas : int
+        count : int
             How many are drawn.
+        seas : Seas
+            Of the same scenario: what was made ready for its frames serves here too.
 
         Returns
         -------
-        ndarray, shape (seas,)
+        ndarray, shape (count,)
             1 for each where no waves are geometry. A point is seen or not.
         """
         if self.among is None:
-            return np.ones(seas)
-        scenario = self.among
-        calm = prepare_sequence(scenario.model_copy(update={"sea": scenario.sea.model_copy(update={"resolve_waves": False})}))
-        middle, half = round(self.column), self.shape.half + 2
-        columns = max(middle - half, 0), min(middle + half + 1, scenario.sensor.pixels[0])
-        whole, sequence = _in_view(calm, columns), prepare_sequence(scenario)
-        if not whole > 0.0:
-            return np.zeros(seas)
-        seen = [_in_view(sequence.reseeded(sea_seed(scenario.seed, k)), columns) for k in range(seas)]
-        return np.minimum(np.array(seen) / whole, 1.0)
+            return np.ones(count)
+        sequence = seas.sequence.with_sea_of(self.among)
+        fine = sequence.scene.pixels.columns // self.among.sensor.pixels[0]
+        part = self.columns[0] * fine, self.columns[1] * fine
+        seen = [_in_view(sequence.reseeded(sea_seed(self.among.seed, k)).drawn(0.0, part)) for k in range(count)]
+        return np.minimum(np.array(seen) / self.whole, 1.0)
 
 
-def _in_view(sequence: Sequence, columns: tuple[int, int]) -> float:
-    """Solid angle of the one object that is seen in some columns [sr]; of a point 1 or 0."""
-    (sight,) = sequence.drawn(0.0, columns).sights
+def _in_view(drawn: Drawn) -> float:
+    """Solid angle of the one object that is seen [sr]; of a point 1 or 0."""
+    (sight,) = drawn.sights
     if sight.whole > 0.0:
         return sight.seen
     return float(any((share.radiance > 0.0).any() for share in sight.shares))
@@ -265,4 +270,5 @@ def seen_object(scenario: Scenario, name: str) -> Seen:
         raise DataError(f"object '{name}': {error}") from error
     peak = np.unravel_index(int(np.abs(response).argmax()), response.shape)
     place = [(at - reach) + (float(p) + 0.5) / steps - 0.5 for at, p in zip((row, column), peak, strict=True)]
-    return Seen(shape, contrast, place[0], place[1], alone if scenario.sea.resolve_waves else None)
+    extent = int(columns_seen[0]) // steps, int(columns_seen[-1]) // steps + 1
+    return Seen(shape, contrast, place[0], place[1], extent, _in_view(drawn), alone if scenario.sea.resolve_waves else None)

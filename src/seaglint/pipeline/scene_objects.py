@@ -77,7 +77,7 @@ class SceneObjects:
 
     def over(self, waves: WaveField | None) -> SceneObjects:
         """The same over another realisation of the sea."""
-        return replace(self, drawer=Drawer.of(self._bodies(waves)))
+        return replace(self, drawer=self.drawer.moved(self._bodies(waves)))
 
     @property
     def names(self) -> tuple[str, ...]:

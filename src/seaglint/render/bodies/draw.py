@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
 
@@ -172,6 +172,10 @@ class Drawer:
     def of(cls, bodies: tuple[Body, ...]) -> Drawer:
         """Make ready what does not change in time."""
         return cls(bodies, parts_of(bodies))
+
+    def moved(self, bodies: tuple[Body, ...]) -> Drawer:
+        """The same bodies elsewhere, in the light that is known already."""
+        return replace(self, bodies=bodies, _parts=parts_of(bodies))
 
     def light(self, view: SeaView) -> Surroundings:
         """Light about bodies in a view; the latest are kept."""
