@@ -31,6 +31,8 @@ exclude_patterns = ["_build"]
 
 html_theme = "furo"
 html_title = f"seaglint {release}"
+html_static_path = ["_static"]
+html_css_files = ["phone.css"]
 
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_heading_anchors = 3

@@ -23,7 +23,7 @@ PAGES = [
     *sorted(page for folder in (".", "guide", "adr", "gallery", "tutorials", "api") for page in (DOCS / folder).glob("*.md")),
 ]
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
-RUN_HERE = ["README.md", "docs/guide/python.md"]
+RUN_HERE = ["README.md", "docs/guide/python.md", "docs/guide/ensembles.md", "docs/guide/workbench.md"]
 """Pages whose Python the quick suite runs, in a folder with a small scenario."""
 
 RUN_LONG = [
@@ -219,6 +219,15 @@ def test_a_page_is_light_with_its_pictures(page: Path) -> None:
         folder = DOCS / "images" / "gallery" / ("small" if kind == "cards" else "")
         named += [path for name in listed.split() for path in folder.glob(f"{name}.*")]
     assert len(text) + sum(path.stat().st_size for path in set(named)) < MOST_BYTES
+
+
+def test_every_picture_has_a_command() -> None:
+    told = re.findall(r"^\| (`.*`) \| .+ \|$", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.MULTILINE)
+    patterns = [pattern for cell in told for pattern in re.findall(r"`([^`]+)`", cell)]
+    images = DOCS / "images"
+    made = {path for pattern in patterns for path in images.glob(pattern)}
+    assert {path for path in images.rglob("*.*") if path.is_file()} - made == set()
+    assert [pattern for pattern in patterns if not list(images.glob(pattern))] == []
 
 
 def test_what_is_shown_is_compared() -> None:

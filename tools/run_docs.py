@@ -14,7 +14,6 @@ from __future__ import annotations
 import argparse
 import os
 import re
-import shlex
 import subprocess
 import sys
 import tempfile
@@ -28,7 +27,6 @@ BLOCK = re.compile(
 )
 NUMBER = re.compile(r"(?<![A-Za-z_\d.])[-+]?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?(?![\dA-Za-z_])")
 CLOSE = 0.02
-PRELUDE = f'seaglint() {{ {shlex.quote(sys.executable)} -m seaglint.cli.app "$@"; }}; python() {{ {shlex.quote(sys.executable)} "$@"; }}; '
 
 
 class PageError(Exception):
@@ -79,14 +77,15 @@ def commands(block: Block) -> Iterator[tuple[str, list[str]]]:
 
 
 def printed(command: str, folder: Path) -> list[str]:
-    """Lines that a command prints."""
+    """Lines that a command prints; ``seaglint``, ``python`` and ``dask`` are those beside the interpreter that runs this."""
     where = os.pathsep.join(filter(None, [str(ROOT / "src"), os.environ.get("PYTHONPATH", "")]))
+    tools = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
     run = subprocess.run(
-        ["bash", "-c", PRELUDE + command],
+        ["bash", "-c", command],
         cwd=folder,
         capture_output=True,
         text=True,
-        env={**os.environ, "PYTHONPATH": where, "COLUMNS": "140"},
+        env={**os.environ, "PYTHONPATH": where, "PATH": tools, "COLUMNS": "140"},
         stdin=subprocess.DEVNULL,
     )
     if run.returncode not in (0, 2):

@@ -15,6 +15,8 @@ from seaglint.pipeline.render import prepare_sequence
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 tables = tomllib.loads((Path(__file__).parents[2] / "examples" / "approach.toml").read_text())
 tables["sensor"] |= {"pixels": [64, 64] if SMALL else [300, 300]}
+if SMALL:
+    tables["sea"]["shortest_wave_m"] = 12
 run = prepare_sequence(sg.load(tables))
 figure, panels = plt.subplots(1, 3, figsize=(12, 4.4), sharey=True, layout="constrained")
 for axes, time in zip(panels, (0, 4, 8), strict=True):

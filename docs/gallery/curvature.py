@@ -35,6 +35,7 @@ scene = sg.load(
             "pixels": [240, 24] if SMALL else [1500, 140],
             "pixel_shape": "any",
         },
+        "sea": {"shortest_wave_m": 8} if SMALL else {},
         "objects": objects,
     }
 )

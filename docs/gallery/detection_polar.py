@@ -27,6 +27,7 @@ for bearing in bearings:
                 "fov_deg": [1.6, 1.2],
                 "pixels": [24, 18] if SMALL else [64, 48],
             },
+            "sea": {"shortest_wave_m": 8} if SMALL else {},
         }
     )
     found = sg.detect(scene, CONTRASTS, threshold=4.0, frames=2 if SMALL else 6, injections=200 if SMALL else 1000)

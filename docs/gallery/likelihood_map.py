@@ -20,8 +20,8 @@ scene = sg.load(
             "threshold_w_m2_sr": [0.25],
             "depression_deg": [1.5, 6],
             "azimuth_from_sun_deg": [-15, 15],
-            "latitudes_deg": [30, 70],
-            "longitudes_deg": [-60, -10],
+            "latitudes_deg": [40, 60] if SMALL else [30, 70],
+            "longitudes_deg": [-40, -20] if SMALL else [-60, -10],
         },
     }
 )

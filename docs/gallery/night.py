@@ -17,7 +17,7 @@ scene = sg.load(
         "band": {"min_um": 8, "max_um": 12},
         "wind": {"speed_m_s": 9, "from_deg": 40},
         "sensor": {"height_m": 20, "elevation_deg": -4, "fov_deg": [20, 10], "pixels": [80, 40] if SMALL else [560, 280]},
-        "sea": {"temperature_k": "14 degC", "shortest_wave_m": 0.5},
+        "sea": {"temperature_k": "14 degC", "shortest_wave_m": 8 if SMALL else 0.5},
     }
 )
 kelvin = sg.apparent_temperature(sg.image(scene).radiance)

@@ -22,6 +22,7 @@ scene = sg.load(
             "pixels": [180, 16] if SMALL else [1440, 160],
             "pixel_shape": "any",
         },
+        "sea": {"shortest_wave_m": 8} if SMALL else {},
     }
 )
 kelvin = sg.apparent_temperature(sg.image(scene).radiance)

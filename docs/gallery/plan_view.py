@@ -24,7 +24,7 @@ scene = sg.load(
             "fov_deg": [50, 50],
             "pixels": [SIZE, SIZE],
         },
-        "sea": {"shortest_wave_m": 1},
+        "sea": {"shortest_wave_m": 4 if SMALL else 1},
     }
 )
 kelvin = sg.apparent_temperature(sg.image(scene).radiance)

@@ -26,6 +26,7 @@ scene = sg.load(
             "frame_rate_hz": 5,
             "frames": FRAMES,
         },
+        "sea": {"shortest_wave_m": 8} if SMALL else {},
     }
 )
 with tempfile.TemporaryDirectory() as folder:

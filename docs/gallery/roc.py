@@ -27,6 +27,7 @@ scene = sg.load(
             "pixels": [32, 24] if SMALL else [96, 48],
             "pixel_shape": "any",
         },
+        "sea": {"shortest_wave_m": 8} if SMALL else {},
     }
 )
 run = np.stack([sg.image(scene.model_copy(update={"seed": seed})).radiance.values for seed in range(2 if SMALL else 12)])

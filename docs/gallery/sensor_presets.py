@@ -17,7 +17,7 @@ SCENE = {
     "sun": {"zenith_deg": 130},
     "wind": {"speed_m_s": 7, "from_deg": 30},
     "sensor": {"height_m": 15, "elevation_deg": -3.2},
-    "sea": {"shortest_wave_m": 1},
+    "sea": {"shortest_wave_m": 8 if SMALL else 1},
 }
 NAMES = ("mwir-insb-640", "lwir-mct-640", "lwir-microbolometer-640")
 figure, panels = plt.subplots(3, 2, figsize=(9.6, 8.4), layout="constrained")

@@ -24,6 +24,7 @@ scene = sg.load(
             "pixels": [160, 60] if SMALL else [800, 300],
             "frames": 1,
         },
+        "sea": {"shortest_wave_m": 8} if SMALL else {},
         "objects": [
             {"name": "container ship", "preset": "container-ship", "east_m": 0, "north_m": -3500, "course_deg": 80, "speed_m_s": 7},
             {"name": "trawler", "preset": "fishing-vessel", "east_m": -60, "north_m": -1900, "course_deg": 290, "speed_m_s": 4},

@@ -15,7 +15,7 @@ scene = sg.load(
     {
         "wind": {"speed_m_s": 8, "from_deg": 15},
         "sensor": {"height_m": 25, "azimuth_deg": 0, "elevation_deg": -4, "fov_deg": [20, 8], "pixels": [80, 32] if SMALL else [480, 192]},
-        "sea": {"shortest_wave_m": 1},
+        "sea": {"shortest_wave_m": 8 if SMALL else 1},
     }
 )
 image = sg.image(scene, layers=["slope", "range"])

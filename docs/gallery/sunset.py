@@ -22,7 +22,7 @@ scene = sg.load(
             "fov_deg": [20, 8],
             "pixels": [80, 32] if SMALL else [640, 256],
         },
-        "sea": {"shortest_wave_m": 1},
+        "sea": {"shortest_wave_m": 8 if SMALL else 1},
     }
 )
 radiance = sg.image(scene).radiance

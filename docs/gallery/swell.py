@@ -25,7 +25,7 @@ for axes, systems in zip(panels, ([{"kind": "elfouhaily"}], [{"kind": "elfouhail
                 "fov_deg": [20, 8],
                 "pixels": [80, 32] if SMALL else [480, 192],
             },
-            "sea": {"spectrum": {"kind": "systems", "systems": systems}},
+            "sea": {"spectrum": {"kind": "systems", "systems": systems}} | ({"shortest_wave_m": 8} if SMALL else {}),
         }
     )
     kelvin = sg.apparent_temperature(sg.image(scene).radiance)

@@ -19,7 +19,7 @@ scene = sg.load(
         "sun": {"zenith_deg": 30, "azimuth_deg": 180},
         "wind": {"speed_m_s": 6, "from_deg": 180},
         "sensor": {"height_m": 400, "elevation_deg": -90, "projection": "pinhole", "fov_deg": [8, 8], "pixels": [SIZE, SIZE]},
-        "sea": {"shortest_wave_m": 1},
+        "sea": {"shortest_wave_m": 4 if SMALL else 1},
     }
 )
 frames = sg.image(scene).radiance.values[np.newaxis]

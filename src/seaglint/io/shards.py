@@ -19,8 +19,8 @@ log = logging.getLogger(__name__)
 Frame = Callable[[int], Mapping[str, NDArray[Any]]]
 """Images of one frame by variable (ny, nx), and its truth, given its number in the whole sequence."""
 
-Block = dict[str, NDArray[Any]]
-"""Arrays of a shard's frames, by path in the store."""
+# A comment and no docstring: Sphinx cannot draw up a signature of an alias.
+Block = dict[str, NDArray[Any]]  # arrays of a shard's frames, by path in the store
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,8 @@ from seaglint.scenario.write import toml_value
 
 Kind = Literal["number", "text", "list", "tables", "switch", "choice", "file"]
 
-Path = tuple[str | int, ...]
-"""Where a key stands in the file: names of tables and keys, places in lists."""
+# A comment and no docstring: Sphinx cannot draw up a signature of an alias.
+Path = tuple[str | int, ...]  # where a key stands in the file: names of tables and keys, places in lists
 
 
 @dataclass(frozen=True)
