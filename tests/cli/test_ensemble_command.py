@@ -48,7 +48,7 @@ def test_scenes_are_drawn_and_rendered_later(seaglint, tmp_path: Path) -> None:
             "e.toml: is a scenario and no ensemble; write a file of two lines beside it, base = 'e.toml'",
         ),
         (TEXT + "[sun]\nzenith_deg = 30\n", (), "e.toml: sun is a key of scenarios; put it into the base, [base.sun]"),
-        (TEXT.replace("max = 9", "max = 9\nmaks = 9"), (), "vary[0].maks is an unknown key; did you mean max?"),
+        (TEXT.replace("max = 9", "max = 9\nmaxx = 9"), (), "vary[0].maxx is an unknown key; did you mean max?"),
         (TEXT.replace("[[vary]]", "[vary]"), (), "vary must be a list of tables; write [[vary]]"),
         (TEXT.replace("max = 9", "max = inf"), (), "vary[0] (wind.speed_m_s): max = inf is not finite"),
         (TEXT.replace("min = 3", "min = nan"), (), "vary[0] (wind.speed_m_s): min = nan is no number"),

@@ -273,6 +273,8 @@ def test_what_stands_there_is_not_lost(rendered: Path, tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(DataError, match="is not empty and holds no ensemble"):
         render_ensemble(drawn(), tmp_path, overwrite=True)
+    (tmp_path / "new").mkdir()
+    (tmp_path / "new" / "ensemble.toml.partial").write_text("[ens")  # of a process that was killed
     render_ensemble(drawn(), tmp_path / "new", draw_only=True)
     (tmp_path / "new" / "mine.txt").write_text("mine")
     render_ensemble(ensemble(WIND), tmp_path / "new", overwrite=True, draw_only=True)
