@@ -291,7 +291,9 @@ def _keys_at(location: tuple[int | str, ...]) -> list[str]:
     if law is not None:
         # a law in a table of objects is of the key that it stands at
         return [key for key in law.model_fields if key != "key" or location[0] == "vary"]
-    return list({"ensemble": Settings, "dataset": Dataset}.get(str(location[0]) if len(location) > 1 else "", Ensemble).model_fields)
+    tables: dict[str, type[Record]] = {"ensemble": Settings, "dataset": Dataset}
+    table = tables.get(str(location[0]), Ensemble) if len(location) > 1 else Ensemble
+    return list(table.model_fields)
 
 
 _LAWS: Final[Mapping[str, type[Record]]] = {
