@@ -11,10 +11,24 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from seaglint.api import analyze, apparent_temperature, detect, export, image, load, mean, render, sense, sensor
+    from seaglint.api import analyze, apparent_temperature, dataset, detect, ensemble, export, image, load, mean, render, sense, sensor
     from seaglint.version import __version__
 
-__all__ = ["__version__", "analyze", "apparent_temperature", "detect", "export", "image", "load", "mean", "render", "sense", "sensor"]
+__all__ = [
+    "__version__",
+    "analyze",
+    "apparent_temperature",
+    "dataset",
+    "detect",
+    "ensemble",
+    "export",
+    "image",
+    "load",
+    "mean",
+    "render",
+    "sense",
+    "sensor",
+]
 
 _ROOMS = ("render", "sensor")
 """Functions that have the name of a room: the package has both under it."""

@@ -21,6 +21,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from seaglint.judging import detect as detect
+from seaglint.many import dataset as dataset
+from seaglint.many import ensemble as ensemble
 
 if TYPE_CHECKING:
     import xarray as xr

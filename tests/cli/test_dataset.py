@@ -16,6 +16,7 @@ import pytest
 from PIL import Image
 from pycocotools.coco import COCO
 
+import seaglint as sg
 from seaglint.io.dataset.picture import read_about
 from seaglint.pipeline.ensemble import draw
 from seaglint.pipeline.sensed import prepare_sensed
@@ -124,8 +125,9 @@ def test_bytes_depend_neither_on_the_workers_nor_on_which_file_tells_the_ensembl
     assert seaglint("dataset", file, "-o", tmp_path / "one", "--format", "sirst", "--progress", "none").code == 0
     written = shutil.copy(tmp_path / "one" / "ensemble.toml", tmp_path / file.name)
     assert seaglint("dataset", written, "-o", tmp_path / "two", "--format", "sirst", "--progress", "none", "--workers", 2).code == 0
-    assert seaglint("ensemble", written, "-o", tmp_path / "specks", "--progress", "none").code == 0
-    assert seaglint("dataset", tmp_path / "specks", "-o", tmp_path / "three", "--format", "sirst", "--progress", "none").code == 0
+    rows = sg.ensemble(written, tmp_path / "specks")
+    assert [row["scene"] for row in rows] == [0, 1, 2, 3]
+    assert sg.dataset(tmp_path / "specks", tmp_path / "three", format="sirst") == tmp_path / "three"
     assert digests(tmp_path / "one") == digests(tmp_path / "two") == digests(tmp_path / "three")
 
 
@@ -156,6 +158,17 @@ def test_an_output_that_is_not_empty_is_left_alone(seaglint, file, tmp_path):
     assert (answer.code, answer.err.count("\n")) == (2, 1)
     assert "is not empty" in answer.err
     assert os.listdir(tmp_path / "D") == ["mine"]
+
+
+def test_a_folder_without_its_scenes_is_told_before_anything_is_written(seaglint, file, tmp_path):
+    assert seaglint("ensemble", file, "-o", tmp_path / "E", "--draw-only").code == 0
+    answer = seaglint("dataset", tmp_path / "E", "-o", tmp_path / "D", "--progress", "none")
+    assert (answer.code, answer.err.count("\n")) == (2, 1)
+    assert "4 of 4 scenes are not rendered; render them with: seaglint ensemble" in answer.err
+    assert os.listdir(tmp_path) == ["E"]
+    (tmp_path / "E" / "dataset.json").touch()
+    answer = seaglint("dataset", tmp_path / "E", "-o", tmp_path / "D", "--progress", "none")
+    assert "is a data set, whose scenes are gone; give the file" in answer.err
 
 
 def test_the_example_draws_scenes_of_all_kinds():

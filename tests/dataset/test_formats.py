@@ -26,6 +26,7 @@ from seaglint.io.dataset.masks import compressed, decoded, expanded
 from seaglint.io.dataset.picture import read_about
 from seaglint.io.dataset.split import SPLITS, split_of
 from seaglint.io.labels import Label, run_lengths
+from seaglint.pipeline import dataset as module
 from seaglint.pipeline.dataset import Options, Plan, make_dataset
 from seaglint.scenario.dataset import Dataset
 
@@ -252,6 +253,7 @@ class Backwards:
         return Here().map(job, list(units)[::-1])
 
 
+@pytest.mark.validation
 @pytest.mark.parametrize("form", ["yolo", "zarr"])
 def test_bytes_do_not_depend_on_the_order_of_work(stores, tmp_path, form):
     assert digests(made(stores, tmp_path / "one", form)) == digests(made(stores, tmp_path / "other", form, workers=Backwards()))
@@ -267,8 +269,36 @@ def test_scenes_that_fail_are_named_and_the_rest_is_kept(stores, tmp_path):
     assert seen == [3, 4]
 
 
+def test_a_data_set_killed_as_it_gets_its_name_is_not_made_again(stores, tmp_path, monkeypatch):
+    def killed(partial, output):
+        shutil.rmtree(partial / ".parts")
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(module, "_give_name", killed)
+        with pytest.raises(KeyboardInterrupt):
+            made(stores, tmp_path / "D", "coco")
+    with pytest.raises(DataError, match=r"D.partial: was made with another ensemble.scenes"):
+        make_dataset(tmp_path / "D", replace(PLAN, source="[ensemble]\nscenes = 5\n"), Options.of("coco"), lambda _: [], resume=True)
+    again = make_dataset(tmp_path / "D", PLAN, Options.of("coco"), lambda _: pytest.fail("rendered again"), resume=True)
+    assert not list(check.problems(again))
+    assert [path.name for path in tmp_path.iterdir()] == ["D"]
+
+
+def test_a_data_set_killed_as_it_begins_is_begun_again(stores, tmp_path):
+    (tmp_path / "D.partial" / ".parts").mkdir(parents=True)
+    (tmp_path / "D.partial" / ".parts" / "settings.json.partial").write_text("{")
+    with pytest.raises(DataError, match="go on with --resume"):
+        made(stores, tmp_path / "D", "coco")
+    assert made(stores, tmp_path / "D", "coco", resume=True).is_dir()
+
+
 def test_resuming_with_other_settings_says_which(stores, tmp_path):
     made(stores, tmp_path / "D", "coco")
+    with pytest.raises(DataError, match=r"D: was made with another ensemble.scenes, ensemble.seed; resume"):
+        make_dataset(
+            tmp_path / "D", replace(PLAN, source="[ensemble]\nscenes = 5\nseed = 2\n"), Options.of("coco"), lambda _: [], resume=True
+        )
     with pytest.raises(DataError, match="made with another bits"):
         made(stores, tmp_path / "D", "coco", 8, resume=True)
 
@@ -291,9 +321,11 @@ def test_what_is_there_is_not_replaced_unasked(stores, tmp_path):
     with pytest.raises(DataError, match="is no data set of seaglint"):
         made(stores, tmp_path / "D", "coco", overwrite=True)
     (tmp_path / "D" / "mine.txt").unlink()
+    (tmp_path / "D.old").mkdir()
     assert made(stores, tmp_path / "D", "coco").is_dir()
     assert made(stores, tmp_path / "D", "yolo", overwrite=True).is_dir()
-    assert not (tmp_path / "D.old").exists()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["D", "D.old"]  # that is somebody's own
+    assert not (tmp_path / "D" / ".replaced").exists()
 
 
 @pytest.mark.parametrize("arguments", [("voc",), ("coco", 12), ("coco", 8, "jpeg"), ("zarr", 8)])

@@ -84,6 +84,16 @@ def test_values_reach_the_scenario() -> None:
     assert BASE["sensor"]["fov_deg"] == [3.2, 1.6]
 
 
+def test_a_table_that_is_drawn_is_not_changed_by_a_law_of_a_key_in_it() -> None:
+    whole = {"key": "wind", "law": "choice", "values": [{"speed_m_s": 3}]}
+    speed = {"key": "wind.speed_m_s", "law": "uniform", "min": 5, "max": 9}
+    found = draw(ensemble(whole, speed))
+    assert [scene.parameters["wind"] for scene in found] == 3 * [{"speed_m_s": 3}]
+    assert all(scene.scenario.wind.speed_m_s == scene.parameters["wind.speed_m_s"] >= 5 for scene in found)
+    with pytest.raises(ScenarioError, match=r"= 'wind' would replace what was drawn for wind.speed_m_s; put it before that law"):
+        ensemble(speed, whole)
+
+
 def test_rows_of_weather_are_drawn_whole(tmp_path: Path) -> None:
     (tmp_path / "w.csv").write_text(
         "wind_speed_m_s,wind_from_deg,cloud_cover,sea_temperature_k,weight\n4,90,0,280,1\n8,180,0,290,3\n18,270,0,300,9\n"
@@ -263,6 +273,8 @@ def test_what_stands_there_is_not_lost(rendered: Path, tmp_path: Path) -> None:
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(DataError, match="is not empty and holds no ensemble"):
         render_ensemble(drawn(), tmp_path, overwrite=True)
+    (tmp_path / "new").mkdir()
+    (tmp_path / "new" / "ensemble.toml.partial").write_text("[ens")  # of a process that was killed
     render_ensemble(drawn(), tmp_path / "new", draw_only=True)
     (tmp_path / "new" / "mine.txt").write_text("mine")
     render_ensemble(ensemble(WIND), tmp_path / "new", overwrite=True, draw_only=True)

@@ -13,7 +13,9 @@ from seaglint.scenario.presets import PRESETS
 from seaglint.scenario.sensor_presets import SENSORS
 from seaglint.scenario.write import differing, scenario_toml
 
-EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.toml"))
+EXAMPLES = sorted(
+    path for path in (Path(__file__).parents[2] / "examples").glob("*.toml") if "[ensemble]" not in path.read_text(encoding="utf-8")
+)
 
 
 @pytest.mark.parametrize("name", PRESETS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import shutil
+import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,7 +16,7 @@ from seaglint.errors import DataError, StorageError
 from seaglint.io.claim import exclusive
 from seaglint.io.dataset import check
 from seaglint.io.dataset.convert import Format, Settings, convert
-from seaglint.io.dataset.finish import finish, write_source
+from seaglint.io.dataset.finish import finish
 from seaglint.io.dataset.levels import Bits
 from seaglint.io.dataset.part import FOLDER, Catalogue, Entry, Part, part_path
 from seaglint.io.dataset.picture import ImageKind
@@ -23,14 +24,24 @@ from seaglint.io.failures import storage_errors
 from seaglint.io.outputs import ELSEWHERE, require_folder
 from seaglint.io.stopping import stop_on_signal
 from seaglint.io.store import Interrupted, Progress, partial_path
-from seaglint.io.text_file import write_json
+from seaglint.io.text_file import write_json, write_text
+from seaglint.pipeline.ensemble_folder import differences
 from seaglint.scenario.dataset import Dataset
+from seaglint.scenario.ensemble import read_toml
 from seaglint.version import __version__
 
 FORMATS: Final[dict[str, Bits]] = {"coco": 16, "yolo": 8, "sirst": 8, "zarr": 16}
 """Formats, and the bits of a pixel where nothing is said: what the programs that read them expect."""
 
+SCENES: Final = ".ensemble"
+"""Folder of the scenes' stores while a data set is made."""
+
+SOURCE: Final = "ensemble.toml"
+
 _SETTINGS: Final = "settings.json"
+_REPLACED: Final = ".replaced"
+_MOST_TOLD: Final = 5
+"""Keys that differ, of which more are only counted."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +133,9 @@ def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
 
 
 def _require_ours(partial: Path) -> None:
-    if any(partial.iterdir()) and not (partial / FOLDER / _SETTINGS).is_file():
+    # A process killed as it begins, or as it clears up, leaves a folder of records alone, or a data set that is whole.
+    ours = (partial / FOLDER / _SETTINGS).is_file() or (partial / check.SUMS).is_file()
+    if not ours and any(path.name != FOLDER for path in partial.iterdir()):
         raise DataError(f"{partial}: is no unfinished data set of seaglint and is left alone; choose another name or remove it yourself")
 
 
@@ -171,27 +184,27 @@ def make_dataset(
     partial = require_output(output, resume=resume, overwrite=overwrite)
     wanted = _settings(plan, options)
     if resume and output.is_dir() and any(output.iterdir()):
-        _require_same(check.read_about(output)["made_from"], wanted, output)
+        _require_same(check.read_about(output)["made_from"], wanted, output, plan.source)
         return output
     remedy = f"what is done stays in {partial}: make room and run the same command with --resume"
     with storage_errors(partial, remedy), exclusive(partial):
         if partial.exists() and not resume:
-            shutil.rmtree(partial)
-        _begin(partial, wanted)
-        entries = scenes(partial / ".ensemble")
+            _clear(partial)
+        if _is_whole(partial, wanted):
+            _give_name(partial, output)
+            return output
+        _begin(partial, wanted, plan.source)
+        entries = scenes(partial / SCENES)
         settings = Settings(str(partial), options.format, options.bits, options.image, dict(plan.table.classes))
         _write_scenes(partial, entries, settings, workers or Here(), progress)
         parts = [Part.read(partial, entry.name) for entry in entries]
         catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.image, parts)
-        write_source(partial, plan.source)
         table = plan.table
         about = {"description": table.description, "licence": table.licence, "split": table.split, "made_from": wanted}
         finish(partial, catalogue, settings, about)
         found = list(check.problems(partial))
         if found:
             raise DataError("\n".join(f"{partial}: {line}" for line in found[:20]))
-        for hidden in (FOLDER, ".ensemble"):
-            shutil.rmtree(partial / hidden, ignore_errors=True)
         _give_name(partial, output)
     return output
 
@@ -203,15 +216,42 @@ def _settings(plan: Plan, options: Options) -> dict[str, Any]:
     return {"format": options.format, **shown, "version": __version__, "ensemble": digest}
 
 
-def _require_same(old: Any, new: dict[str, Any], where: Path) -> None:
+def _require_same(old: Any, new: dict[str, Any], where: Path, source: str) -> None:
+    """Refuse what was made otherwise; of another ensemble with the keys that differ."""
     differ = [name for name in {**old, **new} if old.get(name) != new.get(name)]
+    if "ensemble" in differ and (where / SOURCE).is_file():
+        keys = differences(read_toml(where / SOURCE, "ensemble"), tomllib.loads(source))
+        more = [f"{len(keys) - _MOST_TOLD} more"] if len(keys) > _MOST_TOLD else []
+        differ = [name for name in differ if name != "ensemble"] + (keys[:_MOST_TOLD] + more or ["ensemble"])
     if differ:
         raise DataError(
             f"{where}: was made with another {', '.join(differ)}; resume with the same settings, or begin anew with --overwrite"
         )
 
 
-def _begin(partial: Path, wanted: dict[str, Any]) -> None:
+def _clear(partial: Path) -> None:
+    """Remove an unfinished data set; the folder that tells it is one goes last."""
+    for path in partial.iterdir():
+        if path.name == FOLDER:
+            continue
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+    shutil.rmtree(partial)
+
+
+def _is_whole(partial: Path, wanted: dict[str, Any]) -> bool:
+    """Whether all that is left is to give it its name; the checksums are written last."""
+    return (
+        (partial / check.SUMS).is_file()
+        and not (partial / FOLDER / _SETTINGS).is_file()
+        and check.read_about(partial)["made_from"] == wanted
+        and not any(check.problems(partial))
+    )
+
+
+def _begin(partial: Path, wanted: dict[str, Any], source: str) -> None:
     """Make the folder, or see that an unfinished one is of the same settings."""
     path = partial / FOLDER / _SETTINGS
     if path.is_file():
@@ -219,12 +259,15 @@ def _begin(partial: Path, wanted: dict[str, Any]) -> None:
             old = json.loads(path.read_text(encoding="utf-8"))
         except ValueError as error:
             raise DataError(f"{path}: is not readable ({error}); begin anew with --overwrite") from error
-        _require_same(old, wanted, partial)
-        return
-    if partial.exists():
-        _require_ours(partial)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_json(wanted, path)
+        _require_same(old, wanted, partial, source)
+    else:
+        if partial.exists():
+            _require_ours(partial)
+        if (partial / check.SUMS).is_file():
+            _require_same(check.read_about(partial)["made_from"], wanted, partial, source)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_json(wanted, path)
+    write_text(source, partial / SOURCE)
 
 
 def _start(settings: Settings) -> Callable[[Entry], str]:
@@ -296,10 +339,10 @@ def _folders(form: Format) -> tuple[str, ...]:
 
 
 def _give_name(partial: Path, output: Path) -> None:
-    """Put the whole data set in the place of the old one, which is deleted last."""
-    old = output.with_name(output.name + ".old")
+    """Take away what was for resuming, and put the data set in the place of the old one, which is deleted last."""
+    for name in (FOLDER, SCENES, _REPLACED):
+        shutil.rmtree(partial / name, ignore_errors=True)
     if output.exists():
-        shutil.rmtree(old, ignore_errors=True)
-        output.rename(old)
+        output.rename(partial / _REPLACED)
     partial.rename(output)
-    shutil.rmtree(old, ignore_errors=True)
+    shutil.rmtree(output / _REPLACED, ignore_errors=True)

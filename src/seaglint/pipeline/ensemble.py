@@ -65,7 +65,7 @@ def scenes(ensemble: Ensemble) -> Iterator[Scene]:
         if settings.frames is not None:
             tables.setdefault("sensor", {})["frames"] = settings.frames
         for key, value in parameters.items():
-            set_key(tables, key, list(value) if isinstance(value, tuple) else value, where)
+            set_key(tables, key, list(value) if isinstance(value, tuple) else copy.deepcopy(value), where)
         made: list[dict[str, Any]] = []
         if ensemble.objects:
             # Places in the picture need the sensor, as it is drawn, before there are objects.

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from seaglint.cluster import Workers
 from seaglint.errors import DataError, ScenarioError
+from seaglint.io.dataset.check import ABOUT
 from seaglint.io.dataset.part import Entry
 from seaglint.io.dataset.split import split_of
 from seaglint.io.store import Progress
@@ -86,6 +87,8 @@ def ensemble_dataset(
     """
     ensemble = source.ensemble
     drawn = draw(ensemble)
+    if source.folder is not None:
+        _require_rendered(Folder(source.folder), [scene.label for scene in drawn])
     table = ensemble.dataset
     known = {item.name for item in ensemble.objects} | {item.name for scene in drawn for item in scene.scenario.objects or ()}
     unknown = [name for name in table.classes if name not in known]
@@ -119,3 +122,15 @@ def ensemble_dataset(
         overwrite=overwrite,
         progress=progress if source.folder is not None else None,
     )
+
+
+def _require_rendered(folder: Folder, labels: Sequence[str]) -> None:
+    """Refuse a folder with scenes that are not rendered, before anything is written."""
+    missing = sum(not folder.store(label).is_dir() for label in labels)
+    if missing and (folder.path / ABOUT).is_file():
+        raise DataError(f"{folder.path}: is a data set, whose scenes are gone; give the file {folder.file} to make it in another way")
+    if missing:
+        raise DataError(
+            f"{folder.path}: {missing} of {len(labels)} scenes are not rendered; render them with: seaglint ensemble {folder.file} "
+            f"-o {folder.path} --resume"
+        )

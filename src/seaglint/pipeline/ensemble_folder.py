@@ -43,6 +43,11 @@ class Folder:
         """The ensemble itself, its base written out."""
         return self.path / "ensemble.toml"
 
+    @property
+    def _begun(self) -> Path:
+        """What a process killed in its first moments leaves."""
+        return self.file.with_name(f"{self.file.name}.partial")
+
     def scenario(self, label: str) -> Path:
         """Scenario file of a scene."""
         return self.path / "scenes" / f"{label}.toml"
@@ -74,7 +79,7 @@ class Folder:
         if self.file.is_file():
             if not (resume or overwrite):
                 raise DataError(f"{self.path}: holds an ensemble already; go on with --resume, or begin anew with --overwrite")
-        elif any(self.path.iterdir()):
+        elif any(path != self._begun for path in self.path.iterdir()):
             raise DataError(f"{self.path}: is not empty and holds no ensemble; it is left alone: give another folder")
 
     def write(self, ensemble: Ensemble, scenes: Sequence[Scene], *, resume: bool, overwrite: bool) -> None:
@@ -93,8 +98,9 @@ class Folder:
             text = ensemble_text(ensemble)
             if resume and self.file.exists():
                 self._require_same(text, scenes)
-            (self.path / "scenes").mkdir(parents=True, exist_ok=True)
-            write_text(text, self.file)
+            self.path.mkdir(exist_ok=True)
+            write_text(text, self.file)  # first: it says whose folder this is
+            (self.path / "scenes").mkdir(exist_ok=True)
             for scene in scenes:
                 path = self.scenario(scene.label)
                 if not path.exists():
@@ -108,20 +114,20 @@ class Folder:
                 write_rows(rows, self.path / f"{name}{ending}")
 
     def _clear(self) -> None:
-        """Remove what an ensemble writes, and nothing else."""
+        """Remove what an ensemble writes, and nothing else; the file that says whose folder it is goes last."""
         for name in ("scenes", "failures"):
             shutil.rmtree(self.path / name, ignore_errors=True)
-        for path in (self.file, *(self.path / f"{name}{ending}" for name in _TABLES for ending in _ENDINGS)):
+        for path in (*(self.path / f"{name}{ending}" for name in _TABLES for ending in _ENDINGS), self.file):
             path.unlink(missing_ok=True)
 
     def _require_same(self, text: str, scenes: Sequence[Scene]) -> None:
         # what a data set of it is called changes no scene
         there, here = ({**tables, "dataset": {}} for tables in (read_toml(self.file, "ensemble"), tomllib.loads(text)))
-        differ = _differences(there, here)
+        differ = differences(there, here)
         if not differ:
             for scene in scenes:
                 path = self.scenario(scene.label)
-                if path.exists() and (differ := _differences(read_toml(path, "scene"), tomllib.loads(scene.text))):
+                if path.exists() and (differ := differences(read_toml(path, "scene"), tomllib.loads(scene.text))):
                     differ = [f"{key} of scene {scene.number}" for key in differ]
                     break
         if differ:
@@ -164,7 +170,7 @@ def _flat(value: Mapping[str, Any], above: str = "") -> dict[str, Any]:
     return out
 
 
-def _differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
+def differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
     """Dotted keys that are not the same in both; of a list of tables, such as ``vary``, the tables by their place."""
 
     def spread(tables: Mapping[str, Any]) -> dict[str, Any]:

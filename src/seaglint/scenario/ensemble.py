@@ -6,7 +6,7 @@ import difflib
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Final, Literal, Self
 
 from pydantic import ConfigDict, Field, PrivateAttr, TypeAdapter, ValidationError, model_validator
 from pydantic_core import ErrorDetails
@@ -125,6 +125,9 @@ class Ensemble(Record):
             for key in law.keys if isinstance(law, Weather) else (law.key or "",):
                 if key in seen:
                     raise rule(f"vary[{i}].key", f"= '{key}' has two laws; leave one of them out", value=key)
+                inner = next((other for other in sorted(seen) if other.startswith(f"{key}.")), None)
+                if inner is not None:
+                    raise rule(f"vary[{i}].key", f"= '{key}' would replace what was drawn for {inner}; put it before that law", value=key)
                 seen.add(key)
         names = [template.name for template in self.objects]
         for name in names:
@@ -171,6 +174,11 @@ def parse_ensemble(raw: Mapping[str, Any], *, name: str = "ensemble", folder: Pa
     ScenarioError
         With one line per mistake.
     """
+    if "ensemble" not in raw and raw.keys() & _SCENARIO:
+        raise ScenarioError(
+            f"{name}: is a scenario and no ensemble; write a file of two lines beside it, base = '{Path(name).name}' and "
+            "ensemble = { scenes = 100 }, and laws of keys in tables [[vary]]"
+        )
     try:
         found = Ensemble.model_validate({**raw, "base": {}}, context={"base": folder})
     except ValidationError as error:
@@ -212,7 +220,7 @@ def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> 
         raw, where, beside = dict(given), f"{name}: base", folder
         preset = raw.pop("preset", None)
         if preset is not None:
-            if preset not in PRESETS:
+            if not isinstance(preset, str) or preset not in PRESETS:
                 raise ScenarioError(f"{where}.preset = '{preset}' is not one of {', '.join(PRESETS)}")
             raw = merged(PRESETS[preset].values, raw)
     else:
@@ -254,10 +262,16 @@ def _told(error: ErrorDetails) -> tuple[str, Any, str]:
         at = key if context["key"].startswith(("objects", "vary")) else f"{key}.{context['key']}".lstrip(".")
         return context["key"], context["value"], f"{context['key'] if at == key else at} {error['msg']}"
     if kind == "extra_forbidden":
-        near = difflib.get_close_matches(str(location[-1]), _KEYS, n=1, cutoff=0.6)
-        return key, None, f"{key} is an unknown key; " + (f"did you mean {near[0]}?" if near else f"keys are {', '.join(_KEYS)}")
+        if key in _SCENARIO:
+            return key, None, f"{key} is a key of scenarios; put it into the base, [base.{key}] or base.{key} = ..."
+        keys = _keys_at(error["loc"])
+        near = difflib.get_close_matches(str(location[-1]), keys, n=1, cutoff=0.6)
+        return key, None, f"{key} is an unknown key; " + (f"did you mean {near[0]}?" if near else f"allowed here: {', '.join(keys)}")
     if kind == "missing":
-        return key, None, f"{key} is missing; add it to the file"
+        told = "a table [ensemble] with the number of scenes, e.g. scenes = 100" if key == "ensemble" else "it to the file"
+        return key, None, f"{key} is missing; add {told}"
+    if kind == "tuple_type" and key in ("vary", "objects"):
+        return key, None, f"{key} must be a list of tables; write [[{key}]] above each of them"
     if kind == "union_tag_invalid":
         near = difflib.get_close_matches(str(context["tag"]), _TAGS, n=1, cutoff=0.5)
         hint = f"; did you mean '{near[0]}'?" if near else ""
@@ -271,11 +285,24 @@ def _told(error: ErrorDetails) -> tuple[str, Any, str]:
     return key, None, f"{key} = {shown if len(shown) < 80 else shown[:77] + '...'} {text}"
 
 
-_TAGS = ("uniform", "log_uniform", "normal", "choice", "weather")
-_KEYS = tuple(
-    dict.fromkeys(
-        name
-        for record in (Ensemble, Settings, Dataset, Template, Uniform, LogUniform, Normal, Choice, Weather)
-        for name in record.model_fields
-    )
-)
+def _keys_at(location: tuple[int | str, ...]) -> list[str]:
+    """Keys that are allowed where one that is not was found."""
+    law = next((_LAWS[str(part)] for part in reversed(location) if part in _LAWS), None)
+    if law is not None:
+        # a law in a table of objects is of the key that it stands at
+        return [key for key in law.model_fields if key != "key" or location[0] == "vary"]
+    tables: dict[str, type[Record]] = {"ensemble": Settings, "dataset": Dataset}
+    table = tables.get(str(location[0]), Ensemble) if len(location) > 1 else Ensemble
+    return list(table.model_fields)
+
+
+_LAWS: Final[Mapping[str, type[Record]]] = {
+    "uniform": Uniform,
+    "log_uniform": LogUniform,
+    "normal": Normal,
+    "choice": Choice,
+    "weather": Weather,
+}
+_TAGS: Final = tuple(_LAWS)
+_SCENARIO: Final = Scenario.model_fields.keys() - Ensemble.model_fields.keys()
+"""Tables and keys at the top of a scenario that an ensemble has not."""

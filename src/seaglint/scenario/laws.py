@@ -88,7 +88,9 @@ class Normal(_OfKey):
         from scipy.special import ndtr, ndtri
 
         mean, width = in_unit(self.mean, quantity), _difference(self.standard_deviation, quantity)
-        if width <= 0.0:
+        if not math.isfinite(mean):
+            raise ValueError(f"mean = {mean:g} is not finite; give a number")
+        if not 0.0 < width < math.inf:
             raise ValueError(f"standard_deviation = {width:g} is not above 0; give one that is, or law = 'choice' with a single value")
         low = -math.inf if self.min is None else in_unit(self.min, quantity)
         high = math.inf if self.max is None else in_unit(self.max, quantity)
@@ -206,11 +208,17 @@ def _difference(value: Number, quantity: Quantity | None) -> float:
 
 def _ends(low: Number, high: Number, quantity: Quantity | None) -> tuple[float, float]:
     ends = in_unit(low, quantity), in_unit(high, quantity)
+    for name, end in zip(("min", "max"), ends, strict=True):
+        if math.isinf(end):
+            raise ValueError(f"{name} = {end:g} is not finite; give a number")
     _require_ascending(*ends)
     return ends
 
 
 def _require_ascending(low: float, high: float) -> None:
+    for name, end in (("min", low), ("max", high)):
+        if math.isnan(end):
+            raise ValueError(f"{name} = nan is no number; give one")
     if not low <= high:
         raise ValueError(f"min = {low:g} is above max = {high:g}; give the lower number as min")
 

@@ -39,7 +39,7 @@ def inline(value: Any) -> str:
 
 
 def document(tables: Mapping[str, Any], comment: str = "") -> str:
-    """A whole file: plain keys first, then tables; lists of tables get headings of their own at the top.
+    """A whole file: plain keys first, then tables; lists of tables get headings of their own at the top, and a line each below.
 
     Examples
     --------
@@ -60,17 +60,24 @@ def _lines(table: Mapping[str, Any], above: tuple[str, ...]) -> Iterator[str]:
     inner = {name: value for name, value in table.items() if isinstance(value, Mapping) or (not above and _tables(value))}
     for name, value in table.items():
         if name not in inner:
-            yield f"{_key(name)} = {inline(value)}"
+            yield _entry(name, value)
     for name, value in inner.items():
         way = (*above, name)
         heading = ".".join(map(_key, way))
         if isinstance(value, Mapping):
-            yield from ("", f"[{heading}]")
+            if not value or any(not isinstance(held, Mapping) for held in value.values()):
+                yield from ("", f"[{heading}]")  # else the headings of its tables name it
             yield from _lines(value, way)
             continue
         for item in value:
             yield from ("", f"[[{heading}]]")
-            yield from (f"{_key(key)} = {inline(held)}" for key, held in item.items())
+            yield from (_entry(key, held) for key, held in item.items())
+
+
+def _entry(name: str, value: Any) -> str:
+    if not _tables(value):
+        return f"{_key(name)} = {inline(value)}"
+    return f"{_key(name)} = [\n" + "".join(f"  {inline(item)},\n" for item in value) + "]"
 
 
 def _tables(value: Any) -> bool:

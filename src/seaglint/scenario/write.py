@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterator, Mapping
-from datetime import datetime
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
 from seaglint.scenario.model import Scenario
+from seaglint.scenario.toml_text import document, inline
 
-_HEADER: Final = "# seaglint scenario: what differs from the defaults; 'seaglint init' writes every key with its comment."
+_HEADER: Final = "seaglint scenario: what differs from the defaults; 'seaglint init' writes every key with its comment."
 
 
 def differing(scenario: Scenario) -> dict[str, Any]:
@@ -79,61 +78,27 @@ def scenario_toml(scenario: Scenario, base: str | Path | None = None) -> str:
 
 def toml_text(tables: Mapping[str, Any], base: str | Path | None = None) -> str:
     """TOML text of tables laid out as a scenario file."""
-    folder = None if base is None else Path(base)
-    return "\n".join([_HEADER, *_table(tables, (), folder)]) + "\n"
-
-
-def _table(table: Mapping[str, Any], path: tuple[str, ...], base: Path | None) -> Iterator[str]:
-    """Plain keys first, then the tables inside, as TOML wants it."""
-    deeper = {key: value for key, value in table.items() if isinstance(value, Mapping)}
-    lists = {key: value for key, value in table.items() if not path and _is_list_of_tables(value)}
-    for key, value in table.items():
-        if key not in deeper and key not in lists:
-            yield _entry(key, value, base)
-    for key, value in deeper.items():
-        yield ""
-        if any(not isinstance(inner, Mapping) for inner in value.values()) or not value:
-            yield f"[{'.'.join((*path, key))}]"
-            yield from _table(value, (*path, key), base)
-        else:
-            yield from list(_table(value, (*path, key), base))[1:]  # it holds tables alone: their headings name it
-    for key, items in lists.items():
-        for item in items:
-            yield ""
-            yield f"[[{key}]]"
-            yield from (_entry(name, value, base) for name, value in item.items())
-
-
-def _entry(key: str, value: Any, base: Path | None) -> str:
-    if not _is_list_of_tables(value):
-        return f"{key} = {toml_value(value, base)}"
-    return f"{key} = [\n" + "".join(f"  {toml_value(item, base)},\n" for item in value) + "]"
-
-
-def _is_list_of_tables(value: Any) -> bool:
-    return isinstance(value, list | tuple) and bool(value) and all(isinstance(item, Mapping) for item in value)
+    return document(_with_paths(tables, None if base is None else Path(base)), _HEADER)
 
 
 def toml_value(value: Any, base: Path | None = None) -> str:
     """One value as TOML writes it; tables in one line."""
+    return inline(_with_paths(value, base))
+
+
+def _with_paths(value: Any, base: Path | None) -> Any:
+    """The same with paths as a file in ``base`` has to name them."""
     match value:
-        case bool():
-            return "true" if value else "false"
-        case datetime():
-            return value.isoformat().replace("+00:00", "Z")
-        case int() | float():
-            return repr(value)
         case Path():
-            return toml_value(_from(value, base))
-        case Mapping():
-            return "{ " + ", ".join(f"{key} = {toml_value(item, base)}" for key, item in value.items()) + " }"
+            return _from(value, base)
         case BaseModel():
-            return toml_value(value.model_dump(exclude_none=True), base)
+            return _with_paths(value.model_dump(exclude_none=True), base)
+        case Mapping():
+            return {key: _with_paths(item, base) for key, item in value.items()}
         case list() | tuple():
-            return "[" + ", ".join(toml_value(item, base) for item in value) + "]"
+            return [_with_paths(item, base) for item in value]
         case _:
-            # JSON's escapes are TOML's, but for the one control character that JSON lets through.
-            return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007F")
+            return value
 
 
 def _from(path: Path, base: Path | None) -> str:

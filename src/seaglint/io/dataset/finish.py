@@ -17,7 +17,6 @@ from seaglint.io.dataset.convert import Settings, image_path
 from seaglint.io.dataset.part import TRUTH_COLUMNS, Catalogue, Part
 from seaglint.io.dataset.picture import read_picture
 from seaglint.io.dataset.sheet import Example, write_sheet
-from seaglint.io.outputs import moved_when_whole
 from seaglint.io.rows import require_parquet, write_parquet, write_rows
 from seaglint.io.store import open_sequence
 from seaglint.io.text_file import write_json, write_text
@@ -130,9 +129,3 @@ def _picture(folder: Path, part: Part, place: int, settings: Settings) -> NDArra
         return read_picture(image_path(folder, settings.format, part.split, part.pictures[place].name, settings.image))
     with open_sequence(folder / "scenes" / f"{part.scene}.zarr") as dataset:
         return np.asarray(dataset["signal" if "signal" in dataset else "radiance"][place].to_numpy())
-
-
-def write_source(folder: Path, text: str) -> None:
-    """Write the ensemble's file beside the data, so that they can be made again."""
-    with moved_when_whole(folder / "ensemble.toml") as partial:
-        partial.write_text(text, encoding="utf-8", newline="\n")

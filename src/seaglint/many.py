@@ -1,0 +1,117 @@
+"""The functions of :mod:`seaglint.api` for many scenes at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from seaglint.cluster import Workers
+    from seaglint.io.store import Progress
+
+
+def ensemble(
+    source: str | Path | Mapping[str, Any],
+    output: str | Path,
+    *,
+    workers: Workers | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    draw_only: bool = False,
+    progress: Progress | None = None,
+) -> list[dict[str, Any]]:
+    """Draw scenes from laws of a scenario's keys, and render each as a sequence of its own.
+
+    Parameters
+    ----------
+    source : path or mapping
+        An ensemble's TOML file, or its content as tables in a mapping.
+    output : path
+        Folder to make: tables, ``scenes/0000.toml`` and ``scenes/0000.zarr`` for each scene.
+    workers : Workers, optional
+        Who renders, e.g. ``two`` in ``with seaglint.cluster.local.LocalProcesses(2) as two:``; this process by default. The bytes do
+        not depend on it.
+    threads : int, optional
+        Processor threads of each worker; all by default.
+    resume, overwrite : bool
+        Render the scenes that are missing, or begin anew.
+    draw_only : bool
+        Write scenario files and tables, and render nothing.
+    progress : callable, optional
+        ``progress(scenes done, scenes in all)``.
+
+    Returns
+    -------
+    list of dict
+        The rows of ``parameters.csv``: scene, seed, and what was drawn by key.
+
+    Raises
+    ------
+    SeaglintError
+        Mistakes in the file, output that may not be written, or scenes that failed.
+    """
+    from seaglint.pipeline.ensemble import draw, render_ensemble
+    from seaglint.scenario.ensemble import load_ensemble, parse_ensemble
+
+    found = parse_ensemble(source) if isinstance(source, Mapping) else load_ensemble(source)
+    render_ensemble(
+        found, output, workers=workers, threads=threads, resume=resume, overwrite=overwrite, draw_only=draw_only, progress=progress
+    )
+    return [scene.row for scene in draw(found)]
+
+
+def dataset(
+    source: str | Path,
+    output: str | Path,
+    *,
+    format: str = "coco",
+    bits: int | None = None,
+    image: str | None = None,
+    workers: Workers | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> Path:
+    """Render an ensemble and write its pictures with masks, boxes, tables and a data card.
+
+    Parameters
+    ----------
+    source : path
+        An ensemble's TOML file, or the folder that :func:`ensemble` made.
+    output : path
+        Folder to make.
+    format : str
+        ``coco``, ``yolo``, ``sirst`` or ``zarr``.
+    bits : 8 or 16, optional
+        Of a pixel; 16 for ``coco``, 8 for ``yolo`` and ``sirst``.
+    image : str, optional
+        ``png`` (default) or ``tiff``.
+    workers, threads, resume, overwrite, progress
+        As for :func:`ensemble`.
+
+    Returns
+    -------
+    Path
+        ``output``.
+
+    Raises
+    ------
+    SeaglintError
+        As for :func:`ensemble`; a format that there is not.
+    """
+    from seaglint.pipeline.dataset import Options
+    from seaglint.pipeline.ensemble_dataset import ensemble_dataset, read_source
+
+    return ensemble_dataset(
+        read_source(Path(source)),
+        output,
+        Options.of(format, bits, image),
+        workers=workers,
+        threads=threads,
+        resume=resume,
+        overwrite=overwrite,
+        progress=progress,
+    )
