@@ -3,7 +3,7 @@ import { FONT, INK, digits, short, sized, ticks } from "./tools.js";
 
 function framed(canvas, xs, ys, labels) {
   const { pen, width, height } = sized(canvas);
-  const box = { x: 48, y: 8, r: width - 10, b: height - 30 };
+  const box = { x: 58, y: 8, r: width - 10, b: height - 30 };
   pen.clearRect(0, 0, width, height);
   pen.font = FONT;
   pen.strokeStyle = INK.line;
@@ -16,7 +16,7 @@ function framed(canvas, xs, ys, labels) {
   for (const v of ticks(...xs, (box.r - box.x) / 70)) pen.fillText(digits(v, 6), x(v), box.b + 3);
   pen.textAlign = "right";
   pen.textBaseline = "middle";
-  for (const v of ticks(...ys, (box.b - box.y) / 34)) { pen.fillText(digits(v, 4), box.x - 4, y(v)); }
+  for (const v of ticks(...ys, (box.b - box.y) / 34)) { pen.fillText(digits(v, 6), box.x - 4, y(v)); }
   pen.textBaseline = "bottom";
   pen.fillText(labels.x, box.r, canvas.clientHeight - 1);
   return { pen, box, x, y };
