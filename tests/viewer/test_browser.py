@@ -143,6 +143,7 @@ def test_scrub_and_probe_tell_the_stores_values(seen):
     assert seen.number("probe-radiance") == float(radiance(8)[30, 40])
 
 
+@pytest.mark.validation
 def test_dragged_region_has_the_statistics_of_analyze(seen, store):
     seen.scrub(4)
     box = seen.drag((10, 8), (45, 40))
@@ -156,6 +157,7 @@ def test_dragged_region_has_the_statistics_of_analyze(seen, store):
     assert seen.number("region-gamma") == expected["fits"]["gamma"]["shape"]
 
 
+@pytest.mark.validation
 def test_threshold_counts_what_it_shows(seen):
     seen.scrub(2)
     seen.on("threshold-on").check()
@@ -169,6 +171,7 @@ def test_threshold_counts_what_it_shows(seen):
     assert seen.page.evaluate(shown) == count
 
 
+@pytest.mark.validation
 def test_policy_holds_and_everything_comes_from_the_viewer(chromium, served):
     context = chromium.new_context()
     page = context.new_page()

@@ -52,7 +52,7 @@ def test_trace_is_the_pixels_course(store):
 
 
 def test_trace_of_a_long_sequence_is_around_the_frame_or_spread_over_all(tmp_path):
-    np.save(tmp_path / "long.npy", np.arange(1000.0)[:, None, None] * np.ones((1000, 2, 3)))
+    np.save(tmp_path / "long.npy", np.arange(1000.0)[:, None, None] * np.ones((1000, 5, 6)))
     source = open_source(tmp_path / "long.npy")
     near, spread = trace(source, 0, 0, 700), trace(source, 0, 0, 700, spread=True)
     assert near["frames"] == list(range(700 - MOST_TRACED // 2, 700 + MOST_TRACED // 2))
