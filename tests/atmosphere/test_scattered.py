@@ -198,6 +198,13 @@ def test_spectral_shapes_hold_the_spectrum(air, weights):
     assert float(scattered_shares(0.3, 0.5, light.sea_sky) @ (light.sea_sky.spectral @ slope)) == pytest.approx(float(direct[0]), rel=3e-3)
 
 
+def test_tables_are_kept_for_the_same_air_and_sun_alone(air, weights):
+    first = scattered_in(_Only(air), slice(None), weights, 30.0, 1.2)
+    assert scattered_in(_Only(air), slice(None), weights.copy(), 30.0, 1.2) is first
+    for other in ((2.0 * weights, 30.0, 1.2), (weights, 31.0, 1.2), (weights, 30.0, 1.21), (weights, 30.0, 1.2, 0.01)):
+        assert scattered_in(_Only(air), slice(None), *other) is not first
+
+
 def test_paths_beyond_the_horizon_stay_those_of_the_horizon(air, weights):
     light = ScatteredLight(air, weights, 30.0, 1.3)
     edge = np.sqrt(light.path.longest**2 - 900.0) * EFFECTIVE_EARTH_RADIUS / (EFFECTIVE_EARTH_RADIUS + 15.0)

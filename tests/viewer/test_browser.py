@@ -32,7 +32,7 @@ CHROMIUM = Path("/usr/bin/chromium")
 if not CHROMIUM.exists():
     pytest.skip(f"no {CHROMIUM}", allow_module_level=True)
 
-PATIENCE = 60_000  # ms; of a machine that is busy with other tests
+PATIENCE = 120_000  # ms; of a machine that is busy with other tests
 
 
 class Served:
@@ -143,6 +143,7 @@ def test_scrub_and_probe_tell_the_stores_values(seen):
     assert seen.number("probe-radiance") == float(radiance(8)[30, 40])
 
 
+@pytest.mark.validation
 def test_dragged_region_has_the_statistics_of_analyze(seen, store):
     seen.scrub(4)
     box = seen.drag((10, 8), (45, 40))
@@ -156,6 +157,7 @@ def test_dragged_region_has_the_statistics_of_analyze(seen, store):
     assert seen.number("region-gamma") == expected["fits"]["gamma"]["shape"]
 
 
+@pytest.mark.validation
 def test_threshold_counts_what_it_shows(seen):
     seen.scrub(2)
     seen.on("threshold-on").check()
@@ -169,6 +171,7 @@ def test_threshold_counts_what_it_shows(seen):
     assert seen.page.evaluate(shown) == count
 
 
+@pytest.mark.validation
 def test_policy_holds_and_everything_comes_from_the_viewer(chromium, served):
     context = chromium.new_context()
     page = context.new_page()
@@ -284,9 +287,9 @@ def test_plays_640_by_512(chromium, tmp_path, record_property):
     seen = Seen(chromium, viewer)
     first = time.perf_counter() - began
     seen.on("play").click()
-    time.sleep(3.0)
+    seen.until("seaglint.state.panes.a.drawn > 30")
     before = seen.page.evaluate("[performance.now(), seaglint.state.panes.a.drawn]")
-    time.sleep(6.0)
+    seen.until(f"seaglint.state.panes.a.drawn > {before[1] + 120}")
     after = seen.page.evaluate("[performance.now(), seaglint.state.panes.a.drawn]")
     rate = 1000.0 * (after[1] - before[1]) / (after[0] - before[0])
     record_property("first picture [s]", first)
@@ -294,8 +297,8 @@ def test_plays_640_by_512(chromium, tmp_path, record_property):
     print(f"first picture after {first:.2f} s, {rate:.1f} frames a second")
     seen.end()
     viewer.end()
-    # Two free cores play 25 a second; other programs may have taken half of them.
-    assert rate > 12.0
+    # Two free cores play 25 a second; what other programs take of them is missing.
+    assert rate > 12.0 * min(1.0, 2.0 / max(os.getloadavg()[0], 1.0))
 
 
 @pytest.mark.validation

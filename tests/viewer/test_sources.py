@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+import zarr
 
 from seaglint.analysis import Options, analyze
 from seaglint.errors import DataError
+from seaglint.io.place import partial_path, place_of
 from seaglint.io.recording import open_recording
-from seaglint.io.store import _create_partial, _write_frame, write_sequence
+from seaglint.io.shards import Shards
+from seaglint.io.store import write_sequence
 from seaglint.optics.band import apparent_temperature
 from seaglint.plot.summary import grid_of, stored_band
-from seaglint.viewer.frames import MOST_CACHED, GoneError, open_source
+from seaglint.viewer.frames import MOST_CACHED, MOST_TRACED, GoneError, open_source
 from seaglint.viewer.picture import Scales, Show, tag
 from seaglint.viewer.probe import probe, trace
 from seaglint.viewer.region import Rectangle, exceedances, quick, whole
@@ -45,6 +49,18 @@ def test_trace_is_the_pixels_course(store):
     found = trace(open_source(store), 3, 4, 0)
     assert found["values"] == [float(radiance(n)[3, 4]) for n in range(FRAMES)]
     assert found["times_s"] == pytest.approx([n / 25.0 for n in range(FRAMES)])
+
+
+def test_trace_of_a_long_sequence_is_around_the_frame_or_spread_over_all(tmp_path):
+    np.save(tmp_path / "long.npy", np.arange(1000.0)[:, None, None] * np.ones((1000, 5, 6)))
+    source = open_source(tmp_path / "long.npy")
+    near, spread = trace(source, 0, 0, 700), trace(source, 0, 0, 700, spread=True)
+    assert near["frames"] == list(range(700 - MOST_TRACED // 2, 700 + MOST_TRACED // 2))
+    assert not near["whole"]
+    assert spread["frames"][0] == 0
+    assert spread["frames"][-1] == 999
+    assert len(spread["frames"]) == MOST_TRACED
+    assert spread["values"] == [float(frame) for frame in spread["frames"]]
 
 
 @pytest.mark.parametrize("only", [4, pytest.param(None, marks=pytest.mark.validation)])
@@ -140,6 +156,23 @@ def test_unfinished_store_is_shown_as_far_as_it_is_and_goes_on(half):
     assert np.array_equal(source.read(11), radiance(11))
 
 
+def test_frames_of_units_of_several_are_all_there(tmp_path):
+    def until(number):
+        if number == 6:
+            raise RuntimeError("stopped")
+        return images(number)
+
+    several = replace(layout(), frames_per_unit=4)
+    with pytest.raises(RuntimeError):
+        write_sequence(tmp_path / "run.zarr", several, until)
+    source = open_source(tmp_path / "run.zarr")
+    assert source.done().tolist() == [0, 1, 2, 3, 4, 5]
+    assert np.array_equal(source.read(5), radiance(5))
+    write_sequence(tmp_path / "run.zarr", several, images, resume=True)
+    assert source.done().tolist() == list(range(FRAMES))
+    assert np.array_equal(source.read(11), radiance(11))
+
+
 def test_store_that_vanishes_is_told_and_may_come_back(half):
     partial = half.with_name("half.zarr.partial")
     source = open_source(partial)
@@ -192,10 +225,14 @@ def test_memory_does_not_grow_with_the_frames(tmp_path):
     assert source._bytes == sum(image.nbytes for image in source._kept.values()) <= MOST_CACHED < 60 * frame.nbytes
 
 
-def test_huge_store_opens_at_once(tmp_path):
-    huge = tmp_path / "huge.zarr.partial"
-    group = _create_partial(huge, layout(80_000, 512, 640, truth=False, layers=()))  # 105 GB when whole
-    _write_frame(group, 0, {"radiance": radiance(0, 512, 640)})
+@pytest.mark.parametrize("unit", [1, 8])
+def test_huge_store_opens_at_once(tmp_path, unit):
+    huge = tmp_path / "huge.zarr"
+    place_of(huge).create(replace(layout(80_000, 512, 640, truth=False, layers=()), frames_per_unit=unit))  # 105 GB when whole
+    shards = Shards(zarr.open_group(partial_path(huge), mode="r+"))
+    block = shards.blank(shards.span(0))
+    block["radiance"][0] = radiance(0, 512, 640)
+    shards.write(0, block, np.arange(unit) < 1, np.zeros(unit, np.uint64))
     began = time.perf_counter()
     source = open_source(huge)
     assert source.done().tolist() == [0]

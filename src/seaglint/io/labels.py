@@ -17,7 +17,7 @@ from seaglint.io.outputs import moved_when_whole, refuse_existing
 from seaglint.io.store import open_sequence
 from seaglint.io.text_file import write_json
 from seaglint.io.truth import BITS, GROUP
-from seaglint.render.bodies.truth import NUMBERS
+from seaglint.render.bodies.numbers import NUMBERS
 
 
 @dataclass(frozen=True, eq=False)

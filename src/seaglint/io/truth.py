@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.render.bodies.truth import NUMBERS
+from seaglint.render.bodies.numbers import NUMBERS
 from seaglint.schema import VARIABLES
 
 GROUP: Final = "truth"

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
 
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
 from seaglint.optics.blackbody import planck_wavenumber
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 ARTICLE_UNIT: Final = 100.0
 """uW cm-2 sr-1 in one W m-2 sr-1: multiply by it for plots and reports in the source article's unit."""
@@ -176,6 +178,8 @@ class ApparentTemperature:
     @classmethod
     def create(cls, band: Band, wavenumber_cm: ArrayLike) -> ApparentTemperature:
         """Tabulate the inverse for one band and grid."""
+        from scipy.interpolate import CubicSpline  # half a second, and most who read a file ask for no temperature
+
         temperature = np.geomspace(*TEMPERATURE_RANGE, _TEMPERATURE_NODES)
         return cls(CubicSpline(np.log(band.radiance(temperature, wavenumber_cm)), np.log(temperature)))
 

@@ -151,12 +151,17 @@ class Source:
             found = self.opened.directions
             return None if found is None else found(index)
 
-    def trace(self, row: int, column: int, around: int, layer: str | None = None) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Frames around one (at most :data:`MOST_TRACED`, as they follow) and the values of a pixel in them."""
+    def trace(
+        self, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """At most :data:`MOST_TRACED` frames, those around one or ``spread`` over the whole sequence, and the values of a pixel in them."""
         done = self.done()
-        middle = int(np.searchsorted(done, around))
-        first = max(min(middle - MOST_TRACED // 2, done.size - MOST_TRACED), 0)
-        frames = done[first : first + MOST_TRACED]
+        if spread:
+            frames = done[np.unique(np.linspace(0, max(done.size - 1, 0), min(done.size, MOST_TRACED)).astype(np.int64))]
+        else:
+            middle = int(np.searchsorted(done, around))
+            first = max(min(middle - MOST_TRACED // 2, done.size - MOST_TRACED), 0)
+            frames = done[first : first + MOST_TRACED]
         chosen = self.layer(layer)
         values = np.empty(frames.size)
         for place, frame in enumerate(frames.tolist()):

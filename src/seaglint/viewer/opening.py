@@ -16,6 +16,7 @@ from seaglint.analysis import Recording
 from seaglint.errors import DataError, SeaglintError
 from seaglint.io.counts import count_line
 from seaglint.io.directions import directions
+from seaglint.io.manifest import DONE
 from seaglint.io.netcdf import open_netcdf
 from seaglint.io.provenance import stored_band
 from seaglint.io.recording import open_recording
@@ -101,7 +102,7 @@ def open_path(path: Path, variable: str | None = None) -> Opened:
 
 
 def _of_sequence(path: Path, variable: str | None) -> Opened:
-    """A store of ours. Which frames are done is told by the names of the chunks of ``frame_done``: reading them takes long for many."""
+    """A store of ours. Of ``frame_done`` only chunks that are there are read: asking for each of many takes long."""
     import xarray as xr
 
     try:
@@ -110,13 +111,24 @@ def _of_sequence(path: Path, variable: str | None) -> Opened:
     except Exception as error:
         raise DataError(f"{path}: the sequence is damaged ({' '.join(str(error).split())[:200]}); render it again") from error
 
+    told, full = dataset[DONE], set[int]()
+    unit = int(told.encoding["chunks"][0])
+
     def done() -> NDArray[np.int64]:
         try:
-            names = [entry.name for entry in os.scandir(path / "frame_done" / "c")]
+            names = [int(entry.name) for entry in os.scandir(path / DONE / "c") if entry.name.isdigit()]
         except OSError:
             names = []
-        found = np.array(sorted(int(name) for name in names if name.isdigit()), np.int64)
-        return found[found < count]
+        found = [np.empty(0, np.int64)]
+        for chunk in sorted(names):
+            frames = np.arange(chunk * unit, min((chunk + 1) * unit, count))
+            if unit > 1 and chunk not in full:
+                there = told[chunk * unit : chunk * unit + frames.size].to_numpy() == 1
+                if there.all():
+                    full.add(chunk)
+                frames = frames[there]
+            found.append(frames)
+        return np.concatenate(found)
 
     return _of_dataset(dataset, path, variable, done)
 

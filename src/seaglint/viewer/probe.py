@@ -56,8 +56,8 @@ def towards(source: Source, index: int, row: int, column: int) -> tuple[float | 
     return float(azimuth[row, column]), float(elevation[row, column])
 
 
-def trace(source: Source, row: int, column: int, around: int, layer: str | None = None) -> dict[str, Any]:
-    """Course of a pixel in time: frames, times [s] where they are known, values.
+def trace(source: Source, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False) -> dict[str, Any]:
+    """Course of a pixel in time, around a frame or ``spread`` over all: frames, times [s] where they are known, values.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def trace(source: Source, row: int, column: int, around: int, layer: str | None 
     """
     require_pixel(source, row, column)
     opened, chosen = source.opened, source.layer(layer)
-    frames, values = source.trace(row, column, around, layer)
+    frames, values = source.trace(row, column, around, layer, spread=spread)
     times = None
     if opened.times is not None:
         times = opened.times[frames].tolist()

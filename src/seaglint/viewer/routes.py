@@ -229,7 +229,8 @@ class _Pages:
         """A pixel in time."""
         query = Query(request)
         index = int(request.path_params["index"])
-        found = trace(self._of(request), query.integer("row"), query.integer("column"), index, query.word("layer"))
+        place = query.integer("row"), query.integer("column")
+        found = trace(self._of(request), *place, index, query.word("layer"), spread=query.word("spread") == "1")
         return JSONResponse(found, headers=_FRESH)
 
     def truth(self, request: Request) -> Response:

@@ -50,10 +50,9 @@ class Page:
 
 def workbench(scenario: str | Path | None = None) -> Page:
     """The page that changes a scenario, of a file or a preset chosen there, and shows what comes of it."""
-    from importlib import import_module
+    from seaglint.viewer.workbench import page
 
-    bench = import_module("seaglint.viewer.workbench")
-    return Page("/workbench", "Scenario workbench", lambda: bench.page(scenario))
+    return Page("/workbench", "Scenario workbench", lambda: page(scenario))
 
 
 def require_installed() -> None:

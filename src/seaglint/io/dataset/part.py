@@ -12,7 +12,7 @@ from typing import Any, Final
 from seaglint.errors import DataError
 from seaglint.io.dataset.levels import Levels
 from seaglint.io.text_file import write_json
-from seaglint.render.bodies.truth import NUMBERS
+from seaglint.render.bodies.numbers import NUMBERS
 
 FOLDER: Final = ".parts"
 """Folder of the records while a data set is made."""

@@ -12,34 +12,13 @@ from numpy.typing import NDArray
 
 from seaglint.conventions import FloatArray
 from seaglint.render.bodies.compose import LEAST_COVER, Sight
+from seaglint.render.bodies.numbers import NUMBERS
 
 SURROUND: Final = 10
 """Pixels around a body's box over which its clutter is taken."""
 
 LEAST_CLUTTER: Final = 8
 """Pixels of sea that a clutter needs."""
-
-NUMBERS: Final = (
-    "column_px",
-    "row_px",
-    "range_m",
-    "solid_angle_sr",
-    "visible_share",
-    "contrast_W_m2_sr",
-    "bearing_deg",
-    "elevation_deg",
-    "bbox_left_px",
-    "bbox_top_px",
-    "bbox_width_px",
-    "bbox_height_px",
-    "temperature_difference_K",
-    "signal_to_clutter",
-    "pixels",
-    "irradiance_W_m2",
-    "signal_column_px",
-    "signal_row_px",
-)
-"""Numbers of a body in a frame, in the order of the columns of tables; what is not known of a body out of view is NaN."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +55,7 @@ def labels(
     *,
     around: bool = False,
 ) -> tuple[Mapping[str, FloatArray], list[NDArray[np.bool_]], NDArray[np.uint16]]:
-    """Numbers (:data:`NUMBERS`) of bodies, their masks (rows, columns), and the number, from 1, of the body that covers most of a pixel.
+    """Numbers (:data:`~seaglint.render.bodies.numbers.NUMBERS`) of bodies, masks (rows, columns), and which covers most of a pixel, from 1.
 
     Parameters
     ----------

@@ -157,7 +157,9 @@ async function open() {
     options($("layer"), layers.map(text));
     options($("overlay"), [["", "nothing"], ...layers.map(text)]);
     $("truth-box").hidden = !metaA.truth;
-    $("title").textContent = metaA.notes.join("; ");
+    const [rateA, rateB] = [metaA, metaB].map((meta) => meta && meta.frame_rate_hz);
+    const apart = rateA && rateB && Math.abs(rateA - rateB) > 1e-3 * rateA ? [`A at ${digits(rateA, 4)} Hz, B at ${digits(rateB, 4)} Hz: beside each other by the frame's number`] : [];
+    $("title").textContent = [...metaA.notes, ...apart].join("; ");
     limits();
     region();
     follow();

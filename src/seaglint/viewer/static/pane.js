@@ -12,6 +12,7 @@ export class Pane {
     this.name = name;
     this.canvas = document.createElement("canvas");
     this.canvas.dataset.testid = `canvas-${name}`;
+    this.canvas.setAttribute("role", "img");
     parent.append(this.canvas);
     this.picture = document.createElement("canvas");
     this.above = document.createElement("canvas");
@@ -74,6 +75,7 @@ export class Pane {
 
   draw({ title, layer, region, pointer, pinned, opacity }) {
     const { pen, width, height } = sized(this.canvas);
+    if (this.canvas.ariaLabel !== `${title}; ${layer}`) this.canvas.ariaLabel = `${title}; ${layer}`;
     pen.fillStyle = INK.ground;
     pen.fillRect(0, 0, width, height);
     if (!this.meta || !this.levels) return;
@@ -112,17 +114,28 @@ export class Pane {
 
   drawBoxes(pen, p) {
     pen.font = FONT;
-    for (const box of this.boxes) {
-      pen.strokeStyle = INK.second;
-      pen.lineWidth = 1.2;
-      const x = p.left + box.left * p.size, y = p.top + box.top * p.size;
-      pen.strokeRect(x - 1.5, y - 1.5, box.width * p.size + 3, box.height * p.size + 3);
+    pen.strokeStyle = INK.second;
+    pen.lineWidth = 1.2;
+    const corners = this.boxes.map((box) => [p.left + box.left * p.size, p.top + box.top * p.size]);
+    this.boxes.forEach((box, i) => pen.strokeRect(corners[i][0] - 1.5, corners[i][1] - 1.5, box.width * p.size + 3, box.height * p.size + 3));
+    const end = Math.min(p.left + this.meta.columns * p.size, MARGIN.left + p.width), begin = Math.max(p.left, MARGIN.left);
+    const labels = []; // none covers another: it goes above it, with a line to its box
+    this.boxes.forEach((box, i) => {
+      const [x, y] = corners[i];
+      if (x > end || x + box.width * p.size < begin) return; // zoomed out of sight
       const text = box.range_m === null ? box.name : `${box.name}, ${digits(box.range_m / 1000, 3)} km`;
-      pen.textBaseline = "bottom";
-      pen.fillStyle = "#000000a0";
-      pen.fillRect(x - 2, y - 16, pen.measureText(text).width + 5, 14);
+      const wide = pen.measureText(text).width + 5, left = Math.max(Math.min(x - 2, end - wide), begin);
+      let top = y - 16;
+      while (labels.some((o) => top < o.top + 15 && o.top < top + 15 && left < o.left + o.wide && o.left < left + wide)) top -= 3;
+      labels.push({ text, left, top, wide });
+      if (top < y - 17) { pen.beginPath(); pen.moveTo(x, y - 1.5); pen.lineTo(x, top + 14); pen.stroke(); }
+    });
+    pen.textBaseline = "bottom";
+    for (const { text, left, top, wide } of labels) {
+      pen.fillStyle = "#000000b0";
+      pen.fillRect(left, top, wide, 14);
       pen.fillStyle = INK.second;
-      pen.fillText(text, x, y - 3);
+      pen.fillText(text, left + 2, top + 13);
     }
   }
 

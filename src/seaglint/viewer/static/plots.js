@@ -3,7 +3,7 @@ import { FONT, INK, digits, short, sized, ticks } from "./tools.js";
 
 function framed(canvas, xs, ys, labels) {
   const { pen, width, height } = sized(canvas);
-  const box = { x: 48, y: 8, r: width - 10, b: height - 30 };
+  const box = { x: 58, y: 8, r: width - 10, b: height - 30 };
   pen.clearRect(0, 0, width, height);
   pen.font = FONT;
   pen.strokeStyle = INK.line;
@@ -16,7 +16,7 @@ function framed(canvas, xs, ys, labels) {
   for (const v of ticks(...xs, (box.r - box.x) / 70)) pen.fillText(digits(v, 6), x(v), box.b + 3);
   pen.textAlign = "right";
   pen.textBaseline = "middle";
-  for (const v of ticks(...ys, (box.b - box.y) / 34)) { pen.fillText(digits(v, 4), box.x - 4, y(v)); }
+  for (const v of ticks(...ys, (box.b - box.y) / 34)) { pen.fillText(digits(v, 6), box.x - 4, y(v)); }
   pen.textBaseline = "bottom";
   pen.fillText(labels.x, box.r, canvas.clientHeight - 1);
   return { pen, box, x, y };
@@ -60,7 +60,7 @@ export function trace(canvas, found, frame) {
   const room = 0.06 * (high - low);
   const { pen, box, x, y } = framed(canvas, [xs[0], xs.length > 1 ? xs[xs.length - 1] : xs[0] + 1], [low - room, high + room], { x: found.times_s ? "time [s]" : "frame" });
   line(pen, x, y, xs, found.values, INK.mark, 1.2);
-  const now = found.frames.indexOf(frame);
+  const now = frame > found.frames[found.frames.length - 1] ? -1 : found.frames.findIndex((one) => one >= frame);
   if (now >= 0) { pen.strokeStyle = "#ffffff90"; pen.lineWidth = 1; pen.beginPath(); pen.moveTo(x(xs[now]), box.y); pen.lineTo(x(xs[now]), box.b); pen.stroke(); }
   pen.save();
   pen.translate(8, (box.y + box.b) / 2);

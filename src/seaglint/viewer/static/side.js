@@ -38,9 +38,10 @@ export const follow = latest(async () => {
   if (!state.pinned) { traced = null; return; }
   const [column, row] = state.pinned;
   try {
-    traced = await json(`/api/trace/${active()}/${state.frame}?row=${row}&column=${column}&layer=${encodeURIComponent($("layer").value)}`);
+    traced = await json(`/api/trace/${active()}/${state.frame}?row=${row}&column=${column}&layer=${encodeURIComponent($("layer").value)}&spread=${$("trace-spread").checked ? 1 : 0}`);
     const { frames } = traced;
-    $("trace-where").textContent = `column ${column}, row ${row}: ${short(traced.label)}` + (traced.whole ? "" : `, frames ${frames[0]} to ${frames[frames.length - 1]}`);
+    $("trace-spread-box").hidden = traced.whole;
+    $("trace-where").textContent = `column ${column}, row ${row}: ${short(traced.label)}` + (traced.whole ? "" : `, ${frames.length} of the frames ${frames[0]} to ${frames[frames.length - 1]}`);
     $("trace").dataset.values = JSON.stringify(traced.values);
     retrace();
   } catch (error) { say(error); }
@@ -49,7 +50,8 @@ export const follow = latest(async () => {
 /** The same course with the frame's place moved; another part of it where the frame has left what is shown. */
 export function retrace() {
   if (!traced || !state.pinned) return;
-  if (!traced.frames.includes(state.frame) && !state.playing) { follow(); return; }
+  const { frames } = traced, outside = state.frame < frames[0] || state.frame > frames[frames.length - 1];
+  if (outside && !$("trace-spread").checked && !state.playing) { follow(); return; }
   trace($("trace"), traced, state.frame);
 }
 
@@ -166,6 +168,7 @@ export function bindSide(redraw) {
   $("region-clear").addEventListener("click", () => { state.region = null; region(); again(); });
   $("analyse-frame").addEventListener("click", () => analyse(false));
   $("analyse-all").addEventListener("click", () => analyse(true));
+  $("trace-spread").addEventListener("change", follow);
   $("trace-close").addEventListener("click", () => { state.pinned = null; follow(); redraw(); });
   for (const id of ["clip-first", "clip-last"]) $(id).addEventListener("change", files);
   for (const id of ["export-png", "export-npy", "export-tif", "export-clip", "save-json", "save-csv"]) $(id).addEventListener("click", save);
