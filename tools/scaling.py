@@ -24,11 +24,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import scaling_jobs
 from seaglint.cluster import Job, LocalProcesses
 from seaglint.cluster.base import Done
 from seaglint.cluster.dask import DaskWorkers, client_of, connected, quiet
 from seaglint.cluster.remote import packed
+from seaglint.io.layout import Layout
 from seaglint.scenario.load import parse_scenario
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "performance.md"
@@ -212,21 +215,13 @@ def thousand(slots: tuple[int, int, int] = (10, 10, 10), rounds: int = 4) -> Row
     ]
 
 
-MOST_BYTES = 256e6
-"""Of an array of a unit."""
-
-
-def frames_per_unit(count: int, frame_bytes: int) -> int:
-    """Frames of a shard."""
-    return max(min(math.ceil(count / 256), int(MOST_BYTES // frame_bytes)), 1)
-
-
 def files() -> Rows:
     """Number and size of the files of a store of one variable."""
     rows: Rows = [("frames of 640 x 512", "frames a file", "files", "size of a file, at most", "whole store, at most")]
-    frame = 640 * 512 * 4
+    layout = Layout(np.zeros(640), np.zeros(512), range(0), 25.0, None)
+    frame = layout.frame_bytes
     for count in (100, 1000, 10_000, 100_000):
-        each = frames_per_unit(count, frame)
+        each = layout.in_units(count).frames_per_unit
         rows.append(
             (f"{count}", f"{each}", f"{math.ceil(count / each)}", f"{1e-6 * each * frame:.1f} MB", f"{1e-9 * count * frame:.2f} GB")
         )

@@ -24,13 +24,13 @@ from toy_store import COLUMNS, ROWS, frame, layout, pixels
 
 from seaglint.cluster import LocalProcesses
 from seaglint.errors import BackendError, DataError, StorageError
-from seaglint.io import provenance
 from seaglint.io.claim import exclusive
 from seaglint.io.filling import UnitTask, unit_maker
 from seaglint.io.shards import Shards, UnitFailure
 from seaglint.io.share import Share
 from seaglint.io.store import Interrupted, finish_sequence, open_sequence, partial_path, write_sequence
 from seaglint.pipeline.spread import over
+from seaglint.processor import processor
 
 
 def files(store: Path) -> dict[str, str]:
@@ -86,7 +86,7 @@ def test_what_is_written_in_shards_is_what_is_read(output):
         np.testing.assert_array_equal(found["radiance"], np.stack([pixels(n) for n in range(23)]))
         np.testing.assert_array_equal(found["saturated_share"], np.arange(23, dtype=np.float32) / 32)
         assert len(set(found["frame_checksum"].to_numpy().tolist())) == 23
-        assert found.attrs["processor"] == provenance.processor()
+        assert found.attrs["processor"] == processor()
         assert "processors_mixed" not in found.attrs
         assert "unfinished" not in found.attrs
 
@@ -266,7 +266,7 @@ def test_another_version_is_refused_and_another_processor_told(output, monkeypat
     assert len([line for line in caplog.messages if "last bits" in line]) == 1
     finish_sequence(output)
     with open_sequence(output) as found:
-        assert found.attrs["processor"] == f"aarch64 other; {provenance.processor()}"
+        assert found.attrs["processor"] == f"aarch64 other; {processor()}"
         assert "last bits" in found.attrs["processors_mixed"]
 
 

@@ -14,10 +14,10 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any, Final
 
-from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, one_line
+from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
 from seaglint.cluster.machine import Machine, this_machine
 from seaglint.cluster.remote import describe, do, packed
-from seaglint.errors import BackendError, DataError, SeaglintError
+from seaglint.errors import BackendError, DataError, SeaglintError, one_line
 
 CONNECT: Final = 5.0
 """Time within which a scheduler must answer [s]."""
@@ -241,7 +241,7 @@ class _Mapping:
                 break
             tasks.append(task)
         try:
-            futures = self.workers.submit([pickle.dumps(task.unit) for task in tasks], self.content) if tasks else []
+            futures = self.workers.submit([outgoing(task.unit) for task in tasks], self.content) if tasks else []
         except _SchedulerGoneError:
             self.again.extendleft(reversed(tasks))
             raise
