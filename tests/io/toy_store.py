@@ -90,10 +90,12 @@ def slow(output: str) -> None:
 
 
 def over_workers(output: str) -> None:
-    """The same over two processes."""
+    """300 frames over two processes; says so at the start and after each unit."""
     from seaglint.cluster import LocalProcesses
     from seaglint.pipeline.spread import over
 
-    print("begins", flush=True)
+    def told(done: int, total: int) -> None:
+        print(done, total, flush=True)
+
     with LocalProcesses(2) as workers:
-        write_sequence(output, layout(), slowly, resume=True, spread=over(workers, prepared, None))
+        write_sequence(output, many(), slowly, resume=True, spread=over(workers, prepared_many, None), progress=told)
