@@ -145,6 +145,11 @@ def scheduler() -> Iterator[str]:
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"]
     process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
     try:
+        answers = False
+        while not answers:  # on a busy machine it takes longer to start than a client waits
+            with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port)):
+                answers = True
+            time.sleep(0.1)
         yield f"tcp://127.0.0.1:{port}"
     finally:
         process.terminate()
@@ -182,7 +187,7 @@ def scheduler_seconds(workers: DaskWorkers) -> float:
     return float(workers._client.run_on_scheduler(time.process_time))
 
 
-def thousand(slots: tuple[int, int, int] = (10, 10, 10), rounds: int = 4) -> Rows:
+def thousand(slots: tuple[int, int, int] = (2, 50, 10), rounds: int = 8) -> Rows:
     """A thousand units of one second at the same time: what the scheduler and the one who asks have to do for each."""
     count = math.prod(slots)
     with scheduler() as address, hosts(address, *slots), quiet():
