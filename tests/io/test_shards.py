@@ -416,6 +416,21 @@ def test_a_signal_to_a_run_with_workers_leaves_what_can_be_resumed_and_no_proces
 
 
 @pytest.mark.validation
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc here")
+def test_a_signal_does_not_wait_for_long_units_of_workers(output):
+    with begun("over_long_units", output) as process:
+        process.stdout.readline()
+        until = time.monotonic() + 30.0
+        while len(children := workers_of(process.pid)) < 2 and time.monotonic() < until:
+            time.sleep(0.05)
+        os.killpg(process.pid, signal.SIGINT)
+        _, told = process.communicate(timeout=40)  # of 240 s that a unit takes
+    assert "Interrupted: stopped after 0 of 23 frames" in told
+    assert len(children) == 2
+    assert end_of(children)
+
+
+@pytest.mark.validation
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL here")
 def test_workers_killed_at_random_moments_lose_nothing(tmp_path):
     """A hundred times, while they are at work; units that were tried too often are made by the next run."""

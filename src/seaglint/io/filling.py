@@ -171,21 +171,25 @@ class Filling:
         left, processors = self.left, set[str]()
         if not left:
             return
-        with stop_on_signal() as stopped, spread(UnitTask.of(self.place, self.claim), left) as outcomes:
-            for outcome in outcomes:
-                if isinstance(outcome, UnitFailure):
-                    self._give_up(outcome)
-                    self.count = self.total - len(self._missing(self.units))
-                elif outcome.no_room:
-                    raise StorageError(outcome.no_room)
-                else:
-                    self.count += len(outcome.frames)
-                    if outcome.processor not in processors:
-                        processors.add(outcome.processor)
-                        note(outcome.processor)
-                self.told()
-                if stopped and self.count < self.total:
-                    raise self._interrupted()
+        try:
+            # At once: a unit may be a minute's work of others, and nothing is half done here.
+            with stop_on_signal(at_once=True), spread(UnitTask.of(self.place, self.claim), left) as outcomes:
+                for outcome in outcomes:
+                    if isinstance(outcome, UnitFailure):
+                        self._give_up(outcome)
+                        self.count = self.total - len(self._missing(self.units))
+                    elif outcome.no_room:
+                        raise StorageError(outcome.no_room)
+                    else:
+                        self.count += len(outcome.frames)
+                        if outcome.processor not in processors:
+                            processors.add(outcome.processor)
+                            note(outcome.processor)
+                    self.told()
+        except KeyboardInterrupt:
+            self.count = self.total - len(self._missing(self.units))
+            if self.count < self.total:
+                raise self._interrupted() from None
 
     def require_all(self) -> None:
         """Name what was given up.

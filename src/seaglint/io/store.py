@@ -101,7 +101,7 @@ def write_sequence(
     StorageError
         No room or no rights; the frames done stay.
     Interrupted
-        After SIGINT or SIGTERM, when the frame (from elsewhere: the unit) at hand is in.
+        After SIGINT or SIGTERM, when the frame at hand is in; where others make them, when they had a moment to end their units.
     """
     if share is not None and overwrite:
         raise DataError(f"--shard {share} joins what is there and --overwrite replaces it; remove the old sequence before the first share")
