@@ -31,6 +31,9 @@ LOOK: Final = 2.0
 AHEAD: Final = 2
 """Units on their way for each worker: one at work, and the next."""
 
+BATCH: Final = 4
+"""Units are sent when there is room for a ``BATCH``-th of the workers."""
+
 Say = Callable[[str], None]
 
 
@@ -235,7 +238,11 @@ class _Mapping:
     def _fill(self) -> bool:
         """Have enough on the way; False when nothing is left to do."""
         tasks: list[_Task] = []
-        for _ in range(AHEAD * self.workers.count - len(self.flight)):
+        count = self.workers.count
+        room = AHEAD * count - len(self.flight)
+        if room < count // BATCH:  # sending costs by the call rather than by the unit, and workers have units at hand
+            return True
+        for _ in range(room):
             task = self.again.popleft() if self.again else next((_Task(unit) for unit in self.source), None)
             if task is None:
                 break
