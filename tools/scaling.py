@@ -187,7 +187,7 @@ def scheduler_seconds(workers: DaskWorkers) -> float:
     return float(workers._client.run_on_scheduler(time.process_time))
 
 
-def thousand(slots: tuple[int, int, int] = (2, 50, 10), rounds: int = 8) -> Rows:
+def thousand(slots: tuple[int, int, int] = (1, 20, 50), rounds: int = 8) -> Rows:
     """A thousand units of one second at the same time: what the scheduler and the one who asks have to do for each."""
     count = math.prod(slots)
     with scheduler() as address, hosts(address, *slots), quiet():
@@ -208,7 +208,7 @@ def thousand(slots: tuple[int, int, int] = (2, 50, 10), rounds: int = 8) -> Rows
     there, back = record_sizes()
     frame = 640 * 512 * 4
     return [
-        (f"{slots[0] * slots[1]} Dask workers of {slots[2]} threads, {number} units that sleep 1 s", "value"),
+        (f"{slots[0] * slots[1]} Dask workers of {slots[2]} units at once, {number} units that sleep 1 s", "value"),
         ("units per second (1000 would be all that the workers can)", f"{rate:.0f}"),
         ("processor time of the scheduler for a unit", f"{1000 * per_unit:.2f} ms"),
         ("processor time of the process that asks, for a unit", f"{1000 * asks:.2f} ms"),

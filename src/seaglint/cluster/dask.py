@@ -34,6 +34,9 @@ AHEAD: Final = 2
 BATCH: Final = 4
 """Units are sent when there is room for a ``BATCH``-th of the workers."""
 
+TOGETHER: Final = 1e-4
+"""Time for each worker in which records are gathered before they are asked for together [s]: a request costs as much as many of them."""
+
 Say = Callable[[str], None]
 
 
@@ -262,6 +265,7 @@ class _Mapping:
         ended = []
         with suppress(queue.Empty):
             ended.append(self.ended.get(timeout=0.5))
+            time.sleep(min(TOGETHER * self.workers.count, 0.05))
             while True:
                 ended.append(self.ended.get_nowait())
         if not self.workers.connected:
