@@ -24,11 +24,14 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import scaling_jobs
 from seaglint.cluster import Job, LocalProcesses
 from seaglint.cluster.base import Done
 from seaglint.cluster.dask import DaskWorkers, client_of, connected, quiet
 from seaglint.cluster.remote import packed
+from seaglint.io.layout import Layout
 from seaglint.scenario.load import parse_scenario
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "performance.md"
@@ -142,6 +145,11 @@ def scheduler() -> Iterator[str]:
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", str(port), "--no-dashboard"]
     process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
     try:
+        answers = False
+        while not answers:  # on a busy machine it takes longer to start than a client waits
+            with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port)):
+                answers = True
+            time.sleep(0.1)
         yield f"tcp://127.0.0.1:{port}"
     finally:
         process.terminate()
@@ -179,7 +187,7 @@ def scheduler_seconds(workers: DaskWorkers) -> float:
     return float(workers._client.run_on_scheduler(time.process_time))
 
 
-def thousand(slots: tuple[int, int, int] = (10, 10, 10), rounds: int = 4) -> Rows:
+def thousand(slots: tuple[int, int, int] = (1, 20, 50), rounds: int = 8) -> Rows:
     """A thousand units of one second at the same time: what the scheduler and the one who asks have to do for each."""
     count = math.prod(slots)
     with scheduler() as address, hosts(address, *slots), quiet():
@@ -200,7 +208,7 @@ def thousand(slots: tuple[int, int, int] = (10, 10, 10), rounds: int = 4) -> Row
     there, back = record_sizes()
     frame = 640 * 512 * 4
     return [
-        (f"{slots[0] * slots[1]} Dask workers of {slots[2]} threads, {number} units that sleep 1 s", "value"),
+        (f"{slots[0] * slots[1]} Dask workers of {slots[2]} units at once, {number} units that sleep 1 s", "value"),
         ("units per second (1000 would be all that the workers can)", f"{rate:.0f}"),
         ("processor time of the scheduler for a unit", f"{1000 * per_unit:.2f} ms"),
         ("processor time of the process that asks, for a unit", f"{1000 * asks:.2f} ms"),
@@ -212,21 +220,13 @@ def thousand(slots: tuple[int, int, int] = (10, 10, 10), rounds: int = 4) -> Row
     ]
 
 
-MOST_BYTES = 256e6
-"""Of an array of a unit."""
-
-
-def frames_per_unit(count: int, frame_bytes: int) -> int:
-    """Frames of a shard."""
-    return max(min(math.ceil(count / 256), int(MOST_BYTES // frame_bytes)), 1)
-
-
 def files() -> Rows:
     """Number and size of the files of a store of one variable."""
     rows: Rows = [("frames of 640 x 512", "frames a file", "files", "size of a file, at most", "whole store, at most")]
-    frame = 640 * 512 * 4
+    layout = Layout(np.zeros(640), np.zeros(512), range(0), 25.0, None)
+    frame = layout.frame_bytes
     for count in (100, 1000, 10_000, 100_000):
-        each = frames_per_unit(count, frame)
+        each = layout.in_units(count).frames_per_unit
         rows.append(
             (f"{count}", f"{each}", f"{math.ceil(count / each)}", f"{1e-6 * each * frame:.1f} MB", f"{1e-9 * count * frame:.2f} GB")
         )

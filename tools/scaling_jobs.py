@@ -53,12 +53,12 @@ def peak_mb() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1000.0
 
 
-def simulated(unit: bytes, content: bytes) -> bytes:
-    """In the place of :func:`seaglint.cluster.remote.do`: many units sleep for 1 s at the same time in one process."""
+async def simulated(unit: bytes, content: bytes) -> bytes:
+    """In the place of :func:`seaglint.cluster.remote.do`: sleeps in the worker's event loop, so that a unit costs no thread."""
     from seaglint.cluster.base import Done
 
     began = time.perf_counter()
-    time.sleep(1.0)
+    await asyncio.sleep(1.0)
     number = pickle.loads(unit)
     return pickle.dumps(Done(number, FrameRecord(number, "0" * 64, 0.0, 0.0), time.perf_counter() - began, "simulated"))
 

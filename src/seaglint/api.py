@@ -17,6 +17,7 @@ Each is a few lines over the rooms below, which have more to choose: :mod:`seagl
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from seaglint.analysis import Analysis, Recording
+    from seaglint.cluster import Workers
     from seaglint.io.export import Exported
     from seaglint.io.store import Progress
     from seaglint.optics.band import Band
@@ -150,6 +152,7 @@ def render(
     progress: Progress | None = None,
     electrons: bool = False,
     radiance: bool = False,
+    workers: int | Workers | None = None,
 ) -> xr.Dataset:
     """Render a sequence into a Zarr store and open it.
 
@@ -169,6 +172,9 @@ def render(
         Called with (frames done, frames in all).
     electrons, radiance : bool
         Of a scenario with a detector: write electrons, and the radiance at the aperture, beside counts.
+    workers : int or Workers, optional
+        Number of processes on this machine that share the frames, each with ``threads`` or an even part of the processor's; or what
+        :class:`seaglint.cluster.LocalProcesses` or :func:`seaglint.cluster.dask.connected` gives. This process alone by default.
 
     Returns
     -------
@@ -189,12 +195,15 @@ def render(
     ...     sg.render(scene, f"{folder}/run.zarr").radiance.shape
     (3, 4, 8)
     """
+    from seaglint.cluster import LocalProcesses
     from seaglint.inputs import with_band
     from seaglint.io.store import open_sequence
     from seaglint.pipeline.sensed import render as written
 
-    kept: dict[str, Any] = {"electrons": electrons, "radiance": radiance}
-    path = written(scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress, **kept)
+    kept: dict[str, Any] = {"electrons": electrons, "radiance": radiance, "resume": resume, "overwrite": overwrite, "progress": progress}
+    alone = threads if workers is None else None
+    with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
+        path = written(scenario, output, frames=frames, threads=alone, workers=others, **kept)
     return with_band(open_sequence(path))
 
 

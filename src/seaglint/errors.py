@@ -106,3 +106,13 @@ class StorageError(SeaglintError):
     """Writing failed for lack of room or rights; what was written before stays and can be resumed."""
 
     exit_code = 3
+
+
+def one_line(error: BaseException) -> str:
+    r"""An error as a line: its kind and the first line of its text.
+
+    >>> one_line(ValueError("no waves\nat all")), one_line(KeyboardInterrupt())
+    ('ValueError: no waves', 'KeyboardInterrupt')
+    """
+    first = (str(error).splitlines() or [""])[0]
+    return f"{type(error).__name__}: {first}" if first else type(error).__name__

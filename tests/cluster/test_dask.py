@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import time
+from types import SimpleNamespace
 
 import pytest
 import toy_jobs
@@ -15,7 +16,7 @@ import toy_jobs
 from seaglint.cluster import Done, Failed, Job
 from seaglint.cluster.base import ATTEMPTS
 from seaglint.cluster.batch_queue import queued, read_settings
-from seaglint.cluster.dask import connected, judged
+from seaglint.cluster.dask import _Mapping, connected, judged
 from seaglint.cluster.machine import this_machine
 from seaglint.errors import BackendError, DataError, DomainError
 
@@ -89,6 +90,24 @@ def test_a_unit_that_kills_its_workers_is_given_up(three, tmp_path):
     assert "1 worker died at it" in failed.error
     assert len(set(toy_jobs.attempts(tmp_path, "kill"))) == ATTEMPTS
     assert {one.record for one in found.values()} == {"A", "B"}
+
+
+def test_units_for_many_workers_are_sent_together():
+    class Eight:
+        count, sent = 8, []
+
+        def submit(self, units, content):
+            self.sent.append(len(units))
+            return [SimpleNamespace(key=unit, add_done_callback=lambda told: None) for unit in units]
+
+    mapping = _Mapping(Eight(), b"", range(20))
+    for finished in (0, 1, 1, 14, 3):
+        for key in list(mapping.flight)[:finished]:
+            del mapping.flight[key]
+        assert mapping._fill()
+    assert Eight.sent == [16, 2, 2]
+    mapping.flight.clear()
+    assert not mapping._fill()
 
 
 def test_leaving_takes_back_what_was_not_begun(three, tmp_path):

@@ -24,6 +24,7 @@ def two():
         yield workers
 
 
+@pytest.mark.validation
 def test_a_map_is_the_same_from_workers(two):
     region = {"latitudes_deg": [0, 60], "longitudes_deg": [-30, -10], "threshold_w_m2_sr": [0.25, 1.0], "months": [3, 6, 9]}
     scene = parse_scenario({"atmosphere": {"source": "none"}, "likelihood": region})
@@ -36,6 +37,7 @@ def test_a_map_is_the_same_from_workers(two):
     assert told == [(k, 3) for k in range(4)]
 
 
+@pytest.mark.validation
 def test_seas_of_a_scene_are_the_same_from_workers(two, tmp_path: Path):
     scene = parse_scenario({"seed": 3, "sensor": {"pixels": [16, 8], "fov_deg": [0.4, 0.2], "elevation_deg": -3.0}})
     seas = Seas.of(scene)

@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
@@ -24,13 +25,13 @@ from toy_store import COLUMNS, ROWS, frame, layout, pixels
 
 from seaglint.cluster import LocalProcesses
 from seaglint.errors import BackendError, DataError, StorageError
-from seaglint.io import provenance
 from seaglint.io.claim import exclusive
 from seaglint.io.filling import UnitTask, unit_maker
 from seaglint.io.shards import Shards, UnitFailure
 from seaglint.io.share import Share
 from seaglint.io.store import Interrupted, finish_sequence, open_sequence, partial_path, write_sequence
 from seaglint.pipeline.spread import over
+from seaglint.processor import processor
 
 
 def files(store: Path) -> dict[str, str]:
@@ -86,7 +87,7 @@ def test_what_is_written_in_shards_is_what_is_read(output):
         np.testing.assert_array_equal(found["radiance"], np.stack([pixels(n) for n in range(23)]))
         np.testing.assert_array_equal(found["saturated_share"], np.arange(23, dtype=np.float32) / 32)
         assert len(set(found["frame_checksum"].to_numpy().tolist())) == 23
-        assert found.attrs["processor"] == provenance.processor()
+        assert found.attrs["processor"] == processor()
         assert "processors_mixed" not in found.attrs
         assert "unfinished" not in found.attrs
 
@@ -170,6 +171,36 @@ def test_frames_that_raise_are_named_and_the_rest_goes_on(output, whole, monkeyp
     assert asked == [9]
     assert files(output) == whole
     assert [path.name for path in output.parent.iterdir()] == ["run.zarr"]
+
+
+@pytest.mark.parametrize("share", [None, Share(0, 1)])
+def test_frames_that_raise_here_are_tried_again_named_and_the_rest_goes_on(output, whole, share):
+    asked = []
+
+    def raising(number: int):
+        asked.append(number)
+        if number in (9, 10) or (number == 20 and asked.count(20) < 3):
+            raise RuntimeError(f"a defect of {number}")
+        return frame(number)
+
+    with pytest.raises(DataError, match=r"2 of 23 frames were not made: 9-10 \(RuntimeError: a defect of 9\); tracebacks are in "):
+        write_sequence(output, layout(), raising, share=share, attempts=3)
+    assert {number: asked.count(number) for number in set(asked)} == dict.fromkeys(range(23), 1) | dict.fromkeys((9, 10, 20), 3)
+    told = Path(f"{partial_path(output)}.errors/frame-000009.txt").read_text()
+    assert all(part in told for part in ("in raising", "in frame 9", "in frame 10", "a defect of 10"))
+    write_sequence(output, layout(), frame, resume=True)
+    assert files(output) == whole
+
+
+def test_a_signal_while_frames_raise_stops(output):
+    def stopping(number: int):
+        if number == 5:
+            os.kill(os.getpid(), signal.SIGTERM)
+            raise RuntimeError("a defect")
+        return frame(number)
+
+    with pytest.raises(Interrupted, match="after 5 of 23 frames"):
+        write_sequence(output, layout(), stopping, attempts=3)
 
 
 def test_a_full_disk_elsewhere_stops_and_goes_on_when_it_is_freed(output, whole, monkeypatch):
@@ -266,7 +297,7 @@ def test_another_version_is_refused_and_another_processor_told(output, monkeypat
     assert len([line for line in caplog.messages if "last bits" in line]) == 1
     finish_sequence(output)
     with open_sequence(output) as found:
-        assert found.attrs["processor"] == f"aarch64 other; {provenance.processor()}"
+        assert found.attrs["processor"] == f"aarch64 other; {processor()}"
         assert "last bits" in found.attrs["processors_mixed"]
 
 
@@ -299,17 +330,13 @@ def test_truth_is_cut_alike(output):
 
 @pytest.mark.validation
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL here")
-@pytest.mark.parametrize("begin", ["slow", "over_workers"])
-def test_runs_killed_at_random_moments_lose_nothing(output, whole, begin):
+def test_runs_killed_at_random_moments_lose_nothing(output, whole):
     random = np.random.default_rng(1)
-    code = f"import sys, toy_store; toy_store.{begin}(sys.argv[1])"
-    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
-    for _ in range(20 if begin == "slow" else 6):
-        with subprocess.Popen([sys.executable, "-c", code, output], env=environment, stdout=subprocess.PIPE) as process:
-            assert process.stdout is not None
+    for _ in range(20):
+        with begun("slow", output) as process:
             process.stdout.readline()
             try:
-                process.wait(float(random.uniform(0.0, 0.5 if begin == "slow" else 6.0)))
+                process.wait(float(random.uniform(0.0, 0.5)))
             except subprocess.TimeoutExpired:
                 process.kill()
         if output.exists():
@@ -317,6 +344,90 @@ def test_runs_killed_at_random_moments_lose_nothing(output, whole, begin):
             shutil.rmtree(output)
     write_sequence(output, layout(), frame, resume=True)
     assert files(output) == whole
+
+
+@contextmanager
+def begun(what: str, output: Path) -> Iterator[subprocess.Popen]:
+    """A run in a process group of its own."""
+    command = [sys.executable, "-c", f"import sys, toy_store; toy_store.{what}(sys.argv[1])", output]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    with subprocess.Popen(
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as run:
+        try:
+            yield run
+        finally:
+            run.kill()
+
+
+def workers_of(process: int) -> list[int]:
+    """Its children."""
+    return [int(number) for number in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
+
+
+def end_of(processes: list[int]) -> bool:
+    """Whether they end within some seconds."""
+    until = time.monotonic() + 20.0
+    while any(Path(f"/proc/{number}/exe").exists() for number in processes) and time.monotonic() < until:
+        time.sleep(0.02)
+    return not any(Path(f"/proc/{number}/exe").exists() for number in processes)
+
+
+@pytest.mark.validation
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc here")
+def test_a_run_with_workers_killed_twenty_times_loses_nothing_and_leaves_no_process(output, tmp_path):
+    random, kills = np.random.default_rng(3), 0
+    once = files(write_sequence(tmp_path / "once.zarr", toy_store.many(), frame))
+    while kills < 20:
+        with begun("over_workers", output) as process:
+            for _ in range(int(random.integers(1, 16))):
+                process.stdout.readline()
+            children = workers_of(process.pid) if process.poll() is None else []
+            if process.poll() is None:
+                process.kill()
+                kills += 1
+        assert end_of(children)
+        if output.exists():
+            assert files(output) == once
+            shutil.rmtree(output)
+    write_sequence(output, toy_store.many(), frame, resume=True)
+    assert files(output) == once
+
+
+@pytest.mark.validation
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc here")
+@pytest.mark.parametrize(("number", "group"), [(signal.SIGINT, True), (signal.SIGTERM, False), (signal.SIGTERM, True)])
+def test_a_signal_to_a_run_with_workers_leaves_what_can_be_resumed_and_no_process(output, tmp_path, number, group):
+    with begun("over_workers", output) as process:
+        for _ in range(5):
+            process.stdout.readline()
+        children = workers_of(process.pid)
+        os.killpg(process.pid, number) if group else process.send_signal(number)  # Ctrl-C goes to the whole group
+        _, told = process.communicate(timeout=60)
+        assert "Interrupted: stopped after" in told
+        assert process.returncode == 1
+    assert children
+    assert end_of(children)
+    assert not output.exists()
+    asked = []
+    write_sequence(output, toy_store.many(), lambda n: (asked.append(n), frame(n))[1], resume=True)
+    assert 0 < len(asked) <= 300 - 3 * 4
+    assert files(output) == files(write_sequence(tmp_path / "once.zarr", toy_store.many(), frame))
+
+
+@pytest.mark.validation
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc here")
+def test_a_signal_does_not_wait_for_long_units_of_workers(output):
+    with begun("over_long_units", output) as process:
+        process.stdout.readline()
+        until = time.monotonic() + 30.0
+        while len(children := workers_of(process.pid)) < 2 and time.monotonic() < until:
+            time.sleep(0.05)
+        os.killpg(process.pid, signal.SIGINT)
+        _, told = process.communicate(timeout=40)  # of 240 s that a unit takes
+    assert "Interrupted: stopped after 0 of 23 frames" in told
+    assert len(children) == 2
+    assert end_of(children)
 
 
 @pytest.mark.validation

@@ -90,10 +90,34 @@ def slow(output: str) -> None:
 
 
 def over_workers(output: str) -> None:
-    """The same over two processes."""
+    """300 frames over two processes; says so at the start and after each unit."""
     from seaglint.cluster import LocalProcesses
     from seaglint.pipeline.spread import over
 
-    print("begins", flush=True)
+    def told(done: int, total: int) -> None:
+        print(done, total, flush=True)
+
     with LocalProcesses(2) as workers:
-        write_sequence(output, layout(), slowly, resume=True, spread=over(workers, prepared, None))
+        write_sequence(output, many(), slowly, resume=True, spread=over(workers, prepared_many, None), progress=told)
+
+
+def long_units(_: None) -> tuple[Layout, Frame]:
+    """Units that take minutes."""
+
+    def long(number: int) -> dict[str, np.ndarray]:
+        time.sleep(60.0)
+        return frame(number)
+
+    return layout(), long
+
+
+def over_long_units(output: str) -> None:
+    """Two processes at units of minutes."""
+    from seaglint.cluster import LocalProcesses
+    from seaglint.pipeline.spread import over
+
+    def told(done: int, total: int) -> None:
+        print(done, total, flush=True)
+
+    with LocalProcesses(2) as workers:
+        write_sequence(output, layout(), frame, spread=over(workers, long_units, None), progress=told)

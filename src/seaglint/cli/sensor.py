@@ -85,7 +85,7 @@ def sense(
             progress=report,
             share=share,
             workers=others,
-            reopen=Reopen(recording, frame_rate, variable),
+            reopen=Reopen(Path(recording), frame_rate, variable),
         )
     if share is not None:
         tell_share(store, share)

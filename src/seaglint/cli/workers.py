@@ -35,7 +35,7 @@ def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, th
     Raises
     ------
     DataError
-        More than one was asked for.
+        More than one was asked for, or threads of Dask workers.
     SeaglintError
         What :mod:`seaglint.cluster.dask` refuses.
     """
@@ -44,6 +44,8 @@ def chosen(workers: int | None, dask: str | None, dask_slurm: Path | None, *, th
     given = [name for name, value in (("--workers", workers), ("--dask", dask), ("--dask-slurm", dask_slurm)) if value is not None]
     if len(given) > 1:
         raise DataError(f"{' and '.join(given)}: work is shared out in one way; give one of them")
+    if threads is not None and (dask is not None or dask_slurm is not None):
+        raise DataError(f"--threads {threads}: is of this machine, and Dask's workers have their own; start them with --nthreads {threads}")
     if workers is not None:
         from seaglint.cluster.local import LocalProcesses
 

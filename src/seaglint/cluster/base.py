@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import io
+import os
+import pickle
 import time
 import traceback
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from typing import Final, Generic, Protocol, TypeVar
+from pathlib import Path
+from typing import Any, Final, Generic, Protocol, TypeVar
 
-from seaglint.errors import BackendError
+from seaglint.errors import BackendError, one_line
 
 Settings = TypeVar("Settings")
 Unit = TypeVar("Unit")
@@ -28,7 +32,7 @@ class Job(Generic[Settings, Unit, Record]):
     start : callable
         ``start(settings)`` prepares and returns a function of a unit. A function of a module, so that workers find it by its name.
     settings : object
-        Small values that pickle: text, numbers, paths, scenarios. No arrays.
+        Small values that pickle: text, numbers, paths, scenarios. No arrays. Relative paths count from the working directory of who asks.
     """
 
     start: Callable[[Settings], Callable[[Unit], Record]]
@@ -76,6 +80,27 @@ class Workers(Protocol):
         ...
 
 
+class _Outgoing(pickle.Pickler):
+    """Pickles with whole paths: who reads it may have another working directory."""
+
+    def reducer_override(self, value: Any) -> Any:
+        """How a path is read back; other values are as ever."""
+        if isinstance(value, Path):
+            return type(value), (os.path.abspath(value),)
+        return NotImplemented
+
+
+def outgoing(value: Any) -> bytes:
+    """A value as it is sent to workers.
+
+    >>> pickle.loads(outgoing({"file": Path("waves.nc")}))["file"].is_absolute()
+    True
+    """
+    content = io.BytesIO()
+    _Outgoing(content).dump(value)
+    return content.getvalue()
+
+
 def attempt(work: Callable[[Unit], Record], unit: Unit, worker: str, attempts: int) -> Done[Unit, Record] | Failed[Unit]:
     """Do a unit once; errors become values, requests to stop go through."""
     began = time.perf_counter()
@@ -84,16 +109,6 @@ def attempt(work: Callable[[Unit], Record], unit: Unit, worker: str, attempts: i
     except Exception as error:
         return Failed(unit, one_line(error), traceback.format_exc(), attempts)
     return Done(unit, record, time.perf_counter() - began, worker)
-
-
-def one_line(error: BaseException) -> str:
-    r"""An error as a line: its kind and the first line of its text.
-
-    >>> one_line(ValueError("no waves\nat all")), one_line(KeyboardInterrupt())
-    ('ValueError: no waves', 'KeyboardInterrupt')
-    """
-    first = (str(error).splitlines() or [""])[0]
-    return f"{type(error).__name__}: {first}" if first else type(error).__name__
 
 
 def record_of(outcome: Done[Unit, Record] | Failed[Unit]) -> Record:

@@ -14,10 +14,10 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any, Final
 
-from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, one_line
+from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
 from seaglint.cluster.machine import Machine, this_machine
 from seaglint.cluster.remote import describe, do, packed
-from seaglint.errors import BackendError, DataError, SeaglintError
+from seaglint.errors import BackendError, DataError, SeaglintError, one_line
 
 CONNECT: Final = 5.0
 """Time within which a scheduler must answer [s]."""
@@ -30,6 +30,12 @@ LOOK: Final = 2.0
 
 AHEAD: Final = 2
 """Units on their way for each worker: one at work, and the next."""
+
+BATCH: Final = 4
+"""Units are sent when there is room for a ``BATCH``-th of the workers."""
+
+TOGETHER: Final = 1e-4
+"""Time for each worker in which records are gathered before they are asked for together [s]: a request costs as much as many of them."""
 
 Say = Callable[[str], None]
 
@@ -235,13 +241,17 @@ class _Mapping:
     def _fill(self) -> bool:
         """Have enough on the way; False when nothing is left to do."""
         tasks: list[_Task] = []
-        for _ in range(AHEAD * self.workers.count - len(self.flight)):
+        count = self.workers.count
+        room = AHEAD * count - len(self.flight)
+        if room < count // BATCH:  # sending costs by the call rather than by the unit, and workers have units at hand
+            return True
+        for _ in range(room):
             task = self.again.popleft() if self.again else next((_Task(unit) for unit in self.source), None)
             if task is None:
                 break
             tasks.append(task)
         try:
-            futures = self.workers.submit([pickle.dumps(task.unit) for task in tasks], self.content) if tasks else []
+            futures = self.workers.submit([outgoing(task.unit) for task in tasks], self.content) if tasks else []
         except _SchedulerGoneError:
             self.again.extendleft(reversed(tasks))
             raise
@@ -255,6 +265,7 @@ class _Mapping:
         ended = []
         with suppress(queue.Empty):
             ended.append(self.ended.get(timeout=0.5))
+            time.sleep(min(TOGETHER * self.workers.count, 0.05))
             while True:
                 ended.append(self.ended.get_nowait())
         if not self.workers.connected:

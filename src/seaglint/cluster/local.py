@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from typing import Any, Final
 
-from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit
+from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
 from seaglint.errors import BackendError, DomainError, SeaglintError
 
 MOST: Final = 1024
@@ -196,7 +196,7 @@ class _Mapping:
 
     def __init__(self, workers: list[_Worker], count: int, threads: int, job: Job[Any, Any, Any], units: Iterable[Any]) -> None:
         self.workers, self.count, self.threads = workers, count, threads
-        self.content = pickle.dumps((job.start, job.settings))
+        self.content = outgoing((job.start, job.settings))
         self.job = hashlib.blake2b(self.content, digest_size=16).hexdigest()
         self.source = iter(units)
         self.queue: deque[_Task] = deque()
@@ -253,7 +253,7 @@ class _Mapping:
             if worker.ready and worker.task is None and (task := self._task_for(worker)) is not None:
                 worker.task = task
                 task.tried_by.append(worker.number)
-                worker.tell("unit", pickle.dumps(task.unit))
+                worker.tell("unit", outgoing(task.unit))
 
     def _task_for(self, worker: _Worker) -> _Task | None:
         others = [other for other in self.workers if other is not worker]

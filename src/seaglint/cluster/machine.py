@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import platform
 import socket
 from functools import cache
 from typing import NamedTuple
@@ -17,7 +16,7 @@ class Machine(NamedTuple):
     sources: str
     """Digest of all that kernels are made of."""
     processor: str
-    """Type for which kernels are compiled: between types the last bits can differ."""
+    """Its type, as stores record it: between types the last bits can differ."""
     host: str
     process: int
 
@@ -26,13 +25,7 @@ class Machine(NamedTuple):
 def this_machine() -> Machine:
     """What this process is."""
     from seaglint._kernel_cache import sources_digest
+    from seaglint.processor import processor
     from seaglint.version import __version__
 
-    return Machine(__version__, sources_digest(), processor_type(), socket.gethostname(), os.getpid())
-
-
-def processor_type() -> str:
-    """Instruction set and model of the processor as the compiler names them, such as ``x86_64 znver3``."""
-    from llvmlite.binding import get_host_cpu_name
-
-    return f"{platform.machine()} {get_host_cpu_name()}"
+    return Machine(__version__, sources_digest(), processor(), socket.gethostname(), os.getpid())

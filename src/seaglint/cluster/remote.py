@@ -10,7 +10,8 @@ import zlib
 from collections.abc import Callable
 from typing import Any, Final
 
-from seaglint.cluster.base import Done, Failed, Job, attempt, one_line
+from seaglint.cluster.base import Done, Failed, Job, attempt, outgoing
+from seaglint.errors import one_line
 
 _one_at_a_time: Final = threading.Lock()
 """Threads of one worker share the kernels' threads and the limits of linear algebra."""
@@ -21,7 +22,7 @@ _started: dict[str, Callable[[Any], Any]] = {}
 
 def packed(job: Job[Any, Any, Any]) -> bytes:
     """A job as it travels, with each unit: workers come and go."""
-    return zlib.compress(pickle.dumps((job.start, job.settings)))
+    return zlib.compress(outgoing((job.start, job.settings)))
 
 
 def describe() -> tuple[Any, ...] | None:

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from seaglint.io.layout import FORMAT, UNFINISHED, Layout
 from seaglint.io.manifest import CHECKSUM, DONE, OVER
-from seaglint.io.provenance import processor
 from seaglint.io.truth import GROUP, TRUTHS
+from seaglint.processor import processor
 from seaglint.schema import VARIABLES
 
 

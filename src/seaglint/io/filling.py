@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
+from traceback import format_exception
 from typing import Any
 
-from seaglint.errors import DataError, SeaglintError, StorageError
+from seaglint.errors import DataError, SeaglintError, StorageError, one_line
 from seaglint.io.claim import Claim
 from seaglint.io.failures import storage_errors
 from seaglint.io.layout import Layout
 from seaglint.io.manifest import listed
 from seaglint.io.place import Place, place_of
-from seaglint.io.provenance import processor
-from seaglint.io.shards import Frame, Shards, UnitFailure, UnitRecord, make_unit
+from seaglint.io.shards import Frame, FramesRaisedError, Shards, UnitFailure, UnitRecord, make_unit
 from seaglint.io.stopping import stop_on_signal
+from seaglint.processor import processor
 from seaglint.version import __version__
+
+log = logging.getLogger(__name__)
 
 Progress = Callable[[int, int], None]
 """Called with (frames done, frames in all): once at the start and after each frame."""
@@ -76,6 +80,8 @@ def unit_maker(task: UnitTask, layout: Layout, frame: Frame) -> Callable[[int], 
     def make(unit: int) -> UnitRecord:
         try:
             record = make_unit(shards, unit, layout.frames, frame, writing, patient=True)
+        except FramesRaisedError as raised:
+            raise raised.first from None
         except StorageError as error:  # no other worker has more room
             return UnitRecord(unit, no_room=str(error))
         return replace(record, processor=processor())
@@ -95,91 +101,135 @@ def _opened(place: Place) -> Any:
     return zarr.open_group(place.work, mode="r+", zarr_format=3, use_consolidated=False)
 
 
-def fill(
-    place: Place,
-    shards: Shards,
-    units: range,
-    claim: Any,
-    numbers: range,
-    frame: Frame,
-    remedy: Callable[[], str],
-    *,
-    progress: Progress | None,
-    spread: Spread | None,
-    note: Callable[[str], None],
-) -> None:
-    """Make and write the frames of some units that are missing; ``note`` is told types of processors that made them.
+@dataclass
+class Filling:
+    """Units of a store on the way to be made; ``here`` or ``elsewhere`` makes them, ``require_all`` follows.
 
     Raises
     ------
-    DataError
-        Frames that others did not make; the rest is in.
     StorageError, Interrupted
         As :func:`seaglint.io.store.write_sequence`.
     """
-    total = sum(shards.span(unit).stop - shards.span(unit).start for unit in units)
-    with storage_errors(place.work, remedy):
-        missing = shards.missing(units)
-    left = sorted({index // shards.frames_per_unit for index in missing})
-    count = total - len(missing)
-    processors: set[str] = set()
 
-    def told(done: int) -> None:
-        if progress is not None:
-            progress(done, total)
+    place: Place
+    shards: Shards
+    units: range
+    """Which units are ours."""
+    claim: Any
+    numbers: range
+    """Numbers of all frames of the store."""
+    remedy: Callable[[], str]
+    """What to do where there is no room."""
+    progress: Progress | None = None
+    failed: list[UnitFailure] = field(default_factory=list)
+    """Units with frames that were given up."""
 
-    def told_after(before: int, made: int) -> None:
-        told(before + made)
+    def __post_init__(self) -> None:
+        self.total = sum(self.shards.span(unit).stop - self.shards.span(unit).start for unit in self.units)
+        self.count = self.total - len(self._missing(self.units))
+        self.told()
 
-    def interrupted() -> Interrupted:
-        return Interrupted(f"stopped after {count} of {total} frames, kept in {place.work}; go on with the same command and --resume")
+    @property
+    def left(self) -> list[int]:
+        """Units with frames that are missing."""
+        return sorted({index // self.shards.frames_per_unit for index in self._missing(self.units)})
 
-    @contextmanager
-    def writing() -> Iterator[None]:
-        with storage_errors(place.work, remedy):
-            claim.require()
-            place.require_there()
-            yield
+    def here(self, frame: Frame, attempts: int) -> None:
+        """Make the units one after the other.
 
-    told(count)
-    if not left:
-        return
-    with stop_on_signal() as stopped:
-        if spread is None:
-            for unit in left:
+        Parameters
+        ----------
+        frame : callable
+        attempts : int
+            How often a frame that raises is tried before the others go on without it; at 1 its error is raised.
+        """
+        with stop_on_signal() as stopped:
+            for unit in self.left:
                 if stopped:
-                    raise interrupted()
-                report = partial(told_after, count)
-                record = make_unit(shards, unit, numbers, frame, writing, stopped=lambda: bool(stopped), report=report)
-                count += len(record.frames)
-            if stopped and count < total:
-                raise interrupted()
+                    raise self._interrupted()
+                for tried in range(1, attempts + 1):
+                    report = partial(self.told, self.count)
+                    asked: dict[str, Any] = {"stopped": lambda: bool(stopped), "report": report, "patient": attempts > 1}
+                    try:
+                        record = make_unit(self.shards, unit, self.numbers, frame, self._writing, **asked)
+                    except FramesRaisedError as raised:
+                        if attempts == 1:
+                            raise raised.first from None
+                        self.count = self.total - len(self._missing(self.units))
+                        if stopped:
+                            break
+                        if tried == attempts:
+                            self._give_up(UnitFailure(unit, one_line(raised.first), "".join(format_exception(raised.first))))
+                    else:
+                        self.count += len(record.frames)
+                        break
+            if stopped and self.count < self.total:
+                raise self._interrupted()
+
+    def elsewhere(self, spread: Spread, note: Callable[[str], None]) -> None:
+        """Have the units made by others; ``note`` is told types of processors that made them."""
+        left, processors = self.left, set[str]()
+        if not left:
             return
-        failed: list[UnitFailure] = []
-        with spread(UnitTask.of(place, claim), left) as outcomes:
-            for outcome in outcomes:
-                if isinstance(outcome, UnitFailure):
-                    failed.append(outcome)
-                    span = shards.span(outcome.unit)
-                    absent = shards.missing([outcome.unit])
-                    count += sum(span.start <= index < span.stop for index in missing) - len(absent)
-                    place.keep_traceback(
-                        f"frame-{numbers[absent[0] if absent else span.start]:06d}.txt", f"{outcome.traceback}\n{outcome.error}\n"
-                    )
-                elif outcome.no_room:
-                    raise StorageError(outcome.no_room)
-                else:
-                    count += len(outcome.frames)
-                    if outcome.processor not in processors:
-                        processors.add(outcome.processor)
-                        note(outcome.processor)
-                told(count)
-                if stopped and count < total:
-                    raise interrupted()
-    if failed:
-        names = [numbers[index] for index in shards.missing([failure.unit for failure in failed])]
+        try:
+            # At once: a unit may be a minute's work of others, and nothing is half done here.
+            with stop_on_signal(at_once=True), spread(UnitTask.of(self.place, self.claim), left) as outcomes:
+                for outcome in outcomes:
+                    if isinstance(outcome, UnitFailure):
+                        self._give_up(outcome)
+                        self.count = self.total - len(self._missing(self.units))
+                    elif outcome.no_room:
+                        raise StorageError(outcome.no_room)
+                    else:
+                        self.count += len(outcome.frames)
+                        if outcome.processor not in processors:
+                            processors.add(outcome.processor)
+                            note(outcome.processor)
+                    self.told()
+        except KeyboardInterrupt:
+            self.count = self.total - len(self._missing(self.units))
+            if self.count < self.total:
+                raise self._interrupted() from None
+
+    def require_all(self) -> None:
+        """Name what was given up.
+
+        Raises
+        ------
+        DataError
+            Frames that raised too often; the rest is in.
+        """
+        names = [self.numbers[index] for index in self._missing([failure.unit for failure in self.failed])]
         if names:
             raise DataError(
-                f"{len(names)} of {total} frames were not made: {listed(names)} ({failed[0].error}); tracebacks are in {place.errors}, "
-                f"all else in {place.work}: go on with --resume"
+                f"{len(names)} of {self.total} frames were not made: {listed(names)} ({self.failed[0].error}); tracebacks are in "
+                f"{self.place.errors}, all else in {self.place.work}: go on with --resume"
             )
+
+    def told(self, before: int | None = None, made: int = 0) -> None:
+        """Report frames that are done."""
+        if self.progress is not None:
+            self.progress((self.count if before is None else before) + made, self.total)
+
+    def _give_up(self, failure: UnitFailure) -> None:
+        absent = self._missing([failure.unit])
+        number = self.numbers[absent[0] if absent else self.shards.span(failure.unit).start]
+        with storage_errors(self.place.work, self.remedy):
+            self.place.keep_traceback(f"frame-{number:06d}.txt", f"{failure.traceback}\n{failure.error}\n")
+        log.warning("seaglint: frame %d: %s; the rest goes on", number, failure.error)
+        self.failed.append(failure)
+
+    def _missing(self, units: range | list[int]) -> list[int]:
+        with storage_errors(self.place.work, self.remedy):
+            return self.shards.missing(units)
+
+    def _interrupted(self) -> Interrupted:
+        kept = f"stopped after {self.count} of {self.total} frames, kept in {self.place.work}"
+        return Interrupted(f"{kept}; go on with the same command and --resume")
+
+    @contextmanager
+    def _writing(self) -> Iterator[None]:
+        with storage_errors(self.place.work, self.remedy):
+            self.claim.require()
+            self.place.require_there()
+            yield

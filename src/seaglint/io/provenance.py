@@ -7,10 +7,8 @@ import platform
 import sys
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
-from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any, Final
-from zlib import crc32
 
 import numpy as np
 
@@ -61,18 +59,6 @@ def provenance(title: str, scenario_json: str, seed: int, **more: Any) -> dict[s
         "created_with": f"Python {platform.python_version()} on {sys.platform} {platform.machine()}, {packages}",
         "history": f"{now} written by seaglint {__version__}",
     }
-
-
-@cache
-def processor() -> str:
-    """Type of this machine's processor as the kernels' compiler sees it: model, and a checksum of its instruction sets.
-
-    Kernels are compiled for it, and what is fused or in which order vectors are summed may change the last bits of a number.
-    """
-    from llvmlite import binding
-
-    features = binding.get_host_cpu_features().flatten()
-    return f"{platform.machine()} {binding.get_host_cpu_name()} {crc32(features.encode('ascii')):08x}"
 
 
 def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import AbstractContextManager, suppress
 from dataclasses import dataclass
+from traceback import format_exception
 from typing import Any
 
 import numpy as np
@@ -47,6 +48,15 @@ class UnitFailure:
     unit: int
     error: str
     traceback: str
+
+
+class FramesRaisedError(Exception):
+    """Frames of a unit raised; the others are written."""
+
+    def __init__(self, first: Exception) -> None:
+        super().__init__(str(first))
+        self.first = first
+        """The first error; notes of it name its frame, and hold the tracebacks of others."""
 
 
 class Shards:
@@ -125,13 +135,19 @@ def make_unit(
     report : callable
         Called with the number of frames made so far.
     patient : bool
-        Try the other frames too where one raises; the first error is raised at the end, in any case when what is done is written.
+        Try the other frames too where one raises.
+
+    Raises
+    ------
+    FramesRaisedError
+        A frame raised; what is done is written.
     """
     began, span = time.perf_counter(), shards.span(unit)
     with writing():
         there, sums = shards.done[span].astype(bool), np.asarray(shards.checksums[span])
         block = shards.read(span) if there.any() else shards.blank(span)
-    absent, made, failed = np.flatnonzero(~there), [], None
+    absent, made = np.flatnonzero(~there), []
+    failed: Exception | None = None
     for index in absent:
         number = numbers[span.start + int(index)]
         try:
@@ -140,8 +156,11 @@ def make_unit(
                 values[index] = images[path.rpartition("/")[2]]
         except Exception as error:
             error.add_note(f"in frame {number}")
-            failed = failed or error
-            if not patient:
+            if failed is None:
+                failed = error
+            else:
+                failed.add_note("".join(format_exception(error)))
+            if not patient or stopped():
                 break
             continue
         sums[index] = frame_checksum(values[index] for values in block.values())
@@ -156,7 +175,7 @@ def make_unit(
             shards.write(unit, block, there, sums)
         report(len(made))
     if failed is not None:
-        raise failed
+        raise FramesRaisedError(failed) from failed
     frames = tuple(numbers[span.start + index] for index in made)
     return UnitRecord(unit, frames, tuple(int(sums[index]) for index in made), time.perf_counter() - began)
 

@@ -20,14 +20,15 @@ import numpy as np
 from seaglint.errors import DataError
 from seaglint.io.consolidated import consolidate
 from seaglint.io.failures import storage_errors
-from seaglint.io.filling import Interrupted, Progress, Spread, fill
+from seaglint.io.filling import Filling, Interrupted, Progress, Spread
 from seaglint.io.layout import FORMAT, UNFINISHED, Layout
 from seaglint.io.manifest import CHECKSUM, DONE, listed
 from seaglint.io.outputs import ELSEWHERE
 from seaglint.io.place import PATIENCE, Place, attributes, is_ours, partial_path, place_of
-from seaglint.io.provenance import PROCESSORS_MIXED, differences, processor
+from seaglint.io.provenance import PROCESSORS_MIXED, differences
 from seaglint.io.shards import Frame, Shards, forget_damaged
 from seaglint.io.share import Share, shares_of
+from seaglint.processor import processor
 from seaglint.version import __version__
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ def write_sequence(
     progress: Progress | None = None,
     share: Share | None = None,
     spread: Spread | None = None,
+    attempts: int = 1,
 ) -> Path | str:
     """Compute the frames that are missing, and give the store its name when it is whole.
 
@@ -84,6 +86,8 @@ def write_sequence(
         given by :func:`finish_sequence`.
     spread : callable, optional
         Has the units made elsewhere; see :data:`seaglint.io.filling.Spread`. Without it they are made here, one after the other.
+    attempts : int
+        How often a frame that raises here is tried before it is left out and named at the end; at 1 its error is raised at once.
 
     Returns
     -------
@@ -93,11 +97,11 @@ def write_sequence(
     Raises
     ------
     DataError
-        The output exists, was made from something else, another process writes it, or units were not made by those who should.
+        The output exists, was made from something else, another process writes it, or frames raised too often.
     StorageError
         No room or no rights; the frames done stay.
     Interrupted
-        After SIGINT or SIGTERM, when the frame (from elsewhere: the unit) at hand is in.
+        After SIGINT or SIGTERM, when the frame at hand is in; where others make them, when they had a moment to end their units.
     """
     if share is not None and overwrite:
         raise DataError(f"--shard {share} joins what is there and --overwrite replaces it; remove the old sequence before the first share")
@@ -123,7 +127,12 @@ def write_sequence(
                     with storage_errors(place.work, remedy):
                         _settle(place, kind)
 
-                fill(place, shards, units, claim, layout.frames, frame, remedy, progress=progress, spread=spread, note=note)
+                filling = Filling(place, shards, units, claim, layout.frames, remedy, progress)
+                if spread is None:
+                    filling.here(frame, attempts)
+                else:
+                    filling.elsewhere(spread, note)
+                filling.require_all()
                 if share is None:
                     with storage_errors(place.output, remedy):
                         _finish(place, claim)

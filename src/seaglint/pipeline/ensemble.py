@@ -21,6 +21,7 @@ from seaglint.pipeline.ensemble_draw import Scene as Scene
 from seaglint.pipeline.ensemble_folder import Folder
 from seaglint.pipeline.ensemble_place import Picture
 from seaglint.pipeline.kept import Kept
+from seaglint.pipeline.memory import give_back
 from seaglint.pipeline.render import prepare_sequence
 from seaglint.pipeline.sensed import prepare_sensed
 from seaglint.scenario.ensemble import Ensemble, with_absolute_paths
@@ -186,6 +187,8 @@ def scene_renderer(settings: Rendering) -> Callable[[str], int]:
             render_scene(scenario, folder.store(label), settings.threads, kept)
         except Interrupted:
             raise KeyboardInterrupt from None  # no failure of the scene
+        finally:
+            give_back()
         return scenario.sensor.frames
 
     return work

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.cluster import Workers
+from seaglint.cluster.base import ATTEMPTS
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
 from seaglint.io.layout import Layout
@@ -87,7 +88,9 @@ def render(
     with thread_limit(threads):
         layout, images = prepared_frames((scenario, frames))
         spread = over(workers, prepared_frames, (scenario, frames))
-        return write_sequence(output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread)
+        return write_sequence(
+            output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread, attempts=ATTEMPTS
+        )
 
 
 def prepared_frames(settings: tuple[Scenario, range | None]) -> tuple[Layout, Frame]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
 from seaglint.cluster import Workers
+from seaglint.cluster.base import ATTEMPTS
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError
 from seaglint.io.layout import Layout
@@ -176,7 +177,7 @@ def sense(
         settings = (reopen, scenario, seed, oversampling, electrons)
         return write_sequence(
             output, layout, partial(frames.images, wanted=layout.variables), resume=resume, overwrite=overwrite, progress=progress,
-            share=share, spread=over(workers, _reopened_frames, settings),
+            share=share, spread=over(workers, _reopened_frames, settings), attempts=ATTEMPTS,
         )  # fmt: skip
 
 
@@ -184,7 +185,7 @@ def sense(
 class Reopen:
     """A recording by name, for other processes."""
 
-    path: str
+    path: Path
     frame_rate: float | None = None
     variable: str | None = None
 
@@ -195,8 +196,8 @@ def _reopened_frames(settings: tuple[Reopen, Scenario, int | None, int | None, b
     from seaglint.io.recording.source import source_of
 
     file, scenario, seed, oversampling, electrons = settings
-    opened = open_recording(file.path, frame_rate=file.frame_rate, variable=file.variable)
-    known = source_of(Path(file.path))
+    opened = open_recording(str(file.path), frame_rate=file.frame_rate, variable=file.variable)
+    known = source_of(file.path)
     frames, layout = prepare_sense(opened, scenario, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
     return layout, partial(frames.images, wanted=layout.variables)
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.cluster import Workers
+from seaglint.cluster.base import ATTEMPTS
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError
 from seaglint.io.layout import Layout
@@ -79,7 +80,9 @@ def render(
         settings = (scenario, frames, electrons, radiance)
         layout, images = prepared_frames(settings)
         spread = over(workers, prepared_frames, settings)
-        return write_sequence(output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread)
+        return write_sequence(
+            output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread, attempts=ATTEMPTS
+        )
 
 
 def prepared_frames(settings: tuple[Scenario, range | None, bool, bool]) -> tuple[Layout, Frame]:
