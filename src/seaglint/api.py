@@ -173,8 +173,7 @@ def render(
     electrons, radiance : bool
         Of a scenario with a detector: write electrons, and the radiance at the aperture, beside counts.
     workers : int or Workers, optional
-        Number of processes on this machine that share the frames, each with ``threads`` or an even part of the processor's; or what
-        :class:`seaglint.cluster.LocalProcesses` or :func:`seaglint.cluster.dask.connected` gives. This process alone by default.
+        Number of processes on this machine that share the frames, or what :func:`seaglint.cluster.dask.connected` gives.
 
     Returns
     -------
@@ -201,9 +200,8 @@ def render(
     from seaglint.pipeline.sensed import render as written
 
     kept: dict[str, Any] = {"electrons": electrons, "radiance": radiance, "resume": resume, "overwrite": overwrite, "progress": progress}
-    alone = threads if workers is None else None
     with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
-        path = written(scenario, output, frames=frames, threads=alone, workers=others, **kept)
+        path = written(scenario, output, frames=frames, threads=threads if workers is None else None, workers=others, **kept)
     return with_band(open_sequence(path))
 
 

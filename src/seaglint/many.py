@@ -51,6 +51,17 @@ def ensemble(
     ------
     SeaglintError
         Mistakes in the file, output that may not be written, or scenes that failed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import seaglint as sg
+    >>> laws = [{"key": "wind.speed_m_s", "law": "choice", "values": [3.0]}]
+    >>> study = {"ensemble": {"scenes": 2}, "base": {"sensor": {"pixels": [8, 4]}}, "vary": laws}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     rows = sg.ensemble(study, f"{folder}/many", draw_only=True)
+    >>> [row["wind.speed_m_s"] for row in rows]
+    [3.0, 3.0]
     """
     from seaglint.pipeline.ensemble import draw, render_ensemble
     from seaglint.scenario.ensemble import load_ensemble, parse_ensemble
@@ -101,6 +112,12 @@ def dataset(
     ------
     SeaglintError
         As for :func:`ensemble`; a format that there is not.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.dataset("small-objects.toml", "small", workers=two)  # doctest: +SKIP
+    PosixPath('small')
     """
     from seaglint.pipeline.dataset import Options
     from seaglint.pipeline.ensemble_dataset import ensemble_dataset, read_source
