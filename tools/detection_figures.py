@@ -178,8 +178,8 @@ def range_of(wind: float, bearing: float, parts: Parts) -> dict[str, Any]:
     field = {"height_m": 30.0, "fov_deg": [96 * PIXEL_DEG, 32 * PIXEL_DEG], "pixels": [96, 32]}
     weather = {"sun": BASE["sun"], "wind": {"speed_m_s": wind, "from_deg": SUN}}
     scenario = parse_scenario({"seed": 11, **weather, "sensor": field, "objects": [BUOY]})
-    wanted = SceneOptions(Options(Objects(GaussianSpot(0.7), (1.0,), 150, seed=5), detector="ca-cfar", threshold=3.5), seas=8)
-    asked = RangeOptions("buoy", (1000.0, 12_000.0), Design(p_d=0.5, p_fa=2e-3), precision=0.4)
+    wanted = SceneOptions(Options(Objects(GaussianSpot(0.7), (1.0,), 150, seed=5), detector="top-hat", threshold=3.5), seas=12)
+    asked = RangeOptions("buoy", (1000.0, 30_000.0), Design(p_d=0.5, p_fa=1e-3), precision=0.3)
     found = detection_range(scenario, wanted, asked, parts, bearing_deg=bearing)
     points = [f"{p['range_m']:.0f} m {p['p_d']:.2f} ({p['visible_share']:.2f} seen)" for p in found["points"]]
     print(f"{wind:g} m/s, {bearing:g} deg: {found['range_m']} {found['note'] or ''}; {', '.join(points)}", flush=True)
