@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+import time
 import tomllib
 from contextlib import contextmanager
 from pathlib import Path
@@ -88,7 +89,9 @@ def test_a_change_is_drawn_and_saved(browser, tmp_path):
             page.screenshot(path=Path(SCREENSHOTS) / "viewer-workbench.png")
         page.locator('input[data-key="wind.from_deg"]').fill("90")
         page.locator('input[data-key="wind.speed_m_s"]').fill("18 kn")
+        began = time.perf_counter()
         second = drawn(page, first)
+        print(f"mean map and frame redrawn {time.perf_counter() - began:.1f} s after the change")
         assert picture(page, "compass").inner_html() != compass
         playwright.expect(page.locator("[data-toml]")).to_contain_text("from_deg = 90.0")
 
