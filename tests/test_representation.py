@@ -90,6 +90,15 @@ def test_a_study_shows_what_was_varied_and_escapes_it():
     _harmless(html)
 
 
+def test_what_a_user_gets_of_a_detection_is_shown_too():
+    frames = np.random.default_rng(3).normal(10.0, 0.5, (6, 48, 48))
+    found = sg.detect(frames, [1.0, 3.0], threshold=3.0, injections=100)
+    html = found._repr_html_()
+    assert f">{found['sweep'][1]['p_d']:.4g}<" in html
+    assert f"false alarms per pixel {found['p_fa']:.4g}" in html
+    _harmless(html)
+
+
 def test_a_detection_shows_each_contrast():
     sweep = [{"contrast": 0.25, "injections": 40, "detected": 31, "p_d": 0.775, "p_d_interval": (0.62, 0.89)}]
     told = {"source": HOSTILE, "sweep": sweep, "detector": "matched", "filter": "none", "threshold_sigma": 3.0}

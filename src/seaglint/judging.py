@@ -14,6 +14,15 @@ if TYPE_CHECKING:
     from seaglint.scenario.model import Scenario
 
 
+class Judgement(dict[str, Any]):
+    """What ``seaglint detect --json`` prints; a notebook shows detection of each contrast, false alarms and notes."""
+
+    def _repr_html_(self) -> str:
+        from seaglint.pipeline.detect import shown
+
+        return shown(self, self["notes"])
+
+
 def detect(
     source: Scenario | xr.Dataset | xr.DataArray | NDArray[Any] | str | Path | Recording,
     contrast: float | Sequence[float] | None = None,
@@ -78,7 +87,7 @@ def detect(
     Returns
     -------
     dict
-        What ``seaglint detect --json`` prints.
+        What ``seaglint detect --json`` prints. Notebooks show it as a table.
 
     Raises
     ------
@@ -124,7 +133,7 @@ def detect(
         from dataclasses import replace
 
         found = judged(opened, replace(options, frame_rate=opened.frame_rate), name=opened.source, progress=progress)
-        return found.as_dict() | {"units": opened.units, "frame_rate_hz": opened.frame_rate}
+        return Judgement(found.as_dict(), units=opened.units, frame_rate_hz=opened.frame_rate)
     from seaglint.io.detection_parts import parts_folder
     from seaglint.pipeline.detect_design import Design
     from seaglint.pipeline.detect_scene import Clock, SceneOptions, run_scene
@@ -136,5 +145,4 @@ def detect(
     wanted = SceneOptions(options, objects, strength, own, frames, precision, None, asked)
     with parts_folder(None) as (parts, _):
         case = run_scene(source, wanted, parts, clock=Clock(time_budget), name="scenario", progress=progress)
-    told: dict[str, Any] = case["result"]
-    return told
+    return Judgement(case["result"])

@@ -147,6 +147,21 @@ def test_mistakes_are_worded_as_the_program_words_them():
     assert draft.check()[0] == parse_scenario({})
 
 
+def test_text_that_cannot_be_read_is_a_mistake_until_it_is_mended():
+    draft, entry, keys = Draft(), Field("layers", "tables"), ("render", "layers")
+    draft.take(entry, keys, "[{ time_s = }]")
+    draft.take(Field("from_deg", "number"), ("wind", "from_deg"), "90")  # another field leaves it as it is
+    scenario, mistakes = draft.snapshot().check()
+    assert scenario is None
+    assert keys_of(mistakes[0], draft.raw) == keys
+    assert "layers: is not valid TOML" in mistakes[0].text
+    draft.take(entry, keys, '["range"]')
+    assert draft.check()[0].render.layers == ("range",)
+    draft.take(entry, keys, "[{")
+    draft.forget(("render",))
+    assert draft.check()[1] == ()
+
+
 @pytest.mark.parametrize(
     ("key", "keys"),
     [

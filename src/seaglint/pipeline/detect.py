@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
@@ -102,14 +102,7 @@ class Performance:
 
     def _repr_html_(self) -> str:
         """What a notebook shows: detection of each contrast, false alarms, and the notes."""
-        found = self.as_dict()
-        names = ("contrast", "injections", "detected", "p_d", "p_d_interval")
-        rows = [tuple(line[name] for name in names) for line in found["sweep"]]
-        facts = [
-            f"detector {found['detector']}, filter {found['filter']}, threshold {found['threshold_sigma']:.4g} sigma",
-            f"false alarms per pixel {told(found['p_fa'])} ({told(found['p_fa_interval'])})",
-        ]
-        return card(f"Detection in {found['source']}", notes(facts) + table(names, rows) + notes(self.notes))
+        return shown(self.as_dict(), self.notes)
 
     def as_dict(self) -> dict[str, Any]:
         """Plain numbers and text; what is not known is None."""
@@ -254,6 +247,17 @@ class Performance:
                 row |= {f"{axis}_{what}_px": entry["pointing_error"][axis][f"{what}_px"] for what in ("bias", "std")}
             out.append(row)
         return out
+
+
+def shown(found: Mapping[str, Any], texts: Iterable[str]) -> str:
+    """HTML of :meth:`Performance.as_dict` for a notebook: detection of each contrast, false alarms, and notes."""
+    names = ("contrast", "injections", "detected", "p_d", "p_d_interval")
+    rows = [tuple(line[name] for name in names) for line in found["sweep"]]
+    facts = [
+        f"detector {found['detector']}, filter {found['filter']}, threshold {found['threshold_sigma']:.4g} sigma",
+        f"false alarms per pixel {told(found['p_fa'])} ({told(found['p_fa_interval'])})",
+    ]
+    return card(f"Detection in {found['source']}", notes(facts) + table(names, rows) + notes(texts))
 
 
 def detect(source: FrameSource, options: Options, *, name: str = "frames", progress: Progress | None = None) -> Performance:

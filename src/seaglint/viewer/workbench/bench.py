@@ -155,7 +155,9 @@ class Bench:
             for command in self._draft.commands():
                 with ui.row().classes("head command"):
                     ui.label(command).classes("code grow")
-                    ui.button(icon="content_copy", on_click=lambda text=command: ui.clipboard.write(text)).props("flat dense size=sm")
+                    ui.button(icon="content_copy", on_click=lambda text=command: ui.clipboard.write(text)).props(
+                        "flat dense size=sm aria-label='copy the command'"
+                    )
 
     def changed(self) -> None:
         """Something was typed: read it a little later."""
@@ -237,7 +239,7 @@ class Bench:
     def _of(self, quantity: Quantity) -> None:
         self._quantity = quantity
         for job, found in self._found.items():
-            self._maps[job][0].content = map_svg(found, quantity)
+            self._maps[job][0].content = map_svg(found, quantity, _TITLES[job])
 
     def _show(self, job: Job, found: Picture | str | None) -> None:
         if self._closed:
@@ -255,7 +257,7 @@ class Bench:
             words.set_text(f"{columns} x {rows} of {found.pixels[0]} x {found.pixels[1]} pixels, {found.seconds:.1f} s")
             words.classes(remove="wrong")
             picture.classes(remove="old")
-            picture.content = map_svg(found, self._quantity)
+            picture.content = map_svg(found, self._quantity, _TITLES[job])
 
     def _tell(self, mistakes: tuple[Mistake, ...], raw: dict[str, Any]) -> None:
         self._form.tell(mistakes, raw)

@@ -51,7 +51,7 @@ class Daylight:
             picture = ui.html("", sanitize=False).classes("picture")
             minutes = moment.hour * 60 + moment.minute
             slider = ui.slider(min=0, max=1435, step=5, value=minutes, on_change=lambda e: self._slid(int(e.value))).props(
-                "dense data-do=day"
+                "dense data-do=day aria-label='time of the day, UTC'"
             )
             words = ui.label("").classes("faint")
             ui.button("Sun by its angles", icon="wb_sunny", on_click=self._by_angles).props("flat dense no-caps data-do=by-angles")

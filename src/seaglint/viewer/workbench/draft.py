@@ -57,12 +57,14 @@ class Draft:
                     raise
             self._read = self.source.read_bytes()
             self.raw = tomllib.loads(self._read.decode("utf-8-sig"))
+        self._unread: dict[Keys, str] = {}
         self._own = frozenset(value for _, value in _files(self.raw, ())) if self.source is not None else frozenset()
 
     def snapshot(self) -> Draft:
         """What is typed by now; later changes do not reach it."""
         made = copy.copy(self)
         made.raw = copy.deepcopy(self.raw)
+        made._unread = dict(self._unread)
         return made
 
     @property
@@ -107,11 +109,25 @@ class Draft:
         else:
             here.pop(last, None)
 
+    def take(self, entry: Field, keys: Keys, text: str) -> None:
+        """Say what a field's text means; text that cannot be read is a mistake until it is mended, and the value before it stays."""
+        try:
+            value = value_of(entry, text)
+        except ScenarioError as error:
+            self._unread[keys] = str(error)
+            return
+        self._unread.pop(keys, None)
+        self.put(keys, value)
+
+    def forget(self, keys: Keys) -> None:
+        """Texts that cannot be read at a place and below are seen no more: fields there are made anew, with the values."""
+        self._unread = {known: text for known, text in self._unread.items() if known[: len(keys)] != keys}
+
     def check(self) -> tuple[Scenario | None, tuple[Mistake, ...]]:
         """The scenario, or what is wrong: as the program words it."""
-        outside = tuple(self._outside())
-        if outside:
-            return None, outside
+        refused = (*(Mistake(dotted(keys), None, None, text) for keys, text in self._unread.items()), *self._outside())
+        if refused:
+            return None, refused
         try:
             return parse_scenario(self.raw, base=self.folder), ()
         except ScenarioError as error:
@@ -172,6 +188,15 @@ class Draft:
         stem = Path(self.name).stem
         name, run, mean = (shlex.quote(text) for text in (self.name, f"{stem}.zarr", f"{stem}.nc"))
         return [f"seaglint render {name} -o {run} --preview", f"seaglint mean {name} -o {mean} --preview"]
+
+
+def dotted(keys: Keys) -> str:
+    """A place as the file's errors write it.
+
+    >>> dotted(("objects", 0, "east_m"))
+    'objects[0].east_m'
+    """
+    return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys).lstrip(".")
 
 
 def value_of(entry: Field, text: str) -> Any:

@@ -7,22 +7,13 @@ from typing import Any
 
 from nicegui import ui
 
-from seaglint.errors import Mistake, ScenarioError
-from seaglint.viewer.workbench.draft import Draft, keys_of, text_of, value_of
+from seaglint.errors import Mistake
+from seaglint.viewer.workbench.draft import Draft, dotted, keys_of, text_of
 from seaglint.viewer.workbench.fields import Field, Group, form
 from seaglint.viewer.workbench.fields import Path as Keys
 
 _OPEN = ("sun", "sensor", "wind")
 """Groups that are open at first."""
-
-
-def dotted(keys: Keys) -> str:
-    """A place as the file's errors write it.
-
-    >>> dotted(("objects", 0, "east_m"))
-    'objects[0].east_m'
-    """
-    return "".join(f"[{key}]" if isinstance(key, int) else f".{key}" for key in keys).lstrip(".")
 
 
 class Form:
@@ -44,6 +35,7 @@ class Form:
         self._heads: dict[str, ui.badge] = {}
         self._marked: list[Keys] = []
         self._quiet = False
+        draft.forget(())
 
     def build(self) -> None:
         """Draw it in the current slot."""
@@ -79,6 +71,9 @@ class Form:
     def _fill(self, group: Group, keys: Keys, box: ui.column, named: bool) -> None:
         def again() -> None:
             box.clear()
+            # what was typed is of fields that are gone; places in lists may have moved
+            self._typed = {known: text for known, text in self._typed.items() if known[: len(keys)] != keys}
+            self._draft.forget(keys)
             with box:
                 self._fill(group, keys, box, named)
             self._changed()
@@ -200,12 +195,7 @@ class Form:
 
     def _take(self, entry: Field, keys: Keys, text: str) -> None:
         self._typed[keys] = text
-        try:
-            value = value_of(entry, text)
-        except ScenarioError as error:
-            self._say(keys, str(error))
-            return
-        self._draft.put(keys, value)
+        self._draft.take(entry, keys, text)
         self._changed()
 
     def _note(self, keys: Keys, hint: str) -> None:

@@ -21,7 +21,7 @@ _WIDTH, _LEFT, _RIGHT, _TOP, _BOTTOM = 620.0, 52.0, 92.0, 8.0, 40.0
 _LOW, _HIGH = 120.0, 420.0  # least and greatest height of the pixels
 
 
-def map_svg(found: Picture, quantity: Quantity = "radiance") -> str:
+def map_svg(found: Picture, quantity: Quantity = "radiance", title: str = "map") -> str:
     """The picture with azimuth and elevation [deg] on its axes, or columns and rows of the whole picture, and the scale of its colours."""
     values = found.radiance if quantity == "radiance" else found.temperature
     scale = scale_of(values, found.sea)
@@ -46,7 +46,8 @@ def map_svg(found: Picture, quantity: Quantity = "radiance") -> str:
     ]
     size = f"{_LEFT + width + _RIGHT:.0f} {_TOP + height + _BOTTOM:.0f}"
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size}" width="100%" role="img" font-family="system-ui, sans-serif" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size}" width="100%" role="img" '
+        f'aria-label="{title}: {VARIABLES[quantity].long_name}" font-family="system-ui, sans-serif" '
         f'font-size="11" fill="currentColor" data-rows="{rows}" data-columns="{columns}">{"".join(pieces)}</svg>'
     )
 
