@@ -5,12 +5,8 @@ from __future__ import annotations
 import csv
 import hashlib
 import json
-import os
-import pickle
 import re
 import shutil
-import signal
-from contextlib import chdir, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -22,8 +18,7 @@ from pycocotools import mask as coco_masks
 from pycocotools.coco import COCO
 from small_scenes import COLUMNS, FRAMES, LINE, ROWS, entries, masks, values
 
-from seaglint.cluster import Here, Job
-from seaglint.cluster.base import outgoing
+from seaglint.cluster import Here
 from seaglint.errors import DataError
 from seaglint.io.dataset import check
 from seaglint.io.dataset.convert import pieces
@@ -31,7 +26,6 @@ from seaglint.io.dataset.masks import compressed, decoded, expanded
 from seaglint.io.dataset.picture import read_about
 from seaglint.io.dataset.split import SPLITS, split_of
 from seaglint.io.labels import Label, run_lengths
-from seaglint.io.store import Interrupted
 from seaglint.pipeline import dataset as module
 from seaglint.pipeline.dataset import Options, Plan, make_dataset
 from seaglint.scenario.dataset import Dataset
@@ -263,39 +257,6 @@ class Backwards:
 @pytest.mark.parametrize("form", ["yolo", "zarr"])
 def test_bytes_do_not_depend_on_the_order_of_work(stores, tmp_path, form):
     assert digests(made(stores, tmp_path / "one", form)) == digests(made(stores, tmp_path / "other", form, workers=Backwards()))
-
-
-class Elsewhere:
-    """Workers of another machine, where the folder of work is another."""
-
-    count = 1
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-
-    @contextmanager
-    def map(self, job, units):
-        there = Job(*pickle.loads(outgoing((job.start, job.settings))))
-        with Here().map(there, units) as outcomes, chdir(self.folder):
-            yield iter(list(outcomes))
-
-
-def test_a_relative_folder_is_found_by_workers_elsewhere(stores, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "there").mkdir()
-    made(stores, Path("D"), "sirst", workers=Elsewhere(tmp_path / "there"))
-    assert not list(check.problems(tmp_path / "D"))
-    assert not any((tmp_path / "there").iterdir())
-
-
-@pytest.mark.parametrize("workers", [None, Here()])
-def test_a_signal_leaves_the_scenes_that_are_done(stores, tmp_path, workers):
-    def stop(done: int, _: int) -> None:
-        if done == 2:
-            os.kill(os.getpid(), signal.SIGTERM)
-
-    with pytest.raises(Interrupted, match=r"stopped after 2 of 4 scenes, kept in .*D\.partial; go on with the same command and --resume"):
-        made(stores, tmp_path / "D", "coco", workers=workers, progress=stop)
 
 
 def test_scenes_that_fail_are_named_and_the_rest_is_kept(stores, tmp_path):
