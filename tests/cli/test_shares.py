@@ -81,6 +81,25 @@ def test_options_that_do_not_go_together_are_one_line(seaglint, scenario, tmp_pa
     assert [path.name for path in tmp_path.iterdir()] == ["my.toml"]
 
 
+def test_a_share_over_workers_then_previews(seaglint, scenario, tmp_path, monkeypatch):
+    from seaglint.pipeline import render as stand_in
+
+    asked, made = [], stand_in.render
+
+    def render(*given, workers=None, **more):
+        asked.append((workers.count, workers.threads, str(more.get("share")), more["threads"]))
+        return made(*given, **more)
+
+    monkeypatch.setattr(stand_in, "render", render)
+    monkeypatch.setattr("seaglint.plot.video.video_available", lambda: False)
+    monkeypatch.setattr("seaglint.plot.preview.write_picture", lambda run, path, scale: path.write_text(scale))
+    options = ("--workers", "2", "--threads", "1", "--progress", "none")
+    assert seaglint("render", scenario, "-o", tmp_path / "b.zarr", "--shard", "0/2", *options).code == 0
+    assert seaglint("render", scenario, "-o", tmp_path / "a.zarr", "--preview", *options).code == 0
+    assert asked == [(2, 1, "0/2", None), (2, 1, "None", None)]
+    assert (tmp_path / "a.png").exists()
+
+
 def test_finish_of_nothing_and_of_a_scenario(seaglint, scenario, tmp_path):
     assert "no such unfinished sequence" in seaglint("render", "--finish", tmp_path / "none.zarr").err
     assert "which store" in seaglint("render", "--finish", scenario).err
