@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from contextlib import nullcontext
+from functools import partial
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ import seaglint as sg
 from seaglint.analysis import Analysis, Options
 from seaglint.analysis import analyze as run_analysis
 from seaglint.analysis.recording import Recording
+from seaglint.cluster import Here
 from seaglint.errors import DataError, DomainError, ScenarioError
 from seaglint.io.recording import open_recording
 from seaglint.optics.band import Band
@@ -42,6 +45,29 @@ def test_an_ensemble_returns_what_it_drew(tmp_path):
     assert [row["wind.speed_m_s"] for row in rows] == [sg.load(tmp_path / f"few/scenes/{n:04d}.toml").wind.speed_m_s for n in range(3)]
     with pytest.raises(DataError, match="--format voc"):
         sg.dataset(tmp_path / "few", tmp_path / "D", format="voc")
+
+
+@pytest.mark.parametrize("workers", [2, Here()])
+def test_a_number_of_workers_is_that_of_processes(tmp_path, monkeypatch, workers):
+    class Asked(Exception):
+        pass
+
+    def processes(count, *, threads):
+        return nullcontext((count, threads))
+
+    def done(*_, workers, **more):
+        raise Asked(workers)
+
+    monkeypatch.setattr("seaglint.cluster.LocalProcesses", processes)
+    for name in ("sensed.render", "ensemble.render_ensemble", "ensemble_dataset.ensemble_dataset"):
+        monkeypatch.setattr(f"seaglint.pipeline.{name}", done)
+    few = {"base": SCENE, "ensemble": {"scenes": 2}}
+    (tmp_path / "few.toml").write_text("base = { preset = 'glint' }\n[ensemble]\nscenes = 2\n")
+    expected = (2, 1) if workers == 2 else workers
+    for call in (partial(sg.render, sg.load(SCENE)), partial(sg.ensemble, few), partial(sg.dataset, tmp_path / "few.toml")):
+        with pytest.raises(Asked) as asked:
+            call(tmp_path / "out", workers=workers, threads=1)
+        assert asked.value.args == (expected,)
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ def ensemble(
     source: str | Path | Mapping[str, Any],
     output: str | Path,
     *,
-    workers: Workers | None = None,
+    workers: int | Workers | None = None,
     threads: int | None = None,
     resume: bool = False,
     overwrite: bool = False,
@@ -30,9 +31,9 @@ def ensemble(
         An ensemble's TOML file, or its content as tables in a mapping.
     output : path
         Folder to make: tables, ``scenes/0000.toml`` and ``scenes/0000.zarr`` for each scene.
-    workers : Workers, optional
-        Who renders, e.g. ``two`` in ``with seaglint.cluster.local.LocalProcesses(2) as two:``; this process by default. The bytes do
-        not depend on it.
+    workers : int or Workers, optional
+        Number of processes on this machine that share the scenes, or what :func:`seaglint.cluster.dask.connected` gives; this process
+        by default. The bytes do not depend on it.
     threads : int, optional
         Processor threads of each worker; all by default.
     resume, overwrite : bool
@@ -63,13 +64,15 @@ def ensemble(
     >>> [row["wind.speed_m_s"] for row in rows]
     [3.0, 3.0]
     """
+    from seaglint.cluster import LocalProcesses
     from seaglint.pipeline.ensemble import draw, render_ensemble
     from seaglint.scenario.ensemble import load_ensemble, parse_ensemble
 
     found = parse_ensemble(source) if isinstance(source, Mapping) else load_ensemble(source)
-    render_ensemble(
-        found, output, workers=workers, threads=threads, resume=resume, overwrite=overwrite, draw_only=draw_only, progress=progress
-    )
+    with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
+        render_ensemble(
+            found, output, workers=others, threads=threads, resume=resume, overwrite=overwrite, draw_only=draw_only, progress=progress
+        )
     return [scene.row for scene in draw(found)]
 
 
@@ -80,7 +83,7 @@ def dataset(
     format: str = "coco",
     bits: int | None = None,
     image: str | None = None,
-    workers: Workers | None = None,
+    workers: int | Workers | None = None,
     threads: int | None = None,
     resume: bool = False,
     overwrite: bool = False,
@@ -116,19 +119,14 @@ def dataset(
     Examples
     --------
     >>> import seaglint as sg
-    >>> sg.dataset("small-objects.toml", "small", workers=two)  # doctest: +SKIP
+    >>> sg.dataset("small-objects.toml", "small", workers=2)  # doctest: +SKIP
     PosixPath('small')
     """
+    from seaglint.cluster import LocalProcesses
     from seaglint.pipeline.dataset import Options
     from seaglint.pipeline.ensemble_dataset import ensemble_dataset, read_source
 
-    return ensemble_dataset(
-        read_source(Path(source)),
-        output,
-        Options.of(format, bits, image),
-        workers=workers,
-        threads=threads,
-        resume=resume,
-        overwrite=overwrite,
-        progress=progress,
-    )
+    found, options = read_source(Path(source)), Options.of(format, bits, image)
+    with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
+        ensemble_dataset(found, output, options, workers=others, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
+    return Path(output)

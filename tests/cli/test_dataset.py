@@ -139,7 +139,16 @@ def test_bytes_depend_neither_on_the_workers_nor_on_which_file_tells_the_ensembl
         (("--image", "jpg"), "", "--image jpg: is not one of png, tiff"),
         ((), "[dataset]\nsplit = [0.7, 0.2, 0.2]", r"dataset.split = \[0.7, 0.2, 0.2\] adds up to 1.1"),
         ((), "[dataset]\nlicense = 'MIT'", "dataset.license is an unknown key; did you mean licence"),
-        ((), "[dataset]\nclasses = { spek = 'x' }", "dataset.classes.spek names no object"),
+        (
+            (),
+            "[[base.objects]]\nname = 'buoy'\npreset = 'small-boat'\neast_m = 0\nnorth_m = 500\n[dataset]\nclasses = { spek = 'x' }",
+            "names no object of the ensemble; correct the name; objects are buoy, speck$",
+        ),
+        (
+            (),
+            "[dataset]\nclasses = { spek = 'x' }",
+            "dataset.classes.spek names no object of the ensemble; correct the name; objects are speck",
+        ),
     ],
 )
 def test_mistakes_are_told_in_one_line(seaglint, tmp_path, arguments, table, told):

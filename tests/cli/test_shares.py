@@ -43,6 +43,26 @@ def test_finish_with_a_scenario_refuses_another(seaglint, scenario, tmp_path):
         answer = seaglint("render", scenario, "-o", store, *command, "--progress", "none")
         assert (answer.code, "was made with another seed;" in answer.err) == (2, True), answer.err
     scenario.write_text(text)
+    answer = seaglint("render", scenario, "-o", store, "--finish")
+    assert (answer.code, "4 frames, all there" in answer.err, store.is_dir()) == (0, True, True)
+
+
+def test_finish_with_a_scenario_names_the_frames_that_are_missing(seaglint, scenario, tmp_path):
+    store = tmp_path / "b.zarr"
+    assert seaglint("render", scenario, "-o", store, "--shard", "1/2", "--progress", "none").code == 0
+    answer = seaglint("render", scenario, "-o", store, "--finish")
+    assert (answer.code, answer.err.count("\n"), store.exists()) == (2, 1, False)
+    assert "2 of 4 frames are missing: 0, 2 (of shares 0/2); run these shares again, or all with --resume" in answer.err
+
+
+def test_finish_draws_the_preview_that_shares_cannot(seaglint, scenario, tmp_path, monkeypatch):
+    monkeypatch.setattr("seaglint.plot.video.video_available", lambda: False)
+    monkeypatch.setattr("seaglint.plot.preview.write_picture", lambda run, path, scale: path.write_text(f"{run.sizes['time']} {scale}"))
+    assert seaglint("render", scenario, "-o", tmp_path / "b.zarr", "--shard", "0/1", "--progress", "none").code == 0
+    assert seaglint("render", scenario, "-o", tmp_path / "b.zarr", "--finish", "--preview", "--scale", "log").code == 0
+    assert (tmp_path / "b.png").read_text() == "4 log"
+    refused = seaglint("render", "--finish", "memory://runs/b.zarr", "--preview")
+    assert (refused.code, "--preview writes pictures beside a folder" in refused.err) == (2, True)
 
 
 @pytest.mark.parametrize(
@@ -59,6 +79,25 @@ def test_options_that_do_not_go_together_are_one_line(seaglint, scenario, tmp_pa
     answer = seaglint("render", scenario, "-o", tmp_path / "c.zarr", *options)
     assert (answer.code, answer.err.count("\n"), told in answer.err) == (2, 1, True), answer.err
     assert [path.name for path in tmp_path.iterdir()] == ["my.toml"]
+
+
+def test_a_share_over_workers_then_previews(seaglint, scenario, tmp_path, monkeypatch):
+    from seaglint.pipeline import render as stand_in
+
+    asked, made = [], stand_in.render
+
+    def render(*given, workers=None, **more):
+        asked.append((workers.count, workers.threads, str(more.get("share")), more["threads"]))
+        return made(*given, **more)
+
+    monkeypatch.setattr(stand_in, "render", render)
+    monkeypatch.setattr("seaglint.plot.video.video_available", lambda: False)
+    monkeypatch.setattr("seaglint.plot.preview.write_picture", lambda run, path, scale: path.write_text(scale))
+    options = ("--workers", "2", "--threads", "1", "--progress", "none")
+    assert seaglint("render", scenario, "-o", tmp_path / "b.zarr", "--shard", "0/2", *options).code == 0
+    assert seaglint("render", scenario, "-o", tmp_path / "a.zarr", "--preview", *options).code == 0
+    assert asked == [(2, 1, "0/2", None), (2, 1, "None", None)]
+    assert (tmp_path / "a.png").exists()
 
 
 def test_finish_of_nothing_and_of_a_scenario(seaglint, scenario, tmp_path):

@@ -18,6 +18,7 @@ from seaglint.errors import DataError, StorageError
 from seaglint.io.layout import Layout
 from seaglint.io.provenance import provenance
 from seaglint.io.shards import Shards
+from seaglint.io.stopping import stop_on_signal
 from seaglint.io.store import Interrupted, open_sequence, partial_path, write_sequence
 from seaglint.optics.band import Band
 
@@ -139,6 +140,17 @@ def test_signals_are_given_back(output):
     before = signal.getsignal(signal.SIGINT)
     write_sequence(output, layout(), frame)
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_a_signal_ends_the_whole_of_which_a_sequence_is_a_piece(output):
+    with stop_on_signal() as stopped:
+        assert write_sequence(output, layout(), Stopper(4, interrupt)) == output  # in its last frame: this piece is whole
+        assert stopped == [signal.SIGINT]
+        second = Stopper(-1, interrupt)
+        with pytest.raises(Interrupted, match="after 0 of 5 frames"):
+            write_sequence(output.with_name("second.zarr"), layout(), second)
+        assert second.asked == []
+    assert write_sequence(output.with_name("third.zarr"), layout(), frame).exists()
 
 
 def test_a_second_signal_does_not_wait(output):

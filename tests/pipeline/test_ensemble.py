@@ -2,8 +2,12 @@
 
 import csv
 import math
+import os
 import shutil
+import signal
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +15,7 @@ import numpy as np
 import pytest
 import zarr
 
-from seaglint.cluster import Here
+from seaglint.cluster import Done, Here
 from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.errors import DataError, ScenarioError
 from seaglint.io.store import Interrupted
@@ -308,6 +312,22 @@ def test_a_request_to_stop_leaves_what_is_done(tmp_path: Path, monkeypatch: pyte
     monkeypatch.setattr(module, "render_scene", stopped)
     with pytest.raises(Interrupted, match=r"stopped after 1 of 3 scenes, kept in .*run; go on with the same command and --resume"):
         render_ensemble(ensemble(WIND), tmp_path / "run")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_does_not_wait_for_workers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int) -> None:
+    class Slow(Here):
+        @contextmanager
+        def map(self, job: Any, units: Any) -> Iterator[Any]:
+            def outcomes() -> Iterator[Any]:
+                yield Done(units[0], 1, 0.0, "slow")
+                os.kill(os.getpid(), number)
+                raise AssertionError("waited")
+
+            yield outcomes()
+
+    with pytest.raises(Interrupted, match=r"stopped after 1 of 3 scenes"):
+        render_ensemble(ensemble(WIND), tmp_path / "run", workers=Slow())
 
 
 def test_scenes_that_share_have_the_same_bytes(tmp_path: Path) -> None:

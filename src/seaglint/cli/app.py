@@ -261,7 +261,11 @@ def render(
     show_logs(quiet=show is ProgressMode.NONE)
     if finish:
         require_one_way(shard=shard, overwrite=overwrite)
-        finish_store(scenario, output, sensor_preset)
+        if preview:
+            _beside(place_given(output or scenario), None)  # before anything is done
+        finished = finish_store(scenario, output, sensor_preset)
+        if preview:
+            _preview(finished, scale)
         return
     if output is None:
         raise typer.BadParameter("Missing option '-o' / '--output'.")
@@ -301,10 +305,18 @@ def render(
             log(f"{store}: {counts_line(dataset)}")
 
 
+def _preview(store: Path | str, scale: PreviewScale) -> None:
+    """Write pictures of a finished store; older ones are replaced, as by --resume."""
+    from seaglint.io.store import open_sequence
+
+    with open_sequence(store) as dataset:
+        _Pictures(_beside(store, None), [], replace=True).write(dataset, scale)
+
+
 def _beside(store: Path | str, share: Share | None) -> Path:
     """Where pictures of a store go."""
     if share is not None:
-        raise DataError("--preview shows a whole sequence and --shard makes a part; leave --preview out")
+        raise DataError("--preview shows a whole sequence and --shard makes a part; leave --preview out, and give it with --finish")
     if not isinstance(store, Path):
         raise DataError(f"--preview writes pictures beside a folder, and {store} is none; leave it out")
     return store

@@ -22,8 +22,8 @@ def require_one_way(*, shard: str | None, overwrite: bool) -> None:
             raise DataError(f"--finish checks and names what is there, and {name} makes frames; give one of the two")
 
 
-def finish_store(scenario: str, output: str | None, sensor: str | None) -> None:
-    """Check a store and name it; where no output is given, ``scenario`` is the store.
+def finish_store(scenario: str, output: str | None, sensor: str | None) -> Path | str:
+    """Check a store and name it; where no output is given, ``scenario`` is the store. Returns where it is.
 
     Raises
     ------
@@ -39,9 +39,10 @@ def finish_store(scenario: str, output: str | None, sensor: str | None) -> None:
     wanted = None if output is None else load_scenario(Path(scenario), sensor=sensor).model_dump_json(exclude_none=True)
     if not finish_sequence(store, wanted):
         log(f"{store}: is finished already")
-        return
+        return store
     with open_sequence(store) as dataset:
         log(f"{store}: {dataset.sizes['time']} frames, all there and as their checksums say")
+    return store
 
 
 def tell_share(store: Path | str, share: object) -> None:

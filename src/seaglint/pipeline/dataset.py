@@ -195,8 +195,8 @@ def make_dataset(
             return output
         _begin(partial, wanted, plan.source)
         entries = scenes(partial / SCENES)
-        settings = Settings(str(partial), options.format, options.bits, options.image, dict(plan.table.classes))
-        _write_scenes(partial, entries, settings, workers or Here(), progress)
+        settings = Settings(str(partial.absolute()), options.format, options.bits, options.image, dict(plan.table.classes))
+        _write_scenes(partial, entries, settings, workers, progress)
         parts = [Part.read(partial, entry.name) for entry in entries]
         catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.image, parts)
         table = plan.table
@@ -298,7 +298,7 @@ def _keep(store: Path, stored: Path) -> None:
     fresh.rename(stored)
 
 
-def _write_scenes(partial: Path, entries: Sequence[Entry], settings: Settings, workers: Workers, progress: Progress | None) -> None:
+def _write_scenes(partial: Path, entries: Sequence[Entry], settings: Settings, workers: Workers | None, progress: Progress | None) -> None:
     """Write what is missing."""
     for name in _folders(settings.format):
         (partial / name).mkdir(parents=True, exist_ok=True)
@@ -308,18 +308,21 @@ def _write_scenes(partial: Path, entries: Sequence[Entry], settings: Settings, w
     if progress is not None:
         progress(done, len(entries))
     job: Job[Settings, Entry, str] = Job(_start, settings)
-    with stop_on_signal() as stopped, workers.map(job, missing) as outcomes:
-        for outcome in outcomes:
-            if isinstance(outcome, Done):
-                done += 1
-                if progress is not None:
-                    progress(done, len(entries))
-            else:
-                failed.append(f"scene {outcome.unit.name}: {outcome.error}")
-            if stopped:
-                raise Interrupted(
-                    f"stopped after {done} of {len(entries)} scenes, kept in {partial}; go on with the same command and --resume"
-                )
+    try:
+        with stop_on_signal(at_once=workers is not None) as stopped, (workers or Here()).map(job, missing) as outcomes:
+            for outcome in outcomes:
+                if isinstance(outcome, Done):
+                    done += 1
+                    if progress is not None:
+                        progress(done, len(entries))
+                else:
+                    failed.append(f"scene {outcome.unit.name}: {outcome.error}")
+                if stopped:
+                    raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        raise Interrupted(
+            f"stopped after {done} of {len(entries)} scenes, kept in {partial}; go on with the same command and --resume"
+        ) from None
     if failed:
         error = StorageError if any("StorageError" in line for line in failed) else DataError
         raise error("\n".join([*failed[:20], f"{len(failed)} of {len(entries)} scenes failed; the others stay in {partial}, for --resume"]))

@@ -208,9 +208,9 @@ def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, thre
     done, failed = len(labels) - len(missing), dict[str, str]()
     tell = progress or (lambda done, total: None)
     tell(done, len(labels))
-    # Workers' own processes get no signals: leaving their context ends them. In this process a scene's frame at hand is finished.
+    # Workers' own processes get no signals: leaving their context ends them, at once. Here a scene's frame at hand is finished.
     with ExitStack() as held:
-        stopped = held.enter_context(stop_on_signal()) if workers is None else []
+        stopped = held.enter_context(stop_on_signal(at_once=workers is not None))
         try:
             outcomes = held.enter_context((workers or Here()).map(Job(scene_renderer, Rendering(folder.path.absolute(), threads)), missing))
             for outcome in outcomes:

@@ -93,7 +93,8 @@ def ensemble_dataset(
     known = {item.name for item in ensemble.objects} | {item.name for scene in drawn for item in scene.scenario.objects or ()}
     unknown = [name for name in table.classes if name not in known]
     if unknown:
-        names = f"; objects are {', '.join(sorted({item.name for item in ensemble.objects}))}" if ensemble.objects else ""
+        own = {item["name"] for item in ensemble.base.get("objects", []) if "name" in item} | {item.name for item in ensemble.objects}
+        names = f"; objects are {', '.join(sorted(own))}" if own else "; it has no objects"
         raise ScenarioError(f"{ensemble.name}: dataset.classes.{unknown[0]} names no object of the ensemble; correct the name{names}")
 
     def rendered(place: Path) -> Sequence[Entry]:
