@@ -26,6 +26,7 @@ from seaglint.io.dataset.masks import compressed, decoded, expanded
 from seaglint.io.dataset.picture import read_about
 from seaglint.io.dataset.split import SPLITS, split_of
 from seaglint.io.labels import Label, run_lengths
+from seaglint.io.store import Interrupted
 from seaglint.pipeline import dataset as module
 from seaglint.pipeline.dataset import Options, Plan, make_dataset
 from seaglint.scenario.dataset import Dataset
@@ -232,7 +233,7 @@ def test_a_data_set_taken_up_again_has_the_same_bytes(stores, tmp_path):
         if done == 2:
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(Interrupted, match="stopped after 2 of 4 scenes"):
         made(stores, tmp_path / "D", form, progress=stop)
     assert not (tmp_path / "D").exists()
     with pytest.raises(DataError, match="go on with --resume"):
