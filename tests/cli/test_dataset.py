@@ -14,7 +14,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
-from pycocotools.coco import COCO
 
 import seaglint as sg
 from seaglint.io.dataset.picture import read_about
@@ -87,7 +86,7 @@ def test_an_ensemble_becomes_a_data_set(seaglint, file, tmp_path):
     assert answer.code == 0, answer.err
     assert "8 images with" in answer.err
     assert sorted(path.name for path in tmp_path.iterdir()) == ["D"]
-    read = COCO(str(folder / "annotations.json"))
+    read = pytest.importorskip("pycocotools.coco").COCO(str(folder / "annotations.json"))
     drawn = draw(load_ensemble(file))
     assert {len(scene.objects) for scene in drawn} == {0, 2}  # with negatives
     with (folder / "parameters.csv").open(newline="") as table:

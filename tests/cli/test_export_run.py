@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
 import subprocess
 import sys
-import time
 
 import h5py
 import numpy as np
@@ -110,18 +108,19 @@ def test_other_kinds_and_unfinished_runs_are_refused(seaglint, pipeline, scenari
 @pytest.mark.parametrize(("number", "code", "ending"), [(signal.SIGINT, 130, "tif"), (signal.SIGTERM, 143, "h5")])
 def test_a_signal_leaves_nothing_under_the_final_name(run, number, code, ending):
     output = run.with_name(f"x.{ending}")
-    slow = (
-        "import sys, time, seaglint.io.export.stack as s; read = s.Stack.__getitem__; "
-        "s.Stack.__getitem__ = lambda *a: (time.sleep(2.0), read(*a))[1]; from seaglint.cli.app import main; main()"
+    slow = (  # once the file is begun, a frame waits for a line
+        "import sys, pathlib, seaglint.io.export.stack as s; read = s.Stack.__getitem__; begun = pathlib.Path(sys.argv.pop(1)); "
+        "stop = lambda: begun.exists() and (print('begun', file=sys.stderr, flush=True), sys.stdin.readline()); "
+        "s.Stack.__getitem__ = lambda *a: (stop(), read(*a))[1]; from seaglint.cli.app import main; main()"
     )
+    partial = output.with_name(output.name + ".partial")
     started = subprocess.Popen(
-        [sys.executable, "-c", slow, "export", run, "-o", output], stderr=subprocess.PIPE, text=True, env=os.environ
-    )  # fmt: skip
-    deadline = time.monotonic() + 60.0
-    while not output.with_name(output.name + ".partial").exists() and time.monotonic() < deadline:
-        time.sleep(0.01)
+        [sys.executable, "-c", slow, partial, "export", run, "-o", output], stdin=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert started.stderr is not None
+    assert "begun\n" in iter(started.stderr.readline, "")
     started.send_signal(number)
-    told = started.communicate(timeout=60)[1]
+    told = started.communicate("go on\n", timeout=600)[1]
     assert started.returncode == code
     assert "nothing unfinished has taken its final name" in told
     assert [path.name for path in run.parent.iterdir()] == ["run.zarr"]

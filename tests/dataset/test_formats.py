@@ -14,8 +14,6 @@ import numpy as np
 import pytest
 import tifffile
 from PIL import Image
-from pycocotools import mask as coco_masks
-from pycocotools.coco import COCO
 from small_scenes import COLUMNS, FRAMES, LINE, ROWS, entries, masks, values
 
 from seaglint.cluster import Here
@@ -95,7 +93,8 @@ def test_eight_bits_use_the_whole_range_of_the_scene(stores, tmp_path):
 
 
 def test_pycocotools_reads_the_masks_of_the_truth(coco):
-    read = COCO(str(coco / "annotations.json"))
+    coco_masks = pytest.importorskip("pycocotools.mask")
+    read = pytest.importorskip("pycocotools.coco").COCO(str(coco / "annotations.json"))
     assert len(read.getImgIds()) == SCENES * FRAMES
     assert sorted(one["name"] for one in read.loadCats(read.getCatIds())) == ["small-boat", "target"]
     seen = 0
@@ -132,7 +131,7 @@ def test_the_lines_of_the_guide_load_it(coco):
 
 
 def test_pycocotools_takes_the_annotations_as_results(coco):
-    read = COCO(str(coco / "annotations.json"))
+    read = pytest.importorskip("pycocotools.coco").COCO(str(coco / "annotations.json"))
     given = read.loadAnns(read.getAnnIds())
     boxes = [{"image_id": one["image_id"], "category_id": one["category_id"], "bbox": one["bbox"], "score": 0.5} for one in given]
     shapes = [
@@ -410,6 +409,7 @@ def test_sirst_masks_that_are_not_of_their_boxes_are_found(stores, tmp_path):
 
 
 def test_run_lengths_are_those_of_pycocotools():
+    coco_masks = pytest.importorskip("pycocotools.mask")
     for seed in range(5):
         mask = np.random.default_rng(seed).random((37, 41)) < 0.3 * seed
         text = compressed(run_lengths(mask))

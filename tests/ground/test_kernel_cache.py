@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import BinaryIO
 
 import pytest
 
@@ -32,6 +33,9 @@ from seaglint.inner import inner
 def outer(x):
     return inner(x) + ADDED
 """
+
+HANG = 600.0
+"""Seconds after which a process that never ends is given up."""
 
 RUN = "from seaglint.outer import outer; print(outer(3.0), outer(3))"
 
@@ -168,14 +172,26 @@ def test_old_folders_stay_while_they_are_few(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == KEPT + 1
 
 
-def test_the_digest_costs_nothing_to_speak_of() -> None:
-    """A start of the program may take 0.5 s; this is a hundredth of it on a disk that has the files in memory."""
-    seconds = []
-    for _ in range(5):
-        start = time.perf_counter()
-        assert len(_kernel_cache.sources_digest()) == 20
-        seconds.append(time.perf_counter() - start)
-    assert min(seconds) < 0.02
+def test_the_digest_opens_each_source_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each start of the program waits for it."""
+    opened: list[str] = []
+
+    def noted(path: str, mode: str) -> BinaryIO:
+        opened.append(path)
+        return open(path, mode)  # type: ignore[return-value]
+
+    monkeypatch.setattr(_kernel_cache, "open", noted, raising=False)
+    assert len(sources_digest()) == 20
+    assert sorted(opened) == sorted(map(str, SOURCE.rglob("*.py")))
+
+
+def test_a_process_makes_the_digest_once(package: Path) -> None:
+    code = (
+        "from seaglint import _kernel_cache as cache; made = []; digest = cache.sources_digest\n"
+        "cache.sources_digest = lambda *which: made.append(which) or digest(*which)\n"
+        "from seaglint.outer import outer; outer(3.0); outer(3); print(len(made))"
+    )
+    assert answer(package, code) == "1"
 
 
 TOGETHER = """
@@ -207,9 +223,15 @@ def test_nobody_waits_for_a_process_that_was_killed_while_it_compiled(package: P
     holder = start(package, holds)
     assert holder.stdout is not None
     assert holder.stdout.readline() == "held\n"
-    waiting = start(package, "from seaglint.outer import outer; print(outer(3.0))")
-    with pytest.raises(subprocess.TimeoutExpired):
-        waiting.communicate(timeout=1.5)
+    waits = (
+        "import types, time; from seaglint import _kernel_cache\n"
+        "pause = lambda seconds: (print('waits', flush=True), time.sleep(seconds))\n"
+        "_kernel_cache.time = types.SimpleNamespace(sleep=pause, monotonic=lambda: 0.0, time=time.time)  # whose patience has no end\n"
+        "from seaglint.outer import outer; print(outer(3.0))"
+    )
+    waiting = start(package, waits)
+    assert waiting.stdout is not None
+    assert [waiting.stdout.readline() for _ in range(3)] == ["waits\n"] * 3
     holder.kill()
     holder.communicate()
-    assert waiting.communicate(timeout=60)[0].strip() == "7.0"
+    assert waiting.communicate(timeout=HANG)[0].split()[-1] == "7.0"

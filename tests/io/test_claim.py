@@ -65,7 +65,7 @@ def test_a_second_process_is_refused_and_the_first_one_finishes(output, other):
     for choice in ({}, {"resume": True}, {"overwrite": True}):
         with pytest.raises(DataError, match=rf"written by another process \(pid {other.pid}\); wait for it or choose another name$"):
             write_sequence(output, LAYOUT, never, **choice)
-    other.communicate("go on\n", timeout=60)
+    other.communicate("go on\n", timeout=600)
     assert other.returncode == 0
     with open_sequence(output) as found:
         np.testing.assert_array_equal(found["radiance"][:, 0, 0], [100, 101, 102, 103])
@@ -75,7 +75,7 @@ def test_a_second_process_is_refused_and_the_first_one_finishes(output, other):
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL here")
 def test_a_killed_process_blocks_nobody(output, other):
     other.kill()
-    other.wait(60)
+    other.wait(600)
     assert lock_path(partial_path(output)).exists()
     write_sequence(output, LAYOUT, frame, resume=True)
     with open_sequence(output) as found:

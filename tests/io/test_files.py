@@ -81,7 +81,7 @@ def test_a_map_that_does_not_fit_ends_in_a_sentence_and_keeps_the_old_one(tmp_pa
     pytest.importorskip("resource")
     path = tmp_path / "mean.nc"
     path.write_text("old")
-    ended = subprocess.run([sys.executable, "-c", FULL, path], capture_output=True, text=True, timeout=120, check=False)
+    ended = subprocess.run([sys.executable, "-c", FULL, path], capture_output=True, text=True, timeout=600, check=False)
     assert ended.returncode == StorageError.exit_code, ended.stderr
     assert "no room left" in ended.stdout
     assert [file.name for file in tmp_path.iterdir()] == ["mean.nc"]

@@ -120,7 +120,7 @@ def test_shares_at_the_same_time_make_the_same_files(output, whole):
     code = "import sys, toy_store; toy_store.share(sys.argv[1], int(sys.argv[2]), 3)"
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
     running = [subprocess.Popen([sys.executable, "-c", code, output, str(i)], env=environment) for i in (0, 1, 2)]
-    assert [process.wait(60) for process in running] == [0, 0, 0]
+    assert [process.wait(600) for process in running] == [0, 0, 0]
     finish_sequence(output)
     assert files(output) == whole
     assert [path.name for path in output.parent.iterdir()] == ["run.zarr"]
@@ -366,8 +366,8 @@ def workers_of(process: int) -> list[int]:
 
 
 def end_of(processes: list[int]) -> bool:
-    """Whether they end within some seconds."""
-    until = time.monotonic() + 20.0
+    """Whether they end."""
+    until = time.monotonic() + 600.0
     while any(Path(f"/proc/{number}/exe").exists() for number in processes) and time.monotonic() < until:
         time.sleep(0.02)
     return not any(Path(f"/proc/{number}/exe").exists() for number in processes)
@@ -403,7 +403,7 @@ def test_a_signal_to_a_run_with_workers_leaves_what_can_be_resumed_and_no_proces
             process.stdout.readline()
         children = workers_of(process.pid)
         os.killpg(process.pid, number) if group else process.send_signal(number)  # Ctrl-C goes to the whole group
-        _, told = process.communicate(timeout=60)
+        _, told = process.communicate(timeout=600)
         assert "Interrupted: stopped after" in told
         assert process.returncode == 1
     assert children
@@ -420,11 +420,11 @@ def test_a_signal_to_a_run_with_workers_leaves_what_can_be_resumed_and_no_proces
 def test_a_signal_does_not_wait_for_long_units_of_workers(output):
     with begun("over_long_units", output) as process:
         process.stdout.readline()
-        until = time.monotonic() + 30.0
+        until = time.monotonic() + 600.0
         while len(children := workers_of(process.pid)) < 2 and time.monotonic() < until:
             time.sleep(0.05)
         os.killpg(process.pid, signal.SIGINT)
-        _, told = process.communicate(timeout=40)  # of 240 s that a unit takes
+        _, told = process.communicate(timeout=600)  # of the hours that a unit takes
     assert "Interrupted: stopped after 0 of 23 frames" in told
     assert len(children) == 2
     assert end_of(children)

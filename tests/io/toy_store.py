@@ -102,17 +102,17 @@ def over_workers(output: str) -> None:
 
 
 def long_units(_: None) -> tuple[Layout, Frame]:
-    """Units that take minutes."""
+    """Units that take hours."""
 
     def long(number: int) -> dict[str, np.ndarray]:
-        time.sleep(60.0)
+        time.sleep(3600.0)
         return frame(number)
 
     return layout(), long
 
 
 def over_long_units(output: str) -> None:
-    """Two processes at units of minutes."""
+    """Two processes at units of hours."""
     from seaglint.cluster import LocalProcesses
     from seaglint.pipeline.spread import over
 

@@ -5,7 +5,6 @@ import math
 import os
 import shutil
 import signal
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -344,27 +343,24 @@ def test_scenes_that_share_have_the_same_bytes(tmp_path: Path) -> None:
 
 
 @pytest.mark.validation
-def test_a_thousand_scenes_are_drawn_and_checked_in_seconds(tmp_path: Path) -> None:
-    began = time.process_time()
+def test_a_thousand_scenes_are_drawn_and_checked() -> None:
     found = draw(ensemble(WIND, SUN, scenes=1000, sampling="latin_hypercube", objects=(POINTS | {"apart_px": 1},)))
-    assert len(found) == 1000
-    assert time.process_time() - began < 20.0  # some 3 s on an idle core
+    assert len({scene.scenario.model_dump_json() for scene in found}) == 1000
 
 
 @pytest.mark.validation
-def test_time_and_memory_of_many_small_scenes(tmp_path: Path) -> None:
-    """64 x 64 pixels, one frame: a thousand of them in under 15 minutes on two cores; memory stays after the first ten."""
+def test_memory_stays_over_many_small_scenes(tmp_path: Path) -> None:
+    """64 x 64 pixels, one frame: after the first ten."""
     psutil = pytest.importorskip("psutil")
     sensor = {**BASE["sensor"], "pixels": [64, 64], "fov_deg": [3.2, 3.2]}
     turn = {"key": "wind.from_deg", "law": "uniform", "min": 0, "max": 360}
     raw = {"base": {"sensor": sensor}, "ensemble": {"scenes": 42}, "vary": [WIND, SUN, turn], "objects": [POINTS]}
-    used: list[tuple[float, int]] = []
+    used: list[int] = []
 
     def note(*_: int) -> None:
-        used.append((time.process_time(), psutil.Process().memory_info().rss))
+        used.append(psutil.Process().memory_info().rss)
 
     render_ensemble(parse_ensemble(raw), tmp_path / "run", threads=1, progress=note)
-    seconds, grown = (used[-1][0] - used[2][0]) / 40, (used[-1][1] - used[12][1]) / 2**20
-    print(f"{seconds:.2f} s of processor time a scene; {used[-1][1] / 2**20:.0f} MiB, of which {grown:.0f} grew over the last 30 scenes")
-    assert seconds < 1.8
+    grown = (used[-1] - used[12]) / 2**20
+    print(f"{used[-1] / 2**20:.0f} MiB, of which {grown:.0f} grew over the last 30 scenes")
     assert grown < 60.0

@@ -29,7 +29,7 @@ def port(store):
         running = uvicorn.Server(uvicorn.Config(make_app(Library([store])), log_level="critical", lifespan="off"))
         thread = threading.Thread(target=running.run, kwargs={"sockets": [listening]}, daemon=True)
         thread.start()
-        until = time.monotonic() + 60.0
+        until = time.monotonic() + 600.0
         while not running.started and time.monotonic() < until:
             time.sleep(0.02)
         yield listening.getsockname()[1]
@@ -47,7 +47,7 @@ async def answered(port: int, request: bytes) -> bytes:
     reader, writer = await asyncio.open_connection("127.0.0.1", port)
     writer.write(request)
     try:
-        return await asyncio.wait_for(reader.read(-1), 60.0)
+        return await asyncio.wait_for(reader.read(-1), 600.0)
     except ConnectionError:
         return b""
     finally:

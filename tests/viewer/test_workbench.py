@@ -276,12 +276,13 @@ class _Slow(Painter):
 
     def __init__(self):
         super().__init__()
-        self.go, self.done = threading.Semaphore(0), []
+        self.begun, self.go, self.done = threading.Event(), threading.Semaphore(0), []
 
     def paint(self, order):
         if order.dropped.is_set():
             raise Overtaken
-        self.go.acquire(timeout=5)
+        self.begun.set()
+        assert self.go.acquire(timeout=600)
         self.done.append((order.job, order.scenario.seed))
         if order.scenario.seed == 13:
             raise SeaglintError("no luck")
@@ -307,9 +308,11 @@ def _scene(seed):
 
 def test_a_newer_change_overtakes_an_older():
     async def steps(redraw, painter):
-        for seed in (1, 2, 3):
+        redraw.want(_scene(1))
+        await asyncio.to_thread(painter.begun.wait)
+        for seed in (2, 3):
             redraw.want(_scene(seed))
-            await asyncio.sleep(0.05)
+            await asyncio.sleep(0.0)
 
     done, shown = _redrawn(steps)
     assert done == [("mean", 1), ("mean", 3), ("frame", 3)]  # 2 was never begun, and what 1 began is not shown
@@ -327,7 +330,7 @@ def test_why_there_is_no_picture_is_shown():
 def test_nothing_is_shown_to_a_page_that_is_gone():
     async def steps(redraw, painter):
         redraw.want(_scene(1))
-        await asyncio.sleep(0.05)
+        await asyncio.to_thread(painter.begun.wait)
         redraw.close()
         redraw.want(_scene(2))
 

@@ -55,8 +55,8 @@ def opened(browser, address):
     asked = []
     page.on("request", lambda request: asked.append(request.url))
     page.on("websocket", lambda socket: asked.append(socket.url))
-    page.set_default_timeout(120_000)
-    playwright.expect.set_options(timeout=120_000)
+    page.set_default_timeout(600_000)
+    playwright.expect.set_options(timeout=600_000)
     page.goto(address)
     yield page
     page.close()
@@ -72,9 +72,9 @@ def picture(page, name):
 def drawn(page, before=None):
     """Content of the first frame once it is there, and another than before."""
     frame = picture(page, "frame")
-    playwright.expect(frame.locator("svg image").first).to_be_attached(timeout=240_000)
+    playwright.expect(frame.locator("svg image").first).to_be_attached(timeout=600_000)
     if before is not None:
-        page.wait_for_function("old => document.querySelector('[data-picture=frame]').innerHTML !== old", arg=before, timeout=120_000)
+        page.wait_for_function("old => document.querySelector('[data-picture=frame]').innerHTML !== old", arg=before, timeout=600_000)
     return frame.inner_html()
 
 

@@ -1,4 +1,8 @@
-"""The example at the end of each command's help: lines that work one after the other in an empty folder."""
+"""The example at the end of each command's help: lines that work in an empty folder, and in one where others were typed before.
+
+Examples that need a scenario or a recording begin with the same lines. These work again: the scenario is replaced by the same, and
+``--resume`` takes a finished recording as it is. All else that an example writes has a name of its own.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +10,11 @@ from typing import Final
 
 import typer
 
-_SCENE = "seaglint init my.toml"
-_RUN = (_SCENE, "seaglint render my.toml -o run.zarr --frames 0:8")
-_FIT = (*_RUN, "seaglint texture fit run.zarr -o model.json")
+# Not my.toml, the name in the guide: a user's own scenario is not to be replaced.
+_SCENE = "seaglint init example.toml --overwrite"
+_RUN = (_SCENE, "seaglint render example.toml -o example.zarr --frames 0:8 --resume")
+# A part of the picture that is stationary, without which the fit is refused.
+_FIT = (*_RUN, "seaglint texture fit example.zarr -o model.json --region 160:256,160:352 --overwrite")
 _ANGLES = "printf 'wavelength_um,wind_speed_m_s,zenith_deg\\n4,5,70\\n' > angles.csv"
 _AIR = (
     "printf 'atmosphere,wind_speed_m_s,sensor_height_m,depression_deg,' > air.csv",
@@ -43,12 +49,12 @@ _SHIP = (
 )
 
 EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
-    "": (_SCENE, "seaglint render my.toml -o run.zarr --frames 0:8 --preview", "seaglint info run.zarr"),
-    "init": ("seaglint init my.toml --preset glint",),
+    "": ("seaglint init my.toml", "seaglint render my.toml -o run.zarr --frames 0:8 --preview", "seaglint info run.zarr"),
+    "init": ("seaglint init calm.toml --preset calm",),
     "schema": ("seaglint schema > scenario.schema.json",),
     "doctor": ("seaglint doctor --json",),
-    "view": (*_RUN, "seaglint view run.zarr"),
-    "info": (*_RUN, "seaglint info run.zarr"),
+    "view": (*_RUN, "seaglint view example.zarr"),
+    "info": (*_RUN, "seaglint info example.zarr"),
     "reproduce": ("seaglint reproduce headline",),
     "reproduce headline": ("seaglint reproduce headline",),
     "reproduce fig2": ("seaglint reproduce fig2 -o article",),
@@ -58,23 +64,27 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "reproduce fig10": ("seaglint reproduce fig10 -o article",),
     "reproduce fig12": ("seaglint reproduce fig12 --frames 60:80 --pixels 128 -o article",),
     "reproduce table1": ("seaglint reproduce table1 -o article",),
-    "mean": (_SCENE, "seaglint mean my.toml -o mean.nc --preview"),
-    "render": (_SCENE, "seaglint render my.toml -o run.zarr --frames 0:8 --preview"),
-    "sense": (*_RUN, "seaglint sense run.zarr my.toml --sensor mwir-insb-640 -o counts.zarr"),
-    "sensor": (_SCENE, "seaglint sensor my.toml --sensor mwir-insb-640"),
-    "evaluate": (_ANGLES, "seaglint evaluate emissivity angles.csv -o emissivity.csv"),
+    "mean": (_SCENE, "seaglint mean example.toml -o mean.nc --preview"),
+    "render": (_SCENE, "seaglint render example.toml -o example.zarr --frames 0:8 --preview --resume"),
+    "sense": (
+        "printf '[band]\\nmin_um = 3.0\\nmax_um = 5.0\\n' > camera.toml",
+        "seaglint render camera.toml -o aperture.zarr --frames 0:4 --resume",
+        "seaglint sense aperture.zarr camera.toml --sensor mwir-insb-640 --oversampling 1 -o counts.zarr",
+    ),
+    "sensor": (_SCENE, "seaglint sensor example.toml --sensor mwir-insb-640"),
+    "evaluate": (_ANGLES, "seaglint evaluate emissivity angles.csv -o angles-out.csv"),
     "evaluate atmosphere": (*_AIR, "seaglint evaluate atmosphere air.csv --band 3.5-5.0 -o air-out.csv"),
     "evaluate emissivity": (_ANGLES, "seaglint evaluate emissivity angles.csv -o emissivity.csv"),
     "evaluate mean": (*_VIEWS, "seaglint evaluate mean views.csv --band 3.5-5.0 -o views-out.csv"),
     "evaluate scattered": (*_LINES, "seaglint evaluate scattered lines.csv --band 3.5-5.0 -o lines-out.csv"),
-    "atmosphere": (_SCENE, "seaglint atmosphere export my.toml -o air.nc"),
-    "atmosphere export": (_SCENE, "seaglint atmosphere export my.toml -o air.nc"),
-    "atmosphere write": (_SCENE, "seaglint atmosphere write my.toml --format tape5 -o decks"),
+    "atmosphere": (_SCENE, "seaglint atmosphere export example.toml -o atmosphere.nc"),
+    "atmosphere export": (_SCENE, "seaglint atmosphere export example.toml -o air.nc"),
+    "atmosphere write": (_SCENE, "seaglint atmosphere write example.toml --format tape5 -o decks"),
     "atmosphere read": (
         _SCENE,
-        "seaglint atmosphere write my.toml --format tape5 -o decks",
-        "# run your MODTRAN in the folder decks",
-        "seaglint atmosphere read decks -o modtran.nc",
+        "seaglint atmosphere write example.toml --format tape5 -o modtran",
+        "# run your MODTRAN in the folder modtran",
+        "seaglint atmosphere read modtran -o modtran.nc",
     ),
     "weather": ("seaglint weather info north-atlantic",),
     "weather build": _SHIP,
@@ -82,18 +92,18 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "texture": _FIT,
     "texture fit": _FIT,
     "texture sample": (*_FIT, "seaglint texture sample model.json -o loop.zarr --size 256x256 --frames 32"),
-    "texture compare": (*_FIT, "seaglint texture compare run.zarr model.json"),
-    "texture place": (*_FIT, "seaglint texture place model.json my.toml -o placed.zarr"),
+    "texture compare": (*_FIT, "seaglint texture compare example.zarr model.json"),
+    "texture place": (*_FIT, "seaglint texture place model.json example.toml -o placed.zarr"),
     "ensemble": (*_WINDS, "seaglint ensemble winds.toml -o scenes --draw-only"),
-    "analyze": (*_RUN, "seaglint analyze run.zarr --report clutter.html"),
-    "detect": (*_RUN, "seaglint detect run.zarr --contrast 0.05:0.4:0.05 --detector matched -o found"),
+    "analyze": (*_RUN, "seaglint analyze example.zarr --report clutter.html"),
+    "detect": (*_RUN, "seaglint detect example.zarr --contrast 0.05:0.4:0.05 --detector matched -o found"),
     "likelihood": (
         "printf '[likelihood]\\nthreshold_w_m2_sr = [0.25, 2.5]\\n' > looks.toml",
         "seaglint likelihood looks.toml -o likelihood",
     ),
-    "export": (*_RUN, "seaglint export run.zarr -o run.tif"),
-    "export-sea": (_SCENE, "seaglint export-sea my.toml -o sea.nc"),
-    "labels": (*_BOAT, "seaglint render boat.toml -o boat.zarr --frames 0:2", "seaglint labels boat.zarr -o labels.json"),
+    "export": (*_RUN, "seaglint export example.zarr -o example.tif"),
+    "export-sea": (_SCENE, "seaglint export-sea example.toml -o sea.nc"),
+    "labels": (*_BOAT, "seaglint render boat.toml -o boat.zarr --frames 0:2 --resume", "seaglint labels boat.zarr -o labels.json"),
     "dataset": (*_WINDS, "seaglint dataset winds.toml -o data --format coco"),
 }
 """Lines by command; of a group of commands, and of the program itself under no name, those of what one begins with."""
