@@ -90,9 +90,7 @@ def test_looks_equal_the_model(light, sea, kind):
 @pytest.mark.parametrize("heights", [(30.0, 30.0), (5.0, 3000.0)])
 def test_looks_equal_the_model_in_all_air(sea, kind, heights):
     models = ("midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "tropical", "us-standard-1976")
-    table = mirrored_light(
-        air, models, (0.0, 20.0), heights, DEPRESSION, Band.rectangular(*BAND), hale_querry_sea(), kinks=kinks(*models)
-    )
+    table = mirrored_light(air, models, (0.0, 20.0), heights, DEPRESSION, Band.rectangular(*BAND), hale_querry_sea(), kinks=kinks(*models))
     rows = drawn(600, 5, heights, models=6)
     found = errors(rows, looks(rows, table, sea[kind]), SLOPES[kind], models)
     assert np.quantile(found, 0.95) < STATED

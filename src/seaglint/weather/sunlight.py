@@ -194,7 +194,8 @@ def _wind_nodes(winds: tuple[float, float] | None, kinks: Sequence[Sequence[floa
     inside = [[k for k in own if low + 0.5 < k < high - 0.5] for own in kinks]
     most = max(inside, key=len)
     edges = [[low, *own, *most[len(own) :], max(high, low + 0.1)] for own in inside]
-    counts = [max(math.ceil(2.0 + 4.0 * max(b - a for a, b in ends) / 5.0), 4) for ends in zip(*map(itertools.pairwise, edges), strict=True)]
+    longest = [max(b - a for a, b in ends) for ends in zip(*map(itertools.pairwise, edges), strict=True)]
+    counts = [max(math.ceil(2.0 + 4.0 * length / 5.0), 4) for length in longest]
     nodes, pieces = zip(*(_pieces(own, counts) for own in edges), strict=True)
     return np.stack(nodes), np.stack(pieces)
 
