@@ -10,7 +10,6 @@ import threading
 import uuid
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -49,43 +48,45 @@ def _compiled(function: F, **options: Any) -> F:
     return cast(F, made)
 
 
-def _name_apart(made: Any) -> None:
+def _name_apart(compiled: Any) -> None:
     """Give every compiled form a file name of its own.
 
     Numba counts them from what the index lists: of two processes that compile a function for different arguments at the same time, both
     would take the same number, and one would find the other's code under its own arguments.
+
+    The names below are Numba's private ones: its version is bounded for them in ``pyproject.toml``, and a version without them raises
+    ``AttributeError`` here, before anything wrong is loaded.
     """
-    with suppress(AttributeError):  # no public names: where Numba changes them, its own hold
-        file = made._cache._cache_file
-        stem = file._index_name.removesuffix(".nbi")
-        file._data_name = lambda number: f"{stem}.{uuid.uuid4().hex[:12]}.nbc"
+    file = compiled._cache._cache_file
+    stem = file._index_name.removesuffix(".nbi")
+    assert callable(file._data_name)
+    file._data_name = lambda number: f"{stem}.{uuid.uuid4().hex[:12]}.nbc"
 
 
-def _take_turns(made: Any, folder: Path) -> None:
-    """Let one of the processes that begin at the same time compile a function, and the others wait for it and load what it made.
+def _take_turns(compiled: Any, folder: Path) -> None:
+    """Let one of the processes that begin at the same time compile a function, and the others wait for it and load the result.
 
     A function is compiled after those that it calls, and calls lead round in no circle: nobody waits for ever.
     """
-    with suppress(AttributeError):  # as above
-        cache = made._cache
-        load, save, name = cache.load_overload, cache.save_overload, os.path.relpath(cache._cache_file._index_path, folder)
+    cache = compiled._cache
+    load, save, name = cache.load_overload, cache.save_overload, os.path.relpath(cache._cache_file._index_path, folder)
 
-        def load_or_wait(*arguments: Any) -> Any:
-            found = load(*arguments)
-            if found is None:
-                take_turn(folder, name)
-                found = load(*arguments)
-                if found is not None:
-                    end_turn(folder, name)
-            return found
-
-        def save_and_go_on(*arguments: Any) -> None:
-            try:
-                save(*arguments)
-            finally:
+    def load_or_wait(*arguments: Any) -> Any:
+        overload = load(*arguments)
+        if overload is None:
+            take_turn(folder, name)
+            overload = load(*arguments)
+            if overload is not None:
                 end_turn(folder, name)
+        return overload
 
-        cache.load_overload, cache.save_overload = load_or_wait, save_and_go_on
+    def save_and_end_turn(*arguments: Any) -> None:
+        try:
+            save(*arguments)
+        finally:
+            end_turn(folder, name)
+
+    cache.load_overload, cache.save_overload = load_or_wait, save_and_end_turn
 
 
 def kernel(function: F) -> F:

@@ -49,7 +49,7 @@ VARIABLES: Final[dict[str, Variable]] = {
     for variable in (
         # CF has no standard name for in-band radiance along a near-horizontal line of sight: long_name, units and band coordinates say it.
         _radiance("radiance", "in-band radiance at the aperture"),
-        _radiance("path_radiance", "in-band radiance of the path (thermal)"),
+        _radiance("path_radiance", "in-band radiance of the path (thermal emission and scattered sunlight)"),
         _radiance("emitted_radiance", "in-band radiance emitted by the sea, at the aperture"),
         _radiance("sky_radiance", "in-band sky radiance reflected by the sea, at the aperture; above the horizon that of the sky"),
         _radiance("glint_radiance", "in-band sunlight reflected by the sea, at the aperture"),

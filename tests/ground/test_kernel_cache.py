@@ -235,3 +235,16 @@ def test_nobody_waits_for_a_process_that_was_killed_while_it_compiled(package: P
     holder.kill()
     holder.communicate()
     assert waiting.communicate(timeout=HANG)[0].split()[-1] == "7.0"
+
+
+def test_the_private_names_of_numba_are_there(package: Path) -> None:
+    # a version that renames them must be met here, not by programs that load each other's code
+    code = (
+        "from seaglint.outer import outer; cache = outer._cache; file = cache._cache_file; outer(3.0);"
+        "print(callable(file._data_name), file._index_name, cache.load_overload.__name__, cache.save_overload.__name__, file._data_name(1))"
+    )
+    callable_name, index, load, save, data = answer(package, code).split()
+    assert (callable_name, load, save) == ("True", "load_or_wait", "save_and_end_turn")
+    assert index.endswith(".nbi")
+    assert data.startswith(index.removesuffix(".nbi"))
+    assert data not in {f"{index.removesuffix('.nbi')}.1.nbc", index}

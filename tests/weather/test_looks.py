@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from seaglint.atmosphere.table import TableAtmosphere
+from seaglint.atmosphere.table_file import BandTable
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.radiance.legs import NESTED
@@ -29,9 +30,15 @@ def air(model, wind):
     return TableAtmosphere.load(model, wind, BAND)
 
 
+def kinks(*models):
+    return [BandTable.read(model, BAND).wind_kinks for model in models]
+
+
 @pytest.fixture(scope="module")
 def light():
-    return mirrored_light(air, ["midlatitude-summer"], (0.0, 20.0), (30.0, 30.0), DEPRESSION, Band.rectangular(*BAND), hale_querry_sea())
+    models = ("midlatitude-summer",)
+    band = Band.rectangular(*BAND)
+    return mirrored_light(air, models, (0.0, 20.0), (30.0, 30.0), DEPRESSION, band, hale_querry_sea(), kinks=kinks(*models))
 
 
 @pytest.fixture(scope="module")
@@ -83,11 +90,21 @@ def test_looks_equal_the_model(light, sea, kind):
 @pytest.mark.parametrize("heights", [(30.0, 30.0), (5.0, 3000.0)])
 def test_looks_equal_the_model_in_all_air(sea, kind, heights):
     models = ("midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "tropical", "us-standard-1976")
-    table = mirrored_light(air, models, (0.0, 20.0), heights, DEPRESSION, Band.rectangular(*BAND), hale_querry_sea())
+    table = mirrored_light(air, models, (0.0, 20.0), heights, DEPRESSION, Band.rectangular(*BAND), hale_querry_sea(), kinks=kinks(*models))
     rows = drawn(600, 5, heights, models=6)
     found = errors(rows, looks(rows, table, sea[kind]), SLOPES[kind], models)
     assert np.quantile(found, 0.95) < STATED
     assert np.median(found) < 0.001
+
+
+def test_the_aerosol_of_every_model_has_its_own_kink(sea):
+    models = ("subarctic-winter", "us-standard-1976", "subarctic-summer")  # 12.33 m/s, none, 13.31 m/s
+    table = mirrored_light(
+        air, models, (0.0, 20.0), (30.0, 30.0), DEPRESSION, Band.rectangular(*BAND), hale_querry_sea(), kinks=kinks(*models)
+    )
+    rows = drawn(45, 6, suns=(70.0, 88.0), beside=10.0, models=3)
+    rows[:, 1] = np.linspace(11.5, 14.0, 45)
+    assert errors(rows, looks(rows, table, sea["gaussian"]), SLOPES["gaussian"], models).max() < STATED
 
 
 def test_wind_from_the_other_side_is_another_sea(light, sea):

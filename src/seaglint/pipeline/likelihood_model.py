@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.atmosphere.table import TableAtmosphere
-from seaglint.atmosphere.table_file import table_models
+from seaglint.atmosphere.table_file import BandTable, table_models
 from seaglint.conventions import FloatArray
 from seaglint.errors import DataError, DomainError, ScenarioError
 from seaglint.io.weather.own import SHIPPED, read_weather
@@ -183,7 +183,8 @@ class Model:
         article = scenario.mean.mode == "article"
         winds = (0.0, top) if of_table else None
         water = prepare.water(scenario)
-        return mirrored_light(air_at, self.models, winds, self.heights, self.depression, over, water, article=article)
+        kinks = [BandTable.read(model, (over.min_um, over.max_um)).wind_kinks for model in self.models] if of_table else ()
+        return mirrored_light(air_at, self.models, winds, self.heights, self.depression, over, water, kinks=kinks, article=article)
 
     @cached_property
     def seas(self) -> Seas:

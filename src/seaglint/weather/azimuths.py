@@ -158,9 +158,9 @@ def _fill(
         scale, _, last = view_range_kernel(row[3], plan.depression[0], plan.depression[1])
         start = view_range_kernel(row[3], light.lowest, plan.depression[1])[1]
         way = Way(
-            place_in_pieces(row[1], light.winds, light.pieces, weights[0]),
+            place_in_pieces(row[1], light.winds[int(row[0])], light.pieces[int(row[0])], weights[0]),
             place_in_pieces(levels[n], light.heights, light.height_pieces, weights[1]),
-            (between_kernel(row[1], light.coarse_winds), between_kernel(levels[n], light.coarse_heights)),
+            (between_kernel(row[1], light.coarse_winds[int(row[0])]), between_kernel(levels[n], light.coarse_heights)),
             (math.asinh(gamma / scale) - start) / (last - start),
             weights,
         )

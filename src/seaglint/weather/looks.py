@@ -236,9 +236,9 @@ def _fill(
         aim_disc(points, row[4], row[5])
         disc = SunDisc(points, rule, 0.0, 1.0, np.empty(0))
         state = sea_at(sea, row, coefficients)
-        wind = place_in_pieces(row[1], light.winds, light.pieces, weights[0])
+        wind = place_in_pieces(row[1], light.winds[int(row[0])], light.pieces[int(row[0])], weights[0])
         height = place_in_pieces(levels[n], light.heights, light.height_pieces, weights[1])
-        coarse = between_kernel(row[1], light.coarse_winds), between_kernel(levels[n], light.coarse_heights)
+        coarse = between_kernel(row[1], light.coarse_winds[int(row[0])]), between_kernel(levels[n], light.coarse_heights)
         scale, first, last = view_range_kernel(row[3], plan.low, plan.high)
         start = view_range_kernel(row[3], light.lowest, plan.high)[1]
         grid = plan.depressions * plan.azimuths

@@ -33,9 +33,6 @@ from seaglint.radiance.view import BandSum, sea_arc
 AirAt = Callable[[str, float], Atmosphere]
 """Air of a model atmosphere at a wind [m/s]."""
 
-WIND_KINKS: Final = (2.2852369587453123, 13.1166)
-"""Winds where the Navy maritime aerosol of the tables has kinks [m/s]."""
-
 _VIEWS: Final = 32
 _SUNS: Final = 32
 _TERMS: Final = 12
@@ -54,9 +51,9 @@ class MirroredLight(NamedTuple):
     """The table as kernels take it. Make it with :func:`mirrored_light`."""
 
     winds: FloatArray
-    """Nodes [m/s, (winds,)]; four equal tables where the air knows no wind."""
+    """Nodes [m/s, (models, winds)]; four equal tables where the air knows no wind."""
     pieces: FloatArray
-    """Places of the first node of every piece without a kink, and of the last node."""
+    """Places of the first node of every piece without a kink, and of the last node [(models, pieces + 1)]."""
     heights: FloatArray
     """Coordinates of sensor heights (:func:`height_coordinate`) [(heights,)], one or at least four."""
     height_pieces: FloatArray
@@ -68,6 +65,7 @@ class MirroredLight(NamedTuple):
     values: FloatArray
     """Logarithm of radiance at reflectance 1 [W m-2 sr-1, (models, winds, heights, views, Suns)]."""
     coarse_winds: FloatArray
+    """Nodes of the mean reflectance [m/s, (models, winds)]."""
     coarse_heights: FloatArray
     shapes: FloatArray
     """Mean reflectance [(models, winds, heights, views, Suns, terms)]."""
@@ -82,6 +80,7 @@ def mirrored_light(
     band: Band,
     water: WaterIndex,
     *,
+    kinks: Sequence[Sequence[float]] = (),
     article: bool = False,
 ) -> MirroredLight:
     """Tabulate the light of the model atmospheres.
@@ -102,6 +101,9 @@ def mirrored_light(
         Spectral response.
     water : WaterIndex
         The sea's.
+    kinks : sequence of sequences of float
+        Winds at which the aerosol of each model atmosphere changes its law [m/s], in the order of ``models``; empty where it changes
+        smoothly. No cubic is laid across them. Models may have different numbers of them.
     article : bool
         Multiply band means, as the source article does, instead of integrating their product per wavenumber.
 
@@ -110,15 +112,15 @@ def mirrored_light(
     DomainError
         Whatever the air refuses.
     """
-    nodes, pieces = _wind_nodes(winds)
+    nodes, pieces = _wind_nodes(winds, kinks or [()] * len(models))
     levels, layers = _levels(heights)
-    coarse, few_levels = _some(nodes.size if winds is not None else 1, _COARSE[0]), _some(levels.size, _COARSE[1])
+    coarse, few_levels = _some(nodes.shape[1] if winds is not None else 1, _COARSE[0]), _some(levels.size, _COARSE[1])
     suns, few_suns = _sun_zeniths(_SUNS), _sun_zeniths(_COARSE[3])
-    values = np.empty((len(models), nodes.size, levels.size, _VIEWS, _SUNS))
+    values = np.empty((len(models), nodes.shape[1], levels.size, _VIEWS, _SUNS))
     shapes = np.empty((len(models), coarse.size, few_levels.size, _COARSE[2], few_suns.size, _TERMS))
     metres, covered = _heights_of(levels), (depression[0] if levels.size == 1 else 0.0, depression[1])
     for m, model in enumerate(models):
-        for w, wind in enumerate(nodes if winds is not None else nodes[:1]):
+        for w, wind in enumerate(nodes[m] if winds is not None else nodes[m, :1]):
             sums = _Sums.of(air_at(model, float(wind)), band, water, article)
             for h, level in enumerate(metres.tolist()):
                 gamma = view_elevations(level, covered, np.linspace(0.0, 1.0, _VIEWS))
@@ -130,11 +132,11 @@ def mirrored_light(
         if winds is None:
             values[m, 1:] = values[m, :1]
     if winds is None:
-        coarse, shapes = np.array([0, nodes.size - 1]), np.repeat(shapes, 2, axis=1)
+        coarse, shapes = np.array([0, nodes.shape[1] - 1]), np.repeat(shapes, 2, axis=1)
     few_heights = levels[few_levels]
     if levels.size == 1:
         few_heights, shapes = levels[0] + np.array([0.0, 1.0]), np.repeat(shapes, 2, axis=2)
-    return MirroredLight(nodes, pieces, levels, layers, depression, covered[0], values, nodes[coarse], few_heights, shapes)
+    return MirroredLight(nodes, pieces, levels, layers, depression, covered[0], values, nodes[:, coarse], few_heights, shapes)
 
 
 def _some(count: int, most: int) -> NDArray[np.intp]:
@@ -180,13 +182,22 @@ class _Sums(NamedTuple):
         return np.asarray(sums / np.maximum(seen @ light.T, _LEAST)[..., None])
 
 
-def _wind_nodes(winds: tuple[float, float] | None) -> tuple[FloatArray, FloatArray]:
-    """Nodes and the places of the pieces' first nodes and of the last."""
+def _wind_nodes(winds: tuple[float, float] | None, kinks: Sequence[Sequence[float]]) -> tuple[FloatArray, FloatArray]:
+    """Nodes of every model [(models, winds)] and the places of the pieces' first nodes and of the last [(models, pieces + 1)].
+
+    All models have as many pieces, and as many nodes in each, as the one that asks for most: a model with fewer kinks is cut where
+    another one has them, which costs nodes and no accuracy.
+    """
     if winds is None:
-        return np.arange(4.0), np.array([0.0, 3.0])
+        return np.tile(np.arange(4.0), (len(kinks), 1)), np.tile([0.0, 3.0], (len(kinks), 1))
     low, high = winds
-    edges = [low, *(k for k in WIND_KINKS if low + 0.5 < k < high - 0.5), max(high, low + 0.1)]
-    return _pieces(edges, [max(math.ceil(2.0 + 4.0 * (b - a) / 5.0), 4) for a, b in itertools.pairwise(edges)])
+    inside = [[k for k in own if low + 0.5 < k < high - 0.5] for own in kinks]
+    most = max(inside, key=len)
+    edges = [[low, *own, *most[len(own) :], max(high, low + 0.1)] for own in inside]
+    longest = [max(b - a for a, b in ends) for ends in zip(*map(itertools.pairwise, edges), strict=True)]
+    counts = [max(math.ceil(2.0 + 4.0 * length / 5.0), 4) for length in longest]
+    nodes, pieces = zip(*(_pieces(own, counts) for own in edges), strict=True)
+    return np.stack(nodes), np.stack(pieces)
 
 
 def height_coordinate(height: ArrayLike) -> FloatArray:
