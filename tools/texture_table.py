@@ -3,8 +3,8 @@
     python tools/texture_table.py            table, and the pictures of docs/guide/textures.md
     python tools/texture_table.py --print    table on the terminal only
 
-The rendered sequence is made here. Measured pictures come from the folder that SEAGLINT_DATA_DIR names, or from
-``../shared/data``; without it their rows are left out.
+The rendered sequence is made here. Measured pictures come from the folder that ``data_folders.py`` finds; without
+it their rows are left out.
 """
 
 from __future__ import annotations

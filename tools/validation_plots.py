@@ -4,7 +4,7 @@
     python tools/validation_plots.py air emissivity
 
 Pictures of ``air``, ``scattered`` and ``emissivity`` are drawn from docs/data/against_*.csv, which hold what others computed beside what
-this package gives. Where SEAGLINT_REFERENCE_DIR or ``../shared/reference`` has the others' numbers, these files are made anew first.
+this package gives. Where ``data_folders.py`` finds the others' numbers, these files are made anew first.
 ``mitsuba`` is drawn from the table of docs/performance.md, ``sensor`` and ``detection`` are computed.
 """
 

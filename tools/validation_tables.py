@@ -3,8 +3,8 @@
     python tools/validation_tables.py               all tables
     python tools/validation_tables.py headline sea  some of them
 
-The tables ``lowtran``, ``scattered`` and ``emissivity`` need SEAGLINT_REFERENCE_DIR or ``../shared/reference``, ``buoy`` needs
-SEAGLINT_DATA_DIR or ``../shared/data``; without them they stay as they are.
+The tables ``lowtran``, ``scattered`` and ``emissivity`` need the reference tables, ``buoy`` needs the measured waves of
+``data_folders.py``; without them they stay as they are.
 """
 
 from __future__ import annotations
