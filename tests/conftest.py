@@ -22,9 +22,17 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "seaglint"
 
 LONG_FIRST = (
     "cli/test_examples.py",
+    "test_documentation.py",
     "render/test_resolved_mean.py",
+    "io/test_shards.py",
+    "render/test_scattered_images.py",
+    "render/test_averaging_down.py",
+    "clutter/test_false_alarms.py",
+    "detection/test_performance.py",
+    "texture/test_autobinomial_fit.py",
+    "pipeline/test_table1.py",
 )
-"""Files whose marked tests take a minute or more, longest first: what two workers share out last must be short."""
+"""Files with long tests: what two workers share out last must be short."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -34,7 +34,7 @@ def test_steep_views_average_to_the_mean_model(wind, sun_zenith, frames):
 
 
 @pytest.mark.validation
-@pytest.mark.parametrize("sun_zenith", [60.0, 80.0, 85.0])
+@pytest.mark.parametrize("sun_zenith", [60.0, 85.0])
 def test_the_level_of_detail_hardly_moves_means_near_the_horizon(sun_zenith):
     """The same seas with all waves as geometry and with those shorter than two columns of 0.05 deg on the facets."""
     bands = [(d, 0.95 * d, 1.05 * d) for d in (0.5, 1.0, 2.0, 4.0, 8.0)]
@@ -52,7 +52,8 @@ def test_the_level_of_detail_hardly_moves_means_near_the_horizon(sun_zenith):
 @pytest.mark.validation
 @pytest.mark.parametrize(("sun_zenith", "depressions"), [(30.0, (4.0, 10.0)), (60.0, (2.0, 6.0)), (80.0, (2.0, 6.0))])
 def test_near_the_horizon_the_ratio_stays_under_its_bound(sun_zenith, depressions):
-    for r in near_horizon(sun_zenith, range(120), depressions):
+    """80 independent seas; without shadowing of both legs the ratio would grow towards the horizon far beyond its standard error."""
+    for r in near_horizon(sun_zenith, range(80), depressions):
         print(f"Sun {sun_zenith:g} dep {r.depression_deg:g}: {r.sun:.3f} +- {r.sun_error:.3f}, bound {bound(r.depression_deg):.3f}")
         assert r.sun - 2.0 * r.sun_error < bound(r.depression_deg)
         assert r.sun > 0.1  # and a low Sun is dimmed, not lost
