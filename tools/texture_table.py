@@ -3,18 +3,19 @@
     python tools/texture_table.py            table, and the pictures of docs/guide/textures.md
     python tools/texture_table.py --print    table on the terminal only
 
-The rendered sequence is made here. Measured pictures come from the folder that SEAGLINT_DATA_DIR names; without it their rows are left out.
+The rendered sequence is made here. Measured pictures come from the folder that ``data_folders.py`` finds; without
+it their rows are left out.
 """
 
 from __future__ import annotations
 
-import os
 import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
+from data_folders import data_folder
 from seaglint.analysis.recording import Recording
 from seaglint.io.recording import open_recording
 from seaglint.pipeline.render import render
@@ -104,7 +105,7 @@ def main() -> None:
         sequence = rendered(Path(folder))
         found = shown = judged(sequence, None)
         rows.append(row("rendered glint, 50 frames", "all", found, held_out(sequence, None)))
-    data = os.environ.get("SEAGLINT_DATA_DIR")
+    data = data_folder("SEAGLINT_DATA_DIR")
     for name, region in (*MEASURED, BOAT) if data else ():
         picture = open_recording(Path(str(data)) / "imagery" / f"{name}.png", channel="mean")
         for off in (False, True):

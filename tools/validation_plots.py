@@ -4,14 +4,13 @@
     python tools/validation_plots.py air emissivity
 
 Pictures of ``air``, ``scattered`` and ``emissivity`` are drawn from docs/data/against_*.csv, which hold what others computed beside what
-this package gives. Where SEAGLINT_REFERENCE_DIR names the folder of the others' numbers, these files are made anew first. ``mitsuba`` is
-drawn from the table of docs/performance.md, ``sensor`` and ``detection`` are computed.
+this package gives. Where ``data_folders.py`` finds the others' numbers, these files are made anew first.
+``mitsuba`` is drawn from the table of docs/performance.md, ``sensor`` and ``detection`` are computed.
 """
 
 from __future__ import annotations
 
 import csv
-import os
 import re
 import sys
 from pathlib import Path
@@ -19,6 +18,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
+
+from data_folders import data_folder
 
 ROOT = Path(__file__).resolve().parents[1]
 DATA = ROOT / "docs" / "data"
@@ -295,8 +296,8 @@ def main(names: list[str]) -> None:
         sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(PICTURES)}")
     IMAGES.mkdir(parents=True, exist_ok=True)
     for name in names or PICTURES:
-        if name in TAKEN and os.environ.get("SEAGLINT_REFERENCE_DIR"):
-            TAKEN[name](Path(os.environ["SEAGLINT_REFERENCE_DIR"]))
+        if name in TAKEN and (folder := data_folder("SEAGLINT_REFERENCE_DIR")):
+            TAKEN[name](folder)
         path = IMAGES / f"{name}.png"
         PICTURES[name]().savefig(path, dpi=90, metadata={"Software": None})
         print(f"{path.relative_to(ROOT)}  {path.stat().st_size / 1e3:.0f} kB")

@@ -3,15 +3,14 @@
     python tools/validation_tables.py               all tables
     python tools/validation_tables.py headline sea  some of them
 
-The tables ``lowtran``, ``scattered`` and ``emissivity`` need SEAGLINT_REFERENCE_DIR, ``buoy`` needs SEAGLINT_DATA_DIR; without it they stay
-as they are.
+The tables ``lowtran``, ``scattered`` and ``emissivity`` need the reference tables, ``buoy`` needs the measured waves of
+``data_folders.py``; without them they stay as they are.
 """
 
 from __future__ import annotations
 
 import csv
 import json
-import os
 import re
 import subprocess
 import sys
@@ -20,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from data_folders import data_folder
 from seaglint.atmosphere.table import TableAtmosphere
 from seaglint.atmosphere.table_file import models
 from seaglint.io.cases import read_cases
@@ -47,10 +47,10 @@ class NotHereError(Exception):
 
 
 def folder(variable: str) -> Path:
-    """Folder named by an environment variable."""
-    if not os.environ.get(variable):
-        raise NotHereError(f"{variable} is not set")
-    return Path(os.environ[variable])
+    """Folder named by an environment variable, or found beside the repository."""
+    if found := data_folder(variable):
+        return found
+    raise NotHereError(f"{variable} is not set")
 
 
 def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> Lines:

@@ -187,17 +187,17 @@ def test_a_slow_scene_of_uneven_brightness_has_an_interval_that_holds() -> None:
 @pytest.mark.validation
 @pytest.mark.parametrize(("frames", "side", "time", "length"), [(1, 256, 0, 1.5), (1, 128, 0, 0), (60, 64, 4, 1.5), (256, 32, 6, 1.5)])
 def test_intervals_cover_the_truth(frames: int, side: int, time: float, length: float) -> None:
-    """1000 simulations of a correlated field: 95 % intervals hold the true rate in 93 to 97 %.
+    """400 simulations of a correlated field: 95 % intervals hold the true rate in 368 to 392, those of 90 % would in 360.
 
     Thresholds at which a gamma field of shape 0.7, made of the Gaussian one point by point, stands 3 and 3.5 sigma above its mean.
     """
     generator = np.random.default_rng(5)
     thresholds = (1.846, 2.031)
     covered = np.zeros(2)
-    for _ in range(1000):
+    for _ in range(400):
         rates = count(correlated_field(generator, frames, side, time, length), *thresholds).rates()
         covered += [r.rate_low is not None and r.rate_low <= norm.sf(r.threshold_sigma) <= r.rate_high for r in rates]
-    assert ((covered >= 930) & (covered <= 970)).all(), covered
+    assert ((covered >= 368) & (covered <= 392)).all(), covered
 
 
 @pytest.mark.parametrize(

@@ -162,15 +162,16 @@ def test_stated_intervals_of_independent_samples_cover(family):
 
 @pytest.mark.validation
 def test_stated_intervals_of_correlated_fields_cover():
+    # 400 simulations: 95 % are 380 with a standard deviation of 4.4; intervals of 90 % would hold 360.
     rng = np.random.default_rng(101)
     labels = block_labels((128, 128), (16, 16))
     inside, widths = [], []
-    for _ in range(1000):
+    for _ in range(400):
         found = fit(gamma_field(rng, 2.0, 1.5, 128), "gamma", blocks=labels)
         inside.append((found.shape_interval[0] < 2.0 < found.shape_interval[1], found.scale_interval[0] < 1.0 < found.scale_interval[1]))
         widths.append(found.shape_interval[1] - found.shape_interval[0])
-    share = np.mean(inside, axis=0)
-    assert np.all((share >= 0.93) & (share <= 0.97)), share
+    held = np.sum(inside, axis=0)
+    assert np.all((held >= 368) & (held <= 392)), held
 
 
 def test_blocks_widen_intervals_by_the_correlation():

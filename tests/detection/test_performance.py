@@ -143,12 +143,13 @@ def test_rare_tails_cover_the_truth(clutter: str) -> None:
 
 @pytest.mark.validation
 def test_intervals_cover_the_q_functions() -> None:
+    """400 recordings: 95 % of them are 380, with a standard deviation of 4.4; intervals of 90 % would hold 360."""
     hits = np.zeros(2)
-    for seed in range(1000):
+    for seed in range(400):
         frames = np.random.default_rng(10_000 + seed).normal(5.0, 1.0, (16, 64, 64)).astype(np.float32)
         for k, (found, exact) in enumerate(zip(judged(frames, FilterThreshold(), 3.0, 3.0, 2000, seed), (0.5, norm.sf(3.0)), strict=True)):
             hits[k] += found.low <= exact <= found.high
-    assert ((hits >= 930) & (hits <= 970)).all(), hits
+    assert ((hits >= 368) & (hits <= 392)).all(), hits
 
 
 @pytest.mark.parametrize("size", [(4, 64, 64), (8, 48, 48)])

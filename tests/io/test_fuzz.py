@@ -282,7 +282,7 @@ def test_wave_files(tmp_path, kind, numbers):
 
 
 @pytest.mark.filterwarnings("ignore")
-@quick_and_all(MANY_FILES)
+@quick_and_all(MANY_FILES // 2)
 def test_stores(tmp_path, numbers):
     """One file of the store changed, cut or removed."""
     layout = Layout(np.arange(6.0), -np.arange(4.0), range(3), 25.0, Band.rectangular(3.5, 5.0), attributes=provenance("Noise", "{}", 1))

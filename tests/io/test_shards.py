@@ -331,12 +331,11 @@ def test_truth_is_cut_alike(output):
 @pytest.mark.validation
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL here")
 def test_runs_killed_at_random_moments_lose_nothing(output, whole):
-    random = np.random.default_rng(1)
-    for _ in range(20):
+    for moment in np.random.default_rng(1).permutation(np.linspace(0.01, 0.49, 8)):  # evenly over the 0.5 s of drawing and writing
         with begun("slow", output) as process:
             process.stdout.readline()
             try:
-                process.wait(float(random.uniform(0.0, 0.5)))
+                process.wait(float(moment))
             except subprocess.TimeoutExpired:
                 process.kill()
         if output.exists():
@@ -375,17 +374,16 @@ def end_of(processes: list[int]) -> bool:
 
 @pytest.mark.validation
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc here")
-def test_a_run_with_workers_killed_twenty_times_loses_nothing_and_leaves_no_process(output, tmp_path):
-    random, kills = np.random.default_rng(3), 0
+def test_a_run_with_workers_killed_again_and_again_loses_nothing_and_leaves_no_process(output, tmp_path):
+    """Eight kills, 1 to 15 units after each start: from before the first unit on, and well into the 100 units."""
     once = files(write_sequence(tmp_path / "once.zarr", toy_store.many(), frame))
-    while kills < 20:
+    for units in (1, 15, 3, 13, 2, 11, 7, 9):
         with begun("over_workers", output) as process:
-            for _ in range(int(random.integers(1, 16))):
+            for _ in range(units):
                 process.stdout.readline()
             children = workers_of(process.pid) if process.poll() is None else []
             if process.poll() is None:
                 process.kill()
-                kills += 1
         assert end_of(children)
         if output.exists():
             assert files(output) == once
@@ -430,10 +428,13 @@ def test_a_signal_does_not_wait_for_long_units_of_workers(output):
     assert end_of(children)
 
 
+KILLS = 40
+
+
 @pytest.mark.validation
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL here")
 def test_workers_killed_at_random_moments_lose_nothing(tmp_path):
-    """A hundred times, while they are at work; units that were tried too often are made by the next run."""
+    """Forty times, while they are at work; units that were tried too often are made by the next run."""
     random, killed, ended = np.random.default_rng(2), [], threading.Event()
     many = toy_store.many()
     once = files(write_sequence(tmp_path / "once.zarr", many, frame))
@@ -441,7 +442,7 @@ def test_workers_killed_at_random_moments_lose_nothing(tmp_path):
     with LocalProcesses(4) as workers:
 
         def kill() -> None:
-            while not ended.wait(float(random.uniform(0.0, 0.2))) and len(killed) < 100:
+            while not ended.wait(float(random.uniform(0.0, 0.2))) and len(killed) < KILLS:
                 busy = [worker for worker in list(workers._workers) if worker.task is not None]
                 if busy:
                     killed.append(busy[int(random.integers(len(busy)))].number)
@@ -453,11 +454,11 @@ def test_workers_killed_at_random_moments_lose_nothing(tmp_path):
             while not output.exists():
                 with suppress(DataError, BackendError):
                     write_sequence(output, many, frame, resume=True, spread=over(workers, toy_store.prepared_many, None))
-                if output.exists() and len(killed) < 100:
+                if output.exists() and len(killed) < KILLS:
                     assert files(output) == once
                     shutil.rmtree(output)
         finally:
             ended.set()
             killer.join()
     assert files(output) == once
-    assert len(killed) == 100
+    assert len(killed) == KILLS

@@ -4,11 +4,8 @@ import numpy as np
 import pytest
 from render_scenes import camera
 
-from near_horizon_table import BAND, bound, elfouhaily_sea, near_horizon, ratios, sea_view
+from near_horizon_table import BAND, bound, elfouhaily_sea, near_horizon, ratios, sea_view, steep
 from seaglint.atmosphere.table import TableAtmosphere
-
-HEIGHT = 80.0
-BANDS = tuple((d, d - 1.0, d + 1.0) for d in (30.0, 40.0, 50.0, 60.0, 70.0, 80.0))
 
 # Standard error and agreement asked for: 0.5 %, two standard errors and 1 %.
 ERROR, AGREEMENT = 5e-3, 1e-2
@@ -17,14 +14,13 @@ TABLES = 1.5e-3
 
 
 @pytest.mark.validation
-@pytest.mark.parametrize("sun_zenith", [30.0, 60.0, 80.0])
-@pytest.mark.parametrize(("wind", "frames"), [(2.0, 500), (5.0, 500), (10.0, 500), (15.0, 500)])
-def test_steep_views_average_to_the_mean_model(wind, frames, sun_zenith):
-    """Looking towards the Sun from 80 m; every frame is a new sea, waves down to 0.5 m (or 80 % of the slopes) are geometry."""
-    waves, slopes = elfouhaily_sea(wind, 0.75 * np.pi, 0.5)
-    air = TableAtmosphere.load("midlatitude-summer", wind, (BAND.min_um, BAND.max_um))
-    eye = camera(HEIGHT, -28.5, -81.5, 106, width=16.0, columns=8)
-    found = ratios(sea_view(air, slopes, HEIGHT, sun_zenith), eye, waves, BANDS, range(frames))
+@pytest.mark.parametrize(("wind", "sun_zenith", "frames"), [(15.0, 30.0, 300), (2.0, 60.0, 300), (10.0, 80.0, 400)])
+def test_steep_views_average_to_the_mean_model(wind, sun_zenith, frames):
+    """Three of the twelve seas and Suns of docs/validation.md: every Sun, the calmest sea and the roughest; every frame is a new sea.
+
+    Largest standard errors are 0.17 % at Suns of 30 and 60 deg, 0.4 % at 80 deg, where the glint itself departs.
+    """
+    found = steep(wind, sun_zenith, range(frames))
     for r in found:
         print(
             f"wind {wind:g} Sun {sun_zenith:g} depression {r.depression_deg:g}: "
@@ -38,7 +34,7 @@ def test_steep_views_average_to_the_mean_model(wind, frames, sun_zenith):
 
 
 @pytest.mark.validation
-@pytest.mark.parametrize("sun_zenith", [60.0, 80.0, 85.0])
+@pytest.mark.parametrize("sun_zenith", [60.0, 85.0])
 def test_the_level_of_detail_hardly_moves_means_near_the_horizon(sun_zenith):
     """The same seas with all waves as geometry and with those shorter than two columns of 0.05 deg on the facets."""
     bands = [(d, 0.95 * d, 1.05 * d) for d in (0.5, 1.0, 2.0, 4.0, 8.0)]
@@ -56,7 +52,8 @@ def test_the_level_of_detail_hardly_moves_means_near_the_horizon(sun_zenith):
 @pytest.mark.validation
 @pytest.mark.parametrize(("sun_zenith", "depressions"), [(30.0, (4.0, 10.0)), (60.0, (2.0, 6.0)), (80.0, (2.0, 6.0))])
 def test_near_the_horizon_the_ratio_stays_under_its_bound(sun_zenith, depressions):
-    for r in near_horizon(sun_zenith, range(120), depressions):
+    """80 independent seas; without shadowing of both legs the ratio would grow towards the horizon far beyond its standard error."""
+    for r in near_horizon(sun_zenith, range(80), depressions):
         print(f"Sun {sun_zenith:g} dep {r.depression_deg:g}: {r.sun:.3f} +- {r.sun_error:.3f}, bound {bound(r.depression_deg):.3f}")
         assert r.sun - 2.0 * r.sun_error < bound(r.depression_deg)
         assert r.sun > 0.1  # and a low Sun is dimmed, not lost

@@ -1,8 +1,6 @@
 """Emissivity of the rough sea: Wu and Smith's table, a brute-force sum over slopes, and conservation."""
 
 import csv
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -34,9 +32,8 @@ def test_wu_smith_rows(wavelength_um, wind, expected):
     assert ours == pytest.approx(expected, abs=WU_SMITH_TOLERANCE)
 
 
-@pytest.mark.skipif("SEAGLINT_REFERENCE_DIR" not in os.environ, reason="set SEAGLINT_REFERENCE_DIR to the folder of reference tables")
-def test_wu_smith_table():
-    lines = (Path(os.environ["SEAGLINT_REFERENCE_DIR"]) / "emissivity_wu_smith.csv").read_text().splitlines()
+def test_wu_smith_table(reference_dir):
+    lines = (reference_dir / "emissivity_wu_smith.csv").read_text().splitlines()
     worst = 0.0
     for row in csv.DictReader(line for line in lines if not line.startswith("#")):
         slopes = cox_munk_isotropic(float(row["wind_m/s"]), height=12.5)

@@ -1,6 +1,5 @@
 """Buoy spectra: read through wavespectra, directions, tail, and the sea made of them."""
 
-import os
 import shutil
 import sys
 from pathlib import Path
@@ -177,9 +176,8 @@ def test_impossible_energies_are_refused(energy, match):
 
 
 @pytest.mark.parametrize("every", [27, pytest.param(9, marks=pytest.mark.validation)])
-@pytest.mark.skipif("SEAGLINT_DATA_DIR" not in os.environ, reason="set SEAGLINT_DATA_DIR to the folder of real inputs")
-def test_a_week_of_the_buoy_agrees_with_its_summary(every):
-    path = Path(os.environ["SEAGLINT_DATA_DIR"]) / "waves" / "41010"
+def test_a_week_of_the_buoy_agrees_with_its_summary(every, data_dir):
+    path = data_dir / "waves" / "41010"
     rows = [line.split() for line in path.with_suffix(".spec").read_text().splitlines() if not line.startswith("#")]
     worst = 0.0
     for year, month, day, hour, minute, height, *_ in rows[::every]:
