@@ -1,4 +1,4 @@
-"""Wandering tiles: each is read a little aside, by a displacement that changes slowly over the sea, so that it does not repeat.
+"""Slow displacement of tiles over the sea, so that the sea does not repeat with the periods of its tiles.
 
 ::
 
@@ -45,7 +45,7 @@ class Wander(NamedTuple):
 
     @classmethod
     def of(cls, tile: Tile, seed: int, index: int) -> Wander:
-        """The displacement of a sea's tile ``index``, with phases from ``stream(seed, "wander", index)``."""
+        """Return the displacement of tile ``index``, with phases from ``stream(seed, "wander", index)``."""
         c, s = np.cos(tile.rotation), np.sin(tile.rotation)
         turn = np.array([[c, s], [-s, c]])
         phase = 2.0 * np.pi * stream(seed, "wander", index).random(len(_WAVES))
