@@ -1,4 +1,4 @@
-"""Scattered sunlight that somebody else computed, as the tables of :mod:`seaglint.atmosphere.scattered`."""
+"""Scattered sunlight of a user's calculation, as the tables of :mod:`seaglint.atmosphere.scattered`."""
 
 from __future__ import annotations
 
@@ -23,16 +23,19 @@ ROWS: Final = 257
 DIP_ROWS: Final = 64
 
 LOW: Final = 300.0
-"""Height [m] up to which the sky below the horizontal is the horizontal's: LOWTRAN7 makes the sensor's height a level, and the thin layer
-below it, with another air, would draw a line above the sea (:mod:`seaglint.atmosphere.low_sky`)."""
+"""Height [m] up to which the sky below the horizontal is the horizontal's.
+
+LOWTRAN7 makes the sensor's height a level, and the thin layer below it, with another air, would draw a line above the sea
+(:mod:`seaglint.atmosphere.low_sky`).
+"""
 
 _RANK: Final = 1e-4
-"""Singular values of the spectra below this share of the first are dropped."""
+"""Relative singular value of the spectra below which components are dropped."""
 
 
 @dataclass(frozen=True, eq=False)
 class SampledLight:
-    """Scattered sunlight of a file, for the one Sun that it holds; as :class:`seaglint.atmosphere.scattered_tables.ScatteredLight`.
+    """Scattered sunlight of a file, for its one Sun; as :class:`seaglint.atmosphere.scattered_tables.ScatteredLight`.
 
     Radiance is split into a function of the scattering angle, which has the aureole, and what is left, which is smooth and interpolated
     linearly between the file's directions. What the file leaves out is dark.
@@ -45,12 +48,12 @@ class SampledLight:
 
     @property
     def is_dark(self) -> bool:
-        """Whether nothing is scattered."""
+        """True if nothing is scattered."""
         return False
 
     @cached_property
     def path(self) -> ScatteredTable:
-        """Paths to the sea, in band."""
+        """Table of scattered path radiance to the sea, in band."""
         held, samples = self.samples.path, self.samples
         if held is None:
             return DARK
@@ -63,7 +66,7 @@ class SampledLight:
 
     @cached_property
     def sky(self) -> ScatteredTable:
-        """Sky seen from the sensor, in band."""
+        """Table of the scattered sky seen from the sensor, in band."""
         held = self._sky_from(self.height)
         if held is None:
             return DARK
@@ -75,7 +78,7 @@ class SampledLight:
 
     @cached_property
     def sea_sky(self) -> ScatteredTable:
-        """Sky seen from the sea: spectra."""
+        """Table of the scattered sky seen from the sea, as spectra."""
         held = self._sky_from(0.0)
         if held is None:
             return DARK._replace(spectral=np.zeros((1, self.weights.size)))
@@ -86,11 +89,11 @@ class SampledLight:
         return table._replace(spectral=np.ascontiguousarray(spectral))
 
     def sea_sky_within(self, turn: float) -> ScatteredTable:
-        """:attr:`sea_sky`, wherever the place."""
+        """Table :attr:`sea_sky`, the same for all places."""
         return self.sea_sky
 
     def paths(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """Paths to the sea at arcs [m] (rows), azimuths from the Sun [rad] (columns), in band [W m-2 sr-1]."""
+        """Scattered path radiance in band [W m-2 sr-1] to the sea at arcs [m] (rows), azimuths from the Sun [rad] (columns)."""
         from seaglint.atmosphere.scattered import scattered_path
 
         elevation = -depression_of_range(self.height, arc)
@@ -107,7 +110,7 @@ class SampledLight:
         return near[0] if near else None
 
     def _table(self, zenith: FloatArray, radiance: FloatArray, nodes: FloatArray, rows: FloatArray) -> ScatteredTable:
-        """Table of radiance (k, a[, r]) at zenith angles of lines of sight [rad, (k,)]; ``nodes`` (k,) are what ``rows`` are wanted at."""
+        """Table of radiance (k, a[, r]) at zenith angles of lines of sight [rad, (k,)]; ``nodes`` (k,) are the coordinates of ``rows``."""
         values = radiance if radiance.ndim == 3 else radiance[..., None]
         sun, azimuth = self.samples.solar_zenith, self.samples.azimuth
         angle = scattering_angle(zenith[:, None], azimuth, sun)
@@ -132,7 +135,7 @@ class SampledLight:
 
     @staticmethod
     def _angular(angle: FloatArray, size: FloatArray) -> FloatArray:
-        """A function of the scattering angle that has the aureole: that of the line of sight that comes nearest to the Sun."""
+        """Function of the scattering angle that contains the aureole, from the line of sight nearest to the Sun."""
         row = int(np.argmin(angle.min(axis=1)))
         floor = 1e-6 * max(float(size.max()), 1e-30)
         known, first = np.unique(np.round(angle[row], 6), return_index=True)
