@@ -70,7 +70,7 @@ def patches(
     solid_angle: ArrayLike,
     correlation_length: float,
 ) -> FloatArray:
-    r"""Patches of the size of a mirroring cell that a detector averages over, ``M = Omega r^2 cos(beta) / (l^2 cos(omega))`` [1].
+    r"""Number of mirroring cells that a detector averages over, ``M = Omega r^2 cos(beta) / (l^2 cos(omega))`` [1].
 
     Parameters
     ----------
@@ -105,7 +105,10 @@ def patches(
 def patches_of_tilt(
     cos_incidence: ArrayLike, tilt: ArrayLike, slant_range: ArrayLike, solid_angle: ArrayLike, correlation_length: float
 ) -> FloatArray:
-    """The same where the sum of the cosines of both zenith angles is known, ``tilt = cos(theta_v) + cos(theta_s)`` [1], of many Suns."""
+    """Number of mirroring cells as :func:`patches`, for many Suns.
+
+    The sum of the cosines of both zenith angles is ``tilt = cos(theta_v) + cos(theta_s)`` [1].
+    """
     omega = np.asarray(solid_angle, dtype=np.float64)
     if not np.all(omega > 0.0):
         raise DomainError(
