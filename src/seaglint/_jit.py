@@ -1,4 +1,4 @@
-"""The one door to Numba: scalar kernels are compiled here, so that their launchers can change without them.
+"""Compilation of kernels with Numba, in one place, so that launchers can change without the kernels.
 
 ``NUMBA_DISABLE_JIT=1`` runs the same functions as plain Python.
 """
@@ -31,7 +31,7 @@ _decorating = threading.Lock()
 
 
 def _compiled(function: F, **options: Any) -> F:
-    """Hand a function to Numba, which compiles it on its first call or takes it from :func:`kernel_folder`."""
+    """Compile a function with Numba on its first call, or load it from :func:`kernel_folder`."""
     if _settings.DISABLE_JIT:
         return cast(F, numba.njit(**options)(function))
     with _decorating:
@@ -50,7 +50,7 @@ def _compiled(function: F, **options: Any) -> F:
 
 
 def _name_apart(made: Any) -> None:
-    """Give every compiled form a file name of its own.
+    """Give each compiled version of a function a file name of its own.
 
     Numba counts them from what the index lists: of two processes that compile a function for different arguments at the same time, both
     would take the same number, and one would find the other's code under its own arguments.
@@ -62,7 +62,7 @@ def _name_apart(made: Any) -> None:
 
 
 def _take_turns(made: Any, folder: Path) -> None:
-    """Let one of the processes that begin at the same time compile a function, and the others wait for it and load what it made.
+    """Make one of several processes compile a function; the others wait and load the result.
 
     A function is compiled after those that it calls, and calls lead round in no circle: nobody waits for ever.
     """
@@ -108,11 +108,11 @@ def njit_parallel(function: F) -> F:
 
 
 SHARES_PER_THREAD = 8
-"""Pieces of work for each thread: a slow one does not hold up the others."""
+"""Parts of the work for each thread; with several parts a slow one does not delay the other threads."""
 
 
 def in_threads(work: Callable[[tuple[int, int]], None], count: int) -> None:
-    """Share ``range(count)`` out as parts ``(first, end)`` to as many threads as Numba is to use.
+    """Divide ``range(count)`` into parts ``(first, end)`` and run them in as many threads as Numba uses.
 
     For compiled kernels, which release the interpreter, too large for Numba's own parallel loops: those compile all that they call once
     more. ``work`` must not depend on the order or size of the parts.

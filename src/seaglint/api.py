@@ -1,4 +1,4 @@
-"""The functions of ``import seaglint as sg``: from a scenario file to labelled images and their clutter.
+"""Functions of ``import seaglint as sg``: from a scenario file to labelled images and their clutter.
 
 .. code-block:: python
 

@@ -1,4 +1,4 @@
-"""What the functions of ``import seaglint as sg`` take in many forms, brought into one."""
+"""Conversion of the inputs that the functions of ``import seaglint as sg`` accept in several forms."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 
 AXES = ("time", "y", "x")
-"""Names of the last axes of an array that has none."""
+"""Names of the last axes of an array without names."""
 
 
 def options_of(given: Mapping[str, Any]) -> Options:
-    """Fields of the record; filters and detectors by name, sequences as tuples, masks as plain arrays."""
+    """Return the options as a record: filters and detectors from names, sequences as tuples, masks as plain arrays."""
     from typing import get_args
 
     import numpy as np
@@ -51,7 +51,7 @@ def options_of(given: Mapping[str, Any]) -> Options:
 
 
 def recording_of(given: Any, frame_rate: float | None, units: str | None, variable: str | None) -> Recording:
-    """What is analysed, from a file or from memory."""
+    """Return the recording to analyse, from a file or from memory."""
     from dataclasses import replace
 
     import numpy as np
@@ -76,7 +76,7 @@ def recording_of(given: Any, frame_rate: float | None, units: str | None, variab
 
 
 def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.DataArray:
-    """Apparent temperature of radiance in any form."""
+    """Apparent temperature [K] of radiance in any accepted form."""
     import numpy as np
     import xarray as xr
 
@@ -107,7 +107,7 @@ def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.Data
 
 
 def band_of(attributes: Mapping[Any, Any]) -> Band:
-    """Band that attributes tell."""
+    """Return the spectral band that the attributes of a file state."""
     from seaglint.errors import DataError
     from seaglint.io.provenance import stored_band
 
@@ -119,7 +119,7 @@ def band_of(attributes: Mapping[Any, Any]) -> Band:
 
 
 def with_band(dataset: xr.Dataset) -> xr.Dataset:
-    """The same with the band at every in-band radiance too, so that a variable is complete without its dataset, ready for any file."""
+    """Return the dataset with the band attributes on every in-band radiance, so that each variable can be saved alone."""
     from seaglint.io.netcdf import plain_attributes
     from seaglint.schema import VARIABLES
 

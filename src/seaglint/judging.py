@@ -1,4 +1,4 @@
-"""``sg.detect``: a detector judged on a recording or in the scenes of a scenario."""
+"""Function ``sg.detect``: a detector evaluated on a recording or in the scenes of a scenario."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Judgement(dict[str, Any]):
-    """What ``seaglint detect --json`` prints; a notebook shows detection of each contrast, false alarms and notes."""
+    """Results of ``seaglint detect --json``; a notebook shows detection of each contrast, false alarms and notes."""
 
     def _repr_html_(self) -> str:
         from seaglint.pipeline.detect import shown
