@@ -1,4 +1,4 @@
-"""Spectral products along the line of sight, integrated per wavenumber at the price of a few sums.
+"""Basis for spectral products along the line of sight: integrals per wavenumber from sums over a few terms.
 
 A pixel needs ``int R(nu) tau(nu; range) X(nu; facet) dnu`` for millions of facets. The transmittances seen from one height span a
 small space: with ``tau(nu; r) ~ sum_k a_k(r) phi_k(nu)`` the integral is ``sum_k a_k(r) int R phi_k X dnu``, and the
@@ -24,10 +24,10 @@ PRODUCT_ERROR = 1e-4
 """RMS error relative to the products, over facets and ranges, that :func:`fewest_terms` leaves."""
 
 TOGETHER = 4
-"""Terms of the thermal tables come in fours: kernels take four at once."""
+"""Number of terms that kernels process at once; the thermal tables have a multiple of it."""
 
 NODES = 320
-"""Ranges at which the atmosphere is asked; the coefficients between them are splined in log range."""
+"""Number of ranges at which the atmosphere is evaluated; the coefficients between them are splined in log range."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: Float
 
 
 def fewest_terms(tables: FloatArray, coefficients: FloatArray, together: int = 1) -> tuple[FloatArray, FloatArray]:
-    """Tables (..., k) and coefficients (m, k) with the same products ``tables @ coefficients.T`` [any unit], in as few terms as serve.
+    """Reduce tables (..., k) and coefficients (m, k) to the fewest terms with the same products ``tables @ coefficients.T`` [any unit].
 
     What facets send varies less from one to the next than spectra can: two or three terms do the work of seven. Facets and ranges count
     alike, whatever their radiance. Their number is a multiple of ``together``.

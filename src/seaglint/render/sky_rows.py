@@ -13,7 +13,7 @@ from seaglint.render.sweep import Rows
 
 
 def sky_rows(view: SeaView, camera: Camera) -> Rows:
-    """Rows of a camera, the sky in those that touch it and the Sun in it."""
+    """Rows of a camera, with the radiance of the sky and the Sun in those that touch the sky."""
     elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
     # only rows that touch the sky are looked up; crests never lower the horizon by more than a few rows
     sky = np.zeros(camera.rows)

@@ -1,4 +1,4 @@
-"""Which directions the attitudes of a turning camera need, and whether what is prepared serves them."""
+"""Directions that the attitudes of a turning camera need, and the check whether a prepared scene covers them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from seaglint.render.swept import SAME, beyond
 
 @dataclass(frozen=True, eq=False)
 class Survey:
-    """The azimuth-elevation grid that serves all attitudes, the highest elevation and the azimuths of the pixels that it does not."""
+    """Azimuth-elevation grid that serves all attitudes, and the highest elevation and the azimuths of the pixels that it does not."""
 
     grid: Camera | None
     walk_from: float
@@ -22,7 +22,7 @@ class Survey:
 
 
 def covers(made: Survey, wanted: Survey) -> bool:
-    """Whether what was prepared serves another camera."""
+    """True if a prepared scene covers another camera."""
     one, other = made.grid, wanted.grid
     if other is not None and (one is None or beyond(one, other) > SAME or other.row_step < one.row_step * (1.0 - SAME)):
         return False

@@ -1,4 +1,4 @@
-"""What facets send, tabled for a scene: one assembly for the sweep and for walked rays.
+"""Tables of the light of facets for a scene: one assembly for the sweep and for walked rays.
 
 Emission, mirrored sky and mirrored Sun of every level of detail, and the terms of the path that they are multiplied with.
 """
@@ -27,8 +27,10 @@ from seaglint.sea.slopes import SlopeStatistics, gaussian_slopes
 
 
 class PathTerms(NamedTuple):
-    """The path at the places of a basis: coefficients of the thermal, solar and emitted terms [1, (m, k)], its own thermal radiance
-    [W m-2 sr-1, (m,)] and the sunlight that it scatters.
+    """Path at the places of a basis: coefficients and radiances.
+
+    The coefficients are those of the thermal, solar and emitted terms [1, (m, k)]; the radiances its own thermal one [W m-2 sr-1, (m,)] and
+    the scattered sunlight.
     """
 
     thermal: np.ndarray
@@ -40,7 +42,7 @@ class PathTerms(NamedTuple):
 
 @dataclass(frozen=True)
 class FacetDomain:
-    """Where the facets of one level of detail are looked up.
+    """Domain over which the facets of one level of detail are tabulated.
 
     Attributes
     ----------
@@ -63,8 +65,10 @@ class FacetDomain:
 def facet_slopes(
     slopes: SlopeStatistics, resolved: tuple[float, float], wind_to_azimuth: float, covariance: float = 0.0
 ) -> SlopeStatistics:
-    """Statistics left to the facets: the model's variances minus what the interpolated lattices carry, along and across the wind of
-    the waves; with a covariance of the two, as swell from elsewhere has, the facets' own directions make up for it.
+    """Slope statistics of the facets: the model's variances minus those that the interpolated lattices carry.
+
+    Both are along and across the wind of the waves; a covariance of the two, as from swell of another direction, is compensated by the
+    facets' own directions.
 
     Raises
     ------
@@ -90,7 +94,7 @@ def sun_terms(basis: PathBasis, irradiance: FloatArray, water: WaterIndex) -> Fl
 
 
 def sun_of(view: SeaView, basis: PathBasis) -> tuple[Sunlight, FloatArray]:
-    """The Sun's centre at the sensor's foot, and the band terms of the reflection of the whole disc [W m-2] (:func:`sun_terms`)."""
+    """Direction of the Sun's centre at the sensor's foot, and band terms of the whole disc's reflection [W m-2] (:func:`sun_terms`)."""
     shining = bool(view.irradiance.max() > 0.0)
     return sunlight(view.solar_zenith, view.solar_azimuth, shining), sun_terms(basis, view.irradiance, view.water)
 
@@ -162,14 +166,14 @@ def facet_tables(
 
 
 def _stacked(tables: list[NDArray[np.float32]]) -> NDArray[np.float32]:
-    """Tables of one shape together; empty ones, of logarithms, as zeros."""
+    """Tables of one shape stacked; empty ones, of logarithms, as zeros."""
     shape = max((table.shape for table in tables), key=lambda shape: shape[0])
     full = tuple(max(n, 1) for n in shape)
     return np.stack([table if table.size else np.zeros(full, np.float32) for table in tables])
 
 
 def _lines(height: float, axes: FloatArray, shape: tuple[int, int, int, int]) -> Lines:
-    """Lines of sight and slopes of a table's nodes, seen from ``height`` [m]."""
+    """Lines of sight and slopes at a table's nodes, seen from ``height`` [m]."""
     sine, at, along, across = (first + np.arange(n) / per_step for (first, per_step), n in zip(axes[:4], shape, strict=True))
     azimuth = np.array([azimuth_of(axes, float(x)) for x in at])
     return Lines(sine, turns_of(height, sine), azimuth, along, across)
@@ -182,7 +186,7 @@ def _on_axes(
     azimuths: tuple[float, float],
     wanted: tuple[FloatArray, tuple[int, int, int, int]],
 ) -> NDArray[np.float32]:
-    """Thermal table on the axes that the mirrored aureole asks for, from one on the fewer azimuths and slopes that thermal light does."""
+    """Thermal table on the axes of the mirrored aureole, from one on the fewer azimuths and slopes of thermal light."""
     axes, shape = wanted
     plain, few = thermal_axes(domain.slopes, domain.resolved, domain.sines, azimuths)
     table = thermal_table(light, rough, plain, few, light.black.shape[0])

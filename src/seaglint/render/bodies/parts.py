@@ -1,4 +1,4 @@
-"""Bodies made ready to be drawn: their solids as one mesh, their gases and their points, each placed at an instant."""
+"""Bodies prepared for drawing: their solids as one mesh, their gases and their points, each placed at an instant."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from seaglint.render.bodies.crests import Span
 from seaglint.render.bodies.eye import Stand
 
 MOST_TEMPERATURES: Final = 16
-"""Different temperatures of a body that are each looked up; more are read from a table, linear between 257 of them."""
+"""Largest number of temperatures of a body that are evaluated one by one; more are interpolated linearly in a table of 257."""
 
 _TABLED: Final = 257
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """All solids of a body, in its axes [m]; ``code`` is the place of a vertex's temperature in ``temperatures`` [K].
+    """Mesh of all solids of a body, in its axes [m]; ``code`` is the index of a vertex's temperature in ``temperatures`` [K].
 
     ``ends``: vertices of its edges (edges, 2); ``sides``: edges of the triangles (triangles, 3), from 1, negative where they run backwards.
     """
@@ -44,7 +44,7 @@ class Mesh:
 
     @classmethod
     def of(cls, solids: list[Solid]) -> Mesh:
-        """Put solids together."""
+        """Mesh of several solids."""
         first = np.concatenate([[0], np.cumsum([s.vertices.shape[0] for s in solids])[:-1]])
         vertices = np.ascontiguousarray(np.concatenate([s.vertices for s in solids]), dtype=np.float64)
         corners = np.concatenate([s.triangles + n for s, n in zip(solids, first, strict=True)]).astype(np.int32)
@@ -61,7 +61,7 @@ class Mesh:
 
 
 def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Edges of triangles, and which of them each triangle has (:class:`Mesh`)."""
+    """Edges of triangles, and the edge numbers of each triangle (:class:`Mesh`)."""
     same = merged(vertices)[corners]
     start, end = same, np.roll(same, -1, axis=1)
     count = len(vertices)
@@ -72,7 +72,7 @@ def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One thing to draw: what it is, the number of the body that it belongs to."""
+    """Part of a body to draw, with the number of the body."""
 
     body: int
     name: str
@@ -119,22 +119,22 @@ class Placed:
 
     @property
     def distance(self) -> float:
-        """To its middle [m]."""
+        """Distance to the part's centre [m]."""
         return float(np.linalg.norm(self.place))
 
     @property
     def azimuth(self) -> float:
-        """Of its middle [rad]."""
+        """Azimuth of the part's centre [rad]."""
         return math.atan2(self.place[0], self.place[1])
 
     @property
     def heading(self) -> tuple[float, float, float]:
-        """Azimuth of its middle [rad], with its sine and cosine."""
+        """Azimuth of the part's centre [rad], with its sine and cosine."""
         return self.azimuth, math.sin(self.azimuth), math.cos(self.azimuth)
 
     @property
     def elevation(self) -> float:
-        """Of its middle [rad]."""
+        """Elevation of the part's centre [rad]."""
         return math.atan2(self.place[2], math.hypot(self.place[0], self.place[1]))
 
     @property
@@ -144,7 +144,7 @@ class Placed:
 
     @cached_property
     def span(self) -> tuple[Span, tuple[float, float]]:
-        """What it takes up, and its least and greatest height above the mean sea [m]."""
+        """Extent of the part, and its least and greatest height above the mean sea [m]."""
         middle, s, c = self.heading
         low, high = _extent(self.surface, self.eye, (s, c))
         turn, near = (low[0], high[0]), low[1]
@@ -183,7 +183,7 @@ _BALL: Final = np.array(
 
 
 def placed(part: Part, stand: Stand, eye: float) -> Placed:
-    """A part of a body that stands somewhere, seen from a height [m].
+    """Part of a body at its place, seen from a height [m].
 
     Raises
     ------
@@ -213,7 +213,7 @@ def placed(part: Part, stand: Stand, eye: float) -> Placed:
 
 
 def _holds_sensor(surface: FloatArray, corners: NDArray[np.int32]) -> bool:
-    """Whether the closed surface goes round the sensor: its solid angles add to a full sphere."""
+    """True if the closed surface encloses the sensor: its solid angles add to a full sphere."""
     size = np.linalg.norm(surface, axis=1)
     a, b, c = (surface[corners[:, k]] for k in range(3))
     p, q, r = (size[corners[:, k]] for k in range(3))

@@ -1,4 +1,4 @@
-r"""Shadows of bodies on the glint: where a body stands between the mean sea and the Sun, its facets mirror no Sun.
+r"""Shadows of bodies on the glint: facets mirror no Sun where a body stands between the mean sea and the Sun.
 
 The shadow is the body laid on the mean sea along the Sun's rays: a vertex :math:`p` goes to :math:`p - t s`, where the line to the
 Sun :math:`s` leaves the sphere,
@@ -28,7 +28,7 @@ from seaglint.render.layers import Layers, share_of_glint
 
 
 def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surroundings) -> Layers:
-    """The image of the sea with the shadows of bodies on its glint.
+    """Return the image of the sea with the shadows of bodies on its glint.
 
     Parameters
     ----------
@@ -68,7 +68,7 @@ def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surr
 
 
 def laid(one: Placed, sun: FloatArray, eye: float) -> Placed | None:
-    """A part laid on the mean sea along the Sun's rays; None where they pass over the sea."""
+    """Part projected on the mean sea along the Sun's rays; None where the rays pass over the sea."""
     p, radius = one.surface, EFFECTIVE_EARTH_RADIUS
     above = eye + p[:, 2]
     c = p[:, 0] ** 2 + p[:, 1] ** 2 + above * (2.0 * radius + above)

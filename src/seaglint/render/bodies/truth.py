@@ -1,4 +1,4 @@
-"""Labels of bodies in an image: numbers and masks from what is seen of them, in pixels of the image or of a coarser detector."""
+"""Labels of bodies in an image: numbers and masks from their sights, in pixels of the image or of a coarser detector."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from seaglint.render.bodies.compose import LEAST_COVER, Sight
 from seaglint.render.bodies.numbers import NUMBERS
 
 SURROUND: Final = 10
-"""Pixels around a body's box over which its clutter is taken."""
+"""Width of the frame around a body's box in which its clutter is evaluated [pixels]."""
 
 LEAST_CLUTTER: Final = 8
-"""Pixels of sea that a clutter needs."""
+"""Least number of pixels of sea for a clutter value."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Pixels:
-    """What a body leaves in a box of pixels: coverage, radiance times it, the sea's share that it hides, and their solid angles.
+    """Sums of a body in a box of pixels: coverage, radiance times coverage, the sea's share that it hides, and solid angles.
 
     ``shape``: rows and columns of the image; with ``around`` it closes on itself, and columns of a box go on beyond its right edge.
     """
@@ -39,7 +39,7 @@ class _Pixels:
     seen: NDArray[np.bool_]
 
     def where(self, margin: int = 0) -> tuple[NDArray[Any], ...]:
-        """The box in the image, with some pixels around it."""
+        """Box in the image, with some pixels around it."""
         top, bottom = max(self.top - margin, 0), min(self.top + self.seen.shape[0] + margin, self.shape[0])
         left, right = self.left - margin, self.left + self.seen.shape[1] + margin
         if self.around:
@@ -55,7 +55,10 @@ def labels(
     *,
     around: bool = False,
 ) -> tuple[Mapping[str, FloatArray], list[NDArray[np.bool_]], NDArray[np.uint16]]:
-    """Numbers (:data:`~seaglint.render.bodies.numbers.NUMBERS`) of bodies, masks (rows, columns), and which covers most of a pixel, from 1.
+    """Numbers and masks of bodies in an image, and the number of the body in each pixel.
+
+    The numbers are :data:`~seaglint.render.bodies.numbers.NUMBERS`, the masks (rows, columns); a pixel has the number of the body that
+    covers most of it, from 1.
 
     Parameters
     ----------
@@ -80,7 +83,7 @@ def labels(
 
 
 def numbers_of(sights: tuple[Sight, ...], shape: tuple[int, int], *, around: bool = False) -> NDArray[np.uint16]:
-    """The number [1], from 1, of the body that covers most of a pixel; 0 where none is."""
+    """Number [1], from 1, of the body that covers most of a pixel; 0 where there is none."""
     return _owners([_pixels(sight, 1, shape, around) for sight in sights], shape)[1]
 
 
@@ -100,7 +103,7 @@ def _owners(boxes: list[_Pixels | None], shape: tuple[int, int]) -> tuple[list[N
 
 
 def _pixels(sight: Sight, n: int, shape: tuple[int, int], around: bool) -> _Pixels | None:
-    """Sums over a body's shares in the pixels that are labelled."""
+    """Sums over a body's shares in the labelled pixels."""
     shares = [share for share in sight.shares if share.cover.size]
     if not shares:
         return None
@@ -122,7 +125,7 @@ def _pixels(sight: Sight, n: int, shape: tuple[int, int], around: bool) -> _Pixe
 
 
 def _columns(touched: NDArray[np.int64], width: int, around: bool) -> tuple[int, int]:
-    """First column and the one after the last; around a full circle from beyond the widest gap, on over the seam."""
+    """First column and the one after the last; around a full circle from behind the widest gap, continuous over the seam."""
     found = np.unique(touched)
     first, last = int(found[0]), int(found[-1])
     gaps = np.diff(found)
@@ -140,7 +143,7 @@ def _numbers(
     kelvin: Callable[[float], float],
     n: int,
 ) -> dict[str, float]:
-    """Numbers of one body."""
+    """Ground-truth numbers of one body."""
     row = dict.fromkeys(NUMBERS, math.nan)
     row |= {
         "range_m": sight.distance,
@@ -180,12 +183,12 @@ def _numbers(
 
 
 def _on_image(column: float, found: _Pixels) -> float:
-    """A column of an image that closes on itself, from -0.5 on."""
+    """Column in an image that closes on itself, from -0.5 on."""
     return (column + 0.5) % found.shape[1] - 0.5 if found.around else column
 
 
 def _clutter(found: _Pixels, sea: FloatArray, covered: NDArray[np.bool_]) -> float:
-    """Standard deviation of the sea's image around a body [W m-2 sr-1]; NaN where too little is left of it."""
+    """Standard deviation of the sea's image around a body [W m-2 sr-1]; NaN with too few pixels of sea."""
     where = found.where(SURROUND)
     around = sea[where][~covered[where]]
     around = around[np.isfinite(around)]
