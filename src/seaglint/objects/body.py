@@ -1,4 +1,4 @@
-"""What an object is made of and where it is: solids of triangles, plumes, points, and their placement at a time."""
+"""Components of an object and its placement at a time: solids of triangles, plumes, points."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from seaglint.conventions import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A closed surface of triangles, graybody in emission and Lambertian in reflection.
+    """Closed surface of triangles, graybody in emission and Lambertian in reflection.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class Plume:
-    """An ellipsoid of gas that emits and lets through: no surface, no reflection.
+    """Ellipsoid of gas that emits and transmits, without a surface or reflection.
 
     Its optical depth along a line is that of the middle times (chord / longest chord in that direction): uniform inside.
 
@@ -59,7 +59,7 @@ class Plume:
 
 @dataclass(frozen=True)
 class Point:
-    """A source without extent, at the body's origin.
+    """Source without extent, at the body's origin.
 
     Attributes
     ----------
@@ -78,7 +78,7 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Where a body is at an instant.
+    """Position and attitude of a body at an instant.
 
     Attributes
     ----------
@@ -93,7 +93,7 @@ class Placement:
 
 
 class Motion(Protocol):
-    """Where a body is, as a function of time alone."""
+    """Position and attitude of a body as a function of time alone."""
 
     def at(self, time: float) -> Placement:
         """Placement at a time from the start [s]."""
@@ -102,7 +102,7 @@ class Motion(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """An object of a scene."""
+    """Object of a scene."""
 
     name: str
     parts: tuple[Solid | Plume | Point, ...]

@@ -1,4 +1,4 @@
-"""What floats rides on the resolved waves: heave, roll and pitch are those of the plane that fits the sea best over its waterline.
+"""Floating bodies on the resolved waves: heave, roll and pitch of the plane that best fits the sea over their waterline.
 
 The waterline is a rectangle of half sides a (starboard) and b (forward). For a wave of amplitude A and wavenumbers k_x, k_y along them
 the plane of least squares has
@@ -27,11 +27,11 @@ from seaglint.sea.field import WaveField
 from seaglint.sea.wander import Wander
 
 NEGLIGIBLE = 1e-6
-"""Share of the variances of height and slope that the waves left out may carry: 0.1 % of the motion."""
+"""Share of the variances of height and slope in the waves that may be omitted: 0.1 % of the motion."""
 
 
 class Steered(Protocol):
-    """A motion that knows its velocity."""
+    """Motion with a velocity."""
 
     def at(self, time: float) -> Placement:
         """Placement at a time from the start [s]."""
@@ -43,7 +43,7 @@ class Steered(Protocol):
 
 
 class Lift(NamedTuple):
-    """The sea under a waterline: height [m], its rate [m s-1] and slopes towards starboard and forward [1]."""
+    """Sea under a waterline: height [m], its rate [m s-1] and slopes towards starboard and forward [1]."""
 
     height: float
     rate: float
@@ -53,14 +53,14 @@ class Lift(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Swell:
-    """The waves of a sea, one by one, as far as they count for floating bodies; make it with :meth:`of`."""
+    """Plane waves of a sea that matter for floating bodies; make it with :meth:`of`."""
 
     waves: tuple[FloatArray, ...]
     wander: tuple[Wander, ...]
 
     @classmethod
     def of(cls, field: WaveField, half_sides: tuple[float, float] = (0.0, 0.0)) -> Swell:
-        """The waves that a waterline of these half sides [m] or wider ones can feel."""
+        """Return the waves that a waterline of these half sides [m] or wider ones can feel."""
         every = field.plane_waves()
         shares = []
         for waves in every:
@@ -78,7 +78,7 @@ class Swell:
         return cls(tuple(kept), field.wander)
 
     def under(self, place: FloatArray, heading: float, half_sides: FloatArray, time: float, velocity: FloatArray | None = None) -> Lift:
-        """The sea under a waterline.
+        """Sea under a waterline.
 
         Parameters
         ----------
@@ -108,7 +108,7 @@ class Swell:
 
 @dataclass(frozen=True, eq=False)
 class Afloat:
-    """A body that rides on the waves of its place; ``base`` is its motion on a flat sea.
+    """Body that rides on the waves of its place; ``base`` is its motion on a flat sea.
 
     Attributes
     ----------
@@ -171,7 +171,7 @@ def _lifted(waves: FloatArray, place: FloatArray, stretch: FloatArray, axes: Flo
 
 @njit
 def _averaged(q: float) -> tuple[float, float]:
-    """Mean of a wave over a side, and slope of the line that fits it best, against those at its middle."""
+    """Mean of a wave over a side, and slope of its best linear fit, relative to those at the centre."""
     if abs(q) < 1e-2:
         return 1.0 - q * q / 6.0, 1.0 - 0.1 * q * q
     s, c = math.sin(q), math.cos(q)
