@@ -1,4 +1,4 @@
-r"""Thermal detectors: a microbolometer answers to absorbed power, with a lag, and has no shot noise.
+r"""Thermal detectors: the response of a microbolometer to absorbed power, with a lag and without shot noise.
 
 Noise is what a data sheet states: the NETD against a blackbody of a temperature, seen through optics of an f-number. In absorbed power
 
@@ -20,13 +20,13 @@ from seaglint.conventions import FloatArray
 from seaglint.sensor.detector import MOST_BITS, Pixels
 
 FORGOTTEN: Final = 1e-4
-"""Share of an old frame from which it is left out of the lag: less than a count of most converters."""
+"""Share of an old frame below which it is omitted from the lag: less than a count of most converters."""
 
 MOST_REMEMBERED: Final = 64
-"""Frames that are remembered at most."""
+"""Largest number of frames in the lag."""
 
 NANO: Final = 1e9
-"""Nanowatts in a watt: the units of the signal."""
+"""Number of nanowatts, the units of the signal, in a watt."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class ThermalDetector(Pixels):
 
 
 def lag_weights(time_constant: float, interval: float) -> FloatArray:
-    """Shares of this frame, the one before and so on in the signal, which add to 1.
+    """Weights of this frame, the one before and so on in the signal, which add to 1.
 
     Parameters
     ----------
