@@ -1,4 +1,4 @@
-"""How far and how long clutter remembers: autocorrelation along the picture's axes and in time, and what it leaves of a sample's size.
+"""Autocorrelation of clutter along the picture's axes and in time, and the effective size of a correlated sample.
 
 Lengths and times are where the correlation falls to 1/e, found between samples by a cubic through its logarithm (exact for an
 exponential and nearly so for a Gaussian shape). The estimate is corrected for the mean, which is taken from the same data and
@@ -69,7 +69,7 @@ class TemporalCorrelation:
 def spatial_correlation(
     frames: ArrayLike, mask: BoolArray | None = None, *, mean: ArrayLike | None = None, longest: int | None = None
 ) -> SpatialCorrelation:
-    """Correlate pixels along x and y, frames pooled.
+    """Correlation of pixels along x and y, frames pooled.
 
     Parameters
     ----------
@@ -183,7 +183,7 @@ def trend_surface(image: ArrayLike, mask: BoolArray | None = None, degree: int =
 
 
 def temporal_correlation(series: ArrayLike, frame_rate: float | None = None, *, longest: int | None = None) -> TemporalCorrelation:
-    """Correlate each pixel with itself later, every pixel about its own mean, and average over pixels.
+    """Correlation of each pixel with itself at later times, every pixel about its own mean, averaged over pixels.
 
     Parameters
     ----------
@@ -259,7 +259,7 @@ def effective_count(count: float, *scales: float) -> float:
 
 
 def block_labels(shape: tuple[int, ...], sides: tuple[float, ...]) -> NDArray[np.int64]:
-    """Label of the block each element of an array lies in, for intervals of fits.
+    """Label of the block of each element of an array, for intervals of fits.
 
     Parameters
     ----------
@@ -281,7 +281,7 @@ def block_labels(shape: tuple[int, ...], sides: tuple[float, ...]) -> NDArray[np
 
 
 def decay(rho: FloatArray) -> float:
-    """Lag at which a correlation first falls to 1/e, between samples; NaN where it does not.
+    """Lag at which a correlation first falls to 1/e, interpolated between samples; NaN where it does not.
 
     Parameters
     ----------
@@ -315,7 +315,7 @@ def decay(rho: FloatArray) -> float:
 
 
 def _positive_lags(rho: FloatArray) -> FloatArray:
-    """Lags before the first that is not above zero: beyond, an estimate is noise that would sum to anything."""
+    """Lags before the first correlation that is not above zero; beyond, an estimate is noise that would sum to anything."""
     bad = np.flatnonzero(~(rho > 0.0))
     return rho[: bad[0]] if bad.size else rho
 

@@ -1,4 +1,4 @@
-"""Whether clutter has the same mean and variance everywhere: neighbouring blocks must not resemble each other more than distant ones.
+"""Test for equal mean and variance of clutter everywhere: neighbouring blocks must not be more similar than distant ones.
 
 Blocks are so large, and so far apart, that under stationarity they are independent; their means and log variances are then
 exchangeable, whatever the distribution and the correlation inside a block. Moran's I measures the likeness of neighbours,
@@ -26,7 +26,7 @@ SMALLEST_SIDE = 8
 
 @dataclass(frozen=True)
 class Stationarity:
-    """Local moments and the test of their sameness.
+    """Local moments and the test of their equality.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ def stationarity(
     permutations: int = 999,
     seed: int = 0,
 ) -> Stationarity:
-    """Test whether local means and variances are the same all over a region.
+    """Test whether local means and variances are equal all over a region.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def stationarity(
 
 
 def _level(grid: FloatArray, permutations: int, rng: np.random.Generator) -> float:
-    """Probability of neighbours as alike as these, or more, in a random order of the blocks."""
+    """Probability of neighbours as similar as these, or more, in a random order of the blocks."""
     used = np.isfinite(grid)
     index = np.full(grid.shape, -1)
     index[used] = np.arange(used.sum())
