@@ -1,4 +1,4 @@
-"""What a designer asks of a detector: the contrast for a wanted P_d at a wanted P_fa, and what clutter costs against white noise."""
+"""Design of a detector: the contrast for a required P_d at a required P_fa, and the loss of clutter against white noise."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from seaglint.errors import DataError
 from seaglint.random import stream
 
 COUNTED: Final = 30
-"""False alarms at a threshold from which its rate is counted rather than extrapolated."""
+"""Least number of false alarms at a threshold whose rate is counted rather than extrapolated."""
 
 _STEPS = 5
 _ROUNDS = 3
@@ -51,7 +51,7 @@ class RateThreshold:
 
 
 def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateThreshold:
-    """Threshold of a rate per pixel: counted where there are enough, else from the tail's fit.
+    """Threshold for a rate per pixel: counted with enough false alarms, else from the tail's fit.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateTh
 
 @dataclass(frozen=True)
 class NeededContrast:
-    """Contrast for a wanted P_d.
+    """Contrast for a required P_d.
 
     Attributes
     ----------
@@ -103,7 +103,7 @@ def contrast_for(
     threshold: Threshold,
     p_d: float = 0.9,
 ) -> NeededContrast:
-    """Contrast at which so many objects are found, by rounds of contrasts between those that find fewer and more.
+    """Contrast at which a share ``p_d`` of the objects is detected, bracketed in rounds.
 
     Parameters
     ----------
@@ -161,14 +161,14 @@ def _rates(
 
 
 def by_windows(scores: Scores, threshold_sigma: float, level: float) -> Interval:
-    """Share of objects above a threshold; those that share a window go together."""
+    """Share of objects above a threshold, grouped by windows."""
     windows, which = np.unique(scores.window, return_inverse=True)
     hits = np.bincount(which, scores.detected(threshold_sigma), windows.size).astype(np.float64)
     return interval_of_sequences(hits, np.bincount(which, minlength=windows.size).astype(np.float64), None, level)
 
 
 def _crossing(points: list[tuple[float, float]], wanted: float) -> float | None:
-    """First contrast at which a curve reaches a rate, straight in the contrast's logarithm; None where it does not."""
+    """First contrast at which a curve reaches a rate, linear in the contrast's logarithm; None where it does not."""
     for (c0, p0), (c1, p1) in pairwise(points):
         if p0 < wanted <= p1:
             return float(c0 * (c1 / c0) ** ((wanted - p0) / (p1 - p0)))
@@ -176,7 +176,7 @@ def _crossing(points: list[tuple[float, float]], wanted: float) -> float | None:
 
 
 def loss_db(contrast: float, white: float) -> float:
-    """What clutter costs against white noise, 20 log10 of the ratio of contrasts [dB].
+    """Loss by clutter against white noise, 20 log10 of the ratio of contrasts [dB].
 
     Examples
     --------
@@ -188,7 +188,7 @@ def loss_db(contrast: float, white: float) -> float:
 
 @dataclass(frozen=True)
 class WhiteFrames:
-    """White Gaussian noise in the place of a source: as many frames, the same mean and variance.
+    """White Gaussian noise in place of a source, with the same number of frames, mean and variance.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ class WhiteFrames:
 
     @classmethod
     def like(cls, source: FrameSource, seed: int) -> WhiteFrames:
-        """Of a source's size, mean and variance, over all its pixels and frames."""
+        """White noise with a source's size, mean and variance, over all its pixels and frames."""
         number, total, squares = 0, 0.0, 0.0
         shift: float | None = None
         for k in range(source.frames):
@@ -242,5 +242,5 @@ def gaussian_threshold(p_fa: float) -> RateThreshold:
 
 
 def as_threshold(found: RateThreshold, law: Law = "sigma") -> Threshold:
-    """The same as a threshold of trials."""
+    """Convert a threshold of a rate to a threshold of trials."""
     return Threshold(law, found.sigma, found.sigma, False)

@@ -1,4 +1,4 @@
-"""A user's detector in a process of its own: what it breaks, or how long it takes, ends there and is said in one line.
+"""User's detector in a process of its own: its errors and time limits end there and are reported in one line.
 
 Frames go to the process and statistics come back through a socket. It is started once, its output to the console goes to stderr, and it is
 ended with the session, after a call that takes too long, or when it dies.
@@ -19,10 +19,10 @@ from seaglint.detection.base import GAUSSIAN_TAIL, Frames
 from seaglint.errors import DataError, DomainError
 
 TIME_LIMIT: Final = 60.0
-"""Seconds a call may take where nothing else is said [s]."""
+"""Default time limit of a call [s]."""
 
 START_LIMIT: Final = 120.0
-"""Seconds within which the module must be imported [s]."""
+"""Time limit for importing the module [s]."""
 
 
 class IsolatedDetector:
@@ -61,7 +61,7 @@ class IsolatedDetector:
 
     @property
     def null_law(self) -> str | None:
-        """That of equivalent standard deviations where the function promises them."""
+        """Distribution of equivalent standard deviations where the function declares them."""
         return GAUSSIAN_TAIL if self.calibrated else None
 
     def __call__(self, frames: Frames) -> Frames:
@@ -107,6 +107,6 @@ class IsolatedDetector:
         self._connection.close()
 
     def __del__(self) -> None:
-        """End the process with the object."""
+        """End the process when the object is deleted."""
         if hasattr(self, "_connection") and self._process.poll() is None:
             self.close()

@@ -15,7 +15,7 @@ from seaglint.detection.base import Frames
 from seaglint.errors import DataError
 
 FINENESS = 50
-"""Parts of a pixel to which a shift is refined: far below what noise leaves."""
+"""Number of parts of a pixel to which a shift is refined: far finer than the noise."""
 
 
 def _prepared(image: ArrayLike) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""The receiver operating characteristic of one run: rates of detections and false alarms at every threshold."""
+"""Receiver operating characteristic of one run: rates of detections and false alarms at every threshold."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from seaglint.detection.scoring import Scores
 FloatArray = NDArray[np.float64]
 
 POINTS: Final = 120
-"""Thresholds at which the characteristic is told."""
+"""Number of thresholds of the characteristic."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Roc:
 
 
 def roc(curve: RateCurve, scores: Scores, inflation: tuple[float, float], level: float = 0.95) -> Roc:
-    """Characteristic over the thresholds at which there are false alarms.
+    """Receiver operating characteristic over the thresholds at which there are false alarms.
 
     Parameters
     ----------

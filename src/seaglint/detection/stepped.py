@@ -1,4 +1,4 @@
-"""Tails of a statistic that takes few values: counts of a converter, and differences of them.
+"""Tails of a statistic with few distinct values: counts of a converter, and differences of them.
 
 Excesses over a threshold are known up to a step, and the generalised Pareto distribution is fitted to the numbers of pixels on each level:
 a level's probability is the difference of the survival function at its two ends, half a step to either side. A threshold lies between two
@@ -24,7 +24,7 @@ from seaglint.random import stream
 FloatArray = NDArray[np.float64]
 
 FEWEST_LEVELS: Final = 3
-"""Levels that a tail is fitted to, at least: one more than it has parameters."""
+"""Least number of levels for fitting a tail: one more than it has parameters."""
 
 _SAMPLE = 200_000
 _SHARE = 20  # values to a level, at least, of what is taken for stepped
@@ -34,22 +34,22 @@ _SCALES = 161
 
 @dataclass(frozen=True)
 class Steps:
-    """Levels that a statistic takes: ``level`` and whole steps from it [standard deviations]."""
+    """Levels of a statistic: ``level`` and whole steps from it [standard deviations]."""
 
     level: float
     step: float
 
     def below(self, threshold: float) -> float:
-        """Middle between the two levels that a threshold lies between [standard deviations]."""
+        """Middle between the two levels around a threshold [standard deviations]."""
         return self.level + (math.floor((threshold - self.level) / self.step + 1e-6) + 0.5) * self.step
 
     def above(self, threshold: float) -> float:
-        """The lowest middle between two levels from a threshold on [standard deviations]."""
+        """Lowest middle between two levels at or above a threshold [standard deviations]."""
         return self.level + (math.ceil((threshold - self.level) / self.step - 0.5 - 1e-6) + 0.5) * self.step
 
 
 def steps_of(judged: Background, law: Law) -> Steps | None:
-    """Levels of the statistic; None where it takes any value, or steps finer than two bins of the rate curve."""
+    """Levels of the statistic; None where it is continuous, or has steps finer than two bins of the rate curve."""
     rows, columns = judged.statistic.shape[1:]
     number = min(max(_SAMPLE // (rows * columns), 1), judged.windows)
     chosen = np.unique(np.linspace(0, judged.windows - 1, number).astype(int))
@@ -70,7 +70,7 @@ def steps_of(judged: Background, law: Law) -> Steps | None:
 def tail_above(
     judged: Background, law: Law, curve: RateCurve, events: Events, *, lowest: float = LOWEST_THRESHOLD, seed: int = 0
 ) -> RareTail:
-    """Tail of the statistic's false alarms, stepped or not.
+    """Tail of the statistic's false alarms, for stepped and continuous statistics.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def tail_above(
 
 
 def fit_levels(counts: NDArray[np.int64], step: float, share: float) -> tuple[ParetoFit, float, tuple[FloatArray, FloatArray]]:
-    """Generalised Pareto fit to numbers on levels, by the largest likelihood on a grid.
+    """Generalised Pareto fit to numbers on levels, by maximum likelihood on a grid.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Injected objects through a detector, batch by batch.
+"""Trials of a detector with injected objects, batch by batch.
 
 A detector that is linear sees clutter and objects apart: the statistic of the clutter is known, that of the objects is computed once and
 scaled to every contrast. Any other sees the frames with the objects in them. A source that is a sensor's has an attribute ``counting``
@@ -25,12 +25,12 @@ from seaglint.errors import DataError, DomainError
 FloatArray = NDArray[np.float64]
 
 LARGEST_CONTRAST: Final = 1e30
-"""Largest contrast that single precision takes, with room for the sums of detectors [u]."""
+"""Largest contrast in single precision, with a margin for the sums of detectors [u]."""
 
 
 @dataclass(frozen=True)
 class Objects:
-    """What is injected and how a detection is matched to it.
+    """Injected objects and the matching of detections to them.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class Objects:
 
 @dataclass(frozen=True)
 class Trials:
-    """Scores of all objects.
+    """Scores of all injected objects.
 
     Attributes
     ----------
@@ -164,13 +164,13 @@ class _Batches:
         return out
 
     def _saturated(self, frames: Frames, batch: Batch) -> int:
-        """Objects whose brightest pixel goes beyond saturation."""
+        """Number of objects whose brightest pixel is beyond saturation."""
         if self.source.saturation is None:
             return 0
         return int((frames[-1][batch.row, batch.column] > self.source.saturation).sum())
 
     def _errors(self, image: Frames, batch: Batch, score: FloatArray, where: NDArray[np.int64]) -> FloatArray:
-        """Estimated less true places of what is above the threshold, NaN of the rest."""
+        """Estimated minus true positions of objects above the threshold, NaN for the others."""
         error = np.full((batch.size, 2), np.nan)
         found = np.flatnonzero(score > self.threshold.sigma)
         if not found.size or not self.locate:
@@ -201,7 +201,7 @@ def run_trials(
     enough: Callable[[Sequence[int]], str | None] | None = None,
     locate: bool = True,
 ) -> Trials:
-    """Inject objects until as many as wanted have been tried.
+    """Inject objects until the requested number has been tried.
 
     Parameters
     ----------
