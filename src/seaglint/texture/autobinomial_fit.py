@@ -1,4 +1,4 @@
-"""Fit an autobinomial field to a picture of grey levels, with standard errors and the regime that the fit is in."""
+"""Fit of an autobinomial field to a picture of grey levels, with standard errors and the regime of the fit."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from seaglint.threads import single_threaded_algebra
 Method = Literal["pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"]
 
 PIXELS_PER_PARAMETER: Final = 30
-"""Pixels with all their neighbours that each parameter takes at least: below, standard errors mean nothing."""
+"""Least number of pixels with all their neighbours for each parameter; with fewer, standard errors are meaningless."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted field.
+    """Fitted autobinomial field.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Fit:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences for whoever uses the fit: what is wrong with it and what to do."""
+        """Notes for the user of the fit: problems and remedies."""
         found = []
         if not self.converged:
             left = "" if self.distance is None else f" {self.distance:.3g} standard deviations from"
@@ -86,7 +86,7 @@ class Fit:
         return tuple(found)
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything of the fit that JSON can hold."""
+        """Return the fit as values for JSON."""
         return {
             "model": self.model.to_dict(),
             "method": self.method,
@@ -194,7 +194,7 @@ def fit(
 
 
 def refuse_flat(field: NDArray[np.int16], levels: int) -> None:
-    """Refuse pictures of one value, and those of two that are to be fitted with more levels."""
+    """Refuse pictures of one value, and those of two values for a fit with more levels."""
     values = np.unique(field)
     if values.size == 1:
         raise DomainError(

@@ -1,4 +1,4 @@
-"""A texture of an autobinomial field: grey levels by the field, and the values that they stand for."""
+"""Texture of an autobinomial field: grey levels of the field, and the values that they represent."""
 
 from __future__ import annotations
 
@@ -24,19 +24,19 @@ from seaglint.texture.regime import correlations
 Sampler = Literal["gibbs", "exchange"]
 
 Way = Literal["auto", "pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"]
-"""How couplings are found; auto by the regime that the pseudo-likelihood's fit is in."""
+"""Method that fits the couplings; auto chooses by the regime of the pseudo-likelihood's fit."""
 
 SWEEPS: Final[Mapping[Sampler, int]] = {"gibbs": 300, "exchange": 200}
-"""Of a sample: Gibbs as many as the regime was told from; exchanges tried for each pixel."""
+"""Number of sweeps of a sample: Gibbs sweeps as many as in the test of the regime; exchanges tried for each pixel."""
 
 
 APART: Final = 0.03
-"""Distance of distribution functions from which Gibbs samples have another histogram: by chance 128 x 128 pixels differ by 0.01."""
+"""Distance of distribution functions beyond which Gibbs samples have another histogram: by chance 128 x 128 pixels differ by 0.01."""
 
 
 @dataclass(frozen=True)
 class AutobinomialTexture:
-    """Pixels are grey levels of an autobinomial field, with the values and the histogram of the picture it was fitted to.
+    """Texture of grey levels of an autobinomial field, with the values and the histogram of the fitted picture.
 
     Attributes
     ----------
@@ -91,7 +91,7 @@ class AutobinomialTexture:
         return float(np.mean([conditional_log_likelihood(self.grey.to_levels(frame), self.field) for frame in frames]))
 
     def to_dict(self) -> dict[str, Any]:
-        """What JSON holds of it."""
+        """Return the texture as values for JSON."""
         return {
             **self.field.to_dict(),
             "grey_edges": self.grey.edges.tolist(),
@@ -102,7 +102,7 @@ class AutobinomialTexture:
 
     @classmethod
     def from_dict(cls, held: Mapping[str, Any]) -> AutobinomialTexture:
-        """Read back what :meth:`to_dict` wrote.
+        """Read the output of :meth:`to_dict`.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class AutobinomialTexture:
 
 @dataclass(frozen=True)
 class AutobinomialTextureFit:
-    """A fitted texture and what is known of it.
+    """Fitted texture with the diagnostics of the fit.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ def fit_texture(
     keep_histogram: bool = False,
     seed: int = 0,
 ) -> AutobinomialTextureFit:
-    """Fit a texture to a picture and choose the sampler that brings its contrast and correlation back.
+    """Fit a texture to a picture and choose the sampler that reproduces its contrast and correlation.
 
     With ``method`` auto a usable fit of the pseudo-likelihood is sampled by Gibbs sweeps, if they nearly have the picture's histogram.
     Where that fit is frozen or molten, or the histogram is to be kept, couplings are those of the likelihood given the histogram, and

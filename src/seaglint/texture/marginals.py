@@ -1,4 +1,4 @@
-"""Long tails by a marginal transform: pixels of a Gaussian field become gamma, lognormal, K or empirical values.
+"""Marginal transforms for long tails: pixels of a Gaussian field become gamma, lognormal, K or empirical values.
 
 ``x = Q(Phi(g))`` with g standard normal and Q the wanted quantiles. With the Hermite polynomials He_n,
 ``x = sum_n c_n He_n(g)``, ``c_n = E[x He_n(g)] / n!`` by Gauss-Hermite quadrature, so two pixels with correlation r of the Gaussian field
@@ -25,22 +25,22 @@ Tails = Literal["gaussian", "gamma", "lognormal", "k", "empirical"]
 TAILS: Final[tuple[Tails, ...]] = get_args(Tails)
 
 TERMS: Final = 24
-"""Hermite polynomials of the expansion; a gamma distribution of shape 1/2 leaves 1e-7 of its variance in the others."""
+"""Number of Hermite polynomials of the expansion; a gamma distribution of shape 1/2 leaves 1e-7 of its variance in the others."""
 
 NODES: Final = 120
-"""Of the Gauss-Hermite quadrature."""
+"""Number of nodes of the Gauss-Hermite quadrature."""
 
 REACH: Final = 7.0
-"""Table of quantiles from -REACH to REACH standard deviations; beyond lies 1e-12 of the values, which take the table's ends."""
+"""Range of the table of quantiles, -REACH to REACH standard deviations; 1e-12 of the values lie beyond and take the table's ends."""
 
 TABLE: Final = 4097
-"""Points of the table; between them the transform is linear: error below 1e-5 of the standard deviation for a gamma of shape 1/2."""
+"""Number of points of the table, linear between them: error below 1e-5 of the standard deviation for a gamma of shape 1/2."""
 
 KEPT: Final = 512
-"""Quantiles that an empirical distribution keeps."""
+"""Number of quantiles of an empirical distribution."""
 
 INNER: Final = (0.0005, 0.9995)
-"""Quantiles between which a family is fitted: a few values of a target or a bad pixel do not set the tail."""
+"""Quantiles between which a family is fitted, so that a few values of a target or a bad pixel do not determine the tail."""
 
 
 @njit
@@ -103,7 +103,7 @@ class Marginal:
         return self(np.linspace(-REACH, REACH, TABLE)).astype(np.float32)
 
     def transform(self, g: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Like a call, by the table, in place and in threads [u]: same bytes for any number of them."""
+        """Transform by the table, in place and in threads [u]: same bytes for any number of them."""
         if self.kind == "gaussian":
             g *= np.float32(self.scale)
             g += np.float32(self.loc)
@@ -113,21 +113,24 @@ class Marginal:
         return g
 
     def gaussian(self, values: ArrayLike) -> FloatArray:
-        """The standard normal values that the transform makes ``values`` of [1]; those beyond the table take its ends."""
+        """Standard normal values that the transform maps to ``values`` [1]; those beyond the table take its ends."""
         grid = np.linspace(-REACH, REACH, TABLE)
         table = self(grid)
         rising, places = np.unique(table, return_index=True)
         return np.interp(np.asarray(values, np.float64), rising, grid[places])
 
     def log_slope(self, g: ArrayLike) -> FloatArray:
-        """Logarithm of ``dx/dg`` [log u]: what densities of pixels differ by from those of the Gaussian field."""
+        """Logarithm of ``dx/dg`` [log u], by which densities of pixels differ from those of the Gaussian field."""
         step = 1e-3
         u = np.asarray(g, np.float64)
         return np.log(np.maximum((self(u + step) - self(u - step)) / (2.0 * step), 1e-300))
 
     @cached_property
     def hermite(self) -> FloatArray:
-        """``c_n sqrt(n!)`` for n = 0 ... :data:`TERMS` [u]: mean, then amplitudes whose squares sum to the variance."""
+        """Hermite coefficients ``c_n sqrt(n!)`` for n = 0 ...
+
+        :data:`TERMS` [u]: mean, then amplitudes whose squares sum to the variance.
+        """
         nodes, weights = np.polynomial.hermite_e.hermegauss(NODES)
         weights = weights / weights.sum()
         values = self(nodes) * weights
@@ -141,7 +144,7 @@ class Marginal:
 
     @cached_property
     def variance(self) -> float:
-        """Of a pixel [u²], by quadrature."""
+        """Variance of a pixel [u²], by quadrature."""
         nodes, weights = np.polynomial.hermite_e.hermegauss(NODES)
         values = self(nodes)
         weights = weights / weights.sum()
@@ -149,12 +152,12 @@ class Marginal:
 
     @property
     def mean(self) -> float:
-        """Of a pixel [u]."""
+        """Mean of a pixel [u]."""
         return float(self.hermite[0])
 
     @property
     def truncation(self) -> float:
-        """Share of the variance in the terms that the expansion leaves out [1]: bound of the error of correlations."""
+        """Share of the variance in the truncated terms of the expansion [1], a bound of the error of correlations."""
         return max(1.0 - float((self.hermite[1:] ** 2).sum()) / self.variance, 0.0)
 
     def output_correlation(self, latent: ArrayLike) -> FloatArray:
@@ -165,7 +168,7 @@ class Marginal:
         )
 
     def latent_correlation(self, wanted: ArrayLike) -> FloatArray:
-        """Correlation of the Gaussian field that gives the output the correlation ``wanted`` [1], shape of it.
+        """Correlation of the Gaussian field for a given correlation ``wanted`` of the output [1], shape of it.
 
         Correlations below what the distribution can have (a gamma of shape 1 cannot go below -0.64) give that of -1.
 
@@ -181,7 +184,7 @@ class Marginal:
         return np.interp(np.asarray(wanted, np.float64), rising, grid[places])
 
     def to_dict(self) -> dict[str, Any]:
-        """What JSON holds of it."""
+        """Return the distribution as values for JSON."""
         found: dict[str, Any] = {"kind": self.kind, "loc": self.loc, "scale": self.scale}
         if self.shape is not None:
             found["shape"] = self.shape
@@ -191,7 +194,7 @@ class Marginal:
 
     @classmethod
     def from_dict(cls, held: Mapping[str, Any]) -> Marginal:
-        """Read back what :meth:`to_dict` wrote."""
+        """Read the output of :meth:`to_dict`."""
         shape = held.get("shape")
         quantiles = tuple(map(float, held.get("quantiles", ())))
         return cls(held["kind"], float(held["loc"]), float(held["scale"]), None if shape is None else float(shape), quantiles)
@@ -247,7 +250,7 @@ def _k_quantiles(shape: float) -> Callable[[FloatArray], FloatArray]:
 
 
 def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
-    """Fit a family with location and scale so that its quantiles are nearest those of the data (least squares).
+    """Fit a family with location and scale to the quantiles of the data, by least squares.
 
     Parameters
     ----------

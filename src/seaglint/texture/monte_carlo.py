@@ -15,38 +15,38 @@ from seaglint.texture.autobinomial import Autobinomial
 from seaglint.texture.neighbourhood import Classes
 
 ROUNDS: Final = 60
-"""Newton's steps with sampled moments before the climb is given up."""
+"""Largest number of Newton's steps with sampled moments."""
 
 SWEEPS: Final = 150
-"""Sweeps of a step; the first third of them is left out."""
+"""Number of sweeps of a step; the first third of them is discarded."""
 
 CLOSE: Final = 4.0
-"""Distance between picture and samples, in standard deviations of the sums, from which steps are told by more sweeps."""
+"""Distance between picture and samples, in standard deviations of the sums, below which steps use more sweeps."""
 
 CLOSE_SWEEPS: Final = 600
 
 LAST_SWEEPS: Final = 1500
-"""Sweeps from which the likelihood around the last step is computed."""
+"""Number of sweeps for the likelihood around the last step."""
 
 LONGEST_STEP: Final = 10.0
-"""Longest step, in standard deviations of the sums: sampled moments tell little beyond."""
+"""Longest step, in standard deviations of the sums; sampled moments are not valid beyond."""
 
 LARGEST_TURN: Final = 0.05
 """Largest change of the mean field's slope at half the largest level in a step: near the transition moments change within some 0.1."""
 
 NEAR: Final = 0.5
-"""Distance between picture and samples, in standard deviations of the sums, from which the last sweeps are drawn."""
+"""Distance between picture and samples, in standard deviations of the sums, below which the last sweeps are drawn."""
 
 BATCHES: Final = 30
-"""Parts of the last sweeps whose means tell the error of the simulation."""
+"""Number of parts of the last sweeps whose means give the error of the simulation."""
 
 FEWEST_WEIGHTS: Final = 0.1
-"""Share of the last sweeps that must count after weighting: below, the importance sampling is not to be trusted."""
+"""Least effective share of the last sweeps after weighting; below, importance sampling is not reliable."""
 
 
 @dataclass(frozen=True)
 class Ascent:
-    """Where the climb ended.
+    """Result of the maximisation.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Ascent:
 
 @dataclass
 class _Chain:
-    """A chain of samples whose model changes under way, and its sums."""
+    """Chain of samples whose model changes on the way, and its sums."""
 
     state: NDArray[np.int16]
     lattice: kernels.Plan
@@ -80,7 +80,7 @@ class _Chain:
     done: int = 0
 
     def draws(self, model: Autobinomial, sweeps: int) -> FloatArray:
-        """Sums after each of so many further sweeps; without that of the levels where the histogram is kept."""
+        """Sums after each of several further sweeps; without the sum of levels where the histogram is fixed."""
         held = sampler.law(model)
         found = np.empty((sweeps, 1 + len(model.beta)))
         for i in range(sweeps):
@@ -94,7 +94,7 @@ class _Chain:
 
 
 def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int, *, periodic: bool, keep_histogram: bool = False) -> Ascent:
-    """Climb the likelihood from ``first``: Newton's steps with moments from sampled pictures, then importance sampling.
+    """Maximise the likelihood from ``first``: Newton's steps with moments from sampled pictures, then importance sampling.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
 
 
 def inside_products(field: NDArray[np.int16], neighbours: Classes) -> FloatArray:
-    """Mean product of a pair of each class that lies inside the picture, times the pairs that a pixel of a torus has [level²].
+    """Mean product of a pair of each class inside the picture, times the number of pairs of a pixel of a torus [level²].
 
     The mean is the whole picture's: pixels at the edge, which are in fewer pairs, may have another.
     """
@@ -176,7 +176,7 @@ def newton(gap: FloatArray, covariance: FloatArray) -> tuple[FloatArray, float]:
 
 
 def _last(found: FloatArray) -> tuple[FloatArray, FloatArray, float, float]:
-    """Maximum of the likelihood relative to that of the sampled model: samples weighted by what their sums gain from a shift.
+    """Maximum of the likelihood relative to that of the sampled model, by importance weights of the samples' sums for a shift.
 
     Takes sums less those of the picture; returns the shift, its covariance (with the error of the simulation), the gap that is left and
     the share of the samples that count.

@@ -1,4 +1,4 @@
-"""Whether samples of a fitted field look like its picture: usable, frozen or molten, with what to do."""
+"""Comparison of samples of a fitted field with its picture: usable, frozen or molten, with the remedy."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from seaglint.texture.neighbourhood import Classes
 Name = Literal["usable", "frozen", "molten"]
 
 CHECK_SWEEPS: Final = 300
-"""Sweeps after which samples from opposite starts are compared."""
+"""Number of sweeps after which samples from opposite starts are compared."""
 
 CHECK_SIDE: Final = 128
-"""Rows and columns of the samples, at most."""
+"""Largest number of rows and columns of the samples."""
 
 APART: Final = 0.05
-"""Difference of two samples' means, over the largest level, from which they remember their starts."""
+"""Difference of two samples' means, over the largest level, beyond which they depend on their starts."""
 
 DRIFT: Final = 0.15
-"""Difference of samples' and picture's means, over the largest level, that counts as a fall into a phase."""
+"""Difference of samples' and picture's means, over the largest level, that counts as a transition to a phase."""
 
 EVEN: Final = 0.7
-"""Ratios of standard deviations and of correlations below this, or above its inverse, are no match."""
+"""Ratio of standard deviations and of correlations below which, or above whose inverse, they do not match."""
 
 ORDERED: Final = 2.0
-"""Standard deviation of samples, over that of pixels without neighbours, from which they lie in domains or stripes of two phases."""
+"""Standard deviation of samples, over that of pixels without neighbours, beyond which they form domains or stripes of two phases."""
 
 REMEDY: Final = (
     "fit with method 'monte-carlo-exchange' and keep the picture's histogram with the exchange sampler, or take fewer levels, "
@@ -41,7 +41,7 @@ REMEDY: Final = (
 
 @dataclass(frozen=True)
 class Regime:
-    """What samples at the fitted parameters are like.
+    """Properties of samples at the fitted parameters.
 
     Attributes
     ----------
@@ -75,12 +75,12 @@ class Regime:
 
     @property
     def text(self) -> str:
-        """What was found and what to do, in a sentence."""
+        """Finding and remedy, in a sentence."""
         return self.finding if self.name == "usable" else f"{self.finding}; {REMEDY}"
 
     @property
     def finding(self) -> str:
-        """What was found, in a sentence."""
+        """Finding, in a sentence."""
         spread = f"standard deviation {self.sample_std:.3g} levels in samples, {self.data_std:.3g} in the picture"
         tie = f"correlation with the nearest neighbours {self.sample_correlation[0]:.2f} and {self.data_correlation[0]:.2f}"
         if self.name == "usable":
@@ -95,7 +95,7 @@ class Regime:
 
 
 def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int = CHECK_SWEEPS) -> Regime:
-    """Sample the field from the lowest level, the highest level and the picture, and compare with the picture.
+    """Sample the field from the lowest level, the highest level and the picture, and compare the samples with the picture.
 
     Parameters
     ----------

@@ -31,12 +31,12 @@ from seaglint.texture.marginals import Marginal
 Field = NDArray[np.float32]
 
 Density = Callable[[int], FloatArray]
-"""Spectral density of a slab: given the number of the frequency in time, (rows, columns // 2 + 1)."""
+"""Spectral density of a slab, a function of the number of the frequency in time: (rows, columns // 2 + 1)."""
 
 
 @dataclass(frozen=True)
 class Modulation:
-    """Slow field of gamma distributed power that a fast field is multiplied by.
+    """Slow field of gamma distributed power that multiplies a fast field.
 
     Attributes
     ----------
@@ -59,12 +59,12 @@ class Modulation:
             raise DomainError(f"modulation of shape {self.shape:g} and lengths {self.lengths}: give numbers above 0")
 
     def to_dict(self) -> dict[str, Any]:
-        """What JSON holds of it."""
+        """Return the modulation as values for JSON."""
         return {"shape": self.shape, "lengths": list(self.lengths)}
 
     @classmethod
     def from_dict(cls, held: Mapping[str, Any]) -> Modulation:
-        """Read back what :meth:`to_dict` wrote."""
+        """Read the output of :meth:`to_dict`."""
         t, y, x = map(float, held["lengths"])
         return cls(float(held["shape"]), (t, y, x))
 
@@ -141,7 +141,7 @@ def density_of(model: GaussMarkov, shape: Sequence[int]) -> Density:
 
 
 class _Slabs:
-    """The symbol of a model at one frequency in time: few neighbours, each a product of phases."""
+    """Symbol of a model at one frequency in time, with few neighbours, each a product of phases."""
 
     def __init__(self, model: GaussMarkov, shape: Offset) -> None:
         self._shape = shape
@@ -215,7 +215,7 @@ def rough(modulation: Modulation, shape: Sequence[int], seed: int) -> Field:
 
 
 def filtered(noise: Field, density: Density) -> Field:
-    """White noise given a spectral density."""
+    """White noise filtered to a spectral density."""
     from scipy.fft import irfftn, rfftn
 
     shape = noise.shape
