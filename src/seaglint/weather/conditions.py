@@ -1,4 +1,4 @@
-"""When, where and in which weather each draw looks, from uniform numbers: rows of the table stay whole and keep their season and hour."""
+"""Times, places and weather of draws, from uniform numbers: rows of the table stay whole and keep their season and hour."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from seaglint.weather.table import MONTHS, IntArray, WeatherTable, month_used
 
 _DAY: Final = 86_400.0
 _SMALL: Final = 16
-"""Rows up to which each is a range of winds of its own."""
+"""Number of rows up to which each is a range of winds of its own."""
 
 
 @dataclass(frozen=True)
 class Times:
-    """Times that are equally likely.
+    """Range of equally likely times.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Times:
     hours: tuple[float, float] = (0.0, 24.0)
 
     def draw(self, day: FloatArray, hour: FloatArray) -> FloatArray:
-        """Seconds since 1970-01-01 UTC at uniform numbers for the day and the hour [s]."""
+        """Times at uniform numbers for the day and the hour [s since 1970-01-01 UTC]."""
         low, high = self.hours
         return np.asarray(self.day(day) + 3600.0 * (low + (high - low) * hour))
 
@@ -52,7 +52,7 @@ class Times:
 
     @property
     def days(self) -> FloatArray:
-        """Beginnings of the days that count [s since 1970-01-01 UTC]."""
+        """Beginnings of the allowed days [s since 1970-01-01 UTC]."""
         first, last = year_span(self.year)
         days = np.arange(first, last, _DAY)
         return days[np.isin(months_of(days), self.months)] if self.months else days
@@ -60,7 +60,7 @@ class Times:
 
 @dataclass(frozen=True)
 class Region:
-    """Places that are equally likely by area, between latitudes and longitudes [deg]; a point where both ends agree.
+    """Region of places that are equally likely by area, between latitudes and longitudes [deg]; a point where both ends are equal.
 
     A western border beyond the eastern one crosses the date line.
     """
@@ -83,7 +83,7 @@ class Region:
 
 @dataclass(frozen=True, eq=False)
 class Conditions:
-    """One row of weather, a time and a place for every draw; times and places are NaN where the Sun is given.
+    """Weather row, time and place of every draw; times and places are NaN where the Sun is given.
 
     Attributes
     ----------
@@ -165,7 +165,7 @@ def conditions(
 
 
 def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> IntArray:
-    """Rows at two uniform numbers each: the first chooses a range of winds, the second a row of it in the order of the cover.
+    """Draw rows at two uniform numbers each: the first chooses a range of winds, the second a row of it in the order of the cover.
 
     Rows have the chances of :meth:`WeatherTable.draw`, but wind and cover each follow a number of their own, so that points even in two
     dimensions leave little noise in either.
@@ -178,7 +178,7 @@ def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> 
 
 
 def _pairs(weight: FloatArray, wind: FloatArray, cover: FloatArray, uniform: FloatArray, second: FloatArray) -> IntArray:
-    """The same of columns."""
+    """Draw values of columns at two uniform numbers each, as :func:`draw_pairs`."""
     order = np.lexsort((cover, wind))
     order = order[weight[order] > 0.0]
     ends = np.cumsum(weight[order])
@@ -196,7 +196,7 @@ def _pairs(weight: FloatArray, wind: FloatArray, cover: FloatArray, uniform: Flo
 
 
 def _rows_at(table: WeatherTable, uniform: FloatArray, second: FloatArray, time: FloatArray, some: NDArray[np.intp]) -> IntArray:
-    """Of some rows those of the month and the nearest hour of times; a month without rows has those of its neighbour.
+    """Rows, among some, of the month and the nearest hour of times; a month without rows has those of its neighbour.
 
     A month that has no rows of an hour gives all of its own.
     """
@@ -221,7 +221,7 @@ def _rows_at(table: WeatherTable, uniform: FloatArray, second: FloatArray, time:
 
 
 def _nearest(hour: FloatArray, hours: FloatArray) -> NDArray[np.intp]:
-    """Place of the nearest of ascending hours, around the day."""
+    """Index of the nearest of ascending hours, around the day."""
     wrapped = np.concatenate([[hours[-1] - 24.0], hours, [hours[0] + 24.0]])
     return np.asarray((np.searchsorted(0.5 * (wrapped[1:] + wrapped[:-1]), hour) - 1) % hours.size)
 
@@ -256,5 +256,5 @@ def _of_rows(table: WeatherTable, uniform: Mapping[str, FloatArray], when: Times
 
 
 def timestamp(moment: datetime) -> float:
-    """Seconds since 1970-01-01 UTC [s] of a time with a zone."""
+    """Timestamp [s since 1970-01-01 UTC] of a time with a zone."""
     return moment.astimezone(UTC).timestamp()

@@ -1,4 +1,4 @@
-"""Where the chance of glint comes from: by month, hour, bearing and latitude, and by the winds and Suns that bring it."""
+"""Strata of the probability of glint: by month, hour, bearing and latitude, and by the winds and Suns that bring it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LATITUDES: Final = np.arange(-90.0, 91.0, 10.0)
 
 @dataclass(frozen=True)
 class Stratum:
-    """Draws between two values of a quantity.
+    """Stratum of draws between two values of a quantity.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What a table of weather says in a few numbers: wind rose, joint law of wind and cloud, months, shares missing."""
+"""Summary of a table of weather: wind rose, joint distribution of wind and cloud, months, shares missing."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from seaglint.conventions import FloatArray
 from seaglint.weather.table import RANGES, TEXTS, WeatherTable
 
 SECTORS: Final = 16
-"""Sectors of the wind rose, the first centred on north."""
+"""Number of sectors of the wind rose, the first centred on north."""
 
 SPEED_EDGES: Final = (0.0, 2.0, 5.0, 8.0, 11.0, 14.0, 20.0, np.inf)
 """Classes of wind speed [m/s]."""
