@@ -1,4 +1,4 @@
-"""Statistics of one region of a recording, as they go into the JSON."""
+"""Statistics of one region of a recording, as they are written to the JSON."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ BoolArray = NDArray[np.bool_]
 FrameArray = NDArray[np.float32]
 
 SAMPLE: Final = 120_000
-"""Values fitted: errors of the fit are then those of the independent values in the recording, not of the sample."""
+"""Number of fitted values: errors of the fit are then those of the independent values in the recording, not of the sample."""
 
 BLOCK_LENGTHS: Final = 5.0
 """Sides of the blocks of the fits' intervals, in correlation lengths."""
 
 SERIES_VALUES: Final = 4_000_000
-"""Values of pixels in time that are kept for the correlation time."""
+"""Number of values of pixels in time that are stored for the correlation time."""
 
 
 @dataclass(frozen=True)
 class Region:
-    """One region's results; see :meth:`as_dict` for what of them is written."""
+    """Results of one region; see :meth:`as_dict` for the written ones."""
 
     name: str
     mask: BoolArray
@@ -62,14 +62,17 @@ class Region:
     _tails: dict[str, tuple[TailFit | None, str | None]] = field(default_factory=dict, repr=False, compare=False)
 
     def tail(self, name: str) -> tuple[TailFit | None, str | None]:
-        """Extreme-value tail of a filter or detector from the events of its lowest threshold, or why there is none; fitted once."""
+        """Extreme-value tail of a filter or detector from the events of its lowest threshold, or the reason for its absence.
+
+        Fitted once.
+        """
         if name not in self._tails:
             alarms = self.alarms[name]
             self._tails[name] = fit_tail(alarms.curve(), alarms.events(alarms.thresholds[0])) if alarms.pixels else (None, "no pixels")
         return self._tails[name]
 
     def as_dict(self, frame_rate: float | None) -> dict[str, Any]:
-        """Plain numbers and text; what does not exist is None."""
+        """Return plain numbers and text; missing values are None."""
         m = self.moments
         return {
             "pixels": int(self.mask.sum()),
@@ -105,7 +108,7 @@ class Region:
         }
 
     def _no_length(self) -> str | None:
-        """Why a correlation length does not exist."""
+        """Reason why a correlation length does not exist."""
         if math.isfinite(self.spatial.length_x) and math.isfinite(self.spatial.length_y):
             return None
         if self.moments.is_constant:
@@ -143,7 +146,7 @@ class Region:
 
 
 def number(value: float) -> float | None:
-    """A finite number, or None: JSON has no NaN."""
+    """Finite number, or None: JSON has no NaN."""
     return float(value) if math.isfinite(value) else None
 
 
@@ -202,11 +205,11 @@ def _tail(tail: TailFit | None, reason: str | None) -> dict[str, Any]:
 
 
 TELLING: Final = 0.05
-"""Level up to which a test of few values still speaks against a family."""
+"""Largest level at which a test of few values still rejects a family."""
 
 
 def _only_telling(found: Goodness) -> Goodness:
-    """Levels that say something: of few independent values, only small ones."""
+    """Return the meaningful levels: of few independent values, only small ones."""
     if found.effective_count >= FEWEST_JUDGED:
         return found
     ks_p, ad_p = (p if p <= TELLING else math.nan for p in (found.ks_p, found.ad_p))
@@ -214,7 +217,7 @@ def _only_telling(found: Goodness) -> Goodness:
 
 
 class Gatherer:
-    """What the second pass keeps of a region's raw values: a sample, some frames, some pixels in time."""
+    """Accumulator of a region's raw values in the second pass: a sample, some frames, some pixels in time."""
 
     def __init__(self, mask: BoolArray, frames: int, kept_frames: NDArray[np.int64], seed: int, offset: float = 0.0) -> None:
         self.mask, self.offset = mask, offset
@@ -227,12 +230,12 @@ class Gatherer:
         self._series = np.empty((frames if self._pixels.size else 0, self._pixels.size), np.float32)
 
     def add(self, block: FrameArray, start: int) -> None:
-        """Take the frames from ``start`` on."""
+        """Add the frames from ``start`` on."""
         if self._pixels.size:
             self._series[start : start + block.shape[0]] = block.reshape(block.shape[0], -1)[:, self._pixels]
 
     def sample(self, kept: FrameArray, sides: tuple[float, float], used: BoolArray) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Values of the pixels used, from the frames kept, in the file's numbers, and the block that each lies in."""
+        """Values of the used pixels of the stored frames, in the file's numbers, and the block of each."""
         labels = block_labels(self.mask.shape, sides).ravel()
         most = int(labels.max()) + 1
         values = np.concatenate([frame.ravel()[p] for frame, p in zip(kept, self._sampled, strict=True)]).astype(np.float64)
@@ -241,7 +244,7 @@ class Gatherer:
         return values[good] + self.offset, blocks[good]
 
     def temporal(self, frame_rate: float | None, used: BoolArray) -> TemporalCorrelation:
-        """Correlation in time of the pixels kept and used."""
+        """Correlation in time of the stored and used pixels."""
         if not self._pixels.size:
             return TemporalCorrelation(np.full(1, np.nan), np.nan, np.nan, "a single frame")
         inside = used.ravel()[self._pixels]
@@ -259,7 +262,7 @@ def region(
     seed: int,
     bad: BoolArray | None = None,
 ) -> Region:
-    """Statistics of the values that the second pass gathered; ``kept`` are frames ``kept_spacing`` frames apart.
+    """Statistics of the values accumulated in the second pass; ``kept`` are frames ``kept_spacing`` frames apart.
 
     Pixels of ``bad`` lines are in the moments, in nothing else: one line that is not sea would pass for correlation and for a family.
     """

@@ -1,4 +1,4 @@
-"""A recording becomes its clutter statistics and false-alarm rates, in two passes over the file and one more per detector."""
+"""Analysis of a recording: clutter statistics and false-alarm rates, in two passes over the file and one more per detector."""
 
 from __future__ import annotations
 
@@ -33,27 +33,30 @@ Border = Literal["auto", "keep", "drop"]
 REGIONS: Final = ("all", "glint", "background")
 
 _HAZARD: Final = {3.0: 3.2831, 3.5: 3.7513}
-"""Density of a Gaussian over its tail."""
+"""Ratio of the density of a Gaussian to its tail."""
 
 _BORDER_TAIL: Final = {3.0: 0.0398, 3.5: 0.0134}
-"""Tail of a Gaussian of 12/20 of the variance over that of the whole one."""
+"""Ratio of the tail of a Gaussian with 12/20 of the variance to that with the whole one."""
 
 KEPT_FRAMES: Final = 24
-"""Most frames kept for statistics in space, evenly spaced over the recording."""
+"""Largest number of frames stored for statistics in space, evenly spaced over the recording."""
 
 KEPT_VALUES: Final = 2_500_000
-"""Values in them: ten frames of 512 x 512 tell correlation lengths to a per cent, and their transforms stay below 100 MB."""
+"""Largest number of values in the stored frames.
+
+Ten frames of 512 x 512 give correlation lengths to a per cent, and their transforms stay below 100 MB.
+"""
 
 SLICED_FRAMES: Final = 2000
-"""Frames of which a row and a column are kept for the picture of them in time."""
+"""Number of frames of which a row and a column are stored for the picture of them in time."""
 
 FEWEST_PIXELS: Final = 100
-"""A region with fewer pixels is not analysed."""
+"""Least number of pixels of an analysed region."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How to analyse.
+    """Options of an analysis.
 
     Attributes
     ----------
@@ -88,7 +91,7 @@ class Options:
 
 @dataclass(frozen=True)
 class Slices:
-    """A row and a column in time: raw, filtered, and above the lowest threshold [(frames, columns or rows)]."""
+    """Row and column of a recording in time: raw, filtered, and above the lowest threshold [(frames, columns or rows)]."""
 
     row: int
     column: int
@@ -98,7 +101,7 @@ class Slices:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Everything that JSON, plots and report are made of."""
+    """Results of an analysis for JSON, plots and report."""
 
     recording: Recording
     options: Options
@@ -110,7 +113,7 @@ class Analysis:
     border_kept: bool = True
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain numbers and text of all results; absent regions are None."""
+        """Return plain numbers and text of all results; absent regions are None."""
         found = self.segmentation
         rate = self.recording.frame_rate
         return {
@@ -138,7 +141,7 @@ class Analysis:
         }
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the regions' moments, and the notes."""
+        """Return HTML for a notebook: the regions' moments, and the notes."""
         found = self.as_dict()
         names = ("pixels", "mean", "std", "skewness", "excess_kurtosis", "correlation_time_s", "stationary")
         rows = [(name, *(region[key] for key in names)) for name, region in found["regions"].items() if region is not None]
@@ -195,7 +198,7 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
 
 
 def _interior(recording: Recording, options: Options, used: BoolArray) -> tuple[BoolArray, list[str]]:
-    """Pixels whose filtered values count, and what is to be said of the border."""
+    """Pixels whose filtered values are used, and the notes about the border."""
     margin = options.filter.margin
     inner = np.zeros(used.shape, np.bool_)
     inner[margin : max(used.shape[0] - margin, 0), margin : max(used.shape[1] - margin, 0)] = True
@@ -214,7 +217,7 @@ def _interior(recording: Recording, options: Options, used: BoolArray) -> tuple[
 
 
 def _border_bias(used: Filter, share: float) -> str:
-    """What white noise would read where the border's repeated pixels count."""
+    """Bias of white noise from the border's repeated pixels."""
     where = f"{100 * share:.3g} % of the pixels lie within {used.margin} px of the border"
     text = f"{where}, where the filter sees repeated pixels; they are counted"
     if not isinstance(used, Laplacian) or share > 0.5:
@@ -228,7 +231,7 @@ def _border_bias(used: Filter, share: float) -> str:
 
 
 def _line_notes(results: dict[str, Region], filter_name: str) -> list[str]:
-    """Rows and columns that hold far more of the exceedances than those beside them."""
+    """Notes on rows and columns with far more exceedances than those beside them."""
     notes = []
     for name, result in results.items():
         for what, counts in zip(("row", "column"), result.alarms[filter_name].lines(ALWAYS[0]), strict=True):
@@ -278,7 +281,7 @@ def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Se
 
 
 def _filtered(recording: Recording, options: Options, dead: BoolArray) -> Iterator[tuple[FrameArray, FrameArray]]:
-    """Blocks, raw and filtered; dead pixels are missing in both."""
+    """Iterate over blocks, raw and filtered; dead pixels are missing in both."""
 
     def prepare(block: FrameArray) -> tuple[FrameArray, FrameArray]:
         if dead.any():
@@ -297,7 +300,7 @@ def _count(
     thresholds: tuple[float, ...],
     passes: Passes,
 ) -> tuple[dict[str, Region], Slices]:
-    """Second pass: false alarms of the filter, and what statistics in space and time need."""
+    """Run the second pass: false alarms of the filter, and the values for statistics in space and time."""
     most = min(max(KEPT_VALUES // (recording.rows * recording.columns), 4), KEPT_FRAMES, recording.frames)
     kept_numbers = np.unique(np.linspace(0, recording.frames - 1, most).astype(np.int64))
     kept = np.empty((kept_numbers.size, recording.rows, recording.columns), np.float32)
@@ -346,7 +349,7 @@ def _count(
 
 
 def _bad_lines(alarms: FalseAlarms, mask: BoolArray) -> BoolArray | None:
-    """Pixels of rows and columns that hold far more exceedances than those beside them; None without, or where nothing would be left."""
+    """Pixels of rows and columns with far more exceedances than those beside them; None without any, or where no others would remain."""
     rows, columns = (lone_lines(counts) for counts in alarms.lines(ALWAYS[0])) if alarms.pixels else (np.empty(0, np.int64),) * 2
     if not rows.size and not columns.size:
         return None
@@ -365,7 +368,7 @@ def _saturated_share(first: Survey, mask: BoolArray) -> float:
 def _sequence_scales(
     recording: Recording, options: Options, dead: BoolArray, masks: dict[str, BoolArray], passes: Passes
 ) -> dict[str, tuple[float, float]]:
-    """Mean and deviation of the filtered sequence in each region: a pass of its own."""
+    """Mean and deviation of the filtered sequence in each region, in a pass of its own."""
     sums = {name: np.zeros(3) for name in masks}
     done = 0
     for _, filtered in _filtered(recording, options, dead):
@@ -389,7 +392,7 @@ def _sequence_scales(
 def _judge(
     recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...], passes: Passes
 ) -> list[str]:
-    """One pass of a detector through the same counting; what is to be said of one that gives no numbers."""
+    """Run one pass of a detector through the same counting; return the notes on one without numbers."""
 
     def prepare(block: FrameArray) -> FrameArray:
         if dead.any():
@@ -416,7 +419,7 @@ def _judge(
 
 
 class _Slicer:
-    """Keeps the row and the column through the middle of a region."""
+    """Accumulator of the row and the column through the middle of a region."""
 
     def __init__(self, mask: BoolArray, recording: Recording, options: Options, valid: BoolArray) -> None:
         rows, columns = np.nonzero(mask)
@@ -427,7 +430,7 @@ class _Slicer:
         self._room = SLICED_FRAMES
 
     def add(self, block: FrameArray, filtered: FrameArray, z: FrameArray) -> None:
-        """Take a block."""
+        """Add a block."""
         if self._room > 0:
             n = min(self._room, block.shape[0])
             cuts = (a[:n, self._row].copy() for a in (block, filtered, z)), (a[:n, :, self._column].copy() for a in (block, filtered, z))
@@ -435,7 +438,7 @@ class _Slicer:
             self._room -= n
 
     def result(self) -> Slices:
-        """Joined."""
+        """Return the joined blocks."""
         joined = [np.concatenate(parts) for parts in zip(*self._parts, strict=True)]
         return Slices(
             self._row,
