@@ -71,13 +71,13 @@ def _take_turns(made: Any, folder: Path) -> None:
         load, save, name = cache.load_overload, cache.save_overload, os.path.relpath(cache._cache_file._index_path, folder)
 
         def load_or_wait(*arguments: Any) -> Any:
-            found = load(*arguments)
-            if found is None:
+            loaded = load(*arguments)
+            if loaded is None:
                 take_turn(folder, name)
-                found = load(*arguments)
-                if found is not None:
+                loaded = load(*arguments)
+                if loaded is not None:
                     end_turn(folder, name)
-            return found
+            return loaded
 
         def save_and_go_on(*arguments: Any) -> None:
             try:

@@ -61,14 +61,14 @@ def sources_digest(package: Path = PACKAGE) -> str:
 
 
 @cache
-def kernel_folder(wanted: str = "") -> Path | None:
+def kernel_folder(requested: str = "") -> Path | None:
     """Folder of compiled kernels, created if necessary; None where no folder is writable.
 
-    It lies in the folder ``wanted`` (``NUMBA_CACHE_DIR``), else in the package's own ``__pycache__``, else in the user's cache, else among
+    It lies in the folder ``requested`` (``NUMBA_CACHE_DIR``), else in the package's own ``__pycache__``, else in the user's cache, else among
     temporary files. Processes may call this at once: nothing is locked, and a folder is only ever made or moved whole.
     """
     name = PREFIX + sources_digest()
-    for parent in _parents(wanted):
+    for parent in _parents(requested):
         folder = parent / name
         try:
             parent.mkdir(parents=True, exist_ok=True)
@@ -84,10 +84,10 @@ def kernel_folder(wanted: str = "") -> Path | None:
     return None
 
 
-def _parents(wanted: str) -> Iterator[Path]:
+def _parents(requested: str) -> Iterator[Path]:
     """Candidate parent folders, in order of preference."""
-    if wanted:
-        yield Path(wanted).absolute()
+    if requested:
+        yield Path(requested).absolute()
     yield PACKAGE / "__pycache__"
     with suppress(RuntimeError):  # an account without a home
         yield cache_folder() / "kernels"
@@ -107,8 +107,8 @@ def _own_temporary() -> Path:
         return Path(tempfile.gettempdir()) / "seaglint"  # of this account alone on Windows
     folder = Path(tempfile.gettempdir()) / f"seaglint-{os.getuid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
-    found = folder.lstat()
-    if found.st_uid != os.getuid() or found.st_mode & 0o077 or folder.is_symlink():
+    status = folder.lstat()
+    if status.st_uid != os.getuid() or status.st_mode & 0o077 or folder.is_symlink():
         raise PermissionError(f"{folder} is open to other accounts")
     return folder
 

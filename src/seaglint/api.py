@@ -199,9 +199,15 @@ def render(
     from seaglint.io.store import open_sequence
     from seaglint.pipeline.sensed import render as written
 
-    kept: dict[str, Any] = {"electrons": electrons, "radiance": radiance, "resume": resume, "overwrite": overwrite, "progress": progress}
+    common: dict[str, Any] = {
+        "electrons": electrons,
+        "radiance": radiance,
+        "resume": resume,
+        "overwrite": overwrite,
+        "progress": progress,
+    }
     with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
-        path = written(scenario, output, frames=frames, threads=threads if workers is None else None, workers=others, **kept)
+        path = written(scenario, output, frames=frames, threads=threads if workers is None else None, workers=others, **common)
     return with_band(open_sequence(path))
 
 
@@ -414,9 +420,9 @@ def analyze(
     from seaglint.analysis import analyze as analysed
     from seaglint.inputs import options_of, recording_of
 
-    wanted = options_of(options)
+    resolved = options_of(options)
     opened = recording_of(recording, frame_rate, units, variable)
-    return analysed(opened, wanted) if progress is None else analysed(opened, wanted, progress)
+    return analysed(opened, resolved) if progress is None else analysed(opened, resolved, progress)
 
 
 def apparent_temperature(radiance: xr.Dataset | xr.DataArray | ArrayLike, band: Band | tuple[float, float] | None = None) -> xr.DataArray:

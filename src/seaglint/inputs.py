@@ -43,8 +43,8 @@ def options_of(given: Mapping[str, Any]) -> Options:
     if isinstance(out.get("filter"), str):
         out["filter"] = filters.named(out["filter"])
     if "detectors" in out:
-        wanted = (out["detectors"],) if isinstance(out["detectors"], str) else out["detectors"]
-        out["detectors"] = tuple(choice.named(d) if isinstance(d, str) else d for d in wanted)
+        names = (out["detectors"],) if isinstance(out["detectors"], str) else out["detectors"]
+        out["detectors"] = tuple(choice.named(d) if isinstance(d, str) else d for d in names)
     if out.get("mask") is not None:
         out["mask"] = np.asarray(out["mask"], dtype=np.bool_)
     return Options(**out)
@@ -67,12 +67,12 @@ def recording_of(given: Any, frame_rate: float | None, units: str | None, variab
         given = given.to_dataset(name=str(given.name or "values"))
     if isinstance(given, xr.Dataset):
         ordered = given.transpose("time", ...) if "time" in given.dims else given
-        found = of_dataset(ordered, "dataset", Reading(variable))
+        recording = of_dataset(ordered, "dataset", Reading(variable))
     elif isinstance(given, Recording):
-        found = given
+        recording = given
     else:
-        found = of_array(np.asarray(given), "array", Reading(), frame_rate=frame_rate, units=units)
-    return replace(found, frame_rate=frame_rate or found.frame_rate, units=units or found.units)
+        recording = of_array(np.asarray(given), "array", Reading(), frame_rate=frame_rate, units=units)
+    return replace(recording, frame_rate=frame_rate or recording.frame_rate, units=units or recording.units)
 
 
 def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.DataArray:
@@ -101,8 +101,8 @@ def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.Data
     def converted(values: NDArray[Any]) -> NDArray[np.floating[Any]]:
         return kelvin(values, over, grid).astype(kind)
 
-    found = xr.apply_ufunc(converted, given, dask="parallelized", output_dtypes=[kind], keep_attrs=True)
-    out: xr.DataArray = found.rename("apparent_temperature")
+    result = xr.apply_ufunc(converted, given, dask="parallelized", output_dtypes=[kind], keep_attrs=True)
+    out: xr.DataArray = result.rename("apparent_temperature")
     return out.assign_attrs(VARIABLES["apparent_temperature"].attributes)
 
 

@@ -132,17 +132,17 @@ def detect(
         opened = recording_of(source, frame_rate, units, variable)
         from dataclasses import replace
 
-        found = judged(opened, replace(options, frame_rate=opened.frame_rate), name=opened.source, progress=progress)
-        return Judgement(found.as_dict(), units=opened.units, frame_rate_hz=opened.frame_rate)
+        result = judged(opened, replace(options, frame_rate=opened.frame_rate), name=opened.source, progress=progress)
+        return Judgement(result.as_dict(), units=opened.units, frame_rate_hz=opened.frame_rate)
     from seaglint.io.detection_parts import parts_folder
     from seaglint.pipeline.detect_design import Design
     from seaglint.pipeline.detect_scene import Clock, SceneOptions, run_scene
     from seaglint.pipeline.injected import Strength
 
     own = shape if psf is not None or object_sigma_px is not None or objects == "gaussian" else None
-    asked = Design(p_fa=p_fa) if design or p_fa is not None else None
+    design_options = Design(p_fa=p_fa) if design or p_fa is not None else None
     strength = None if contrasts is None else Strength(contrasts)
-    wanted = SceneOptions(options, objects, strength, own, frames, precision, None, asked)
+    scene_options = SceneOptions(options, objects, strength, own, frames, precision, None, design_options)
     with parts_folder(None) as (parts, _):
-        case = run_scene(source, wanted, parts, clock=Clock(time_budget), name="scenario", progress=progress)
+        case = run_scene(source, scene_options, parts, clock=Clock(time_budget), name="scenario", progress=progress)
     return Judgement(case["result"])

@@ -118,24 +118,24 @@ class Region:
         return "correlation does not fall to 1/e within a third of the picture"
 
     def _fit(self, family: str) -> dict[str, Any]:
-        found, good = self.fits.get(family), self.goodness.get(family)
-        if found is None:
-            found = fit(np.empty(0), family)  # type: ignore[arg-type]
+        fitted, good = self.fits.get(family), self.goodness.get(family)
+        if fitted is None:
+            fitted = fit(np.empty(0), family)  # type: ignore[arg-type]
         return {
-            "shape": found.shape,
-            "scale": found.scale,
-            "loc": found.loc,
-            "shape_interval": _pair(found.shape_interval),
-            "scale_interval": _pair(found.scale_interval),
-            "loc_interval": _pair(found.loc_interval),
-            "log_likelihood_per_value": None if found.log_likelihood is None else number(found.log_likelihood / max(found.count, 1)),
-            "effective_count": number(found.effective_count),
-            "excluded": found.excluded,
+            "shape": fitted.shape,
+            "scale": fitted.scale,
+            "loc": fitted.loc,
+            "shape_interval": _pair(fitted.shape_interval),
+            "scale_interval": _pair(fitted.scale_interval),
+            "loc_interval": _pair(fitted.loc_interval),
+            "log_likelihood_per_value": None if fitted.log_likelihood is None else number(fitted.log_likelihood / max(fitted.count, 1)),
+            "effective_count": number(fitted.effective_count),
+            "excluded": fitted.excluded,
             "ks": None if good is None else number(good.ks),
             "ks_p": None if good is None else number(good.ks_p),
             "ad": None if good is None else number(good.ad),
             "ad_p": None if good is None else number(good.ad_p),
-            "reason": found.reason or None,
+            "reason": fitted.reason or None,
         }
 
     def _spectrum(self) -> dict[str, Any] | None:
@@ -208,12 +208,12 @@ TELLING: Final = 0.05
 """Largest level at which a test of few values still rejects a family."""
 
 
-def _only_telling(found: Goodness) -> Goodness:
+def _only_telling(tested: Goodness) -> Goodness:
     """Return the meaningful levels: of few independent values, only small ones."""
-    if found.effective_count >= FEWEST_JUDGED:
-        return found
-    ks_p, ad_p = (p if p <= TELLING else math.nan for p in (found.ks_p, found.ad_p))
-    return replace(found, ks_p=ks_p, ad_p=ad_p)
+    if tested.effective_count >= FEWEST_JUDGED:
+        return tested
+    ks_p, ad_p = (p if p <= TELLING else math.nan for p in (tested.ks_p, tested.ad_p))
+    return replace(tested, ks_p=ks_p, ad_p=ad_p)
 
 
 class Gatherer:
@@ -234,11 +234,11 @@ class Gatherer:
         if self._pixels.size:
             self._series[start : start + block.shape[0]] = block.reshape(block.shape[0], -1)[:, self._pixels]
 
-    def sample(self, kept: FrameArray, sides: tuple[float, float], used: BoolArray) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    def sample(self, stored: FrameArray, sides: tuple[float, float], used: BoolArray) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """Values of the used pixels of the stored frames, in the file's numbers, and the block of each."""
         labels = block_labels(self.mask.shape, sides).ravel()
         most = int(labels.max()) + 1
-        values = np.concatenate([frame.ravel()[p] for frame, p in zip(kept, self._sampled, strict=True)]).astype(np.float64)
+        values = np.concatenate([frame.ravel()[p] for frame, p in zip(stored, self._sampled, strict=True)]).astype(np.float64)
         blocks = np.concatenate([i * most + labels[p] for i, p in enumerate(self._sampled)])
         good = np.isfinite(values) & used.ravel()[np.concatenate(self._sampled)]
         return values[good] + self.offset, blocks[good]
@@ -256,39 +256,39 @@ def region(
     gathered: Gatherer,
     moments: Moments,
     image: NDArray[np.float64],
-    kept: FrameArray,
+    stored: FrameArray,
     kept_spacing: float,
     frame_rate: float | None,
     seed: int,
     bad: BoolArray | None = None,
 ) -> Region:
-    """Statistics of the values accumulated in the second pass; ``kept`` are frames ``kept_spacing`` frames apart.
+    """Statistics of the values accumulated in the second pass; ``stored`` are frames ``kept_spacing`` frames apart.
 
     Pixels of ``bad`` lines are in the moments, in nothing else: one line that is not sea would pass for correlation and for a family.
     """
     mask = gathered.mask if bad is None else gathered.mask & ~bad
     notes: list[str] = []
     trend = trend_surface(image, mask)
-    spatial = spatial_correlation(kept, mask, mean=trend)
+    spatial = spatial_correlation(stored, mask, mean=trend)
     temporal = gathered.temporal(frame_rate, mask)
     if temporal.reason and gathered._pixels.size:
         notes.append(f"correlation time: {temporal.reason}")
     lengths = [BLOCK_LENGTHS * (length if math.isfinite(length) else 10.0) for length in (spatial.length_y, spatial.length_x)]
-    values, blocks = gathered.sample(kept, (lengths[0], lengths[1]), mask)
+    values, blocks = gathered.sample(stored, (lengths[0], lengths[1]), mask)
     in_frames = temporal.scale / kept_spacing if math.isfinite(temporal.scale) else 1.0
-    independent = effective_count(float(kept.shape[0] * mask.sum()), spatial.scale_x, spatial.scale_y, max(in_frames, 1.0))
+    independent = effective_count(float(stored.shape[0] * mask.sum()), spatial.scale_x, spatial.scale_y, max(in_frames, 1.0))
     independent = min(independent, float(values.size))
     enough_blocks = np.unique(blocks).size >= 20 and in_frames <= 1.0
     fits: dict[str, Fit] = {}
     tests: dict[str, Goodness] = {}
     for family in FAMILIES:
-        found = fit(values, family, effective_count=independent, blocks=blocks if enough_blocks else None)
-        fits[family] = found
-        if found.is_valid:
-            tests[family] = _only_telling(goodness(values, found, effective_count=independent, seed=seed))
-    still = stationarity(kept, mask, length_x=spatial.length_x, length_y=spatial.length_y, seed=seed)
+        fitted = fit(values, family, effective_count=independent, blocks=blocks if enough_blocks else None)
+        fits[family] = fitted
+        if fitted.is_valid:
+            tests[family] = _only_telling(goodness(values, fitted, effective_count=independent, seed=seed))
+    still = stationarity(stored, mask, length_x=spatial.length_x, length_y=spatial.length_y, seed=seed)
     try:
-        spectrum = power_spectrum(kept, mask, mean=trend)
+        spectrum = power_spectrum(stored, mask, mean=trend)
     except DataError:
         spectrum = None  # pictures of fewer than 8 pixels a side
     if moments.is_constant:

@@ -114,7 +114,7 @@ class Analysis:
 
     def as_dict(self) -> dict[str, Any]:
         """Return plain numbers and text of all results; absent regions are None."""
-        found = self.segmentation
+        segmentation = self.segmentation
         rate = self.recording.frame_rate
         return {
             "source": self.recording.source,
@@ -128,13 +128,13 @@ class Analysis:
             "border": "kept" if self.border_kept else "dropped",
             "segmentation": {
                 "found": "glint" in self.regions,
-                "method": "mask given" if found is None else found.method,
-                "separability": None if found is None or not np.isfinite(found.separability) else found.separability,
-                "contrast": None if found is None or not np.isfinite(found.contrast) else found.contrast,
-                "border_step": None if found is None or not np.isfinite(found.border_step) else found.border_step,
-                "reason": None if found is None else found.reason or None,
-                "doubt": None if found is None else found.doubt or None,
-                "sky_pixels": 0 if found is None else int(found.sky.sum()),
+                "method": "mask given" if segmentation is None else segmentation.method,
+                "separability": None if segmentation is None or not np.isfinite(segmentation.separability) else segmentation.separability,
+                "contrast": None if segmentation is None or not np.isfinite(segmentation.contrast) else segmentation.contrast,
+                "border_step": None if segmentation is None or not np.isfinite(segmentation.border_step) else segmentation.border_step,
+                "reason": None if segmentation is None else segmentation.reason or None,
+                "doubt": None if segmentation is None else segmentation.doubt or None,
+                "sky_pixels": 0 if segmentation is None else int(segmentation.sky.sum()),
             },
             "regions": {name: self.regions[name].as_dict(rate) if name in self.regions else None for name in REGIONS},
             "notes": list(self.notes),
@@ -142,11 +142,11 @@ class Analysis:
 
     def _repr_html_(self) -> str:
         """Return HTML for a notebook: the regions' moments, and the notes."""
-        found = self.as_dict()
+        values = self.as_dict()
         names = ("pixels", "mean", "std", "skewness", "excess_kurtosis", "correlation_time_s", "stationary")
-        rows = [(name, *(region[key] for key in names)) for name, region in found["regions"].items() if region is not None]
-        size = f"{found['frames']} frames of {found['columns']} x {found['rows']} pixels, {found['units']}, filter {found['filter']}"
-        return card(f"Analysis of {found['source']}", notes([size]) + table(("region", *names), rows) + notes(self.notes))
+        rows = [(name, *(region[key] for key in names)) for name, region in values["regions"].items() if region is not None]
+        size = f"{values['frames']} frames of {values['columns']} x {values['rows']} pixels, {values['units']}, filter {values['filter']}"
+        return card(f"Analysis of {values['source']}", notes([size]) + table(("region", *names), rows) + notes(self.notes))
 
 
 @single_threaded_algebra()
@@ -175,26 +175,26 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
     -----
     Memory does not grow with the recording: blocks of some eight megabytes, and maps of the size of a frame.
     """
-    wanted = options if options is not None else Options()
-    rows = _row_mask(recording, wanted.rows)
-    if wanted.mask is not None and wanted.mask.shape != rows.shape:
+    given = options if options is not None else Options()
+    rows = _row_mask(recording, given.rows)
+    if given.mask is not None and given.mask.shape != rows.shape:
         raise DataError(
-            f"the mask has {wanted.mask.shape[0]} x {wanted.mask.shape[1]} pixels, the frames have {recording.rows} x {recording.columns}; "
+            f"the mask has {given.mask.shape[0]} x {given.mask.shape[1]} pixels, the frames have {recording.rows} x {recording.columns}; "
             "give one value per pixel"
         )
-    passes = Passes(progress, recording.frames, 2 + (wanted.scope == "sequence") + len(wanted.detectors))
+    passes = Passes(progress, recording.frames, 2 + (given.scope == "sequence") + len(given.detectors))
     first = survey(recording, passes.read)
     passes.end()
-    found, masks, notes = _regions(first, rows, wanted.mask)
-    thresholds = tuple(sorted({*ALWAYS, *wanted.thresholds}))
-    counted, border_notes = _interior(recording, wanted, masks["all"])
-    results, slices = _count(recording, wanted, first, masks, counted, thresholds, passes)
+    segmentation, masks, notes = _regions(first, rows, given.mask)
+    thresholds = tuple(sorted({*ALWAYS, *given.thresholds}))
+    counted, border_notes = _interior(recording, given, masks["all"])
+    results, slices = _count(recording, given, first, masks, counted, thresholds, passes)
     deaf: list[str] = []
-    for detector in wanted.detectors:
+    for detector in given.detectors:
         deaf += _judge(recording, detector, first.dead, results, thresholds, passes)
-    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, wanted.filter.name), *deaf]
+    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, given.filter.name), *deaf]
     image = first.moments.image + recording.offset
-    return Analysis(recording, wanted, found, image, results, slices, tuple(notes), bool(counted.all()))
+    return Analysis(recording, given, segmentation, image, results, slices, tuple(notes), bool(counted.all()))
 
 
 def _interior(recording: Recording, options: Options, used: BoolArray) -> tuple[BoolArray, list[str]]:
@@ -257,19 +257,19 @@ def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Se
     """Masks by name; a region that is too small is absent and noted."""
     good = (first.moments.count > 0) & ~first.dead & rows
     notes: list[str] = []
-    found: Segmentation | None = None
+    segmentation: Segmentation | None = None
     if mask is not None:
         glint, background = mask & good, good & ~mask
     else:
         several = int(first.moments.count.max()) > 1
         # The segmentation looks at the whole picture, whatever rows are analysed: it needs the sky to know it.
         image = np.where(first.dead, np.nan, first.moments.image)
-        found = segment(image, np.where(first.dead, np.nan, first.moments.std) if several else None)
-        glint, background = found.glint & good, found.background & good
-        if not found.found:
-            notes.append(f"no glint corridor found: {found.reason}")
-        elif found.doubt:
-            notes.append(f"the glint corridor is not sure: {found.doubt}; look at the picture of the regions or give --mask")
+        segmentation = segment(image, np.where(first.dead, np.nan, first.moments.std) if several else None)
+        glint, background = segmentation.glint & good, segmentation.background & good
+        if not segmentation.found:
+            notes.append(f"no glint corridor found: {segmentation.reason}")
+        elif segmentation.doubt:
+            notes.append(f"the glint corridor is not sure: {segmentation.doubt}; look at the picture of the regions or give --mask")
     masks = {"all": good}
     for name, pixels in (("glint", glint), ("background", background)):
         count = int(pixels.sum())
@@ -277,7 +277,7 @@ def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Se
             masks[name] = pixels
         elif count or (mask is not None):
             notes.append(f"the {name} region has {count} pixels, too few for statistics (at least {FEWEST_PIXELS})")
-    return found, masks, notes
+    return segmentation, masks, notes
 
 
 def _filtered(recording: Recording, options: Options, dead: BoolArray) -> Iterator[tuple[FrameArray, FrameArray]]:
@@ -303,7 +303,7 @@ def _count(
     """Run the second pass: false alarms of the filter, and the values for statistics in space and time."""
     most = min(max(KEPT_VALUES // (recording.rows * recording.columns), 4), KEPT_FRAMES, recording.frames)
     kept_numbers = np.unique(np.linspace(0, recording.frames - 1, most).astype(np.int64))
-    kept = np.empty((kept_numbers.size, recording.rows, recording.columns), np.float32)
+    stored = np.empty((kept_numbers.size, recording.rows, recording.columns), np.float32)
     gatherers = {name: Gatherer(mask, recording.frames, kept_numbers, options.seed, recording.offset) for name, mask in masks.items()}
     alarms = {name: FalseAlarms(thresholds) for name in masks}
     counted = {name: mask & interior for name, mask in masks.items()}
@@ -322,7 +322,7 @@ def _count(
         moments = first.moments.region(masks[name])
         image, apart = first.moments.image, max(spacing, 1.0)
         bad = _bad_lines(alarms[name], masks[name])
-        made = region(name, gatherers.pop(name), moments, image, kept, apart, recording.frame_rate, options.seed, bad)
+        made = region(name, gatherers.pop(name), moments, image, stored, apart, recording.frame_rate, options.seed, bad)
         share = _saturated_share(first, masks[name])
         cut = (f"{100 * share:.3g} % saturated at {first.ceiling:.7g}",) if share > 0.0 else ()
         made = replace(made, alarms={options.filter.name: alarms[name]}, notes=(*made.notes, *cut), saturated=share)
@@ -335,7 +335,7 @@ def _count(
             for task in [workers.submit(count, name, block, filtered, done) for name in masks]:
                 task.result()
             inside = (kept_numbers >= done) & (kept_numbers < done + block.shape[0])
-            kept[inside] = block[kept_numbers[inside] - done]
+            stored[inside] = block[kept_numbers[inside] - done]
             done += block.shape[0]
             passes.read(done)
     passes.end()

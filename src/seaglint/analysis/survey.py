@@ -186,12 +186,12 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
     ceiling = recording.saturation
     full = recording.frames * recording.rows * recording.columns * SATURATED_SHARE
     # An even line is a border or a dead one, not a ceiling.
-    found = None if saturated.sum() > full else top.spike(dead | flat_columns | flat_rows[:, np.newaxis])
-    if found is not None:
-        saturated, ceiling = found, top.highest
+    spike = None if saturated.sum() > full else top.spike(dead | flat_columns | flat_rows[:, np.newaxis])
+    if spike is not None:
+        saturated, ceiling = spike, top.highest
     ceiling = ceiling + recording.offset if ceiling is not None and saturated.any() else None
     notes = _notes(recording, missing, repeats)
-    cut = _saturation_note(recording, saturated, ceiling, top if found is not None else None)
+    cut = _saturation_note(recording, saturated, ceiling, top if spike is not None else None)
     return Survey(moments, dead, saturated, ceiling, (*dead_notes, *cut, *_resolution_note(recording, moments, dead), *notes))
 
 

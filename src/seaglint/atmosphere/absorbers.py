@@ -105,13 +105,13 @@ class Absorbers:
         air = pressure * cold
         water = 1e-6 * air * np.array(profile.water_ppmv)
         gas = {"water": water, "carbon dioxide": air, "traces": air, "ozone": air * np.array(profile.ozone_ppmv)}
-        found = [(gas[name] * pressure**p * cold**t, growth) for name, (p, t, growth) in _GASES[region].items()]
-        found += [(air * pressure * np.sqrt(cold), 1.0), (water * water, 1.0), (water * (air - water), 1.0)]
-        found += [(hat, 1.0) for hat in np.eye(5, air.size)]
-        found += [(np.concatenate([np.zeros(5), _HIGH_AEROSOL["winter" if model.endswith("winter") else "summer"]]), 1.0)]
+        profiles = [(gas[name] * pressure**p * cold**t, growth) for name, (p, t, growth) in _GASES[region].items()]
+        profiles += [(air * pressure * np.sqrt(cold), 1.0), (water * water, 1.0), (water * (air - water), 1.0)]
+        profiles += [(hat, 1.0) for hat in np.eye(5, air.size)]
+        profiles += [(np.concatenate([np.zeros(5), _HIGH_AEROSOL["winter" if model.endswith("winter") else "summer"]]), 1.0)]
         return cls(
-            density=np.array([density / density.max() for density, _ in found]),
-            growth=np.array([growth for _, growth in found]),
+            density=np.array([density / density.max() for density, _ in profiles]),
+            growth=np.array([growth for _, growth in profiles]),
             air=air,
             temperature=kelvin,
         )

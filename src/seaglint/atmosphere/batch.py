@@ -185,13 +185,13 @@ class BatchAtmosphere:
         up, low = self._skies
         nodes = (up.shape[2] // 2, low.shape[2] // 2)
         y = np.minimum(elevation_coordinate(np.maximum(elevation, 0.0), dip), 1.0)
-        found = where.times(Stencil.hermite(np.linspace(0.0, 1.0, nodes[0]), y)).of(up.reshape(-1, up.shape[-1]))
+        scores = where.times(Stencil.hermite(np.linspace(0.0, 1.0, nodes[0]), y)).of(up.reshape(-1, up.shape[-1]))
         below = elevation < 0.0
         if below.any():
             x = np.minimum(dip_coordinate(-elevation[below], dip[below]), 1.0)
             part = Stencil(where.index[below], where.weight[below], where.size).times(Stencil.hermite(np.linspace(0.0, 1.0, nodes[1]), x))
-            found[below] = part.of(low.reshape(-1, low.shape[-1]))
-        return planck_wavenumber(self.wavenumber_cm, table.sky_temperature.of(found))
+            scores[below] = part.of(low.reshape(-1, low.shape[-1]))
+        return planck_wavenumber(self.wavenumber_cm, table.sky_temperature.of(scores))
 
     @cached_property
     def _skies(self) -> tuple[FloatArray, FloatArray]:

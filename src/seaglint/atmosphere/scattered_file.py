@@ -129,8 +129,8 @@ class SampledLight:
         place = np.clip(np.interp(rows, nodes[order], np.arange(nodes.size)), 0.0, nodes.size - 1.0)
         low = np.minimum(place.astype(np.int64), max(nodes.size - 2, 0))
         part = (place - low)[:, None]
-        found = ((1.0 - part) * flat[low] + part * flat[np.minimum(low + 1, nodes.size - 1)]).reshape(rows.size, -1, COLUMNS)
-        amplitude = (np.exp(found[:, :1]) * found[:, 1:]).transpose(0, 2, 1)[None, :, :, None, :]
+        resampled = ((1.0 - part) * flat[low] + part * flat[np.minimum(low + 1, nodes.size - 1)]).reshape(rows.size, -1, COLUMNS)
+        amplitude = (np.exp(resampled[:, :1]) * resampled[:, 1:]).transpose(0, 2, 1)[None, :, :, None, :]
         return ScatteredTable(angular[:, None], np.ascontiguousarray(amplitude), np.ones((1, 1)), sun, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
 
     @staticmethod
@@ -142,5 +142,5 @@ class SampledLight:
         log = np.log(np.maximum(size[row][first], floor))
         if known.size < 3:
             return np.ones(ANGLES)
-        wanted = np.clip(np.linspace(0.0, math.pi, ANGLES), known[0], known[-1])
-        return np.asarray(np.exp(PchipInterpolator(known, log)(wanted)))
+        angles = np.clip(np.linspace(0.0, math.pi, ANGLES), known[0], known[-1])
+        return np.asarray(np.exp(PchipInterpolator(known, log)(angles)))

@@ -219,9 +219,9 @@ class ScatteredLight:
     def _spectra(self, zenith: FloatArray, azimuth: FloatArray, height: float, apparent: float) -> FloatArray:
         air = cast(ScatteringAir, self.air)
         lines = np.stack(np.broadcast_arrays(zenith[:, None], azimuth, self._sun), axis=-1).reshape(-1, 3)
-        found = air.amplitudes(height, lines)[0] * air.source
+        amplitudes = air.amplitudes(height, lines)[0] * air.source
         phase = air.phase(scattering_angle(lines[:, 0], lines[:, 1], apparent))
-        return np.asarray(self._share * (phase * found).sum(axis=1)).reshape(zenith.size, azimuth.size, air.source.size)
+        return np.asarray(self._share * (phase * amplitudes).sum(axis=1)).reshape(zenith.size, azimuth.size, air.source.size)
 
     @property
     def _apparent(self) -> float:
@@ -331,25 +331,25 @@ def _table(
 ) -> ScatteredTable:
     """Table of lines of sight under Suns without refraction [rad]: in band for ``weights`` [(1, n)], else as spectra."""
     grid = np.stack(np.meshgrid(suns, zenith, azimuths, indexing="ij"), axis=-1).reshape(-1, 3)
-    found = air.amplitudes(height, grid[:, [1, 2, 0]])[0] * air.source
-    spectral = np.ones((1, 1)) if weights is not None else _spectral_shapes(air, found)
+    amplitudes = air.amplitudes(height, grid[:, [1, 2, 0]])[0] * air.source
+    spectral = np.ones((1, 1)) if weights is not None else _spectral_shapes(air, amplitudes)
     sums = weights if weights is not None else spectral
-    angular, kinds = _angular_shapes(air, found, sums)
-    by_shape = np.empty((len(found), kinds.shape[0], sums.shape[0]))
+    angular, kinds = _angular_shapes(air, amplitudes, sums)
+    by_shape = np.empty((len(amplitudes), kinds.shape[0], sums.shape[0]))
     for r, weight in enumerate(sums):
-        by_shape[:, :, r] = found.reshape(len(found), -1) @ (kinds * weight).reshape(kinds.shape[0], -1).T
+        by_shape[:, :, r] = amplitudes.reshape(len(amplitudes), -1) @ (kinds * weight).reshape(kinds.shape[0], -1).T
     values = by_shape.reshape(len(suns), zenith.size, azimuths.size, *by_shape.shape[1:])
     return ScatteredTable(angular, share * _fine(values, azimuths, rows), spectral, 0.0, (0.0, 0.0), False, height, 0.0, 0.0, 0)
 
 
-def _spectral_shapes(air: ScatteringAir, found: FloatArray) -> FloatArray:
+def _spectral_shapes(air: ScatteringAir, amplitudes: FloatArray) -> FloatArray:
     """Orthonormal spectra [(r, n)] that span the spectra of all lines at any scattering angle."""
     phase = air.phase(np.radians((1.0, 10.0, 30.0, 90.0, 150.0)))
-    spectra = np.einsum("acn,lcn->aln", phase, found).reshape(-1, found.shape[-1])
+    spectra = np.einsum("acn,lcn->aln", phase, amplitudes).reshape(-1, amplitudes.shape[-1])
     size = np.linalg.norm(spectra, axis=1, keepdims=True)
     scaled = spectra[size[:, 0] > _LEAST] / size[size[:, 0] > _LEAST, None].reshape(-1, 1)
     if scaled.shape[0] == 0:
-        return np.full((1, found.shape[-1]), found.shape[-1] ** -0.5)
+        return np.full((1, amplitudes.shape[-1]), amplitudes.shape[-1] ** -0.5)
     _, vectors = np.linalg.eigh(scaled.T @ scaled)
     shapes = vectors[:, ::-1].T
     left = np.maximum(1.0 - np.cumsum((scaled @ shapes[:MOST_SHAPES].T) ** 2, axis=1), 0.0).max(axis=0)
@@ -357,9 +357,9 @@ def _spectral_shapes(air: ScatteringAir, found: FloatArray) -> FloatArray:
     return np.ascontiguousarray(shapes[: int(good[0]) + 1 if good.size else MOST_SHAPES])
 
 
-def _angular_shapes(air: ScatteringAir, found: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _angular_shapes(air: ScatteringAir, amplitudes: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Shapes over scattering angle [(ANGLES, k)] and their share in each kind and channel [(k, KINDS, n)]."""
-    matter = np.sqrt((np.abs(sums).sum(axis=0) * found.mean(axis=0)).ravel() + _LEAST)
+    matter = np.sqrt((np.abs(sums).sum(axis=0) * amplitudes.mean(axis=0)).ravel() + _LEAST)
     matter /= matter.max()
     angles = np.linspace(0.0, math.pi, ANGLES)
     coarse = air.phase(angles[::4]).reshape(-1, matter.size)

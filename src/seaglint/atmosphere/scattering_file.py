@@ -63,8 +63,8 @@ def covers(band_um: tuple[float, float]) -> bool:
 def provenance() -> dict[str, Any]:
     """Source of the file."""
     held = read_file()
-    found: dict[str, Any] = json.loads(str(held["provenance"]))
-    return found | {"sha256": str(held["sha256"])}
+    recorded: dict[str, Any] = json.loads(str(held["provenance"]))
+    return recorded | {"sha256": str(held["sha256"])}
 
 
 class ScatteringTable:

@@ -68,16 +68,16 @@ class SpectralLaws:
     def segments(self) -> Segments:
         """Bands of all gases, gas by gas."""
         place = {number: i for i, number in enumerate(self.columns)}
-        found, power, log = [], [], []
+        bands, power, log = [], [], []
         for column, exponent, coefficient in zip(self.band_column, self.band_power, self.band_log, strict=True):
             edges = [0, *(np.flatnonzero(np.diff(column)) + 1).tolist(), column.size]
             for first, end in pairwise(edges):
                 if column[first] > 0:
-                    found.append((place[int(column[first])], first, end))
+                    bands.append((place[int(column[first])], first, end))
                     power.append(exponent[first:end])
                     log.append(coefficient[first:end])
         empty = [np.zeros(0)]
-        return Segments(np.array(found, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
+        return Segments(np.array(bands, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
 
     def cut(self, keep: NDArray[np.intp]) -> SpectralLaws:
         """Return the laws of some channels."""
@@ -237,16 +237,16 @@ class ScatteringAir:
 def _cut_segments(bands: Segments, keep: NDArray[np.intp]) -> Segments:
     """Segments of bands restricted to consecutive channels."""
     first, last = int(keep[0]), int(keep[-1]) + 1
-    found, power, log, at = [], [], [], 0
+    cut, power, log, at = [], [], [], 0
     for column, start, end in bands[0].tolist():
         low, high = max(start, first), min(end, last)
         if low < high:
-            found.append((column, low - first, high - first))
+            cut.append((column, low - first, high - first))
             power.append(bands[1][at + low - start : at + high - start])
             log.append(bands[2][at + low - start : at + high - start])
         at += end - start
     empty = [np.zeros(0)]
-    return Segments(np.array(found, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
+    return Segments(np.array(cut, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
 
 
 def grid_of(levels: AirLevels) -> LayerGrid:

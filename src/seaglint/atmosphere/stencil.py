@@ -39,13 +39,13 @@ class Stencil:
         edges = np.array(sorted({float(nodes[0]), *kinks, float(nodes[-1])}))
         part = np.clip(np.searchsorted(edges, x, side="right"), 1, edges.size - 1)
         inside = [np.flatnonzero((nodes >= edges[j - 1]) & (nodes <= edges[j])) for j in range(1, edges.size)]
-        widest = max(found.size for found in inside)
+        widest = max(piece.size for piece in inside)
         index, weight = np.zeros((x.size, widest), dtype=np.intp), np.zeros((x.size, widest))
-        for j, found in enumerate(inside, start=1):
+        for j, piece in enumerate(inside, start=1):
             cases = np.flatnonzero(part == j)
             if cases.size:
-                index[cases, : found.size] = found
-                weight[cases, : found.size] = CubicSpline(nodes[found], np.eye(found.size))(x[cases])
+                index[cases, : piece.size] = piece
+                weight[cases, : piece.size] = CubicSpline(nodes[piece], np.eye(piece.size))(x[cases])
         return cls(index, weight, nodes.size)
 
     @classmethod

@@ -162,7 +162,7 @@ class BandTable:
         DataError
             If the file in the package is damaged.
         """
-        wanted = wavenumber_grid(*band_um)
+        requested = wavenumber_grid(*band_um)
         region = _REGIONS[0] if band_um[0] < 6.5 else _REGIONS[1]
         if model not in models(region):
             raise DomainError(
@@ -170,7 +170,7 @@ class BandTable:
             )
         file = read_table(model, region)
         grid = file["wavenumber_cm"]
-        if wanted[0] < grid[0] or wanted[-1] > grid[-1]:
+        if requested[0] < grid[0] or requested[-1] > grid[-1]:
             covered = " and ".join(_covered(read_table(model, name)["wavenumber_cm"]) for name in _REGIONS if model in models(name))
             raise DomainError(
                 f"band {band_um[0]:g}-{band_um[1]:g} um reaches beyond the tables of {covered} um, "
@@ -179,7 +179,7 @@ class BandTable:
                 value=band_um,
                 allowed=f"{covered} um",
             )
-        keep = slice(int(np.searchsorted(grid, wanted[0])), int(np.searchsorted(grid, wanted[-1])) + 1)
+        keep = slice(int(np.searchsorted(grid, requested[0])), int(np.searchsorted(grid, requested[-1])) + 1)
 
         def spectra(name: str, scores: str) -> Spectra:
             mean, components = file[name + "_mean"][keep].astype(np.float64), file[name + "_components"][:, keep].astype(np.float64)
@@ -228,9 +228,9 @@ class BandTable:
 
     def path_at(self, scores: FloatArray, where: Stencil) -> tuple[FloatArray, FloatArray]:
         """Optical depth [1] and air temperature [K] of paths, both (cases, n), from the nodes' scores of both side by side."""
-        found = where.of(scores.reshape(where.size, -1))
+        interpolated = where.of(scores.reshape(where.size, -1))
         rank = self.path_depth.components.shape[0]
-        return decode_optical_depth(self.path_depth.of(found[:, :rank])), self.path_temperature.of(found[:, rank:])
+        return decode_optical_depth(self.path_depth.of(interpolated[:, :rank])), self.path_temperature.of(interpolated[:, rank:])
 
     @staticmethod
     def sun_coordinate(solar_zenith: ArrayLike) -> FloatArray:

@@ -41,18 +41,18 @@ def exoatmospheric_irradiance(wavenumber_cm: ArrayLike) -> FloatArray:
     >>> round(float(exoatmospheric_irradiance(2500.0)), 6)
     0.0152
     """
-    wanted = np.asarray(wavenumber_cm, dtype=np.float64)
+    requested = np.asarray(wavenumber_cm, dtype=np.float64)
     known, irradiance = _solar_table()
-    outside = ~((wanted >= known[0]) & (wanted <= known[-1]))
+    outside = ~((requested >= known[0]) & (requested <= known[-1]))
     if outside.any():
         raise DomainError(
-            f"wavenumber {wanted[outside].ravel()[0]:g} cm-1 is outside {known[0]:g}-{known[-1]:g} cm-1 of the solar spectrum; "
+            f"wavenumber {requested[outside].ravel()[0]:g} cm-1 is outside {known[0]:g}-{known[-1]:g} cm-1 of the solar spectrum; "
             "choose a band within 0.70-14.7 um",
             name="wavenumber_cm",
-            value=float(wanted[outside].ravel()[0]),
+            value=float(requested[outside].ravel()[0]),
             allowed=(float(known[0]), float(known[-1])),
         )
-    return np.asarray(np.interp(wanted, known, irradiance))
+    return np.asarray(np.interp(requested, known, irradiance))
 
 
 @dataclass(frozen=True)

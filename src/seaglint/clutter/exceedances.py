@@ -238,10 +238,10 @@ def _label(index: np.ndarray, columns: int, before: np.ndarray, now: np.ndarray,
                 j = i + dr * columns + dq
                 # In the present frame only what has been labelled already counts; the other half sees this pixel in its turn.
                 for present in range(2 if j < i else 1):
-                    found = now[j] if present else before[j]
-                    if found > 0 and found != known:
-                        known = found
-                        other = _root(parent, found - 1)
+                    neighbour = now[j] if present else before[j]
+                    if neighbour > 0 and neighbour != known:
+                        known = neighbour
+                        other = _root(parent, neighbour - 1)
                         if label < 0:
                             label = other
                         elif other != label:

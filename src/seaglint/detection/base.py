@@ -180,19 +180,19 @@ class UserDetector:
         try:
             result = self.function(whole)
         except Exception as error:
-            raise DataError(f"detector {self.name} failed on frames of shape {frames.shape}: {_told(error)}") from error
-        wanted = (frames.shape[0] - self.lead, *frames.shape[1:])
+            raise DataError(f"detector {self.name} failed on frames of shape {frames.shape}: {_error_line(error)}") from error
+        expected = (frames.shape[0] - self.lead, *frames.shape[1:])
         try:
             if np.iscomplexobj(result):
                 raise TypeError("no order among complex numbers")
             out = np.asarray(result, np.float32)
         except (TypeError, ValueError) as error:
             raise DataError(
-                f"detector {self.name} returned {type(result).__name__}; an array of real numbers of shape {wanted} is needed"
+                f"detector {self.name} returned {type(result).__name__}; an array of real numbers of shape {expected} is needed"
             ) from error
-        if out.shape != wanted:
+        if out.shape != expected:
             raise DataError(
-                f"detector {self.name} returned shape {out.shape} for frames of shape {frames.shape}; {wanted} is needed "
+                f"detector {self.name} returned shape {out.shape} for frames of shape {frames.shape}; {expected} is needed "
                 f"(set the function's attribute lead, now {self.lead}, if it uses earlier frames)"
             )
         return out if self.takes_nan else self._only_known(out, frames)
@@ -208,7 +208,7 @@ class UserDetector:
         return np.where(gone, np.float32(np.nan), statistic)
 
 
-def _told(error: Exception) -> str:
+def _error_line(error: Exception) -> str:
     """Kind and text of a user's error, in one line."""
     return " ".join(f"{type(error).__name__}: {error}".split())
 
@@ -232,28 +232,28 @@ def load(path: str) -> Detector:
     try:
         module = importlib.import_module(module_name)
     except Exception as error:
-        raise DataError(f"detector {path!r}: module {module_name} cannot be imported: {_told(error)}") from error
+        raise DataError(f"detector {path!r}: module {module_name} cannot be imported: {_error_line(error)}") from error
     finally:
         if here in sys.path:
             sys.path.remove(here)
     if not hasattr(module, attribute):
         raise DataError(f"detector {path!r}: module {module_name} has no {attribute}; check the name after the colon")
-    found = getattr(module, attribute)
-    if isinstance(found, type):
+    detector = getattr(module, attribute)
+    if isinstance(detector, type):
         try:
-            found = found()
+            detector = detector()
         except TypeError as error:
             raise DataError(f"detector {path!r}: the class needs arguments ({error}); give an instance of it in the module") from error
         except Exception as error:
-            raise DataError(f"detector {path!r}: no instance of the class can be made: {_told(error)}") from error
-    if not callable(found):
-        raise DataError(f"detector {path!r} is a {type(found).__name__}, which cannot be called; name a function of frames")
-    lead = getattr(found, "lead", 0)
+            raise DataError(f"detector {path!r}: no instance of the class can be made: {_error_line(error)}") from error
+    if not callable(detector):
+        raise DataError(f"detector {path!r} is a {type(detector).__name__}, which cannot be called; name a function of frames")
+    lead = getattr(detector, "lead", 0)
     if not isinstance(lead, int) or lead < 0:
         raise DataError(f"detector {path!r}: lead = {lead!r} is not a number of frames of 0 or more")
-    reach = getattr(found, "reach", None)
+    reach = getattr(detector, "reach", None)
     if reach is not None and (not isinstance(reach, int) or reach < 0):
         raise DataError(f"detector {path!r}: reach = {reach!r} is not a number of pixels of 0 or more")
     # Wrapped also where it has the whole interface: what it returns is checked all the same.
-    calibrated, takes_nan = (bool(getattr(found, flag, False)) for flag in ("calibrated", "takes_nan"))
-    return UserDetector(found, str(getattr(found, "name", path)), lead, calibrated, takes_nan, reach)
+    calibrated, takes_nan = (bool(getattr(detector, flag, False)) for flag in ("calibrated", "takes_nan"))
+    return UserDetector(detector, str(getattr(detector, "name", path)), lead, calibrated, takes_nan, reach)

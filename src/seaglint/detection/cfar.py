@@ -206,13 +206,13 @@ def _ordered_ratios(cells: int, rank: int) -> FloatArray:
     """Ratio T with tail Q(z) at the nodes of z: Rohling's product, inverted by Newton steps in log T."""
     from scipy.special import log_ndtr
 
-    wanted = log_ndtr(-_NODES)
+    log_tail = log_ndtr(-_NODES)
     left = cells - np.arange(rank, dtype=np.float64)[:, None]
     log_c = np.zeros(_NODES.size)
     for _ in range(200):
         c = np.exp(log_c)
         # log P = -sum log(1 + c / (n - i)), i = 0 ... k - 1: terms of one sign, where differences of log Gamma would cancel.
-        step = (np.log1p(c / left).sum(0) + wanted) / (c / (left + c)).sum(0)
+        step = (np.log1p(c / left).sum(0) + log_tail) / (c / (left + c)).sum(0)
         log_c -= np.clip(step, -2.0, 2.0)
         if np.abs(step).max() < 1e-12:
             break

@@ -60,13 +60,13 @@ def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateTh
     """
     curve = count.alarms.curve()
     if p_fa * curve.pixels >= COUNTED:
-        found = curve.threshold_for(p_fa)
-        if found is not None and found > 0:
-            place = int(np.searchsorted(curve.threshold, found - 1e-9))
+        counted = curve.threshold_for(p_fa)
+        if counted is not None and counted > 0:
+            place = int(np.searchsorted(curve.threshold, counted - 1e-9))
             number = int(curve.exceedances[place])
             half = 2.0 * math.sqrt(max(number, 1) * max(count.per_pixel.inflation if np.isfinite(count.per_pixel.inflation) else 1.0, 1.0))
             rate = number / curve.pixels
-            return RateThreshold(found, rate, max(number - half, 0.0) / curve.pixels, (number + half) / curve.pixels, "counted", True)
+            return RateThreshold(counted, rate, max(number - half, 0.0) / curve.pixels, (number + half) / curve.pixels, "counted", True)
     rare = tail.threshold_for(p_fa)
     if rare is None:
         raise DataError(
@@ -126,8 +126,8 @@ def contrast_for(
     known: dict[float, Interval] = {}
     low, high = 0.0, math.inf
     for number in range(_ROUNDS + 1):
-        for contrast, found in zip(grid, _rates(background, source, objects, threshold, sign * grid), strict=True):
-            known[float(contrast)] = found
+        for contrast, interval in zip(grid, _rates(background, source, objects, threshold, sign * grid), strict=True):
+            known[float(contrast)] = interval
         rising = sorted(known)
         above = [c for c in rising if known[c].rate >= p_d]
         if not above:
@@ -156,8 +156,8 @@ def contrast_for(
 def _rates(
     background: Background, source: FrameSource, objects: Objects, threshold: Threshold, contrasts: NDArray[np.float64]
 ) -> list[Interval]:
-    found = run_trials(background, source, replace(objects, contrasts=tuple(float(c) for c in contrasts)), threshold, locate=False)
-    return [by_windows(scores, threshold.sigma, 0.95) for scores in found.scores]
+    trials = run_trials(background, source, replace(objects, contrasts=tuple(float(c) for c in contrasts)), threshold, locate=False)
+    return [by_windows(scores, threshold.sigma, 0.95) for scores in trials.scores]
 
 
 def by_windows(scores: Scores, threshold_sigma: float, level: float) -> Interval:
@@ -167,11 +167,11 @@ def by_windows(scores: Scores, threshold_sigma: float, level: float) -> Interval
     return interval_of_sequences(hits, np.bincount(which, minlength=windows.size).astype(np.float64), None, level)
 
 
-def _crossing(points: list[tuple[float, float]], wanted: float) -> float | None:
+def _crossing(points: list[tuple[float, float]], rate: float) -> float | None:
     """First contrast at which a curve reaches a rate, linear in the contrast's logarithm; None where it does not."""
     for (c0, p0), (c1, p1) in pairwise(points):
-        if p0 < wanted <= p1:
-            return float(c0 * (c1 / c0) ** ((wanted - p0) / (p1 - p0)))
+        if p0 < rate <= p1:
+            return float(c0 * (c1 / c0) ** ((rate - p0) / (p1 - p0)))
     return None
 
 
@@ -241,6 +241,6 @@ def gaussian_threshold(p_fa: float) -> RateThreshold:
     return RateThreshold(-float(ndtri(p_fa)), p_fa, p_fa, p_fa, "gaussian", True)
 
 
-def as_threshold(found: RateThreshold, law: Law = "sigma") -> Threshold:
+def as_threshold(threshold: RateThreshold, law: Law = "sigma") -> Threshold:
     """Convert a threshold of a rate to a threshold of trials."""
-    return Threshold(law, found.sigma, found.sigma, False)
+    return Threshold(law, threshold.sigma, threshold.sigma, False)

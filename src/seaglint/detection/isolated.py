@@ -56,8 +56,8 @@ class IsolatedDetector:
             environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
             self._process = subprocess.Popen(command, pass_fds=[number], stdin=subprocess.DEVNULL, stdout=2, env=environment)
         self._connection = Connection(ours.detach())
-        told = self._answer(START_LIMIT, "while its module was imported")
-        self.name, self.lead, self.calibrated, self.reach = (told[k] for k in ("name", "lead", "calibrated", "reach"))
+        properties = self._answer(START_LIMIT, "while its module was imported")
+        self.name, self.lead, self.calibrated, self.reach = (properties[k] for k in ("name", "lead", "calibrated", "reach"))
 
     @property
     def null_law(self) -> str | None:
@@ -88,12 +88,12 @@ class IsolatedDetector:
                 raise DataError(
                     f"detector {self.path} took longer than {limit:g} s {when}; make it faster, give it fewer pixels, or allow more time"
                 )
-            good, told = self._connection.recv()
+            good, answer = self._connection.recv()
         except (EOFError, OSError) as error:
             raise self._ended(when) from error
         if not good:
-            raise DataError(told)
-        return told
+            raise DataError(answer)
+        return answer
 
     def _ended(self, when: str) -> DataError:
         code = self._process.wait()

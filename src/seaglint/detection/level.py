@@ -51,11 +51,11 @@ class Rescaled:
     @property
     def counting(self) -> Counting | None:
         """Counting of an object's light; with a negative factor that of dark objects, which have no shot noise of their own."""
-        found: Counting | None = getattr(self.source, "counting", None)
-        if found is None:
+        counting: Counting | None = getattr(self.source, "counting", None)
+        if counting is None:
             return None
-        electrons = None if found.electrons is None or self.factor < 0.0 else found.electrons / self.factor
-        return Counting(electrons, found.step * abs(self.factor))
+        electrons = None if counting.electrons is None or self.factor < 0.0 else counting.electrons / self.factor
+        return Counting(electrons, counting.step * abs(self.factor))
 
     def read(self, start: int, stop: int) -> Frames:
         """Frames ``start`` to ``stop`` (not included) [u]."""

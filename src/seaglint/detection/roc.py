@@ -62,8 +62,8 @@ def roc(curve: RateCurve, scores: Scores, inflation: tuple[float, float], level:
     """
     last = int(np.flatnonzero(curve.exceedances)[-1]) if curve.exceedances.any() else 0
     # Even in the logarithm of the rate, where the interest is.
-    wanted = np.geomspace(0.999, 1.0 / max(curve.pixels, 2), POINTS)
-    chosen = np.unique(np.minimum(np.searchsorted(-curve.rate, -wanted), last))
+    rates = np.geomspace(0.999, 1.0 / max(curve.pixels, 2), POINTS)
+    chosen = np.unique(np.minimum(np.searchsorted(-curve.rate, -rates), last))
     count_fa = curve.exceedances[chosen]
     threshold = curve.threshold[chosen]
     ordered = np.sort(scores.score)

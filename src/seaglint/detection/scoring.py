@@ -51,8 +51,8 @@ def match_offsets(radius: float) -> IntArray:
     axis = np.arange(-int(radius), int(radius) + 1)
     rows, columns = (g.ravel() for g in np.meshgrid(axis, axis, indexing="ij"))
     inside = rows**2 + columns**2 <= radius * radius
-    found = np.stack([rows[inside], columns[inside]], axis=1)
-    return np.asarray(found[np.argsort((found**2).sum(axis=1), kind="stable")], np.int64)
+    offsets = np.stack([rows[inside], columns[inside]], axis=1)
+    return np.asarray(offsets[np.argsort((offsets**2).sum(axis=1), kind="stable")], np.int64)
 
 
 def around(image: NDArray[np.floating], row: IntArray, column: IntArray, offsets: IntArray) -> FloatArray:
@@ -207,9 +207,9 @@ class Cells:
             moved_all = self._moved_by_sequences() * scores.density(self.threshold) * hits.size / max(self.pixels, 1)
             tried = np.bincount(sequence, minlength=number).astype(np.float64)
             return interval_of_sequences(np.bincount(sequence, hits, number).astype(np.float64), tried, moved_all, level)
-        found = self._interval_of_cells(scores, hits, COARSER, level)
+        interval = self._interval_of_cells(scores, hits, COARSER, level)
         # A small frame has too few cells of that size to tell how far hits go together; its tiles may do.
-        return found if found.ends is not None else self._interval_of_cells(scores, hits, 1, level)
+        return interval if interval.ends is not None else self._interval_of_cells(scores, hits, 1, level)
 
     def _interval_of_cells(self, scores: Scores, hits: NDArray[np.bool_], coarser: int, level: float) -> Interval:
         """Interval of the share of objects from cells of that many tiles along an axis."""

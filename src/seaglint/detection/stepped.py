@@ -115,8 +115,8 @@ def tail_above(
             continue
         edge = int(np.searchsorted(curve.threshold, edges[first]))
         reached = steps.step * (counts.size - 0.5)
-        told = with_limits(curve, edge, float(edges[first]), number, fit, p, reached, stream(seed, "levels of a tail"))
-        return RareTail(told, number / float(above[first]), curve.pixels, None, region, steps)
+        fitted = with_limits(curve, edge, float(edges[first]), number, fit, p, reached, stream(seed, "levels of a tail"))
+        return RareTail(fitted, number / float(above[first]), curve.pixels, None, region, steps)
     return RareTail(None, float("nan"), curve.pixels, note)
 
 
@@ -157,8 +157,8 @@ def fit_levels(counts: NDArray[np.int64], step: float, share: float) -> tuple[Pa
     fit = ParetoFit(float(shape[best]), float(scale[best]), most)
     # against levels that have the shares counted, the rare ones taken together and what lies beyond the last with them
     expected = weight.sum() * -np.diff(np.append(np.asarray(fit.survival(ends[:-1])), 0.0))
-    kept = max(int(np.sum(np.cumsum(expected[::-1])[::-1] >= 3.0)), 1)
-    seen, wanted = (np.append(v[: kept - 1], v[kept - 1 :].sum()) for v in (weight, expected))
+    count = max(int(np.sum(np.cumsum(expected[::-1])[::-1] >= 3.0)), 1)
+    seen, predicted = (np.append(v[: count - 1], v[count - 1 :].sum()) for v in (weight, expected))
     with np.errstate(divide="ignore", invalid="ignore"):
-        deviance = 2.0 * float(np.where(seen > 0, seen * np.log(seen / wanted), 0.0).sum())
+        deviance = 2.0 * float(np.where(seen > 0, seen * np.log(seen / predicted), 0.0).sum())
     return fit, float(chi2.sf(deviance, max(seen.size - 3, 1))), (shape[near], scale[near])

@@ -126,10 +126,10 @@ class RareTail:
 
     def threshold_for(self, rate: float) -> RareRate | None:
         """Threshold of a rate [1]; None above the rate at the threshold of the fit, or where the tail ends before."""
-        found = None if self.fit is None else self.fit.threshold_for(rate)
-        if found is None:
+        threshold = None if self.fit is None else self.fit.threshold_for(rate)
+        if threshold is None:
             return None
-        return self.at(found if self.levels is None else self.levels.above(found))
+        return self.at(threshold if self.levels is None else self.levels.above(threshold))
 
 
 def rare_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> RareTail:

@@ -172,22 +172,22 @@ class _Batches:
     def _errors(self, image: Frames, batch: Batch, score: FloatArray, where: NDArray[np.int64]) -> FloatArray:
         """Estimated minus true positions of objects above the threshold, NaN for the others."""
         error = np.full((batch.size, 2), np.nan)
-        found = np.flatnonzero(score > self.threshold.sigma)
-        if not found.size or not self.locate:
+        detected = np.flatnonzero(score > self.threshold.sigma)
+        if not detected.size or not self.locate:
             return error
-        pixel = np.stack([batch.row, batch.column], axis=1)[found] + self.offsets[where[found]]
+        pixel = np.stack([batch.row, batch.column], axis=1)[detected] + self.offsets[where[detected]]
         side = 2 * self.objects.shape.half + 1
         patches = around(image, pixel[:, 0], pixel[:, 1], self.patch).reshape(-1, side, side)
         whole = np.isfinite(patches).all(axis=(1, 2))
-        found, pixel, patches = found[whole], pixel[whole], patches[whole]
-        if found.size:
+        detected, pixel, patches = detected[whole], pixel[whole], patches[whole]
+        if detected.size:
             bright = patches if self.objects.contrasts[0] > 0 else -patches
             fitted = (
                 least_squares(bright, self.objects.shape)
                 if self.objects.pointing == "least-squares"
                 else centroid(bright, border_level(bright))
             )
-            error[found] = pixel + fitted - batch.place[found]
+            error[detected] = pixel + fitted - batch.place[detected]
         return error
 
 
@@ -241,13 +241,13 @@ def run_trials(
         if batch.size == 0:
             continue
         try:
-            found = work.run(batch)
+            results = work.run(batch)
         except DataError as error:
             if tried == 0:
                 raise
             stopped = f"stopped after {tried} of {objects.injections} injections: {error}"
             break
-        for k, (score, errors, high) in enumerate(found):
+        for k, (score, errors, high) in enumerate(results):
             parts[k].append((batch, score, errors))
             saturated[k] += high
             hits[k] += int((score > threshold.sigma).sum())

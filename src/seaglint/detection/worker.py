@@ -16,8 +16,8 @@ def serve(connection: Connection, path: str) -> None:
     except DataError as error:
         connection.send((False, str(error)))
         return
-    told = {"name": detector.name, "lead": detector.lead, "calibrated": detector.calibrated, "reach": detector.reach}
-    connection.send((True, told))
+    properties = {"name": detector.name, "lead": detector.lead, "calibrated": detector.calibrated, "reach": detector.reach}
+    connection.send((True, properties))
     while True:
         try:
             frames = connection.recv()

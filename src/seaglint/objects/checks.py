@@ -40,8 +40,8 @@ def oriented(mesh: Mesh) -> Mesh:
     if not len(triangles) or not np.isfinite(vertices).all():
         raise DomainError("the mesh has no triangles, or vertices that are no finite numbers; export it again")
     same = merged(vertices)[triangles]
-    kept = (same[:, 0] != same[:, 1]) & (same[:, 1] != same[:, 2]) & (same[:, 2] != same[:, 0])
-    same, triangles = same[kept], triangles[kept]
+    valid = (same[:, 0] != same[:, 1]) & (same[:, 1] != same[:, 2]) & (same[:, 2] != same[:, 0])
+    same, triangles = same[valid], triangles[valid]
     _require_closed(same)
     filled = volume((vertices, triangles))
     size = np.ptp(vertices, axis=0)

@@ -71,11 +71,11 @@ class Swell:
         whole = np.concatenate(shares) / np.concatenate(shares).sum(axis=0)
         weight = np.sort(whole.max(axis=1))
         least = weight[min(int(np.searchsorted(np.cumsum(weight), NEGLIGIBLE)), weight.size - 1)]
-        kept, first = [], 0
+        selected, first = [], 0
         for waves in every:
-            kept.append(np.ascontiguousarray(waves[whole[first : first + len(waves)].max(axis=1) >= least]))
+            selected.append(np.ascontiguousarray(waves[whole[first : first + len(waves)].max(axis=1) >= least]))
             first += len(waves)
-        return cls(tuple(kept), field.wander)
+        return cls(tuple(selected), field.wander)
 
     def under(self, place: FloatArray, heading: float, half_sides: FloatArray, time: float, velocity: FloatArray | None = None) -> Lift:
         """Sea under a waterline.

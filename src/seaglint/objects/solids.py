@@ -71,18 +71,18 @@ def combined(operation: Operation, parts: Sequence[Solid]) -> Solid:
     kind = manifold3d.OpType
     match operation:
         case "union":
-            wanted = kind.Add
+            mode = kind.Add
         case "intersection":
-            wanted = kind.Intersect
+            mode = kind.Intersect
         case "difference":
-            wanted = kind.Subtract
+            mode = kind.Subtract
         case other:
             assert_never(other)
-    found = manifold3d.Manifold.batch_boolean([_manifold(part) for part in parts], wanted)
-    if found.is_empty() or found.volume() <= 0.0:
+    result = manifold3d.Manifold.batch_boolean([_manifold(part) for part in parts], mode)
+    if result.is_empty() or result.volume() <= 0.0:
         left = "the parts have nothing in common" if operation == "intersection" else "nothing is left"
         raise DomainError(f"its {operation} is empty: {left}; correct at_m or the sizes of its parts")
-    mesh = found.to_mesh64()
+    mesh = result.to_mesh64()
     values = np.asarray(mesh.vert_properties)
     return solid((values[:, :3], np.asarray(mesh.tri_verts, np.int32)), values[:, 3], values[:, 4])
 
@@ -106,10 +106,10 @@ def _manifold(part: Solid) -> Any:
         twice.astype(np.uint64),
         same[twice].astype(np.uint64),
     )
-    found = manifold3d.Manifold(mesh)
-    if found.status() != manifold3d.Error.NoError:
-        raise DomainError(f"a part is no closed surface ({found.status().name}); close it, or leave it out of the union")
-    return found
+    result = manifold3d.Manifold(mesh)
+    if result.status() != manifold3d.Error.NoError:
+        raise DomainError(f"a part is no closed surface ({result.status().name}); close it, or leave it out of the union")
+    return result
 
 
 def merged(vertices: FloatArray) -> NDArray[np.int64]:

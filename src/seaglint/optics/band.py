@@ -228,11 +228,11 @@ def apparent_temperature(band_radiance: ArrayLike, band: Band, wavenumber_cm: Ar
     """
     nu = _ascending(wavenumber_cm)
     inverse = _cached_inverse(band.wavelength_um.tobytes(), band.response.tobytes(), nu.tobytes())
-    found = inverse(band_radiance)
+    temperature = inverse(band_radiance)
     # Labelled arrays (xarray) say how to dress results by NumPy's own protocol: dimensions and coordinates stay, name and units are new.
     if isinstance(band_radiance, np.ndarray | np.generic) or not hasattr(band_radiance, "__array_wrap__"):
-        return found
-    labelled: Any = band_radiance.__array_wrap__(found)
+        return temperature
+    labelled: Any = band_radiance.__array_wrap__(temperature)
     labelled.name = "apparent_temperature"
     labelled.attrs = {"units": "K", "long_name": "apparent temperature"}
     return labelled  # type: ignore[no-any-return]

@@ -210,8 +210,8 @@ def glint(
         raise DomainError("view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor")
     shape = np.broadcast_shapes(theta.shape, azimuth.shape, psi.shape)
     views = [np.array(np.broadcast_to(a, shape), order="C").ravel() for a in (theta, azimuth, psi)]
-    found = GlintModel.prepare(solar_zenith, solar_azimuth, slopes, shadowing).at(*views)
-    return Glint(found.chance.reshape(shape), found.cos_incidence.reshape(shape))
+    evaluated = GlintModel.prepare(solar_zenith, solar_azimuth, slopes, shadowing).at(*views)
+    return Glint(evaluated.chance.reshape(shape), evaluated.cos_incidence.reshape(shape))
 
 
 @njit_parallel

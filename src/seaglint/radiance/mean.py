@@ -120,8 +120,8 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     azimuths, weights = wind_azimuths(view.slopes), azimuth_weights(view.slopes, columns + np.pi)
     if columns.size < azimuths.size:
         azimuths, weights = columns + np.pi, np.eye(columns.size)
-    found = _sea_rows(view, gamma[sea], azimuths, surface)
-    out = _assembled(view, rows, columns, gamma, found, weights, _glint_model(view))
+    terms = _sea_rows(view, gamma[sea], azimuths, surface)
+    out = _assembled(view, rows, columns, gamma, terms, weights, _glint_model(view))
     where = Rows.of(view, gamma[sea])
     light = _scattered(view, surface, float(where.turn.max(initial=0.0)))
     if light is None:
@@ -182,9 +182,9 @@ class MeanModel:
         """Mean radiance at elevations and azimuths, as :func:`mean_radiance`; within 1e-5 of it."""
         rows, columns = _lines(elevation, azimuth)
         gamma = _sea_elevation(self.view.sensor_height, rows)
-        found = self._spline(np.arcsinh(gamma[np.isfinite(gamma)] / self._scale))
+        interpolated = self._spline(np.arcsinh(gamma[np.isfinite(gamma)] / self._scale))
         weights = azimuth_weights(self.view.slopes, columns + np.pi)
-        out = _assembled(self.view, rows, columns, gamma, found, weights, self._glint)
+        out = _assembled(self.view, rows, columns, gamma, interpolated, weights, self._glint)
         if self._scattered is None:
             return out
         sea = np.isfinite(gamma)
@@ -194,14 +194,14 @@ class MeanModel:
         """Mean radiance along a list of lines of sight, elevation and azimuth of each [rad, (n,)]; components are (n, 1)."""
         gamma = _sea_elevation(self.view.sensor_height, elevation)
         sea = np.isfinite(gamma)
-        found = self._spline(np.arcsinh(gamma[sea] / self._scale))
+        interpolated = self._spline(np.arcsinh(gamma[sea] / self._scale))
         weights = azimuth_weights(self.view.slopes, azimuth[sea] + np.pi)
         k = weights.shape[0]
         path, emission, sky = (np.zeros((elevation.size, 1)) for _ in range(3))
-        terms = np.zeros((elevation.size, found.shape[1] - 1 - 2 * k))
-        path[sea], terms[sea] = found[:, :1], found[:, 1 + 2 * k :]
-        emission[sea, 0] = np.sum(found[:, 1 : 1 + k] * weights.T, axis=1)
-        sky[sea, 0] = np.sum(found[:, 1 + k : 1 + 2 * k] * weights.T, axis=1)
+        terms = np.zeros((elevation.size, interpolated.shape[1] - 1 - 2 * k))
+        path[sea], terms[sea] = interpolated[:, :1], interpolated[:, 1 + 2 * k :]
+        emission[sea, 0] = np.sum(interpolated[:, 1 : 1 + k] * weights.T, axis=1)
+        sky[sea, 0] = np.sum(interpolated[:, 1 + k : 1 + 2 * k] * weights.T, axis=1)
         above, table = self._sky
         sky[~sea, 0] = np.interp(elevation[~sea], above, table)
         if self._scattered is not None:
@@ -281,13 +281,13 @@ def _sea_rows(view: SeaView, gamma: FloatArray, azimuths: FloatArray, surface: S
 
 
 def _assembled(
-    view: SeaView, rows: FloatArray, columns: FloatArray, gamma: FloatArray, found: FloatArray, weights: FloatArray, glint: GlintModel
+    view: SeaView, rows: FloatArray, columns: FloatArray, gamma: FloatArray, sampled: FloatArray, weights: FloatArray, glint: GlintModel
 ) -> SeaRadiance:
     """Components on rows and columns, from the terms of the rows of sea and the weights of their azimuths (k, columns)."""
     sea = np.isfinite(gamma)
     k = weights.shape[0]
-    table = np.zeros((rows.size, found.shape[1]))
-    table[sea] = found
+    table = np.zeros((rows.size, sampled.shape[1]))
+    table[sea] = sampled
     wide = weights[:, :1] if view.slopes.is_isotropic else weights
     path, emission, sky = table[:, :1], table[:, 1 : 1 + k] @ wide, table[:, 1 + k : 1 + 2 * k] @ wide
     turn = turn_at(sea_arc(view.sensor_height, gamma))

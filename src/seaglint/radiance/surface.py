@@ -161,5 +161,5 @@ def azimuth_weights(slopes: SlopeStatistics, view_azimuth: FloatArray) -> FloatA
     if slopes.is_isotropic:
         return np.ones((1, view_azimuth.size))
     order = np.arange(known.size) * (2.0 if slopes.is_gaussian else 1.0)
-    basis, wanted = (np.cos(np.outer(order, a - slopes.wind_to_azimuth)) for a in (known, view_azimuth))
-    return np.asarray(np.linalg.solve(basis, wanted))
+    basis, targets = (np.cos(np.outer(order, a - slopes.wind_to_azimuth)) for a in (known, view_azimuth))
+    return np.asarray(np.linalg.solve(basis, targets))

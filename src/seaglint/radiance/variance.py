@@ -188,14 +188,14 @@ def glint_variance(
     return np.asarray(point_variance(sun_mean, chance) / np.maximum(m, 1.0))
 
 
-def sea_variance(view: SeaView, found: SeaRadiance, elevation: ArrayLike, solid_angle: ArrayLike, correlation_length: float) -> FloatArray:
+def sea_variance(view: SeaView, mean: SeaRadiance, elevation: ArrayLike, solid_angle: ArrayLike, correlation_length: float) -> FloatArray:
     """Variance of glint for the lines of sight of a mean radiance.
 
     Parameters
     ----------
     view : SeaView
-        Sensor, sea, air and Sun that ``found`` was computed with.
-    found : SeaRadiance
+        Sensor, sea, air and Sun that ``mean`` was computed with.
+    mean : SeaRadiance
         Mean radiance, from :func:`seaglint.radiance.mean.mean_radiance` or :func:`seaglint.radiance.article.article_radiance`.
     elevation : array_like
         Its elevations [rad, (rows,)].
@@ -219,11 +219,11 @@ def sea_variance(view: SeaView, found: SeaRadiance, elevation: ArrayLike, solid_
     sea = np.isfinite(theta)
     omega = np.broadcast_to(np.asarray(solid_angle, dtype=np.float64), rows.shape)
     distance = slant_range_of(view.sensor_height, surface_range(view.sensor_height, -rows[sea]))
-    variance = np.zeros((rows.size, found.sun.shape[1]))
+    variance = np.zeros((rows.size, mean.sun.shape[1]))
     variance[sea] = glint_variance(
-        found.sun[sea],
-        found.chance[sea],
-        found.cos_incidence[sea],
+        mean.sun[sea],
+        mean.chance[sea],
+        mean.cos_incidence[sea],
         theta[sea][:, None],
         view.solar_zenith,
         distance[:, None],

@@ -195,13 +195,13 @@ class SeaView:
         up = np.linspace(first, last, _SUN_NODES)
         zenith = np.arccos(np.minimum(up, 1.0))
         try:
-            found = self._irradiance(zenith)
+            irradiance = self._irradiance(zenith)
         except DomainError as refused:
             if refused.name != "solar_zenith" or not isinstance(refused.allowed, tuple):
                 raise
-            found = self._irradiance(np.clip(zenith, *refused.allowed))
+            irradiance = self._irradiance(np.clip(zenith, *refused.allowed))
         weights = self.in_band.weights
-        return SunTable(float(first), (_SUN_NODES - 1) / float(last - first), (found @ weights) / float(self.irradiance @ weights))
+        return SunTable(float(first), (_SUN_NODES - 1) / float(last - first), (irradiance @ weights) / float(self.irradiance @ weights))
 
     def _irradiance(self, zenith: FloatArray) -> FloatArray:
         """Spectral irradiance for zenith angles of the Sun [W m-2 per cm-1, (angles, n)]."""

@@ -61,9 +61,9 @@ class FloatingTrack(Track):
         """
         half = 0.5 * np.asarray(waterline, np.float64)
         afloat = cls(base.time, base.values, swell, half, heading, np.zeros(4), np.zeros(4))
-        found = [afloat.at(float(t)) for t in times]
+        poses = [afloat.at(float(t)) for t in times]
         flat = [Track.at(afloat, float(t)) for t in times]
-        numbers, base_numbers = np.array([_numbers(p) for p in found]), np.array([_numbers(p) for p in flat])
+        numbers, base_numbers = np.array([_numbers(p) for p in poses]), np.array([_numbers(p) for p in flat])
         spread = (numbers - base_numbers).std(axis=0)
         low, high = numbers.min(axis=0) - SPARE * spread, numbers.max(axis=0) + SPARE * spread
         if len(times) > 1 and times[1] - times[0] > DENSE:

@@ -121,10 +121,10 @@ def channels_for(names: Collection[str]) -> int:
 
 def planes_for(names: Collection[str]) -> NDArray[np.int64]:
     """Planes needed for some layers [(planes,)], the total and the Sun's first."""
-    wanted = [TOTAL, SUN]
+    planes = [TOTAL, SUN]
     for name in names:
-        wanted += [plane for plane in _PLANES[name] if plane not in wanted]
-    return np.array(wanted, np.int64)
+        planes += [plane for plane in _PLANES[name] if plane not in planes]
+    return np.array(planes, np.int64)
 
 
 @njit_parallel
@@ -179,9 +179,9 @@ def summed(parts: Sequence[Layers]) -> Layers:
         return np.asarray(np.sum(images, axis=0), np.float32)
 
     means = {"range", "slope", "glint_share"} & set(parts[0])
-    found = {name: together([part[name] for part in parts]) for name in parts[0] if name not in means}
+    layers = {name: together([part[name] for part in parts]) for name in parts[0] if name not in means}
     for name in means - {"glint_share"}:
-        found[name] = mean_over_sea(together([np.nan_to_num(part[name]) * part["coverage"] for part in parts]), found["coverage"])
+        layers[name] = mean_over_sea(together([np.nan_to_num(part[name]) * part["coverage"] for part in parts]), layers["coverage"])
     if "glint_share" in means:
-        found["glint_share"] = share_of_glint(found["glint_radiance"], found["radiance"])
-    return Layers(found)
+        layers["glint_share"] = share_of_glint(layers["glint_radiance"], layers["radiance"])
+    return Layers(layers)

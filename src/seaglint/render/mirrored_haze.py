@@ -134,14 +134,14 @@ def _fewest_shapes(shares: FloatArray, spectral: FloatArray, weights: FloatArray
     _, r = np.linalg.qr((spectral * np.sqrt(np.maximum(weights, 0.0))).T)
     seen = shares @ r.T
     size = np.linalg.norm(seen, axis=1, keepdims=True)
-    kept = size[:, 0] > 1e-6 * size.max()
-    _, s, vt = np.linalg.svd(seen[kept] / size[kept], full_matrices=False)
+    significant = size[:, 0] > 1e-6 * size.max()
+    _, s, vt = np.linalg.svd(seen[significant] / size[significant], full_matrices=False)
     left = np.sqrt(np.maximum(1.0 - np.cumsum(s**2) / np.sum(s**2), 0.0))
     count = int(np.argmax(left <= SPECTRAL_ERROR)) + 1
     mixed = r.T @ vt[:count].T
     # least squares for spectra from shares
-    found = shares[kept] / size[kept]
-    return mixed, np.asarray(np.linalg.lstsq(found @ mixed, found @ spectral, rcond=None)[0])
+    weighted = shares[significant] / size[significant]
+    return mixed, np.asarray(np.linalg.lstsq(weighted @ mixed, weighted @ spectral, rcond=None)[0])
 
 
 def hazy_facets(view: SeaView, basis: PathBasis) -> tuple[HazyFacets, FloatArray] | None:

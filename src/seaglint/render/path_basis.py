@@ -105,8 +105,8 @@ def fewest_terms(tables: FloatArray, coefficients: FloatArray, together: int = 1
     left = energy.sum() - np.cumsum(energy)
     terms = int(np.argmax(left <= PRODUCT_ERROR**2 * energy.sum())) + 1
     terms = -(-terms // together) * together
-    kept = np.zeros((vectors.shape[0], terms))
-    kept[:, : min(terms, vectors.shape[1])] = vectors[:, :terms]
+    selected = np.zeros((vectors.shape[0], terms))
+    selected[:, : min(terms, vectors.shape[1])] = vectors[:, :terms]
     # product = facets r^T kept kept^T, so with coefficients = q r the pair (facets r^T kept, q kept) stands for it
-    mixed = np.linalg.solve(r, kept) if np.linalg.matrix_rank(r) == r.shape[0] else np.linalg.pinv(r) @ kept
-    return (facets @ (r.T @ kept)).reshape(*tables.shape[:-1], terms), np.ascontiguousarray(coefficients @ mixed)
+    mixed = np.linalg.solve(r, selected) if np.linalg.matrix_rank(r) == r.shape[0] else np.linalg.pinv(r) @ selected
+    return (facets @ (r.T @ selected)).reshape(*tables.shape[:-1], terms), np.ascontiguousarray(coefficients @ mixed)

@@ -131,12 +131,12 @@ def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
     solid = (ground.reach * camera.column_step * camera.row_step)[rows][:, None] / slant
     theta = np.arccos(ground.grazing[rows])[:, None]
     turn = turn_at(ground.range_m[rows])[:, None]
-    found = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, turn)
-    shown = found.chance > 0.0
+    mirrored = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, turn)
+    shown = mirrored.chance > 0.0
     if not shown.any():
         return 0.0
-    many = patches(np.where(shown, found.cos_incidence, 1.0), theta, view.solar_zenith, slant, solid, cell)
-    return float(np.sum(found.chance * (1.0 - found.chance) / np.maximum(many, 1.0)) / np.sum(found.chance**2))
+    many = patches(np.where(shown, mirrored.cos_incidence, 1.0), theta, view.solar_zenith, slant, solid, cell)
+    return float(np.sum(mirrored.chance * (1.0 - mirrored.chance) / np.maximum(many, 1.0)) / np.sum(mirrored.chance**2))
 
 
 @dataclass(frozen=True)
@@ -192,8 +192,8 @@ def sparkle_rows(camera: Camera) -> SparkleRows:
     edges = camera.top - np.arange(camera.rows + 1) * camera.row_step
 
     def arc(elevation: np.ndarray) -> np.ndarray:
-        found = np.asarray(surface_range(camera.height, np.clip(-elevation, horizon, 0.5 * np.pi)))
-        return np.where((-elevation <= horizon) | ~np.isfinite(found), far, found)
+        arcs = np.asarray(surface_range(camera.height, np.clip(-elevation, horizon, 0.5 * np.pi)))
+        return np.where((-elevation <= horizon) | ~np.isfinite(arcs), far, arcs)
 
     middle = arc(camera.elevations)
     upper, lower = arc(edges[:-1]), arc(edges[1:])

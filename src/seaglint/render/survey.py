@@ -21,17 +21,17 @@ class Survey:
     walk_azimuths: tuple[float, float]
 
 
-def covers(made: Survey, wanted: Survey) -> bool:
+def covers(made: Survey, requested: Survey) -> bool:
     """True if a prepared scene covers another camera."""
-    one, other = made.grid, wanted.grid
+    one, other = made.grid, requested.grid
     if other is not None and (one is None or beyond(one, other) > SAME or other.row_step < one.row_step * (1.0 - SAME)):
         return False
-    (left, right), (first, last) = made.walk_azimuths, wanted.walk_azimuths
+    (left, right), (first, last) = made.walk_azimuths, requested.walk_azimuths
     if first == last:
         return True
     turn = 2.0 * np.pi * np.round((0.5 * (first + last) - 0.5 * (left + right)) / (2.0 * np.pi))
     around = right - left >= 2.0 * np.pi - SAME
-    return wanted.walk_from <= made.walk_from + SAME and (around or (left <= first - turn + SAME and last - turn <= right + SAME))
+    return requested.walk_from <= made.walk_from + SAME and (around or (left <= first - turn + SAME and last - turn <= right + SAME))
 
 
 def corners_of(azimuth: FloatArray, swept: NDArray[np.bool_]) -> tuple[float, float]:

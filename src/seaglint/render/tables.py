@@ -129,11 +129,11 @@ def facet_tables(
     sources, hazy = thermal_sources(basis, view), hazy_facets(view, basis)
     roughs = [roughness_of(d.slopes, view.solar_azimuth, d.bands, shade_sun=view.shadowing.sun) for d in domains]
     at_sun = None if hazy is None else (0.5 * np.pi - view.solar_zenith, view.solar_azimuth)
-    found = [thermal_axes(d.slopes, d.resolved, d.sines, azimuths, at_sun) for d in domains]
+    axes_of = [thermal_axes(d.slopes, d.resolved, d.sines, azimuths, at_sun) for d in domains]
 
     def together(light: ThermalSources, haze: tuple[HazyFacets, FloatArray] | None) -> FloatArray:
         parts: list[NDArray[Any]] = []
-        for domain, rough, (axes, shape) in zip(domains, roughs, found, strict=True):
+        for domain, rough, (axes, shape) in zip(domains, roughs, axes_of, strict=True):
             part: NDArray[Any]
             if hazy is None:
                 part = thermal_table(light, rough, axes, shape, basis.phi.shape[0])
@@ -149,7 +149,7 @@ def facet_tables(
     alone, alone_path = np.zeros((thermal.shape[0], 0)), np.zeros((basis.coefficients.shape[0], 0))
     if emitted:
         alone, alone_path = fewest_terms(together(sources._replace(sky=np.zeros_like(sources.sky)), None), basis.coefficients, TOGETHER)
-    shapes = np.array([shape for _, shape in found])
+    shapes = np.array([shape for _, shape in axes_of])
     first = np.concatenate([[0], np.cumsum(shapes.prod(axis=1))[:-1]])
     levels = FacetLevels(
         np.array([rough[:4] for rough in roughs]),
@@ -159,7 +159,7 @@ def facet_tables(
         thermal.astype(np.float32),
         alone.astype(np.float32),
         np.concatenate([first[:, None], shapes], axis=1),
-        np.stack([nodes for nodes, _ in found]),
+        np.stack([nodes for nodes, _ in axes_of]),
         np.ascontiguousarray(reflected),
     )
     return sun, levels, PathTerms(thermal_path, sun_path, alone_path, basis.path_radiance, sunlit_path(view, arcs))
@@ -184,10 +184,10 @@ def _on_axes(
     domain: FacetDomain,
     rough: Roughness,
     azimuths: tuple[float, float],
-    wanted: tuple[FloatArray, tuple[int, int, int, int]],
+    target: tuple[FloatArray, tuple[int, int, int, int]],
 ) -> NDArray[np.float32]:
     """Thermal table on the axes of the mirrored aureole, from one on the fewer azimuths and slopes of thermal light."""
-    axes, shape = wanted
+    axes, shape = target
     plain, few = thermal_axes(domain.slopes, domain.resolved, domain.sines, azimuths)
     table = thermal_table(light, rough, plain, few, light.black.shape[0])
     at = _lines(1.0, axes, shape)

@@ -189,8 +189,8 @@ class TurnedScene:
         DomainError
             Pixels finer than those prepared, or a view beyond it.
         """
-        found, made = self._for(imager)._survey, self._survey
-        if not covers(made, found):
+        surveyed, made = self._for(imager)._survey, self._survey
+        if not covers(made, surveyed):
             raise DomainError(
                 "the camera looks beyond the view that the scene was prepared for, or has finer pixels; stay inside it or prepare a scene "
                 "for this camera"
@@ -266,7 +266,7 @@ class TurnedScene:
         swept = self._serves(*pixel_elevations(corner)).ravel()
         pixels = np.flatnonzero(swept)
         parts: tuple[tuple[int, int], ...] = ()
-        found, cells, resampling = None, None, None
+        quadrilaterals, cells, resampling = None, None, None
         if self._survey.grid is not None and pixels.size:
             grid = cells_of(self._survey.grid)
             every = quads(corner, pixels, grid, attitude.azimuth)
@@ -274,21 +274,21 @@ class TurnedScene:
             swept[pixels[~covered]] = False
             pixels = pixels[covered]
             if pixels.size:
-                found, cells, parts = self._columns(every.some(covered), grid)
-                if part is None and not self.track.turns and 8 * int(found.bound.sum()) <= MOST_KEPT:
-                    resampling = Resampling.of(found, pixels, cells)
+                quadrilaterals, cells, parts = self._columns(every.some(covered), grid)
+                if part is None and not self.track.turns and 8 * int(quadrilaterals.bound.sum()) <= MOST_KEPT:
+                    resampling = Resampling.of(quadrilaterals, pixels, cells)
         walked = np.flatnonzero(~swept)
         samples = rays_per_side(corner, walked, self.track.highest, self._shortest_wave)
-        return _Plan(corner, pixels, parts, found, cells, resampling, walked, samples)
+        return _Plan(corner, pixels, parts, quadrilaterals, cells, resampling, walked, samples)
 
-    def _columns(self, found: Quads, grid: Cells) -> tuple[Quads, Cells, tuple[tuple[int, int], ...]]:
+    def _columns(self, quadrilaterals: Quads, grid: Cells) -> tuple[Quads, Cells, tuple[tuple[int, int], ...]]:
         """Columns that quadrilaterals touch, counted from the first of them, their cells, and the parts ``(first, end)`` of the grid.
 
         Beyond the end of a grid that goes round its beginning follows.
         """
-        first, last = math.floor(found.column.min()), math.ceil(found.column.max())
+        first, last = math.floor(quadrilaterals.column.min()), math.ceil(quadrilaterals.column.max())
         if grid.circle and last - first >= grid.columns:
-            return found, grid, ((0, grid.columns),)
+            return quadrilaterals, grid, ((0, grid.columns),)
         if not grid.circle:
             first, last = max(first, 0), min(last, grid.columns)
         wide = last - first
@@ -296,7 +296,7 @@ class TurnedScene:
         begin = first % grid.columns
         there = min(wide, grid.columns - begin)
         parts = [(begin, begin + there)] + ([(0, wide - there)] if wide > there else [])
-        return found._replace(column=found.column - first), cells, tuple(parts)
+        return quadrilaterals._replace(column=quadrilaterals.column - first), cells, tuple(parts)
 
     def _node(self, eye: float) -> float:
         """Height at which the air is prepared for a sensor height [m]: the next lower of a fixed series."""

@@ -218,12 +218,12 @@ def quads(corners: FloatArray, pixels: NDArray[np.int64], cells: Cells, azimuth_
     return Quads(u, np.ascontiguousarray(at[..., 2]), bound.astype(np.int64))
 
 
-def inside(found: Quads, cells: Cells) -> NDArray[np.bool_]:
+def inside(quadrilaterals: Quads, cells: Cells) -> NDArray[np.bool_]:
     """True for each quadrilateral that the cells cover [(pixels,)]."""
-    rows = (found.sine.max(axis=1) <= cells.edges[0]) & (found.sine.min(axis=1) >= cells.edges[-1])
+    rows = (quadrilaterals.sine.max(axis=1) <= cells.edges[0]) & (quadrilaterals.sine.min(axis=1) >= cells.edges[-1])
     if cells.circle:
         return np.asarray(rows)
-    return np.asarray(rows & (found.column.min(axis=1) >= 0.0) & (found.column.max(axis=1) <= cells.columns))
+    return np.asarray(rows & (quadrilaterals.column.min(axis=1) >= 0.0) & (quadrilaterals.column.max(axis=1) <= cells.columns))
 
 
 @njit
@@ -350,12 +350,12 @@ class Resampling:
     weight: NDArray[np.float32]
 
     @classmethod
-    def of(cls, found: Quads, pixels: NDArray[np.int64], cells: Cells) -> Resampling:
+    def of(cls, quadrilaterals: Quads, pixels: NDArray[np.int64], cells: Cells) -> Resampling:
         """Resampling weights for some pixels (flat indices) and their quadrilaterals."""
-        start = np.concatenate([[0], np.cumsum(found.bound)])
+        start = np.concatenate([[0], np.cumsum(quadrilaterals.bound)])
         count = np.zeros(pixels.size, np.int32)
         index, weight = np.zeros(start[-1], np.int32), np.zeros(start[-1], np.float32)
-        fill_weights(found.column, found.sine, cells, start, count, index, weight)
+        fill_weights(quadrilaterals.column, quadrilaterals.sine, cells, start, count, index, weight)
         return cls(pixels, start, count, index, weight)
 
     def __call__(self, images: NDArray[np.float32], out: NDArray[np.float32]) -> None:

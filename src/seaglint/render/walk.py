@@ -180,8 +180,8 @@ def walk_line(
     """
     i, end = part
     tangent, top = horizon
-    found, tiles = 0, line.part.shape[0]
-    while i < end and tangent < top and found + STRIP <= sample.shape[0]:
+    number, tiles = 0, line.part.shape[0]
+    while i < end and tangent < top and number + STRIP <= sample.shape[0]:
         count = min(STRIP, end - i)
         strip.height[:] = 0.0
         j = 0
@@ -201,10 +201,10 @@ def walk_line(
                     above = walk.range_m[k] * (risen - tangent)
                     below = walk.range_m[k - 1] * max(tangent - walk.rise[k - 1] * before + walk.fall[k - 1], 0.0)
                     length = (walk.range_m[k] - walk.range_m[k - 1]) * above / (below + above + 1e-30)
-                sample[found], piece[found, 0], piece[found, 1] = k, length, risen
-                found += 1
+                sample[number], piece[number, 0], piece[number, 1] = k, length, risen
+                number += 1
                 tangent = risen
                 if tangent >= top:
                     break
         i += count
-    return found, (i if tangent < top else end), tangent
+    return number, (i if tangent < top else end), tangent

@@ -78,20 +78,20 @@ class Detail:
                 part = part.halved()
             versions.append(chain)
         chosen = [[chain[0] for chain in versions[: i + 1]] for i in range(len(versions))]
-        found = [
+        selections = [
             (*first[:-1], version)  # whole longer tiles, and the last one's versions
             for first, chain in zip(reversed(chosen), reversed(versions), strict=True)
             for version in chain
         ]
-        every = cls(tuple(parts), tuple(_level(parts, level) for level in found[:levels]))
+        every = cls(tuple(parts), tuple(_level(parts, level) for level in selections[:levels]))
         return every.first(len(every.levels))
 
     def first(self, levels: int) -> Detail:
         """Return the finest levels alone, with the parts that they need."""
         used = self.levels[:levels]
-        kept = sorted({p for level in used for p in level.parts})
-        place = {p: i for i, p in enumerate(kept)}
-        return Detail(tuple(self.parts[p] for p in kept), tuple(replace(v, parts=tuple(place[p] for p in v.parts)) for v in used))
+        used_parts = sorted({p for level in used for p in level.parts})
+        place = {p: i for i, p in enumerate(used_parts)}
+        return Detail(tuple(self.parts[p] for p in used_parts), tuple(replace(v, parts=tuple(place[p] for p in v.parts)) for v in used))
 
     def surfaces(self, time: float, workers: int = 1) -> tuple[NDArray[np.float32], ...]:
         """Height [m] and slopes [1] of every part at one time [s], as :meth:`WaveField.surfaces`."""

@@ -252,11 +252,11 @@ def _low_pass(tile: Tile, lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_
     """Select the waves of a lattice that a tile with fewer points can carry."""
     top = int(np.ceil(tile.k_max / tile.step)) + 1
     rows = np.concatenate([np.arange(top + 1), np.arange(-top, 0)])
-    kept = np.ix_(rows, np.arange(top + 1))
-    k_east, k_north = lattice.k_east[kept], lattice.k_north[kept]
+    inner = np.ix_(rows, np.arange(top + 1))
+    k_east, k_north = lattice.k_east[inner], lattice.k_north[inner]
     held = np.hypot(k_east, k_north) < tile.k_max
-    waves = _Lattice(k_east, k_north, lattice.frequency[kept], lattice.variance[kept] * held, lattice.opposite[kept] * held)
-    return waves, _Amplitudes(amplitudes.forward[kept] * held, amplitudes.backward[kept] * held)
+    waves = _Lattice(k_east, k_north, lattice.frequency[inner], lattice.variance[inner] * held, lattice.opposite[inner] * held)
+    return waves, _Amplitudes(amplitudes.forward[inner] * held, amplitudes.backward[inner] * held)
 
 
 def _draw(lattices: Sequence[_Lattice], seed: int) -> tuple[_Amplitudes, ...]:
@@ -283,12 +283,12 @@ def _plane_waves(lattice: _Lattice, amplitudes: _Amplitudes) -> FloatArray:
     """Plane waves along k, then those along -k; the lower half of the column u = 0 repeats its upper half."""
     own = np.ones(lattice.variance.shape, bool)
     own[lattice.variance.shape[1] :, 0] = False
-    found = []
+    waves = []
     for sign, half, variance in ((1.0, amplitudes.forward, lattice.variance), (-1.0, amplitudes.backward, lattice.opposite)):
         held = own & (variance > 0.0)
         a = 2.0 * half[held].astype(np.complex128)
-        found.append(np.stack([sign * lattice.k_east[held], sign * lattice.k_north[held], lattice.frequency[held], a.real, a.imag], axis=1))
-    return np.concatenate(found)
+        waves.append(np.stack([sign * lattice.k_east[held], sign * lattice.k_north[held], lattice.frequency[held], a.real, a.imag], axis=1))
+    return np.concatenate(waves)
 
 
 @njit

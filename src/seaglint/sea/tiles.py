@@ -159,8 +159,8 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
 def longest_wave_number(spectrum: DirectionalSpectrum) -> float:
     """Wavenumber below which lies :data:`ENERGETIC_SHARE` of the height variance [rad m⁻¹]."""
     low, high = spectrum.wavenumber_range
-    wanted = ENERGETIC_SHARE * spectrum.height_variance()
-    return float(np.exp(brentq(lambda x: spectrum.height_variance(float(np.exp(x))) - wanted, np.log(low), np.log(high), xtol=1e-6)))
+    variance = ENERGETIC_SHARE * spectrum.height_variance()
+    return float(np.exp(brentq(lambda x: spectrum.height_variance(float(np.exp(x))) - variance, np.log(low), np.log(high), xtol=1e-6)))
 
 
 def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fraction: float = 0.8) -> float:

@@ -156,13 +156,13 @@ class SensorModel:
     def transfer(self, shape: tuple[int, int], oversampling: int, rates: tuple[float, float] = (0.0, 0.0)) -> Transfer:
         """Blur and sampling of fine pictures of ``shape`` (rows, columns); the latest are cached."""
         key = (self.sampling(oversampling, rates), shape)
-        found = self._transfers.get(key)
-        if found is None:
-            found = self._transfers[key] = Transfer.of(self.blur, key[0], shape)
+        cached = self._transfers.get(key)
+        if cached is None:
+            cached = self._transfers[key] = Transfer.of(self.blur, key[0], shape)
             while len(self._transfers) > KEPT:
                 self._transfers.popitem(last=False)
         self._transfers.move_to_end(key)
-        return found
+        return cached
 
     def focal_plane(
         self, radiance: NDArray[np.float32], oversampling: int = 1, rates: tuple[float, float] = (0.0, 0.0)
@@ -257,11 +257,11 @@ class SensorModel:
         return np.minimum(mean, well)
 
     def _pattern(self, shape: tuple[int, int]) -> Pattern:
-        found = self._patterns.get(shape)
-        if found is None:
+        cached = self._patterns.get(shape)
+        if cached is None:
             full = min(self.readout.full_scale, 1e15)
-            found = self._patterns[shape] = Pattern.of(self.noise, self.seed, shape, full, scanning=self.scanning)
-        return found
+            cached = self._patterns[shape] = Pattern.of(self.noise, self.seed, shape, full, scanning=self.scanning)
+        return cached
 
     def sense(self, radiance: NDArray[np.float32], frame: int = 0, oversampling: int = 1) -> Exposure:
         """Signal by :meth:`focal_plane` and :meth:`expose`; a lag needs the frames before it, see :func:`lagged`."""

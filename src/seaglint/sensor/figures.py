@@ -101,10 +101,10 @@ def fixed_pattern(model: SensorModel, radiance: float) -> float:
 
 def three_d(model: SensorModel, radiance: float) -> dict[str, float]:
     """Seven components of 3-D noise at a radiance [units]; differences between pixels of a scanner are differences between rows."""
-    found, noise = budget(model, radiance), model.noise
+    temporal, noise = budget(model, radiance), model.noise
     common = ("frame", "row_temporal", "column_temporal")
     pattern, scanning = fixed_pattern(model, radiance), model.scanning
-    pixel = math.sqrt(sum(value**2 for name, value in found.parts.items() if name not in common))
+    pixel = math.sqrt(sum(value**2 for name, value in temporal.parts.items() if name not in common))
     return {
         "T": noise.frame,
         "V": math.hypot(noise.row, pattern) if scanning else noise.row,
@@ -158,7 +158,7 @@ def figures(
     units = "electrons" if photon else "nw"
     nyquist = 0.5 / model.ifov
     frequency = np.asarray(frequencies, np.float64) if frequencies else np.linspace(0.0, 2.0 * nyquist, MTF_POINTS)
-    found = mtf(model, frequency, rates)
+    transfer = mtf(model, frequency, rates)
     here = budget(model, mean)
     floor = budget(model, 0.0).total
     time = detector.integration_time if isinstance(detector, Detector) else model.frame_interval
@@ -191,10 +191,10 @@ def figures(
         "saturation_radiance": ceiling,
         "mtf": {
             "frequency_cycles_per_mrad": (1e-3 * frequency).tolist(),
-            "along": found["along"]["total"].tolist(),
-            "across": found["across"]["total"].tolist(),
+            "along": transfer["along"]["total"].tolist(),
+            "across": transfer["across"]["total"].tolist(),
             "nyquist_cycles_per_mrad": 1e-3 * nyquist,
-            "parts": {way: {name: part.tolist() for name, part in parts.items() if name != "total"} for way, parts in found.items()},
+            "parts": {way: {name: part.tolist() for name, part in parts.items() if name != "total"} for way, parts in transfer.items()},
         },
         f"noise_budget_{units}": {
             "scene_radiance": mean,

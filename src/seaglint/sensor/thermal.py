@@ -87,7 +87,7 @@ def lag_weights(time_constant: float, interval: float) -> FloatArray:
     """
     if time_constant <= 0.0:
         return np.ones(1)
-    kept = math.exp(-interval / time_constant)
-    count = 1 + min(math.floor(math.log(FORGOTTEN) / math.log(kept)) if kept > 0.0 else 0, MOST_REMEMBERED - 1)
-    weights = (1.0 - kept) * kept ** np.arange(count)
+    decay = math.exp(-interval / time_constant)
+    count = 1 + min(math.floor(math.log(FORGOTTEN) / math.log(decay)) if decay > 0.0 else 0, MOST_REMEMBERED - 1)
+    weights = (1.0 - decay) * decay ** np.arange(count)
     return np.asarray(weights / weights.sum())

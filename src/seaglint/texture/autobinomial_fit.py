@@ -72,18 +72,18 @@ class Fit:
     @property
     def notes(self) -> tuple[str, ...]:
         """Notes for the user of the fit: problems and remedies."""
-        found = []
+        messages = []
         if not self.converged:
             left = "" if self.distance is None else f" {self.distance:.3g} standard deviations from"
-            found.append(
+            messages.append(
                 f"the Monte Carlo likelihood was not climbed to its top in {self.steps} steps (sums over pixels and pairs of samples stay"
                 f"{left or ' away from'} the picture's): take the pseudo-likelihood's fit, fewer levels or a lower order"
             )
         if np.isnan(self.covariance).any() and self.method == "pseudo-likelihood":
-            found.append("the picture is too small for standard errors of so many neighbours: take a larger one or a lower order")
+            messages.append("the picture is too small for standard errors of so many neighbours: take a larger one or a lower order")
         if self.regime is not None and self.regime.name != "usable":
-            found.append(self.regime.text)
-        return tuple(found)
+            messages.append(self.regime.text)
+        return tuple(messages)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the fit as values for JSON."""
@@ -172,8 +172,8 @@ def fit(
     field = checked_field(image, model)
     refuse_flat(field, levels)
     _refuse_few(field, model, periodic=periodic)
-    found, regressors = neighbour_sums(field, ties, periodic=periodic)
-    top = climb(found, regressors, model.most, ties, start, periodic=periodic)
+    pixels, regressors = neighbour_sums(field, ties, periodic=periodic)
+    top = climb(pixels, regressors, model.most, ties, start, periodic=periodic)
     model, covariance = model.with_parameters(top.parameters), top.covariance
     converged, steps, distance = top.converged, top.steps, None
     if method != "pseudo-likelihood":
@@ -184,7 +184,7 @@ def fit(
         model,
         covariance,
         conditional_log_likelihood(field, model, periodic=periodic),
-        found.size,
+        pixels.size,
         method,
         converged,
         steps,

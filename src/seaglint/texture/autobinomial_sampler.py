@@ -59,9 +59,9 @@ def sweep(field: NDArray[np.int16], held: kernels.Law, lattice: kernels.Plan, ke
 
 def sums(field: NDArray[np.int16], held: kernels.Law, lattice: kernels.Plan) -> FloatArray:
     """Sufficient statistics: sum of levels, and of the products of each class of pairs [level, level²]."""
-    found = np.zeros(2 + int(held.group.max()))
-    kernels.pair_sums(field, held, lattice, found)
-    return found
+    result = np.zeros(2 + int(held.group.max()))
+    kernels.pair_sums(field, held, lattice, result)
+    return result
 
 
 def independent(model: Autobinomial, shape: tuple[int, int], seed: int) -> NDArray[np.int16]:

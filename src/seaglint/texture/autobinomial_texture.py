@@ -187,36 +187,36 @@ def fit_texture(
         return fit_field(picture, levels, order, isotropic=isotropic, method=by, seed=seed, check=by != "monte-carlo-exchange")
 
     pseudo = fitted("pseudo-likelihood")
-    found = pseudo if method == "auto" else fitted(method)
+    selected = pseudo if method == "auto" else fitted(method)
     notes: list[str] = []
-    lost = found.regime is not None and found.regime.name != "usable"
-    if found.regime is not None and not lost and not keep_histogram:
-        apart = _histograms_apart(picture, found.model, seed)
+    lost = selected.regime is not None and selected.regime.name != "usable"
+    if selected.regime is not None and not lost and not keep_histogram:
+        apart = _histograms_apart(picture, selected.model, seed)
         if apart > APART:
             keep_histogram = True
-            notes.append(f"Gibbs sweeps at the {found.method} fit have another histogram (distribution functions differ by {apart:.2g})")
+            notes.append(f"Gibbs sweeps at the {selected.method} fit have another histogram (distribution functions differ by {apart:.2g})")
     if method == "auto" and (lost or keep_histogram):
-        if found.regime is not None and lost:
-            notes.append(f"Gibbs sweeps at the pseudo-likelihood's fit: {found.regime.finding}")
-        found = fitted("monte-carlo-exchange")
-    elif lost and found.regime is not None:
-        notes.append(f"Gibbs sweeps at this fit: {found.regime.finding}")
-    by_exchange = keep_histogram or lost or not found.converged or found.method == "monte-carlo-exchange"
-    if not found.converged:
-        gaps = [_gap(picture, one.model, seed) for one in (found, pseudo)]
-        tried, found = found.method, (found, pseudo)[int(np.argmin(gaps))]
+        if selected.regime is not None and lost:
+            notes.append(f"Gibbs sweeps at the pseudo-likelihood's fit: {selected.regime.finding}")
+        selected = fitted("monte-carlo-exchange")
+    elif lost and selected.regime is not None:
+        notes.append(f"Gibbs sweeps at this fit: {selected.regime.finding}")
+    by_exchange = keep_histogram or lost or not selected.converged or selected.method == "monte-carlo-exchange"
+    if not selected.converged:
+        gaps = [_gap(picture, one.model, seed) for one in (selected, pseudo)]
+        tried, selected = selected.method, (selected, pseudo)[int(np.argmin(gaps))]
         notes.append(
             f"the {tried} likelihood did not converge: the picture is none of this family. "
             f"Exchange samples where it stopped miss correlations with neighbours by {gaps[0]:.2g}, at the pseudo-likelihood's top by "
             f"{gaps[1]:.2g}; the nearer couplings are taken. Take fewer levels, another order or --model gauss-markov"
         )
     if by_exchange:
-        notes.append(f"samples are drawn by exchange at the couplings of the {found.method} fit: they have the picture's histogram")
-    elif found.regime is not None:
-        notes.append(f"samples are drawn by Gibbs sweeps: {found.regime.finding}")
+        notes.append(f"samples are drawn by exchange at the couplings of the {selected.method} fit: they have the picture's histogram")
+    elif selected.regime is not None:
+        notes.append(f"samples are drawn by Gibbs sweeps: {selected.regime.finding}")
     shares = np.bincount(picture.ravel(), minlength=levels) / picture.size
-    texture = AutobinomialTexture(found.model, grey, tuple(map(float, shares)), "exchange" if by_exchange else "gibbs")
-    return AutobinomialTextureFit(texture, found, method, tuple(notes))
+    texture = AutobinomialTexture(selected.model, grey, tuple(map(float, shares)), "exchange" if by_exchange else "gibbs")
+    return AutobinomialTextureFit(texture, selected, method, tuple(notes))
 
 
 def _gap(picture: NDArray[np.int16], model: Autobinomial, seed: int) -> float:

@@ -138,14 +138,14 @@ def symbol(model: GaussMarkov, shape: Sequence[int]) -> FloatArray:
         A torus that is too small, or one of whose waves has no finite variance.
     """
     sides = require_torus(model, shape)
-    found = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, sides)
-    least = float(found.min())
+    result = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, sides)
+    least = float(result.min())
     if least < FLAT:
         raise DomainError(
             f"the weights leave 1 - 2 sum b cos = {least:.2g} for a wave of this torus, and a field needs more than 0; "
             "take weights that sum to less than 1/2, or another size"
         )
-    return found
+    return result
 
 
 def _cosines(offsets: Sequence[Offset], weights: Sequence[float], shape: Offset) -> FloatArray:
@@ -179,18 +179,18 @@ def least_symbol(model: GaussMarkov, grid: Sequence[int]) -> float:
     # Finer than the grid, which does not resolve troughs that run obliquely between its points.
     finer = 4 if model.reach[0] == 0 else 2
     sides = [finer * max(n, 2 * r + 1) if r else 1 for n, r in zip(grid, model.reach, strict=True)]
-    found = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, (sides[0], sides[1], sides[2]))
+    values = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, (sides[0], sides[1], sides[2]))
     # Every valley of the grid that can be the deepest between its points: curvature times half a step squared lower than it looks.
     steps = 2.0 * np.pi / np.array(sides)
     deeper = float(np.abs(weights) @ ((np.abs(offsets) @ (0.5 * steps)) ** 2))
-    valleys = np.flatnonzero((found <= minimum_filter(found, 3, mode="nearest")) & (found < found.min() + deeper))
-    lowest = valleys[np.argsort(found.ravel()[valleys])][:MOST_VALLEYS]
+    valleys = np.flatnonzero((values <= minimum_filter(values, 3, mode="nearest")) & (values < values.min() + deeper))
+    lowest = valleys[np.argsort(values.ravel()[valleys])][:MOST_VALLEYS]
 
     def value(w: FloatArray) -> tuple[float, FloatArray]:
         phase = offsets @ w
         return float(1.0 - 2.0 * weights @ np.cos(phase)), 2.0 * (weights * np.sin(phase)) @ offsets
 
-    places = 2.0 * np.pi * np.array(np.unravel_index(lowest, found.shape)).T / np.array(sides)
+    places = 2.0 * np.pi * np.array(np.unravel_index(lowest, values.shape)).T / np.array(sides)
     # Near the valley: a long first step would leave it for another.
     found_at = (
         minimize(value, w, jac=True, method="L-BFGS-B", bounds=list(zip(w - 3 * steps, w + 3 * steps, strict=True))) for w in places
@@ -244,8 +244,8 @@ def log_likelihood(model: GaussMarkov, field: ArrayLike) -> float:
     sides = require_torus(model, x.shape)
     power = np.abs(rfftn(x - model.mean)) ** 2 / x.size
     weight = half_weights(sides[2])
-    found = symbol(model, sides)
-    total = float((weight * (np.log(found) - found * power / model.variance)).sum())
+    values = symbol(model, sides)
+    total = float((weight * (np.log(values) - values * power / model.variance)).sum())
     return 0.5 * (total - x.size * math.log(2.0 * math.pi * model.variance))
 
 

@@ -266,13 +266,13 @@ def _maximise(likelihood: _Likelihood, start: FloatArray | None, tolerance: floa
         while True:
             tried = theta + length * direction
             at = likelihood.spectrum(tried)
-            found = likelihood.value(tried, at)
-            if found >= value + 1e-4 * length * decrement:
+            gained = likelihood.value(tried, at)
+            if gained >= value + 1e-4 * length * decrement:
                 break
             length *= 0.5
             if length < 1e-9:
                 return theta, value, step  # rounding: no step is uphill any more
-        theta, lam, value = tried, at, found
+        theta, lam, value = tried, at, gained
         if lam.min() < 1e-9 * lam.max():
             break
     raise NoOptimumError(
@@ -309,11 +309,11 @@ def fit(
     >>> bool(max(map(abs, found.model.coefficients)) < 3 * max(found.standard_errors))
     True
     """
-    wanted = tuple(canonical(d) for d in offsets)
-    reach = np.abs(np.array([*wanted, (0, 0, 0)])).max(axis=0)
+    requested = tuple(canonical(d) for d in offsets)
+    reach = np.abs(np.array([*requested, (0, 0, 0)])).max(axis=0)
     known = data if isinstance(data, Covariances) else covariances(data, [int(r) for r in reach], periodic=periodic)
-    _require_pixels(known, len(wanted))
-    likelihood = _Likelihood(known, wanted)
+    _require_pixels(known, len(requested))
+    likelihood = _Likelihood(known, requested)
     theta = None if start is None else np.array([1.0, *start]) / known.at((0, 0, 0))
     if theta is not None and not np.isfinite(likelihood.value(theta, likelihood.spectrum(theta))):
         raise DomainError("start: 1 - 2 sum b cos(w d) is not above 0 for every wave; give weights that sum to less than 1/2")
@@ -392,9 +392,9 @@ def choose(data: Covariances, among: Sequence[Offset], most: int = 16) -> GaussM
     try:
         return _forward(data, pool, most)
     except NoOptimumError:
-        found = _forward(data.damped(), pool, most)
+        selected = _forward(data.damped(), pool, most)
         note = "covariances at large distances were damped: as they are, no field has them"
-        return replace(found, notes=(*found.notes, note))
+        return replace(selected, notes=(*selected.notes, note))
 
 
 def _forward(data: Covariances, pool: list[Offset], most: int) -> GaussMarkovFit:

@@ -166,8 +166,8 @@ def fit_texture(
     if not variance > 0.0:
         raise DataError("all values are equal: there is no texture to fit; choose another region")
     marginal = fit_marginal(x, tails)
-    wanted = marginal.latent_correlation(seen.values / variance)
-    field = estimation.choose(replace(seen, values=wanted, mean=0.0), pool, most)
+    latent = marginal.latent_correlation(seen.values / variance)
+    field = estimation.choose(replace(seen, values=latent, mean=0.0), pool, most)
     notes = list(field.notes)
     slow, left = None, np.full(3, np.nan)
     if product or (product is None and tails != "gaussian"):

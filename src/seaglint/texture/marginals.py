@@ -167,8 +167,8 @@ class Marginal:
             np.polynomial.polynomial.polyval(np.asarray(latent, np.float64), np.concatenate([[0.0], weights / weights.sum()]))
         )
 
-    def latent_correlation(self, wanted: ArrayLike) -> FloatArray:
-        """Correlation of the Gaussian field for a given correlation ``wanted`` of the output [1], shape of it.
+    def latent_correlation(self, output: ArrayLike) -> FloatArray:
+        """Correlation of the Gaussian field for a given correlation ``output`` of the pixels [1], shape of it.
 
         Correlations below what the distribution can have (a gamma of shape 1 cannot go below -0.64) give that of -1.
 
@@ -181,16 +181,16 @@ class Marginal:
         grid = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 4001))
         values = np.maximum.accumulate(self.output_correlation(grid))
         rising, places = np.unique(values, return_index=True)
-        return np.interp(np.asarray(wanted, np.float64), rising, grid[places])
+        return np.interp(np.asarray(output, np.float64), rising, grid[places])
 
     def to_dict(self) -> dict[str, Any]:
         """Return the distribution as values for JSON."""
-        found: dict[str, Any] = {"kind": self.kind, "loc": self.loc, "scale": self.scale}
+        result: dict[str, Any] = {"kind": self.kind, "loc": self.loc, "scale": self.scale}
         if self.shape is not None:
-            found["shape"] = self.shape
+            result["shape"] = self.shape
         if self.quantiles:
-            found["quantiles"] = list(self.quantiles)
-        return found
+            result["quantiles"] = list(self.quantiles)
+        return result
 
     @classmethod
     def from_dict(cls, held: Mapping[str, Any]) -> Marginal:
@@ -244,9 +244,9 @@ def _k_quantiles(shape: float) -> Callable[[FloatArray], FloatArray]:
     log_above = np.minimum.accumulate(np.minimum(log_above, -1e-16))
     g = np.where(log_above < -math.log(2.0), -special.ndtri_exp(log_above), special.ndtri(-np.expm1(log_above)))
     rising, places = np.unique(g, return_index=True)
-    kept = np.isfinite(rising)
+    finite = np.isfinite(rising)
     log_x = np.log(x)[places]
-    return lambda value: np.asarray(np.exp(np.interp(value, rising[kept], log_x[kept])))
+    return lambda value: np.asarray(np.exp(np.interp(value, rising[finite], log_x[finite])))
 
 
 def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
@@ -301,11 +301,11 @@ def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
 
     # Gamma and K down to a shape of 0.05; the lognormal's s is small where the tail is short.
     low, high = (math.log(0.01), math.log(2.0)) if tails == "lognormal" else (math.log(0.05), math.log(400.0))
-    found = []
+    candidates = []
     for side in (1, -1):
         grid = np.linspace(low, high, 25)
         best = int(np.argmin([distance(s, side)[0] for s in grid]))
         bounds = (grid[max(best - 1, 0)], grid[min(best + 1, 24)])
         place = minimize_scalar(lambda s, side=side: distance(s, side)[0], bounds=bounds, method="bounded").x
-        found.append(distance(float(place), side))
-    return min(found, key=lambda pair: pair[0])[1]
+        candidates.append(distance(float(place), side))
+    return min(candidates, key=lambda pair: pair[0])[1]

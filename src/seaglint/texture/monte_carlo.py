@@ -82,15 +82,15 @@ class _Chain:
     def draws(self, model: Autobinomial, sweeps: int) -> FloatArray:
         """Sums after each of several further sweeps; without the sum of levels where the histogram is fixed."""
         held = sampler.law(model)
-        found = np.empty((sweeps, 1 + len(model.beta)))
+        sums = np.empty((sweeps, 1 + len(model.beta)))
         for i in range(sweeps):
             if self.keep_histogram:
                 kernels.exchange(self.state, held, self.lattice, self.key, self.done, 1)
             else:
                 sampler.sweep(self.state, held, self.lattice, self.key, self.done, 1)
-            found[i] = sampler.sums(self.state, held, self.lattice)
+            sums[i] = sampler.sums(self.state, held, self.lattice)
             self.done += 1
-        return found[:, int(self.keep_histogram) :]
+        return sums[:, int(self.keep_histogram) :]
 
 
 def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int, *, periodic: bool, keep_histogram: bool = False) -> Ascent:
@@ -118,9 +118,9 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
     lattice = sampler.plan(first, field.shape, held_border=not (periodic or keep_histogram))
     purpose = "autobinomial-exchange-likelihood" if keep_histogram else "autobinomial-likelihood"
     chain = _Chain(field.copy(), lattice, sampler.words(seed, purpose), keep_histogram)
-    wanted = sampler.sums(field, sampler.law(first), lattice)[int(keep_histogram) :]
+    observed = sampler.sums(field, sampler.law(first), lattice)[int(keep_histogram) :]
     if keep_histogram and not periodic:
-        wanted = field.size * inside_products(field, first.neighbours)
+        observed = field.size * inside_products(field, first.neighbours)
     model, fixed = first, first.parameters[: int(keep_histogram)]
     rounds, distance = 0, np.inf
     pairs = np.array([len(one) for one in first.neighbours])
@@ -131,8 +131,8 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
     while rounds < ROUNDS:
         rounds += 1
         sweeps = SWEEPS if distance > CLOSE else CLOSE_SWEEPS
-        found = chain.draws(model, sweeps)[sweeps // 3 :]
-        step, distance = newton(wanted - found.mean(axis=0), np.atleast_2d(np.cov(found.T)))
+        sampled = chain.draws(model, sweeps)[sweeps // 3 :]
+        step, distance = newton(observed - sampled.mean(axis=0), np.atleast_2d(np.cov(sampled.T)))
         if distance < NEAR or not np.isfinite(distance):
             break
         turn = 0.5 * model.most * float(np.abs(step[-len(pairs) :]) @ pairs)
@@ -141,7 +141,7 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
     covariance = np.full((size, size), np.nan)
     if not distance < NEAR:
         return Ascent(model, covariance, rounds, float(distance), False)
-    shift, inner, distance, even = _last(chain.draws(model, LAST_SWEEPS) - wanted)
+    shift, inner, distance, even = _last(chain.draws(model, LAST_SWEEPS) - observed)
     covariance[int(keep_histogram) :, int(keep_histogram) :] = inner
     return Ascent(moved(shift), covariance, rounds, distance, bool(distance < 1e-3 and even > FEWEST_WEIGHTS))
 
@@ -154,12 +154,12 @@ def inside_products(field: NDArray[np.int16], neighbours: Classes) -> FloatArray
     mean = float(field.mean())
     held = field - mean
     rows, columns = held.shape
-    found = np.zeros(len(neighbours))
+    products = np.zeros(len(neighbours))
     for k, one in enumerate(neighbours):
         for dy, dx in one:
             left, right = max(-dx, 0), max(dx, 0)
-            found[k] += float((held[: rows - dy, left : columns - right] * held[dy:, right : columns - left]).mean()) + mean * mean
-    return found
+            products[k] += float((held[: rows - dy, left : columns - right] * held[dy:, right : columns - left]).mean()) + mean * mean
+    return products
 
 
 def newton(gap: FloatArray, covariance: FloatArray) -> tuple[FloatArray, float]:
@@ -175,24 +175,24 @@ def newton(gap: FloatArray, covariance: FloatArray) -> tuple[FloatArray, float]:
     return (vectors @ (along / values)) / scale, float(np.sqrt((along**2 / values).sum()))
 
 
-def _last(found: FloatArray) -> tuple[FloatArray, FloatArray, float, float]:
+def _last(differences: FloatArray) -> tuple[FloatArray, FloatArray, float, float]:
     """Maximum of the likelihood relative to that of the sampled model, by importance weights of the samples' sums for a shift.
 
     Takes sums less those of the picture; returns the shift, its covariance (with the error of the simulation), the gap that is left and
     the share of the samples that count.
     """
-    shift = np.zeros(found.shape[1])
-    weights, distance = np.full(found.shape[0], 1.0 / found.shape[0]), np.inf
+    shift = np.zeros(differences.shape[1])
+    weights, distance = np.full(differences.shape[0], 1.0 / differences.shape[0]), np.inf
     for _ in range(20):
-        step, distance = newton(-(weights @ found), np.atleast_2d(np.cov(found.T, aweights=weights)))
+        step, distance = newton(-(weights @ differences), np.atleast_2d(np.cov(differences.T, aweights=weights)))
         if not np.isfinite(distance) or distance < 1e-6:
             break
         shift = shift + step
-        logs = found @ shift
+        logs = differences @ shift
         weights = np.exp(logs - logs.max())
         weights /= weights.sum()
-    share = 1.0 / (found.shape[0] * float((weights**2).sum()))
-    inverse = np.linalg.pinv(np.atleast_2d(np.cov(found.T, aweights=weights)), rcond=1e-14, hermitian=True)
-    batches = np.array([part.mean(axis=0) for part in np.array_split(found, BATCHES)])
+    share = 1.0 / (differences.shape[0] * float((weights**2).sum()))
+    inverse = np.linalg.pinv(np.atleast_2d(np.cov(differences.T, aweights=weights)), rcond=1e-14, hermitian=True)
+    batches = np.array([part.mean(axis=0) for part in np.array_split(differences, BATCHES)])
     simulation = inverse @ np.atleast_2d(np.cov(batches.T) / BATCHES) @ inverse
     return shift, np.asarray(inverse + simulation), float(distance), share

@@ -113,7 +113,7 @@ class Comparison:
             name: {"first": a.features[name], "second": b.features[name], "relative": _relative(name, a.features[name], b.features[name])}
             for name in a.features
         }
-        found = {
+        result = {
             "first": a.name,
             "second": b.name,
             "filtered_rates": rates,
@@ -123,7 +123,7 @@ class Comparison:
             "time_correlation_distance": times,
             "cooccurrence": features,
         }
-        return {**found, "fails": _fails(found)}
+        return {**result, "fails": _fails(result)}
 
     def _values(self) -> dict[str, Any]:
         a, b = self.first.values, self.second.values
@@ -158,25 +158,25 @@ def _rates(a: FalseAlarmRate, b: FalseAlarmRate) -> dict[str, Any]:
     }
 
 
-def _fails(found: Mapping[str, Any]) -> list[str]:
+def _fails(comparison: Mapping[str, Any]) -> list[str]:
     """Sentences on the measures that differ by more than :data:`LIMITS`."""
     out = []
-    for entry in found["filtered_rates"]:
+    for entry in comparison["filtered_rates"]:
         ratio, most = entry["second_over_first"], LIMITS["rate_factor"]
         if ratio is None:
             out.append(f"at {entry['threshold_sigma']:g} sigma one of the two has no exceedance in the filtered picture")
         elif not 1.0 / most <= ratio <= most:
             out.append(f"the filtered picture exceeds {entry['threshold_sigma']:g} sigma {ratio:.2g} times as often as the first")
     checks = (
-        ("ks", found["marginal"]["ks"], "distribution functions of the pixels differ by {:.2g}"),
-        ("spectrum_db", found["spectrum_distance_db"], "spectra differ by {:.2g} dB rms"),
-        ("correlation", found["correlation_distance"], "correlations in space differ by {:.2g} rms"),
-        ("time_correlation", found["time_correlation_distance"], "correlations in time differ by {:.2g} rms"),
+        ("ks", comparison["marginal"]["ks"], "distribution functions of the pixels differ by {:.2g}"),
+        ("spectrum_db", comparison["spectrum_distance_db"], "spectra differ by {:.2g} dB rms"),
+        ("correlation", comparison["correlation_distance"], "correlations in space differ by {:.2g} rms"),
+        ("time_correlation", comparison["time_correlation_distance"], "correlations in time differ by {:.2g} rms"),
     )
     out += [text.format(value) for name, value, text in checks if value is not None and value > LIMITS[name]]
-    worst = max(found["cooccurrence"], key=lambda name: found["cooccurrence"][name]["relative"])
-    if found["cooccurrence"][worst]["relative"] > LIMITS["cooccurrence"]:
-        pair = found["cooccurrence"][worst]
+    worst = max(comparison["cooccurrence"], key=lambda name: comparison["cooccurrence"][name]["relative"])
+    if comparison["cooccurrence"][worst]["relative"] > LIMITS["cooccurrence"]:
+        pair = comparison["cooccurrence"][worst]
         out.append(f"co-occurring grey levels differ most in {worst}: {pair['first']:.3g} and {pair['second']:.3g}")
     return out
 

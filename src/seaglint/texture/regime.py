@@ -114,7 +114,7 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
     own = sampler.sample(model, (rows, columns), sweeps, seed + 2, start=field[:rows, :columns])
     memory = abs(float(high.mean()) - float(low.mean())) / model.most
     data = correlations(field, model.neighbours)
-    found = correlations(own, model.neighbours)
+    own_correlations = correlations(own, model.neighbours)
     shift = abs(float(own.mean()) - float(field.mean())) / model.most
     spread = float(own.std()) / float(field.std())
     name: Name = "usable"
@@ -122,7 +122,7 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
     alone = float(np.sqrt(model.most * share * (1.0 - share)))  # of pixels without neighbours
     if memory > APART or shift > DRIFT or (spread > 1.0 / EVEN and float(own.std()) > ORDERED * alone):
         name = "frozen"
-    elif not EVEN <= spread <= 1.0 / EVEN or (abs(data[0]) > 0.1 and not EVEN <= found[0] / data[0] <= 1.0 / EVEN):
+    elif not EVEN <= spread <= 1.0 / EVEN or (abs(data[0]) > 0.1 and not EVEN <= own_correlations[0] / data[0] <= 1.0 / EVEN):
         name = "molten"
     slope, phases = mean_field(model, float(field.mean()) / model.most)
     return Regime(
@@ -134,7 +134,7 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
         float(field.mean()),
         float(own.std()),
         float(field.std()),
-        tuple(map(float, found)),
+        tuple(map(float, own_correlations)),
         tuple(map(float, data)),
     )
 
@@ -144,15 +144,15 @@ def correlations(field: NDArray[np.int16], neighbours: Classes) -> FloatArray:
     held = field - field.mean()
     variance = float((held * held).mean())
     rows, columns = held.shape
-    found = np.zeros(len(neighbours))
+    result = np.zeros(len(neighbours))
     if variance == 0.0:
-        return found
+        return result
     for k, one in enumerate(neighbours):
         for dy, dx in one:
             left, right = max(-dx, 0), max(dx, 0)
             here, there = held[: rows - dy, left : columns - right], held[dy:, right : columns - left]
-            found[k] += float((here * there).mean()) / variance / len(one)
-    return found
+            result[k] += float((here * there).mean()) / variance / len(one)
+    return result
 
 
 def mean_field(model: Autobinomial, share: float | None = None, waves: int = 64) -> tuple[float, int]:

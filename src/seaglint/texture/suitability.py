@@ -159,12 +159,12 @@ class Changes:
     @property
     def text(self) -> str:
         """Slow changes in words."""
-        told = []
+        messages = []
         if self.mean > TOLD[0]:
-            told.append(f"mean changes slowly from place to place ({100.0 * self.mean:.0f} % of the variance)")
+            messages.append(f"mean changes slowly from place to place ({100.0 * self.mean:.0f} % of the variance)")
         if self.spread > TOLD[1]:
-            told.append(f"variance differs from place to place (standard deviations of its parts by a factor of {self.spread:.2g})")
-        return " and its ".join(told)
+            messages.append(f"variance differs from place to place (standard deviations of its parts by a factor of {self.spread:.2g})")
+        return " and its ".join(messages)
 
 
 def examine(frames: NDArray[np.floating]) -> Changes:
@@ -193,8 +193,8 @@ def even_region(frames: NDArray[np.floating]) -> Region | None:
     """Largest region without reportable slow changes, of a few sizes and places; None without one."""
     rows, columns = frames.shape[-2:]
     for share in SHARES:
-        found = [(examine(region.of(frames)), region) for region in _places(rows, columns, share)]
-        passed = [(changes.mean / TOLD[0] + changes.spread / TOLD[1], region) for changes, region in found if not changes.beyond(TOLD)]
+        examined = [(examine(region.of(frames)), region) for region in _places(rows, columns, share)]
+        passed = [(changes.mean / TOLD[0] + changes.spread / TOLD[1], region) for changes, region in examined if not changes.beyond(TOLD)]
         if passed:
             return min(passed, key=lambda pair: pair[0])[1]
     return None

@@ -154,10 +154,10 @@ class _Slabs:
     def __call__(self, k: int) -> FloatArray:
         turned = self._rows * np.exp(1j * self._waves[k] * self._times)
         # The real part of the product of two complex matrices, by two real ones.
-        found = 1.0 - 2.0 * (turned.real @ self._columns.real - turned.imag @ self._columns.imag)
-        if not found.min() > 0.0:
+        symbol = 1.0 - 2.0 * (turned.real @ self._columns.real - turned.imag @ self._columns.imag)
+        if not symbol.min() > 0.0:
             raise DomainError("the weights leave a wave of this torus without a finite variance; take another size")
-        return np.asarray(found)
+        return np.asarray(symbol)
 
 
 @lru_cache(maxsize=32)

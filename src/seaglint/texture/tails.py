@@ -121,10 +121,10 @@ def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, see
     misfit : ndarray, shape (3,)
         Log ratios of the rates at :data:`THRESHOLDS` that are left.
     """
-    wanted = tail(data)
+    target = tail(data)
     shape = pilot_shape(model, np.shape(data)[0])
-    weights = np.sqrt(np.maximum(wanted.counts, 1.0))
-    plain = misfit(tail(marginal.transform(latent(model, shape, seed))), wanted)
+    weights = np.sqrt(np.maximum(target.counts, 1.0))
+    plain = misfit(tail(marginal.transform(latent(model, shape, seed))), target)
 
     def cost(left: FloatArray) -> float:
         return float(np.average(left**2, weights=weights))
@@ -135,15 +135,15 @@ def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, see
     density = density_of(model, shape)
     best: tuple[float, Modulation | None, FloatArray] = (cost(plain), None, plain)
     for stretch in STRETCHES:
-        lengths = tuple(max(stretch * length, 0.5) for length in wanted.lengths)
+        lengths = tuple(max(stretch * length, 0.5) for length in target.lengths)
         for nu in SHAPES:
             tried = Modulation(float(nu), lengths)  # type: ignore[arg-type]
             made = filtered(rough(tried, shape, seed), density)
             made /= made.std()
-            found = tail(marginal.transform(made))
-            left = misfit(found, wanted)
+            sampled = tail(marginal.transform(made))
+            left = misfit(sampled, target)
             # Tails first; of two lengths with the same tails the one whose exceedances cluster as the data's.
-            total = cost(left) + 0.25 * float(np.mean((found.clusters - wanted.clusters) ** 2))
+            total = cost(left) + 0.25 * float(np.mean((sampled.clusters - target.clusters) ** 2))
             if total < best[0]:
                 best = (total, tried, left)
     return best[1], best[2]

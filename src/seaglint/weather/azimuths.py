@@ -109,8 +109,8 @@ def _nodes(first: float, last: float) -> tuple[FloatArray, int, bool]:
 @njit
 def _logarithm(row: FloatArray, azimuth: float, light: MirroredLight, sea: Seas, beam: _Beam) -> float:
     """Logarithm of radiance at an azimuth from the Sun."""
-    found = direction(row, beam.elevation, beam.arc, row[5] + azimuth, light, sea, beam.state, beam.disc, beam.way)
-    return math.log(max(found[0], _LEAST))
+    evaluated = direction(row, beam.elevation, beam.arc, row[5] + azimuth, light, sea, beam.state, beam.disc, beam.way)
+    return math.log(max(evaluated[0], _LEAST))
 
 
 @njit

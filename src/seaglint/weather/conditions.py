@@ -215,8 +215,8 @@ def _rows_at(table: WeatherTable, uniform: FloatArray, second: FloatArray, time:
         in_month = (of_month == key[at[0]]) if used else np.ones(some.size, dtype=np.bool_)
         rows = in_month & (hour == hours[at_hour[at[0]]]) if hours.size else in_month
         rows = rows if np.any(weight[rows] > 0.0) else in_month
-        found = np.flatnonzero(rows)
-        out[at] = some[found[_pairs(weight[found], wind[found], cover[found], uniform[at], second[at])]]
+        matches = np.flatnonzero(rows)
+        out[at] = some[matches[_pairs(weight[matches], wind[matches], cover[matches], uniform[at], second[at])]]
     return out
 
 
@@ -233,14 +233,14 @@ def _of_rows(table: WeatherTable, uniform: Mapping[str, FloatArray], when: Times
         if np.isnan(table[name]).any():
             raise DomainError(f"place_from_weather = true needs {name} in every row of the weather table; give a region or [place] instead")
     month, hour = table["month"], table["hour_utc"]
-    wanted = np.isnan(month) | np.isin(month, when.months or tuple(range(1, 13)))
+    selected = np.isnan(month) | np.isin(month, when.months or tuple(range(1, 13)))
     low, high = when.hours
-    wanted &= np.isnan(hour) | ((hour % 24.0 >= low) & (hour % 24.0 <= high))
-    if not np.any(wanted & (table["weight"] > 0.0)):
+    selected &= np.isnan(hour) | ((hour % 24.0 >= low) & (hour % 24.0 <= high))
+    if not np.any(selected & (table["weight"] > 0.0)):
         names = ", ".join(MONTHS[m - 1] for m in when.months) or "all months"
         raise DomainError(f"no row of the weather table is of {names} between {low:g} and {high:g} h UTC; choose others")
-    kept = np.flatnonzero(wanted)
-    rows = kept[draw_pairs(table.take(kept), uniform["row"], uniform["cover"])]
+    matches = np.flatnonzero(selected)
+    rows = matches[draw_pairs(table.take(matches), uniform["row"], uniform["cover"])]
     time = when.draw(uniform["day"], uniform["hour"])
     for m in range(1, 13):
         at = np.flatnonzero(month[rows] == m)

@@ -275,10 +275,10 @@ def _fill(
                     break
                 x = math.asinh(gamma / scale)
             arc = EFFECTIVE_EARTH_RADIUS * max(depression - gamma, 0.0)
-            found = direction(
+            evaluated = direction(
                 row, gamma, arc, row[7] + a, light, sea, state, disc, Way(wind, height, coarse, (x - start) / (last - start), weights)
             )
-            bright = max(found[0], _FAINT) if found[3] > 0.0 else 0.0
+            bright = max(evaluated[0], _FAINT) if evaluated[3] > 0.0 else 0.0
             if bright > out[n, 0] or step == 0:
                 best, aside = u, a
-                out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = bright, found[1], found[2], gamma, found[3]
+                out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = bright, evaluated[1], evaluated[2], gamma, evaluated[3]

@@ -15,12 +15,12 @@ from seaglint.radiance.view import sea_arc
 from seaglint.weather.looks import Looks
 
 
-def deviation(found: Looks, height: FloatArray, solid_angle: float, length: float) -> FloatArray:
+def deviation(evaluated: Looks, height: FloatArray, solid_angle: float, length: float) -> FloatArray:
     """Standard deviation of glint in a pixel of each look [W m-2 sr-1, (n,)], as :func:`seaglint.radiance.variance.glint_variance`.
 
     Parameters
     ----------
-    found : Looks
+    evaluated : Looks
         What the looks see.
     height : ndarray
         Of the sensors [m, (n,)].
@@ -29,11 +29,11 @@ def deviation(found: Looks, height: FloatArray, solid_angle: float, length: floa
     length : float
         Side of a cell of glint [m].
     """
-    gamma = np.maximum(found.elevation, 0.0)
+    gamma = np.maximum(evaluated.elevation, 0.0)
     slant = slant_range(height, sea_arc(height, gamma))
-    tilt = np.maximum(np.sin(gamma) + found.sun_up, 0.0)
-    m = patches_of_tilt(found.cos_incidence, tilt, slant, solid_angle, length)
-    return np.asarray(np.sqrt(point_variance(found.radiance, found.chance) / np.maximum(m, 1.0)))
+    tilt = np.maximum(np.sin(gamma) + evaluated.sun_up, 0.0)
+    m = patches_of_tilt(evaluated.cos_incidence, tilt, slant, solid_angle, length)
+    return np.asarray(np.sqrt(point_variance(evaluated.radiance, evaluated.chance) / np.maximum(m, 1.0)))
 
 
 @dataclass(frozen=True, eq=False)

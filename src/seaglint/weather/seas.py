@@ -58,23 +58,23 @@ def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) 
     low, high = winds
     count = max(int(np.ceil((high - low) / _STEP)) + 1, 2)
     nodes = np.linspace(low, max(high, low + 1e-6), count)
-    found = [floored(slopes_at(float(min(wind, high)))) for wind in nodes]
-    bands = np.array([shadowing.law_bands(s) for s in found])
-    table = np.array([[s.mss_up, s.mss_cross, *s.coefficients] for s in found])
+    statistics = [floored(slopes_at(float(min(wind, high)))) for wind in nodes]
+    bands = np.array([shadowing.law_bands(s) for s in statistics])
+    table = np.array([[s.mss_up, s.mss_cross, *s.coefficients] for s in statistics])
     first = float(bands.min())
     steps = 1 if bands.max() == first else max(int(np.ceil((bands.max() - first) / _BANDS)) + 1, 2)
     grid = np.linspace(first, float(bands.max()), steps)
     return Seas(
         low,
         float(nodes[1] - nodes[0]),
-        np.column_stack([table, bands, [s.wind_to_azimuth for s in found]]),
-        all(s.is_gaussian for s in found),
+        np.column_stack([table, bands, [s.wind_to_azimuth for s in statistics]]),
+        all(s.is_gaussian for s in statistics),
         shadowing.sun,
         first,
         float(grid[1] - grid[0]) if steps > 1 else 1.0,
         np.stack([between_bands(ratio_table, float(b)) for b in grid]),
         np.stack([coupling_table(float(b)) for b in grid]) if shadowing.sun else np.zeros((steps, 0, 0, 0)),
-        np.zeros((0, 0, 0)) if all(s.is_gaussian for s in found) else _areas(slopes_at, nodes, shadowing),
+        np.zeros((0, 0, 0)) if all(s.is_gaussian for s in statistics) else _areas(slopes_at, nodes, shadowing),
     )
 
 

@@ -212,6 +212,6 @@ def covered(columns: Mapping[str, FloatArray]) -> str:
         out.append("months " + ", ".join(str(int(m)) for m in np.unique(months[~np.isnan(months)])))
     hours = columns.get("hour_utc")
     if hours is not None and not np.all(np.isnan(hours)):
-        found = np.unique(np.floor(hours[~np.isnan(hours)])).astype(int)
-        out.append("hours " + (", ".join(map(str, found)) if found.size <= 8 else f"{found[0]} to {found[-1]}"))
+        present = np.unique(np.floor(hours[~np.isnan(hours)])).astype(int)
+        out.append("hours " + (", ".join(map(str, present)) if present.size <= 8 else f"{present[0]} to {present[-1]}"))
     return ", ".join(out) or "no places and no times"

@@ -56,7 +56,7 @@ def strata(
 
     ``weight`` is what each draw stands for [(total,)]; all the same where it is not given.
     """
-    found = []
+    result = []
     each = np.ones(values.size) if weight is None else weight
     whole, total = float(values @ each), float(each.sum())
     for name, (what, edges) in quantities.items():
@@ -68,5 +68,5 @@ def strata(
                 continue
             e = estimate(values, plan, weight=inside, most=most)
             part = float(values @ inside) / whole if whole > 0.0 else float("nan")
-            found.append(Stratum(name, float(edges[i - 1]), float(edges[i]), count / total, e.value, e.low, e.high, part))
-    return found
+            result.append(Stratum(name, float(edges[i - 1]), float(edges[i]), count / total, e.value, e.low, e.high, part))
+    return result

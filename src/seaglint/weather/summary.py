@@ -39,8 +39,8 @@ def joint_density(table: WeatherTable) -> FloatArray:
     """Probability of wind speed and cloud cover [(speed classes, cloud classes)]; its sum is the share of rows that have both."""
     speed, cloud = table["wind_speed_m_s"], table["cloud_cover"]
     known = ~np.isnan(speed) & ~np.isnan(cloud)
-    found, _, _ = np.histogram2d(speed[known], cloud[known], bins=(SPEED_EDGES, CLOUD_EDGES), weights=table.probability[known])
-    return np.asarray(found)
+    density, _, _ = np.histogram2d(speed[known], cloud[known], bins=(SPEED_EDGES, CLOUD_EDGES), weights=table.probability[known])
+    return np.asarray(density)
 
 
 def correlation(table: WeatherTable, first: str = "wind_speed_m_s", second: str = "cloud_cover") -> float:

@@ -232,9 +232,9 @@ class WeatherTable:
         if not used:
             return self.draw(uniform)
         out = np.empty(uniform.shape, dtype=np.int64)
-        for wanted in np.unique(month).tolist():
-            rows = np.flatnonzero(self["month"] == used[wanted])
-            at = month == wanted
+        for requested in np.unique(month).tolist():
+            rows = np.flatnonzero(self["month"] == used[requested])
+            at = month == requested
             out[at] = rows[_inverse(self.columns["weight"][rows], uniform[at])]
         return out
 
@@ -257,9 +257,9 @@ def month_used(month: FloatArray, weight: FloatArray) -> dict[int, int]:
 def _inverse(weight: FloatArray, uniform: FloatArray) -> IntArray:
     """Index of the first cumulative weight above ``uniform`` times the sum."""
     cumulative = np.cumsum(weight)
-    found = np.searchsorted(cumulative, uniform * cumulative[-1], side="right")
+    index = np.searchsorted(cumulative, uniform * cumulative[-1], side="right")
     # Rounding may bring uniform * sum up to the sum itself; the last row that has a weight is then meant.
-    return np.asarray(np.minimum(found, np.flatnonzero(weight)[-1]), dtype=np.int64)
+    return np.asarray(np.minimum(index, np.flatnonzero(weight)[-1]), dtype=np.int64)
 
 
 def _checked_uniform(uniform: FloatArray) -> FloatArray:

@@ -102,8 +102,8 @@ class Sight:
         across = float(sum((c * (s.columns + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
         down = float(sum((c * (s.rows[:, None] + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
         if self.seen == 0.0:  # of a point it is there or not
-            kept = any(share.cover.size for share in shares)
-            across, down = (self.across, self.down) if kept else (0.0, 0.0)
+            visible = any(share.cover.size for share in shares)
+            across, down = (self.across, self.down) if visible else (0.0, 0.0)
         return replace(self, seen=seen, across=across, down=down, shares=shares)
 
 

@@ -91,10 +91,10 @@ def _walk(surface: Surface, stage: np.ndarray, sights: np.ndarray, azimuths: np.
             while at < end:
                 count = min(STRIP, end - at)
                 strip.height[:] = 0.0
-                wanted = at + count > keep
+                needed = at + count > keep
                 j, seen = 0, True
                 while j < tiles and seen:
-                    if not wanted:
+                    if not needed:
                         seen = False
                         for k in range(count):
                             if rise[at + k] * (strip.height[k] + surface.crest[level, j]) - fall[at + k] > highest:

@@ -182,10 +182,10 @@ class Drawer:
         if view not in self._light:
             self._light[view] = Surroundings.of(view)
         self._light.move_to_end(view)
-        found = self._light[view]
+        cached = self._light[view]
         while len(self._light) > _KEPT:
             self._light.popitem(last=False)
-        return found
+        return cached
 
     def picture(self, stage: Stage, time: float) -> Picture:
         """Contributions of the bodies to the image at a time [s].
@@ -197,22 +197,22 @@ class Drawer:
         """
         stands = tuple(stand(body.motion.at(time), stage.pose) for body in self.bodies)
         every = tuple(placed(part, stands[part.body], stage.pose.height) for part in self._parts)
-        wanted = [one for one in every if self._near(stage, one)]
+        selected = [one for one in every if self._near(stage, one)]
         light = self.light(stage.view)
-        corners = [_corners(one) for one in wanted]
+        corners = [_corners(one) for one in selected]
         try:
-            arriving = light.arriving(corners, [_temperatures(one) for one in wanted])
+            arriving = light.arriving(corners, [_temperatures(one) for one in selected])
         except DomainError as error:
             raise DomainError(f"objects: {error}") from error
 
         def draw(n: int) -> Patch | None:
-            return _drawn(stage, wanted[n], every, arriving[n], light)
+            return _drawn(stage, selected[n], every, arriving[n], light)
 
         with ThreadPoolExecutor(int(numba.get_num_threads())) as pool:
             # the first alone: it compiles, if need be, in one thread
-            first = [draw(0)] if wanted else []
-            found = first + list(pool.map(draw, range(1, len(wanted))))
-        return Picture(self.bodies, stands, tuple(patch for patch in found if patch is not None), every)
+            first = [draw(0)] if selected else []
+            patches = first + list(pool.map(draw, range(1, len(selected))))
+        return Picture(self.bodies, stands, tuple(patch for patch in patches if patch is not None), every)
 
     def _near(self, stage: Stage, one: Placed) -> bool:
         """True if a part may be in the pixels to draw: its sphere meets the cone about them."""
@@ -363,8 +363,8 @@ def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
     right = np.array([sun[1], -sun[0], 0.0])
     right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
     across = np.stack([right, np.cross(sun, right)])
-    found: SunMap = sun_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
-    return found
+    result: SunMap = sun_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
+    return result
 
 
 def solid_angle(one: Placed) -> float:

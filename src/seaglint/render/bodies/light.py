@@ -158,9 +158,9 @@ class Surroundings:
         at_sea = 2.0 * radius * np.arcsin(np.sqrt(np.minimum(ratio, 1.0)))
         azimuth = np.array([p.azimuth for p in places])[:, None] - view.solar_azimuth
         elevation = np.array([p.elevation for p in places])[:, None]
-        found = scattered_path(at_sea, elevation, azimuth, table)
+        radiance = scattered_path(at_sea, elevation, azimuth, table)
         # shorter than the sensor is high, there is no path to the sea: in proportion to the length
-        return np.asarray(view.sun_distance_factor * found * np.minimum(slant / eye, 1.0))
+        return np.asarray(view.sun_distance_factor * radiance * np.minimum(slant / eye, 1.0))
 
     def kelvin(self, radiance: float) -> float:
         """Apparent temperature [K] of a band radiance [W m-2 sr-1]."""

@@ -49,15 +49,15 @@ class Mesh:
         vertices = np.ascontiguousarray(np.concatenate([s.vertices for s in solids]), dtype=np.float64)
         corners = np.concatenate([s.triangles + n for s, n in zip(solids, first, strict=True)]).astype(np.int32)
         kelvin = np.concatenate([np.asarray(s.temperature, np.float64) for s in solids])
-        found, inverse = np.unique(kelvin, return_inverse=True)
+        temperatures, inverse = np.unique(kelvin, return_inverse=True)
         code: FloatArray = np.asarray(inverse, np.float64)
-        if found.size > MOST_TEMPERATURES:
-            found = np.linspace(found[0], found[-1], _TABLED)
-            code = (kelvin - found[0]) / (found[1] - found[0])
+        if temperatures.size > MOST_TEMPERATURES:
+            temperatures = np.linspace(temperatures[0], temperatures[-1], _TABLED)
+            code = (kelvin - temperatures[0]) / (temperatures[1] - temperatures[0])
         middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
         radius = float(np.sqrt(((vertices - middle) ** 2).sum(axis=1).max()))
         emissivity = np.concatenate([np.asarray(s.emissivity, np.float64) for s in solids])
-        return cls(vertices, np.ascontiguousarray(corners), code, emissivity, found, middle, radius, *_edges(vertices, corners))
+        return cls(vertices, np.ascontiguousarray(corners), code, emissivity, temperatures, middle, radius, *_edges(vertices, corners))
 
 
 def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
@@ -65,8 +65,8 @@ def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np
     same = merged(vertices)[corners]
     start, end = same, np.roll(same, -1, axis=1)
     count = len(vertices)
-    found, which = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_inverse=True)
-    ends = np.stack(np.divmod(found, count), axis=1).astype(np.int32)
+    keys, which = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_inverse=True)
+    ends = np.stack(np.divmod(keys, count), axis=1).astype(np.int32)
     return ends, np.where(start < end, which.reshape(same.shape) + 1, -(which.reshape(same.shape) + 1)).astype(np.int32)
 
 
@@ -162,14 +162,14 @@ def _extent(surface: FloatArray, eye: float, heading: tuple[float, float]) -> tu
     for n in range(surface.shape[0]):
         east, north, up = surface[n, 0], surface[n, 1], surface[n, 2]
         level, over = math.sqrt(east * east + north * north), EFFECTIVE_EARTH_RADIUS + eye + up
-        found = (
+        sample = (
             math.atan2(east * c - north * s, east * s + north * c),
             EFFECTIVE_EARTH_RADIUS * math.atan2(level, over),
             up / max(level, 1e-9),
             math.sqrt(level * level + over * over) - EFFECTIVE_EARTH_RADIUS,
         )
         for k in range(4):
-            low[k], high[k] = min(low[k], found[k]), max(high[k], found[k])
+            low[k], high[k] = min(low[k], sample[k]), max(high[k], sample[k])
     return low, high
 
 

@@ -108,6 +108,6 @@ def _add(dark: FloatArray, stage: Stage, flat: Placed | None) -> None:
         columns = (some.begin[0] + np.arange(some.size[0])) // some.cells[0]
         rows = (some.begin[1] + np.arange(some.size[1])) // some.cells[1]
         columns = columns % circle if circle else columns
-        kept = np.ix_((rows >= top) & (rows < bottom), (columns >= left) & (columns < right))
-        where = np.ix_(rows[kept[0].ravel()] - top, columns[kept[1].ravel()] - left)
-        np.add.at(dark, where, (samples.triangle[kept] >= 0) / (some.cells[0] * some.cells[1]))
+        inner = np.ix_((rows >= top) & (rows < bottom), (columns >= left) & (columns < right))
+        where = np.ix_(rows[inner[0].ravel()] - top, columns[inner[1].ravel()] - left)
+        np.add.at(dark, where, (samples.triangle[inner] >= 0) / (some.cells[0] * some.cells[1]))
