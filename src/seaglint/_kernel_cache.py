@@ -64,8 +64,8 @@ def sources_digest(package: Path = PACKAGE) -> str:
 def kernel_folder(requested: str = "") -> Path | None:
     """Folder of compiled kernels, created if necessary; None where no folder is writable.
 
-    It lies in the folder ``requested`` (``NUMBA_CACHE_DIR``), else in the package's own ``__pycache__``, else in the user's cache, else among
-    temporary files. Processes may call this at once: nothing is locked, and a folder is only ever made or moved whole.
+    It lies in the folder ``requested`` (``NUMBA_CACHE_DIR``), else in the package's own ``__pycache__``, else in the user's cache, else
+    among temporary files. Several processes may call this at once: nothing is locked, and a folder is only created or moved as a whole.
     """
     name = PREFIX + sources_digest()
     for parent in _parents(requested):

@@ -82,7 +82,7 @@ def mean(scenario: Scenario) -> xr.Dataset:
     Raises
     ------
     SeaglintError
-        What the models do not cover; see :mod:`seaglint.pipeline.prepare`.
+        A condition outside the models; see :mod:`seaglint.pipeline.prepare`.
 
     Examples
     --------
@@ -120,7 +120,7 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     Raises
     ------
     SeaglintError
-        What the models do not cover, a time outside the platform's track, a layer that there is not.
+        A condition outside the models, a time outside the platform's track, or an unknown layer.
 
     Notes
     -----
@@ -171,7 +171,7 @@ def render(
     progress : callable, optional
         Called with (frames done, frames in all).
     electrons, radiance : bool
-        Of a scenario with a detector: write electrons, and the radiance at the aperture, beside counts.
+        Write electrons, and the radiance at the aperture, beside counts, for a scenario with a detector.
     workers : int or Workers, optional
         Number of processes on this machine that share the frames, or what :func:`seaglint.cluster.dask.connected` gives.
 
@@ -184,7 +184,7 @@ def render(
     Raises
     ------
     SeaglintError
-        What the models do not cover, a store that is there already, no room.
+        A condition outside the models, an existing store, or a full disk.
 
     Examples
     --------
@@ -226,7 +226,7 @@ def export(
     Parameters
     ----------
     run : xarray.Dataset or path
-        What :func:`render` gives or a part of it, or a finished store.
+        Result of :func:`render` or a part of it, or a finished store.
     output : path
         ``.nc``, ``.h5``, ``.tif``, ``.fits``, ``.npy``, ``.raw`` (the last two with a JSON header beside them), ``.mp4`` or ``.gif``.
     variable : str, optional
@@ -288,7 +288,7 @@ def sense(
     output : path, optional
         Zarr store to write and open; without it the counts are made in memory.
     seed : int, optional
-        Of the noise; the scenario's by default.
+        Seed of the noise; the scenario's by default.
     oversampling : int, optional
         Pixels of the radiance along each side of the detector's; found from the coordinates of a dataset, else 1.
     electrons : bool

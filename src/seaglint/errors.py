@@ -28,7 +28,7 @@ class Mistake:
     key : str
         Where it stands: ``"sensor.height_m"``, ``"render.layers[0]"``.
     value : object
-        What was given; None where a key is missing.
+        Given value; None where a key is missing.
     allowed : (float, float), str or None
         Closed range, or words; None where the text alone says it.
     text : str
@@ -60,7 +60,7 @@ class DomainError(SeaglintError, ValueError):
     Parameters
     ----------
     text : str
-        What was given, what is allowed, what to do.
+        Message: the given value, the allowed ones, and the remedy.
     name : str, optional
         The quantity, as functions call it: ``"wind_speed"``.
     value : object, optional

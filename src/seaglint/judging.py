@@ -54,12 +54,12 @@ def detect(
     source : Scenario, dataset, array, path or Recording
         Frames without objects as for :func:`seaglint.api.analyze`, or a scenario, of which independent seas are rendered.
     contrast : float or sequence of float, optional
-        What an object centred on a pixel adds to it [units of the source]; of a scenario the in-band contrast at the aperture
+        Signal of an object in the pixel at whose centre it lies [units of the source]; of a scenario the in-band contrast at the aperture
         [W m-2 sr-1], and without it a sweep in standard deviations of its frames.
     detector, filter : str
         Names, or ``package.module:function`` of your own detector.
     threshold, threshold_law
-        As on the command line.
+        Threshold and its law, as on the command line.
     injections : int
         Objects of each contrast.
     object_sigma_px : float, optional
@@ -67,17 +67,17 @@ def detect(
     psf : array_like, optional
         Point spread instead, one value a pixel.
     objects : str
-        Of a scenario: "point", "gaussian", or the name of one of its objects.
+        Objects of a scenario: "point", "gaussian", or the name of one of its objects.
     frames : int
-        Of a scenario: independent seas at most.
+        Largest number of independent seas of a scenario.
     precision, time_budget : float, optional
-        Of a scenario: half width of the interval of P_d that is enough [1]; longest time [s].
+        Limits for a scenario: half width of the interval of P_d that is enough [1]; longest time [s].
     design : bool
-        Of a scenario: the contrast for P_d 0.9 at one false alarm per hour and field, or at ``p_fa``, and the loss against white noise.
+        Contrast of a scenario's object for P_d 0.9 at one false alarm per hour and field, or at ``p_fa``, and the loss against white noise.
     frame_rate, units, variable
-        As for :func:`seaglint.api.analyze`.
+        Properties of the recording, as for :func:`seaglint.api.analyze`.
     seed : int
-        Of the places.
+        Seed of the places.
     progress : callable, optional
         Called with (done, in all).
     **more
@@ -87,7 +87,7 @@ def detect(
     Returns
     -------
     dict
-        What ``seaglint detect --json`` prints. Notebooks show it as a table.
+        Values that ``seaglint detect --json`` prints. Notebooks show them as a table.
 
     Raises
     ------

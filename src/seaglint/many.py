@@ -100,11 +100,11 @@ def dataset(
     format : str
         ``coco``, ``yolo``, ``sirst`` or ``zarr``.
     bits : 8 or 16, optional
-        Of a pixel; 16 for ``coco``, 8 for ``yolo`` and ``sirst``.
+        Bits of a pixel; 16 for ``coco``, 8 for ``yolo`` and ``sirst``.
     image : str, optional
         ``png`` (default) or ``tiff``.
     workers, threads, resume, overwrite, progress
-        As for :func:`ensemble`.
+        Settings of the run, as for :func:`ensemble`.
 
     Returns
     -------
@@ -114,7 +114,7 @@ def dataset(
     Raises
     ------
     SeaglintError
-        As for :func:`ensemble`; a format that there is not.
+        An error as for :func:`ensemble`, or an unknown format.
 
     Examples
     --------

@@ -33,9 +33,9 @@ class Recording:
     saturation : float or None
         Value at which the format or sensor saturates: full scale of integer formats, or what the user said; less ``offset``.
     offset : float
-        What :meth:`read` takes off the file's numbers, so that single precision resolves their spread.
+        Level that :meth:`read` subtracts from the file's numbers, so that single precision resolves their spread.
     notes : tuple of str
-        What a reader of results should know: lossy codec, channels averaged, frames missing.
+        Notes for readers of results: lossy codec, channels averaged, frames missing.
     """
 
     source: str

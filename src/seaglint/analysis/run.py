@@ -76,7 +76,7 @@ class Options:
     detectors : tuple of Detector
         Judged by the same counting.
     seed : int
-        Of everything that is sampled.
+        Seed of all random samples.
     """
 
     filter: Filter = field(default_factory=Laplacian)
@@ -156,7 +156,7 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
     Parameters
     ----------
     recording : Recording
-        Of a file by ``seaglint.io.recording.open_recording``, or of your own.
+        Recording from a file by ``seaglint.io.recording.open_recording``, or a user's own.
     options : Options, optional
         Filter, thresholds, mask, detectors.
     progress : callable

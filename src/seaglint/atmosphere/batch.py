@@ -31,7 +31,7 @@ class BatchAtmosphere:
     wavenumber_cm : ndarray
         Ascending spectral samples [cm-1, (n,)].
     wind_range, height_range : tuple of float
-        What the table covers [m s-1], [m].
+        Ranges of the table [m s-1], [m].
     extrapolate : bool
         Whether winds and heights beyond that are taken.
 

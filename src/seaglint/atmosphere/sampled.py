@@ -165,9 +165,9 @@ class SampledAtmosphere:
         scattering : callable, optional
             Makes the scatterers on all spectral samples, when they are asked for; without it the air scatters no sunlight.
         name : str
-            What error messages call the atmosphere.
+            Name of the atmosphere in error messages.
         provenance : dict, optional
-            What it says of itself.
+            Provenance of the spectra.
 
         Raises
         ------

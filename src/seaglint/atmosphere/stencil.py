@@ -26,7 +26,7 @@ class Stencil:
     weight : ndarray
         Weights [1, (cases, m)].
     size : int
-        How many nodes there are to choose from.
+        Number of nodes.
     """
 
     index: NDArray[np.intp]

@@ -128,7 +128,7 @@ class BandTable:
         Logarithm of the slant path to the sea horizon over its straight length [1, (heights,)]; path coordinate of LOWTRAN7's rays
         against that of straight ones [1, (heights, nodes)].
     path_depth, path_temperature, sun_depth, sky_temperature, sky_dip : Spectra
-        What :func:`read_table` describes.
+        Spectra that :func:`read_table` describes.
     """
 
     model: str

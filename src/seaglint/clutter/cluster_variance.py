@@ -46,7 +46,7 @@ class ClusterVariance:
     Attributes
     ----------
     variance : float or None
-        Of the rate [1]; None where it cannot be told, with the reason in ``note``.
+        Variance of the rate [1]; None where it cannot be told, with the reason in ``note``.
     degrees : float
         Degrees of freedom of that estimate [1].
     inflation : float
@@ -129,7 +129,7 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: F
     Returns
     -------
     ClusterVariance
-        Of the rate; it needs a record that holds several correlation times or lengths.
+        Variance of the rate; it needs a record that holds several correlation times or lengths.
     """
     total, number = int(counts.sum()), int(pixels.sum())
     if number == 0 or total == 0 or total == number:

@@ -78,7 +78,7 @@ def spatial_correlation(
     mask : ndarray of bool, shape (rows, columns), optional
         Pixels of the region.
     mean : array_like, shape (rows, columns), optional
-        What does not count as clutter, subtracted first: :func:`trend_surface`, for one frame and for many, keeps the shape of the
+        Part that is no clutter and is subtracted first: :func:`trend_surface`, for one frame and for many, keeps the shape of the
         corridor from being taken for correlation. (The mean in time of each pixel serves for a long sequence only: that of a
         few frames takes clutter with it.) The region's mean is removed in any case.
     longest : int, optional
@@ -154,7 +154,7 @@ def trend_surface(image: ArrayLike, mask: BoolArray | None = None, degree: int =
     mask : ndarray of bool, shape (rows, columns), optional
         Pixels of the region.
     degree : int
-        Of the polynomial; 4 has fifteen coefficients, which take fifteen of the region's independent values.
+        Degree of the polynomial; 4 has fifteen coefficients, which take fifteen of the region's independent values.
 
     Returns
     -------
@@ -264,9 +264,9 @@ def block_labels(shape: tuple[int, ...], sides: tuple[float, ...]) -> NDArray[np
     Parameters
     ----------
     shape : tuple of int
-        Of the array, e.g. (frames, rows, columns).
+        Shape of the array, e.g. (frames, rows, columns).
     sides : tuple of float
-        Of a block along each axis; some five correlation lengths or times. Rounded up, and to divide the axis evenly.
+        Sides of a block along each axis; some five correlation lengths or times. Rounded up, and to divide the axis evenly.
 
     Returns
     -------

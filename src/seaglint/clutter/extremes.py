@@ -82,7 +82,7 @@ def fit_pareto(excess: ArrayLike, number: ArrayLike | None = None) -> ParetoFit:
     excess : array_like
         Excesses over the threshold, at least 10, above 0 [any].
     number : array_like, optional
-        How often each occurs [1].
+        Number of occurrences of each [1].
 
     Raises
     ------
@@ -224,10 +224,10 @@ def fit_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> tuple[TailFi
     Parameters
     ----------
     curve, events : RateCurve, Events
-        Of one accumulator (:class:`seaglint.clutter.false_alarms.FalseAlarms`); the events of a threshold low enough to leave some to fit,
-        3 standard deviations for instance.
+        Rate curve and events of one accumulator (:class:`seaglint.clutter.false_alarms.FalseAlarms`).
+        Their threshold is low enough to leave some events to fit, for instance 3 standard deviations.
     seed : int
-        Of the draws for test and intervals.
+        Seed of the draws for test and intervals.
 
     Returns
     -------
@@ -289,7 +289,7 @@ def with_limits(
     reached : float
         Largest excess [standard deviations].
     generator : Generator
-        Of the draws behind the intervals.
+        Random generator of the draws behind the intervals.
     """
     # Smith 1985, for xi and log beta: [[(1 + xi)^2, -(1 + xi)], [-(1 + xi), 2 (1 + xi)]] / n; the number of events is Poisson.
     rate = float(curve.rate[edge])

@@ -45,7 +45,7 @@ class Goodness:
     effective_count : float
         Independent values.
     replicates : int
-        Of the bootstrap.
+        Number of replicates of the bootstrap.
     method : str
         One line for reports.
     """
@@ -102,16 +102,16 @@ def goodness(
     values : array_like, any shape
         The sample of the fit (or its histogram's cells); NaN and values at or below the fit's ``loc`` are left out, as in the fit.
     fitted : Fit
-        Of the same values.
+        Fit of the same values.
     weights : array_like, shape of values, optional
         Counts of a histogram's cells; cells must be much narrower than ``1 / sqrt(effective_count)`` in probability.
     effective_count : float, optional
         Independent values; default that of the fit. From the correlation of the values it is a lower bound, which makes the
         levels larger than exact ones.
     replicates : int
-        Of the bootstrap; 199 give levels down to 0.005.
+        Number of replicates of the bootstrap; 199 give levels down to 0.005.
     seed : int
-        Of the bootstrap; same seed, same levels.
+        Seed of the bootstrap; same seed, same levels.
 
     Returns
     -------

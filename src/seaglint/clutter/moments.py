@@ -101,7 +101,7 @@ class PixelMoments:
     Attributes
     ----------
     count, mean, sum2, sum3, sum4, minimum, maximum : ndarray, shape (rows, columns)
-        As in :class:`Moments`; mean is 0 where count is 0.
+        Sums as in :class:`Moments`; mean is 0 where count is 0.
     """
 
     count: NDArray[np.int64]

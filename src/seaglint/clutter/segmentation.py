@@ -61,7 +61,7 @@ class Segmentation:
     reason : str
         Why there is none; empty if found.
     doubt : str
-        What of a corridor found passes only narrowly; empty where it is clear, and where there is none.
+        Criteria that a corridor passes only narrowly; empty where it is clear, and where there is none.
     method : str
         One line for reports.
     """

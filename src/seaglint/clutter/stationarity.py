@@ -35,7 +35,7 @@ class Stationarity:
     p_mean, p_variance : float
         Levels for the blocks' means and variances, each by itself; NaN if not decidable.
     mean, variance : ndarray, shape (blocks along y, blocks along x)
-        Of the blocks; NaN where less than half a block is in the region.
+        Mean and variance of the blocks; NaN where less than half a block is in the region.
     block : (int, int)
         Rows and columns of a block [px].
     reason : str
@@ -77,7 +77,7 @@ def stationarity(
     permutations : int
         999 give levels down to 0.001.
     seed : int
-        Of the permutations.
+        Seed of the permutations.
 
     Returns
     -------

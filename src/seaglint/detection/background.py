@@ -121,7 +121,7 @@ class Threshold:
     given : float
         The number, in the law's unit.
     sigma : float
-        The same in standard deviations above the mean [1].
+        Threshold in standard deviations above the mean [1].
     estimated : bool
         Whether it stands on the measured mean and standard deviation.
     """
@@ -138,7 +138,7 @@ class Background:
     Parameters
     ----------
     detector : Detector
-        What is judged.
+        Detector to evaluate.
     source : FrameSource
         Frames without objects.
     report : callable, optional
@@ -261,7 +261,7 @@ class FalseAlarmCount:
     alarms : FalseAlarms
         Rates, events and the rate curve of z.
     cells : Cells
-        What intervals are made of.
+        Cells from which intervals are computed.
     per_pixel : Interval
         Rate per pixel and frame [1].
     per_frame : Interval

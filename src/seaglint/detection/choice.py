@@ -66,7 +66,7 @@ def named_for(name: str, shape: Shape, background: Callable[[], Frames]) -> Dete
     name : str
         One of :data:`NAMES`, or ``package.module:function``.
     shape : Shape
-        Of the objects.
+        Shape of the objects.
     background : callable
         Frames without objects, shape (k, rows, columns), from which covariances are estimated; called where they are needed.
 

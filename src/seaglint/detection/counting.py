@@ -29,7 +29,7 @@ class Counting:
     electrons : float, optional
         Electrons for each unit of the frames [1/u]; None where a sensor has no shot noise.
     step : float
-        Of the converter [u].
+        Step of the converter [u].
     """
 
     electrons: float | None
@@ -41,7 +41,7 @@ class Counting:
         Parameters
         ----------
         seed : int
-            Of the objects.
+            Seed of the objects.
         first : int
             Number of the first frame in its source.
         shape : (int, int, int)
@@ -59,7 +59,7 @@ class Counting:
             Mean of the objects' light [u]. Below 0, for objects darker than what is behind them, it has no noise of its own: the electrons
             that are missing take a little of the background's noise with them, which is left in.
         draws : ndarray, shape (k, 2, rows, columns)
-            Of :meth:`draws`.
+            Numbers from :meth:`draws`.
         """
         out = np.zeros_like(light)
         lit = light != 0.0

@@ -83,7 +83,7 @@ class NeededContrast:
     Attributes
     ----------
     contrast : float
-        What an object centred on a pixel must add to it [u].
+        Signal of an object in the pixel at whose centre it lies [u].
     low, high : float or None
         Contrasts at which the interval of P_d has the wanted one at its upper and its lower end [u].
     tried : tuple
@@ -108,9 +108,9 @@ def contrast_for(
     Parameters
     ----------
     background, source, threshold
-        Of the same frames without objects.
+        Background, source and threshold of the same frames without objects.
     objects : Objects
-        What is injected; the sign of its first contrast is kept.
+        Injected objects; the sign of their first contrast is used.
     p_d : float
         Wanted share [1].
 
@@ -195,9 +195,9 @@ class WhiteFrames:
     frames, rows, columns : int
         Size.
     mean, sigma : float
-        Of every pixel [u].
+        Mean and standard deviation of every pixel [u].
     seed : int
-        Of the noise; a frame is a function of it and of its number.
+        Seed of the noise; a frame is a function of it and of its number.
     sequence_length : int
         Frames of a sequence; 0 where all are one.
     """

@@ -97,7 +97,7 @@ class Plan:
     placement : {"random", "centre"}
         Anywhere within the pixels, or at their centres.
     seed : int
-        Of places and displacements.
+        Seed of places and displacements.
     only_rows : (int, int), optional
         Rows that hold objects, first and end; all within the margin where nothing is said [px].
     spread : bool
@@ -205,9 +205,9 @@ def inject(frames: NDArray[np.floating], batch: Batch, shape: Shape, contrast: f
     batch : Batch
         Objects.
     shape : Shape
-        Of every object.
+        Shape of every object.
     contrast : float
-        What an object centred on a pixel adds to it [u].
+        Signal of an object in the pixel at whose centre it lies [u].
     velocity : (float, float)
         Motion in rows and columns [px a frame].
     """

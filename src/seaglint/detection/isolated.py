@@ -31,14 +31,14 @@ class IsolatedDetector:
     Parameters
     ----------
     path : str
-        As for :func:`seaglint.detection.base.load`.
+        Path as for :func:`seaglint.detection.base.load`.
     time_limit : float
         Longest time of a call [s].
 
     Raises
     ------
     DataError
-        What :func:`seaglint.detection.base.load` refuses, or a module that ends the process or takes too long to import.
+        A path that :func:`seaglint.detection.base.load` refuses, or a module that ends the process or takes too long to import.
     DomainError
         A time limit that is not above 0.
     """

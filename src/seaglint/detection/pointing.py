@@ -74,7 +74,7 @@ def least_squares(patches: FloatArray, shape: Shape) -> FloatArray:
     patches : ndarray, shape (n, 2 half + 1, 2 half + 1)
         Around the brightest pixel of each object [u].
     shape : Shape
-        Of the object, with that ``half``.
+        Shape of the object, with that ``half``.
     """
     n = patches.shape[0]
     values = patches.reshape(n, -1)

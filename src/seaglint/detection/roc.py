@@ -52,13 +52,13 @@ def roc(curve: RateCurve, scores: Scores, inflation: tuple[float, float], level:
     Parameters
     ----------
     curve : RateCurve
-        Of the statistic without objects.
+        Rate curve of the statistic without objects.
     scores : Scores
-        Of the objects.
+        Scores of the objects.
     inflation : (float, float)
         Variance of false alarms and of detections over that of independent ones, taken for every threshold [1].
     level : float
-        Of the bands, each of its rate alone [1].
+        Confidence level of the bands, for each rate alone [1].
     """
     last = int(np.flatnonzero(curve.exceedances)[-1]) if curve.exceedances.any() else 0
     # Even in the logarithm of the rate, where the interest is.

@@ -79,7 +79,7 @@ class Scores:
     Attributes
     ----------
     contrast : float
-        What an object centred on a pixel adds to it [u].
+        Signal of an object in the pixel at whose centre it lies [u].
     score : ndarray, shape (n,)
         Largest statistic within the match radius, in standard deviations above the mean [1]; minus infinity where the detector says
         nothing once the object is there.
@@ -268,7 +268,7 @@ def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level
     shift : ndarray, optional
         By how many occurrences each cell moved the total through the threshold [1].
     level : float
-        Of the interval [1].
+        Confidence level of the interval [1].
     """
     count, number = int(counts.sum()), int(trials.sum())
     if number == 0:
@@ -295,7 +295,7 @@ def exact_interval(count: int, number: int, level: float) -> tuple[float, float]
     count, number : int
         Occurrences, and independent trials [1].
     level : float
-        Of the interval [1].
+        Confidence level of the interval [1].
 
     Examples
     --------
@@ -322,7 +322,7 @@ def interval_of_sequences(counts: FloatArray, trials: FloatArray, shift: FloatAr
     shift : ndarray, optional
         By how many occurrences each moved the total through the threshold [1].
     level : float
-        Of the interval [1].
+        Confidence level of the interval [1].
     """
     used = trials > 0
     count, number, sequences = round(float(counts.sum())), round(float(trials.sum())), int(used.sum())

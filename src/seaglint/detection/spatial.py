@@ -74,7 +74,7 @@ class Chain:
     filter : Filter
         Applied to every frame.
     detector : Detector
-        What sees the filtered frames.
+        Detector that receives the filtered frames.
     """
 
     filter: Filter
@@ -145,7 +145,7 @@ class DirectionalBackground:
     Parameters
     ----------
     kind : {"mean", "median"}
-        What is taken along the lines.
+        Average along the lines.
     size : int
         Pixels of a line, odd, at least 3.
     """

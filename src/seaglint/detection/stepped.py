@@ -83,7 +83,7 @@ def tail_above(
     lowest : float
         Threshold of the events [standard deviations].
     seed : int
-        Of draws behind tests and intervals.
+        Seed of the draws behind tests and intervals.
     """
     steps = steps_of(judged, law)
     if steps is None:

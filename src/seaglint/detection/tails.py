@@ -97,7 +97,7 @@ class RareTail:
     region : (ndarray, ndarray)
         Shapes and scales whose log likelihood is within 2.2 of the largest [1, standard deviations].
     levels : Levels, optional
-        Of a statistic that takes steps: thresholds are told as the middle between two of them.
+        Levels of a stepped statistic: thresholds are stated as the middle between two of them.
     """
 
     fit: TailFit | None
@@ -185,7 +185,7 @@ def tail_of(values: ArrayLike, *, seed: int = 0) -> tuple[RareTail, float, float
     values : array_like
         A series, an image, or frames (k, rows, columns): neighbours belong to one event [u].
     seed : int
-        Of the draws for test and interval.
+        Seed of the draws for test and interval.
 
     Raises
     ------

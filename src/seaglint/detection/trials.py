@@ -35,9 +35,9 @@ class Objects:
     Parameters
     ----------
     shape : Shape
-        Of every object.
+        Shape of every object.
     contrasts : tuple of float
-        What an object centred on a pixel adds to it; not 0 [u].
+        Signals of an object in the pixel at whose centre it lies; not 0 [u].
     injections : int
         Objects of each contrast, all at the same places.
     placement : {"random", "centre"}
@@ -47,9 +47,9 @@ class Objects:
     velocity : (float, float)
         Motion in rows and columns [px a frame].
     pointing : {"least-squares", "centroid"}
-        How places are estimated.
+        Method that estimates places.
     seed : int
-        Of places.
+        Seed of places.
     duration : int
         Frames for which an object is there, up to the one that is judged; 0 for all that the detector sees [frames].
     only_rows : (int, int), optional
@@ -210,7 +210,7 @@ def run_trials(
     source : FrameSource
         Frames.
     objects : Objects
-        What is injected.
+        Objects to inject.
     threshold : Threshold
         Above which places are estimated; the scores are those of every threshold.
     report : callable, optional

@@ -43,7 +43,7 @@ def tilt(heading: float, starboard: float, forward: float) -> FloatArray:
     Parameters
     ----------
     heading : float
-        Of the body [rad].
+        Heading of the body [rad].
     starboard, forward : float
         Slope of the plane towards its starboard and forward [1].
 

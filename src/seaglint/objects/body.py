@@ -22,9 +22,9 @@ class Solid:
     triangles : ndarray of int32, (triangles, 3)
         Corners, counterclockwise seen from outside.
     temperature : ndarray, (vertices,)
-        Of the surface [K].
+        Temperature of the surface [K].
     emissivity : ndarray, (vertices,)
-        Of the surface [1]; what it lacks of 1 is reflected.
+        Emissivity of the surface [1]; the rest to 1 is reflected.
     """
 
     vertices: FloatArray
@@ -46,7 +46,7 @@ class Plume:
     semi_axes : tuple of float
         Along x, y and z [m].
     temperature : float
-        Of the gas [K].
+        Temperature of the gas [K].
     emissivity : float
         Along a line through the middle, below 1 [1].
     """
@@ -83,7 +83,7 @@ class Placement:
     Attributes
     ----------
     position : ndarray, (3,)
-        Of its origin: east and north on the sea's own axes, as the sensor's pose has them; height above the mean sea there [m].
+        Position of its origin: east and north on the sea's own axes, as the sensor's pose has them; height above the mean sea there [m].
     rotation : ndarray, (3, 3)
         From the body's axes to east, north and up.
     """

@@ -91,7 +91,7 @@ class Swell:
         time : float
             From the start [s].
         velocity : ndarray, optional
-            Of the middle, towards east and north [m s-1]; it counts for the rate.
+            Velocity of the middle, towards east and north [m s-1]; it counts for the rate.
         """
         total = np.zeros(6)
         for i, waves in enumerate(self.waves):
@@ -115,9 +115,9 @@ class Afloat:
     base : Steered
         Motion on a flat sea.
     swell : Swell
-        What it rides on.
+        Waves that it rides on.
     centre, half_sides : ndarray, (2,)
-        Of the waterline, towards starboard and forward of the body's origin [m].
+        Centre and half sides of the waterline, towards starboard and forward of the body's origin [m].
     """
 
     base: Steered

@@ -91,11 +91,11 @@ class Keyframed:
         angles : ndarray, (keyframes, 3)
             Heading, pitch, roll [rad].
         names : sequence of str
-            What errors call the keyframes, e.g. ``"line 7"``.
+            Names of the keyframes in error messages, e.g. ``"line 7"``.
         follows : bool
             Head along the way; the headings given count for nothing then.
         path : "spline" or "straight"
-            How positions are connected.
+            Interpolation between positions.
 
         Raises
         ------

@@ -79,7 +79,7 @@ def patches(
     view_zenith : array_like
         Zenith angle of the direction from the sea to the sensor [rad], 0..pi/2.
     solar_zenith : float
-        That of the Sun's centre [rad]; a disc cut by the horizon counts with the middle of what is left.
+        Zenith angle of the Sun's centre [rad]; a disc cut by the horizon counts with the middle of what is left.
     slant_range : array_like
         Distance to the sea [m].
     solid_angle : array_like
@@ -148,7 +148,7 @@ def glint_variance(
     view_zenith : array_like
         Zenith angle of the direction from the sea to the sensor [rad], 0..pi/2.
     solar_zenith : float
-        That of the Sun's centre [rad].
+        Zenith angle of the Sun's centre [rad].
     slant_range : array_like
         Distance to the sea [m].
     solid_angle : array_like

@@ -51,7 +51,7 @@ class FloatingTrack(Track):
         base : Track
             On a flat sea.
         swell : Swell
-            What the vessel rides on.
+            Waves that the vessel rides on.
         waterline : (float, float)
             Width and length over which waves are averaged [m]; the sensor stands above its middle.
         heading : float, optional

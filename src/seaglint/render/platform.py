@@ -53,7 +53,7 @@ class Track:
         columns : mapping
             Arrays under :data:`COLUMNS` [s, m, rad], one value per keyframe.
         names : sequence of str
-            What errors call the keyframes, e.g. ``"line 7"``.
+            Names of the keyframes in error messages, e.g. ``"line 7"``.
 
         Raises
         ------

@@ -76,7 +76,7 @@ def image(scene: Scene, pose: Pose, time: float, sea: Instant | None = None) -> 
     Parameters
     ----------
     scene : Scene
-        What is prepared.
+        Prepared scene.
     pose : Pose
         Place and attitude of the sensor.
     time : float

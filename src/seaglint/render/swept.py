@@ -67,7 +67,7 @@ class SweptScene:
     waves : WaveField or None
         The part of the slopes that is geometry; the rest goes to the facets. Without it the image is the mean.
     accuracy : Accuracy
-        How finely it is drawn.
+        Accuracy settings of the drawing.
     layers : tuple of str
         Layers beside ``radiance`` and ``glint_radiance``.
     sparkles : Sparkles

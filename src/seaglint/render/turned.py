@@ -98,7 +98,7 @@ class TurnedScene:
     waves : WaveField or None
         The part of the slopes that is geometry.
     accuracy : Accuracy
-        How finely it is drawn.
+        Accuracy settings of the drawing.
     layers : tuple of str
         Layers beside ``radiance`` and ``glint_radiance``.
     sparkles : Sparkles
@@ -142,7 +142,7 @@ class TurnedScene:
         view_at : callable
             ``view_at(height)`` is the :class:`~seaglint.radiance.view.SeaView` of a sensor height [m].
         imager, track, waves, accuracy, layers, sparkles
-            As the attributes.
+            See the attributes.
 
         Raises
         ------

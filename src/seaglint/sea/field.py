@@ -158,7 +158,7 @@ class WaveField:
         Parameters
         ----------
         interpolation : "bilinear" or "none"
-            How slopes are read between lattice points.
+            Interpolation of slopes between lattice points.
 
         Returns
         -------

@@ -38,7 +38,7 @@ class Exposure:
     signal : ndarray
         Counts [(rows, columns) or (time, rows, columns), uint16].
     units : ndarray
-        The same before the converter: electrons, or nanowatts of a thermal detector, noise and background in it [shape of ``signal``].
+        Signal before the converter: electrons, or nanowatts of a thermal detector, noise and background in it [shape of ``signal``].
     saturated : int
         Pixels that are full or at the end of the converter.
     """
@@ -62,13 +62,13 @@ class SensorModel:
     photons : Photons
         Band and quantum efficiency.
     optics : Optics
-        What is in front of the detector.
+        Optics in front of the detector.
     detector : Detector or ThermalDetector
         The pixels.
     noise : Noise
-        What they add.
+        Noise of the pixels.
     seed : int
-        Of everything random.
+        Seed of all random numbers.
     frame_interval : float
         Time from frame to frame [s].
     scanning : bool
@@ -211,7 +211,7 @@ class SensorModel:
         Parameters
         ----------
         seen : ndarray
-            Of :meth:`focal_plane` [W m-2 sr-1, (rows, columns) or (time, rows, columns)].
+            Radiance from :meth:`focal_plane` [W m-2 sr-1, (rows, columns) or (time, rows, columns)].
         frame : int
             Number of the frame (of the first one) in the whole sequence: its noise is a function of it.
         time : float, optional

@@ -73,7 +73,7 @@ class Detector(Pixels):
     dark_current : float
         [electrons s-1].
     bit_depth : int
-        Of the converter.
+        Bit depth of the converter.
     gain : float or None
         Electrons for each count; where None a full well, or the electrons of a hot blackbody, fill the converter.
     offset : float

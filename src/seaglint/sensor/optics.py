@@ -49,7 +49,7 @@ class Optics:
     aperture, focal_length : float
         Diameter of the entrance pupil and focal length [m].
     transmission : float
-        Of the optics, in the band [1].
+        Transmittance of the optics, in the band [1].
     obscuration : float
         Diameter of the central obscuration over that of the pupil [1].
     wavefront_error : float
@@ -61,7 +61,7 @@ class Optics:
     drift : (float, float)
         Steady movement of the line of sight, along and across rows [rad s-1].
     temperature, emissivity : float
-        Of warm optics, which shine into the detector themselves [K, 1].
+        Temperature and emissivity of warm optics, which radiate into the detector themselves [K, 1].
     shield_f_number : float or None
         F-number of the cold shield; where it is lower than that of the optics, the housing (black, at ``temperature``) is seen around
         them. None is a shield that fits.

@@ -42,7 +42,7 @@ class ThermalDetector(Pixels):
     netd_f_number, netd_temperature : float
         Optics (transmission 1) and blackbody [K] for which it is stated.
     time_constant : float
-        Of the exponential lag [s]; 0 has none.
+        Time constant of the exponential lag [s]; 0 has none.
     fill_factor : float
         Share of a pixel's area that absorbs [1].
     absorptance : float
@@ -50,7 +50,7 @@ class ThermalDetector(Pixels):
     full_scale_temperature : float
         Blackbody that fills the converter [K].
     bit_depth : int
-        Of the converter.
+        Bit depth of the converter.
     offset : float
         Counts without power.
     """
@@ -76,7 +76,7 @@ def lag_weights(time_constant: float, interval: float) -> FloatArray:
     Parameters
     ----------
     time_constant, interval : float
-        Of the detector, and between frames [s].
+        Time constant of the detector, and interval between frames [s].
 
     Examples
     --------

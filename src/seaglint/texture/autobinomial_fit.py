@@ -32,19 +32,19 @@ class Fit:
     model : Autobinomial
         The field.
     covariance : array, (1 + classes, 1 + classes)
-        Of :attr:`parameters`; NaN where the picture is too small to tell.
+        Covariance of :attr:`parameters`; NaN where the picture is too small to tell.
     log_pseudo_likelihood : float
         Log pseudo-likelihood of the picture at the fit, mean per pixel [nat].
     pixels : int
         Pixels that entered, each with all its neighbours.
     method : {"pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"}
-        How the parameters were found.
+        Method of the fit.
     converged : bool
         Whether the maximum was reached.
     steps : int
         Newton's steps taken.
     regime : Regime or None
-        What samples of the fit are like; None where it was not asked for.
+        Regime of samples of the fit; None where it was not requested.
     distance : float or None
         Left between the picture's sums and those of samples, in standard deviations of a sample's; None of a pseudo-likelihood.
     """
@@ -136,7 +136,7 @@ def fit(
     neighbours : tuple of tuple of (int, int), optional
         Classes of offsets in place of ``order`` and ``isotropic``.
     seed : int
-        Of the simulations.
+        Seed of the simulations.
     start : array, (1 + classes,), optional
         Where the climb of the pseudo-likelihood begins; it ends in the same place.
     check : bool

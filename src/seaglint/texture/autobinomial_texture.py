@@ -42,11 +42,11 @@ class AutobinomialTexture:
     ----------
     field : Autobinomial
     grey : GreyLevels
-        What each level stands for.
+        Value that each level represents.
     histogram : tuple of float
         Share of each level in the picture [1]: samples by exchange keep it, so that no phase transition can freeze or melt them.
     sampler : {"gibbs", "exchange"}
-        What samples are drawn with.
+        Method that draws samples.
     """
 
     field: Autobinomial
@@ -134,7 +134,7 @@ class AutobinomialTextureFit:
         The field's; where that asked for did not converge, the one whose exchange samples are nearer to the picture, it or the
         pseudo-likelihood's.
     tried : Way
-        How couplings were asked for.
+        Requested method for the couplings.
     notes : tuple of str
     """
 
@@ -166,18 +166,18 @@ def fit_texture(
     image : array_like, shape (rows, columns)
         [u], without missing values.
     levels, order, isotropic : int, int, bool
-        Of the field (:func:`seaglint.texture.autobinomial_fit.fit`).
+        Parameters of the field (:func:`seaglint.texture.autobinomial_fit.fit`).
     method : str
         auto, or one of the fits.
     keep_histogram : bool
         Draw samples with the picture's histogram, by exchange, whatever the regime.
     seed : int
-        Of the simulations.
+        Seed of the simulations.
 
     Raises
     ------
     DataError, DomainError
-        As of the fit and of :class:`seaglint.texture.levels.GreyLevels`.
+        Errors of the fit and of :class:`seaglint.texture.levels.GreyLevels`.
     """
     grey = GreyLevels.of(image, levels)
     picture = grey.to_levels(image)

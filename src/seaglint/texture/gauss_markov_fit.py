@@ -48,7 +48,7 @@ class Covariances:
     mean : float
         [u].
     shape : (int, int, int)
-        Of the field.
+        Shape of the field.
     periodic : bool
         Whether the field is a torus.
     """
@@ -136,17 +136,17 @@ class GaussMarkovFit:
     ----------
     model : GaussMarkov
     standard_errors : tuple of float
-        Of the coefficients [1], from the information of the likelihood.
+        Standard errors of the coefficients [1], from the information of the likelihood.
     variance_error : float
         Standard error of the conditional variance [u²].
     log_likelihood : float
         At the optimum [1].
     pixels : int
-        Of the data.
+        Number of pixels of the data.
     steps : int
-        Of Newton's method.
+        Number of steps of Newton's method.
     notes : tuple of str
-        What a reader should know.
+        Notes for readers of results.
     """
 
     model: GaussMarkov

@@ -150,7 +150,7 @@ def fit_texture(
     most : int
         Largest number of neighbour pairs.
     seed : int
-        Of the samples that the slow field is found with.
+        Seed of the samples for the search of the slow field.
 
     Raises
     ------

@@ -64,11 +64,11 @@ class Marginal:
     kind : str
         One of :data:`TAILS`.
     loc, scale : float
-        Of the family [u]; ``scale`` below 0 turns it over: a long tail on the dark side.
+        Location and scale of the family [u]; ``scale`` below 0 reverses it: a long tail on the dark side.
     shape : float or None
-        Of gamma (k), lognormal (s of the logarithm) and K (v); None for the others.
+        Shape of gamma (k), lognormal (s of the logarithm) and K (v); None for the others.
     quantiles : tuple of float
-        Of the empirical distribution at evenly spaced standard normal values from -4 to 4, in units of ``scale`` about ``loc``.
+        Quantiles of the empirical distribution at evenly spaced standard normal values from -4 to 4, in units of ``scale`` about ``loc``.
 
     Raises
     ------

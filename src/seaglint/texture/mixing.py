@@ -53,7 +53,7 @@ def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: in
     shape : (int, int)
         Rows and columns, on a torus.
     seed : int
-        Of the chains; each has its own stream.
+        Seed of the chains; each has its own stream.
     chains, warm, draws : int
         Chains, sweeps left out of each, and sweeps of which each is a draw.
 

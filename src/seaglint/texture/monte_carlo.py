@@ -53,7 +53,7 @@ class Ascent:
     model : Autobinomial
         The field at the maximum.
     covariance : array, (1 + classes, 1 + classes)
-        Of the parameters: inverse Fisher information and the error of the simulation.
+        Covariance of the parameters: inverse Fisher information and the error of the simulation.
     rounds : int
         Newton's steps taken.
     distance : float
@@ -103,7 +103,7 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
     first : Autobinomial
         Where to begin: the pseudo-likelihood's maximum.
     seed : int
-        Of the simulation.
+        Seed of the simulation.
     periodic : bool
         Whether opposite edges are neighbours; else the likelihood is that of the inner pixels given those at the edge.
     keep_histogram : bool

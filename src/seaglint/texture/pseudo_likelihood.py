@@ -35,7 +35,7 @@ class Climb:
     parameters : array, (1 + classes,)
         alpha and the couplings.
     covariance : array, (1 + classes, 1 + classes)
-        Of the parameters, by the sandwich formula; NaN where the picture is too small to tell.
+        Covariance of the parameters, by the sandwich formula; NaN where the picture is too small to tell.
     log_likelihood : float
         Log pseudo-likelihood, all pixels [nat].
     steps : int
@@ -123,7 +123,7 @@ def climb(
     Parameters
     ----------
     levels, sums : array
-        Of :func:`neighbour_sums`.
+        Arrays from :func:`neighbour_sums`.
     most : int
         Largest grey level.
     neighbours : tuple of tuple of (int, int)

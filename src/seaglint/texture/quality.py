@@ -72,17 +72,17 @@ class Likeness:
     values : ndarray
         Sorted sample of the pixels [u].
     rates : tuple of FalseAlarmRate
-        Of the filtered picture at 3 and 3.5 standard deviations.
+        Rates of the filtered picture at 3 and 3.5 standard deviations.
     curve : RateCurve
         At all thresholds.
     spectrum : Spectrum
-        Of the pixels in standard deviations.
+        Spectrum of the pixels in standard deviations.
     x, y : ndarray
         Correlation by distance in columns and rows, from 0.
     time : ndarray or None
         Correlation by frames.
     features : dict of float
-        Of co-occurring grey levels.
+        Haralick features of co-occurring grey levels.
     """
 
     name: str

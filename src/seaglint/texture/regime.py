@@ -104,7 +104,7 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
     model : Autobinomial
         The fit.
     seed : int
-        Of the samples.
+        Seed of the samples.
     sweeps : int
         Gibbs sweeps of each sample.
     """

@@ -102,7 +102,7 @@ def require_values(frames: ArrayLike, *, two: bool = False) -> None:
     Parameters
     ----------
     frames : array_like, shape (frames, rows, columns)
-        Of the region [u].
+        Frames of the region [u].
     two : bool
         Whether two values are enough: for an autobinomial field of two levels.
 
@@ -215,7 +215,7 @@ def require_stationary(frames: NDArray[np.floating], within: Region | None = Non
     Parameters
     ----------
     frames : ndarray, shape (frames, rows, columns)
-        Of the region [u].
+        Frames of the region [u].
     within : Region, optional
         The region in the picture, so that the part is named in rows and columns of the picture; the frames by default.
     detrended : bool

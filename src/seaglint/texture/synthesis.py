@@ -41,7 +41,7 @@ class Modulation:
     Attributes
     ----------
     shape : float
-        Of the gamma distribution [1]: variance over squared mean is its inverse.
+        Shape of the gamma distribution [1]: variance over squared mean is its inverse.
     lengths : (float, float, float)
         Distances at which the correlation of the Gaussian field behind it, ``exp(-(d / length)²)``, is 1/e [frames, rows, columns].
 
@@ -75,11 +75,11 @@ def gaussian(shape: Sequence[int], density: Density, seed: int, purpose: str = "
     Parameters
     ----------
     shape : (int, int, int)
-        Of the torus.
+        Shape of the torus.
     density : callable
         ``density(k)`` is the spectral density at the frequency number k in time [u², (rows, columns // 2 + 1)].
     seed, purpose : int, str
-        Of the random stream; each frequency in time has its own, so that threads change no byte.
+        Key of the random stream; each frequency in time has its own, so that threads change no byte.
 
     Notes
     -----
@@ -186,9 +186,9 @@ def latent(model: GaussMarkov, shape: Sequence[int], seed: int, modulation: Modu
     model : GaussMarkov
         Its correlations; mean and variance are not used.
     shape : (int, int, int)
-        Of the torus.
+        Shape of the torus.
     seed : int
-        The same seed gives the same bytes for any number of threads.
+        Seed; the same one gives the same bytes for any number of threads.
     modulation : Modulation, optional
         Slow field; Gaussian without.
 

@@ -110,9 +110,9 @@ def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, see
     data : array_like, shape (frames, rows, columns)
         [u].
     model, marginal : GaussMarkov, Marginal
-        Of the texture, already fitted.
+        Model and marginal of the texture, already fitted.
     seed : int
-        Of the samples.
+        Seed of the samples.
 
     Returns
     -------

@@ -30,7 +30,7 @@ def clear_line(cover: ArrayLike, elevation: ArrayLike, aspect: float) -> FloatAr
     cover : array_like
         N, share of the sky covered as seen from straight below [1].
     elevation : array_like
-        Of the line of sight [rad]; broadcast. At 0 and below no line is clear under any cloud.
+        Elevation of the line of sight [rad]; broadcast. At 0 and below no line is clear under any cloud.
     aspect : float
         a, height of clouds over their width [1]; 0 is :data:`CloudLaw` ``"cover"``.
 

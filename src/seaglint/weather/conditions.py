@@ -94,7 +94,7 @@ class Conditions:
     latitude, longitude : ndarray
         North and east positive [deg].
     weight : ndarray, optional
-        What each draw stands for [1], 1 on average; all the same where it is not given.
+        Weight of each draw [1], 1 on average; all the same where it is not given.
     """
 
     rows: IntArray

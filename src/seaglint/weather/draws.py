@@ -72,7 +72,7 @@ def estimate(values: FloatArray, plan: Plan, *, weight: FloatArray | None = None
     Parameters
     ----------
     values : ndarray
-        Of every draw [(total,)], between 0 and ``most``.
+        Values of every draw [(total,)], between 0 and ``most``.
     plan : Plan
         Scramblings and points.
     weight : ndarray, optional

@@ -51,7 +51,7 @@ class MappedColumn:
     column : str
         Heading in the file.
     unit : str
-        As given, for messages; empty where the cells are in our unit.
+        Unit as given, for messages; empty where the cells are in the unit of the target column.
     scale, offset : float
         The line from its unit to ours.
     """

@@ -21,11 +21,11 @@ def deviation(evaluated: Looks, height: FloatArray, solid_angle: float, length: 
     Parameters
     ----------
     evaluated : Looks
-        What the looks see.
+        Results of the looks.
     height : ndarray
-        Of the sensors [m, (n,)].
+        Heights of the sensors [m, (n,)].
     solid_angle : float
-        Of a pixel [sr].
+        Solid angle of a pixel [sr].
     length : float
         Side of a cell of glint [m].
     """

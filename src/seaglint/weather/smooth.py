@@ -76,7 +76,7 @@ def smoothed(table: WeatherTable, rows: IntArray, uniform: FloatArray, bandwidth
     table : WeatherTable
         The table drawn from.
     rows : (n,) array of int
-        What :meth:`~seaglint.weather.table.WeatherTable.draw` gave.
+        Rows from :meth:`~seaglint.weather.table.WeatherTable.draw`.
     uniform : (n, columns) array
         Numbers inside (0, 1), a column for each of ``bandwidth`` in its order.
     bandwidth : mapping

@@ -60,7 +60,7 @@ class Sight:
     Attributes
     ----------
     name : str
-        Of the body.
+        Name of the body.
     distance, azimuth, elevation : float
         To its origin [m], [rad].
     whole : float
@@ -117,7 +117,7 @@ def composed(layers: Layers, stage: Stage, picture: Picture, light: Surroundings
     stage : Stage
         Camera, pose and pixels.
     picture : Picture
-        What the bodies leave in it.
+        Contributions of the bodies to the image.
     light : Surroundings
         The view's.
 

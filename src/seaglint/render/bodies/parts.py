@@ -97,15 +97,15 @@ class Placed:
     Attributes
     ----------
     part : Part
-        What it is.
+        Part of the body.
     place : ndarray
         Its middle.
     radius : float
-        Of a sphere about it that holds it.
+        Radius of a sphere about it that encloses it [m].
     surface : ndarray
         Vertices of a mesh; points about a plume; the point itself [m, (n, 3)].
     gas : ndarray
-        Of a plume, as :func:`~seaglint.render.bodies.raster.chord` takes it.
+        Data of a plume, as :func:`~seaglint.render.bodies.raster.chord` takes it.
     eye : float
         Height of the sensor above the mean sea [m].
     """

@@ -63,7 +63,7 @@ def labels(
     Parameters
     ----------
     sights : tuple of Sight
-        What is seen of each body.
+        Sight of each body.
     sea : ndarray
         Image of the sea alone [W m-2 sr-1, (rows, columns)], in pixels as fine as they were drawn.
     kelvin : callable
