@@ -21,7 +21,7 @@ from seaglint._kernel_cache import end_turn, kernel_folder, take_turn
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-# Said outright in every case: a function takes over what is left unsaid from the one that happens to be compiled with it.
+# Every option is given explicitly: a function takes missing ones from the function that happens to be compiled with it.
 COUNTED: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": False, "forceinline": False, "_nrt": True}
 UNCOUNTED: dict[str, Any] = COUNTED | {"fastmath": {"contract"}, "forceinline": True, "_nrt": False}
 
@@ -39,7 +39,7 @@ def _compiled(function: F, **options: Any) -> F:
         folder = kernel_folder(users)
         if folder is None:
             return cast(F, numba.njit(**options)(function))
-        _settings.CACHE_DIR = str(folder)  # read while a function is decorated; those of other packages go where they went
+        _settings.CACHE_DIR = str(folder)  # read while a function is decorated; kernels of other packages use their usual folder
         try:
             made = numba.njit(cache=True, **options)(function)
         finally:

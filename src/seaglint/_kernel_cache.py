@@ -22,7 +22,7 @@ from seaglint.user_cache import cache_folder
 
 try:
     import fcntl
-except ImportError:  # Windows: processes that begin at the same time compile for themselves
+except ImportError:  # Windows: processes that start at the same time compile separately
     fcntl = None  # type: ignore[assignment]
 
 PACKAGE: Final = Path(__file__).parent

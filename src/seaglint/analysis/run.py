@@ -329,7 +329,7 @@ def _count(
         made.tail(options.filter.name)
         return made
 
-    # Regions do not know of each other, and their kernels release the interpreter.
+    # Regions are independent, and their kernels release the interpreter.
     with ThreadPoolExecutor(len(masks)) as workers:
         for block, filtered in _filtered(recording, options, first.dead):
             for task in [workers.submit(count, name, block, filtered, done) for name in masks]:
@@ -343,7 +343,7 @@ def _count(
     # Two at a time, for the sake of memory.
     with ThreadPoolExecutor(2) as workers:
         results = dict(zip(masks, workers.map(summarise, list(masks)), strict=True))
-        # Intervals of the rates are kept by the accumulators.
+        # The accumulators hold the data for the intervals of the rates.
         list(workers.map(lambda counted: counted.rates(), alarms.values()))
     return results, slicer.result()
 

@@ -107,7 +107,7 @@ class _Top:
     def add(self, block: FrameArray) -> None:
         """Add a block."""
         flat = block.reshape(-1)
-        # Of most blocks only a handful is not below what is known already.
+        # In most blocks only a few values are not below the present ones.
         place = np.flatnonzero(flat >= self.second)
         values = flat[place]
         finite = np.isfinite(values)
@@ -163,7 +163,7 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
             if flat_columns.any():
                 lines = block[:, :, flat_columns]
                 flat_columns[flat_columns] = ~(lines.max(axis=1) > lines.min(axis=1)).any(axis=0)
-        # Repeats tell a wrong frame rate; a few lines of a frame are enough to see one.
+        # Repeated frames indicate a wrong frame rate; a few lines of a frame are enough to detect them.
         lines = block[:, :: max(recording.rows // 8, 1)]
         before = lines[:1] if last is None else last[np.newaxis]
         pairs = np.concatenate([before, lines])

@@ -37,7 +37,7 @@ class Refraction:
         """Depression at the sensor of the ray that leaves the sea at zenith angle ``arccos(sea_cosine)`` [rad]."""
         e = self._offset(height)
         square = e * (2.0 - e) + ((1.0 - e) * np.asarray(sea_cosine, dtype=np.float64)) ** 2
-        sine = np.sqrt(np.maximum(square, 0.0))  # at the sea itself rounding may leave less than nothing
+        sine = np.sqrt(np.maximum(square, 0.0))  # at the sea itself rounding may give a negative value
         return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
 
     def sea_cosine(self, height: ArrayLike, depression: ArrayLike) -> FloatArray:

@@ -284,7 +284,7 @@ class SampledAtmosphere:
             x = self._coordinate(height, arc)
             depth = self._sea_depth(x, arc)
             return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, _along(self._temperature, x))
-        self._coordinate(height, arc[target == 0.0])  # refuses what it would alone
+        self._coordinate(height, arc[target == 0.0])  # refuses the same heights as alone
         shape, n = arc.shape, self.wavenumber_cm.size
         arc, target = arc.ravel(), target.ravel()
         transmittance, radiance = np.empty((arc.size, n)), np.empty((arc.size, n))

@@ -107,5 +107,5 @@ class Sky:
             if out is None:
                 out = np.empty((flat.size, values.shape[-1]))
             out[mine] = values
-        assert out is not None  # callers ask for one elevation at least
+        assert out is not None  # callers pass at least one elevation
         return out.reshape(*elevation.shape, -1)

@@ -44,7 +44,7 @@ def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band]) -> lis
         for i in range(first, min(first + size, len(lines))):
             out[:, i] = weights @ _line(table, lines[i])
 
-    with ThreadPoolExecutor(_THREADS) as pool:  # kernels let go of the interpreter
+    with ThreadPoolExecutor(_THREADS) as pool:  # kernels release the interpreter
         list(pool.map(fill, range(0, len(lines), size)))
     return list(out)
 

@@ -117,7 +117,7 @@ class SampledLight:
         size = np.sqrt((values**2).sum(axis=2))
         angular = self._angular(angle, size)
         smooth = np.interp(angle, np.linspace(0.0, math.pi, ANGLES), angular)
-        # what is left, its size by the logarithm
+        # the rest: its magnitude by the logarithm
         tiny = 1e-9 * max(float(size.max()), 1e-30)
         left = np.concatenate([np.log(np.maximum(size, tiny) / smooth)[..., None], values / np.maximum(size, tiny)[..., None]], axis=2)
         columns = np.sin(0.5 * azimuth) ** 2

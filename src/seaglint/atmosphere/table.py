@@ -370,7 +370,7 @@ class TableAtmosphere:
         temperature = _along(self._sky_temperature, np.tensordot(weights, self._sky_temperature.scores, axes=1), y)
         below = elevation < 0.0
         if dip > 0.0 and below.any():
-            # From the sea nothing lies below the horizontal: its place in the table holds the horizontal and is no node here.
+            # Seen from the sea there is no sky below the horizontal: the table holds the horizontal there, which is no node here.
             weights = spline_weights(u[1:], kinks, max(here, float(u[1])))
             x = np.minimum(dip_coordinate(-elevation[below], dip), 1.0)
             temperature[below] = _along(self._sky_dip, np.tensordot(weights, self._sky_dip.scores[1:], axes=1), x)

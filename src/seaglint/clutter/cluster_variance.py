@@ -146,7 +146,7 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: F
         e = counts - expected * pixels - (0.0 if shift is None else shift)
         products = _autocovariance(e)
         windows, independent = _windows(products, occupied)
-        # A frozen pattern has no residuals from its own mean, which says nothing of the next pattern.
+        # A frozen pattern has no residuals from its own mean, which is no evidence about another pattern.
         frozen = reference != "region" and float((e * e).sum()) < 0.3 * total * (1.0 - rate)
         if frozen or (from_tiles and independent[0] < FEWEST_TIMES):
             continue

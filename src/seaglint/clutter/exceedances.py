@@ -236,7 +236,7 @@ def _label(index: np.ndarray, columns: int, before: np.ndarray, now: np.ndarray,
                 if r + dr < 0 or r + dr >= rows or q + dq < 0 or q + dq >= columns:
                     continue
                 j = i + dr * columns + dq
-                # In the present frame only what has been labelled already counts; the other half sees this pixel in its turn.
+                # In the present frame only pixels labelled already count; the other neighbours are compared later.
                 for present in range(2 if j < i else 1):
                     neighbour = now[j] if present else before[j]
                     if neighbour > 0 and neighbour != known:

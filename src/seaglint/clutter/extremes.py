@@ -110,7 +110,7 @@ def fit_pareto(excess: ArrayLike, number: ArrayLike | None = None) -> ParetoFit:
         return -math.log(xi / theta) - xi - 1.0
 
     grid = np.concatenate([(-1.0 + np.geomspace(1e-4, 0.99, 30)) / most, np.geomspace(1e-3, 50.0, 50)])
-    # In one go, for the sake of the many fits of a bootstrap; samples of millions go through profile() one by one.
+    # All at once, for the many fits of a bootstrap; samples of millions are passed to profile() one by one.
     if y.size <= 10_000:
         xis = np.log1p(grid[:, None] * y) @ share
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -278,7 +278,7 @@ class FalseAlarms:
     def _variance(self, k: int) -> ClusterVariance:
         m = self.thresholds[k]
         if m not in self._variances:
-            # The last segment may hold fewer frames than the others; its pixels say so.
+            # The last segment may hold fewer frames than the others; its number of pixels accounts for that.
             s = -(-self.frames // self._per_segment)
             self._variances[m] = rate_variance(self._cells[k, :s], self._valid[:s])
         return self._variances[m]

@@ -98,7 +98,7 @@ class Laplacian:
 def _correlate(frames: Frames, kernel: NDArray[np.float64]) -> Frames:
     from scipy.ndimage import correlate
 
-    # In double precision: a sum of large nearly cancelling terms is what such filters compute.
+    # In double precision, as such filters compute sums of large terms that nearly cancel.
     return _rounded(correlate(frames.astype(np.float64), kernel[None], mode="nearest"), frames)
 
 

@@ -31,7 +31,7 @@ Family = Literal["gamma", "lognormal", "weibull", "k", "gaussian"]
 FAMILIES: tuple[Family, ...] = get_args(Family)
 
 FEWEST_VALUES = 10
-LARGEST_K_SHAPE = 200.0  # variance over squared mean within 1 % of the exponential's: no sample tells the two apart
+LARGEST_K_SHAPE = 200.0  # variance over squared mean within 1 % of the exponential's: no sample distinguishes the two
 CONDENSED = 4000  # values to which larger samples are reduced for the K distribution's likelihood; moves the shape by 1e-3
 LARGEST_EXCLUDED = 0.02  # share of values at or below loc that may be left out: zeros of integer pictures
 STEP = 1e-4  # of a log parameter, for derivatives: error 1e-8 relative, far below any sampling error
@@ -178,7 +178,7 @@ def fit(
     variance = float(np.sum(w * (x - mean) ** 2) / count)
     if not variance > (1e-12 * mean) ** 2:
         return refused("all values are equal")
-    # Values of nearly no spread or huge range overflow on the way; what comes of it is looked at.
+    # Values of nearly no spread or huge range overflow on the way; the result is checked.
     with np.errstate(all="ignore"):
         try:
             solved = _SOLVERS[family](x, w / count, mean, variance)

@@ -294,7 +294,7 @@ def _border_step(image: FloatArray, corridor: BoolArray, valid: BoolArray) -> fl
         there = (side * depth > low) & (side * depth < high) & valid
         return float(image[there].mean()) if there.any() else float("nan")
 
-    # The inner half of the corridor and the outer half of the background: a glint goes on rising towards its middle.
+    # The inner half of the corridor and the outer half of the background: a glint increases up to its middle.
     inner, outer = (0.5 * float((side * depth).max()) for side in (1.0, -1.0))
     far = level(inner, np.inf, 1.0) - level(outer, np.inf, -1.0)
     step = level(0.5 * near, 2.0 * near, 1.0) - level(0.5 * near, 2.0 * near, -1.0)

@@ -103,7 +103,7 @@ def filled(frames: Frames) -> Frames:
         out[whole] = frames[~missing].mean(dtype=np.float64) if not whole.all() else 0.0
     nearest: tuple[NDArray[Any], ...] = ()
     for k in np.flatnonzero(missing.any(axis=(1, 2)) & ~whole):
-        # Dead lines are the same in every frame: their neighbours are looked for once.
+        # Dead lines are the same in every frame: their neighbours are searched once.
         if not nearest or not np.array_equal(missing[k], missing[k - 1]):
             nearest = tuple(distance_transform_edt(missing[k], return_distances=False, return_indices=True))
         out[k] = out[k][nearest]
@@ -254,6 +254,6 @@ def load(path: str) -> Detector:
     reach = getattr(detector, "reach", None)
     if reach is not None and (not isinstance(reach, int) or reach < 0):
         raise DataError(f"detector {path!r}: reach = {reach!r} is not a number of pixels of 0 or more")
-    # Wrapped also where it has the whole interface: what it returns is checked all the same.
+    # Wrapped also where it has the whole interface, so that its results are checked.
     calibrated, takes_nan = (bool(getattr(detector, flag, False)) for flag in ("calibrated", "takes_nan"))
     return UserDetector(detector, str(getattr(detector, "name", path)), lead, calibrated, takes_nan, reach)

@@ -154,7 +154,7 @@ class Plan:
         generator = stream(self.seed, "object places", number)
         first_row, first_column = generator.integers(0, self.pitch, 2)
         first, end = self.row_range
-        # fewer rows than a pitch: each is as likely as any other, and none is left without
+        # fewer rows than a pitch: all are equally likely, and each is used
         rows = np.arange(first + first_row * min(self.pitch, end - first) // self.pitch, end, self.pitch)
         columns = np.arange(self.margin + first_column, self.columns - self.margin, self.pitch)
         cells = generator.permutation(rows.size * columns.size)[: self.per_batch]

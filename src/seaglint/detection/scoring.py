@@ -208,7 +208,7 @@ class Cells:
             tried = np.bincount(sequence, minlength=number).astype(np.float64)
             return interval_of_sequences(np.bincount(sequence, hits, number).astype(np.float64), tried, moved_all, level)
         interval = self._interval_of_cells(scores, hits, COARSER, level)
-        # A small frame has too few cells of that size to tell how far hits go together; its tiles may do.
+        # A small frame has too few cells of that size to estimate how hits cluster; its tiles may suffice.
         return interval if interval.ends is not None else self._interval_of_cells(scores, hits, 1, level)
 
     def _interval_of_cells(self, scores: Scores, hits: NDArray[np.bool_], coarser: int, level: float) -> Interval:

@@ -27,7 +27,7 @@ FEWEST_LEVELS: Final = 3
 """Least number of levels for fitting a tail: one more than it has parameters."""
 
 _SAMPLE = 200_000
-_SHARE = 20  # values to a level, at least, of what is taken for stepped
+_SHARE = 20  # least number of values per level for a stepped statistic
 _SHAPES = np.linspace(-0.6, 1.2, 181)
 _SCALES = 161
 
@@ -89,7 +89,7 @@ def tail_above(
     if steps is None:
         return rare_tail(curve, events, seed=seed)
     edges = np.arange(steps.above(lowest), float(curve.threshold[-1]) + steps.step, steps.step) if curve.threshold.size else np.empty(0)
-    # a bin of the curve holds no more than one level: from the edge on all that lies above it
+    # a bin of the curve holds at most one level: from the edge on, all values above it
     above = np.array([int(curve.exceedances[min(int(np.searchsorted(curve.threshold, e)), curve.threshold.size - 1)]) for e in edges])
     filled = np.flatnonzero(above > 0)
     if filled.size < FEWEST_LEVELS:
@@ -155,7 +155,7 @@ def fit_levels(counts: NDArray[np.int64], step: float, share: float) -> tuple[Pa
     most = float(likelihood[best])
     near = likelihood >= most - 0.5 * QUANTILE**2
     fit = ParetoFit(float(shape[best]), float(scale[best]), most)
-    # against levels that have the shares counted, the rare ones taken together and what lies beyond the last with them
+    # against levels with the counted shares, the rare ones and those beyond the last combined
     expected = weight.sum() * -np.diff(np.append(np.asarray(fit.survival(ends[:-1])), 0.0))
     count = max(int(np.sum(np.cumsum(expected[::-1])[::-1] >= 3.0)), 1)
     seen, predicted = (np.append(v[: count - 1], v[count - 1 :].sum()) for v in (weight, expected))

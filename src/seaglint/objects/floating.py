@@ -65,7 +65,7 @@ class Swell:
         shares = []
         for waves in every:
             k = np.hypot(waves[:, 0], waves[:, 1])
-            # what the narrow side lets through in any heading, at most
+            # largest response of the narrow side at any heading
             felt = (waves[:, 3] ** 2 + waves[:, 4] ** 2) * np.minimum(1.0, 1.0 / np.maximum(k * min(half_sides), 1e-300)) ** 2
             shares.append(np.stack([felt, felt * k**2], axis=1))
         whole = np.concatenate(shares) / np.concatenate(shares).sum(axis=0)

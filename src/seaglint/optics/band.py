@@ -178,7 +178,7 @@ class ApparentTemperature:
     @classmethod
     def create(cls, band: Band, wavenumber_cm: ArrayLike) -> ApparentTemperature:
         """Tabulate the inverse for one band and grid."""
-        from scipy.interpolate import CubicSpline  # half a second, and most who read a file ask for no temperature
+        from scipy.interpolate import CubicSpline  # takes half a second, and most readers of a file need no temperature
 
         temperature = np.geomspace(*TEMPERATURE_RANGE, _TEMPERATURE_NODES)
         return cls(CubicSpline(np.log(band.radiance(temperature, wavenumber_cm)), np.log(temperature)))

@@ -116,7 +116,7 @@ def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accura
             error = np.abs(gained[level] - lost[level])
             allowed = (width * accuracy.shortest_wave_columns >= shortest[level]) | (level == 0)
             good = allowed & (error <= most) & (lost[level] <= 3.0 * most)
-            # where nothing is good enough the smallest error counts, always behind what is
+            # where no level is good enough the one with the smallest error is used, always behind a good one
             cost = np.where(good, (1 << doublings) / shortest[level], np.where(allowed, 1e6 * (1.0 + error), np.inf))
             better = cost < best
             best[better], chosen[0, better], chosen[1, better] = cost[better], level, doublings

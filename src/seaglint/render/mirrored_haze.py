@@ -97,7 +97,7 @@ def hazy_sky(table: ScatteredTable, weights: FloatArray) -> tuple[HazySky, Float
     ``weights``: quadrature weights of the band [cm-1, (n,)].
     """
     several = table.suns[1] > 0.0
-    # the whole disc: what a place's horizon leaves of it is for the place to say
+    # the whole disc: the share above a place's horizon is applied at the place
     first = table.suns[0] if several else min(table.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS)
     last = first + (table.amplitude.shape[0] - 1) / table.suns[1] if several else first
     zenith = np.linspace(first, last, (SUNS if last - first > np.radians(1.0) else 2) if several else 1)
@@ -107,7 +107,7 @@ def hazy_sky(table: ScatteredTable, weights: FloatArray) -> tuple[HazySky, Float
     azimuth = 2.0 * np.arcsin(np.sqrt(columns))
     grid = np.meshgrid(zenith, elevation, azimuth, indexing="ij")
     one = np.eye(table.angular.shape[1])
-    # a table whose phase functions are 1 tells its amplitudes (t, j, columns, k, r)
+    # a table whose phase functions are 1 returns its amplitudes (t, j, columns, k, r)
     ask = [scattered_shares(grid[1], grid[2], table._replace(angular=np.stack([k, k])), grid[0]) for k in one]
     amplitude = np.stack(ask, axis=3)
     angle = np.linspace(0.0, math.pi, table.angular.shape[0])

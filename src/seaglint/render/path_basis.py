@@ -107,6 +107,6 @@ def fewest_terms(tables: FloatArray, coefficients: FloatArray, together: int = 1
     terms = -(-terms // together) * together
     selected = np.zeros((vectors.shape[0], terms))
     selected[:, : min(terms, vectors.shape[1])] = vectors[:, :terms]
-    # product = facets r^T kept kept^T, so with coefficients = q r the pair (facets r^T kept, q kept) stands for it
+    # product = facets r^T selected selected^T, so with coefficients = q r it is the pair (facets r^T selected, q selected)
     mixed = np.linalg.solve(r, selected) if np.linalg.matrix_rank(r) == r.shape[0] else np.linalg.pinv(r) @ selected
     return (facets @ (r.T @ selected)).reshape(*tables.shape[:-1], terms), np.ascontiguousarray(coefficients @ mixed)

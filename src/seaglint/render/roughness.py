@@ -66,6 +66,6 @@ def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float, *,
     """
     whole = max(bands, 1.0)
     nested, coupling = between_bands(ratio_table, whole), coupling_table(whole) if shade_sun else np.zeros((0, 0, 0))
-    # without a deviation towards the Sun nothing stands in its way
+    # without a deviation towards the Sun nothing shades
     towards = min(bands, 1.0) * float(np.sqrt(slopes.mss_along(solar_azimuth))) if shade_sun else 0.0
     return Roughness(*slopes.covariance(), towards, nested.astype(np.float32), coupling.astype(np.float32))

@@ -36,7 +36,7 @@ def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: fl
     own = height(surface, line, 0, tiles, r)
     low = max(sun.lower_tangent, 1e-4)
     steps = min((surface.crest[level, 0] - own) / (low * step), float(FARTHEST))
-    # most of what shades a place is near it: the first step is taken in parts
+    # most waves that shade a place are near it: the first step is taken in parts
     skyline, n = -1.0, 0.25
     while n <= steps:
         d, z = n * step, 0.0

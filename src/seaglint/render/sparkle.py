@@ -301,7 +301,7 @@ def sparkle_factor(
     cell = sparkle.cell
     cells_along, cells_across = length / (cell * stretch), width / cell
     shape = 1.0 / (variance * cells_along * cells_across)  # of one cell
-    # what a direction of many cells does to the shape
+    # effect of a direction of many cells on the shape
     many_along, many_across = cells_along > MOST_CELLS, cells_across > MOST_CELLS
     doublings_across, side_across = 0, cell
     if many_across:

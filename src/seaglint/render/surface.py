@@ -420,7 +420,7 @@ def surface_of(
     for lattice, begin, end in zip(lattices, first[:-1], first[1:], strict=True):
         lay_squares(lattice, heights[begin:end], both_slopes[begin:end])
     c, s = np.cos(turn), np.sin(turn)
-    # positions are periodic: small numbers keep their digits
+    # positions are periodic: small numbers have more digits
     u, v = (np.mod(p / spacing, sizes) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
     highest = [float(z[..., 0].max()) for z in lattices]
     most = max(*map(len, chosen), 1)

@@ -233,7 +233,7 @@ class TurnedScene:
         bottom, top = max(min(r[0] for r in reach), self.accuracy.walk_below) - margin, max(r[1] for r in reach) + margin
         row_step = pitch / oversampling
         rows = max(math.ceil((top - bottom) / row_step), 1)
-        # a pixel is widest in azimuth where it is farthest from the horizontal; the finest wanted is nearest to it
+        # a pixel is widest in azimuth where it is farthest from the horizontal; the finest required one is nearest to it
         nearest = 0.0 if bottom <= 0.0 <= top else min(abs(bottom), abs(top))
         column_step = row_step / math.cos(nearest)
         left, right = min(a[0] for a in azimuths) - margin, max(a[1] for a in azimuths) + margin

@@ -277,7 +277,7 @@ def overlaps(column: np.ndarray, sine: np.ndarray, cells: Cells, work: np.ndarra
             first, last = strip[0, 0], strip[0, 0]
             for i in range(1, n):
                 first, last = min(first, strip[i, 0]), max(last, strip[i, 0])
-            # what lies left of each column's right edge, less what lay left of the one before
+            # area left of each column's right edge, less that left of the one before
             before = 0.0
             for c in range(int(first), math.ceil(last)):
                 m = cut(strip, n, 0, c + 1.0, -1.0, left)

@@ -122,7 +122,7 @@ def sight_lines(arcs: FloatArray, height: float) -> tuple[FloatArray, FloatArray
     The sensor is ``height`` above the mean sea [m].
     """
     psi = arcs / EFFECTIVE_EARTH_RADIUS
-    # straight below the sensor nothing has a tangent: a nanometre aside it is as good as endless
+    # straight below the sensor the tangent is infinite: it is evaluated a nanometre aside
     reach = np.maximum(EFFECTIVE_EARTH_RADIUS * np.sin(psi), 1e-9)
     below = height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2
     return (np.cos(psi) + below / EFFECTIVE_EARTH_RADIUS) / reach, below / reach
@@ -185,7 +185,7 @@ def walk_line(
         count = min(STRIP, end - i)
         strip.height[:] = 0.0
         j = 0
-        # the first time with the highest crest of all: beyond the horizon next to nothing has to be read
+        # first with the highest crest of all: beyond the horizon almost no sample has to be read
         while j < tiles and in_view(walk, strip, i, count, surface.crest[level, j], tangent):
             add_heights(surface, line, j, walk.range_m, i, count, strip)
             j += 1

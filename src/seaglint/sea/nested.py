@@ -89,7 +89,7 @@ def _log_ratio(t: FloatArray, mu: float, bands: int) -> FloatArray:
     for _ in range(bands - 2):
         seen = (step @ seen) * projection
     last = (_density((t[:, None] - slope) / width) / width * onward) @ seen
-    # far beyond the edge, where nothing is seen anyway, many narrow bands leave 0
+    # far beyond the edge, where nothing is visible, many narrow bands give 0
     return np.asarray(np.log(np.maximum(last * _area(np.asarray(mu)), 1e-300)) - np.log(_density(t)))
 
 
@@ -120,7 +120,7 @@ def bands_of_facets(share: float, bands: float) -> float:
     >>> round(bands_of_facets(0.66, 4.8), 1)
     1.9
     """
-    # fewer bands than any sea has go over into Smith's law, whose facets stay Smith's
+    # fewer bands than any sea has approach Smith's law, whose facets stay Smith's
     lost = 1.08 * min(max(bands - 1.0, 0.0) / 1.6, 1.0)
     return float(max(bands * (1.0 - lost * (1.0 - min(share, 1.0)) ** 0.55), 0.0))
 

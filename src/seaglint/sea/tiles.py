@@ -155,7 +155,7 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
     )
 
 
-@lru_cache(maxsize=4)  # asked four times of the spectrum of a scene
+@lru_cache(maxsize=4)  # called four times for the spectrum of a scene
 def longest_wave_number(spectrum: DirectionalSpectrum) -> float:
     """Wavenumber below which lies :data:`ENERGETIC_SHARE` of the height variance [rad m⁻¹]."""
     low, high = spectrum.wavenumber_range

@@ -239,7 +239,7 @@ class SensorModel:
                 second = self._collected(mean / factor, frame, well, 1) * factor
                 short = units > SHORT_BELOW * well
                 units, full = np.where(short, second, units), second >= well * factor
-                reading = np.where(short, factor, 1.0)  # the short exposure is read with the same noise, and then multiplied
+                reading = np.where(short, factor, 1.0)  # the short exposure is read with the same noise and then scaled
         else:
             units, full = light + dark, np.zeros(shape, np.bool_)
         added = temporal_noise(noise, self.seed, frame, shape, self.read_rms)

@@ -137,7 +137,7 @@ class Transfer:
             for side, smear in zip(shape, (sampling.smear[1], sampling.smear[0]), strict=True)
         )
         rows = int(scipy.fft.next_fast_len(shape[0] + 2 * margin[0], real=True))
-        # All round there is nothing to add: what follows the last column is the first.
+        # A full circle needs no margin: the last column is followed by the first.
         columns = shape[1] if sampling.circle else int(scipy.fft.next_fast_len(shape[1] + 2 * margin[1], real=True))
         before = (margin[0], 0 if sampling.circle else margin[1])
         x = scipy.fft.rfftfreq(n * columns, step / n)
@@ -162,7 +162,7 @@ class Transfer:
             raise DomainError(
                 f"a picture of {fine.shape} for a sensor prepared for {(self.shape[0] * n, self.shape[1] * n)}; prepare another"
             )
-        level = np.float32(fine.mean(dtype=np.float64))  # what is transformed is small: single precision rounds little
+        level = np.float32(fine.mean(dtype=np.float64))  # the transformed values are small: single precision rounds little
         given = np.pad(fine - level, [_pads(n * self.before[i], n * self.shape[i], n * self.padded[i]) for i in (0, 1)], mode="edge")
         spectrum = scipy.fft.rfft2(given)
         spectrum *= self.filter

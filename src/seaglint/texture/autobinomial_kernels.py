@@ -183,7 +183,7 @@ def pair_sums(field: NDArray[np.int16], law: Law, plan: Plan, sums: FloatArray) 
             for k in range(law.coupling.shape[0]):
                 dy, dx = law.down[k], law.right[k]
                 total = int(field[plan.wrap_rows[y + dy + up], plan.wrap_columns[x + dx + left]])
-                # The pair behind is counted from its other end, unless that one is held.
+                # The opposite pair is counted from its other end, unless that pixel is fixed.
                 if high + wide > 0 and (y - dy < high or not wide <= x - dx < columns - wide):
                     total += int(field[y - dy, x - dx])
                 sums[1 + law.group[k]] += here * total

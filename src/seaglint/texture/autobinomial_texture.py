@@ -75,7 +75,7 @@ class AutobinomialTexture:
             return self._values(gibbs(self.field, (rows, columns), count, seed))
         shares = np.array(self.histogram)
         counts = np.floor(shares * rows * columns).astype(int)
-        # What rounding leaves goes to the levels that lost most.
+        # The remainder of rounding is given to the levels that lost most.
         lost = np.argsort(counts - shares * rows * columns)
         counts[lost[: rows * columns - counts.sum()]] += 1
         start = np.repeat(np.arange(counts.size), counts).astype(np.int16)

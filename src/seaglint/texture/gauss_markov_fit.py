@@ -412,7 +412,7 @@ def _forward(data: Covariances, pool: list[Offset], most: int) -> GaussMarkovFit
         except NoOptimumError:
             if len(chosen) >= 2:
                 likelihood.offsets = tuple(chosen)
-                break  # the neighbourhood found serves; the next pair has no optimum
+                break  # the present neighbourhood is used; the next pair has no optimum
             raise
         if gained - value < penalty:
             likelihood.offsets = tuple(chosen)

@@ -220,7 +220,7 @@ def _standard(marginal: Marginal) -> Callable[[FloatArray], FloatArray]:
 
     def empirical(g: FloatArray) -> FloatArray:
         inside = np.interp(g, knots, values)
-        # Beyond the data the quantiles go on as a straight line: a Gaussian tail of their own slope.
+        # Beyond the data the quantiles continue as a straight line: a Gaussian tail of their own slope.
         return np.asarray(inside + ends[1] * np.maximum(g - 4.0, 0.0) + ends[0] * np.minimum(g + 4.0, 0.0))
 
     return empirical

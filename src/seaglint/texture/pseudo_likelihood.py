@@ -110,7 +110,7 @@ def conditional_log_likelihood(image: IntArray, model: Autobinomial, *, periodic
     """
     levels, sums = neighbour_sums(checked_field(image, model), model.neighbours, periodic=periodic)
     logit = sums @ model.parameters
-    # Both tails keep their digits: log p = log_expit(eta), log (1 - p) = log_expit(-eta).
+    # Accurate in both tails: log p = log_expit(eta), log (1 - p) = log_expit(-eta).
     each = levels * log_expit(logit) + (model.most - levels) * log_expit(-logit) + log_choices(levels, model.most)
     return float(each.mean())
 

@@ -176,7 +176,7 @@ def examine(frames: NDArray[np.floating]) -> Changes:
         return Changes(0.0, 1.0)
     surface = trend_surface(some.mean(axis=0))
     near = spatial_correlation(some, mean=surface)
-    # Pixels that one independent value stands for.
+    # Number of pixels per independent value.
     area = float(np.nan_to_num(max(near.scale_x, 1.0) * max(near.scale_y, 1.0), nan=np.inf))
     left = some - surface
     share = float(surface.var()) / variance - min(TERMS * BY_CHANCE[0] * area / surface.size, MOST_BY_CHANCE[0])

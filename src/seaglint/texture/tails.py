@@ -142,7 +142,7 @@ def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, see
             made /= made.std()
             sampled = tail(marginal.transform(made))
             left = misfit(sampled, target)
-            # Tails first; of two lengths with the same tails the one whose exceedances cluster as the data's.
+            # Tails first; of two lengths with the same tails, the one whose exceedances cluster like the data's.
             total = cost(left) + 0.25 * float(np.mean((sampled.clusters - target.clusters) ** 2))
             if total < best[0]:
                 best = (total, tried, left)

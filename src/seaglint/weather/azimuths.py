@@ -119,7 +119,7 @@ def _border(
 ) -> float:
     """Azimuth between two ends where glint passes a level; ``above``: logarithms less the level at the ends, of opposite signs."""
     a, b = ends
-    # Far in the dark the logarithm falls steeply: as it stands it would pull every secant to the other end.
+    # Far in the dark the logarithm falls steeply: without a limit it would move every secant to the other end.
     fa, fb = min(max(above[0], -8.0), 8.0), min(max(above[1], -8.0), 8.0)
     x = a
     for _ in range(_TURNS):

@@ -171,7 +171,7 @@ def _share(patch: Patch, stage: Stage, sea: FloatArray, pixel: FloatArray, light
 def _intensity(patch: Patch, behind: float, light: Surroundings) -> float:
     """Radiant intensity of a point above its background, before the path [W sr-1]."""
     point = patch.placed.part.kind
-    assert isinstance(point, Point)  # nothing else has no extent
+    assert isinstance(point, Point)  # only points have no extent
     if point.intensity is not None:
         return point.intensity
     assert point.temperature_difference is not None  # one of the two is given

@@ -341,7 +341,7 @@ def _point(
     grid = Grid((0, 0), (1, 1), (1, 1), (0, 0), (1, 1))
     x, y, near = np.zeros((3, 1, 1))
     samples = Samples(x, y, near, np.full((1, 1), -1, np.int32), np.ones((1, 1)))
-    # every triangle is asked for the one direction
+    # every triangle is tested in the one direction
     near = _others(samples, grid, [faces._replace(image=np.zeros_like(faces.image)) for faces in solids])
     scene = Scene(stage.pose.height, sea, near, gases, plane.axes, one.heading)
     column, row = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
@@ -385,7 +385,7 @@ def solid_angle(one: Placed) -> float:
     y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
     if isinstance(one.part.kind, Mesh):
         samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32), np.zeros(x.shape))
-        image = np.stack([point[:, 0] - low[0], high[1] - point[:, 1]], axis=1) / step  # rows go down
+        image = np.stack([point[:, 0] - low[0], high[1] - point[:, 1]], axis=1) / step  # rows count downwards
         faces = faces_of(one.part.kind, point, image, 1e-9)
         return float(whole_solid_angle(faces, _OWN_PLANE, samples, (float(step[0]), float(step[1]))))
     u = np.stack([x, y, np.ones_like(x)], axis=-1)

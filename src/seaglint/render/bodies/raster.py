@@ -212,7 +212,7 @@ def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, 
     """
     high, wide = samples.share.shape
     x0, y0, x1, y1 = line
-    if y0 == y1:  # nothing to its right, but cells on it all the same
+    if y0 == y1:  # no cells to its right, but cells on it
         j = math.floor(y0)
         if 0 <= j < high:
             _touch(samples, j, max(math.floor(min(x0, x1)), 0), min(math.ceil(max(x0, x1)), wide), met)
@@ -231,7 +231,7 @@ def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, 
         if b <= 0.0:
             border[j, 0] += d
             continue
-        if a < 0.0:  # of what lies left of the grid all of the first cell is to the right
+        if a < 0.0:  # left of the grid the whole first cell is to the right
             border[j, 0] += d * -a / (b - a)
             d, a = d * b / (b - a), 0.0
         if b > wide:

@@ -294,7 +294,7 @@ def shade_solid(
     """
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
-    # of the facet at hand in a pixel of a row: what it sends, and its samples, those lit and their distances
+    # of the present facet in a pixel of a row: its light, and the numbers of its samples, those lit and their distances
     facet = (0.0, 0.0, 0.0, 0.0, 0.0)
     for j in range(grid.size[1]):
         row_solid = _row_solid_angle(lens, grid, j)
@@ -322,7 +322,7 @@ def shade_solid(
                 _enter(planes, above, before, facet, (share * parts, share * lit, share * far))
                 parts = lit = far = 0.0
                 last, before, above = t, column, row
-                # neighbours in a pixel on one facet send the same
+                # neighbouring samples of a pixel on one facet have the same radiance
                 facet = _facet(shape, light, shadow, t, at)
             parts += clear
             far += clear * distance
@@ -422,7 +422,7 @@ def sun_map(vertex: np.ndarray, corner: np.ndarray, axes: tuple[np.ndarray, np.n
         area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
         if area >= 0.0:
             continue
-        # shares of b and c, and how near the Sun it is, change by the same from cell to cell
+        # shares of b and c, and the coordinate towards the Sun, change linearly from cell to cell
         scale = 1.0 / area
         b_across, b_down, c_across, c_down = (cy - ay) * scale, (ax - cx) * scale, (ay - by) * scale, (bx - ax) * scale
         to_b, to_c = point[b, 2] - point[a, 2], point[c, 2] - point[a, 2]

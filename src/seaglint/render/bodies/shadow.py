@@ -56,7 +56,7 @@ def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surr
     if not touched.any():
         return layers
     share = np.minimum(dark, 1.0)
-    if "coverage" in layers:  # the shadow lies on the sea alone
+    if "coverage" in layers:  # only the sea is shadowed
         share = np.minimum(dark / np.maximum(layers["coverage"], LEAST_COVER), 1.0)
     lost = layers.glint_radiance * share
     out = {name: image.copy() for name, image in layers.items()}
@@ -77,7 +77,7 @@ def laid(one: Placed, sun: FloatArray, eye: float) -> Placed | None:
     if np.any((under < 0.0) | (along <= 0.0)) or c.max() <= 0.0:
         return None
     way = np.maximum(c, 0.0) / (along + np.sqrt(under))
-    # what is under water goes straight up
+    # points under water are moved straight up
     level = np.hypot(p[:, 0], p[:, 1])
     surface = p - way[:, None] * sun
     sunken = c < 0.0
