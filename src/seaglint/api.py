@@ -163,7 +163,7 @@ def render(
     output : path
         Store to make, customarily ``*.zarr``.
     frames : range, optional
-        Frames wanted, counted from 0; all of the scenario's by default.
+        Frames to render, counted from 0; all of the scenario's by default.
     threads : int, optional
         Processor threads; all by default. The bytes do not depend on them.
     resume, overwrite : bool
@@ -301,7 +301,7 @@ def sense(
     Returns
     -------
     xarray.Dataset
-        ``signal`` [counts, uint16, (time, y, x)], ``electrons`` where wanted, ``saturated_share``; :func:`apparent_temperature` takes it.
+        ``signal`` [counts, uint16, (time, y, x)], ``electrons`` if requested, ``saturated_share``; :func:`apparent_temperature` takes it.
 
     Raises
     ------

@@ -163,7 +163,7 @@ class SampledAtmosphere:
         scattered : ScatteredSamples, optional
             Sunlight scattered by the air.
         scattering : callable, optional
-            Makes the scatterers on all spectral samples, when they are asked for; without it the air scatters no sunlight.
+            Function that computes the scatterers on all spectral samples on request; without it the air scatters no sunlight.
         name : str
             Name of the atmosphere in error messages.
         provenance : dict, optional

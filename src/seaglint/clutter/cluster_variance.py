@@ -46,7 +46,7 @@ class ClusterVariance:
     Attributes
     ----------
     variance : float or None
-        Variance of the rate [1]; None where it cannot be told, with the reason in ``note``.
+        Variance of the rate [1]; None where it cannot be estimated, with the reason in ``note``.
     degrees : float
         Degrees of freedom of that estimate [1].
     inflation : float

@@ -197,7 +197,7 @@ def temporal_correlation(series: ArrayLike, frame_rate: float | None = None, *, 
     Returns
     -------
     TemporalCorrelation
-        The sequence should be several correlation times long: the mean of a shorter one cannot be told from its slow changes,
+        The sequence should be several correlation times long: the mean of a shorter one cannot be separated from its slow changes,
         and the time found is too short.
 
     Raises

@@ -85,7 +85,7 @@ class NeededContrast:
     contrast : float
         Signal of an object in the pixel at whose centre it lies [u].
     low, high : float or None
-        Contrasts at which the interval of P_d has the wanted one at its upper and its lower end [u].
+        Contrasts at which the required P_d is at the upper and the lower end of its interval [u].
     tried : tuple
         Contrasts and P_d on the way, rising.
     """

@@ -87,7 +87,7 @@ class Plan:
     Parameters
     ----------
     injections : int
-        Number wanted.
+        Requested number.
     windows : int
         Windows of frames there are.
     rows, columns : int

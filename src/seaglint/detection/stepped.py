@@ -77,7 +77,7 @@ def tail_above(
     judged : Background
         Statistic.
     law : {"sigma", "frame", "fixed", "design"}
-        In whose standard deviations it is told.
+        Law of the threshold, whose standard deviations are the unit of the tail.
     curve, events : RateCurve, Events
         Rates, and the events above ``lowest``.
     lowest : float

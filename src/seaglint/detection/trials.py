@@ -111,7 +111,7 @@ class Trials:
     saturated : tuple of int
         Objects of each contrast that would go beyond saturation, where they are cut.
     stopped : str or None
-        Why fewer objects than asked for were tried.
+        Reason why fewer objects than requested were tried.
     """
 
     scores: tuple[Scores, ...]

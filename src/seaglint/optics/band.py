@@ -63,7 +63,7 @@ class Band:
     def from_response(cls, wavelength_um: ArrayLike, response: ArrayLike, *, whole: bool = False) -> Band:
         """Band from a tabulated response [um, (m,)], [any unit, (m,)], scaled to a peak of 1; descending tables are reversed.
 
-        Zeros at the ends are cut off, unless the ``whole`` table is wanted.
+        Zeros at the ends are cut off, unless ``whole`` is true.
         """
         w, r = np.asarray(wavelength_um, dtype=np.float64), np.asarray(response, dtype=np.float64)
         if w.ndim != 1 or w.shape != r.shape or w.size < 2:

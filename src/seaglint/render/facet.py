@@ -35,7 +35,7 @@ class FacetTables(NamedTuple):
     """Band terms of the light of facets.
 
     ``thermal[u, chi, a, c, k]``: emission and reflected sky over the sine of the grazing angle, the view azimuth and the resolved slope
-    towards the viewer and across; ``emitted`` the emission alone, without terms where it is not asked for; ``axes[i] = (first node,
+    towards the viewer and across; ``emitted`` the emission alone, without terms where it is not requested; ``axes[i] = (first node,
     1/step)``. ``sun[c, k]``: reflected sunlight over the cosine of incidence.
     """
 

@@ -45,7 +45,7 @@ class PathBasis:
     weights : (n,) [cm-1]
         Quadrature weights of the band.
     coefficients : (m, k)
-        ``a_k`` at the ranges asked for.
+        ``a_k`` at the requested ranges.
     path_radiance : (m,) [W m-2 sr-1]
         Thermal path radiance in the band.
     """

@@ -68,7 +68,7 @@ def new_pieces(channels: int) -> Pieces:
 def read_slopes(surface: Surface, line: Course, range_m: np.ndarray, pieces: Pieces, count: int, strip: Strip) -> None:
     """Read the middles of the first ``count`` pieces and the slopes there, as :func:`~seaglint.render.surface.slopes` to 2e-5 of a cell.
 
-    Strip by strip, as far as positions within one can be told.
+    Strip by strip, within the range of positions in one.
     """
     v, u = strip.fraction
     p00, p01, p10, p11 = strip.corner

@@ -260,7 +260,7 @@ class WalkedRays:
         """Tables for rays that look down at least as steeply as ``elevation`` and between two azimuths [rad].
 
         ``facets``: slopes left to the facets; ``resolved``: slope variances of the waves, along and across the wind; ``crest``: height of
-        the highest [m]; ``emitted``: whether emission is wanted apart from the sky.
+        the highest [m]; ``emitted``: whether emission is separate from the sky.
         """
         eye = view.sensor_height
         dip = horizon_depression(eye)

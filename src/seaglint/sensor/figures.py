@@ -148,7 +148,7 @@ def figures(
     rates : (float, float)
         Movement of the line of sight by the platform [rad s-1].
     frequencies : sequence of float
-        At which the MTF is told [cycles rad-1]; from 0 to twice the Nyquist frequency where there are none.
+        Frequencies of the MTF [cycles rad-1]; by default from 0 to twice the Nyquist frequency.
     """
     line, detector, optics, photons = model.readout, model.detector, model.optics, model.photons
     photon = isinstance(detector, Detector)

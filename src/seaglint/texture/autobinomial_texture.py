@@ -158,8 +158,8 @@ def fit_texture(
 
     With ``method`` auto a usable fit of the pseudo-likelihood is sampled by Gibbs sweeps, if they nearly have the picture's histogram.
     Where that fit is frozen or molten, or the histogram is to be kept, couplings are those of the likelihood given the histogram, and
-    samples exchanges. A Monte Carlo likelihood that does not converge is told, with how far samples stay from the picture; samples are then
-    exchanges, at those couplings where it stopped or where the pseudo-likelihood has its top, whose correlations are nearer.
+    samples exchanges. A Monte Carlo likelihood that does not converge is reported, with the distance of samples from the picture; samples
+    are then exchanges, at those couplings where it stopped or where the pseudo-likelihood has its top, whose correlations are nearer.
 
     Parameters
     ----------

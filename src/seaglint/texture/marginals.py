@@ -1,9 +1,9 @@
 """Marginal transforms for long tails: pixels of a Gaussian field become gamma, lognormal, K or empirical values.
 
-``x = Q(Phi(g))`` with g standard normal and Q the wanted quantiles. With the Hermite polynomials He_n,
+``x = Q(Phi(g))`` with g standard normal and Q the required quantiles. With the Hermite polynomials He_n,
 ``x = sum_n c_n He_n(g)``, ``c_n = E[x He_n(g)] / n!`` by Gauss-Hermite quadrature, so two pixels with correlation r of the Gaussian field
 have, of the output, the correlation ``R(r) = sum_(n>0) c_n² n! r^n / sum_(n>0) c_n² n!`` (Price 1958; Liu and Munk 1946). R is inverted, so
-that the output has the correlation that is wanted; what the terms left out hold of the variance is stated.
+that the output has the required correlation; the share of the variance in the omitted terms is stated.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ class Regime:
     Attributes
     ----------
     name : {"usable", "frozen", "molten"}
-        Frozen: samples end in a phase, near a constant or as told by their start. Molten: samples lose the picture's contrast
+        Frozen: samples end in a phase, near a constant or determined by their start. Molten: samples lose the picture's contrast
         or correlation, towards white noise.
     susceptibility : float
         Slope of the mean field at the picture's mean, largest over all waves [1]: from 1 on its waves grow until levels run out.

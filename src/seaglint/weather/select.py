@@ -147,7 +147,7 @@ class Selection:
         Parameters
         ----------
         columns : mapping
-            Columns by name; a row whose place or time is missing or unknown is left out where one is asked for, and counted so.
+            Columns by name; a row whose place or time is missing or unknown is excluded where one is a criterion, and counted so.
         count : int
             Number of rows.
 

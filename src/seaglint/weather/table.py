@@ -68,7 +68,7 @@ class WeatherTable:
 
     Notes
     -----
-    Weights need not sum to 1: any positive sum is divided out by :attr:`probability`, and :attr:`weight_sum` keeps it to be told.
+    Weights need not sum to 1: any positive sum is divided out by :attr:`probability`, and :attr:`weight_sum` stores it.
 
     Examples
     --------
