@@ -51,7 +51,7 @@ SCALE_HEIGHT = 2000.0
 """Scale height of the absorber [m], that of water vapour: paths to points above the sea are matched by equal amounts of it."""
 
 GROWTH = (0.3, 1.0)
-"""Least and largest power of the path length with which optical depth grows: 1/2 for strong lines, 1 for continua."""
+"""Least and largest power of the path length with which optical depth grows; strong lines grow by the root, continua linearly."""
 
 
 class LiveLine(Protocol):

@@ -28,7 +28,7 @@ NO_BAND: Final = -20.0
 """Value that LOWTRAN7 uses as the logarithm of a band's coefficient where there is no band."""
 
 _PER_MOLECULE: Final = 1e-20
-"""Number of molecules per cm2 that the water continuum's coefficients refer to."""
+"""Unit of the water continuum's coefficients: LOWTRAN7 states them per 1e20 molecules per cm2."""
 
 
 class Segments(NamedTuple):
