@@ -31,19 +31,19 @@ __all__ = [
 ]
 
 _ROOMS = ("render", "sensor")
-"""Functions that have the name of a room: the package has both under it."""
+"""Names that are both a function of :mod:`seaglint.api` and a package."""
 
 
 class _Called(ModuleType):
-    """A room that is also a function: ``seaglint.render`` renders when it is called, ``seaglint.sensor`` tells of a sensor."""
+    """Module that is also a function: ``seaglint.render`` renders, ``seaglint.sensor`` returns the figures of a sensor."""
 
     def __call__(self, *args: Any, **options: Any) -> Any:
-        """The function of :mod:`seaglint.api` with the room's name."""
+        """Call the function of :mod:`seaglint.api` that has the name of this package."""
         return getattr(import_module("seaglint.api"), self.__name__.rpartition(".")[2])(*args, **options)
 
 
 class _Package(ModuleType):
-    """The class of the package itself."""
+    """Class of the package ``seaglint`` itself."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         # the import system binds a room here whenever it is first imported, by whomever

@@ -1,4 +1,4 @@
-"""The one door to Numba: scalar kernels are compiled here, so that their launchers can change without them.
+"""Compilation of kernels with Numba, in one place, so that launchers can change without the kernels.
 
 ``NUMBA_DISABLE_JIT=1`` runs the same functions as plain Python.
 """
@@ -20,7 +20,7 @@ from seaglint._kernel_cache import end_turn, kernel_folder, take_turn
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-# Said outright in every case: a function takes over what is left unsaid from the one that happens to be compiled with it.
+# Every option is given explicitly: a function takes missing ones from the function that happens to be compiled with it.
 COUNTED: dict[str, Any] = {"error_model": "numpy", "nogil": True, "fastmath": False, "forceinline": False, "_nrt": True}
 UNCOUNTED: dict[str, Any] = COUNTED | {"fastmath": {"contract"}, "forceinline": True, "_nrt": False}
 
@@ -30,7 +30,7 @@ _decorating = threading.Lock()
 
 
 def _compiled(function: F, **options: Any) -> F:
-    """Hand a function to Numba, which compiles it on its first call or takes it from :func:`kernel_folder`."""
+    """Compile a function with Numba on its first call, or load it from :func:`kernel_folder`."""
     if _settings.DISABLE_JIT:
         return cast(F, numba.njit(**options)(function))
     with _decorating:
@@ -38,7 +38,7 @@ def _compiled(function: F, **options: Any) -> F:
         folder = kernel_folder(users)
         if folder is None:
             return cast(F, numba.njit(**options)(function))
-        _settings.CACHE_DIR = str(folder)  # read while a function is decorated; those of other packages go where they went
+        _settings.CACHE_DIR = str(folder)  # read while a function is decorated; kernels of other packages use their usual folder
         try:
             made = numba.njit(cache=True, **options)(function)
         finally:
@@ -109,11 +109,11 @@ def njit_parallel(function: F) -> F:
 
 
 SHARES_PER_THREAD = 8
-"""Pieces of work for each thread: a slow one does not hold up the others."""
+"""Parts of the work for each thread; with several parts a slow one does not delay the other threads."""
 
 
 def in_threads(work: Callable[[tuple[int, int]], None], count: int) -> None:
-    """Share ``range(count)`` out as parts ``(first, end)`` to as many threads as Numba is to use.
+    """Divide ``range(count)`` into parts ``(first, end)`` and run them in as many threads as Numba uses.
 
     For compiled kernels, which release the interpreter, too large for Numba's own parallel loops: those compile all that they call once
     more. ``work`` must not depend on the order or size of the parts.

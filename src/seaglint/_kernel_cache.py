@@ -1,4 +1,4 @@
-"""Where compiled kernels are kept: a folder named by a digest of all their sources.
+"""Folder of compiled kernels, named by a digest of all their sources.
 
 Numba looks at the file of the function that it loads, not at those of the kernels that this one calls: after a change of these alone
 it would run old physics. Here any change of a kernel's file leads to another folder.
@@ -22,7 +22,7 @@ from seaglint.user_cache import cache_folder
 
 try:
     import fcntl
-except ImportError:  # Windows: processes that begin at the same time compile for themselves
+except ImportError:  # Windows: processes that start at the same time compile separately
     fcntl = None  # type: ignore[assignment]
 
 PACKAGE: Final = Path(__file__).parent
@@ -30,20 +30,20 @@ PACKAGE: Final = Path(__file__).parent
 PREFIX: Final = "seaglint-kernels-"
 
 ROOMS: Final = ("optics", "sea", "atmosphere", "radiance", "render", "clutter", "detection")
-"""Folders of which every file counts: plain functions become kernels elsewhere."""
+"""Packages of which every file enters the digest: their plain functions may become kernels elsewhere."""
 
 KEPT: Final = 5
-"""Folders of other sources that stay: branches and versions between which somebody changes."""
+"""Number of folders of other source versions that are not removed, such as those of other branches."""
 
 IN_USE: Final = 86400.0
-"""Seconds from its start for which a program may still compile into its folder, which is then left alone."""
+"""Time from its start during which a program may still compile [s]; its folder is not removed meanwhile."""
 
 TURN: Final = 600.0
-"""Longest wait for another process that compiles the same function [s]; then this one compiles it too."""
+"""Longest wait for another process that compiles the same function [s]; after it this process compiles the function too."""
 
 
 def sources_digest(package: Path = PACKAGE) -> str:
-    """Digest of everything that compiled kernels are made of: physics, other files that import ``_jit`` or define tuples, the constants."""
+    """Digest of all files that enter compiled kernels: physics, other files that import ``_jit`` or define tuples, and constants."""
     # Without pathlib, whose walk through some hundred files takes longer than reading them.
     root, paths = str(package), []
     for folder, folders, names in os.walk(root):
@@ -61,14 +61,14 @@ def sources_digest(package: Path = PACKAGE) -> str:
 
 
 @cache
-def kernel_folder(wanted: str = "") -> Path | None:
-    """Folder that compiled kernels are read from and written to, made if need be; None where nothing can be written.
+def kernel_folder(requested: str = "") -> Path | None:
+    """Folder of compiled kernels, created if necessary; None where no folder is writable.
 
-    It lies in the folder ``wanted`` (``NUMBA_CACHE_DIR``), else in the package's own ``__pycache__``, else in the user's cache, else among
-    temporary files. Processes may call this at once: nothing is locked, and a folder is only ever made or moved whole.
+    It lies in the folder ``requested`` (``NUMBA_CACHE_DIR``), else in the package's own ``__pycache__``, else in the user's cache, else
+    among temporary files. Several processes may call this at once: nothing is locked, and a folder is only created or moved as a whole.
     """
     name = PREFIX + sources_digest()
-    for parent in _parents(wanted):
+    for parent in _parents(requested):
         folder = parent / name
         try:
             parent.mkdir(parents=True, exist_ok=True)
@@ -84,10 +84,10 @@ def kernel_folder(wanted: str = "") -> Path | None:
     return None
 
 
-def _parents(wanted: str) -> Iterator[Path]:
-    """Folders to try in turn."""
-    if wanted:
-        yield Path(wanted).absolute()
+def _parents(requested: str) -> Iterator[Path]:
+    """Candidate parent folders, in order of preference."""
+    if requested:
+        yield Path(requested).absolute()
     yield PACKAGE / "__pycache__"
     with suppress(RuntimeError):  # an account without a home
         yield cache_folder() / "kernels"
@@ -96,7 +96,7 @@ def _parents(wanted: str) -> Iterator[Path]:
 
 
 def _own_temporary() -> Path:
-    """Folder among temporary files that nobody else can write to: what is loaded from it is run.
+    """Temporary folder that no other user can write to, because the files loaded from it are executed.
 
     Raises
     ------
@@ -107,14 +107,14 @@ def _own_temporary() -> Path:
         return Path(tempfile.gettempdir()) / "seaglint"  # of this account alone on Windows
     folder = Path(tempfile.gettempdir()) / f"seaglint-{os.getuid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
-    found = folder.lstat()
-    if found.st_uid != os.getuid() or found.st_mode & 0o077 or folder.is_symlink():
+    status = folder.lstat()
+    if status.st_uid != os.getuid() or status.st_mode & 0o077 or folder.is_symlink():
         raise PermissionError(f"{folder} is open to other accounts")
     return folder
 
 
 def remove_old(present: Path) -> None:
-    """Remove folders of other sources beside the present one, but the last :data:`KEPT` used and those used within a day."""
+    """Remove folders of other source versions, except the last :data:`KEPT` and those used within a day."""
     used: list[tuple[float, Path]] = []
     for folder in present.parent.glob(f"{PREFIX}*"):
         with suppress(OSError):  # another process was quicker
@@ -130,7 +130,7 @@ def remove_old(present: Path) -> None:
 
 @cache
 def _turns(folder: Path) -> int | None:
-    """File in which each function has a byte that is locked while a process compiles it; open for as long as this process lives.
+    """Lock file with one byte for each function, locked while a process compiles it; it stays open while this process lives.
 
     It has the ending of Numba's index files: who removes these removes it too.
     """
@@ -164,7 +164,7 @@ def take_turn(folder: Path, function: str) -> None:
 
 
 def end_turn(folder: Path, function: str) -> None:
-    """Let another process go on."""
+    """Release the lock of a function, so that the next process may compile or load it."""
     file = _turns(folder)
     if fcntl is not None and file is not None:
         with suppress(OSError):

@@ -1,4 +1,4 @@
-"""The functions of ``import seaglint as sg``: from a scenario file to labelled images and their clutter.
+"""Functions of ``import seaglint as sg``: from a scenario file to labelled images and their clutter.
 
 .. code-block:: python
 
@@ -82,7 +82,7 @@ def mean(scenario: Scenario) -> xr.Dataset:
     Raises
     ------
     SeaglintError
-        What the models do not cover; see :mod:`seaglint.pipeline.prepare`.
+        A condition outside the models; see :mod:`seaglint.pipeline.prepare`.
 
     Examples
     --------
@@ -120,7 +120,7 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     Raises
     ------
     SeaglintError
-        What the models do not cover, a time outside the platform's track, a layer that there is not.
+        A condition outside the models, a time outside the platform's track, or an unknown layer.
 
     Notes
     -----
@@ -163,7 +163,7 @@ def render(
     output : path
         Store to make, customarily ``*.zarr``.
     frames : range, optional
-        Frames wanted, counted from 0; all of the scenario's by default.
+        Frames to render, counted from 0; all of the scenario's by default.
     threads : int, optional
         Processor threads; all by default. The bytes do not depend on them.
     resume, overwrite : bool
@@ -171,7 +171,7 @@ def render(
     progress : callable, optional
         Called with (frames done, frames in all).
     electrons, radiance : bool
-        Of a scenario with a detector: write electrons, and the radiance at the aperture, beside counts.
+        Write electrons, and the radiance at the aperture, beside counts, for a scenario with a detector.
     workers : int or Workers, optional
         Number of processes on this machine that share the frames, or what :func:`seaglint.cluster.dask.connected` gives.
 
@@ -184,7 +184,7 @@ def render(
     Raises
     ------
     SeaglintError
-        What the models do not cover, a store that is there already, no room.
+        A condition outside the models, an existing store, or a full disk.
 
     Examples
     --------
@@ -199,9 +199,15 @@ def render(
     from seaglint.io.store import open_sequence
     from seaglint.pipeline.sensed import render as written
 
-    kept: dict[str, Any] = {"electrons": electrons, "radiance": radiance, "resume": resume, "overwrite": overwrite, "progress": progress}
+    common: dict[str, Any] = {
+        "electrons": electrons,
+        "radiance": radiance,
+        "resume": resume,
+        "overwrite": overwrite,
+        "progress": progress,
+    }
     with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
-        path = written(scenario, output, frames=frames, threads=threads if workers is None else None, workers=others, **kept)
+        path = written(scenario, output, frames=frames, threads=threads if workers is None else None, workers=others, **common)
     return with_band(open_sequence(path))
 
 
@@ -220,7 +226,7 @@ def export(
     Parameters
     ----------
     run : xarray.Dataset or path
-        What :func:`render` gives or a part of it, or a finished store.
+        Result of :func:`render` or a part of it, or a finished store.
     output : path
         ``.nc``, ``.h5``, ``.tif``, ``.fits``, ``.npy``, ``.raw`` (the last two with a JSON header beside them), ``.mp4`` or ``.gif``.
     variable : str, optional
@@ -282,7 +288,7 @@ def sense(
     output : path, optional
         Zarr store to write and open; without it the counts are made in memory.
     seed : int, optional
-        Of the noise; the scenario's by default.
+        Seed of the noise; the scenario's by default.
     oversampling : int, optional
         Pixels of the radiance along each side of the detector's; found from the coordinates of a dataset, else 1.
     electrons : bool
@@ -295,7 +301,7 @@ def sense(
     Returns
     -------
     xarray.Dataset
-        ``signal`` [counts, uint16, (time, y, x)], ``electrons`` where wanted, ``saturated_share``; :func:`apparent_temperature` takes it.
+        ``signal`` [counts, uint16, (time, y, x)], ``electrons`` if requested, ``saturated_share``; :func:`apparent_temperature` takes it.
 
     Raises
     ------
@@ -414,9 +420,9 @@ def analyze(
     from seaglint.analysis import analyze as analysed
     from seaglint.inputs import options_of, recording_of
 
-    wanted = options_of(options)
+    resolved = options_of(options)
     opened = recording_of(recording, frame_rate, units, variable)
-    return analysed(opened, wanted) if progress is None else analysed(opened, wanted, progress)
+    return analysed(opened, resolved) if progress is None else analysed(opened, resolved, progress)
 
 
 def apparent_temperature(radiance: xr.Dataset | xr.DataArray | ArrayLike, band: Band | tuple[float, float] | None = None) -> xr.DataArray:

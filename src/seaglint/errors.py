@@ -1,4 +1,4 @@
-"""Errors a user can cause. Each text says what was given, what is allowed and what to do.
+"""Errors that a user can cause. Each message says what was given, what is allowed and what to do.
 
 The command line prints them in one line and exits with :attr:`SeaglintError.exit_code`; anything else is a defect of
 seaglint and keeps its traceback. Texts are for people: programs read the fields beside them.
@@ -10,25 +10,25 @@ from dataclasses import dataclass
 from typing import Any
 
 Allowed = tuple[float, float] | str | None
-"""What a value may be: a closed range, words, or nothing that is told."""
+"""Allowed values: a closed range, a list of words, or None where neither applies."""
 
 
 class SeaglintError(Exception):
-    """Parent of every error that is the caller's to mend."""
+    """Base class of all errors that the caller can correct."""
 
     exit_code = 2
 
 
 @dataclass(frozen=True)
 class Mistake:
-    """One thing that is wrong in a scenario.
+    """Single mistake in a scenario.
 
     Attributes
     ----------
     key : str
         Where it stands: ``"sensor.height_m"``, ``"render.layers[0]"``.
     value : object
-        What was given; None where a key is missing.
+        Given value; None where a key is missing.
     allowed : (float, float), str or None
         Closed range, or words; None where the text alone says it.
     text : str
@@ -42,7 +42,7 @@ class Mistake:
 
 
 class ScenarioError(SeaglintError):
-    """A scenario file or key that cannot be used; the text names file, key path, value and what is allowed."""
+    """Error in a scenario file or key; the message names file, key path, value and what is allowed."""
 
     def __init__(self, text: str, *, mistakes: tuple[Mistake, ...] = ()) -> None:
         super().__init__(text)
@@ -50,17 +50,17 @@ class ScenarioError(SeaglintError):
 
     @property
     def mistakes(self) -> tuple[Mistake, ...]:
-        """What is wrong, key by key; empty where no single key is to blame."""
+        """Mistakes of the scenario, one for each key; empty where no single key is wrong."""
         return self._mistakes
 
 
 class DomainError(SeaglintError, ValueError):
-    """A number outside the range in which a physical model is valid.
+    """Error of a number outside the range in which a physical model is valid.
 
     Parameters
     ----------
     text : str
-        What was given, what is allowed, what to do.
+        Message: the given value, the allowed ones, and the remedy.
     name : str, optional
         The quantity, as functions call it: ``"wind_speed"``.
     value : object, optional
@@ -80,36 +80,36 @@ class DomainError(SeaglintError, ValueError):
 
     @property
     def name(self) -> str | None:
-        """Quantity refused; None where it is no single one."""
+        """Name of the refused quantity; None where it is not a single one."""
         return self._name
 
     @property
     def value(self) -> Any:
-        """What was given for it."""
+        """Refused value."""
         return self._value
 
     @property
     def allowed(self) -> Allowed:
-        """Closed range or words."""
+        """Allowed values: a closed range or a list of words."""
         return self._allowed
 
 
 class DataError(SeaglintError):
-    """An input or output file that is missing, cut, of the wrong kind or already there."""
+    """Error of an input or output file that is missing, truncated, of the wrong kind or already there."""
 
 
 class BackendError(SeaglintError):
-    """An optional part (codec, reader, compiler, device) that is needed and not installed."""
+    """Error of an optional part (codec, reader, compiler, device) that is needed and not installed."""
 
 
 class StorageError(SeaglintError):
-    """Writing failed for lack of room or rights; what was written before stays and can be resumed."""
+    """Error of writing for lack of space or permission; what was written before stays and can be resumed."""
 
     exit_code = 3
 
 
 def one_line(error: BaseException) -> str:
-    r"""An error as a line: its kind and the first line of its text.
+    r"""Return an error as one line: its kind and the first line of its message.
 
     >>> one_line(ValueError("no waves\nat all")), one_line(KeyboardInterrupt())
     ('ValueError: no waves', 'KeyboardInterrupt')

@@ -1,4 +1,4 @@
-"""What the functions of ``import seaglint as sg`` take in many forms, brought into one."""
+"""Conversion of the inputs that the functions of ``import seaglint as sg`` accept in several forms."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 
 AXES = ("time", "y", "x")
-"""Names of the last axes of an array that has none."""
+"""Names of the last axes of an array without names."""
 
 
 def options_of(given: Mapping[str, Any]) -> Options:
-    """Fields of the record; filters and detectors by name, sequences as tuples, masks as plain arrays."""
+    """Return the options as a record: filters and detectors from names, sequences as tuples, masks as plain arrays."""
     from typing import get_args
 
     import numpy as np
@@ -43,15 +43,15 @@ def options_of(given: Mapping[str, Any]) -> Options:
     if isinstance(out.get("filter"), str):
         out["filter"] = filters.named(out["filter"])
     if "detectors" in out:
-        wanted = (out["detectors"],) if isinstance(out["detectors"], str) else out["detectors"]
-        out["detectors"] = tuple(choice.named(d) if isinstance(d, str) else d for d in wanted)
+        names = (out["detectors"],) if isinstance(out["detectors"], str) else out["detectors"]
+        out["detectors"] = tuple(choice.named(d) if isinstance(d, str) else d for d in names)
     if out.get("mask") is not None:
         out["mask"] = np.asarray(out["mask"], dtype=np.bool_)
     return Options(**out)
 
 
 def recording_of(given: Any, frame_rate: float | None, units: str | None, variable: str | None) -> Recording:
-    """What is analysed, from a file or from memory."""
+    """Return the recording to analyse, from a file or from memory."""
     from dataclasses import replace
 
     import numpy as np
@@ -67,16 +67,16 @@ def recording_of(given: Any, frame_rate: float | None, units: str | None, variab
         given = given.to_dataset(name=str(given.name or "values"))
     if isinstance(given, xr.Dataset):
         ordered = given.transpose("time", ...) if "time" in given.dims else given
-        found = of_dataset(ordered, "dataset", Reading(variable))
+        recording = of_dataset(ordered, "dataset", Reading(variable))
     elif isinstance(given, Recording):
-        found = given
+        recording = given
     else:
-        found = of_array(np.asarray(given), "array", Reading(), frame_rate=frame_rate, units=units)
-    return replace(found, frame_rate=frame_rate or found.frame_rate, units=units or found.units)
+        recording = of_array(np.asarray(given), "array", Reading(), frame_rate=frame_rate, units=units)
+    return replace(recording, frame_rate=frame_rate or recording.frame_rate, units=units or recording.units)
 
 
 def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.DataArray:
-    """Apparent temperature of radiance in any form."""
+    """Apparent temperature [K] of radiance in any accepted form."""
     import numpy as np
     import xarray as xr
 
@@ -101,13 +101,13 @@ def kelvin_of(radiance: Any, band: Band | tuple[float, float] | None) -> xr.Data
     def converted(values: NDArray[Any]) -> NDArray[np.floating[Any]]:
         return kelvin(values, over, grid).astype(kind)
 
-    found = xr.apply_ufunc(converted, given, dask="parallelized", output_dtypes=[kind], keep_attrs=True)
-    out: xr.DataArray = found.rename("apparent_temperature")
+    result = xr.apply_ufunc(converted, given, dask="parallelized", output_dtypes=[kind], keep_attrs=True)
+    out: xr.DataArray = result.rename("apparent_temperature")
     return out.assign_attrs(VARIABLES["apparent_temperature"].attributes)
 
 
 def band_of(attributes: Mapping[Any, Any]) -> Band:
-    """Band that attributes tell."""
+    """Return the spectral band that the attributes of a file state."""
     from seaglint.errors import DataError
     from seaglint.io.provenance import stored_band
 
@@ -119,7 +119,7 @@ def band_of(attributes: Mapping[Any, Any]) -> Band:
 
 
 def with_band(dataset: xr.Dataset) -> xr.Dataset:
-    """The same with the band at every in-band radiance too, so that a variable is complete without its dataset, ready for any file."""
+    """Return the dataset with the band attributes on every in-band radiance, so that each variable can be saved alone."""
     from seaglint.io.netcdf import plain_attributes
     from seaglint.schema import VARIABLES
 

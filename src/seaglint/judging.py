@@ -1,4 +1,4 @@
-"""``sg.detect``: a detector judged on a recording or in the scenes of a scenario."""
+"""Function ``sg.detect``: a detector evaluated on a recording or in the scenes of a scenario."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Judgement(dict[str, Any]):
-    """What ``seaglint detect --json`` prints; a notebook shows detection of each contrast, false alarms and notes."""
+    """Results of ``seaglint detect --json``; a notebook shows detection of each contrast, false alarms and notes."""
 
     def _repr_html_(self) -> str:
         from seaglint.pipeline.detect import shown
@@ -54,12 +54,12 @@ def detect(
     source : Scenario, dataset, array, path or Recording
         Frames without objects as for :func:`seaglint.api.analyze`, or a scenario, of which independent seas are rendered.
     contrast : float or sequence of float, optional
-        What an object centred on a pixel adds to it [units of the source]; of a scenario the in-band contrast at the aperture
+        Signal of an object in the pixel at whose centre it lies [units of the source]; of a scenario the in-band contrast at the aperture
         [W m-2 sr-1], and without it a sweep in standard deviations of its frames.
     detector, filter : str
         Names, or ``package.module:function`` of your own detector.
     threshold, threshold_law
-        As on the command line.
+        Threshold and its law, as on the command line.
     injections : int
         Objects of each contrast.
     object_sigma_px : float, optional
@@ -67,17 +67,17 @@ def detect(
     psf : array_like, optional
         Point spread instead, one value a pixel.
     objects : str
-        Of a scenario: "point", "gaussian", or the name of one of its objects.
+        Objects of a scenario: "point", "gaussian", or the name of one of its objects.
     frames : int
-        Of a scenario: independent seas at most.
+        Largest number of independent seas of a scenario.
     precision, time_budget : float, optional
-        Of a scenario: half width of the interval of P_d that is enough [1]; longest time [s].
+        Limits for a scenario: half width of the interval of P_d that is enough [1]; longest time [s].
     design : bool
-        Of a scenario: the contrast for P_d 0.9 at one false alarm per hour and field, or at ``p_fa``, and the loss against white noise.
+        Contrast of a scenario's object for P_d 0.9 at one false alarm per hour and field, or at ``p_fa``, and the loss against white noise.
     frame_rate, units, variable
-        As for :func:`seaglint.api.analyze`.
+        Properties of the recording, as for :func:`seaglint.api.analyze`.
     seed : int
-        Of the places.
+        Seed of the places.
     progress : callable, optional
         Called with (done, in all).
     **more
@@ -87,7 +87,7 @@ def detect(
     Returns
     -------
     dict
-        What ``seaglint detect --json`` prints. Notebooks show it as a table.
+        Values that ``seaglint detect --json`` prints. Notebooks show them as a table.
 
     Raises
     ------
@@ -132,17 +132,17 @@ def detect(
         opened = recording_of(source, frame_rate, units, variable)
         from dataclasses import replace
 
-        found = judged(opened, replace(options, frame_rate=opened.frame_rate), name=opened.source, progress=progress)
-        return Judgement(found.as_dict(), units=opened.units, frame_rate_hz=opened.frame_rate)
+        result = judged(opened, replace(options, frame_rate=opened.frame_rate), name=opened.source, progress=progress)
+        return Judgement(result.as_dict(), units=opened.units, frame_rate_hz=opened.frame_rate)
     from seaglint.io.detection_parts import parts_folder
     from seaglint.pipeline.detect_design import Design
     from seaglint.pipeline.detect_scene import Clock, SceneOptions, run_scene
     from seaglint.pipeline.injected import Strength
 
     own = shape if psf is not None or object_sigma_px is not None or objects == "gaussian" else None
-    asked = Design(p_fa=p_fa) if design or p_fa is not None else None
+    design_options = Design(p_fa=p_fa) if design or p_fa is not None else None
     strength = None if contrasts is None else Strength(contrasts)
-    wanted = SceneOptions(options, objects, strength, own, frames, precision, None, asked)
+    scene_options = SceneOptions(options, objects, strength, own, frames, precision, None, design_options)
     with parts_folder(None) as (parts, _):
-        case = run_scene(source, wanted, parts, clock=Clock(time_budget), name="scenario", progress=progress)
+        case = run_scene(source, scene_options, parts, clock=Clock(time_budget), name="scenario", progress=progress)
     return Judgement(case["result"])

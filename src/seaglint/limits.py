@@ -1,4 +1,4 @@
-"""Ranges that physics refuses to leave and that scenario files check beforehand: each number stands here and nowhere else.
+"""Ranges of validity that both physics and scenario files check, each defined here once.
 
 Plain numbers, so that reading them loads no other package. Ranges that only one model knows live in that model's file.
 """
@@ -12,14 +12,20 @@ WIND_PROFILE: Final = (0.0, 40.0)
 """Wind speeds at 10 m for which the roughness law of the sea is evaluated [m/s]; far wider than the data behind it."""
 
 COX_MUNK_WIND: Final = (0.0, 20.0)
-"""Wind speeds for which Cox and Munk's fits of a clean sea are used without asking [m/s]."""
+"""Wind speeds for which Cox and Munk's fits of a clean sea are used without ``extrapolate`` [m/s]."""
 
 COX_MUNK_SLICK_WIND: Final = (0.0, 14.0)
-"""The same for a slick sea [m/s]: the winds of all their photographs. Stronger winds leave no slick together."""
+"""Wind speeds for which Cox and Munk's fit of a slick sea is used without ``extrapolate`` [m/s]: the winds of all their photographs.
+
+Stronger winds break the slick.
+"""
 
 BREON_HENRIOT_WIND: Final = (0.0, 15.0)
-"""Winds at 10 m for which Bréon and Henriot's fit is used without asking [m/s]. A choice: c21 grows with the square of the wind, and the
-mass added where the series turns negative is 8e-5 at 15 m/s and 1.8e-3 at 20 m/s."""
+"""Winds at 10 m for which Bréon and Henriot's fit is used without ``extrapolate`` [m/s].
+
+The limit is a choice: c21 grows with the square of the wind, and the mass added where the series turns negative is 8e-5 at 15 m/s and
+1.8e-3 at 20 m/s.
+"""
 
 NAVY_AEROSOL_WIND: Final = (0.0, 20.0)
 """Winds of the Navy maritime aerosol, and of the air tables made with it [m/s]; LOWTRAN7 silently takes any stronger wind for 20 m/s."""
@@ -31,7 +37,7 @@ TABLE_BANDS_UM: Final = ((2.0, 5.5), (7.5, 14.0))
 """Wavelengths that the air tables cover [um]; a band lies inside one of them."""
 
 LOWTRAN_HEIGHTS: Final = (0.01, 50_000.0)
-"""Sensor heights for which LOWTRAN7 is run [m]: those that make sense to the geometry."""
+"""Sensor heights for which LOWTRAN7 is run [m]: those for which the geometry is valid."""
 
 LOWTRAN_BAND_UM: Final = (0.2, 28.0)
 """Wavelengths for which LOWTRAN7 is run [um]: its bands end at 50 000 cm-1, its Navy aerosol at 250 cm-1."""
@@ -40,7 +46,7 @@ WIDEST_PINHOLE_DEG: Final = 170.0
 """Field of view that a plane image is allowed [deg]; at 180 deg it would be infinite."""
 
 MOST_SPEED: Final = 1000.0
-"""Speed between two keyframes from which a mistyped number is likelier than an aircraft [m/s]."""
+"""Largest speed between two keyframes [m/s]; a higher one is probably a mistyped number."""
 
 MOST_TURN: Final = math.radians(720.0)
-"""The same for the rate of any angle [rad/s]: two turns a second."""
+"""Largest rate of any angle between two keyframes [rad/s]: two turns a second."""

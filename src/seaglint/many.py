@@ -68,12 +68,12 @@ def ensemble(
     from seaglint.pipeline.ensemble import draw, render_ensemble
     from seaglint.scenario.ensemble import load_ensemble, parse_ensemble
 
-    found = parse_ensemble(source) if isinstance(source, Mapping) else load_ensemble(source)
+    resolved = parse_ensemble(source) if isinstance(source, Mapping) else load_ensemble(source)
     with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
         render_ensemble(
-            found, output, workers=others, threads=threads, resume=resume, overwrite=overwrite, draw_only=draw_only, progress=progress
+            resolved, output, workers=others, threads=threads, resume=resume, overwrite=overwrite, draw_only=draw_only, progress=progress
         )
-    return [scene.row for scene in draw(found)]
+    return [scene.row for scene in draw(resolved)]
 
 
 def dataset(
@@ -100,11 +100,11 @@ def dataset(
     format : str
         ``coco``, ``yolo``, ``sirst`` or ``zarr``.
     bits : 8 or 16, optional
-        Of a pixel; 16 for ``coco``, 8 for ``yolo`` and ``sirst``.
+        Bits of a pixel; 16 for ``coco``, 8 for ``yolo`` and ``sirst``.
     image : str, optional
         ``png`` (default) or ``tiff``.
     workers, threads, resume, overwrite, progress
-        As for :func:`ensemble`.
+        Settings of the run, as for :func:`ensemble`.
 
     Returns
     -------
@@ -114,7 +114,7 @@ def dataset(
     Raises
     ------
     SeaglintError
-        As for :func:`ensemble`; a format that there is not.
+        An error as for :func:`ensemble`, or an unknown format.
 
     Examples
     --------
@@ -126,7 +126,7 @@ def dataset(
     from seaglint.pipeline.dataset import Options
     from seaglint.pipeline.ensemble_dataset import ensemble_dataset, read_source
 
-    found, options = read_source(Path(source)), Options.of(format, bits, image)
+    resolved, options = read_source(Path(source)), Options.of(format, bits, image)
     with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
-        ensemble_dataset(found, output, options, workers=others, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
+        ensemble_dataset(resolved, output, options, workers=others, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
     return Path(output)

@@ -1,4 +1,4 @@
-"""The type of this machine's processor."""
+"""Identification of this machine's processor type."""
 
 from __future__ import annotations
 

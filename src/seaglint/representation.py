@@ -1,4 +1,4 @@
-"""What notebooks show of scenarios and results: small pieces of HTML, escaped, that run nothing and load nothing."""
+"""HTML of scenarios and results in notebooks: escaped, without scripts and without external files."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from html import escape
 from typing import Any, Final
 
 ABSENT: Final = "–"
-"""What stands for a number that does not exist."""
+"""Text shown in place of a number that does not exist."""
 
 _CELL: Final = "padding:.15rem .6rem;text-align:left;border-bottom:1px solid rgba(128,128,128,.3);vertical-align:top"
 
 
 def told(value: Any) -> str:
-    """A value as plain text, numbers with four digits.
+    """Value as plain text, numbers with four digits.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def told(value: Any) -> str:
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """Cells are values or text."""
+    """HTML table; cells are values or text."""
 
     def line(tag: str, cells: Sequence[Any]) -> str:
         return "<tr>" + "".join(f'<{tag} style="{_CELL}">{escape(told(cell))}</{tag}>' for cell in cells) + "</tr>"
@@ -45,12 +45,12 @@ def table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 
 def card(title: str, *parts: str) -> str:
-    """A heading and what stands below it side by side, pieces of HTML."""
+    """HTML card: a heading and the given pieces of HTML side by side below it."""
     inside = "".join(f"<div>{part}</div>" for part in parts if part)
     return f'<div><strong>{escape(title)}</strong><div style="display:flex;flex-wrap:wrap;gap:1.2rem;margin-top:.3rem">{inside}</div></div>'
 
 
 def notes(texts: Iterable[str]) -> str:
-    """Sentences below each other; nothing where there are none."""
+    """HTML of notes, one sentence a line; empty without notes."""
     lines = "".join(f"<li>{escape(text)}</li>" for text in texts)
     return f'<ul style="margin:.2rem 0;padding-left:1.2rem;font-size:.85rem">{lines}</ul>' if lines else ""

@@ -1,4 +1,4 @@
-"""Every variable that leaves seaglint: its name, unit, CF standard name and description, in one table.
+"""Names, units, CF standard names and descriptions of all output variables, in one table.
 
 Files, plot labels and the documentation read it; nothing else may name a unit.
 """
@@ -15,14 +15,14 @@ class Variable:
 
     name: str
     units: str
-    """UDUNITS text, empty for what has none."""
+    """Unit as UDUNITS text; empty where there is none."""
     long_name: str
     standard_name: str | None = None
-    """CF standard name, where one fits."""
+    """CF standard name; empty where none fits."""
     symbol: str = ""
-    """Unit as it is written on plots; that of ``units`` where empty."""
+    """Unit as it is written on plots; empty where it is the text of ``units``."""
     dtype: str = "float32"
-    """Type of an image's numbers in files."""
+    """Data type of an image in files."""
 
     @property
     def attributes(self) -> dict[str, str]:
@@ -121,9 +121,9 @@ Layer = Literal[
 """Name of a variable that an image may carry beside its radiance."""
 
 LAYERS: Final[tuple[str, ...]] = get_args(Layer)
-"""All of them, in the order in which they are listed."""
+"""Names of all layers, in the order in which they are listed."""
 
 ARTICLE_RADIANCE_PER_SI: Final = 100.0
-"""uW cm-2 sr-1 per W m-2 sr-1: the unit of the source article, offered beside SI in plots and reports."""
+"""Number of uW cm-2 sr-1 in one W m-2 sr-1: the unit of the source article, offered beside SI in plots and reports."""
 
 ARTICLE_RADIANCE_SYMBOL: Final = "µW cm⁻² sr⁻¹"

@@ -1,4 +1,4 @@
-"""How many threads a piece of work takes: those of the kernels, and those of linear algebra."""
+"""Number of threads of kernels and of linear algebra."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from seaglint.errors import BackendError
 
 @contextmanager
 def single_threaded_algebra() -> Iterator[None]:
-    """Let linear algebra (BLAS) work in one thread, and put back what it had; also a decorator of functions.
+    """Run linear algebra (BLAS) in one thread and restore the old number afterwards; also a decorator of functions.
 
     Its matrices are small here: one thread is as fast, does not push aside the other threads and processes on a machine, and sums in the
     same order on each. The limit holds for the whole process while the context lasts.
@@ -32,7 +32,7 @@ def single_threaded_algebra() -> Iterator[None]:
 
 @contextmanager
 def thread_limit(threads: int | None = None) -> Iterator[None]:
-    """Run kernels with a number of threads and linear algebra with one, and put the old numbers back.
+    """Run kernels with a number of threads and linear algebra with one, and restore the old numbers afterwards.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where a user's programs keep what can be computed again."""
+"""Folder of the user for files that can be computed again."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def cache_folder() -> Path:
-    """The user's folder for what can be computed again: ``SEAGLINT_CACHE``, or ``seaglint`` where the system keeps such things."""
+    """Folder of the user for files that can be computed again: ``SEAGLINT_CACHE``, or ``seaglint`` in the cache folder of the system."""
     own = os.environ.get("SEAGLINT_CACHE")
     if own:
         return Path(own).expanduser().absolute()

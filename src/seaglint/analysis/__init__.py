@@ -1,4 +1,4 @@
-"""Clutter statistics and false alarms of a recording, streamed: survey it, segment it, count it."""
+"""Clutter statistics and false alarms of a recording, read in blocks: survey, segmentation, counting."""
 
 from seaglint.analysis.recording import Recording
 from seaglint.analysis.region import Region

@@ -1,4 +1,4 @@
-"""What is analysed: the size of a sequence, what is known of its time and units, and blocks of frames."""
+"""Recording to analyse: size of a sequence, its time step and units, and blocks of frames."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FrameArray = NDArray[np.float32]
 
 @dataclass(frozen=True)
 class Recording:
-    """A sequence of images that is read on demand: of a file by ``seaglint.io.recording.open_recording``, or of your own function.
+    """Sequence of images that is read on demand: from a file by ``seaglint.io.recording.open_recording``, or by a user's function.
 
     Attributes
     ----------
@@ -33,9 +33,9 @@ class Recording:
     saturation : float or None
         Value at which the format or sensor saturates: full scale of integer formats, or what the user said; less ``offset``.
     offset : float
-        What :meth:`read` takes off the file's numbers, so that single precision resolves their spread.
+        Level that :meth:`read` subtracts from the file's numbers, so that single precision resolves their spread.
     notes : tuple of str
-        What a reader of results should know: lossy codec, channels averaged, frames missing.
+        Notes for readers of results: lossy codec, channels averaged, frames missing.
     """
 
     source: str
@@ -50,7 +50,7 @@ class Recording:
     offset: float = 0.0
 
     def read(self, start: int, stop: int) -> FrameArray:
-        """Frames ``start`` to ``stop`` (not included) as float32 (k, rows, columns), the caller's own; NaN where there is no value.
+        """Return frames ``start`` to ``stop`` (not included) as a float32 copy (k, rows, columns); NaN where there is no value.
 
         Raises
         ------
@@ -74,11 +74,11 @@ class Recording:
         return block
 
     def blocks(self, memory: float = 64e6) -> Iterator[FrameArray]:
-        """All frames in order, in blocks of about ``memory`` bytes."""
+        """Iterate over all frames in order, in blocks of about ``memory`` bytes."""
         step = max(int(memory / (4.0 * self.rows * self.columns)), 1)
         for start in range(0, self.frames, step):
             yield self.read(start, min(start + step, self.frames))
 
     def with_notes(self, *notes: str) -> Recording:
-        """The same with more notes."""
+        """Return the recording with further notes."""
         return replace(self, notes=(*self.notes, *notes))

@@ -1,4 +1,4 @@
-"""Statistics of one region of a recording, as they go into the JSON."""
+"""Statistics of one region of a recording, as they are written to the JSON."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ BoolArray = NDArray[np.bool_]
 FrameArray = NDArray[np.float32]
 
 SAMPLE: Final = 120_000
-"""Values fitted: errors of the fit are then those of the independent values in the recording, not of the sample."""
+"""Number of fitted values: errors of the fit are then those of the independent values in the recording, not of the sample."""
 
 BLOCK_LENGTHS: Final = 5.0
 """Sides of the blocks of the fits' intervals, in correlation lengths."""
 
 SERIES_VALUES: Final = 4_000_000
-"""Values of pixels in time that are kept for the correlation time."""
+"""Number of values of pixels in time that are stored for the correlation time."""
 
 
 @dataclass(frozen=True)
 class Region:
-    """One region's results; see :meth:`as_dict` for what of them is written."""
+    """Results of one region; see :meth:`as_dict` for the written ones."""
 
     name: str
     mask: BoolArray
@@ -62,14 +62,17 @@ class Region:
     _tails: dict[str, tuple[TailFit | None, str | None]] = field(default_factory=dict, repr=False, compare=False)
 
     def tail(self, name: str) -> tuple[TailFit | None, str | None]:
-        """Extreme-value tail of a filter or detector from the events of its lowest threshold, or why there is none; fitted once."""
+        """Extreme-value tail of a filter or detector from the events of its lowest threshold, or the reason for its absence.
+
+        Fitted once.
+        """
         if name not in self._tails:
             alarms = self.alarms[name]
             self._tails[name] = fit_tail(alarms.curve(), alarms.events(alarms.thresholds[0])) if alarms.pixels else (None, "no pixels")
         return self._tails[name]
 
     def as_dict(self, frame_rate: float | None) -> dict[str, Any]:
-        """Plain numbers and text; what does not exist is None."""
+        """Return plain numbers and text; missing values are None."""
         m = self.moments
         return {
             "pixels": int(self.mask.sum()),
@@ -105,7 +108,7 @@ class Region:
         }
 
     def _no_length(self) -> str | None:
-        """Why a correlation length does not exist."""
+        """Reason why a correlation length does not exist."""
         if math.isfinite(self.spatial.length_x) and math.isfinite(self.spatial.length_y):
             return None
         if self.moments.is_constant:
@@ -115,24 +118,24 @@ class Region:
         return "correlation does not fall to 1/e within a third of the picture"
 
     def _fit(self, family: str) -> dict[str, Any]:
-        found, good = self.fits.get(family), self.goodness.get(family)
-        if found is None:
-            found = fit(np.empty(0), family)  # type: ignore[arg-type]
+        fitted, good = self.fits.get(family), self.goodness.get(family)
+        if fitted is None:
+            fitted = fit(np.empty(0), family)  # type: ignore[arg-type]
         return {
-            "shape": found.shape,
-            "scale": found.scale,
-            "loc": found.loc,
-            "shape_interval": _pair(found.shape_interval),
-            "scale_interval": _pair(found.scale_interval),
-            "loc_interval": _pair(found.loc_interval),
-            "log_likelihood_per_value": None if found.log_likelihood is None else number(found.log_likelihood / max(found.count, 1)),
-            "effective_count": number(found.effective_count),
-            "excluded": found.excluded,
+            "shape": fitted.shape,
+            "scale": fitted.scale,
+            "loc": fitted.loc,
+            "shape_interval": _pair(fitted.shape_interval),
+            "scale_interval": _pair(fitted.scale_interval),
+            "loc_interval": _pair(fitted.loc_interval),
+            "log_likelihood_per_value": None if fitted.log_likelihood is None else number(fitted.log_likelihood / max(fitted.count, 1)),
+            "effective_count": number(fitted.effective_count),
+            "excluded": fitted.excluded,
             "ks": None if good is None else number(good.ks),
             "ks_p": None if good is None else number(good.ks_p),
             "ad": None if good is None else number(good.ad),
             "ad_p": None if good is None else number(good.ad_p),
-            "reason": found.reason or None,
+            "reason": fitted.reason or None,
         }
 
     def _spectrum(self) -> dict[str, Any] | None:
@@ -143,7 +146,7 @@ class Region:
 
 
 def number(value: float) -> float | None:
-    """A finite number, or None: JSON has no NaN."""
+    """Finite number, or None: JSON has no NaN."""
     return float(value) if math.isfinite(value) else None
 
 
@@ -202,19 +205,19 @@ def _tail(tail: TailFit | None, reason: str | None) -> dict[str, Any]:
 
 
 TELLING: Final = 0.05
-"""Level up to which a test of few values still speaks against a family."""
+"""Largest level at which a test of few values still rejects a family."""
 
 
-def _only_telling(found: Goodness) -> Goodness:
-    """Levels that say something: of few independent values, only small ones."""
-    if found.effective_count >= FEWEST_JUDGED:
-        return found
-    ks_p, ad_p = (p if p <= TELLING else math.nan for p in (found.ks_p, found.ad_p))
-    return replace(found, ks_p=ks_p, ad_p=ad_p)
+def _only_telling(tested: Goodness) -> Goodness:
+    """Return the meaningful levels: of few independent values, only small ones."""
+    if tested.effective_count >= FEWEST_JUDGED:
+        return tested
+    ks_p, ad_p = (p if p <= TELLING else math.nan for p in (tested.ks_p, tested.ad_p))
+    return replace(tested, ks_p=ks_p, ad_p=ad_p)
 
 
 class Gatherer:
-    """What the second pass keeps of a region's raw values: a sample, some frames, some pixels in time."""
+    """Accumulator of a region's raw values in the second pass: a sample, some frames, some pixels in time."""
 
     def __init__(self, mask: BoolArray, frames: int, kept_frames: NDArray[np.int64], seed: int, offset: float = 0.0) -> None:
         self.mask, self.offset = mask, offset
@@ -227,21 +230,21 @@ class Gatherer:
         self._series = np.empty((frames if self._pixels.size else 0, self._pixels.size), np.float32)
 
     def add(self, block: FrameArray, start: int) -> None:
-        """Take the frames from ``start`` on."""
+        """Add the frames from ``start`` on."""
         if self._pixels.size:
             self._series[start : start + block.shape[0]] = block.reshape(block.shape[0], -1)[:, self._pixels]
 
-    def sample(self, kept: FrameArray, sides: tuple[float, float], used: BoolArray) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Values of the pixels used, from the frames kept, in the file's numbers, and the block that each lies in."""
+    def sample(self, stored: FrameArray, sides: tuple[float, float], used: BoolArray) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+        """Values of the used pixels of the stored frames, in the file's numbers, and the block of each."""
         labels = block_labels(self.mask.shape, sides).ravel()
         most = int(labels.max()) + 1
-        values = np.concatenate([frame.ravel()[p] for frame, p in zip(kept, self._sampled, strict=True)]).astype(np.float64)
+        values = np.concatenate([frame.ravel()[p] for frame, p in zip(stored, self._sampled, strict=True)]).astype(np.float64)
         blocks = np.concatenate([i * most + labels[p] for i, p in enumerate(self._sampled)])
         good = np.isfinite(values) & used.ravel()[np.concatenate(self._sampled)]
         return values[good] + self.offset, blocks[good]
 
     def temporal(self, frame_rate: float | None, used: BoolArray) -> TemporalCorrelation:
-        """Correlation in time of the pixels kept and used."""
+        """Correlation in time of the stored and used pixels."""
         if not self._pixels.size:
             return TemporalCorrelation(np.full(1, np.nan), np.nan, np.nan, "a single frame")
         inside = used.ravel()[self._pixels]
@@ -253,39 +256,39 @@ def region(
     gathered: Gatherer,
     moments: Moments,
     image: NDArray[np.float64],
-    kept: FrameArray,
+    stored: FrameArray,
     kept_spacing: float,
     frame_rate: float | None,
     seed: int,
     bad: BoolArray | None = None,
 ) -> Region:
-    """Statistics of the values that the second pass gathered; ``kept`` are frames ``kept_spacing`` frames apart.
+    """Statistics of the values accumulated in the second pass; ``stored`` are frames ``kept_spacing`` frames apart.
 
     Pixels of ``bad`` lines are in the moments, in nothing else: one line that is not sea would pass for correlation and for a family.
     """
     mask = gathered.mask if bad is None else gathered.mask & ~bad
     notes: list[str] = []
     trend = trend_surface(image, mask)
-    spatial = spatial_correlation(kept, mask, mean=trend)
+    spatial = spatial_correlation(stored, mask, mean=trend)
     temporal = gathered.temporal(frame_rate, mask)
     if temporal.reason and gathered._pixels.size:
         notes.append(f"correlation time: {temporal.reason}")
     lengths = [BLOCK_LENGTHS * (length if math.isfinite(length) else 10.0) for length in (spatial.length_y, spatial.length_x)]
-    values, blocks = gathered.sample(kept, (lengths[0], lengths[1]), mask)
+    values, blocks = gathered.sample(stored, (lengths[0], lengths[1]), mask)
     in_frames = temporal.scale / kept_spacing if math.isfinite(temporal.scale) else 1.0
-    independent = effective_count(float(kept.shape[0] * mask.sum()), spatial.scale_x, spatial.scale_y, max(in_frames, 1.0))
+    independent = effective_count(float(stored.shape[0] * mask.sum()), spatial.scale_x, spatial.scale_y, max(in_frames, 1.0))
     independent = min(independent, float(values.size))
     enough_blocks = np.unique(blocks).size >= 20 and in_frames <= 1.0
     fits: dict[str, Fit] = {}
     tests: dict[str, Goodness] = {}
     for family in FAMILIES:
-        found = fit(values, family, effective_count=independent, blocks=blocks if enough_blocks else None)
-        fits[family] = found
-        if found.is_valid:
-            tests[family] = _only_telling(goodness(values, found, effective_count=independent, seed=seed))
-    still = stationarity(kept, mask, length_x=spatial.length_x, length_y=spatial.length_y, seed=seed)
+        fitted = fit(values, family, effective_count=independent, blocks=blocks if enough_blocks else None)
+        fits[family] = fitted
+        if fitted.is_valid:
+            tests[family] = _only_telling(goodness(values, fitted, effective_count=independent, seed=seed))
+    still = stationarity(stored, mask, length_x=spatial.length_x, length_y=spatial.length_y, seed=seed)
     try:
-        spectrum = power_spectrum(kept, mask, mean=trend)
+        spectrum = power_spectrum(stored, mask, mean=trend)
     except DataError:
         spectrum = None  # pictures of fewer than 8 pixels a side
     if moments.is_constant:

@@ -1,4 +1,4 @@
-"""A recording becomes its clutter statistics and false-alarm rates, in two passes over the file and one more per detector."""
+"""Analysis of a recording: clutter statistics and false-alarm rates, in two passes over the file and one more per detector."""
 
 from __future__ import annotations
 
@@ -33,27 +33,30 @@ Border = Literal["auto", "keep", "drop"]
 REGIONS: Final = ("all", "glint", "background")
 
 _HAZARD: Final = {3.0: 3.2831, 3.5: 3.7513}
-"""Density of a Gaussian over its tail."""
+"""Ratio of the density of a Gaussian to its tail."""
 
 _BORDER_TAIL: Final = {3.0: 0.0398, 3.5: 0.0134}
-"""Tail of a Gaussian of 12/20 of the variance over that of the whole one."""
+"""Ratio of the tail of a Gaussian with 12/20 of the variance to that with the whole one."""
 
 KEPT_FRAMES: Final = 24
-"""Most frames kept for statistics in space, evenly spaced over the recording."""
+"""Largest number of frames stored for statistics in space, evenly spaced over the recording."""
 
 KEPT_VALUES: Final = 2_500_000
-"""Values in them: ten frames of 512 x 512 tell correlation lengths to a per cent, and their transforms stay below 100 MB."""
+"""Largest number of values in the stored frames.
+
+Ten frames of 512 x 512 give correlation lengths to a per cent, and their transforms stay below 100 MB.
+"""
 
 SLICED_FRAMES: Final = 2000
-"""Frames of which a row and a column are kept for the picture of them in time."""
+"""Number of frames of which a row and a column are stored for the picture of them in time."""
 
 FEWEST_PIXELS: Final = 100
-"""A region with fewer pixels is not analysed."""
+"""Least number of pixels of an analysed region."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How to analyse.
+    """Options of an analysis.
 
     Attributes
     ----------
@@ -73,7 +76,7 @@ class Options:
     detectors : tuple of Detector
         Judged by the same counting.
     seed : int
-        Of everything that is sampled.
+        Seed of all random samples.
     """
 
     filter: Filter = field(default_factory=Laplacian)
@@ -88,7 +91,7 @@ class Options:
 
 @dataclass(frozen=True)
 class Slices:
-    """A row and a column in time: raw, filtered, and above the lowest threshold [(frames, columns or rows)]."""
+    """Row and column of a recording in time: raw, filtered, and above the lowest threshold [(frames, columns or rows)]."""
 
     row: int
     column: int
@@ -98,7 +101,7 @@ class Slices:
 
 @dataclass(frozen=True)
 class Analysis:
-    """Everything that JSON, plots and report are made of."""
+    """Results of an analysis for JSON, plots and report."""
 
     recording: Recording
     options: Options
@@ -110,8 +113,8 @@ class Analysis:
     border_kept: bool = True
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain numbers and text of all results; absent regions are None."""
-        found = self.segmentation
+        """Return plain numbers and text of all results; absent regions are None."""
+        segmentation = self.segmentation
         rate = self.recording.frame_rate
         return {
             "source": self.recording.source,
@@ -125,25 +128,25 @@ class Analysis:
             "border": "kept" if self.border_kept else "dropped",
             "segmentation": {
                 "found": "glint" in self.regions,
-                "method": "mask given" if found is None else found.method,
-                "separability": None if found is None or not np.isfinite(found.separability) else found.separability,
-                "contrast": None if found is None or not np.isfinite(found.contrast) else found.contrast,
-                "border_step": None if found is None or not np.isfinite(found.border_step) else found.border_step,
-                "reason": None if found is None else found.reason or None,
-                "doubt": None if found is None else found.doubt or None,
-                "sky_pixels": 0 if found is None else int(found.sky.sum()),
+                "method": "mask given" if segmentation is None else segmentation.method,
+                "separability": None if segmentation is None or not np.isfinite(segmentation.separability) else segmentation.separability,
+                "contrast": None if segmentation is None or not np.isfinite(segmentation.contrast) else segmentation.contrast,
+                "border_step": None if segmentation is None or not np.isfinite(segmentation.border_step) else segmentation.border_step,
+                "reason": None if segmentation is None else segmentation.reason or None,
+                "doubt": None if segmentation is None else segmentation.doubt or None,
+                "sky_pixels": 0 if segmentation is None else int(segmentation.sky.sum()),
             },
             "regions": {name: self.regions[name].as_dict(rate) if name in self.regions else None for name in REGIONS},
             "notes": list(self.notes),
         }
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: the regions' moments, and the notes."""
-        found = self.as_dict()
+        """Return HTML for a notebook: the regions' moments, and the notes."""
+        values = self.as_dict()
         names = ("pixels", "mean", "std", "skewness", "excess_kurtosis", "correlation_time_s", "stationary")
-        rows = [(name, *(region[key] for key in names)) for name, region in found["regions"].items() if region is not None]
-        size = f"{found['frames']} frames of {found['columns']} x {found['rows']} pixels, {found['units']}, filter {found['filter']}"
-        return card(f"Analysis of {found['source']}", notes([size]) + table(("region", *names), rows) + notes(self.notes))
+        rows = [(name, *(region[key] for key in names)) for name, region in values["regions"].items() if region is not None]
+        size = f"{values['frames']} frames of {values['columns']} x {values['rows']} pixels, {values['units']}, filter {values['filter']}"
+        return card(f"Analysis of {values['source']}", notes([size]) + table(("region", *names), rows) + notes(self.notes))
 
 
 @single_threaded_algebra()
@@ -153,7 +156,7 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
     Parameters
     ----------
     recording : Recording
-        Of a file by ``seaglint.io.recording.open_recording``, or of your own.
+        Recording from a file by ``seaglint.io.recording.open_recording``, or a user's own.
     options : Options, optional
         Filter, thresholds, mask, detectors.
     progress : callable
@@ -172,30 +175,30 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
     -----
     Memory does not grow with the recording: blocks of some eight megabytes, and maps of the size of a frame.
     """
-    wanted = options if options is not None else Options()
-    rows = _row_mask(recording, wanted.rows)
-    if wanted.mask is not None and wanted.mask.shape != rows.shape:
+    given = options if options is not None else Options()
+    rows = _row_mask(recording, given.rows)
+    if given.mask is not None and given.mask.shape != rows.shape:
         raise DataError(
-            f"the mask has {wanted.mask.shape[0]} x {wanted.mask.shape[1]} pixels, the frames have {recording.rows} x {recording.columns}; "
+            f"the mask has {given.mask.shape[0]} x {given.mask.shape[1]} pixels, the frames have {recording.rows} x {recording.columns}; "
             "give one value per pixel"
         )
-    passes = Passes(progress, recording.frames, 2 + (wanted.scope == "sequence") + len(wanted.detectors))
+    passes = Passes(progress, recording.frames, 2 + (given.scope == "sequence") + len(given.detectors))
     first = survey(recording, passes.read)
     passes.end()
-    found, masks, notes = _regions(first, rows, wanted.mask)
-    thresholds = tuple(sorted({*ALWAYS, *wanted.thresholds}))
-    counted, border_notes = _interior(recording, wanted, masks["all"])
-    results, slices = _count(recording, wanted, first, masks, counted, thresholds, passes)
+    segmentation, masks, notes = _regions(first, rows, given.mask)
+    thresholds = tuple(sorted({*ALWAYS, *given.thresholds}))
+    counted, border_notes = _interior(recording, given, masks["all"])
+    results, slices = _count(recording, given, first, masks, counted, thresholds, passes)
     deaf: list[str] = []
-    for detector in wanted.detectors:
+    for detector in given.detectors:
         deaf += _judge(recording, detector, first.dead, results, thresholds, passes)
-    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, wanted.filter.name), *deaf]
+    notes = [*recording.notes, *first.notes, *notes, *border_notes, *_line_notes(results, given.filter.name), *deaf]
     image = first.moments.image + recording.offset
-    return Analysis(recording, wanted, found, image, results, slices, tuple(notes), bool(counted.all()))
+    return Analysis(recording, given, segmentation, image, results, slices, tuple(notes), bool(counted.all()))
 
 
 def _interior(recording: Recording, options: Options, used: BoolArray) -> tuple[BoolArray, list[str]]:
-    """Pixels whose filtered values count, and what is to be said of the border."""
+    """Pixels whose filtered values are used, and the notes about the border."""
     margin = options.filter.margin
     inner = np.zeros(used.shape, np.bool_)
     inner[margin : max(used.shape[0] - margin, 0), margin : max(used.shape[1] - margin, 0)] = True
@@ -214,7 +217,7 @@ def _interior(recording: Recording, options: Options, used: BoolArray) -> tuple[
 
 
 def _border_bias(used: Filter, share: float) -> str:
-    """What white noise would read where the border's repeated pixels count."""
+    """Bias of white noise from the border's repeated pixels."""
     where = f"{100 * share:.3g} % of the pixels lie within {used.margin} px of the border"
     text = f"{where}, where the filter sees repeated pixels; they are counted"
     if not isinstance(used, Laplacian) or share > 0.5:
@@ -228,7 +231,7 @@ def _border_bias(used: Filter, share: float) -> str:
 
 
 def _line_notes(results: dict[str, Region], filter_name: str) -> list[str]:
-    """Rows and columns that hold far more of the exceedances than those beside them."""
+    """Notes on rows and columns with far more exceedances than those beside them."""
     notes = []
     for name, result in results.items():
         for what, counts in zip(("row", "column"), result.alarms[filter_name].lines(ALWAYS[0]), strict=True):
@@ -254,19 +257,19 @@ def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Se
     """Masks by name; a region that is too small is absent and noted."""
     good = (first.moments.count > 0) & ~first.dead & rows
     notes: list[str] = []
-    found: Segmentation | None = None
+    segmentation: Segmentation | None = None
     if mask is not None:
         glint, background = mask & good, good & ~mask
     else:
         several = int(first.moments.count.max()) > 1
         # The segmentation looks at the whole picture, whatever rows are analysed: it needs the sky to know it.
         image = np.where(first.dead, np.nan, first.moments.image)
-        found = segment(image, np.where(first.dead, np.nan, first.moments.std) if several else None)
-        glint, background = found.glint & good, found.background & good
-        if not found.found:
-            notes.append(f"no glint corridor found: {found.reason}")
-        elif found.doubt:
-            notes.append(f"the glint corridor is not sure: {found.doubt}; look at the picture of the regions or give --mask")
+        segmentation = segment(image, np.where(first.dead, np.nan, first.moments.std) if several else None)
+        glint, background = segmentation.glint & good, segmentation.background & good
+        if not segmentation.found:
+            notes.append(f"no glint corridor found: {segmentation.reason}")
+        elif segmentation.doubt:
+            notes.append(f"the glint corridor is not sure: {segmentation.doubt}; look at the picture of the regions or give --mask")
     masks = {"all": good}
     for name, pixels in (("glint", glint), ("background", background)):
         count = int(pixels.sum())
@@ -274,11 +277,11 @@ def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Se
             masks[name] = pixels
         elif count or (mask is not None):
             notes.append(f"the {name} region has {count} pixels, too few for statistics (at least {FEWEST_PIXELS})")
-    return found, masks, notes
+    return segmentation, masks, notes
 
 
 def _filtered(recording: Recording, options: Options, dead: BoolArray) -> Iterator[tuple[FrameArray, FrameArray]]:
-    """Blocks, raw and filtered; dead pixels are missing in both."""
+    """Iterate over blocks, raw and filtered; dead pixels are missing in both."""
 
     def prepare(block: FrameArray) -> tuple[FrameArray, FrameArray]:
         if dead.any():
@@ -297,10 +300,10 @@ def _count(
     thresholds: tuple[float, ...],
     passes: Passes,
 ) -> tuple[dict[str, Region], Slices]:
-    """Second pass: false alarms of the filter, and what statistics in space and time need."""
+    """Run the second pass: false alarms of the filter, and the values for statistics in space and time."""
     most = min(max(KEPT_VALUES // (recording.rows * recording.columns), 4), KEPT_FRAMES, recording.frames)
     kept_numbers = np.unique(np.linspace(0, recording.frames - 1, most).astype(np.int64))
-    kept = np.empty((kept_numbers.size, recording.rows, recording.columns), np.float32)
+    stored = np.empty((kept_numbers.size, recording.rows, recording.columns), np.float32)
     gatherers = {name: Gatherer(mask, recording.frames, kept_numbers, options.seed, recording.offset) for name, mask in masks.items()}
     alarms = {name: FalseAlarms(thresholds) for name in masks}
     counted = {name: mask & interior for name, mask in masks.items()}
@@ -319,20 +322,20 @@ def _count(
         moments = first.moments.region(masks[name])
         image, apart = first.moments.image, max(spacing, 1.0)
         bad = _bad_lines(alarms[name], masks[name])
-        made = region(name, gatherers.pop(name), moments, image, kept, apart, recording.frame_rate, options.seed, bad)
+        made = region(name, gatherers.pop(name), moments, image, stored, apart, recording.frame_rate, options.seed, bad)
         share = _saturated_share(first, masks[name])
         cut = (f"{100 * share:.3g} % saturated at {first.ceiling:.7g}",) if share > 0.0 else ()
         made = replace(made, alarms={options.filter.name: alarms[name]}, notes=(*made.notes, *cut), saturated=share)
         made.tail(options.filter.name)
         return made
 
-    # Regions do not know of each other, and their kernels release the interpreter.
+    # Regions are independent, and their kernels release the interpreter.
     with ThreadPoolExecutor(len(masks)) as workers:
         for block, filtered in _filtered(recording, options, first.dead):
             for task in [workers.submit(count, name, block, filtered, done) for name in masks]:
                 task.result()
             inside = (kept_numbers >= done) & (kept_numbers < done + block.shape[0])
-            kept[inside] = block[kept_numbers[inside] - done]
+            stored[inside] = block[kept_numbers[inside] - done]
             done += block.shape[0]
             passes.read(done)
     passes.end()
@@ -340,13 +343,13 @@ def _count(
     # Two at a time, for the sake of memory.
     with ThreadPoolExecutor(2) as workers:
         results = dict(zip(masks, workers.map(summarise, list(masks)), strict=True))
-        # Intervals of the rates are kept by the accumulators.
+        # The accumulators hold the data for the intervals of the rates.
         list(workers.map(lambda counted: counted.rates(), alarms.values()))
     return results, slicer.result()
 
 
 def _bad_lines(alarms: FalseAlarms, mask: BoolArray) -> BoolArray | None:
-    """Pixels of rows and columns that hold far more exceedances than those beside them; None without, or where nothing would be left."""
+    """Pixels of rows and columns with far more exceedances than those beside them; None without any, or where no others would remain."""
     rows, columns = (lone_lines(counts) for counts in alarms.lines(ALWAYS[0])) if alarms.pixels else (np.empty(0, np.int64),) * 2
     if not rows.size and not columns.size:
         return None
@@ -365,7 +368,7 @@ def _saturated_share(first: Survey, mask: BoolArray) -> float:
 def _sequence_scales(
     recording: Recording, options: Options, dead: BoolArray, masks: dict[str, BoolArray], passes: Passes
 ) -> dict[str, tuple[float, float]]:
-    """Mean and deviation of the filtered sequence in each region: a pass of its own."""
+    """Mean and deviation of the filtered sequence in each region, in a pass of its own."""
     sums = {name: np.zeros(3) for name in masks}
     done = 0
     for _, filtered in _filtered(recording, options, dead):
@@ -389,7 +392,7 @@ def _sequence_scales(
 def _judge(
     recording: Recording, detector: Detector, dead: BoolArray, results: dict[str, Region], thresholds: tuple[float, ...], passes: Passes
 ) -> list[str]:
-    """One pass of a detector through the same counting; what is to be said of one that gives no numbers."""
+    """Run one pass of a detector through the same counting; return the notes on one without numbers."""
 
     def prepare(block: FrameArray) -> FrameArray:
         if dead.any():
@@ -416,7 +419,7 @@ def _judge(
 
 
 class _Slicer:
-    """Keeps the row and the column through the middle of a region."""
+    """Accumulator of the row and the column through the middle of a region."""
 
     def __init__(self, mask: BoolArray, recording: Recording, options: Options, valid: BoolArray) -> None:
         rows, columns = np.nonzero(mask)
@@ -427,7 +430,7 @@ class _Slicer:
         self._room = SLICED_FRAMES
 
     def add(self, block: FrameArray, filtered: FrameArray, z: FrameArray) -> None:
-        """Take a block."""
+        """Add a block."""
         if self._room > 0:
             n = min(self._room, block.shape[0])
             cuts = (a[:n, self._row].copy() for a in (block, filtered, z)), (a[:n, :, self._column].copy() for a in (block, filtered, z))
@@ -435,7 +438,7 @@ class _Slicer:
             self._room -= n
 
     def result(self) -> Slices:
-        """Joined."""
+        """Return the joined blocks."""
         joined = [np.concatenate(parts) for parts in zip(*self._parts, strict=True)]
         return Slices(
             self._row,

@@ -1,4 +1,4 @@
-"""First pass over a recording: moments of every pixel in time, and what is wrong with the data."""
+"""First pass over a recording: moments of every pixel in time, and defects of the data."""
 
 from __future__ import annotations
 
@@ -20,43 +20,43 @@ Prepared = TypeVar("Prepared")
 Progress = Callable[[int, int], None]
 
 SATURATED_SHARE = 1e-4
-"""Share of saturated pixels from which it is told: a tail of one in 10 000 is cut."""
+"""Least share of saturated pixels that is reported: a tail of one in 10 000 is cut."""
 
 FEWEST_IN_SPIKE = 30
-"""Values equal to the largest one from which it can be a spike."""
+"""Least number of values equal to the largest one for a spike."""
 
 SPIKE = 1.3
-"""A spike has at least this many times the values of the next lower level: a tail that is not cut has fewer at its end, not more."""
+"""Least ratio of a spike's values to those of the next lower level: a tail that is not cut has fewer at its end, not more."""
 
 FEWEST_STEPS = 8.0
-"""Steps of single precision within a standard deviation below which it is told that the values are rounded."""
+"""Number of steps of single precision within a standard deviation below which rounding is reported."""
 
 FEWEST_FOR_DEAD = 8
-"""Frames from which a pixel that never changes is called dead rather than calm."""
+"""Least number of frames for calling a pixel that never changes dead rather than calm."""
 
 MOST_DEAD = 0.25
-"""Above this share of never-changing pixels the scene or the recording is still, not the pixels dead."""
+"""Largest share of dead pixels; with more never-changing pixels the scene or the recording is still."""
 
 
 class Passes:
-    """Progress of several passes over a recording, told as a share of its frames."""
+    """Progress of several passes over a recording, reported as a share of its frames."""
 
     def __init__(self, progress: Progress, frames: int, passes: int) -> None:
         self._progress, self._frames, self._passes, self._ended = progress, frames, passes, 0
         progress(0, frames)
 
     def read(self, frames: int) -> None:
-        """So many frames of the present pass are read."""
+        """Report frames read in the present pass."""
         self._progress((self._ended * self._frames + frames) // self._passes, self._frames)
 
     def end(self) -> None:
-        """The present pass is over."""
+        """End the present pass."""
         self._ended += 1
 
 
 @dataclass(frozen=True)
 class Survey:
-    """What the first pass found.
+    """Results of the first pass.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Survey:
 
 
 def ahead(recording: Recording, prepare: Callable[[FrameArray], Prepared], memory: float = 8e6) -> Iterator[Prepared]:
-    """Blocks of a recording, the next one read and prepared while the present one is worked on."""
+    """Iterate over blocks of a recording; the next one is read and prepared while the present one is processed."""
 
     def made(start: int) -> Prepared:
         return prepare(recording.read(start, min(start + step, recording.frames)))
@@ -97,7 +97,7 @@ def ahead(recording: Recording, prepare: Callable[[FrameArray], Prepared], memor
 
 
 class _Top:
-    """The largest value, the next lower one, how often each occurs, and where the largest does."""
+    """Largest value, next lower value, their frequencies, and the places of the largest."""
 
     def __init__(self, rows: int, columns: int) -> None:
         self.highest, self.second = -np.inf, -np.inf
@@ -105,9 +105,9 @@ class _Top:
         self.where = np.zeros(rows * columns, np.int64)
 
     def add(self, block: FrameArray) -> None:
-        """Take a block."""
+        """Add a block."""
         flat = block.reshape(-1)
-        # Of most blocks only a handful is not below what is known already.
+        # In most blocks only a few values are not below the present ones.
         place = np.flatnonzero(flat >= self.second)
         values = flat[place]
         finite = np.isfinite(values)
@@ -126,7 +126,7 @@ class _Top:
         self.count, self.below = known[first], known.get(second, 0) if np.isfinite(second) else 0
 
     def spike(self, dead: BoolArray) -> NDArray[np.int64] | None:
-        """How often each pixel has the largest value if that is a spike, dead pixels apart; else None."""
+        """Frequency of the largest value at each pixel if it is a spike, without dead pixels; else None."""
         where = np.where(dead.ravel(), 0, self.where)
         count = int(where.sum())
         # Some pixel that is stuck is not a ceiling; neither is a constant.
@@ -136,7 +136,7 @@ class _Top:
 
 
 def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
-    """Read everything once; ``progress`` is told the frames read.
+    """Read all frames once; ``progress`` receives the number of frames read.
 
     Raises
     ------
@@ -163,7 +163,7 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
             if flat_columns.any():
                 lines = block[:, :, flat_columns]
                 flat_columns[flat_columns] = ~(lines.max(axis=1) > lines.min(axis=1)).any(axis=0)
-        # Repeats tell a wrong frame rate; a few lines of a frame are enough to see one.
+        # Repeated frames indicate a wrong frame rate; a few lines of a frame are enough to detect them.
         lines = block[:, :: max(recording.rows // 8, 1)]
         before = lines[:1] if last is None else last[np.newaxis]
         pairs = np.concatenate([before, lines])
@@ -186,17 +186,17 @@ def survey(recording: Recording, progress: Callable[[int], None]) -> Survey:
     ceiling = recording.saturation
     full = recording.frames * recording.rows * recording.columns * SATURATED_SHARE
     # An even line is a border or a dead one, not a ceiling.
-    found = None if saturated.sum() > full else top.spike(dead | flat_columns | flat_rows[:, np.newaxis])
-    if found is not None:
-        saturated, ceiling = found, top.highest
+    spike = None if saturated.sum() > full else top.spike(dead | flat_columns | flat_rows[:, np.newaxis])
+    if spike is not None:
+        saturated, ceiling = spike, top.highest
     ceiling = ceiling + recording.offset if ceiling is not None and saturated.any() else None
     notes = _notes(recording, missing, repeats)
-    cut = _saturation_note(recording, saturated, ceiling, top if found is not None else None)
+    cut = _saturation_note(recording, saturated, ceiling, top if spike is not None else None)
     return Survey(moments, dead, saturated, ceiling, (*dead_notes, *cut, *_resolution_note(recording, moments, dead), *notes))
 
 
 def _saturation_note(recording: Recording, saturated: NDArray[np.int64], ceiling: float | None, spike: _Top | None) -> list[str]:
-    """What share is saturated, and how that is known."""
+    """Note on the share of saturated pixels and its evidence."""
     share = float(saturated.sum()) / (recording.frames * recording.rows * recording.columns)
     if ceiling is None or (spike is None and share <= SATURATED_SHARE):
         return []
@@ -210,7 +210,7 @@ def _saturation_note(recording: Recording, saturated: NDArray[np.int64], ceiling
 
 
 def _resolution_note(recording: Recording, moments: PixelMoments, dead: BoolArray) -> list[str]:
-    """Whether values in single precision are rounded to steps that matter."""
+    """Note on rounding of single precision values, where it matters."""
     whole = moments.region(~dead)
     step = float(np.finfo(np.float32).eps) * abs(whole.mean)
     if whole.is_constant or not 0.0 < whole.std < FEWEST_STEPS * step:

@@ -1,1 +1,1 @@
-"""What lies between the sea and the sensor: transmittance, path radiance, sunlight at the sea and thermal sky."""
+"""Air between the sea and the sensor: transmittance, path radiance, sunlight at the sea and thermal sky."""

@@ -1,4 +1,4 @@
-"""How much of each absorber lies on a line between two heights, and what optical depth that makes in every spectral channel.
+"""Absorber amounts on a line between two heights, and their optical depth in every spectral channel.
 
 LOWTRAN7 adds up ``sum_k (c_k W_k)^a_k`` over absorbers ``k``: the amounts ``W_k`` are integrals along the path of densities scaled by
 powers of pressure and temperature, the exponents ``a_k`` are below 1 for lines (their growth lies between the square root and the
@@ -42,17 +42,17 @@ _HIGH_AEROSOL: Final = {
     "summer": (0.931, 0.771, 0.623, 0.337, 0.182, 0.114),
     "winter": (0.485, 0.354, 0.231, 0.141, 0.098, 0.0787),
 }
-"""LOWTRAN7's relative profiles at 5 to 10 km (SPSU50, FAWI50), whatever the wind; below, the density at each level is left to the fit."""
+"""Relative aerosol profiles of LOWTRAN7 at 5 to 10 km (SPSU50, FAWI50), independent of wind; below, the fit determines the density."""
 
 _NODES, _WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(4)[0]), 0.5 * np.polynomial.legendre.leggauss(4)[1])
-"""Gauss-Legendre on a piece within a layer, where densities are exponentials."""
+"""Gauss-Legendre nodes and weights on a piece within a layer, where densities are exponentials."""
 
 _LEAST: Final = 1e-300
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """What lies on the pieces of lines between two levels, from one end to the other.
+    """Absorber amounts on the pieces of lines between two levels, from one end to the other.
 
     Attributes
     ----------
@@ -67,11 +67,11 @@ class Pieces:
 
     @property
     def whole(self) -> FloatArray:
-        """Amounts of the whole lines [(cases, absorbers)]."""
+        """Absorber amounts of the whole lines [(cases, absorbers)]."""
         return self.amount[:, -1]
 
     def reversed(self, where: NDArray[np.bool_]) -> Pieces:
-        """The lines counted from their other end in the cases where the mask is true."""
+        """Return the lines counted from their other end in the cases where the mask is true."""
         parts = np.diff(self.amount, axis=1, prepend=0.0)
         amount = np.where(where[:, None, None], np.cumsum(parts[:, ::-1], axis=1), self.amount)
         return Pieces(amount, np.where(where[:, None], self.temperature[:, ::-1], self.temperature))
@@ -98,26 +98,26 @@ class Absorbers:
 
     @classmethod
     def of_model(cls, model: str, region: Region) -> Absorbers:
-        """Water vapour lines and continua, carbon dioxide, traces, dry continuum, ozone, aerosol of a model atmosphere."""
+        """Absorbers of a model atmosphere: water vapour lines and continua, carbon dioxide, traces, dry continuum, ozone, aerosol."""
         profile = PROFILES[model]
         pressure, kelvin = np.array(profile.pressure_hpa) / 1013.25, np.array(profile.temperature_k)
         cold = 273.15 / kelvin
         air = pressure * cold
         water = 1e-6 * air * np.array(profile.water_ppmv)
         gas = {"water": water, "carbon dioxide": air, "traces": air, "ozone": air * np.array(profile.ozone_ppmv)}
-        found = [(gas[name] * pressure**p * cold**t, growth) for name, (p, t, growth) in _GASES[region].items()]
-        found += [(air * pressure * np.sqrt(cold), 1.0), (water * water, 1.0), (water * (air - water), 1.0)]
-        found += [(hat, 1.0) for hat in np.eye(5, air.size)]
-        found += [(np.concatenate([np.zeros(5), _HIGH_AEROSOL["winter" if model.endswith("winter") else "summer"]]), 1.0)]
+        profiles = [(gas[name] * pressure**p * cold**t, growth) for name, (p, t, growth) in _GASES[region].items()]
+        profiles += [(air * pressure * np.sqrt(cold), 1.0), (water * water, 1.0), (water * (air - water), 1.0)]
+        profiles += [(hat, 1.0) for hat in np.eye(5, air.size)]
+        profiles += [(np.concatenate([np.zeros(5), _HIGH_AEROSOL["winter" if model.endswith("winter") else "summer"]]), 1.0)]
         return cls(
-            density=np.array([density / density.max() for density, _ in found]),
-            growth=np.array([growth for _, growth in found]),
+            density=np.array([density / density.max() for density, _ in profiles]),
+            growth=np.array([growth for _, growth in profiles]),
             air=air,
             temperature=kelvin,
         )
 
     def _at(self, values: FloatArray, height: FloatArray) -> FloatArray:
-        """Densities at heights [m]: like the sea's below it, none above the highest level."""
+        """Densities at heights [m]: below the sea those at the sea, above the highest level none."""
         u = np.clip(height / LEVEL_STEP, 0.0, values.shape[-1] - 1.0)
         layer = np.minimum(u.astype(np.intp), values.shape[-1] - 2)
         low, high, part = values[..., layer], values[..., layer + 1], u - layer
@@ -165,7 +165,7 @@ class BandLaw:
 
     @classmethod
     def fit(cls, absorbers: Absorbers, wavenumber_cm: FloatArray, amount: FloatArray, optical_depth: FloatArray) -> BandLaw:
-        """Coefficients from amounts [(paths, absorbers)] and optical depths [1, (paths, n)] by non-negative least squares.
+        """Band law fitted to amounts [(paths, absorbers)] and optical depths [1, (paths, n)] by non-negative least squares.
 
         Depths count by their relative error; those above 8, where nothing is seen, and below 0.01 less.
         """
@@ -181,11 +181,11 @@ class BandLaw:
         return np.asarray(amount**self.absorbers.growth @ self.coefficient)
 
     def scale(self, amount: FloatArray, optical_depth: FloatArray) -> FloatArray:
-        """What the law's optical depths have to be multiplied by to be those known of paths [1, (cases, n)]."""
+        """Factor of the law's optical depths that reproduces the known depths of given paths [1, (cases, n)]."""
         return np.asarray(optical_depth / np.maximum(self.optical_depth(amount), _LEAST))
 
     def emission(self, pieces: Pieces, scale: FloatArray) -> FloatArray:
-        """Blackbody radiance of the air that the first end sees, ``L / (1 - tau)`` [W m-2 sr-1 per cm-1, (cases, n)].
+        """Blackbody radiance of the air as seen from the first end, ``L / (1 - tau)`` [W m-2 sr-1 per cm-1, (cases, n)].
 
         As LOWTRAN7 has it, each piece between two levels is at its mean temperature: ``sum_j B(T_j) (tau_(j-1) - tau_j)``.
         """

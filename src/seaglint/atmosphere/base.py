@@ -1,4 +1,4 @@
-"""What every atmosphere answers: four spectra along a line of sight, the same questions for a table, a cavity or no air.
+"""Interface of all atmospheres: four spectra along a line of sight, for a table, a cavity or vacuum.
 
 All spectra are sampled on ``wavenumber_cm`` (ascending). Radiance is in W m-2 sr-1 per cm-1, irradiance in W m-2 per cm-1.
 Paths are named by sensor height, ``range_m``, the arc along the sea from the sensor's foot to that of the point looked at
@@ -23,10 +23,10 @@ from seaglint.errors import DomainError
 FloatArray = NDArray[np.float64]
 
 DEEPEST_LINE = 100.0
-"""Lines to a point above the sea may pass this far below its mean surface [m]: more than any wave hides."""
+"""Depth below the mean sea surface that lines to a point above the sea may reach [m]: more than any wave hides."""
 
 GRID_STEP_CM = 5.0
-"""Spacing of LOWTRAN7's spectral samples [cm-1]; every atmosphere uses multiples of it unless told otherwise."""
+"""Spacing of LOWTRAN7's spectral samples [cm-1]; the default step of every atmosphere is a multiple of it."""
 
 
 @runtime_checkable
@@ -53,7 +53,7 @@ class Atmosphere(Protocol):
         ...
 
     def path_radiance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
-        """Thermal radiance of the same path at the sensor [W m-2 sr-1 per cm-1, (..., n)]; scattered sunlight is not in it."""
+        """Thermal radiance of the same path at the sensor [W m-2 sr-1 per cm-1, (..., n)], without scattered sunlight."""
         ...
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
@@ -66,7 +66,7 @@ class Atmosphere(Protocol):
 
 
 def wavenumber_grid(min_um: float, max_um: float, step_cm: float = GRID_STEP_CM) -> FloatArray:
-    """Multiples of ``step_cm`` that cover the wavelengths ``min_um`` to ``max_um`` with both edges inside [cm-1, (n,)].
+    """Spectral grid of multiples of ``step_cm`` that covers the wavelengths ``min_um`` to ``max_um`` with both edges inside [cm-1, (n,)].
 
     >>> wavenumber_grid(3.0, 5.0)[[0, -1]]
     array([2000., 3335.])
@@ -106,7 +106,7 @@ def require_height(height: float, lowest: float, highest: float, remedy: str) ->
 
 
 def require_range(range_m: ArrayLike) -> FloatArray:
-    """Arcs along the sea as an array [m]; negative or NaN ones are refused."""
+    """Return arcs along the sea as an array [m]; refuse negative or NaN ones."""
     arc = np.asarray(range_m, dtype=np.float64)
     if not np.all(arc >= 0.0):
         raise DomainError(
@@ -119,7 +119,7 @@ def require_range(range_m: ArrayLike) -> FloatArray:
 
 
 def require_line(height: float, range_m: ArrayLike, target_height: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Arcs and heights of points as arrays of one shape [m]; heights that are not finite and lines deep below the sea are refused."""
+    """Return arcs and heights of points as arrays of one shape [m]; refuse heights that are not finite and lines deep below the sea."""
     arc, target = np.broadcast_arrays(require_range(range_m), np.asarray(target_height, dtype=np.float64))
     if not np.all(np.isfinite(target)):
         raise DomainError(f"target_height holds {target[~np.isfinite(target)].ravel()[0]:g} m; give finite heights above the mean sea")
@@ -134,7 +134,7 @@ def require_line(height: float, range_m: ArrayLike, target_height: ArrayLike) ->
 
 
 def require_solar_zenith(solar_zenith: ArrayLike) -> FloatArray:
-    """Zenith angles of the Sun as an array [rad]; those outside 0-pi are refused."""
+    """Return zenith angles of the Sun as an array [rad]; refuse those outside 0-pi."""
     zenith = np.asarray(solar_zenith, dtype=np.float64)
     inside = (zenith >= 0.0) & (zenith <= np.pi)
     if not np.all(inside):

@@ -1,4 +1,4 @@
-"""Many cases of one table atmosphere at once: a wind, a height and angles per case, as spreadsheets have them.
+"""Table atmosphere for many cases at once, each with its own wind, height and angles, as spreadsheets have them.
 
 :class:`~seaglint.atmosphere.table.TableAtmosphere` is the same table at one wind and sensor height, whose splines run along the path;
 here they are taken at every case's own wind and height (:mod:`seaglint.atmosphere.stencil`). Both give the same numbers to rounding.
@@ -22,7 +22,7 @@ from seaglint.optics.blackbody import planck_wavenumber
 
 @dataclass(frozen=True, eq=False)
 class BatchAtmosphere:
-    """One LOWTRAN7 model atmosphere over one band, at a wind per case. Make it with :meth:`load`.
+    """LOWTRAN7 model atmosphere over one band for cases with their own winds. Make it with :meth:`load`.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class BatchAtmosphere:
     wavenumber_cm : ndarray
         Ascending spectral samples [cm-1, (n,)].
     wind_range, height_range : tuple of float
-        What the table covers [m s-1], [m].
+        Ranges of the table [m s-1], [m].
     extrapolate : bool
         Whether winds and heights beyond that are taken.
 
@@ -56,10 +56,10 @@ class BatchAtmosphere:
     _table: BandTable
     _ray: FloatArray
     _path_scores: FloatArray
-    """Of depth and temperature side by side, values and slopes along the path [(winds, heights, 2 nodes, components)]."""
+    """Scores of depth and temperature side by side, values and slopes along the path [(winds, heights, 2 nodes, components)]."""
     _sun_scores: FloatArray
     _sky_scores: FloatArray
-    """Likewise against elevation, seen from the sea [(winds, 2 nodes, components)]."""
+    """Scores of the sky seen from the sea against elevation, values and slopes [(winds, 2 nodes, components)]."""
 
     @classmethod
     def load(cls, model: str, band_um: tuple[float, float], *, extrapolate: bool = False) -> BatchAtmosphere:
@@ -102,13 +102,13 @@ class BatchAtmosphere:
         return self._table.at_heights(self._covered(height, self.height_range, "sensor height", "m"))
 
     def _covered(self, values: FloatArray, allowed: tuple[float, float], name: str, unit: str) -> FloatArray:
-        """Values inside the table; those outside are moved to its edge, or refused."""
+        """Return values inside the table; those outside are set to its edge, or refused."""
         if not self.extrapolate:
             _require(values, allowed, name, unit)
         return np.clip(values, *allowed)
 
     def dip(self, height: ArrayLike) -> FloatArray:
-        """Depression of the sea horizon by LOWTRAN7's refraction at heights [m], [rad]."""
+        """Depression of the sea horizon by LOWTRAN7's refraction [rad] at heights [m]."""
         return self._table.refraction.depression(height, 0.0)
 
     def path(self, wind_speed: ArrayLike, height: ArrayLike, depression: ArrayLike) -> tuple[FloatArray, FloatArray]:
@@ -147,7 +147,7 @@ class BatchAtmosphere:
         return transmittance, -np.expm1(-optical_depth) * planck_wavenumber(self.wavenumber_cm, air)
 
     def _of_length(self, height: FloatArray, x: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """For heights below the table the path of equal length from its lowest height, and the share of it where that is too long."""
+        """Path of equal length from the table's lowest height, for heights below it, and its share where that path is too long."""
         lowest, share = self.height_range[0], np.ones_like(x)
         low = height < lowest
         if low.any():
@@ -185,27 +185,27 @@ class BatchAtmosphere:
         up, low = self._skies
         nodes = (up.shape[2] // 2, low.shape[2] // 2)
         y = np.minimum(elevation_coordinate(np.maximum(elevation, 0.0), dip), 1.0)
-        found = where.times(Stencil.hermite(np.linspace(0.0, 1.0, nodes[0]), y)).of(up.reshape(-1, up.shape[-1]))
+        scores = where.times(Stencil.hermite(np.linspace(0.0, 1.0, nodes[0]), y)).of(up.reshape(-1, up.shape[-1]))
         below = elevation < 0.0
         if below.any():
             x = np.minimum(dip_coordinate(-elevation[below], dip[below]), 1.0)
             part = Stencil(where.index[below], where.weight[below], where.size).times(Stencil.hermite(np.linspace(0.0, 1.0, nodes[1]), x))
-            found[below] = part.of(low.reshape(-1, low.shape[-1]))
-        return planck_wavenumber(self.wavenumber_cm, table.sky_temperature.of(found))
+            scores[below] = part.of(low.reshape(-1, low.shape[-1]))
+        return planck_wavenumber(self.wavenumber_cm, table.sky_temperature.of(scores))
 
     @cached_property
     def _skies(self) -> tuple[FloatArray, FloatArray]:
-        """Values and slopes of the sky from all heights, above and below the horizontal [(winds, heights, 2 nodes, components)]."""
+        """Scores and slopes of the sky from all heights, above and below the horizontal [(winds, heights, 2 nodes, components)]."""
         return _and_slopes(self._table.sky_temperature.scores), _and_slopes(self._table.sky_dip.scores)
 
     def _against_elevation(self, spectra: Spectra, scores: FloatArray, wind_speed: ArrayLike, y: FloatArray) -> FloatArray:
-        """Spectra at the cases' winds and coordinates of elevation [(cases, n)]."""
+        """Spectra at the winds and elevation coordinates of the cases [(cases, n)]."""
         where = self._wind(wind_speed).times(Stencil.hermite(np.linspace(0.0, 1.0, scores.shape[1] // 2), y))
         return spectra.of(where.of(scores.reshape(where.size, -1)))
 
 
 def _and_slopes(values: FloatArray) -> FloatArray:
-    """Values at even nodes 0...1 followed by the slopes of their spline."""
+    """Return values at even nodes 0...1 followed by the slopes of their spline."""
     return with_slopes(np.linspace(0.0, 1.0, values.shape[-2]), values)
 
 

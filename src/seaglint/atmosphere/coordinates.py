@@ -1,4 +1,4 @@
-"""Where the nodes of an atmosphere table lie: refraction, normalised path length, normalised elevation, splines between kinks.
+"""Coordinates of the nodes of an atmosphere table: refraction, normalised path length and elevation, splines between kinks.
 
 The table builder and :mod:`seaglint.atmosphere.table` share this file, so that nodes and look-ups cannot drift apart.
 """
@@ -17,7 +17,7 @@ from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 
 @dataclass(frozen=True)
 class Refraction:
-    """LOWTRAN7's own refractivity profile, exponential between its levels, over its own Earth radius.
+    """Refractivity profile of LOWTRAN7, exponential between its levels, over its own Earth radius.
 
     Snell's law on a sphere, ``n r sin(zenith) = const``, ties the depression at the sensor to the zenith angle at the sea
     without tracing the ray.
@@ -28,7 +28,7 @@ class Refraction:
     earth_radius: float
 
     def _offset(self, height: ArrayLike) -> FloatArray:
-        """``1 - n_0 R / (n_h (R + h))``, written so that low sensors keep their digits."""
+        """Value of ``1 - n_0 R / (n_h (R + h))``, in a form that keeps its digits for low sensors."""
         sea, h = self.refractivity[0], np.asarray(height, dtype=np.float64)
         air = np.exp(np.interp(h, self.level_height, np.log(self.refractivity)))
         return np.asarray((self.earth_radius * (air - sea) + (1.0 + air) * h) / ((1.0 + air) * (self.earth_radius + h)))
@@ -37,7 +37,7 @@ class Refraction:
         """Depression at the sensor of the ray that leaves the sea at zenith angle ``arccos(sea_cosine)`` [rad]."""
         e = self._offset(height)
         square = e * (2.0 - e) + ((1.0 - e) * np.asarray(sea_cosine, dtype=np.float64)) ** 2
-        sine = np.sqrt(np.maximum(square, 0.0))  # at the sea itself rounding may leave less than nothing
+        sine = np.sqrt(np.maximum(square, 0.0))  # at the sea itself rounding may give a negative value
         return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
 
     def sea_cosine(self, height: ArrayLike, depression: ArrayLike) -> FloatArray:
@@ -53,7 +53,7 @@ class Refraction:
 
 
 def straight_slant(height: ArrayLike, sea_cosine: ArrayLike) -> FloatArray:
-    """Straight path over the effective Earth that leaves the sea at ``sea_cosine`` and ends at ``height`` [m]."""
+    """Length of the straight path over the effective Earth that leaves the sea at ``sea_cosine`` and ends at ``height`` [m]."""
     rc, h = EFFECTIVE_EARTH_RADIUS * np.asarray(sea_cosine, dtype=np.float64), np.asarray(height, dtype=np.float64)
     rise = h * (2.0 * EFFECTIVE_EARTH_RADIUS + h)
     return np.asarray(rise / (rc + np.sqrt(rc * rc + rise)))
@@ -66,13 +66,13 @@ def straight_sea_cosine(height: float, slant: ArrayLike) -> FloatArray:
 
 
 def path_coordinate(slant: ArrayLike, height: ArrayLike, horizon_slant: ArrayLike) -> FloatArray:
-    """``log(s/h) / log(s_horizon/h)`` [1]: 0 straight down, 1 at the sea horizon; optical depth is nearly a power of it."""
+    """Path coordinate ``log(s/h) / log(s_horizon/h)`` [1]: 0 straight down, 1 at the sea horizon. Optical depth is nearly a power of it."""
     h = np.asarray(height, dtype=np.float64)
     return np.asarray(np.log(np.maximum(np.asarray(slant, dtype=np.float64) / h, 1.0)) / np.log(np.asarray(horizon_slant) / h))
 
 
 def height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> FloatArray:
-    """Height stretched for splines [1]: ``log(h)`` up to the first level, then ``j + sqrt(part of layer j)``.
+    """Coordinate of height for splines [1]: ``log(h)`` up to the first level, then ``j + sqrt(part of layer j)``.
 
     Just above a level LOWTRAN7's path gains a thin layer of another temperature, and near the horizon that layer takes over
     the emission within tens of metres: the square root spreads those out (95th percentile of path radiance 0.1 instead of 1 %).
@@ -86,7 +86,7 @@ def height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> FloatArra
 
 
 def sky_height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> FloatArray:
-    """Height stretched for splines of the sky [1]: 0 at the sea, ``j`` at the ``j``-th level.
+    """Coordinate of height for splines of the sky [1]: 0 at the sea, ``j`` at the ``j``-th level.
 
     Seen along the horizontal, a thin layer fills the view within metres of the level below it as well as of the level above:
     the inverse sine spreads out both ends. Below the first level ``log(1 + h/20 m)`` makes the sea itself a node.
@@ -100,14 +100,14 @@ def sky_height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> Float
 
 
 SKY_HEIGHT_SCALE = 20.0
-"""Height at which the spacing of the sky's height nodes turns from even to geometric [m]."""
+"""Height at which the spacing of the sky's height nodes changes from even to geometric [m]."""
 
 ELEVATION_SCALE = 0.012
-"""Angle above the horizontal at which the spacing of elevation nodes turns from even to geometric [rad]."""
+"""Angle above the horizontal at which the spacing of elevation nodes changes from even to geometric [rad]."""
 
 
 def elevation_coordinate(elevation: ArrayLike, dip: ArrayLike) -> FloatArray:
-    """Angle above the horizontal squeezed to 0 (horizontal) ... 1 (straight up) [1]: ``asinh(e/e0) / asinh(pi/2 e0)``."""
+    """Coordinate of the angle above the horizontal, 0 (horizontal) ... 1 (straight up) [1]: ``asinh(e/e0) / asinh(pi/2 e0)``."""
     scale = ELEVATION_SCALE + 0.5 * np.asarray(dip)
     return np.asarray(np.arcsinh(np.asarray(elevation) / scale) / np.arcsinh(0.5 * np.pi / scale))
 
@@ -119,7 +119,7 @@ def elevation_of_coordinate(y: ArrayLike, dip: float) -> FloatArray:
 
 
 def dip_coordinate(depression: ArrayLike, dip: ArrayLike) -> FloatArray:
-    """``sqrt(depression / dip)`` [1] of sky seen below the horizontal: 0 horizontal, 1 at the sea horizon.
+    """Coordinate ``sqrt(depression / dip)`` [1] of sky seen below the horizontal: 0 horizontal, 1 at the sea horizon.
 
     Such a ray dips to a tangent height and leaves through the same air again; within 0.1 dips of the horizontal the
     air between sensor and tangent height takes over, as the root of the angle (1 K from 2.5 km).
@@ -128,11 +128,11 @@ def dip_coordinate(depression: ArrayLike, dip: ArrayLike) -> FloatArray:
 
 
 OPTICAL_DEPTH_FLOOR, OPTICAL_DEPTH_CEILING = 1e-4, 6.0
-"""Below the one a channel is clear, far above the other it is opaque; what the encoding spends on either is little."""
+"""Optical depths below which a channel is clear and far above which it is opaque; the encoding spends little precision on either."""
 
 
 def encode_optical_depth(optical_depth: ArrayLike) -> FloatArray:
-    """``q = log(d/(1 + d/6) + 1e-4)`` [1]: a logarithm that levels off where transmittance is nearly 1 or nearly 0.
+    """Encoded optical depth ``q = log(d/(1 + d/6) + 1e-4)`` [1]: a logarithm that levels off where transmittance is nearly 1 or nearly 0.
 
     Splines and principal components of ``q`` then work for the optical depths that matter: 32 components leave 0.06 % of
     the 3-5 um band transmittance (above 0.01), of the plain logarithm 0.1 %.
@@ -142,7 +142,7 @@ def encode_optical_depth(optical_depth: ArrayLike) -> FloatArray:
 
 
 def decode_optical_depth(q: FloatArray) -> FloatArray:
-    """Inverse of :func:`encode_optical_depth`: optical depth [1], not below 0, and above 60 nothing is told apart."""
+    """Optical depth [1] from its encoding, not below 0; depths above 60 are not distinguished."""
     share = np.exp(q)
     share -= OPTICAL_DEPTH_FLOOR
     np.maximum(share, 0.0, out=share)
@@ -150,7 +150,7 @@ def decode_optical_depth(q: FloatArray) -> FloatArray:
 
 
 def spline_weights(nodes: FloatArray, kinks: tuple[float, ...], x: float) -> FloatArray:
-    """Weights [(nodes)] with which node values add up to a cubic spline's value at ``x``; the slope may jump at ``kinks``.
+    """Weights [(nodes)] of node values for the value of a cubic spline at ``x``; the slope may jump at ``kinks``.
 
     Kinks must be nodes. Between two kinks the spline is not-a-knot (three nodes: a parabola, two: a line).
     """

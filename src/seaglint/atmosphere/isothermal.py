@@ -1,4 +1,4 @@
-"""Air at one temperature in a closed cavity of that temperature: the white furnace, an exact test scene."""
+"""Isothermal air in a closed cavity of its own temperature: the white furnace, an exact test scene."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class IsothermalAtmosphere:
 
     @classmethod
     def for_band(cls, temperature: float, min_um: float, max_um: float, extinction_per_m: float = 1e-4) -> IsothermalAtmosphere:
-        """The same on the 5 cm-1 grid that covers a band [um]."""
+        """Isothermal air on the 5 cm-1 grid that covers a band [um]."""
         return cls(temperature, wavenumber_grid(min_um, max_um), extinction_per_m)
 
     def _blackbody(self, shape: tuple[int, ...]) -> FloatArray:
@@ -59,21 +59,21 @@ class IsothermalAtmosphere:
         return np.broadcast_to(spectrum, (*shape, self.wavenumber_cm.size)).copy()
 
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
-        """``exp(-k s)`` over the straight path of length ``s`` [1, (..., n)]."""
+        """Transmittance ``exp(-k s)`` over the straight path of length ``s`` [1, (..., n)]."""
         optical_depth = self.extinction_per_m * slant_range(height, *require_line(height, range_m, target_height))
         grey = np.exp(-optical_depth)[..., np.newaxis]
         return np.broadcast_to(grey, (*optical_depth.shape, self.wavenumber_cm.size)).copy()
 
     def path_radiance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
-        """``(1 - tau) B(T)`` [W m-2 sr-1 per cm-1, (..., n)]."""
+        """Path radiance ``(1 - tau) B(T)`` [W m-2 sr-1 per cm-1, (..., n)]."""
         return np.asarray(
             (1.0 - self.transmittance(height, range_m, target_height)) * planck_wavenumber(self.wavenumber_cm, self.temperature)
         )
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
-        """No Sun shines into a closed cavity: zero [W m-2 per cm-1, (..., n)]."""
+        """Solar irradiance in a closed cavity: zero [W m-2 per cm-1, (..., n)]."""
         return np.zeros((*np.shape(solar_zenith), self.wavenumber_cm.size))
 
     def sky_radiance(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
-        """``B(T)`` from everywhere [W m-2 sr-1 per cm-1, (..., n)]."""
+        """Sky radiance ``B(T)``, equal in all directions [W m-2 sr-1 per cm-1, (..., n)]."""
         return self._blackbody(np.shape(zenith))

@@ -1,4 +1,4 @@
-"""Geometry of a straight line over the effective Earth: heights along it, its lowest point, where it crosses levels.
+"""Geometry of a straight line over the effective Earth: heights along it, its lowest point, crossings of levels.
 
 Points of the line are named by their ``share`` of its length: 0 at one end, 1 at the other. Heights follow from
 ``r^2 = a^2 (1 - x) + b^2 x - x (1 - x) s^2`` with the distances ``a``, ``b`` of the ends from the Earth's centre, written with the
@@ -15,12 +15,12 @@ from seaglint.conventions import FloatArray
 
 
 def _over_radius(height: FloatArray) -> FloatArray:
-    """``(R' + h)^2 - R'^2`` [m2]."""
+    """Difference of squared radii ``(R' + h)^2 - R'^2`` [m2]."""
     return np.asarray(height * (2.0 * EFFECTIVE_EARTH_RADIUS + height))
 
 
 def heights_along(start: ArrayLike, end: ArrayLike, slant: ArrayLike, share: ArrayLike) -> FloatArray:
-    """Heights above the sea at shares of a line of length ``slant`` between the heights ``start`` and ``end`` [m]."""
+    """Heights above the sea [m] at shares of a line of length ``slant`` between the heights ``start`` and ``end`` [m]."""
     a, b = (_over_radius(np.asarray(h, dtype=np.float64)) for h in (start, end))
     x, s = np.asarray(share, dtype=np.float64), np.asarray(slant, dtype=np.float64)
     y = a * (1.0 - x) + b * x - x * (1.0 - x) * s * s

@@ -1,4 +1,4 @@
-"""The sky near the sea horizon as continuous air makes it, from one that LOWTRAN7's layers make.
+"""Sky near the sea horizon for continuous air, computed from the sky of LOWTRAN7's layers.
 
 LOWTRAN7 gives each layer between two levels, a kilometre thick, one temperature, and the sensor's height is a level. A level line of
 sight from a low sensor then shines like the mean of the lowest kilometre, 1.5 K colder than the air before the sensor; just below
@@ -20,20 +20,20 @@ from seaglint.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.conventions import FloatArray
 
 HIGHEST_ELEVATION: Final = float(np.radians(0.5))
-"""From this elevation up the sky is LOWTRAN7's own, up to the horizontal that of continuous air [rad]."""
+"""Elevation from which up the sky is LOWTRAN7's own [rad]; up to the horizontal it is that of continuous air."""
 
 HEIGHTS: Final = (100.0, 300.0)
-"""Sensors up to the one see the sky of continuous air near the horizon, from the other up LOWTRAN7's own [m]."""
+"""Sensor heights [m] up to which the sky near the horizon is that of continuous air, and from which up LOWTRAN7's own."""
 
 _TOP: Final = 10e3
-"""Height at which the lines of sight end [m]: above it the band law knows no absorbers."""
+"""Height at which the lines of sight end [m]; above it the band law has no absorbers."""
 
 _THIN: Final = _TOP * (np.arange(1, 80) / 80.0) ** 2
-"""How far above and below the sensor's height the levels lie whose layers stand for continuous air [m]: 1.6, 6.25, 14, 25 ..."""
+"""Distances above and below the sensor's height of the levels whose thin layers represent continuous air [m]: 1.6, 6.25, 14, 25 ..."""
 
 
 def share(height: float, elevation: FloatArray) -> FloatArray:
-    """Share [1] of continuous air in the sky at elevations [rad] seen from a height [m]; without corners along the elevation."""
+    """Share [1] of continuous air in the sky at elevations [rad] seen from a height [m]; smooth along the elevation."""
     low, high = HEIGHTS
     near = np.clip(np.log(high / height) / np.log(high / low), 0.0, 1.0) if height > 0.0 else 0.0
     t = np.clip(elevation / HIGHEST_ELEVATION, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""LOWTRAN7's rays and transmittances as kernels: refracted through its own levels, absorbers summed along, band laws applied.
+"""Kernels of LOWTRAN7's rays and transmittances: refraction through its levels, absorber sums along the ray, band laws.
 
 Optical depth in a channel is ``sum_k c_k W_k`` over continua and aerosols plus ``sum_b (C_b W_b)^a_b`` over absorption bands, whose lines
 saturate: the transmittance of a bent way Sun - point - sensor is that of its whole amount, not a product of two.
@@ -19,7 +19,7 @@ from seaglint._jit import njit
 from seaglint.conventions import FloatArray
 
 AEROSOLS: Final = 4
-"""Regions of the aerosol: boundary layer, troposphere, stratosphere, above; the first columns of the amounts."""
+"""Number of aerosol regions (boundary layer, troposphere, stratosphere, above), the first columns of the amounts."""
 
 MOLECULES: Final = 4
 """Column of the scattering molecules."""
@@ -29,35 +29,35 @@ SELF_COLD: Final = 7
 """Columns of the water continuum at 296 K and of its share that is colder."""
 
 MOST_POINTS: Final = 72
-"""Room for the points of a line."""
+"""Largest number of points of a line."""
 
 WORK_ROWS: Final = 6
-"""Rows [(columns,)] of scratch space that the kernels take."""
+"""Rows [(columns,)] of scratch space that the kernels need."""
 
 _NODES, _WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(4)[0]), 0.5 * np.polynomial.legendre.leggauss(4)[1])
-"""Along the ray, down to where it runs level."""
+"""Quadrature nodes and weights along the ray, down to its tangent height."""
 
 _HEIGHTS, _HEIGHT_WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(5)[0]), 0.5 * np.polynomial.legendre.leggauss(5)[1])
-"""Of a whole layer."""
+"""Quadrature nodes and weights over the heights of a whole layer."""
 
 _FINE, _FINE_WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(12)[0]), 0.5 * np.polynomial.legendre.leggauss(12)[1])
-"""Where the densities of a whole layer are summed, once."""
+"""Nodes and weights with which the densities of a whole layer are integrated, once."""
 
 _TO_HEIGHTS = np.linalg.solve(np.vander(_HEIGHTS, increasing=True).T, np.vander(_FINE, 5, increasing=True).T).T * _FINE_WEIGHTS[:, None]
-"""Sums of a function's values at the one times those of its polynomial through the other."""
+"""Matrix from densities at the fine nodes to weights of a function's values at the nodes of a whole layer."""
 
 _STRAIGHT: Final = 2.5
-"""A layer in which the squared cosine of the zenith angle grows by less than this factor is summed on its fixed heights."""
+"""Growth of the squared cosine of the zenith angle below which a layer is summed on its fixed heights."""
 
 _THIN: Final = 1e-4
-"""LOWTRAN7 makes no layers of less than this [km]."""
+"""Least thickness of LOWTRAN7's layers [km]."""
 
 SHADE: Final = -1.0
-"""Stands for a ray that the Earth blocks."""
+"""Value for a ray that the Earth blocks."""
 
 
 class LayerGrid(NamedTuple):
-    """Every whole layer at its quadrature heights, for rays that are far from level there: the sums need no exponentials.
+    """Quadrature heights of every whole layer, for rays far from level there: the sums need no exponentials.
 
     ``invariant[l, g]``: ``n r`` there [km], and at the levels ``at_level[l]``; ``amount[l, g, k]``: weights of ``1/cos(zenith)`` for the
     amounts; ``bending[l, g]`` and ``turn[l, g]`` those of ``tan(zenith)`` for bending and for the angle at the Earth's centre.
@@ -71,7 +71,7 @@ class LayerGrid(NamedTuple):
 
 
 class Laws(NamedTuple):
-    """What LOWTRAN7 computes transmittances from, in its units: km, densities per km.
+    """Data from which LOWTRAN7 computes transmittances, in its units: km, densities per km.
 
     ``density[k, l]``: scaled densities at the levels of four aerosols, molecules, then absorbers; ``humidity`` relative [%] and ``tops``
     the highest levels of the aerosol regions. ``linear[k, i]``: coefficients of the columns whose optical depth is proportional to the
@@ -97,7 +97,7 @@ class Laws(NamedTuple):
 
 @njit
 def _interpolated(a: float, b: float, part: float) -> float:
-    """LOWTRAN7's EXPINT: exponential, linear next to a zero."""
+    """Interpolation as LOWTRAN7's EXPINT: exponential, linear next to a zero."""
     if a <= 0.0 or b <= 0.0:
         return a + (b - a) * part
     return float(a * (b / a) ** part)
@@ -105,14 +105,14 @@ def _interpolated(a: float, b: float, part: float) -> float:
 
 @njit
 def _layer_of(laws: Laws, z: float) -> int:
-    """Layer whose lower level is at or below z, the upper above it."""
+    """Index of the layer whose lower level is at or below z, the upper above it."""
     i = int(np.searchsorted(laws.height, z, side="right")) - 1
     return min(max(i, 0), laws.height.size - 2)
 
 
 @njit
 def refractivity_at(laws: Laws, z: float) -> float:
-    """``n - 1`` at a height [km]."""
+    """Refractivity ``n - 1`` at a height [km]."""
     i = _layer_of(laws, z)
     part = (z - laws.height[i]) / (laws.height[i + 1] - laws.height[i])
     low, high = laws.refractivity[i] + 1e-20, laws.refractivity[i + 1] + 1e-20
@@ -121,13 +121,13 @@ def refractivity_at(laws: Laws, z: float) -> float:
 
 @njit
 def invariant_of(laws: Laws, z: float, sine: float) -> float:
-    """Snell's ``n r sin(zenith)`` [km]."""
+    """Snell's invariant ``n r sin(zenith)`` [km]."""
     return (1.0 + refractivity_at(laws, z)) * (laws.earth_radius + z) * sine
 
 
 @njit
 def tangent_height(laws: Laws, invariant: float, z: float) -> float:
-    """Height [km] at which a descending ray from z runs level; below 0 where it meets the sea."""
+    """Tangent height [km] of a descending ray from z; below 0 where it meets the sea."""
     if invariant < invariant_of(laws, 0.0, 1.0):
         return SHADE
     low, high = 0.0, z
@@ -165,7 +165,7 @@ def _cold(p1: float, p2: float, kelvin1: float, kelvin2: float) -> float:
 
 @njit
 def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
-    """Adds the amounts between two heights of one layer to ``out`` [(columns,)]; angle at the Earth's centre and bending [rad].
+    """Add the amounts between two heights of one layer to ``out`` [(columns,)]; return angle at the Earth's centre and bending [rad].
 
     With an ``out`` of no columns only the ray is followed.
 
@@ -225,7 +225,7 @@ def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndar
 
 @njit
 def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
-    """:func:`layer_part` of the layers first...last - 1 from level to level."""
+    """Add :func:`layer_part` of the layers first...last - 1 from level to level."""
     grid = laws.grid
     columns, nodes = out.size, grid.invariant.shape[1]
     turn, bending = 0.0, 0.0
@@ -248,7 +248,7 @@ def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarra
 
 @njit
 def rise(laws: Laws, low: float, high: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
-    """:func:`layer_part` of a ray between any two heights; what sticks out of whole layers by less than 0.1 m is left out."""
+    """Add :func:`layer_part` of a ray between any two heights; parts of layers thinner than 0.1 m are omitted."""
     turn, bending = 0.0, 0.0
     first, last = _layer_of(laws, low), _layer_of(laws, high)
     if laws.height[first] < low:
@@ -272,7 +272,10 @@ def rise(laws: Laws, low: float, high: float, invariant: float, work: np.ndarray
 
 @njit
 def sun_amounts(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.ndarray) -> float:
-    """Amounts ``out`` [(columns,)] from a height [km] to the Sun seen at an apparent zenith angle [rad]; bending [rad], -1 in the shade."""
+    """Compute amounts ``out`` [(columns,)] from a height [km] to the Sun at an apparent zenith angle [rad].
+
+    The result is the bending [rad], -1 in the shade.
+    """
     _clear(out)
     if z >= laws.height[-1]:
         return 0.0
@@ -295,7 +298,7 @@ def _copy(row: np.ndarray, out: np.ndarray) -> None:
 
 
 class Line(NamedTuple):
-    """Points where a line of sight crosses levels.
+    """Points at which a line of sight crosses levels.
 
     ``height`` [km], ``zenith`` of the line's onward direction there, ``arc`` from the sensor [rad], ``level`` the index that LOWTRAN7
     takes the humidity from, ``amount[j]`` from the sensor to point j.
@@ -321,7 +324,7 @@ def zenith_at(laws: Laws, invariant: float, z: float) -> float:
 
 @njit
 def trace(laws: Laws, z: float, zenith: float, line: Line, work: np.ndarray) -> int:
-    """Follows the line of sight from a height [km] at a zenith angle [rad] to the sea or to space; number of points."""
+    """Trace the line of sight from a height [km] at a zenith angle [rad] to the sea or to space; return the number of points."""
     invariant = invariant_of(laws, z, math.sin(zenith))
     amount = work[4]
     _clear(amount)
@@ -398,8 +401,9 @@ def transmittances(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
 
 
 def layer_grid(earth_radius: float, height: FloatArray, refractivity: FloatArray, cold: FloatArray, density: FloatArray) -> LayerGrid:
-    """Quadrature of whole layers: heights [km, (levels,)], ``n - 1``, share of the water continuum that counts as cold [(layers,)],
-    densities [(columns, levels)].
+    """Quadrature of whole layers.
+
+    Heights [km, (levels,)], ``n - 1``, share of the water continuum that counts as cold [(layers,)], densities [(columns, levels)].
     """
     thick = np.diff(height)
     z = height[:-1, None] + thick[:, None] * _HEIGHTS
@@ -418,7 +422,7 @@ def layer_grid(earth_radius: float, height: FloatArray, refractivity: FloatArray
 
 
 def layer_amounts(thick: FloatArray, density: FloatArray) -> FloatArray:
-    """Weights [(layers, nodes, columns)] of a smooth function at the quadrature heights for its integral times the density."""
+    """Weights [(layers, nodes, columns)] of a smooth function's values at the quadrature heights in its integral times the density."""
     a, b = density[:, :-1, None], density[:, 1:, None]
     both = (a > 0.0) & (b > 0.0)
     slope = np.log(np.where(both, b, 1.0) / np.where(both, a, 1.0))
@@ -427,7 +431,7 @@ def layer_amounts(thick: FloatArray, density: FloatArray) -> FloatArray:
 
 
 def cold_share(height: FloatArray, pressure: FloatArray, temperature: FloatArray) -> FloatArray:
-    """Share of the water continuum of every layer that counts as cold [1, (layers,)], by its temperature as the air's density weighs it."""
+    """Share of the water continuum of every layer that counts as cold [1, (layers,)], by its density-weighted temperature."""
     return np.array(
         [_cold(*(float(v) for v in (p[0], p[1], t[0], t[1]))) for p, t in zip(_pairs(pressure), _pairs(temperature), strict=True)]
     )

@@ -17,7 +17,7 @@ LEVEL_STEP: Final = 1000.0
 
 @dataclass(frozen=True)
 class Profile:
-    """One model atmosphere at 0, 1 ... 10 km.
+    """Levels of one model atmosphere at 0, 1 ... 10 km.
 
     Attributes
     ----------
@@ -71,4 +71,4 @@ PROFILES: Final = {
         (0.0266, 0.02931, 0.03237, 0.03318, 0.03387, 0.03768, 0.04112, 0.05009, 0.05966, 0.09168, 0.1313),
     ),
 }
-"""By name, as on the cards of :mod:`seaglint.io.lowtran.deck`."""
+"""Profiles by name, as on the cards of :mod:`seaglint.io.lowtran.deck`."""

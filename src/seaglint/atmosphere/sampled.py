@@ -1,4 +1,4 @@
-"""An atmosphere from spectra at nodes, for one sensor height: somebody's own calculation or measurement, or LOWTRAN7 run live.
+"""Atmosphere from spectra at nodes, for one sensor height: a user's calculation or measurement, or a live run of LOWTRAN7.
 
 Between the nodes the same quantities are splined as in the tables (:mod:`seaglint.atmosphere.table`): encoded optical depth and
 effective air temperature of the path, encoded optical depth towards the Sun, brightness temperature of the sky.
@@ -32,33 +32,33 @@ if TYPE_CHECKING:
     from seaglint.atmosphere.scattering_laws import ScatteringAir
 
 OPAQUE = 25.0
-"""Optical depths end here: transmittance 1e-11."""
+"""Largest optical depth: transmittance 1e-11."""
 
 CLEAR = 1e-6
-"""Smallest optical depth whose emission is told from nothing."""
+"""Smallest optical depth whose emission is evaluated."""
 
 ANGLE_SLACK = 1e-6
-"""Angles this far outside count as on the edge: rounding of degrees [rad]."""
+"""Tolerance within which angles outside the range count as on the edge: rounding of degrees [rad]."""
 
 HEIGHT_SLACK = 1e-3
-"""Heights this close are one [m]."""
+"""Tolerance within which two heights are equal [m]."""
 
 FILE_SUN = 1.02
-"""Sunlight above the largest one given, by this factor, stands for "outside the atmosphere" where no solar spectrum is known."""
+"""Ratio of assumed extraterrestrial sunlight to the largest value given, where no solar spectrum is known."""
 
 
 SCALE_HEIGHT = 2000.0
-"""Height over which the absorber falls by e that paths from samples to points above the sea hold equal amounts of: water vapour's [m]."""
+"""Scale height of the absorber [m], that of water vapour: paths to points above the sea are matched by equal amounts of it."""
 
 GROWTH = (0.3, 1.0)
-"""Power of the length with which optical depth grows at least and at most: strong lines by the root, continua linearly."""
+"""Least and largest power of the path length with which optical depth grows; strong lines grow by the root, continua linearly."""
 
 
 class LiveLine(Protocol):
-    """A calculation that answers for single lines from the sensor to points above the sea."""
+    """Calculation of single lines from the sensor to points above the sea."""
 
     def reaches(self, range_m: FloatArray, target_height: FloatArray) -> NDArray[np.bool_]:
-        """Whether it can take the points at these arcs and heights [m, (cases,)]."""
+        """True if the calculation covers the points at these arcs and heights [m, (cases,)]."""
         ...
 
     def __call__(self, range_m: FloatArray, target_height: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -90,7 +90,7 @@ class SunSamples:
 
 @dataclass(frozen=True, eq=False)
 class SampledAtmosphere:
-    """Spectra at nodes and splines between them, for one sensor height. Make it with :meth:`create`.
+    """Atmosphere of spectra at nodes with splines between them, for one sensor height. Make it with :meth:`create`.
 
     Notes
     -----
@@ -131,7 +131,7 @@ class SampledAtmosphere:
     _scattering: Callable[[], ScatteringAir] | None = None
     _free: tuple[bool, bool] = (False, False)
     scattered: ScatteredSamples | None = None
-    """Sunlight scattered by the air, where the calculation tells it."""
+    """Sunlight scattered by the air, where the calculation contains it."""
 
     @classmethod
     def create(
@@ -163,11 +163,11 @@ class SampledAtmosphere:
         scattered : ScatteredSamples, optional
             Sunlight scattered by the air.
         scattering : callable, optional
-            Makes the scatterers on all spectral samples, when they are asked for; without it the air scatters no sunlight.
+            Function that computes the scatterers on all spectral samples on request; without it the air scatters no sunlight.
         name : str
-            What error messages call the atmosphere.
+            Name of the atmosphere in error messages.
         provenance : dict, optional
-            What it says of itself.
+            Provenance of the spectra.
 
         Raises
         ------
@@ -241,7 +241,9 @@ class SampledAtmosphere:
         return path_coordinate(slant_range(height, arc), height, self._longest)
 
     def seen_between(self, nearest: float, farthest: float | None) -> SampledAtmosphere:
-        """The same air for a picture that sees the sea between two arcs only [m]; None: up to the horizon. These must be held.
+        """Return the same air for a picture that sees the sea between two arcs only [m]; None means up to the horizon.
+
+        The samples must cover these arcs.
 
         Models tabulate a view in all directions, whatever part of it they draw: what their tables take from outside the picture is the
         samples' continuation (by the power of the length below them, along their tangent above) and reaches no pixel.
@@ -261,7 +263,7 @@ class SampledAtmosphere:
         return depth * self._shortened(slant, np.maximum(slant, shortest)) if np.any(slant < shortest) else depth
 
     def _shortened(self, slant: FloatArray, inside: FloatArray) -> FloatArray:
-        """Share [1, (..., n)] of the optical depth of paths ``inside`` the samples that shorter ones have [m, (...)]."""
+        """Ratio [1, (..., n)] of the optical depth of shorter paths [m, (...)] to that of paths ``inside`` the samples."""
         if not np.any(slant < inside):
             return np.ones((1,))
         shortest = float(slant_range(self.height, self._ranges[0]))
@@ -270,7 +272,7 @@ class SampledAtmosphere:
         return np.asarray((slant / inside)[..., np.newaxis] ** np.clip(np.log(next_to_it / near) / np.log(1.3), *GROWTH))
 
     def path(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] in one go, both (..., n).
+        """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] together, both (..., n).
 
         ``target_height`` [m], broadcast with ``range_m``, is that of the point looked at. To a point above the sea the calculation behind
         the samples is asked where there is one. Otherwise the path is that from the sea, of such a length that it holds the same amount
@@ -282,7 +284,7 @@ class SampledAtmosphere:
             x = self._coordinate(height, arc)
             depth = self._sea_depth(x, arc)
             return np.exp(-depth), -np.expm1(-depth) * radiance_of(self.wavenumber_cm, _along(self._temperature, x))
-        self._coordinate(height, arc[target == 0.0])  # refuses what it would alone
+        self._coordinate(height, arc[target == 0.0])  # refuses the same heights as alone
         shape, n = arc.shape, self.wavenumber_cm.size
         arc, target = arc.ravel(), target.ravel()
         transmittance, radiance = np.empty((arc.size, n)), np.empty((arc.size, n))
@@ -294,7 +296,7 @@ class SampledAtmosphere:
         return transmittance.reshape(*shape, n), radiance.reshape(*shape, n)
 
     def _equal_amount(self, arc: FloatArray, target: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Transmittance and radiance [(cases, n)] of the paths from the sea with the absorber amount of those to points."""
+        """Transmittance and radiance [(cases, n)] of the paths from the sea with the same absorber amount as those to points."""
         slant = slant_range(self.height, arc, target)
         slant = np.where(target == 0.0, slant, slant * _mean_density(self.height, target, slant) / _mean_density(self.height, 0.0, slant))
         shortest = float(slant_range(self.height, self._ranges[0]))
@@ -319,7 +321,7 @@ class SampledAtmosphere:
         return self.path(height, range_m, target_height)[1]
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
-        """Scatterers on part of the spectral samples; None where none are known. Makes them on every call: keep what is made of them."""
+        """Scatterers on part of the spectral samples; None where none are known. They are computed at every call."""
         return self._scattering().cut(grid) if self._scattering is not None else None
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
@@ -391,7 +393,7 @@ def _mean_density(height: float, target: ArrayLike, slant: FloatArray) -> FloatA
 
 
 def _along(spline: CubicSpline[np.float64], x: FloatArray) -> FloatArray:
-    """Spline between the nodes, the end's tangent beyond the last one, the first value before the first."""
+    """Spline between the nodes, with the end's tangent beyond the last one and the first value before the first."""
     inside = np.clip(x, spline.x[0], spline.x[-1])
     values = np.asarray(spline(inside))
     beyond = np.maximum(x - spline.x[-1], 0.0)[..., np.newaxis]
@@ -399,7 +401,7 @@ def _along(spline: CubicSpline[np.float64], x: FloatArray) -> FloatArray:
 
 
 def _solar_source(nu: FloatArray, sun: SunSamples) -> FloatArray:
-    """Sunlight outside the atmosphere, nowhere below what arrives."""
+    """Sunlight outside the atmosphere, nowhere below the sunlight at the sea."""
     largest = FILE_SUN * np.max(sun.irradiance, axis=0)
     if sun.source is not None:
         return np.maximum(np.asarray(sun.source, dtype=np.float64), 1e-300)

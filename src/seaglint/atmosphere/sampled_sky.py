@@ -1,4 +1,4 @@
-"""The sky of an atmosphere from samples: brightness temperature splined over elevation, in pieces between corners."""
+"""Sky of a sampled atmosphere: brightness temperature splined over elevation, in pieces between corners."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from seaglint.atmosphere.coordinates import ELEVATION_SCALE, elevation_coordinat
 from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION, planck_wavenumber
 
 COLDEST, HOTTEST = 1.0, 1e5
-"""Temperatures that stand for radiances [K]; splines overshoot where radiance falls to nothing."""
+"""Limits of brightness temperatures [K]; splines overshoot where radiance falls to zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,18 +33,18 @@ class SkySamples:
 
 
 def brightness_temperature(wavenumber_cm: FloatArray, radiance: FloatArray) -> FloatArray:
-    """Inverse of Planck's law [K], within :data:`COLDEST` ... :data:`HOTTEST`; 0 gives the coldest."""
+    """Brightness temperature by the inverse of Planck's law [K], within :data:`COLDEST` ... :data:`HOTTEST`; 0 gives the coldest."""
     ratio = FIRST_RADIATION * wavenumber_cm**3 / np.maximum(radiance, 1e-280)
     return np.asarray(np.clip(SECOND_RADIATION * wavenumber_cm / np.log1p(ratio), COLDEST, HOTTEST))
 
 
 def radiance_of(wavenumber_cm: FloatArray, temperature: FloatArray) -> FloatArray:
-    """Planck's law for splined temperatures, which may overshoot [W m-2 sr-1 per cm-1]."""
+    """Radiance by Planck's law of splined temperatures, which may overshoot [W m-2 sr-1 per cm-1]."""
     return planck_wavenumber(wavenumber_cm, np.clip(temperature, COLDEST, HOTTEST))
 
 
 def grazing_coordinate(part: ArrayLike) -> FloatArray:
-    """Share [1] of an interval between kinks to a coordinate 0...1 that spreads root-like corners at its ends: ``arccos(1 - 2s)/pi``."""
+    """Coordinate 0...1 of a share [1] of an interval between kinks that spreads root-like corners at its ends: ``arccos(1 - 2s)/pi``."""
     return np.asarray(np.arccos(np.clip(1.0 - 2.0 * np.asarray(part, dtype=np.float64), -1.0, 1.0)) / np.pi)
 
 
@@ -55,7 +55,7 @@ def grazing_share(coordinate: ArrayLike) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """Spline between two elevations."""
+    """Spline of the sky between two elevations."""
 
     low: float
     high: float
@@ -66,7 +66,7 @@ class _Piece:
 
     @staticmethod
     def coordinate(elevation: FloatArray, low: float, high: float) -> FloatArray:
-        """Below the horizontal from grazing ray to grazing ray, above it as the tables have it."""
+        """Coordinate of elevation: below the horizontal between grazing rays, above it as in the tables."""
         if high <= 0.0:
             return grazing_coordinate((elevation - low) / (high - low))
         return elevation_coordinate(np.maximum(elevation, 0.0), 0.0) if low >= 0.0 else np.arcsinh(elevation / ELEVATION_SCALE)
@@ -84,7 +84,7 @@ class Sky:
 
     @classmethod
     def of(cls, samples: SkySamples, wavenumber_cm: FloatArray) -> Sky:
-        """Splines through samples."""
+        """Sky from splines through samples."""
         e = np.asarray(samples.elevation, dtype=np.float64)
         temperature = brightness_temperature(wavenumber_cm, samples.radiance)
         edges = [e[0], *(k for k in sorted(samples.kinks) if e[0] < k < e[-1]), e[-1]]
@@ -107,5 +107,5 @@ class Sky:
             if out is None:
                 out = np.empty((flat.size, values.shape[-1]))
             out[mine] = values
-        assert out is not None  # callers ask for one elevation at least
+        assert out is not None  # callers pass at least one elevation
         return out.reshape(*elevation.shape, -1)

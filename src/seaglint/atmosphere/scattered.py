@@ -63,12 +63,12 @@ class ScatteredTable(NamedTuple):
 
 
 DARK: Final = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), 0.0, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
-"""Of air that scatters nothing."""
+"""Table of air that scatters nothing."""
 
 
 @kernel
 def sky_row(elevation: float, table: ScatteredTable) -> float:
-    """Row of an elevation [rad]: down to the horizon first, then up from the horizontal."""
+    """Row of an elevation [rad]: rows down to the horizon first, then up from the horizontal."""
     if elevation >= 0.0:
         above = table.amplitude.shape[1] - table.dip_rows
         y = math.asinh(elevation / ELEVATION_SCALE) / math.asinh(0.5 * math.pi / ELEVATION_SCALE)
@@ -81,7 +81,7 @@ def sky_row(elevation: float, table: ScatteredTable) -> float:
 
 @kernel
 def path_row(range_m: float, table: ScatteredTable) -> float:
-    """Row of an arc along the sea [m]; beyond the horizon that of the horizon."""
+    """Row of an arc along the sea [m]; beyond the horizon the row of the horizon."""
     half = math.sin(range_m / (2.0 * EFFECTIVE_EARTH_RADIUS))
     h = table.height
     slant = math.sqrt(h * h + 4.0 * EFFECTIVE_EARTH_RADIUS * (EFFECTIVE_EARTH_RADIUS + h) * half * half)
@@ -91,7 +91,7 @@ def path_row(range_m: float, table: ScatteredTable) -> float:
 
 @kernel
 def angle_node(elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable) -> tuple[int, float]:
-    """Node of the scattering angle, and the fraction of the way to the next."""
+    """Node of the scattering angle, and the fraction to the next one."""
     half, lean = math.sin(0.5 * azimuth), math.sin(0.5 * (0.5 * math.pi - elevation - solar_zenith))
     square = min(max(lean * lean + math.cos(elevation) * math.sin(solar_zenith) * half * half, 0.0), 1.0)
     angle = 2.0 * math.asin(math.sqrt(square)) / math.pi * (table.angular.shape[0] - 1)
@@ -101,7 +101,7 @@ def angle_node(elevation: float, azimuth: float, solar_zenith: float, table: Sca
 
 @kernel
 def term_at(row: float, azimuth: float, solar_zenith: float, table: ScatteredTable, term: tuple[int, int]) -> float:
-    """Amplitude of one phase shape and spectral shape between the nodes around a row, an azimuth and a Sun."""
+    """Amplitude of one phase shape and spectral shape, interpolated between the nodes around a row, an azimuth and a Sun."""
     k, r = term
     suns, rows, columns = table.amplitude.shape[0], table.amplitude.shape[1], table.amplitude.shape[2]
     half = math.sin(0.5 * azimuth)
@@ -123,7 +123,7 @@ def term_at(row: float, azimuth: float, solar_zenith: float, table: ScatteredTab
 
 @kernel
 def share_at(row: float, elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable, r: int) -> float:
-    """Share of one spectral shape at a row; azimuth is counted from the Sun, zenith the Sun's apparent one [rad]."""
+    """Share of one spectral shape at a row; azimuth is counted from the Sun, ``solar_zenith`` is the Sun's apparent one [rad]."""
     i, f = angle_node(elevation, azimuth, solar_zenith, table)
     up = visible_part_kernel(0.5 * math.pi - solar_zenith)[0] if table.sets else 1.0
     total = 0.0
@@ -135,19 +135,25 @@ def share_at(row: float, elevation: float, azimuth: float, solar_zenith: float, 
 
 @kernel
 def scattered_sky_at(elevation: float, azimuth: float, table: ScatteredTable) -> float:
-    """Sky of a table in band [W m-2 sr-1] at an elevation and an azimuth from the Sun [rad], under the Sun at the sensor."""
+    """Scattered sky radiance in band [W m-2 sr-1] at an elevation and an azimuth from the Sun [rad], under the Sun at the sensor."""
     return max(share_at(sky_row(elevation, table), elevation, azimuth, table.solar_zenith, table, 0), 0.0)
 
 
 @kernel
 def mirrored_sky_at(elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable) -> float:
-    """Sky in band [W m-2 sr-1] over a place that has the Sun at an apparent zenith angle [rad]: ``sea_sky`` of :func:`in_band`."""
+    """Scattered sky radiance in band [W m-2 sr-1] over a place, ``sea_sky`` of :func:`in_band`.
+
+    The Sun stands there at an apparent zenith angle [rad].
+    """
     return max(share_at(sky_row(elevation, table), elevation, azimuth, solar_zenith, table, 0), 0.0)
 
 
 @kernel
 def scattered_path_at(range_m: float, elevation: float, azimuth: float, table: ScatteredTable) -> float:
-    """Path to the sea at an arc [m], seen at an elevation (below 0) and an azimuth from the Sun [rad], in band [W m-2 sr-1]."""
+    """Scattered path radiance in band [W m-2 sr-1] to the sea at an arc [m].
+
+    The path is seen at an elevation (below 0) and an azimuth from the Sun [rad].
+    """
     return max(share_at(path_row(range_m, table), elevation, azimuth, table.solar_zenith, table, 0), 0.0)
 
 
@@ -168,7 +174,7 @@ def _fill_path_map(
 
 
 def sky_map(elevation: FloatArray, azimuth_from_sun: FloatArray, table: ScatteredTable) -> FloatArray:
-    """Sky in band at elevations (rows) and azimuths (columns) [rad]: [W m-2 sr-1, (rows, columns)], in threads."""
+    """Scattered sky radiance in band at elevations (rows) and azimuths (columns) [rad]: [W m-2 sr-1, (rows, columns)], in threads."""
     out = np.empty((elevation.size, azimuth_from_sun.size))
     if elevation.size > 0:
         in_threads(lambda rows: _fill_sky_map(rows, elevation, azimuth_from_sun, table, out), elevation.size)
@@ -176,7 +182,10 @@ def sky_map(elevation: FloatArray, azimuth_from_sun: FloatArray, table: Scattere
 
 
 def path_map(range_m: FloatArray, elevation: FloatArray, azimuth_from_sun: FloatArray, table: ScatteredTable) -> FloatArray:
-    """Paths to the sea at arcs [m] seen at elevations (rows) and azimuths (columns) [rad], likewise; :func:`scattered_path_at`."""
+    """Scattered paths to the sea in band, by :func:`scattered_path_at` in threads.
+
+    Arcs [m] belong to elevations (rows); columns are azimuths [rad].
+    """
     out = np.empty((range_m.size, azimuth_from_sun.size))
     if range_m.size > 0:
         in_threads(lambda rows: _fill_path_map(rows, range_m, elevation, azimuth_from_sun, table, out), range_m.size)
@@ -212,7 +221,7 @@ def scattered_shares(
 
 
 def scattered_path(range_m: ArrayLike, elevation: ArrayLike, azimuth_from_sun: ArrayLike, table: ScatteredTable) -> FloatArray:
-    """Paths to the sea in band [W m-2 sr-1, (...)]; see :func:`scattered_path_at`."""
+    """Scattered path radiance to the sea in band [W m-2 sr-1, (...)]; see :func:`scattered_path_at`."""
     s, e, a = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (range_m, elevation, azimuth_from_sun)))
     out = np.empty((e.size, table.amplitude.shape[4]))
     _fill_path(s.ravel(), e.ravel(), a.ravel(), table, out)
@@ -220,6 +229,6 @@ def scattered_path(range_m: ArrayLike, elevation: ArrayLike, azimuth_from_sun: A
 
 
 def in_band(table: ScatteredTable, weights: ArrayLike) -> ScatteredTable:
-    """The same sky as radiance in band [W m-2 sr-1], for quadrature weights on the channels [cm-1, (n,)]."""
+    """Table of the same sky as radiance in band [W m-2 sr-1], for quadrature weights on the channels [cm-1, (n,)]."""
     amplitude = table.amplitude @ (table.spectral @ np.asarray(weights, dtype=np.float64))
     return table._replace(amplitude=np.ascontiguousarray(amplitude[..., None]), spectral=np.ones((1, 1)))

@@ -1,4 +1,4 @@
-"""Scattered sunlight of many cases, each with a wind, height, direction and Sun of its own, line by line: no table in between."""
+"""Scattered sunlight of many cases with their own wind, height, direction and Sun, computed line by line without a table."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from seaglint.optics.band import Band
 _THREADS: Final = min(os.cpu_count() or 1, 4)
 
 _PARTS: Final = 8
-"""Pieces of work for each thread."""
+"""Parts of the work for each thread."""
 
 
 def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band]) -> list[FloatArray]:
@@ -44,7 +44,7 @@ def scattered_cases(model: str, lines: FloatArray, bands: Sequence[Band]) -> lis
         for i in range(first, min(first + size, len(lines))):
             out[:, i] = weights @ _line(table, lines[i])
 
-    with ThreadPoolExecutor(_THREADS) as pool:  # kernels let go of the interpreter
+    with ThreadPoolExecutor(_THREADS) as pool:  # kernels release the interpreter
         list(pool.map(fill, range(0, len(lines), size)))
     return list(out)
 
@@ -55,7 +55,7 @@ def _table(model: str, channels: tuple[float, ...]) -> ScatteringTable:
 
 
 def _line(table: ScatteringTable, line: FloatArray) -> FloatArray:
-    """Spectrum of one case [W m-2 sr-1 per cm-1, (n,)]."""
+    """Spectrum of scattered sunlight of one case [W m-2 sr-1 per cm-1, (n,)]."""
     wind, height, elevation, azimuth, zenith = (float(x) for x in line)
     air = table.at_wind(wind)
     share = visible_part_kernel(0.5 * math.pi - float(air.apparent_zenith(zenith)))[0]

@@ -1,4 +1,4 @@
-"""Scattered sunlight that somebody else computed, as the tables of :mod:`seaglint.atmosphere.scattered`."""
+"""Scattered sunlight of a user's calculation, as the tables of :mod:`seaglint.atmosphere.scattered`."""
 
 from __future__ import annotations
 
@@ -23,16 +23,19 @@ ROWS: Final = 257
 DIP_ROWS: Final = 64
 
 LOW: Final = 300.0
-"""Height [m] up to which the sky below the horizontal is the horizontal's: LOWTRAN7 makes the sensor's height a level, and the thin layer
-below it, with another air, would draw a line above the sea (:mod:`seaglint.atmosphere.low_sky`)."""
+"""Height [m] up to which the sky below the horizontal is the horizontal's.
+
+LOWTRAN7 makes the sensor's height a level, and the thin layer below it, with another air, would draw a line above the sea
+(:mod:`seaglint.atmosphere.low_sky`).
+"""
 
 _RANK: Final = 1e-4
-"""Singular values of the spectra below this share of the first are dropped."""
+"""Relative singular value of the spectra below which components are dropped."""
 
 
 @dataclass(frozen=True, eq=False)
 class SampledLight:
-    """Scattered sunlight of a file, for the one Sun that it holds; as :class:`seaglint.atmosphere.scattered_tables.ScatteredLight`.
+    """Scattered sunlight of a file, for its one Sun; as :class:`seaglint.atmosphere.scattered_tables.ScatteredLight`.
 
     Radiance is split into a function of the scattering angle, which has the aureole, and what is left, which is smooth and interpolated
     linearly between the file's directions. What the file leaves out is dark.
@@ -45,12 +48,12 @@ class SampledLight:
 
     @property
     def is_dark(self) -> bool:
-        """Whether nothing is scattered."""
+        """True if nothing is scattered."""
         return False
 
     @cached_property
     def path(self) -> ScatteredTable:
-        """Paths to the sea, in band."""
+        """Table of scattered path radiance to the sea, in band."""
         held, samples = self.samples.path, self.samples
         if held is None:
             return DARK
@@ -63,7 +66,7 @@ class SampledLight:
 
     @cached_property
     def sky(self) -> ScatteredTable:
-        """Sky seen from the sensor, in band."""
+        """Table of the scattered sky seen from the sensor, in band."""
         held = self._sky_from(self.height)
         if held is None:
             return DARK
@@ -75,7 +78,7 @@ class SampledLight:
 
     @cached_property
     def sea_sky(self) -> ScatteredTable:
-        """Sky seen from the sea: spectra."""
+        """Table of the scattered sky seen from the sea, as spectra."""
         held = self._sky_from(0.0)
         if held is None:
             return DARK._replace(spectral=np.zeros((1, self.weights.size)))
@@ -86,11 +89,11 @@ class SampledLight:
         return table._replace(spectral=np.ascontiguousarray(spectral))
 
     def sea_sky_within(self, turn: float) -> ScatteredTable:
-        """:attr:`sea_sky`, wherever the place."""
+        """Table :attr:`sea_sky`, the same for all places."""
         return self.sea_sky
 
     def paths(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """Paths to the sea at arcs [m] (rows), azimuths from the Sun [rad] (columns), in band [W m-2 sr-1]."""
+        """Scattered path radiance in band [W m-2 sr-1] to the sea at arcs [m] (rows), azimuths from the Sun [rad] (columns)."""
         from seaglint.atmosphere.scattered import scattered_path
 
         elevation = -depression_of_range(self.height, arc)
@@ -107,14 +110,14 @@ class SampledLight:
         return near[0] if near else None
 
     def _table(self, zenith: FloatArray, radiance: FloatArray, nodes: FloatArray, rows: FloatArray) -> ScatteredTable:
-        """Table of radiance (k, a[, r]) at zenith angles of lines of sight [rad, (k,)]; ``nodes`` (k,) are what ``rows`` are wanted at."""
+        """Table of radiance (k, a[, r]) at zenith angles of lines of sight [rad, (k,)]; ``nodes`` (k,) are the coordinates of ``rows``."""
         values = radiance if radiance.ndim == 3 else radiance[..., None]
         sun, azimuth = self.samples.solar_zenith, self.samples.azimuth
         angle = scattering_angle(zenith[:, None], azimuth, sun)
         size = np.sqrt((values**2).sum(axis=2))
         angular = self._angular(angle, size)
         smooth = np.interp(angle, np.linspace(0.0, math.pi, ANGLES), angular)
-        # what is left, its size by the logarithm
+        # the rest: its magnitude by the logarithm
         tiny = 1e-9 * max(float(size.max()), 1e-30)
         left = np.concatenate([np.log(np.maximum(size, tiny) / smooth)[..., None], values / np.maximum(size, tiny)[..., None]], axis=2)
         columns = np.sin(0.5 * azimuth) ** 2
@@ -126,18 +129,18 @@ class SampledLight:
         place = np.clip(np.interp(rows, nodes[order], np.arange(nodes.size)), 0.0, nodes.size - 1.0)
         low = np.minimum(place.astype(np.int64), max(nodes.size - 2, 0))
         part = (place - low)[:, None]
-        found = ((1.0 - part) * flat[low] + part * flat[np.minimum(low + 1, nodes.size - 1)]).reshape(rows.size, -1, COLUMNS)
-        amplitude = (np.exp(found[:, :1]) * found[:, 1:]).transpose(0, 2, 1)[None, :, :, None, :]
+        resampled = ((1.0 - part) * flat[low] + part * flat[np.minimum(low + 1, nodes.size - 1)]).reshape(rows.size, -1, COLUMNS)
+        amplitude = (np.exp(resampled[:, :1]) * resampled[:, 1:]).transpose(0, 2, 1)[None, :, :, None, :]
         return ScatteredTable(angular[:, None], np.ascontiguousarray(amplitude), np.ones((1, 1)), sun, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
 
     @staticmethod
     def _angular(angle: FloatArray, size: FloatArray) -> FloatArray:
-        """A function of the scattering angle that has the aureole: that of the line of sight that comes nearest to the Sun."""
+        """Function of the scattering angle that contains the aureole, from the line of sight nearest to the Sun."""
         row = int(np.argmin(angle.min(axis=1)))
         floor = 1e-6 * max(float(size.max()), 1e-30)
         known, first = np.unique(np.round(angle[row], 6), return_index=True)
         log = np.log(np.maximum(size[row][first], floor))
         if known.size < 3:
             return np.ones(ANGLES)
-        wanted = np.clip(np.linspace(0.0, math.pi, ANGLES), known[0], known[-1])
-        return np.asarray(np.exp(PchipInterpolator(known, log)(wanted)))
+        angles = np.clip(np.linspace(0.0, math.pi, ANGLES), known[0], known[-1])
+        return np.asarray(np.exp(PchipInterpolator(known, log)(angles)))

@@ -1,4 +1,4 @@
-r"""Sunlight that the air scatters once into a line of sight, summed over LOWTRAN7's layers with LOWTRAN7's own transmittances.
+r"""Single scattering of sunlight into a line of sight, summed over LOWTRAN7's layers with LOWTRAN7's own transmittances.
 
 .. math:: L(\nu) = E_0(\nu) \sum_c P_c(\Theta, \nu)\, J_c(\nu), \qquad
    J_c = \sum_j \tfrac{1}{2} (\tau^s_{j-1} - \tau^s_j)
@@ -42,21 +42,21 @@ KINDS: Final = 8
 """Scatterers: boundary layer at relative humidities of 0, 70, 80 and 99 %, troposphere, stratosphere, meteoric dust, molecules."""
 
 HUMIDITIES: Final = (0.0, 70.0, 80.0, 99.0)
-"""Humidities of the tabulated phase functions of the boundary layer [%]."""
+"""Relative humidities of the tabulated phase functions of the boundary layer [%]."""
 
 _GRAZING: Final = 1e-7
-"""Rays this close to touching the sea count as touching [rad]."""
+"""Tolerance within which rays count as touching the sea [rad]."""
 
 
 @njit
 def horizon_zenith(laws: Laws, z: float) -> float:
-    """Zenith angle of the refracted sea horizon seen from a height [km], [rad]."""
+    """Zenith angle [rad] of the refracted sea horizon seen from a height [km]."""
     return math.pi - math.asin(min(invariant_of(laws, 0.0, 1.0) / invariant_of(laws, z, 1.0), 1.0))
 
 
 @njit
 def apparent_zenith(laws: Laws, z: float, zenith: float, work: np.ndarray) -> float:
-    """The Sun's apparent zenith angle at a height [km], from that without refraction [rad].
+    """Apparent zenith angle [rad] of the Sun at a height [km], from the angle without refraction [rad].
 
     One step, as in LOWTRAN7: less by the bending of the ray with the angle without refraction; below the horizon by that of the horizon.
     """
@@ -66,7 +66,7 @@ def apparent_zenith(laws: Laws, z: float, zenith: float, work: np.ndarray) -> fl
 
 @njit
 def sun_seen(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.ndarray) -> float:
-    """Share of the disc that is up at a point, and in ``out`` the amounts towards it; ``zenith`` without refraction [rad]."""
+    """Share of the solar disc above the horizon at a point, and in ``out`` the amounts towards it; ``zenith`` without refraction [rad]."""
     apparent = apparent_zenith(laws, z, zenith, work)
     horizon = horizon_zenith(laws, z)
     share = visible_part_kernel(horizon - apparent)[0]
@@ -77,7 +77,7 @@ def sun_seen(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.ndar
 
 @njit
 def local_zenith(zenith: float, azimuth: float, arc: float) -> float:
-    """The Sun's zenith angle at an arc towards an azimuth from it [rad]."""
+    """Zenith angle [rad] of the Sun at an arc towards an azimuth from it [rad]."""
     up = math.cos(zenith) * math.cos(arc) + math.sin(zenith) * math.sin(arc) * math.cos(azimuth)
     return math.acos(min(max(up, -1.0), 1.0))
 
@@ -100,7 +100,7 @@ def _kinds(laws: Laws, z: float, level: int, out: np.ndarray) -> None:
 
 @njit
 def _add(out: np.ndarray, fall: np.ndarray, share: np.ndarray, seen: np.ndarray) -> None:
-    """Adds a point's half of the trapezoid to the kinds it has."""
+    """Add the trapezoid half of a point to the kinds of scatterers present there."""
     for c in range(KINDS - 1):
         if share[c] != 0.0:
             for i in range(fall.size):
@@ -129,7 +129,7 @@ def line_arc(laws: Laws, z: float, zenith: float) -> float:
 
 @njit
 def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float], out: np.ndarray) -> float:
-    """Amplitudes ``J_c`` of a line of sight into ``out`` [1, (KINDS, n)]; the arc to its last point [rad].
+    """Compute the amplitudes ``J_c`` of a line of sight into ``out`` [1, (KINDS, n)]; return the arc to its last point [rad].
 
     The line starts at a height [km] at a zenith angle [rad]. ``sun``: its azimuth from the line of sight and its zenith angle without
     refraction, both at the sensor [rad].
@@ -174,6 +174,6 @@ def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float
 
 @njit
 def many_amplitudes(laws: Laws, z: float, lines: np.ndarray, part: tuple[int, int], out: np.ndarray, arc: np.ndarray) -> None:
-    """:func:`line_amplitudes` of part of the lines ``(zenith, azimuth, solar zenith)`` [rad, (lines, 3)] from one height."""
+    """Amplitudes by :func:`line_amplitudes` of part of the lines ``(zenith, azimuth, solar zenith)`` [rad, (lines, 3)] from one height."""
     for i in range(part[0], part[1]):
         arc[i] = line_amplitudes(laws, z, lines[i, 0], (lines[i, 1], lines[i, 2]), out[i])

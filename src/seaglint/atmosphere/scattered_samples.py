@@ -1,4 +1,4 @@
-"""Sunlight scattered by the air, sampled for one Sun: radiance of paths and sky over azimuth from the Sun."""
+"""Samples of sunlight scattered by the air, for one Sun: radiance of paths and sky over azimuth from the Sun."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 
 SAME_SUN = np.radians(0.1)
-"""Zenith angles of the Sun this close are one [rad]: under a Sun at 85 deg scattered light changes by 1 % meanwhile."""
+"""Tolerance within which two zenith angles of the Sun are equal [rad]; at 85 deg scattered light changes by 1 % over it."""
 
 
 @dataclass(frozen=True, eq=False)
 class ScatteredSky:
-    """Sky seen from ``height`` [m] at ascending zenith angles [rad, (k,)]: radiance (k, a, n) [W m-2 sr-1 per cm-1]."""
+    """Scattered sky seen from ``height`` [m] at ascending zenith angles [rad, (k,)]: radiance (k, a, n) [W m-2 sr-1 per cm-1]."""
 
     height: float
     zenith: FloatArray
@@ -47,7 +47,7 @@ class ScatteredSamples:
     skies: tuple[ScatteredSky, ...] = ()
 
     def require_sun(self, solar_zenith: float, name: str) -> None:
-        """Refuse another Sun than the one it was computed for; one below the horizontal scatters nothing and is let pass.
+        """Refuse a Sun other than the one of the samples; one below the horizontal scatters nothing and is allowed.
 
         Raises
         ------

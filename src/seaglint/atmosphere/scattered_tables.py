@@ -37,37 +37,37 @@ ELEVATION_NODES: Final = 26
 DIP_NODES: Final = 12
 DIP_PIECE_NODES: Final = 6
 PATH_NODES: Final = 26
-"""Lines computed from the horizontal up, down to the horizon (fewer between two grazed levels), and to the sea."""
+"""Numbers of computed lines from the horizontal up, down to the horizon (fewer between two grazed levels), and to the sea."""
 
 ROWS: Final = 257
 DIP_ROWS: Final = 128
 COLUMNS: Final = 17
-"""Rows and columns of the tables, splined from those."""
+"""Rows and columns of the tables, splined from the computed lines."""
 
 SHAPE_ERROR: Final = 3e-4
-"""Root-mean-square relative error that the phase functions' shapes leave, over kinds and wavenumbers as they count."""
+"""Root-mean-square relative error of the phase function expansion, weighted over kinds and wavenumbers."""
 
 SPECTRAL_ERROR: Final = 1e-3
-"""Largest root-mean-square error of a spectrum relative to its own, of which sums over the band keep a tenth."""
+"""Largest root-mean-square relative error of a spectrum, a tenth of which remains in sums over the band."""
 
 MOST_SHAPES: Final = 10
 
 LEAST_COSINE: Final = 1e-5
-"""Cosine of the zenith angle at the sea of the last path: it almost grazes the sea."""
+"""Cosine of the zenith angle at the sea of the last path, which almost grazes the sea."""
 
 _LEAST: Final = 1e-30
 
 _SUNS: Final = 7
 _SUN_ROWS: Final = 13
-"""Zenith angles of the Sun computed for the places in view (three if they differ little), and tabulated."""
+"""Number of zenith angles of the Sun that are computed for the places in view (three if they differ little), and tabulated."""
 
 _SMALL_TURN: Final = np.radians(1.0)
 
 _ONE_SUN: Final = np.radians(0.1)
-"""Suns that differ by less are one."""
+"""Largest difference of zenith angles that is treated as one Sun [rad]."""
 
 _LOWEST_SUN: Final = 0.5 * math.pi - SOLAR_ANGULAR_RADIUS
-"""Apparent zenith angle of a Sun that stands on the horizon [rad]: one that sets scatters like it, by the share that is up."""
+"""Apparent zenith angle of a Sun on the horizon [rad]; a setting Sun scatters like it, times the visible share of its disc."""
 
 _HIGH_SUN, _LOW_SUN = np.radians((60.0, 80.0))
 
@@ -76,11 +76,11 @@ _KEPT: Final[OrderedDict[bytes, ScatteredLight]] = OrderedDict()
 _LOCK: Final = threading.Lock()
 
 Resample = Callable[[FloatArray], FloatArray]
-"""Node values along the second axis to rows."""
+"""Function that resamples node values along the second axis to rows."""
 
 
 class Scattering(Protocol):
-    """An atmosphere that can say what scatters in it."""
+    """Interface of an atmosphere that describes its scatterers."""
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
         """Scatterers on part of the spectral samples; None where there are none."""
@@ -90,7 +90,7 @@ class Scattering(Protocol):
 def scattered_in(
     atmosphere: object, grid: slice, weights: FloatArray, height: float, solar_zenith: float, farthest_turn: float = 0.0
 ) -> ScatteredLight | SampledLight:
-    """Scattered sunlight of a band in any atmosphere.
+    """Return the scattered sunlight of a band in any atmosphere.
 
     Vacuum and isothermal air scatter nothing, nor does air in 7.5-14 um, nor a Sun below the horizon of all places in view. Air from a
     file has what the file tells.
@@ -123,7 +123,7 @@ def scattered_in(
 
 @dataclass(frozen=True, eq=False)
 class ScatteredLight:
-    """Scattered sunlight of one band, wind, sensor height and Sun; its tables are made when they are asked for.
+    """Scattered sunlight of one band, wind, sensor height and Sun; its tables are computed on first use.
 
     Attributes
     ----------
@@ -152,12 +152,12 @@ class ScatteredLight:
 
     @property
     def is_dark(self) -> bool:
-        """Whether nothing is scattered."""
+        """True if nothing is scattered."""
         return self.air is None
 
     @cached_property
     def path(self) -> ScatteredTable:
-        """Paths to the sea, in band [W m-2 sr-1]: one spectral shape, which is 1."""
+        """Table of scattered path radiance to the sea, in band [W m-2 sr-1]: one spectral shape, which is 1."""
         if self.air is None:
             return DARK
         zenith, arcs, coordinate = _path_lines(self.air, self.height)
@@ -167,7 +167,7 @@ class ScatteredLight:
 
     @cached_property
     def sky(self) -> ScatteredTable:
-        """Sky seen from the sensor, likewise."""
+        """Table of the scattered sky seen from the sensor, in band [W m-2 sr-1]."""
         if self.air is None:
             return DARK
         table = self._in_band(*_sky_lines(self.air, self.height))
@@ -177,11 +177,11 @@ class ScatteredLight:
 
     @cached_property
     def sea_sky(self) -> ScatteredTable:
-        """Sky seen from the sea: spectra."""
+        """Table of the scattered sky seen from the sea, as spectra."""
         return self.sea_sky_within(self.farthest_turn)
 
     def sea_sky_within(self, turn: float) -> ScatteredTable:
-        """:attr:`sea_sky` for places where the vertical is turned by at most so much [rad]; a tenth of a degree is one Sun."""
+        """Table :attr:`sea_sky` for places whose vertical is turned by at most ``turn`` [rad]; a tenth of a degree counts as one Sun."""
         if self.air is None:
             return DARK._replace(spectral=np.zeros((1, self.weights.size)))
         zenith, rows = _sky_lines(self.air, 0.0)
@@ -195,11 +195,11 @@ class ScatteredLight:
         return table._replace(suns=(first, (_SUN_ROWS - 1) / (last - first)), solar_zenith=self.solar_zenith, sets=True)
 
     def paths(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """Line by line: paths to the sea at arcs [m] (rows), azimuths from the Sun [rad] (columns), in band [W m-2 sr-1]."""
+        """Scattered paths to the sea in band [W m-2 sr-1], line by line: arcs [m] (rows), azimuths from the Sun [rad] (columns)."""
         return self.path_spectra(arc, azimuth) @ self.weights
 
     def path_spectra(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """The same in every channel [W m-2 sr-1 per cm-1, (rows, columns, n)]."""
+        """Scattered path radiance in every channel [W m-2 sr-1 per cm-1, (rows, columns, n)], as :meth:`paths`."""
         if self.air is None:
             return np.zeros((arc.size, azimuth.size, self.weights.size))
         horizon = slant_range(self.height, float(_path_lines(self.air, self.height)[1][-1]))
@@ -211,7 +211,7 @@ class ScatteredLight:
         return self._spectra(zenith, azimuth, self.height, self._aloft)
 
     def sky_spectra(self, zenith: FloatArray, azimuth: FloatArray, height: float) -> FloatArray:
-        """Sky seen from a height [m] at zenith angles (rows) and azimuths from the Sun (columns) [rad], in every channel."""
+        """Scattered sky in every channel, seen from a height [m] at zenith angles (rows) and azimuths from the Sun (columns) [rad]."""
         if self.air is None:
             return np.zeros((zenith.size, azimuth.size, self.weights.size))
         return self._spectra(zenith, azimuth, height, float(self.air.apparent_zenith(self._sun, height)))
@@ -219,9 +219,9 @@ class ScatteredLight:
     def _spectra(self, zenith: FloatArray, azimuth: FloatArray, height: float, apparent: float) -> FloatArray:
         air = cast(ScatteringAir, self.air)
         lines = np.stack(np.broadcast_arrays(zenith[:, None], azimuth, self._sun), axis=-1).reshape(-1, 3)
-        found = air.amplitudes(height, lines)[0] * air.source
+        amplitudes = air.amplitudes(height, lines)[0] * air.source
         phase = air.phase(scattering_angle(lines[:, 0], lines[:, 1], apparent))
-        return np.asarray(self._share * (phase * found).sum(axis=1)).reshape(zenith.size, azimuth.size, air.source.size)
+        return np.asarray(self._share * (phase * amplitudes).sum(axis=1)).reshape(zenith.size, azimuth.size, air.source.size)
 
     @property
     def _apparent(self) -> float:
@@ -234,34 +234,34 @@ class ScatteredLight:
 
     @cached_property
     def _aloft(self) -> float:
-        """Its apparent one at the sensor [rad]."""
+        """Apparent zenith angle of the Sun at the sensor [rad]."""
         return float(cast(ScatteringAir, self.air).apparent_zenith(self._sun, self.height))
 
     @property
     def _share(self) -> float:
-        """Share of the disc above the horizon."""
+        """Share of the solar disc above the horizon [1]."""
         return float(visible_part_kernel(0.5 * math.pi - self.solar_zenith)[0])
 
     def _in_band(self, zenith: FloatArray, rows: Resample) -> ScatteredTable:
-        """Table of lines of sight from the sensor."""
+        """Table in band for lines of sight from the sensor."""
         air = cast(ScatteringAir, self.air)
         table = _table(air, self.weights[None], self.height, zenith, _azimuth_nodes(self.solar_zenith), [self._sun], rows, self._share)
         return table._replace(solar_zenith=self._aloft, height=self.height)
 
 
 def _sun_range(solar_zenith: float, turn: float) -> tuple[float, float]:
-    """Apparent zenith angles between which the Sun stands wholly above the horizon of places in view [rad]."""
+    """Range of apparent zenith angles of the Sun at the places in view where its whole disc is above the horizon [rad]."""
     return min(max(solar_zenith - turn, 0.0), _LOWEST_SUN), min(solar_zenith + turn, _LOWEST_SUN)
 
 
 def _sun_nodes(first: float, last: float) -> FloatArray:
-    """Zenith angles of the Sun that are computed [rad], closer together the lower it stands."""
+    """Zenith angles of the Sun that are computed [rad], denser for a low Sun."""
     t = np.linspace(0.0, 1.0, 3 if last - first < _SMALL_TURN else _SUNS)
     return np.asarray(last - (last - first) * (1.0 - t) ** 2)
 
 
 def _azimuth_nodes(solar_zenith: float) -> FloatArray:
-    """Azimuths from the Sun [rad]: the lower it stands, the more they matter."""
+    """Azimuths from the Sun [rad], denser near it for a low Sun."""
     count = 3 if solar_zenith < _HIGH_SUN else 5 if solar_zenith < _LOW_SUN else 8
     return np.linspace(0.0, math.pi, count)  # Chebyshev's extrema in the cosine
 
@@ -276,7 +276,7 @@ def _path_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, FloatArr
 
 
 def _path_zenith(air: ScatteringAir, height: float, slant: FloatArray) -> FloatArray:
-    """Zenith angles at the sensor [rad] of lines whose straight ones would be so long [m]."""
+    """Zenith angles at the sensor [rad] of lines with given straight lengths [m]."""
     cosine = np.clip(straight_sea_cosine(height, slant), LEAST_COSINE, 1.0)
     cosine[slant <= height] = 1.0
     at_sea = np.sqrt((1.0 - cosine) * (1.0 + cosine))
@@ -285,7 +285,7 @@ def _path_zenith(air: ScatteringAir, height: float, slant: FloatArray) -> FloatA
 
 
 def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, Resample]:
-    """Zenith angles [rad] from the horizon up, and how their values become rows."""
+    """Zenith angles [rad] from the horizon up, and the function that resamples their values to rows."""
     y = np.linspace(0.0, 1.0, ELEVATION_NODES)
     above = np.maximum(0.5 * math.pi - elevation_of_coordinate(y, 0.0), 0.0)
     even = np.linspace(0.0, 1.0, ROWS)
@@ -311,7 +311,7 @@ def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, Resample]
 
 
 def _grazed(air: ScatteringAir, height: float) -> FloatArray:
-    """Elevations, up to the horizontal, of the rays that clear the sea or touch a level [rad]: the sky has corners there."""
+    """Elevations, up to the horizontal, of the rays that touch the sea or a level [rad], at which the sky has corners."""
     here = invariant_of(air.laws, 1e-3 * height, 1.0)
     levels = air.laws.height[(air.laws.height > 0.0) & (1e3 * air.laws.height < height - 10.0)]
     touching = [-math.acos(min(invariant_of(air.laws, float(z), 1.0) / here, 1.0)) for z in levels]
@@ -329,27 +329,27 @@ def _table(
     rows: Resample,
     share: float = 1.0,
 ) -> ScatteredTable:
-    """Table of lines of sight under Suns without refraction [rad]: in band for ``weights`` [(1, n)], else of spectra."""
+    """Table of lines of sight under Suns without refraction [rad]: in band for ``weights`` [(1, n)], else as spectra."""
     grid = np.stack(np.meshgrid(suns, zenith, azimuths, indexing="ij"), axis=-1).reshape(-1, 3)
-    found = air.amplitudes(height, grid[:, [1, 2, 0]])[0] * air.source
-    spectral = np.ones((1, 1)) if weights is not None else _spectral_shapes(air, found)
+    amplitudes = air.amplitudes(height, grid[:, [1, 2, 0]])[0] * air.source
+    spectral = np.ones((1, 1)) if weights is not None else _spectral_shapes(air, amplitudes)
     sums = weights if weights is not None else spectral
-    angular, kinds = _angular_shapes(air, found, sums)
-    by_shape = np.empty((len(found), kinds.shape[0], sums.shape[0]))
+    angular, kinds = _angular_shapes(air, amplitudes, sums)
+    by_shape = np.empty((len(amplitudes), kinds.shape[0], sums.shape[0]))
     for r, weight in enumerate(sums):
-        by_shape[:, :, r] = found.reshape(len(found), -1) @ (kinds * weight).reshape(kinds.shape[0], -1).T
+        by_shape[:, :, r] = amplitudes.reshape(len(amplitudes), -1) @ (kinds * weight).reshape(kinds.shape[0], -1).T
     values = by_shape.reshape(len(suns), zenith.size, azimuths.size, *by_shape.shape[1:])
     return ScatteredTable(angular, share * _fine(values, azimuths, rows), spectral, 0.0, (0.0, 0.0), False, height, 0.0, 0.0, 0)
 
 
-def _spectral_shapes(air: ScatteringAir, found: FloatArray) -> FloatArray:
-    """Orthonormal spectra [(r, n)] whose sums all lines' spectra are, at any scattering angle."""
+def _spectral_shapes(air: ScatteringAir, amplitudes: FloatArray) -> FloatArray:
+    """Orthonormal spectra [(r, n)] that span the spectra of all lines at any scattering angle."""
     phase = air.phase(np.radians((1.0, 10.0, 30.0, 90.0, 150.0)))
-    spectra = np.einsum("acn,lcn->aln", phase, found).reshape(-1, found.shape[-1])
+    spectra = np.einsum("acn,lcn->aln", phase, amplitudes).reshape(-1, amplitudes.shape[-1])
     size = np.linalg.norm(spectra, axis=1, keepdims=True)
     scaled = spectra[size[:, 0] > _LEAST] / size[size[:, 0] > _LEAST, None].reshape(-1, 1)
     if scaled.shape[0] == 0:
-        return np.full((1, found.shape[-1]), found.shape[-1] ** -0.5)
+        return np.full((1, amplitudes.shape[-1]), amplitudes.shape[-1] ** -0.5)
     _, vectors = np.linalg.eigh(scaled.T @ scaled)
     shapes = vectors[:, ::-1].T
     left = np.maximum(1.0 - np.cumsum((scaled @ shapes[:MOST_SHAPES].T) ** 2, axis=1), 0.0).max(axis=0)
@@ -357,9 +357,9 @@ def _spectral_shapes(air: ScatteringAir, found: FloatArray) -> FloatArray:
     return np.ascontiguousarray(shapes[: int(good[0]) + 1 if good.size else MOST_SHAPES])
 
 
-def _angular_shapes(air: ScatteringAir, found: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Shapes over scattering angle [(ANGLES, k)] and how much each kind and channel has of them [(k, KINDS, n)]."""
-    matter = np.sqrt((np.abs(sums).sum(axis=0) * found.mean(axis=0)).ravel() + _LEAST)
+def _angular_shapes(air: ScatteringAir, amplitudes: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Shapes over scattering angle [(ANGLES, k)] and their share in each kind and channel [(k, KINDS, n)]."""
+    matter = np.sqrt((np.abs(sums).sum(axis=0) * amplitudes.mean(axis=0)).ravel() + _LEAST)
     matter /= matter.max()
     angles = np.linspace(0.0, math.pi, ANGLES)
     coarse = air.phase(angles[::4]).reshape(-1, matter.size)
@@ -377,7 +377,7 @@ def _angular_shapes(air: ScatteringAir, found: FloatArray, sums: FloatArray) -> 
 
 
 def _fine(values: FloatArray, azimuths: FloatArray, rows: Resample) -> FloatArray:
-    """Node values [(suns, nodes, azimuths, k, r)] on the tables' rows and columns: their size by its logarithm, what is left as it is."""
+    """Node values [(suns, nodes, azimuths, k, r)] resampled to the tables' rows and columns: magnitude by its logarithm, rest linearly."""
     size = np.sqrt(np.sum(values**2, axis=(3, 4), keepdims=True)) + _LEAST
     both = np.concatenate([np.log(size).reshape(*values.shape[:3], 1), (values / size).reshape(*values.shape[:3], -1)], axis=-1)
     columns = np.linspace(0.0, 1.0, COLUMNS)

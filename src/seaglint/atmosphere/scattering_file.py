@@ -1,4 +1,4 @@
-"""The file of LOWTRAN7's scatterers and absorbers that ships with the package: six model atmospheres, winds 0-20 m/s, 2-5.5 um.
+"""Shipped file of LOWTRAN7's scatterers and absorbers: six model atmospheres, winds 0-20 m/s, 2-5.5 um.
 
 Built by ``tools/build_scattering.py``. It holds what LOWTRAN7 itself computes with, not results: profiles at its levels, the aerosol's at
 nodes of wind (between them linear), coefficients of every channel, phase functions at LOWTRAN7's own angles and wavelengths. For
@@ -29,12 +29,12 @@ from seaglint.errors import DataError, DomainError
 FILE: Final = "scattering_lowtran7.npz"
 
 MARGIN: Final = 1e-9
-"""Relative slack of bands that end on the edge of the file."""
+"""Relative tolerance for bands that end on the edge of the file."""
 
 
 @lru_cache(maxsize=1)
 def read_file() -> Mapping[str, Any]:
-    """Arrays of the file by name, and its ``sha256``; read once a process, not to be written to.
+    """Return the arrays of the file by name, and its ``sha256``; read once a process, read-only.
 
     Raises
     ------
@@ -55,20 +55,20 @@ def read_file() -> Mapping[str, Any]:
 
 
 def covers(band_um: tuple[float, float]) -> bool:
-    """Whether scattered sunlight of a band [um] is in the file; beyond it there is next to none."""
+    """True if scattered sunlight of a band [um] is in the file; beyond it there is almost none."""
     grid = read_file()["wavenumber_cm"]
     return bool(1e4 / band_um[1] >= grid[0] * (1.0 - MARGIN) and 1e4 / band_um[0] <= grid[-1] * (1.0 + MARGIN))
 
 
 def provenance() -> dict[str, Any]:
-    """Where the file is from."""
+    """Source of the file."""
     held = read_file()
-    found: dict[str, Any] = json.loads(str(held["provenance"]))
-    return found | {"sha256": str(held["sha256"])}
+    recorded: dict[str, Any] = json.loads(str(held["provenance"]))
+    return recorded | {"sha256": str(held["sha256"])}
 
 
 class ScatteringTable:
-    """One model atmosphere on some channels, for many winds.
+    """Scatterers of one model atmosphere on some channels, for many winds.
 
     Parameters
     ----------
@@ -128,7 +128,7 @@ class ScatteringTable:
         )
 
     def at_wind(self, wind_speed: float) -> ScatteringAir:
-        """The air at a wind [m s-1]; above 20 m/s that of 20, as in LOWTRAN7."""
+        """Scattering air at a wind [m s-1]; above 20 m/s that of 20, as in LOWTRAN7."""
         held, m, keep = self._held, self._index, self._keep
         winds = held["winds"]
         w = min(max(float(wind_speed), float(winds[0])), float(winds[-1]))
@@ -152,7 +152,7 @@ class ScatteringTable:
 
 
 def _renumbered(spectral: SpectralLaws, order: list[int]) -> Segments:
-    """Bands of some channels, with the places of their amounts among those of all channels."""
+    """Bands of some channels, with the indices of their amounts among those of all channels."""
     segments, power, log = spectral.segments()
     own = spectral.columns
     segments[:, 0] = [order.index(own[place]) for place in segments[:, 0]]

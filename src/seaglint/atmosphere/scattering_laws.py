@@ -19,20 +19,20 @@ from seaglint.atmosphere.scattered_line import KINDS, apparent_zenith, line_arc,
 from seaglint.conventions import FloatArray
 
 CONTINUA: Final = (6, 4, 5, 9, 10, 11, 8)
-"""LOWTRAN7's numbers of what grows linearly with the amount: scattering by molecules, N2, water (296 K, colder, foreign), HNO3, O3."""
+"""LOWTRAN7's numbers of absorbers linear in the amount: scattering by molecules, N2, water (296 K, colder, foreign), HNO3, O3."""
 
 AEROSOL_COLUMNS: Final = (7, 12, 13, 14)
-"""Its numbers of the aerosols of the four regions."""
+"""Numbers of LOWTRAN7 for the aerosols of the four regions."""
 
 NO_BAND: Final = -20.0
-"""What it gives as the logarithm of a band's coefficient where there is no band."""
+"""Value that LOWTRAN7 uses as the logarithm of a band's coefficient where there is no band."""
 
 _PER_MOLECULE: Final = 1e-20
-"""The water continuum's coefficients are for this many molecules per cm2."""
+"""Unit of the water continuum's coefficients: LOWTRAN7 states them per 1e20 molecules per cm2."""
 
 
 class Segments(NamedTuple):
-    """Bands one after another as :class:`Laws` has them: (column, first, end), powers and logarithms of all their channels."""
+    """Consecutive bands as :class:`Laws` has them: (column, first, end), powers and logarithms of all their channels."""
 
     place: NDArray[np.int64]
     power: FloatArray
@@ -41,7 +41,7 @@ class Segments(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class SpectralLaws:
-    """What does not depend on the model atmosphere.
+    """Part of the scattering laws that is the same for all model atmospheres.
 
     Attributes
     ----------
@@ -66,21 +66,21 @@ class SpectralLaws:
         return [*AEROSOL_COLUMNS, *CONTINUA, *sorted({int(c) for c in np.unique(self.band_column)} - {0})]
 
     def segments(self) -> Segments:
-        """Bands, gas by gas."""
+        """Bands of all gases, gas by gas."""
         place = {number: i for i, number in enumerate(self.columns)}
-        found, power, log = [], [], []
+        bands, power, log = [], [], []
         for column, exponent, coefficient in zip(self.band_column, self.band_power, self.band_log, strict=True):
             edges = [0, *(np.flatnonzero(np.diff(column)) + 1).tolist(), column.size]
             for first, end in pairwise(edges):
                 if column[first] > 0:
-                    found.append((place[int(column[first])], first, end))
+                    bands.append((place[int(column[first])], first, end))
                     power.append(exponent[first:end])
                     log.append(coefficient[first:end])
         empty = [np.zeros(0)]
-        return Segments(np.array(found, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
+        return Segments(np.array(bands, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
 
     def cut(self, keep: NDArray[np.intp]) -> SpectralLaws:
-        """Of some channels."""
+        """Return the laws of some channels."""
         return SpectralLaws(
             self.wavenumber_cm[keep], self.continuum[:, keep], self.band_column[:, keep], self.band_power[:, keep], self.band_log[:, keep]
         )
@@ -128,7 +128,7 @@ class AerosolLaws:
 
 @dataclass(frozen=True, eq=False)
 class ScatteringAir:
-    """An atmosphere that scatters sunlight. Make it with :meth:`of`.
+    """Atmosphere that scatters sunlight. Make it with :meth:`of`.
 
     Attributes
     ----------
@@ -147,14 +147,14 @@ class ScatteringAir:
 
     @classmethod
     def of(cls, spectral: SpectralLaws, levels: AirLevels, aerosol: AerosolLaws, source: FloatArray) -> ScatteringAir:
-        """Put together for the kernels."""
+        """Assemble the air for the kernels."""
         return cls.assembled(spectral, spectral.segments(), levels, aerosol, source, grid_of(levels))
 
     @classmethod
     def assembled(
         cls, spectral: SpectralLaws, bands: Segments, levels: AirLevels, aerosol: AerosolLaws, source: FloatArray, grid: LayerGrid
     ) -> ScatteringAir:
-        """As :meth:`of`, with the results of :meth:`SpectralLaws.segments` and :func:`grid_of` made before."""
+        """Assemble the air as :meth:`of`, with given results of :meth:`SpectralLaws.segments` and :func:`grid_of`."""
         # Copies, which can be written to: kernels are compiled once for them, wherever the arrays are from.
         density = np.array(levels.density)
         density[SELF_COLD] = 0.0  # made of the column before it, by temperature
@@ -175,7 +175,7 @@ class ScatteringAir:
         return cls(spectral.wavenumber_cm, source, laws, aerosol)
 
     def cut(self, grid: slice) -> ScatteringAir:
-        """The same air on some of its channels."""
+        """Return the same air on some of its channels."""
         keep = np.arange(self.wavenumber_cm.size)[grid]
         bands = _cut_segments(Segments(self.laws.segments, self.laws.power, self.laws.log_coefficient), keep)
         aerosol = AerosolLaws(
@@ -191,13 +191,13 @@ class ScatteringAir:
         return ScatteringAir(self.wavenumber_cm[keep], self.source[keep], laws, aerosol)
 
     def apparent_zenith(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
-        """The Sun's apparent zenith angle at a height [m], from that without refraction [rad, (...)]."""
+        """Apparent zenith angle of the Sun at a height [m], from the angle without refraction [rad, (...)]."""
         angles = np.asarray(zenith, dtype=np.float64)
         work = np.zeros((WORK_ROWS, self.laws.density.shape[0]))
         return np.array([apparent_zenith(self.laws, 1e-3 * height, float(z), work) for z in angles.ravel()]).reshape(angles.shape)
 
     def unrefracted_zenith(self, apparent: float) -> float:
-        """Zenith angle without refraction of a Sun that stands at an apparent one at the sea [rad]."""
+        """Zenith angle without refraction of a Sun at an apparent zenith angle at the sea [rad]."""
         guess = float(apparent)
         for _ in range(40):  # the bending changes slowly with the angle: each step leaves a tenth
             step = apparent - float(self.apparent_zenith(guess))
@@ -235,18 +235,18 @@ class ScatteringAir:
 
 
 def _cut_segments(bands: Segments, keep: NDArray[np.intp]) -> Segments:
-    """Bands on consecutive channels of those they are given on."""
+    """Segments of bands restricted to consecutive channels."""
     first, last = int(keep[0]), int(keep[-1]) + 1
-    found, power, log, at = [], [], [], 0
+    cut, power, log, at = [], [], [], 0
     for column, start, end in bands[0].tolist():
         low, high = max(start, first), min(end, last)
         if low < high:
-            found.append((column, low - first, high - first))
+            cut.append((column, low - first, high - first))
             power.append(bands[1][at + low - start : at + high - start])
             log.append(bands[2][at + low - start : at + high - start])
         at += end - start
     empty = [np.zeros(0)]
-    return Segments(np.array(found, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
+    return Segments(np.array(cut, dtype=np.int64).reshape(-1, 3), np.concatenate(power or empty), np.concatenate(log or empty))
 
 
 def grid_of(levels: AirLevels) -> LayerGrid:

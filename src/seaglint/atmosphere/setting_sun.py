@@ -1,4 +1,4 @@
-"""A Sun that the horizon cuts."""
+"""Visible part of a Sun that the horizon cuts."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from seaglint.constants import SOLAR_ANGULAR_RADIUS
 
 @kernel
 def visible_part_kernel(elevation: float) -> tuple[float, float]:
-    """Fraction of the disc above the horizon, and the height of that part's middle above the disc's centre [rad].
+    """Fraction of the disc above the horizon, and the height of that part's centroid above the disc's centre [rad].
 
     ``elevation`` is the centre's [rad]; as it counts within a radius of the horizon alone, its sine serves as well.
     """

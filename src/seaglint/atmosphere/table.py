@@ -1,4 +1,4 @@
-"""LOWTRAN7 with its Navy maritime aerosol, tabulated: the atmosphere that ships with seaglint, at one wind.
+"""Shipped atmosphere at one wind: LOWTRAN7 with its Navy maritime aerosol, tabulated.
 
 :mod:`seaglint.atmosphere.table_file` says what the files hold, :mod:`seaglint.atmosphere.batch` takes a wind for each case.
 """
@@ -41,7 +41,7 @@ _LAW_HEIGHTS = np.array([2.0, 12.0, 70.0, 280.0, 700.0, 1060.0, 1450.0, 2000.0, 
 """Heights of the paths to the sea that the band law is fitted to, nine lengths each [m]."""
 
 _CASES_AT_ONCE = 512
-"""Paths to points above the sea that are worked on together: tens of megabytes."""
+"""Paths to points above the sea that are computed together: tens of megabytes."""
 
 
 def _at_wind(weights: FloatArray, of_winds: Spectra) -> Spectra:
@@ -58,7 +58,7 @@ def _along(spectra: Spectra, scores: FloatArray, x: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class TableAtmosphere:
-    """One LOWTRAN7 model atmosphere at one wind speed, over one band. Make it with :meth:`load`.
+    """LOWTRAN7 model atmosphere at one wind speed, over one band. Make it with :meth:`load`.
 
     Notes
     -----
@@ -102,7 +102,7 @@ class TableAtmosphere:
     _sky_dip: Spectra
     _extrapolate: bool = False
     extrapolated: tuple[str, ...] = ()
-    """What was taken from the edge of the table whatever the height: ``("wind_speed",)`` or nothing; see :meth:`extrapolated_at`."""
+    """Quantities outside the table at every height: ``("wind_speed",)`` or empty; see :meth:`extrapolated_at`."""
 
     @classmethod
     def load(
@@ -160,7 +160,7 @@ class TableAtmosphere:
         return float(self._table.heights[0]), float(self._table.heights[-1])
 
     def extrapolated_at(self, height: float) -> tuple[str, ...]:
-        """Names of what is beyond the table for a sensor at ``height`` [m]; empty inside it."""
+        """Names of the quantities outside the table for a sensor at ``height`` [m]; empty inside it."""
         lowest, highest = self._height_range
         return self.extrapolated if lowest <= height <= highest else (*self.extrapolated, "sensor_height")
 
@@ -176,7 +176,7 @@ class TableAtmosphere:
         return float(straight_slant(height, 0.0) * np.exp(weights @ self._table.horizon_excess))
 
     def _path_coordinate(self, height: float, arc: FloatArray, weights: FloatArray) -> FloatArray:
-        """Where along the table's paths those from the sea at arcs [m] to the sensor lie [1]."""
+        """Coordinate along the table's paths [1] of those from the sea at arcs [m] to the sensor."""
         lowest, highest = self._height_range
         slant = slant_range(height, arc)
         if height > highest:
@@ -194,7 +194,7 @@ class TableAtmosphere:
         return decode_optical_depth(depth), air
 
     def path(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> tuple[FloatArray, FloatArray]:
-        """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] in one go, both (..., n).
+        """Transmittance [1] and thermal path radiance [W m-2 sr-1 per cm-1] together, both (..., n).
 
         Parameters
         ----------
@@ -241,7 +241,7 @@ class TableAtmosphere:
 
     @cached_property
     def _law(self) -> BandLaw:
-        """Band law of this air, from its own paths to the sea."""
+        """Band law of this air, fitted to its own paths to the sea."""
         height = np.repeat(_LAW_HEIGHTS, 9)
         slant = height * (straight_slant(height, 0.0) / height) ** np.tile(np.linspace(0.0, 1.0, 9), _LAW_HEIGHTS.size)
         absorbers = Absorbers.of_model(self.model, self._table.region)
@@ -262,7 +262,7 @@ class TableAtmosphere:
         return self._table.path_at(self._path_nodes, at.times(along))
 
     def _line(self, height: float, arc: FloatArray, target: FloatArray, *, emission: bool) -> tuple[FloatArray, FloatArray]:
-        """Optical depth [1] and, where asked for, blackbody radiance of the air [W m-2 sr-1 per cm-1] of paths to any height, (..., n)."""
+        """Optical depth [1] and, if requested, blackbody radiance of the air [W m-2 sr-1 per cm-1] of paths to any height, (..., n)."""
         self._height_weights(height)  # refuses heights outside the table
         if np.any(target > self._height_range[1]):
             highest = self._height_range[1]
@@ -304,7 +304,7 @@ class TableAtmosphere:
         return depth, ours * (planck_wavenumber(self.wavenumber_cm, air) / at_sea) ** alike[:, None]
 
     def range_of_depression(self, height: float, depression: ArrayLike) -> FloatArray:
-        """Arc to the sea point at which LOWTRAN7's own refracted ray of this depression ends [m]; NaN where it misses the sea.
+        """Arc to the sea point [m] at which LOWTRAN7's refracted ray of this depression ends; NaN where it misses the sea.
 
         Differs from :func:`seaglint.conventions.surface_range` by tens of per cent close to the horizon. Use it to compare
         with LOWTRAN7 runs made by angle.
@@ -318,7 +318,7 @@ class TableAtmosphere:
         return np.asarray(2.0 * EFFECTIVE_EARTH_RADIUS * np.arcsin(np.sqrt(np.maximum(chord, 0.0))))
 
     def scattering(self, grid: slice) -> ScatteringAir | None:
-        """Scatterers on part of the spectral samples; None in 7.5-14 um, where the air scatters next to no sunlight."""
+        """Scatterers on part of the spectral samples; None in 7.5-14 um, where the air scatters almost no sunlight."""
         if self._table.region != "mwir":
             return None
         # Numba comes with it: the thermal tables do without.
@@ -370,14 +370,14 @@ class TableAtmosphere:
         temperature = _along(self._sky_temperature, np.tensordot(weights, self._sky_temperature.scores, axes=1), y)
         below = elevation < 0.0
         if dip > 0.0 and below.any():
-            # From the sea nothing lies below the horizontal: its place in the table holds the horizontal and is no node here.
+            # Seen from the sea there is no sky below the horizontal: the table holds the horizontal there, which is no node here.
             weights = spline_weights(u[1:], kinks, max(here, float(u[1])))
             x = np.minimum(dip_coordinate(-elevation[below], dip), 1.0)
             temperature[below] = _along(self._sky_dip, np.tensordot(weights, self._sky_dip.scores[1:], axes=1), x)
         return temperature
 
     def _continuous_sky(self, height: float, dip: float, elevation: FloatArray) -> FloatArray:
-        """The same in continuous air [K, (cases, n)], at elevations near the sea horizon [rad, (cases,)]."""
+        """Brightness temperature [K, (cases, n)] of the sky in continuous air, at elevations near the sea horizon [rad, (cases,)]."""
         nodes = low_sky.nodes(dip)
         layered = planck_wavenumber(self.wavenumber_cm, self._layered_sky(height, dip, nodes))
         continuous = layered * low_sky.continuous_over_layered(self._law, height, nodes)

@@ -1,4 +1,4 @@
-"""The files of the atmosphere tables: which there are, how they are read, and one of them cut to a band.
+"""Files of the atmosphere tables: their list, their reader, and one of them cut to a band.
 
 Built by ``tools/build_atmosphere.py``; each file holds, for one model atmosphere and one spectral region,
 
@@ -42,7 +42,7 @@ _REGIONS: Final[tuple[Region, ...]] = ("mwir", "lwir")
 _QUANTITIES = ("path_depth", "path_temperature", "sun_depth", "sky_temperature")
 
 ANGLE_SLACK = 1e-6
-"""Angles this far below the horizon count as on it: rounding of degrees, 2e-3 of the solar radius [rad]."""
+"""Tolerance within which angles below the horizon count as on it: rounding of degrees, 2e-3 of the solar radius [rad]."""
 
 
 def models(region: str = "mwir") -> tuple[str, ...]:
@@ -58,7 +58,7 @@ def table_models() -> tuple[str, ...]:
 
 @lru_cache(maxsize=12)
 def read_table(model: str, region: str) -> Mapping[str, Any]:
-    """Arrays of one shipped table by name, and the file's ``sha256``; read once a process, not to be written to.
+    """Return the arrays of one shipped table by name, and the file's ``sha256``; read once a process, read-only.
 
     Per quantity (``path_depth``, ``path_temperature``, ``sun_depth``, ``sky_temperature``) there are ``_mean`` [(n)],
     ``_components`` [(c, n)] and ``_scores`` [(winds, [heights,] nodes, c)]: spectra are ``mean + scores @ components``.
@@ -112,7 +112,7 @@ class Spectra:
 
 @dataclass(frozen=True, eq=False)
 class BandTable:
-    """One table cut to a band, all winds. Make it with :meth:`read`.
+    """Atmosphere table cut to a band, all winds. Make it with :meth:`read`.
 
     Attributes
     ----------
@@ -128,7 +128,7 @@ class BandTable:
         Logarithm of the slant path to the sea horizon over its straight length [1, (heights,)]; path coordinate of LOWTRAN7's rays
         against that of straight ones [1, (heights, nodes)].
     path_depth, path_temperature, sun_depth, sky_temperature, sky_dip : Spectra
-        What :func:`read_table` describes.
+        Spectra that :func:`read_table` describes.
     """
 
     model: str
@@ -153,7 +153,7 @@ class BandTable:
 
     @classmethod
     def read(cls, model: str, band_um: tuple[float, float]) -> BandTable:
-        """The table of ``model`` that covers a band [um].
+        """Read the table of ``model`` that covers a band [um].
 
         Raises
         ------
@@ -162,7 +162,7 @@ class BandTable:
         DataError
             If the file in the package is damaged.
         """
-        wanted = wavenumber_grid(*band_um)
+        requested = wavenumber_grid(*band_um)
         region = _REGIONS[0] if band_um[0] < 6.5 else _REGIONS[1]
         if model not in models(region):
             raise DomainError(
@@ -170,7 +170,7 @@ class BandTable:
             )
         file = read_table(model, region)
         grid = file["wavenumber_cm"]
-        if wanted[0] < grid[0] or wanted[-1] > grid[-1]:
+        if requested[0] < grid[0] or requested[-1] > grid[-1]:
             covered = " and ".join(_covered(read_table(model, name)["wavenumber_cm"]) for name in _REGIONS if model in models(name))
             raise DomainError(
                 f"band {band_um[0]:g}-{band_um[1]:g} um reaches beyond the tables of {covered} um, "
@@ -179,7 +179,7 @@ class BandTable:
                 value=band_um,
                 allowed=f"{covered} um",
             )
-        keep = slice(int(np.searchsorted(grid, wanted[0])), int(np.searchsorted(grid, wanted[-1])) + 1)
+        keep = slice(int(np.searchsorted(grid, requested[0])), int(np.searchsorted(grid, requested[-1])) + 1)
 
         def spectra(name: str, scores: str) -> Spectra:
             mean, components = file[name + "_mean"][keep].astype(np.float64), file[name + "_components"][:, keep].astype(np.float64)
@@ -208,12 +208,12 @@ class BandTable:
         )
 
     def height_coordinate(self, height: ArrayLike) -> FloatArray:
-        """Heights [m] as the coordinate in which paths are splined [1]."""
+        """Spline coordinate [1] of heights [m] for paths."""
         return height_coordinate(height, (*self.levels, float(self.heights[-1])))
 
     @property
     def height_axis(self) -> tuple[FloatArray, tuple[float, ...]]:
-        """Nodes and kinks in that coordinate [1]."""
+        """Nodes and kinks of the height coordinate [1]."""
         return self.height_coordinate(self.heights), tuple(self.height_coordinate(self.height_kinks).tolist())
 
     def at_heights(self, height: FloatArray) -> Stencil:
@@ -221,20 +221,20 @@ class BandTable:
         return Stencil.between_kinks(*self.height_axis, self.height_coordinate(height))
 
     def at_sky_heights(self, height: FloatArray) -> Stencil:
-        """Stencil over the heights from which the sky is held, for heights inside the table [m, (cases,)]."""
+        """Stencil over the heights from which the sky is tabulated, for heights inside the table [m, (cases,)]."""
         levels = (*self.levels, float(self.sky_heights[-1]))
         kinks = tuple(float(j) for j, level in enumerate(self.levels, 1) if level in self.sky_heights)
         return Stencil.between_kinks(sky_height_coordinate(self.sky_heights, levels), kinks, sky_height_coordinate(height, levels))
 
     def path_at(self, scores: FloatArray, where: Stencil) -> tuple[FloatArray, FloatArray]:
         """Optical depth [1] and air temperature [K] of paths, both (cases, n), from the nodes' scores of both side by side."""
-        found = where.of(scores.reshape(where.size, -1))
+        interpolated = where.of(scores.reshape(where.size, -1))
         rank = self.path_depth.components.shape[0]
-        return decode_optical_depth(self.path_depth.of(found[:, :rank])), self.path_temperature.of(found[:, rank:])
+        return decode_optical_depth(self.path_depth.of(interpolated[:, :rank])), self.path_temperature.of(interpolated[:, rank:])
 
     @staticmethod
     def sun_coordinate(solar_zenith: ArrayLike) -> FloatArray:
-        """Zenith angles of the Sun [rad] as the coordinate in which its light is splined [1]; those outside 0-pi are refused."""
+        """Spline coordinate [1] of zenith angles of the Sun [rad]; those outside 0-pi are refused."""
         zenith = require_solar_zenith(solar_zenith)
         return elevation_coordinate(np.maximum(0.5 * np.pi - zenith, 0.0), 0.0)
 

@@ -1,4 +1,4 @@
-"""No air: the sea under a black sky and the Sun as it is outside the atmosphere."""
+"""Vacuum: the sea under a black sky and the Sun as it is outside the atmosphere."""
 
 from __future__ import annotations
 
@@ -41,23 +41,23 @@ def exoatmospheric_irradiance(wavenumber_cm: ArrayLike) -> FloatArray:
     >>> round(float(exoatmospheric_irradiance(2500.0)), 6)
     0.0152
     """
-    wanted = np.asarray(wavenumber_cm, dtype=np.float64)
+    requested = np.asarray(wavenumber_cm, dtype=np.float64)
     known, irradiance = _solar_table()
-    outside = ~((wanted >= known[0]) & (wanted <= known[-1]))
+    outside = ~((requested >= known[0]) & (requested <= known[-1]))
     if outside.any():
         raise DomainError(
-            f"wavenumber {wanted[outside].ravel()[0]:g} cm-1 is outside {known[0]:g}-{known[-1]:g} cm-1 of the solar spectrum; "
+            f"wavenumber {requested[outside].ravel()[0]:g} cm-1 is outside {known[0]:g}-{known[-1]:g} cm-1 of the solar spectrum; "
             "choose a band within 0.70-14.7 um",
             name="wavenumber_cm",
-            value=float(wanted[outside].ravel()[0]),
+            value=float(requested[outside].ravel()[0]),
             allowed=(float(known[0]), float(known[-1])),
         )
-    return np.asarray(np.interp(wanted, known, irradiance))
+    return np.asarray(np.interp(requested, known, irradiance))
 
 
 @dataclass(frozen=True)
 class VacuumAtmosphere:
-    """No absorption, no emission, a black sky and the full Sun at 1 au.
+    """Atmosphere without absorption and emission: a black sky and the full Sun at 1 au.
 
     Parameters
     ----------
@@ -69,23 +69,23 @@ class VacuumAtmosphere:
 
     @classmethod
     def for_band(cls, min_um: float, max_um: float) -> VacuumAtmosphere:
-        """The same on the 5 cm-1 grid that covers a band [um]."""
+        """Vacuum on the 5 cm-1 grid that covers a band [um]."""
         return cls(wavenumber_grid(min_um, max_um))
 
     def transmittance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
-        """One everywhere [1, (..., n)]."""
+        """Transmittance: one everywhere [1, (..., n)]."""
         return np.ones((*require_line(height, range_m, target_height)[0].shape, self.wavenumber_cm.size))
 
     def path_radiance(self, height: float, range_m: ArrayLike, target_height: ArrayLike = 0.0) -> FloatArray:
-        """Zero [W m-2 sr-1 per cm-1, (..., n)]."""
+        """Path radiance: zero [W m-2 sr-1 per cm-1, (..., n)]."""
         return np.zeros((*require_line(height, range_m, target_height)[0].shape, self.wavenumber_cm.size))
 
     def solar_irradiance(self, solar_zenith: ArrayLike) -> FloatArray:
-        """The exoatmospheric spectrum for a Sun above the horizon, zero below it [W m-2 per cm-1, (..., n)]."""
+        """Exoatmospheric spectrum for a Sun above the horizon, zero below it [W m-2 per cm-1, (..., n)]."""
         zenith = np.asarray(solar_zenith, dtype=np.float64)
         up = (zenith <= 0.5 * np.pi)[..., np.newaxis]
         return np.asarray(np.where(up, exoatmospheric_irradiance(self.wavenumber_cm), 0.0))
 
     def sky_radiance(self, zenith: ArrayLike, height: float = 0.0) -> FloatArray:
-        """Zero: nothing emits [W m-2 sr-1 per cm-1, (..., n)]."""
+        """Sky radiance: zero [W m-2 sr-1 per cm-1, (..., n)]."""
         return np.zeros((*np.shape(zenith), self.wavenumber_cm.size))

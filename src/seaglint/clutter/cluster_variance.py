@@ -30,10 +30,13 @@ FloatArray = NDArray[np.float64]
 Reference = Literal["tiles", "region", "margins"]
 
 FEWEST_TIMES: Final = 12.0
-"""Independent times from which on tiles are compared with themselves; below, the mean taken off would eat too much of the variance."""
+"""Least number of independent times for comparing tiles with themselves.
+
+With fewer, subtracting the mean removes too much of the variance.
+"""
 
 FEWEST_DEGREES: Final = 4.0
-"""Degrees of freedom below which a variance is not worth stating (a factor of two either way)."""
+"""Least number of degrees of freedom for stating a variance (a factor of two either way)."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,7 @@ class ClusterVariance:
     Attributes
     ----------
     variance : float or None
-        Of the rate [1]; None where it cannot be told, with the reason in ``note``.
+        Variance of the rate [1]; None where it cannot be estimated, with the reason in ``note``.
     degrees : float
         Degrees of freedom of that estimate [1].
     inflation : float
@@ -69,7 +72,7 @@ def _autocovariance(e: FloatArray) -> FloatArray:
 
 
 def _cutoff(covariance: FloatArray, cells: float) -> int | None:
-    """Smallest m such that the correlations at the next lags are all noise; None if there is none within a quarter of the axis."""
+    """Smallest m such that the correlations at the next lags are all noise; None without one within a quarter of the axis."""
     n = covariance.size
     if covariance[0] <= 0:
         return 0
@@ -84,7 +87,7 @@ def _cutoff(covariance: FloatArray, cells: float) -> int | None:
 
 
 def _window(m: int, n: int) -> FloatArray:
-    """Flat-top window at lags -(n-1) ... n-1; reaches one lag further than the last that is correlated, which costs little."""
+    """Flat-top window at lags -(n-1) ... n-1; it reaches one lag beyond the last correlated one, which costs little."""
     lag = np.abs(np.arange(-(n - 1), n))
     flat = m + 1
     return np.asarray(np.clip(2.0 - lag / flat, 0.0, 1.0) if m > 0 else (lag <= 1) * 1.0)
@@ -114,7 +117,7 @@ def _windows(products: FloatArray, occupied: FloatArray) -> tuple[list[FloatArra
 
 
 def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: FloatArray | None = None) -> ClusterVariance:
-    """Variance of counts.sum() / pixels.sum() where cells that are near in time or space go together.
+    """Variance of counts.sum() / pixels.sum() with correlation between cells that are near in time or space.
 
     Parameters
     ----------
@@ -126,7 +129,7 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: F
     Returns
     -------
     ClusterVariance
-        Of the rate; it needs a record that holds several correlation times or lengths.
+        Variance of the rate; it needs a record that holds several correlation times or lengths.
     """
     total, number = int(counts.sum()), int(pixels.sum())
     if number == 0 or total == 0 or total == number:
@@ -143,7 +146,7 @@ def rate_variance(counts: NDArray[np.int64], pixels: NDArray[np.int64], shift: F
         e = counts - expected * pixels - (0.0 if shift is None else shift)
         products = _autocovariance(e)
         windows, independent = _windows(products, occupied)
-        # A frozen pattern has no residuals from its own mean, which says nothing of the next pattern.
+        # A frozen pattern has no residuals from its own mean, which is no evidence about another pattern.
         frozen = reference != "region" and float((e * e).sum()) < 0.3 * total * (1.0 - rate)
         if frozen or (from_tiles and independent[0] < FEWEST_TIMES):
             continue

@@ -1,4 +1,4 @@
-"""How far and how long clutter remembers: autocorrelation along the picture's axes and in time, and what it leaves of a sample's size.
+"""Autocorrelation of clutter along the picture's axes and in time, and the effective size of a correlated sample.
 
 Lengths and times are where the correlation falls to 1/e, found between samples by a cubic through its logarithm (exact for an
 exponential and nearly so for a Gaussian shape). The estimate is corrected for the mean, which is taken from the same data and
@@ -69,7 +69,7 @@ class TemporalCorrelation:
 def spatial_correlation(
     frames: ArrayLike, mask: BoolArray | None = None, *, mean: ArrayLike | None = None, longest: int | None = None
 ) -> SpatialCorrelation:
-    """Correlate pixels along x and y, frames pooled.
+    """Correlation of pixels along x and y, frames pooled.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def spatial_correlation(
     mask : ndarray of bool, shape (rows, columns), optional
         Pixels of the region.
     mean : array_like, shape (rows, columns), optional
-        What does not count as clutter, subtracted first: :func:`trend_surface`, for one frame and for many, keeps the shape of the
+        Part that is no clutter and is subtracted first: :func:`trend_surface`, for one frame and for many, keeps the shape of the
         corridor from being taken for correlation. (The mean in time of each pixel serves for a long sequence only: that of a
         few frames takes clutter with it.) The region's mean is removed in any case.
     longest : int, optional
@@ -154,7 +154,7 @@ def trend_surface(image: ArrayLike, mask: BoolArray | None = None, degree: int =
     mask : ndarray of bool, shape (rows, columns), optional
         Pixels of the region.
     degree : int
-        Of the polynomial; 4 has fifteen coefficients, which take fifteen of the region's independent values.
+        Degree of the polynomial; 4 has fifteen coefficients, which take fifteen of the region's independent values.
 
     Returns
     -------
@@ -183,7 +183,7 @@ def trend_surface(image: ArrayLike, mask: BoolArray | None = None, degree: int =
 
 
 def temporal_correlation(series: ArrayLike, frame_rate: float | None = None, *, longest: int | None = None) -> TemporalCorrelation:
-    """Correlate each pixel with itself later, every pixel about its own mean, and average over pixels.
+    """Correlation of each pixel with itself at later times, every pixel about its own mean, averaged over pixels.
 
     Parameters
     ----------
@@ -197,7 +197,7 @@ def temporal_correlation(series: ArrayLike, frame_rate: float | None = None, *, 
     Returns
     -------
     TemporalCorrelation
-        The sequence should be several correlation times long: the mean of a shorter one cannot be told from its slow changes,
+        The sequence should be several correlation times long: the mean of a shorter one cannot be separated from its slow changes,
         and the time found is too short.
 
     Raises
@@ -259,14 +259,14 @@ def effective_count(count: float, *scales: float) -> float:
 
 
 def block_labels(shape: tuple[int, ...], sides: tuple[float, ...]) -> NDArray[np.int64]:
-    """Label of the block each element of an array lies in, for intervals of fits.
+    """Label of the block of each element of an array, for intervals of fits.
 
     Parameters
     ----------
     shape : tuple of int
-        Of the array, e.g. (frames, rows, columns).
+        Shape of the array, e.g. (frames, rows, columns).
     sides : tuple of float
-        Of a block along each axis; some five correlation lengths or times. Rounded up, and to divide the axis evenly.
+        Sides of a block along each axis; some five correlation lengths or times. Rounded up, and to divide the axis evenly.
 
     Returns
     -------
@@ -281,7 +281,7 @@ def block_labels(shape: tuple[int, ...], sides: tuple[float, ...]) -> NDArray[np
 
 
 def decay(rho: FloatArray) -> float:
-    """Lag at which a correlation first falls to 1/e, between samples; NaN where it does not.
+    """Lag at which a correlation first falls to 1/e, interpolated between samples; NaN where it does not.
 
     Parameters
     ----------
@@ -315,7 +315,7 @@ def decay(rho: FloatArray) -> float:
 
 
 def _positive_lags(rho: FloatArray) -> FloatArray:
-    """Lags before the first that is not above zero: beyond, an estimate is noise that would sum to anything."""
+    """Lags before the first correlation that is not above zero; beyond, an estimate is noise that would sum to anything."""
     bad = np.flatnonzero(~(rho > 0.0))
     return rho[: bad[0]] if bad.size else rho
 

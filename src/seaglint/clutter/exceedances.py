@@ -1,4 +1,4 @@
-"""Threshold exceedances in time: their joint probability, how long they last, and the events they form.
+"""Threshold exceedances in time: their joint probability, their duration, and the events they form.
 
 Accumulators take blocks of z (:mod:`seaglint.clutter.thresholds`) in order of time and keep nothing that grows with the number of frames
 but the list of events. The result does not depend on how the sequence is cut into blocks.
@@ -18,17 +18,17 @@ from seaglint.clutter.filters import as_frames
 from seaglint.errors import DataError, DomainError
 
 MAX_LAG: Final = 255
-"""Standard number of lags [frames]: with the present frame four words of 64 bits per pixel."""
+"""Default number of lags [frames]: with the present frame four words of 64 bits per pixel."""
 
 _DE_BRUIJN = np.uint64(0x03F79D71B4CB0A89)
-"""All 64 windows of six bits of this number differ (de Bruijn sequence): its product with 2^n has n written in its top bits."""
+"""De Bruijn sequence: all 64 windows of six bits of this number differ, so that its product with 2^n has n written in its top bits."""
 
 _PLACES = np.argsort([((0x03F79D71B4CB0A89 << n) & (2**64 - 1)) >> 58 for n in range(64)])
 
 
 @njit
 def above(z: np.ndarray, threshold: float, index: np.ndarray) -> int:
-    """Flat indices of the pixels of one frame with z > threshold, in order; their number."""
+    """Flat indices of the pixels of one frame with z > threshold, in order, and their number."""
     n = 0
     for i in range(z.size):
         if z[i] > threshold:
@@ -39,7 +39,7 @@ def above(z: np.ndarray, threshold: float, index: np.ndarray) -> int:
 
 @njit
 def _joint(index: np.ndarray, t: int, last: np.ndarray, history: np.ndarray, joint: np.ndarray) -> None:
-    """Count, for every exceedance at frame t, the lags at which the same pixel exceeded before; then remember it.
+    """Count the lags at which each pixel above the threshold exceeded it before, then store its exceedance at frame t.
 
     Bit b of a pixel's history means an exceedance b frames before ``last``; it is shifted only when the pixel is met again.
     """
@@ -71,7 +71,7 @@ def _joint(index: np.ndarray, t: int, last: np.ndarray, history: np.ndarray, joi
 
 @dataclass(frozen=True)
 class JointProbability:
-    """Autocorrelation of exceedances as the source article has it (Fig. 6): probability that a pixel exceeds now and ``lag`` frames later.
+    """Autocorrelation of exceedances as in the source article (Fig. 6): probability that a pixel exceeds now and ``lag`` frames later.
 
     Attributes
     ----------
@@ -89,14 +89,14 @@ class JointProbability:
 
     @property
     def correlation(self) -> NDArray[np.float64]:
-        """(R(lag) - p²) / (p - p²) [1]: 1 at lag 0, 0 where exceedances have forgotten each other."""
+        """Correlation (R(lag) - p²) / (p - p²) [1]: 1 at lag 0, 0 where exceedances are independent."""
         p = self.rate
         if not 0 < p < 1:
             return np.full(self.joint.shape, np.nan)
         return (self.joint - p * p) / (p - p * p)
 
     def correlation_time(self) -> tuple[float | None, str | None]:
-        """Lag at which :attr:`correlation` first falls to 1/e, by linear interpolation [frames], or None and why.
+        """Lag at which :attr:`correlation` first falls to 1/e, by linear interpolation [frames], or None with the reason.
 
         The reasons: fewer than two frames, no exceedances, forgotten within one frame (the true time is below the frame interval), or not
         forgotten within the lags at hand.
@@ -141,7 +141,7 @@ class JointExceedances:
         self._frame = 0
 
     def add(self, z: ArrayLike) -> None:
-        """Take the next frames, shape (k, rows, columns) or (rows, columns) [standard deviations]."""
+        """Add the next frames, shape (k, rows, columns) or (rows, columns) [standard deviations]."""
         frames = as_frames(z)
         index = np.empty(frames[0].size, np.int64)
         for frame in frames.reshape(frames.shape[0], -1):
@@ -158,7 +158,7 @@ class JointExceedances:
         self._frame += 1
 
     def result(self) -> JointProbability:
-        """Joint probability at the lags that occurred."""
+        """Return the joint probability at the lags that occurred."""
         lags = min(self.max_lag, max(self._frame - 1, 0)) + 1
         pairs = self._pairs[:lags]
         joint = np.where(pairs > 0, self._counts[:lags] / np.maximum(pairs, 1), np.nan)
@@ -167,7 +167,7 @@ class JointExceedances:
 
 @dataclass(frozen=True)
 class Events:
-    """Exceedances that touch in space (eight neighbours) or from one frame to the next (same or neighbouring pixel), one entry each.
+    """Events of exceedances that touch in space (eight neighbours) or from one frame to the next (same or neighbouring pixel).
 
     Attributes
     ----------
@@ -202,12 +202,12 @@ class Events:
 
     @property
     def per_frame(self) -> float:
-        """Events that begin per frame [1]; those of the first frame, which began before, count as well."""
+        """Number of events that begin per frame [1]; those of the first frame, which began before, count as well."""
         return len(self) / self.frames if self.frames else math.nan
 
     @property
     def mean_duration(self) -> float | None:
-        """Mean duration, allowing for events cut by the ends of the record [frames]; None without a complete event.
+        """Mean duration, corrected for events cut by the ends of the record [frames]; None without a complete event.
 
         Frames lived that have a next frame, over ends seen: the maximum-likelihood estimate for durations without memory.
         """
@@ -225,7 +225,7 @@ def _root(parent: np.ndarray, i: int) -> int:
 
 @njit
 def _label(index: np.ndarray, columns: int, before: np.ndarray, now: np.ndarray, parent: np.ndarray, active: int) -> int:
-    """Label the exceedances of a frame in ``now`` with 1 + an entry of ``parent``; entries below ``active`` lived in the frame before."""
+    """Label the exceedances of a frame in ``now`` with 1 + an entry of ``parent``; entries below ``active`` were in the frame before."""
     rows = now.size // columns
     used = active
     for i in index:
@@ -236,12 +236,12 @@ def _label(index: np.ndarray, columns: int, before: np.ndarray, now: np.ndarray,
                 if r + dr < 0 or r + dr >= rows or q + dq < 0 or q + dq >= columns:
                     continue
                 j = i + dr * columns + dq
-                # In the present frame only what has been labelled already counts; the other half sees this pixel in its turn.
+                # In the present frame only pixels labelled already count; the other neighbours are compared later.
                 for present in range(2 if j < i else 1):
-                    found = now[j] if present else before[j]
-                    if found > 0 and found != known:
-                        known = found
-                        other = _root(parent, found - 1)
+                    neighbour = now[j] if present else before[j]
+                    if neighbour > 0 and neighbour != known:
+                        known = neighbour
+                        other = _root(parent, neighbour - 1)
                         if label < 0:
                             label = other
                         elif other != label:
@@ -260,7 +260,7 @@ def _label(index: np.ndarray, columns: int, before: np.ndarray, now: np.ndarray,
 def _merge(
     index: np.ndarray, z: np.ndarray, t: int, now: np.ndarray, parent: np.ndarray, table: np.ndarray, peak: np.ndarray, number: np.ndarray
 ) -> int:
-    """Gather events of one root, add this frame's pixels, renumber those that live on in order of their roots; how many do.
+    """Merge events of one root, add this frame's pixels, and renumber those that continue in order of their roots; return their number.
 
     ``table``: first, last, size, index of the peak per entry. ``number``: the new number, -1 where an event ended, -2 where it was merged.
     """
@@ -313,7 +313,7 @@ class EventTracker:
         self._done: list[tuple[NDArray[np.int32], NDArray[np.float32]]] = []
 
     def add(self, z: ArrayLike) -> None:
-        """Take the next frames, shape (k, rows, columns) or (rows, columns) [standard deviations]."""
+        """Add the next frames, shape (k, rows, columns) or (rows, columns) [standard deviations]."""
         frames = as_frames(z)
         index = np.empty(frames[0].size, np.int64)
         for frame in frames.reshape(frames.shape[0], -1):
@@ -347,7 +347,7 @@ class EventTracker:
         self._pixels += valid
 
     def result(self) -> Events:
-        """Events so far; those alive in the last frame are among them."""
+        """Return the events so far, including those that continue in the last frame."""
         if len(self._done) > 1:
             self._done = [(np.concatenate([d[0] for d in self._done]), np.concatenate([d[1] for d in self._done]))]
         table = np.concatenate([*(d[0] for d in self._done), self._table])

@@ -1,4 +1,4 @@
-"""The tail beyond the data: peaks over a threshold, generalised Pareto fit, rates below one per data set and how far to trust them.
+"""Tail beyond the data: peaks over a threshold, generalised Pareto fit, rates below one per data set and their reliability.
 
 Above a threshold u the rate of exceeding pixels is taken to fall as
 
@@ -31,13 +31,13 @@ from seaglint.random import stream
 FloatArray = NDArray[np.float64]
 
 FEWEST_EVENTS: Final = 40
-"""Events above u below which no tail is fitted: with 40 the shape is known to about 0.2."""
+"""Least number of events above u for fitting a tail: with 40 the shape is known to about 0.2."""
 
 TRUSTED_SPAN: Final = 10.0
-"""An extrapolated rate is trusted as long as the ends of its 95 % interval are within this factor of each other."""
+"""Largest ratio of the ends of the 95 % interval at which an extrapolated rate is trusted."""
 
 TRUSTED_SETS: Final = 10.0
-"""Nor is it trusted below one exceedance in this many data sets: nothing in the data speaks of the form of the tail there."""
+"""Number of data sets of which an extrapolated rate has at least one exceedance to be trusted; the data do not determine a rarer tail."""
 
 _DRAWS = 1000
 _TEST_SIZE = 300  # from about 100 on, the null distribution of the distance no longer depends on the number of values
@@ -63,7 +63,7 @@ class ParetoFit:
     log_likelihood: float
 
     def survival(self, excess: ArrayLike) -> FloatArray:
-        """P(X > excess) [1]."""
+        """Probability P(X > excess) [1]."""
         y = np.maximum(np.asarray(excess, np.float64), 0.0) / self.scale
         if abs(self.shape) < 1e-9:
             return np.asarray(np.exp(-y))
@@ -82,7 +82,7 @@ def fit_pareto(excess: ArrayLike, number: ArrayLike | None = None) -> ParetoFit:
     excess : array_like
         Excesses over the threshold, at least 10, above 0 [any].
     number : array_like, optional
-        How often each occurs [1].
+        Number of occurrences of each [1].
 
     Raises
     ------
@@ -110,7 +110,7 @@ def fit_pareto(excess: ArrayLike, number: ArrayLike | None = None) -> ParetoFit:
         return -math.log(xi / theta) - xi - 1.0
 
     grid = np.concatenate([(-1.0 + np.geomspace(1e-4, 0.99, 30)) / most, np.geomspace(1e-3, 50.0, 50)])
-    # In one go, for the sake of the many fits of a bootstrap; samples of millions go through profile() one by one.
+    # All at once, for the many fits of a bootstrap; samples of millions are passed to profile() one by one.
     if y.size <= 10_000:
         xis = np.log1p(grid[:, None] * y) @ share
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -187,7 +187,7 @@ class TailFit:
     _draws: tuple[FloatArray, FloatArray, FloatArray]
 
     def rates(self, threshold_sigma: ArrayLike) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Extrapolated rate and the ends of its 95 % interval [1], at thresholds of u or more [standard deviations].
+        """Extrapolated rate and its 95 % interval [1], at thresholds of u or more [standard deviations].
 
         Raises
         ------
@@ -224,10 +224,10 @@ def fit_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> tuple[TailFi
     Parameters
     ----------
     curve, events : RateCurve, Events
-        Of one accumulator (:class:`seaglint.clutter.false_alarms.FalseAlarms`); the events of a threshold low enough to leave some to fit,
-        3 standard deviations for instance.
+        Rate curve and events of one accumulator (:class:`seaglint.clutter.false_alarms.FalseAlarms`).
+        Their threshold is low enough to leave some events to fit, for instance 3 standard deviations.
     seed : int
-        Of the draws for test and intervals.
+        Seed of the draws for test and intervals.
 
     Returns
     -------
@@ -274,7 +274,7 @@ def fit_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> tuple[TailFi
 def with_limits(
     curve: RateCurve, edge: int, u: float, number: int, fit: ParetoFit, p: float, reached: float, generator: np.random.Generator
 ) -> TailFit:
-    """A fit with what maximum likelihood tells of its precision.
+    """Return a fit with its precision by maximum likelihood.
 
     Parameters
     ----------
@@ -289,7 +289,7 @@ def with_limits(
     reached : float
         Largest excess [standard deviations].
     generator : Generator
-        Of the draws behind the intervals.
+        Random generator of the draws behind the intervals.
     """
     # Smith 1985, for xi and log beta: [[(1 + xi)^2, -(1 + xi)], [-(1 + xi), 2 (1 + xi)]] / n; the number of events is Poisson.
     rate = float(curve.rate[edge])

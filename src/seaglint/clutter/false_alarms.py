@@ -1,4 +1,4 @@
-"""False-alarm rates per pixel against the Gaussian tail, with intervals that hold for correlated pixels, and the whole rate curve.
+"""False-alarm rates per pixel relative to the Gaussian tail, with intervals for correlated pixels, and the whole rate curve.
 
 ::
 
@@ -31,22 +31,22 @@ BIN: Final = 0.02
 """Width of a bin of the histogram of z [standard deviations]."""
 
 LOWEST: Final = -10.0
-"""Lower end of the histogram [standard deviations]; what is below is in the first bin."""
+"""Lower end of the histogram [standard deviations]; lower values are in the first bin."""
 
 HIGHEST: Final = 150.0
-"""Upper end of the histogram [standard deviations]: a single bright pixel among 22 500. What is above is in the last bin."""
+"""Upper end of the histogram [standard deviations]: a single bright pixel among 22 500. Higher values are in the last bin."""
 
 _LOWEST, _PER_SIGMA = -10.0, 50.0
 _BINS = round((HIGHEST - LOWEST) / BIN)
 
 SEGMENTS: Final = 256
-"""Largest number of time segments whose counts are kept; when full, neighbours are joined."""
+"""Largest number of time segments of the counts; when it is reached, neighbours are joined."""
 
 LONE_SHARE: Final = 0.15
-"""Share of a region's exceedances from which a single row or column is looked at."""
+"""Share of a region's exceedances above which a single row or column is examined."""
 
 LONE_TIMES: Final = 4.0
-"""Times as many exceedances as beside it that a row or column has to hold to be named."""
+"""Ratio of the exceedances of a row or column to those beside it above which it is reported."""
 
 
 @njit
@@ -149,7 +149,7 @@ class RateCurve:
 
     @property
     def rate(self) -> NDArray[np.float64]:
-        """Exceedances per pixel and frame [1]."""
+        """Rate of exceedances per pixel and frame [1]."""
         return self.exceedances / max(self.pixels, 1)
 
     @property
@@ -167,7 +167,7 @@ class RateCurve:
 
 
 def lone_lines(counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Rows (or columns) that hold far more exceedances than those beside them: bad lines of a sensor, edges of a picture.
+    """Rows (or columns) with far more exceedances than those beside them: bad lines of a sensor, edges of a picture.
 
     A line counts if it has at least :data:`LONE_SHARE` of all exceedances and 10 of them, and :data:`LONE_TIMES` as many as the lines two
     away (a filter of three pixels carries it into the next ones) and as the mean line.
@@ -196,7 +196,7 @@ def lone_lines(counts: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 class FalseAlarms:
-    """Accumulator of everything about exceedances of one region's z.
+    """Accumulator of the exceedances of one region's z.
 
     Parameters
     ----------
@@ -228,7 +228,7 @@ class FalseAlarms:
         self._variances: dict[float, ClusterVariance] = {}
 
     def add(self, z: ArrayLike) -> None:
-        """Take the next frames of z, shape (k, rows, columns), NaN outside the region and where missing [standard deviations].
+        """Add the next frames of z, shape (k, rows, columns), NaN outside the region and where missing [standard deviations].
 
         Frames without any valid pixel (constant ones, for instance) are counted in ``empty_frames``.
         """
@@ -278,7 +278,7 @@ class FalseAlarms:
     def _variance(self, k: int) -> ClusterVariance:
         m = self.thresholds[k]
         if m not in self._variances:
-            # The last segment may hold fewer frames than the others; its pixels say so.
+            # The last segment may hold fewer frames than the others; its number of pixels accounts for that.
             s = -(-self.frames // self._per_segment)
             self._variances[m] = rate_variance(self._cells[k, :s], self._valid[:s])
         return self._variances[m]
@@ -326,7 +326,7 @@ class FalseAlarms:
         return out
 
     def lines(self, threshold: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Exceedances of one of the thresholds in each row and in each column, over all frames."""
+        """Numbers of exceedances of one of the thresholds in each row and in each column, over all frames."""
         k = self.thresholds.index(self._own(threshold))
         return self._rows[k], self._columns[k]
 
@@ -344,7 +344,7 @@ class FalseAlarms:
         return float(threshold)
 
     def curve(self) -> RateCurve:
-        """Rates at every threshold from the lowest to the first that nothing reaches; empty without pixels."""
+        """Rates at every threshold from the lowest to the first without exceedances; empty without pixels."""
         filled = np.flatnonzero(self.histogram)
         last = int(filled[-1]) + 2 if filled.size else 0
         # From the second bin on: the first also holds what lies below it.

@@ -1,4 +1,4 @@
-"""Spatial filters that make small bright targets stand out of the sea.
+"""Spatial filters that enhance small bright targets against the sea.
 
 Every filter is a frozen record with ``name``, ``margin`` and ``apply``: frames of shape (k, rows, columns) in, the same shape out, each
 frame by itself. Beyond the border the nearest pixel is repeated. A pixel whose footprint holds a missing value (NaN) is missing.
@@ -21,11 +21,11 @@ Frames = NDArray[np.float32]
 
 @runtime_checkable
 class Filter(Protocol):
-    """What false-alarm counting needs of a filter."""
+    """Interface of a filter for false-alarm counting."""
 
     @property
     def name(self) -> str:
-        """Short name, as in the results."""
+        """Short name as in the results."""
         ...
 
     @property
@@ -74,7 +74,7 @@ def _laplacian(frames: np.ndarray, out: np.ndarray) -> None:
 
 @dataclass(frozen=True)
 class Laplacian:
-    """The source article's filter: five points, centre +4, neighbours -1 (bright points become positive).
+    """Laplacian filter of the source article: five points, centre +4, neighbours -1 (bright points become positive).
 
     Examples
     --------
@@ -98,12 +98,12 @@ class Laplacian:
 def _correlate(frames: Frames, kernel: NDArray[np.float64]) -> Frames:
     from scipy.ndimage import correlate
 
-    # In double precision: a sum of large nearly cancelling terms is what such filters compute.
+    # In double precision, as such filters compute sums of large terms that nearly cancel.
     return _rounded(correlate(frames.astype(np.float64), kernel[None], mode="nearest"), frames)
 
 
 def _rounded(out: NDArray[np.float64], source: NDArray[np.floating]) -> Frames:
-    """Single precision, with what is left of a constant by rounding set to 0: it would have a sigma and thresholds above it."""
+    """Return single precision values, with the rounding residue of a constant set to 0, so that it has no sigma."""
     finite = source[np.isfinite(source)]
     level = 1e-12 * float(np.abs(finite).max()) if finite.size else 0.0
     return np.where(np.abs(out) <= level, 0.0, out).astype(np.float32)
@@ -116,7 +116,7 @@ def _odd(size: int, what: str) -> int:
 
 
 def _with_missing(frames: Frames, margin: int) -> tuple[Frames, NDArray[np.bool_] | None]:
-    """Frames without NaN, and the pixels whose square footprint holds one: order statistics would pass it on at random."""
+    """Return frames without NaN, and the pixels whose square footprint contains one."""
     from scipy.ndimage import maximum_filter
 
     missing = np.isnan(frames)
@@ -135,7 +135,7 @@ def _blank(out: Frames, missing: NDArray[np.bool_] | None) -> Frames:
 
 @dataclass(frozen=True)
 class Kernel:
-    """Correlation with the user's own weights, centred on the middle element.
+    """Filter with the user's own weights, centred on the middle element.
 
     Parameters
     ----------
@@ -362,12 +362,12 @@ def autocovariance(frames: ArrayLike, reach: int) -> NDArray[np.float64]:
 
 
 NAMES: Final = ("laplacian", "difference_of_gaussians", "median_subtraction", "top_hat", "none")
-"""Filters that need no further input."""
+"""Names of the filters that need no further input."""
 
 
 @dataclass(frozen=True)
 class Unfiltered:
-    """The frames as they are."""
+    """Filter that returns the frames unchanged."""
 
     name: str = field(default="none", init=False)
     margin: int = field(default=0, init=False)
@@ -378,7 +378,7 @@ class Unfiltered:
 
 
 def named(name: str) -> Filter:
-    """Filter of that name with its standard settings (:data:`NAMES`; ``-`` and ``_`` are the same, ``dog`` is short for the second).
+    """Filter of a name with its default settings (:data:`NAMES`; ``-`` and ``_`` are equal, ``dog`` is short for the second).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Distributions of clutter fitted by maximum likelihood, with intervals that stay valid where pixels are correlated.
+"""Distributions of clutter fitted by maximum likelihood, with intervals that hold for correlated pixels.
 
 ========= ======================================================= ================
 family    density (x > 0, location 0; Gaussian: all x)            parameters
@@ -31,7 +31,7 @@ Family = Literal["gamma", "lognormal", "weibull", "k", "gaussian"]
 FAMILIES: tuple[Family, ...] = get_args(Family)
 
 FEWEST_VALUES = 10
-LARGEST_K_SHAPE = 200.0  # variance over squared mean within 1 % of the exponential's: no sample tells the two apart
+LARGEST_K_SHAPE = 200.0  # variance over squared mean within 1 % of the exponential's: no sample distinguishes the two
 CONDENSED = 4000  # values to which larger samples are reduced for the K distribution's likelihood; moves the shape by 1e-3
 LARGEST_EXCLUDED = 0.02  # share of values at or below loc that may be left out: zeros of integer pictures
 STEP = 1e-4  # of a log parameter, for derivatives: error 1e-8 relative, far below any sampling error
@@ -39,7 +39,7 @@ STEP = 1e-4  # of a log parameter, for derivatives: error 1e-8 relative, far bel
 
 @dataclass(frozen=True)
 class Fit:
-    """One family fitted to one set of values.
+    """Fit of one family of distributions to one set of values.
 
     Attributes
     ----------
@@ -76,7 +76,7 @@ class Fit:
 
     @property
     def is_valid(self) -> bool:
-        """Whether there are parameters."""
+        """True if the fit has parameters."""
         return not self.reason
 
     def cdf(self, x: ArrayLike) -> FloatArray:
@@ -90,7 +90,7 @@ class Fit:
         return np.exp(log_density(self.family, np.asarray(x, dtype=np.float64) - loc, theta))
 
     def parameters(self) -> tuple[tuple[float, float], float]:
-        """Two free parameters as :func:`log_density` takes them, and the location to subtract before."""
+        """Two free parameters as in :func:`log_density`, and the location to subtract before."""
         if self.scale is None or self.loc is None:
             raise DataError(f"there is no {self.family} fit: {self.reason}")
         if self.family == "gaussian":
@@ -178,7 +178,7 @@ def fit(
     variance = float(np.sum(w * (x - mean) ** 2) / count)
     if not variance > (1e-12 * mean) ** 2:
         return refused("all values are equal")
-    # Values of nearly no spread or huge range overflow on the way; what comes of it is looked at.
+    # Values of nearly no spread or huge range overflow on the way; the result is checked.
     with np.errstate(all="ignore"):
         try:
             solved = _SOLVERS[family](x, w / count, mean, variance)
@@ -249,7 +249,7 @@ def cdf(family: Family, x: FloatArray, theta: tuple[ArrayLike, ArrayLike]) -> Fl
 
 
 def draw(family: Family, theta: tuple[float, float], size: tuple[int, ...], rng: np.random.Generator) -> FloatArray:
-    """Independent values of a family, above the location."""
+    """Draw independent values of a family, above the location."""
     a, b = theta
     if family == "gaussian":
         return rng.normal(a, b, size)
@@ -370,7 +370,7 @@ def _solve_k(x: FloatArray, p: FloatArray, mean: float, variance: float) -> tupl
 
 
 def _condensed(x: FloatArray, p: FloatArray, cells: int = CONDENSED) -> tuple[FloatArray, FloatArray]:
-    """Many values as few: means of consecutive groups after sorting, where a Bessel function per value would be slow."""
+    """Means of consecutive groups of many sorted values, for distributions with a Bessel function per value."""
     order = np.argsort(x)
     group = np.arange(len(x)) * cells // len(x)
     weight = np.asarray(np.bincount(group, weights=p[order]), dtype=np.float64)

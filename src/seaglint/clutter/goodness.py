@@ -1,4 +1,4 @@
-"""How well a fitted distribution fits: Kolmogorov-Smirnov and Anderson-Darling, with levels valid for correlated pixels.
+"""Goodness of fit: Kolmogorov-Smirnov and Anderson-Darling distances, with levels that hold for correlated pixels.
 
 Two things make textbook levels wrong here. Parameters were fitted to the same values, which brings the fit nearer (Lilliefors
 1967): the null distribution is therefore drawn, by a parametric bootstrap that fits each replicate. And neighbouring pixels repeat
@@ -26,7 +26,7 @@ METHOD = "parametric bootstrap of the fit with the effective number of independe
 MOST_INDEPENDENT = 2000
 FEWEST_INDEPENDENT = 8
 FEWEST_JUDGED = 50
-"""Independent values below which a large level says nothing: of so few, a test at 5 % does not see a distance of 0.12."""
+"""Least number of independent values for judging a fit: with fewer, a test at 5 % does not detect a distance of 0.12."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Goodness:
     effective_count : float
         Independent values.
     replicates : int
-        Of the bootstrap.
+        Number of replicates of the bootstrap.
     method : str
         One line for reports.
     """
@@ -60,7 +60,7 @@ class Goodness:
 
 
 def distances(probability: FloatArray, weights: FloatArray | None = None) -> tuple[FloatArray, FloatArray]:
-    """Kolmogorov-Smirnov D and ``A^2 / n`` of fitted probabilities, sorted along the last axis.
+    """Kolmogorov-Smirnov distance D and ``A^2 / n`` of fitted probabilities, sorted along the last axis.
 
     ``D = max(i/n - F_i, F_i - (i-1)/n)``, ``A^2/n = -1 - sum (2i-1)(ln F_i + ln(1 - F_(n+1-i))) / n^2``
 
@@ -102,16 +102,16 @@ def goodness(
     values : array_like, any shape
         The sample of the fit (or its histogram's cells); NaN and values at or below the fit's ``loc`` are left out, as in the fit.
     fitted : Fit
-        Of the same values.
+        Fit of the same values.
     weights : array_like, shape of values, optional
         Counts of a histogram's cells; cells must be much narrower than ``1 / sqrt(effective_count)`` in probability.
     effective_count : float, optional
         Independent values; default that of the fit. From the correlation of the values it is a lower bound, which makes the
         levels larger than exact ones.
     replicates : int
-        Of the bootstrap; 199 give levels down to 0.005.
+        Number of replicates of the bootstrap; 199 give levels down to 0.005.
     seed : int
-        Of the bootstrap; same seed, same levels.
+        Seed of the bootstrap; same seed, same levels.
 
     Returns
     -------

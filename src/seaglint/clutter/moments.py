@@ -1,4 +1,4 @@
-"""Mean, standard deviation, skewness and excess kurtosis, gathered block by block and merged in any order.
+"""Mean, standard deviation, skewness and excess kurtosis, accumulated block by block and merged in any order.
 
 Central sums of two sets are merged by the update of Chan et al. (1983) for the variance and of Pebay (Sandia report
 SAND2008-6212, Eqs. 2.1-2.9) for the third and fourth, which lose no digits to a large mean. Order and size of the blocks change the
@@ -48,32 +48,32 @@ class Moments:
 
     @property
     def variance(self) -> float:
-        """``sum2 / count``, the population's."""
+        """Population variance, ``sum2 / count``."""
         return self.sum2 / self.count if self.count else np.nan
 
     @property
     def std(self) -> float:
-        """Root of :attr:`variance`, unit of the data."""
+        """Standard deviation, root of :attr:`variance` [unit of the data]."""
         return float(np.sqrt(self.variance))
 
     @property
     def is_constant(self) -> bool:
-        """Whether all values are equal, to rounding."""
+        """True if all values are equal, to rounding."""
         return self.count > 0 and not self.std > LEAST_RELATIVE_SPREAD * abs(self.mean)
 
     @property
     def skewness(self) -> float:
-        """``m3 / m2^(3/2)`` [1]; NaN for a constant."""
+        """Skewness ``m3 / m2^(3/2)`` [1]; NaN for a constant."""
         return np.nan if not self.count or self.is_constant else self.sum3 / self.count / self.variance**1.5
 
     @property
     def excess_kurtosis(self) -> float:
-        """``m4 / m2^2 - 3`` [1], 0 for a Gaussian; NaN for a constant."""
+        """Excess kurtosis ``m4 / m2^2 - 3`` [1], 0 for a Gaussian; NaN for a constant."""
         return np.nan if not self.count or self.is_constant else self.sum4 / self.count / self.variance**2 - 3.0
 
     @classmethod
     def of(cls, values: ArrayLike) -> Moments:
-        """Moments of an array of any shape; NaN are left out."""
+        """Moments of an array of any shape without its NaN."""
         data = np.asarray(values).ravel()
         if data.dtype not in (np.float32, np.float64):
             data = data.astype(np.float64)
@@ -96,12 +96,12 @@ class Moments:
 
 @dataclass(frozen=True)
 class PixelMoments:
-    """Moments in time of every pixel: one pass over a recording gives those of every region, chosen later.
+    """Moments in time of every pixel: one pass over a recording gives those of every region, selected later.
 
     Attributes
     ----------
     count, mean, sum2, sum3, sum4, minimum, maximum : ndarray, shape (rows, columns)
-        As in :class:`Moments`; mean is 0 where count is 0.
+        Sums as in :class:`Moments`; mean is 0 where count is 0.
     """
 
     count: NDArray[np.int64]
@@ -114,7 +114,7 @@ class PixelMoments:
 
     @classmethod
     def empty(cls, rows: int, columns: int) -> PixelMoments:
-        """Of no frames yet."""
+        """Moments of an empty set of frames."""
         shape = (rows, columns)
         mean, sum2, sum3, sum4 = (np.zeros(shape) for _ in range(4))
         return cls(np.zeros(shape, np.int64), mean, sum2, sum3, sum4, np.full(shape, np.inf), np.full(shape, -np.inf))
@@ -128,7 +128,7 @@ class PixelMoments:
         return cls.empty(data.shape[1], data.shape[2]).add(data)
 
     def add(self, frames: NDArray[np.floating]) -> PixelMoments:
-        """Take in further frames, shape (k, rows, columns), IN PLACE, and return itself; NaN and infinities are left out.
+        """Add further frames, shape (k, rows, columns), IN PLACE, and return the object; NaN and infinities are ignored.
 
         In place because seven maps per block would be most of the traffic. The kernel releases the interpreter.
         """
@@ -149,7 +149,7 @@ class PixelMoments:
         return np.where(self.count > 0, self.mean, np.nan)
 
     def region(self, mask: NDArray[np.bool_] | None = None) -> Moments:
-        """Moments over time and the pixels of a region, of which the mean over time is part."""
+        """Moments over time and the pixels of a region, including the mean over time."""
         if mask is not None and mask.shape != self.mean.shape:
             raise DataError(f"mask of shape {mask.shape} does not fit frames of {self.mean.shape}; give one value per pixel")
         chosen = self.count > 0 if mask is None else (self.count > 0) & mask
@@ -196,7 +196,7 @@ def _add_frames(
     extremes: tuple[FloatArray, FloatArray],
     part: tuple[int, int],
 ) -> None:
-    """Merge rows ``part = (first, end)`` of a block, row by row: the six sums of a row stay in cache while the frames pass."""
+    """Merge rows ``part = (first, end)`` of a block, row by row: the six sums of a row stay in the processor's cache."""
     low, high = extremes
     k, _, columns = frames.shape
     shift = np.empty(columns)

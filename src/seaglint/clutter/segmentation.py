@@ -1,4 +1,4 @@
-"""Where the glint corridor is: two classes of smoothed brightness above the row's background, or the answer that there is none.
+"""Segmentation of the glint corridor: two classes of smoothed brightness above the row's background, or none.
 
 Method, unsupervised, on the time-averaged image (and the temporal standard deviation of each pixel where there are frames):
 
@@ -41,7 +41,7 @@ CLEAR_BORDER = 0.38
 
 @dataclass(frozen=True)
 class Segmentation:
-    """Regions of a picture and how sure they are.
+    """Regions of a picture, with the criteria of the decision.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Segmentation:
     reason : str
         Why there is none; empty if found.
     doubt : str
-        What of a corridor found passes only narrowly; empty where it is clear, and where there is none.
+        Criteria that a corridor passes only narrowly; empty where it is clear, and where there is none.
     method : str
         One line for reports.
     """
@@ -80,7 +80,7 @@ class Segmentation:
 
 
 def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
-    """Find the glint corridor.
+    """Find the glint corridor in a picture.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def segment(mean: ArrayLike, std: ArrayLike | None = None) -> Segmentation:
 
 
 def _refusal(separability: float, contrast: float, texture: float, spanning: float, step: float) -> str:
-    """Why the brighter class is no corridor, or nothing."""
+    """Reason why the brighter class is no corridor, or an empty text."""
     if not separability >= LEAST_SEPARABILITY:
         return f"brightness has no two classes: separability {separability:.2f}, a corridor has at least {LEAST_SEPARABILITY}"
     if not contrast >= LEAST_CONTRAST:
@@ -147,7 +147,7 @@ def _refusal(separability: float, contrast: float, texture: float, spanning: flo
 
 
 def _doubt(separability: float, contrast: float, texture: float, step: float) -> str:
-    """Which criteria pass narrowly, or nothing."""
+    """Criteria that pass narrowly, or an empty text."""
     narrow = []
     if separability < CLEAR_SEPARABILITY:
         narrow.append(f"separability {separability:.2f} (clear from {CLEAR_SEPARABILITY:g})")
@@ -177,7 +177,7 @@ def _rows_of_sky(image: FloatArray) -> int:
 
 
 def _smoothed(image: FloatArray, valid: BoolArray, sigma: float) -> FloatArray:
-    """Gaussian mean of the pixels that have data."""
+    """Gaussian mean of the pixels that have values."""
     from scipy.ndimage import gaussian_filter
 
     weight = gaussian_filter(valid.astype(np.float64), sigma, mode="nearest")
@@ -187,7 +187,7 @@ def _smoothed(image: FloatArray, valid: BoolArray, sigma: float) -> FloatArray:
 
 
 def _convex_below(profile: FloatArray) -> FloatArray:
-    """Greatest convex function that is nowhere above the profile (lower hull, monotone chain)."""
+    """Greatest convex function nowhere above the profile (lower hull, monotone chain)."""
     corners: list[int] = []
     for i in range(len(profile)):
         while len(corners) >= 2:
@@ -265,7 +265,7 @@ def _corridor(image: FloatArray, spread: FloatArray | None, valid: BoolArray) ->
 
 
 def _envelope_length(image: FloatArray) -> float:
-    """Standard deviation of the smoothing that leaves the envelope [px]."""
+    """Standard deviation of the smoothing that preserves the envelope [px]."""
     return float(max(min(image.shape) / 24.0, 1.0))
 
 
@@ -294,7 +294,7 @@ def _border_step(image: FloatArray, corridor: BoolArray, valid: BoolArray) -> fl
         there = (side * depth > low) & (side * depth < high) & valid
         return float(image[there].mean()) if there.any() else float("nan")
 
-    # The inner half of the corridor and the outer half of the background: a glint goes on rising towards its middle.
+    # The inner half of the corridor and the outer half of the background: a glint increases up to its middle.
     inner, outer = (0.5 * float((side * depth).max()) for side in (1.0, -1.0))
     far = level(inner, np.inf, 1.0) - level(outer, np.inf, -1.0)
     step = level(0.5 * near, 2.0 * near, 1.0) - level(0.5 * near, 2.0 * near, -1.0)

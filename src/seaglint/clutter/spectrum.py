@@ -82,7 +82,7 @@ class Spectrum:
 def power_spectrum(
     frames: ArrayLike, mask: NDArray[np.bool_] | None = None, *, mean: ArrayLike | None = None, size: int = 64, window: str = "hann"
 ) -> Spectrum:
-    """Average the periodograms of squares that lie wholly in the region.
+    """Power spectrum averaged over the periodograms of squares that lie wholly in the region.
 
     ``S = |FFT(w (f - mean f))|² / sum w²``
 

@@ -1,4 +1,4 @@
-"""Whether clutter has the same mean and variance everywhere: neighbouring blocks must not resemble each other more than distant ones.
+"""Test for equal mean and variance of clutter everywhere: neighbouring blocks must not be more similar than distant ones.
 
 Blocks are so large, and so far apart, that under stationarity they are independent; their means and log variances are then
 exchangeable, whatever the distribution and the correlation inside a block. Moran's I measures the likeness of neighbours,
@@ -26,7 +26,7 @@ SMALLEST_SIDE = 8
 
 @dataclass(frozen=True)
 class Stationarity:
-    """Local moments and the test of their sameness.
+    """Local moments and the test of their equality.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Stationarity:
     p_mean, p_variance : float
         Levels for the blocks' means and variances, each by itself; NaN if not decidable.
     mean, variance : ndarray, shape (blocks along y, blocks along x)
-        Of the blocks; NaN where less than half a block is in the region.
+        Mean and variance of the blocks; NaN where less than half a block is in the region.
     block : (int, int)
         Rows and columns of a block [px].
     reason : str
@@ -63,7 +63,7 @@ def stationarity(
     permutations: int = 999,
     seed: int = 0,
 ) -> Stationarity:
-    """Test whether local means and variances are the same all over a region.
+    """Test whether local means and variances are equal all over a region.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ def stationarity(
     permutations : int
         999 give levels down to 0.001.
     seed : int
-        Of the permutations.
+        Seed of the permutations.
 
     Returns
     -------
@@ -116,7 +116,7 @@ def stationarity(
 
 
 def _level(grid: FloatArray, permutations: int, rng: np.random.Generator) -> float:
-    """Probability of neighbours as alike as these, or more, in a random order of the blocks."""
+    """Probability of neighbours as similar as these, or more, in a random order of the blocks."""
     used = np.isfinite(grid)
     index = np.full(grid.shape, -1)
     index[used] = np.arange(used.sum())

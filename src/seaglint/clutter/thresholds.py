@@ -75,7 +75,7 @@ def standardise(
     scale: tuple[float, float] | None = None,
     window: int = 31,
 ) -> Frames:
-    """Height above the mean in standard deviations, z = (x - mean) / sigma.
+    """Height of pixels above the mean in standard deviations, z = (x - mean) / sigma.
 
     Parameters
     ----------

@@ -1,1 +1,1 @@
-"""Detectors to judge: frames in, a statistic per pixel out, all counted by the same false-alarm bookkeeping."""
+"""Detectors and their evaluation: frames in, a statistic per pixel out, all counted by the same false-alarm accumulator."""

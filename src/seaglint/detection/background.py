@@ -1,4 +1,4 @@
-"""The statistic of frames without objects: its mean and standard deviation, thresholds, and false alarms."""
+"""Statistic of a detector on frames without objects: mean and standard deviation, thresholds, and false alarms."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ Law = Literal["sigma", "frame", "fixed", "design"]
 Report = Callable[[int, int], None]
 
 KEPT_BYTES: Final = 512e6
-"""Size of the statistic that is kept in memory; a larger one goes to a temporary file [B]."""
+"""Size of the statistic up to which it is held in memory; a larger one is written to a temporary file [B]."""
 
 _BLOCK_BYTES = 8e6
 
 
 class FrameSource(Protocol):
-    """Frames without objects: a recording, or pictures that are rendered on demand."""
+    """Frames without objects: a recording, or pictures rendered on demand."""
 
     @property
     def frames(self) -> int:
@@ -46,16 +46,16 @@ class FrameSource(Protocol):
 
     @property
     def saturation(self) -> float | None:
-        """Value beyond which no pixel goes [u]; None where nothing is known of it."""
+        """Saturation value of a pixel [u]; None where it is unknown."""
         ...
 
     def read(self, start: int, stop: int) -> Frames:
-        """Frames ``start`` to ``stop`` (not included), the caller's own, NaN where missing [u]."""
+        """Return frames ``start`` to ``stop`` (not included) as a copy, NaN where missing [u]."""
         ...
 
 
 def blocks_of(source: FrameSource, first: int = 0, end: int | None = None) -> Iterator[Frames]:
-    """Frames ``first`` to ``end`` (not included), all where nothing is said, in order, in blocks of some megabytes."""
+    """Iterate over frames ``first`` to ``end`` (not included; by default all), in order, in blocks of some megabytes."""
     step = max(int(_BLOCK_BYTES / (4.0 * source.rows * source.columns)), 1)
     last = source.frames if end is None else end
     for start in range(first, last, step):
@@ -64,7 +64,7 @@ def blocks_of(source: FrameSource, first: int = 0, end: int | None = None) -> It
 
 @dataclass(frozen=True)
 class Windows:
-    """Windows of frames that a detector sees: none reaches from one sequence into the next.
+    """Windows of frames that a detector uses: none spans two sequences.
 
     Attributes
     ----------
@@ -82,23 +82,23 @@ class Windows:
 
     @classmethod
     def of(cls, source: FrameSource, lead: int) -> Windows:
-        """Those of a source; one with an attribute ``sequence_length`` holds independent sequences of so many frames."""
+        """Windows of a source; one with an attribute ``sequence_length`` holds independent sequences of so many frames."""
         length = int(getattr(source, "sequence_length", 0)) or source.frames
         return cls(source.frames, max(length, 1), lead)
 
     @property
     def each(self) -> int:
-        """Windows of one sequence."""
+        """Number of windows of one sequence."""
         return max(self.length - self.lead, 0)
 
     @property
     def sequences(self) -> int:
-        """Whole sequences."""
+        """Number of whole sequences."""
         return self.frames // self.length
 
     @property
     def count(self) -> int:
-        """All windows."""
+        """Number of all windows."""
         return self.sequences * self.each
 
     def start(self, window: int) -> int:
@@ -106,13 +106,13 @@ class Windows:
         return window // self.each * self.length + window % self.each
 
     def of_event(self, number: int) -> int:
-        """Window of a frame of :class:`seaglint.clutter.false_alarms.FalseAlarms`, which have an empty one between sequences."""
+        """Window of a frame of :class:`seaglint.clutter.false_alarms.FalseAlarms`, which has an empty one between sequences."""
         return number // (self.each + 1) * self.each + number % (self.each + 1) if self.sequences > 1 else number
 
 
 @dataclass(frozen=True)
 class Threshold:
-    """A threshold and how it was stated.
+    """Threshold and the way it was specified.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class Threshold:
     given : float
         The number, in the law's unit.
     sigma : float
-        The same in standard deviations above the mean [1].
+        Threshold in standard deviations above the mean [1].
     estimated : bool
         Whether it stands on the measured mean and standard deviation.
     """
@@ -133,12 +133,12 @@ class Threshold:
 
 
 class Background:
-    """Statistic of all windows of a source, kept for the objects that are injected.
+    """Statistic of all windows of a source, stored for the injection of objects.
 
     Parameters
     ----------
     detector : Detector
-        What is judged.
+        Detector to evaluate.
     source : FrameSource
         Frames without objects.
     report : callable, optional
@@ -186,7 +186,7 @@ class Background:
             )
 
     def _sequences(self, source: FrameSource) -> Iterator[Iterator[Frames]]:
-        """Blocks of each sequence; of single frames, which need none before them, all at once."""
+        """Blocks of each sequence; single frames, which need none before them, form one."""
         if self.lead == 0:
             yield blocks_of(source, 0, self.windows)
             return
@@ -194,7 +194,7 @@ class Background:
             yield blocks_of(source, begin, begin + self.place.length)
 
     def _blank_border(self) -> int:
-        """Leave out the pixels that see repeated ones beyond the border, where half of the pixels are left; their width [px].
+        """Mask the pixels affected by repeated ones beyond the border, where half of the pixels remain; return their width [px].
 
         Weights that fall on one repeated pixel add up: the matched filter's variance is up to twice as large there, and its false alarms
         many times more.
@@ -239,7 +239,7 @@ class Background:
         return Threshold(law, given, sigma, law != "fixed" and not calibrated)
 
     def scale(self, window: int, law: Law) -> tuple[float, float]:
-        """Mean and standard deviation in which the statistic of a window is told."""
+        """Mean and standard deviation to which the statistic of a window is scaled."""
         if law == "frame":
             return float(self.frame_mean[window]), float(self.frame_sigma[window])
         return (0.0, 1.0) if self.detector.calibrated else (self.mean, self.sigma)
@@ -261,7 +261,7 @@ class FalseAlarmCount:
     alarms : FalseAlarms
         Rates, events and the rate curve of z.
     cells : Cells
-        What intervals are made of.
+        Cells from which intervals are computed.
     per_pixel : Interval
         Rate per pixel and frame [1].
     per_frame : Interval
@@ -275,7 +275,7 @@ class FalseAlarmCount:
 
 
 def count_false_alarms(background: Background, threshold: Threshold, level: float = 0.95) -> FalseAlarmCount:
-    """Count every pixel above the threshold in every window; alarms are pixels and are not clustered."""
+    """Count every pixel above the threshold in every window; alarms are single pixels, not clusters."""
     windows, rows, columns = background.statistic.shape
     alarms = FalseAlarms(tuple({threshold.sigma, LOWEST_THRESHOLD}))
     place = background.place
@@ -306,7 +306,7 @@ def curve_density(threshold: NDArray[np.float64], exceedances: NDArray[np.int64]
 
 
 def _room(shape: tuple[int, ...]) -> Any:
-    """An array, on disk where it is large; the file has no name and goes with the array."""
+    """Array, on disk where it is large; the file has no name and is deleted with the array."""
     if 4.0 * np.prod(shape, dtype=np.float64) <= KEPT_BYTES:
         return np.empty(shape, np.float32)
     try:

@@ -1,4 +1,4 @@
-"""The interface of a detector, streams through it, and the door for a user's own function.
+"""Interface of a detector, its use on streams, and detectors from a user's own function.
 
 A detector is called with frames of shape (k, rows, columns) and returns a statistic for the frames from ``lead`` on, shape
 (k - lead, rows, columns): large where a target is likely, NaN where it cannot say. One that is ``calibrated`` returns equivalent standard
@@ -31,41 +31,41 @@ from seaglint.errors import DataError
 Frames = NDArray[np.float32]
 
 GAUSSIAN_TAIL: Final = "equivalent standard deviations: exceeds m with probability Q(m)"
-"""Law of a calibrated statistic on the clutter it is designed for."""
+"""Distribution of a calibrated statistic on the clutter it is designed for."""
 
 
 @runtime_checkable
 class Detector(Protocol):
-    """What false-alarm counting needs of a detector."""
+    """Interface of a detector for false-alarm counting."""
 
     @property
     def name(self) -> str:
-        """Short name, as in the results."""
+        """Short name as in the results."""
         ...
 
     @property
     def lead(self) -> int:
-        """Earlier frames that the statistic of a frame needs [frames]; 0 works on single images."""
+        """Number of earlier frames that the statistic of a frame needs [frames]; 0 works on single images."""
         ...
 
     @property
     def calibrated(self) -> bool:
-        """Whether the statistic is in equivalent standard deviations."""
+        """True if the statistic is in equivalent standard deviations."""
         ...
 
     @property
     def reach(self) -> int | None:
-        """Pixels around a pixel, rows and columns alike, on which its statistic depends [px]; None where that may be the whole frame."""
+        """Distance in rows and columns up to which other pixels affect a pixel's statistic [px]. None where that may be the whole frame."""
         ...
 
     @property
     def linear(self) -> bool:
-        """Whether the statistic of a sum of sequences is the sum of their statistics."""
+        """True if the statistic of a sum of sequences is the sum of their statistics."""
         ...
 
     @property
     def null_law(self) -> str | None:
-        """Law of the statistic on clutter without objects, and for which clutter; None where no law is stated."""
+        """Distribution of the statistic on clutter without objects, and the kind of clutter; None where no law is stated."""
         ...
 
     def __call__(self, frames: Frames) -> Frames:
@@ -74,7 +74,7 @@ class Detector(Protocol):
 
 
 def filled(frames: Frames) -> Frames:
-    """Frames without missing values: each takes that of the nearest pixel of its frame that has one.
+    """Frames with missing values replaced by those of the nearest valid pixel of the same frame.
 
     As filters repeat the nearest pixel beyond the border, so that no edge appears where a line is dead. A frame without any value takes the
     mean of the others, 0 where there is none.
@@ -103,7 +103,7 @@ def filled(frames: Frames) -> Frames:
         out[whole] = frames[~missing].mean(dtype=np.float64) if not whole.all() else 0.0
     nearest: tuple[NDArray[Any], ...] = ()
     for k in np.flatnonzero(missing.any(axis=(1, 2)) & ~whole):
-        # Dead lines are the same in every frame: their neighbours are looked for once.
+        # Dead lines are the same in every frame: their neighbours are searched once.
         if not nearest or not np.array_equal(missing[k], missing[k - 1]):
             nearest = tuple(distance_transform_edt(missing[k], return_distances=False, return_indices=True))
         out[k] = out[k][nearest]
@@ -111,7 +111,7 @@ def filled(frames: Frames) -> Frames:
 
 
 def statistics(detector: Detector, blocks: Iterable[Frames]) -> Iterator[Frames]:
-    """Statistic of a sequence that comes in blocks, as if it had come at once; the first ``lead`` frames give none.
+    """Statistic of a sequence that comes in blocks, equal to that of the whole sequence; the first ``lead`` frames give none.
 
     Raises
     ------
@@ -134,7 +134,7 @@ def statistics(detector: Detector, blocks: Iterable[Frames]) -> Iterator[Frames]
 
 @dataclass(frozen=True)
 class UserDetector:
-    """A function as a detector; its results are checked at every call.
+    """Detector from a user's function; its results are checked at every call.
 
     Attributes
     ----------
@@ -162,7 +162,7 @@ class UserDetector:
 
     @property
     def null_law(self) -> str | None:
-        """That of equivalent standard deviations where the function promises them."""
+        """Distribution of equivalent standard deviations where the function declares them."""
         return GAUSSIAN_TAIL if self.calibrated else None
 
     def __call__(self, frames: Frames) -> Frames:
@@ -180,25 +180,25 @@ class UserDetector:
         try:
             result = self.function(whole)
         except Exception as error:
-            raise DataError(f"detector {self.name} failed on frames of shape {frames.shape}: {_told(error)}") from error
-        wanted = (frames.shape[0] - self.lead, *frames.shape[1:])
+            raise DataError(f"detector {self.name} failed on frames of shape {frames.shape}: {_error_line(error)}") from error
+        expected = (frames.shape[0] - self.lead, *frames.shape[1:])
         try:
             if np.iscomplexobj(result):
                 raise TypeError("no order among complex numbers")
             out = np.asarray(result, np.float32)
         except (TypeError, ValueError) as error:
             raise DataError(
-                f"detector {self.name} returned {type(result).__name__}; an array of real numbers of shape {wanted} is needed"
+                f"detector {self.name} returned {type(result).__name__}; an array of real numbers of shape {expected} is needed"
             ) from error
-        if out.shape != wanted:
+        if out.shape != expected:
             raise DataError(
-                f"detector {self.name} returned shape {out.shape} for frames of shape {frames.shape}; {wanted} is needed "
+                f"detector {self.name} returned shape {out.shape} for frames of shape {frames.shape}; {expected} is needed "
                 f"(set the function's attribute lead, now {self.lead}, if it uses earlier frames)"
             )
         return out if self.takes_nan else self._only_known(out, frames)
 
     def _only_known(self, statistic: Frames, frames: Frames) -> Frames:
-        """NaN where the function looked at filled values of the same pixel."""
+        """Statistic with NaN where the function used filled values of the same pixel."""
         missing = ~np.isfinite(frames)
         if not missing.any():
             return statistic
@@ -208,13 +208,13 @@ class UserDetector:
         return np.where(gone, np.float32(np.nan), statistic)
 
 
-def _told(error: Exception) -> str:
+def _error_line(error: Exception) -> str:
     """Kind and text of a user's error, in one line."""
     return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 def load(path: str) -> Detector:
-    """Detector behind ``package.module:attribute``; modules in the current folder are found as well.
+    """Load the detector ``package.module:attribute``; modules in the current folder are found as well.
 
     The attribute is a function of frames, which may carry attributes ``lead``, ``calibrated``, ``takes_nan`` and ``reach``, or an object
     with the interface of :class:`Detector`, or a class of such objects that needs no arguments.
@@ -232,28 +232,28 @@ def load(path: str) -> Detector:
     try:
         module = importlib.import_module(module_name)
     except Exception as error:
-        raise DataError(f"detector {path!r}: module {module_name} cannot be imported: {_told(error)}") from error
+        raise DataError(f"detector {path!r}: module {module_name} cannot be imported: {_error_line(error)}") from error
     finally:
         if here in sys.path:
             sys.path.remove(here)
     if not hasattr(module, attribute):
         raise DataError(f"detector {path!r}: module {module_name} has no {attribute}; check the name after the colon")
-    found = getattr(module, attribute)
-    if isinstance(found, type):
+    detector = getattr(module, attribute)
+    if isinstance(detector, type):
         try:
-            found = found()
+            detector = detector()
         except TypeError as error:
             raise DataError(f"detector {path!r}: the class needs arguments ({error}); give an instance of it in the module") from error
         except Exception as error:
-            raise DataError(f"detector {path!r}: no instance of the class can be made: {_told(error)}") from error
-    if not callable(found):
-        raise DataError(f"detector {path!r} is a {type(found).__name__}, which cannot be called; name a function of frames")
-    lead = getattr(found, "lead", 0)
+            raise DataError(f"detector {path!r}: no instance of the class can be made: {_error_line(error)}") from error
+    if not callable(detector):
+        raise DataError(f"detector {path!r} is a {type(detector).__name__}, which cannot be called; name a function of frames")
+    lead = getattr(detector, "lead", 0)
     if not isinstance(lead, int) or lead < 0:
         raise DataError(f"detector {path!r}: lead = {lead!r} is not a number of frames of 0 or more")
-    reach = getattr(found, "reach", None)
+    reach = getattr(detector, "reach", None)
     if reach is not None and (not isinstance(reach, int) or reach < 0):
         raise DataError(f"detector {path!r}: reach = {reach!r} is not a number of pixels of 0 or more")
-    # Wrapped also where it has the whole interface: what it returns is checked all the same.
-    calibrated, takes_nan = (bool(getattr(found, flag, False)) for flag in ("calibrated", "takes_nan"))
-    return UserDetector(found, str(getattr(found, "name", path)), lead, calibrated, takes_nan, reach)
+    # Wrapped also where it has the whole interface, so that its results are checked.
+    calibrated, takes_nan = (bool(getattr(detector, flag, False)) for flag in ("calibrated", "takes_nan"))
+    return UserDetector(detector, str(getattr(detector, "name", path)), lead, calibrated, takes_nan, reach)

@@ -1,4 +1,4 @@
-"""Constant-false-alarm detectors: each pixel against a ring of training pixels around it.
+"""Constant-false-alarm detectors: comparison of each pixel with a ring of training pixels around it.
 
 The ring is the square of side 2 ``training`` + 1 less the square of side 2 ``guard`` + 1, which keeps a target out of its own background.
 Both give equivalent standard deviations: z with Q(z) equal to the exact probability that independent clutter of the stated kind gives the
@@ -28,7 +28,7 @@ Clutter = Literal["exponential", "gaussian"]
 FloatArray = NDArray[np.float64]
 
 HIGHEST: Final = 37.0
-"""Largest equivalent standard deviation given out; its tail, 1e-299, is near the least number there is."""
+"""Largest equivalent standard deviation; its tail, 1e-299, is near the least number there is."""
 
 _NODES: Final = np.linspace(-8.0, HIGHEST, 9001)
 
@@ -44,7 +44,7 @@ def _cells(training: int, guard: int) -> int:
 
 @njit
 def _ring_sums(frame: np.ndarray, training: int, guard: int, level: float, total: np.ndarray, squares: np.ndarray) -> None:
-    """Sum and sum of squares of (x - level) over the ring of every pixel, from columns' running sums; NaN near the border."""
+    """Sum and sum of squares of (x - level) over the ring of every pixel, from running sums of columns; NaN near the border."""
     rows, columns = frame.shape
     for i in range(training, rows - training):
         # Column sums over the rows beside and above or below the guard: nothing is subtracted, so a value missing in the guard stays there.
@@ -122,7 +122,7 @@ class CellAveraging:
 
     @property
     def null_law(self) -> str:
-        """Exact for independent clutter of its kind."""
+        """Exact distribution for independent clutter of its kind."""
         return f"{GAUSSIAN_TAIL}, independent {self.clutter} clutter"
 
     def __post_init__(self) -> None:
@@ -153,7 +153,7 @@ class CellAveraging:
 
 @njit
 def _select(ring: np.ndarray, low: int, high: int, k: int) -> float:
-    """The value of rank k (0 is the smallest) among ``ring[low:high + 1]``, in place (Hoare): smaller ones end up before it."""
+    """Return the value of rank k (0 is the smallest) of ``ring[low:high + 1]``, in place (Hoare): smaller ones come to lie before it."""
     while low < high:
         pivot = ring[(low + high) // 2]
         a, b = low, high
@@ -206,13 +206,13 @@ def _ordered_ratios(cells: int, rank: int) -> FloatArray:
     """Ratio T with tail Q(z) at the nodes of z: Rohling's product, inverted by Newton steps in log T."""
     from scipy.special import log_ndtr
 
-    wanted = log_ndtr(-_NODES)
+    log_tail = log_ndtr(-_NODES)
     left = cells - np.arange(rank, dtype=np.float64)[:, None]
     log_c = np.zeros(_NODES.size)
     for _ in range(200):
         c = np.exp(log_c)
         # log P = -sum log(1 + c / (n - i)), i = 0 ... k - 1: terms of one sign, where differences of log Gamma would cancel.
-        step = (np.log1p(c / left).sum(0) + wanted) / (c / (left + c)).sum(0)
+        step = (np.log1p(c / left).sum(0) + log_tail) / (c / (left + c)).sum(0)
         log_c -= np.clip(step, -2.0, 2.0)
         if np.abs(step).max() < 1e-12:
             break
@@ -254,7 +254,7 @@ def _symmetric_ratios(cells: int, rank: int) -> tuple[FloatArray, FloatArray]:
 
 @dataclass(frozen=True)
 class OrderedStatistic:
-    """Ordered-statistic detector: the pixel against quantiles of its ring, which bright neighbours do not lift.
+    """Ordered-statistic detector: the pixel against quantiles of its ring, which are robust against bright neighbours.
 
         gaussian:     T = (x - (x_(l) + x_(k)) / 2) / (x_(k) - x_(l)),  l = n + 1 - k
         exponential:  T = x / x_(k),  P(T > c) = n! Gamma(n - k + 1 + c) / ((n - k)! Gamma(n + 1 + c))
@@ -288,7 +288,7 @@ class OrderedStatistic:
 
     @property
     def null_law(self) -> str:
-        """Exact for independent clutter of its kind."""
+        """Exact distribution for independent clutter of its kind."""
         return f"{GAUSSIAN_TAIL}, independent {self.clutter} clutter"
 
     def __post_init__(self) -> None:

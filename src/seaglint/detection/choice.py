@@ -1,4 +1,4 @@
-"""Detectors by name: those of this package with standard settings, and a user's own."""
+"""Selection of detectors by name: those of this package with default settings, and a user's own."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ _PLAIN: Final[dict[str, Callable[[], Detector]]] = {
 _SHAPED: Final = ("matched", "matched-global", "matched-local", "log")
 
 NAMES: Final = (*_PLAIN, *_SHAPED)
-"""Detectors of this package; the last ones need the object's shape."""
+"""Names of the detectors of this package; the last ones need the object's shape."""
 
 
 def named(name: str) -> Detector:
-    """Detector with standard settings (:data:`NAMES`, those without an object's shape), or ``package.module:function``.
+    """Detector with default settings (:data:`NAMES`, those without an object's shape), or ``package.module:function``.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def named_for(name: str, shape: Shape, background: Callable[[], Frames]) -> Dete
     name : str
         One of :data:`NAMES`, or ``package.module:function``.
     shape : Shape
-        Of the objects.
+        Shape of the objects.
     background : callable
         Frames without objects, shape (k, rows, columns), from which covariances are estimated; called where they are needed.
 
@@ -93,7 +93,7 @@ def named_for(name: str, shape: Shape, background: Callable[[], Frames]) -> Dete
 
 
 def _width(signature: NDArray[np.float64]) -> float:
-    """Standard deviation along an axis of what is above 0 [px]."""
+    """Standard deviation of the positive part along an axis [px]."""
     s = np.maximum(signature, 0.0)
     axis = np.arange(s.shape[0]) - s.shape[0] // 2
     return float(np.sqrt((s * (axis[:, None] ** 2 + axis**2)).sum() / (2.0 * s.sum())))

@@ -1,4 +1,4 @@
-"""What a sensor makes of an object's light: the object's own shot noise, and the steps of the converter."""
+"""Sensor effects on an object's light: the object's own shot noise, and the steps of the converter."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _MANY = 100.0  # from here on Cornish and Fisher's quantile is within 0.05 elect
 
 @dataclass(frozen=True)
 class Counting:
-    """How frames rise by an object's light.
+    """Increase of frames by an object's light, counted as the sensor does.
 
     Electrons of background and object are independent Poisson numbers, so that those of the object may be added to frames which have the
     noise of the background already. The converter has rounded these: what is added is rounded up or down at random, so that its mean
@@ -29,19 +29,19 @@ class Counting:
     electrons : float, optional
         Electrons for each unit of the frames [1/u]; None where a sensor has no shot noise.
     step : float
-        Of the converter [u].
+        Step of the converter [u].
     """
 
     electrons: float | None
     step: float
 
     def draws(self, seed: int, first: int, shape: tuple[int, int, int]) -> FloatArray:
-        """Two numbers within 0-1 for each pixel, functions of seed, frame and place, shape (k, 2, rows, columns).
+        """Two uniform numbers for each pixel, functions of seed, frame and place, shape (k, 2, rows, columns).
 
         Parameters
         ----------
         seed : int
-            Of the objects.
+            Seed of the objects.
         first : int
             Number of the first frame in its source.
         shape : (int, int, int)
@@ -51,7 +51,7 @@ class Counting:
         return np.stack([stream(seed, "object electrons", first + k).random((2, rows, columns)) for k in range(count)])
 
     def added(self, light: Frames, draws: FloatArray) -> Frames:
-        """What frames rise by, whole steps.
+        """Increase of frames, in whole steps.
 
         Parameters
         ----------
@@ -59,7 +59,7 @@ class Counting:
             Mean of the objects' light [u]. Below 0, for objects darker than what is behind them, it has no noise of its own: the electrons
             that are missing take a little of the background's noise with them, which is left in.
         draws : ndarray, shape (k, 2, rows, columns)
-            Of :meth:`draws`.
+            Numbers from :meth:`draws`.
         """
         out = np.zeros_like(light)
         lit = light != 0.0
@@ -75,7 +75,7 @@ class Counting:
 
 
 def poisson_quantile(mean: FloatArray, share: FloatArray) -> FloatArray:
-    """Least whole number that a Poisson number of this mean does not exceed with that probability, rising in both.
+    """Quantile of a Poisson distribution: the least whole number with at least that probability, rising in both arguments.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What a designer asks of a detector: the contrast for a wanted P_d at a wanted P_fa, and what clutter costs against white noise."""
+"""Design of a detector: the contrast for a required P_d at a required P_fa, and the loss of clutter against white noise."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from seaglint.errors import DataError
 from seaglint.random import stream
 
 COUNTED: Final = 30
-"""False alarms at a threshold from which its rate is counted rather than extrapolated."""
+"""Least number of false alarms at a threshold whose rate is counted rather than extrapolated."""
 
 _STEPS = 5
 _ROUNDS = 3
@@ -51,7 +51,7 @@ class RateThreshold:
 
 
 def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateThreshold:
-    """Threshold of a rate per pixel: counted where there are enough, else from the tail's fit.
+    """Threshold for a rate per pixel: counted with enough false alarms, else from the tail's fit.
 
     Raises
     ------
@@ -60,13 +60,13 @@ def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateTh
     """
     curve = count.alarms.curve()
     if p_fa * curve.pixels >= COUNTED:
-        found = curve.threshold_for(p_fa)
-        if found is not None and found > 0:
-            place = int(np.searchsorted(curve.threshold, found - 1e-9))
+        counted = curve.threshold_for(p_fa)
+        if counted is not None and counted > 0:
+            place = int(np.searchsorted(curve.threshold, counted - 1e-9))
             number = int(curve.exceedances[place])
             half = 2.0 * math.sqrt(max(number, 1) * max(count.per_pixel.inflation if np.isfinite(count.per_pixel.inflation) else 1.0, 1.0))
             rate = number / curve.pixels
-            return RateThreshold(found, rate, max(number - half, 0.0) / curve.pixels, (number + half) / curve.pixels, "counted", True)
+            return RateThreshold(counted, rate, max(number - half, 0.0) / curve.pixels, (number + half) / curve.pixels, "counted", True)
     rare = tail.threshold_for(p_fa)
     if rare is None:
         raise DataError(
@@ -78,14 +78,14 @@ def threshold_for(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateTh
 
 @dataclass(frozen=True)
 class NeededContrast:
-    """Contrast for a wanted P_d.
+    """Contrast for a required P_d.
 
     Attributes
     ----------
     contrast : float
-        What an object centred on a pixel must add to it [u].
+        Signal of an object in the pixel at whose centre it lies [u].
     low, high : float or None
-        Contrasts at which the interval of P_d has the wanted one at its upper and its lower end [u].
+        Contrasts at which the required P_d is at the upper and the lower end of its interval [u].
     tried : tuple
         Contrasts and P_d on the way, rising.
     """
@@ -103,14 +103,14 @@ def contrast_for(
     threshold: Threshold,
     p_d: float = 0.9,
 ) -> NeededContrast:
-    """Contrast at which so many objects are found, by rounds of contrasts between those that find fewer and more.
+    """Contrast at which a share ``p_d`` of the objects is detected, bracketed in rounds.
 
     Parameters
     ----------
     background, source, threshold
-        Of the same frames without objects.
+        Background, source and threshold of the same frames without objects.
     objects : Objects
-        What is injected; the sign of its first contrast is kept.
+        Injected objects; the sign of their first contrast is used.
     p_d : float
         Wanted share [1].
 
@@ -126,8 +126,8 @@ def contrast_for(
     known: dict[float, Interval] = {}
     low, high = 0.0, math.inf
     for number in range(_ROUNDS + 1):
-        for contrast, found in zip(grid, _rates(background, source, objects, threshold, sign * grid), strict=True):
-            known[float(contrast)] = found
+        for contrast, interval in zip(grid, _rates(background, source, objects, threshold, sign * grid), strict=True):
+            known[float(contrast)] = interval
         rising = sorted(known)
         above = [c for c in rising if known[c].rate >= p_d]
         if not above:
@@ -156,27 +156,27 @@ def contrast_for(
 def _rates(
     background: Background, source: FrameSource, objects: Objects, threshold: Threshold, contrasts: NDArray[np.float64]
 ) -> list[Interval]:
-    found = run_trials(background, source, replace(objects, contrasts=tuple(float(c) for c in contrasts)), threshold, locate=False)
-    return [by_windows(scores, threshold.sigma, 0.95) for scores in found.scores]
+    trials = run_trials(background, source, replace(objects, contrasts=tuple(float(c) for c in contrasts)), threshold, locate=False)
+    return [by_windows(scores, threshold.sigma, 0.95) for scores in trials.scores]
 
 
 def by_windows(scores: Scores, threshold_sigma: float, level: float) -> Interval:
-    """Share of objects above a threshold; those that share a window go together."""
+    """Share of objects above a threshold, grouped by windows."""
     windows, which = np.unique(scores.window, return_inverse=True)
     hits = np.bincount(which, scores.detected(threshold_sigma), windows.size).astype(np.float64)
     return interval_of_sequences(hits, np.bincount(which, minlength=windows.size).astype(np.float64), None, level)
 
 
-def _crossing(points: list[tuple[float, float]], wanted: float) -> float | None:
-    """First contrast at which a curve reaches a rate, straight in the contrast's logarithm; None where it does not."""
+def _crossing(points: list[tuple[float, float]], rate: float) -> float | None:
+    """First contrast at which a curve reaches a rate, linear in the contrast's logarithm; None where it does not."""
     for (c0, p0), (c1, p1) in pairwise(points):
-        if p0 < wanted <= p1:
-            return float(c0 * (c1 / c0) ** ((wanted - p0) / (p1 - p0)))
+        if p0 < rate <= p1:
+            return float(c0 * (c1 / c0) ** ((rate - p0) / (p1 - p0)))
     return None
 
 
 def loss_db(contrast: float, white: float) -> float:
-    """What clutter costs against white noise, 20 log10 of the ratio of contrasts [dB].
+    """Loss by clutter against white noise, 20 log10 of the ratio of contrasts [dB].
 
     Examples
     --------
@@ -188,16 +188,16 @@ def loss_db(contrast: float, white: float) -> float:
 
 @dataclass(frozen=True)
 class WhiteFrames:
-    """White Gaussian noise in the place of a source: as many frames, the same mean and variance.
+    """White Gaussian noise in place of a source, with the same number of frames, mean and variance.
 
     Parameters
     ----------
     frames, rows, columns : int
         Size.
     mean, sigma : float
-        Of every pixel [u].
+        Mean and standard deviation of every pixel [u].
     seed : int
-        Of the noise; a frame is a function of it and of its number.
+        Seed of the noise; a frame is a function of it and of its number.
     sequence_length : int
         Frames of a sequence; 0 where all are one.
     """
@@ -213,7 +213,7 @@ class WhiteFrames:
 
     @classmethod
     def like(cls, source: FrameSource, seed: int) -> WhiteFrames:
-        """Of a source's size, mean and variance, over all its pixels and frames."""
+        """White noise with a source's size, mean and variance, over all its pixels and frames."""
         number, total, squares = 0, 0.0, 0.0
         shift: float | None = None
         for k in range(source.frames):
@@ -241,6 +241,6 @@ def gaussian_threshold(p_fa: float) -> RateThreshold:
     return RateThreshold(-float(ndtri(p_fa)), p_fa, p_fa, p_fa, "gaussian", True)
 
 
-def as_threshold(found: RateThreshold, law: Law = "sigma") -> Threshold:
-    """The same as a threshold of trials."""
-    return Threshold(law, found.sigma, found.sigma, False)
+def as_threshold(threshold: RateThreshold, law: Law = "sigma") -> Threshold:
+    """Convert a threshold of a rate to a threshold of trials."""
+    return Threshold(law, threshold.sigma, threshold.sigma, False)

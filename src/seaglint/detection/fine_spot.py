@@ -1,4 +1,4 @@
-"""Shape of an object whose response is known finer than pixels: a point behind optics and detector, or anything drawn through them."""
+"""Object shape with a response sampled finer than pixels: a point behind optics and detector, or anything drawn through them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _PAD = 12
 
 @dataclass(frozen=True)
 class FineSpot:
-    """What pixels see of an object, at ``steps`` places to the pixel, between them by cubic splines; 0 outside.
+    """Shape of an object sampled at ``steps`` places per pixel, with cubic splines between them; 0 outside.
 
     Unlike :class:`seaglint.detection.spot.SampledSpot` it needs no optics that blur over several pixels: displaced by half a pixel it is
     what the pixels then integrate, not an interpolation between whole ones.
@@ -61,7 +61,7 @@ class FineSpot:
 
     @property
     def share(self) -> float:
-        """Part of all its light that a centred object brings to its pixel [1]."""
+        """Share of the light of a centred object in its pixel [1]."""
         return 1.0 / float(self.stamps(np.zeros((1, 2))).sum())
 
     def stamps(self, offsets: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Where and when objects are injected: batches of places that share a window of frames without disturbing each other.
+"""Placement of injected objects: batches of places that share a window of frames without disturbing each other.
 
 Injection i has a displacement within its pixel that is a function of (seed, i), batch b a lattice of places that is one of (seed, b):
 neither threads nor order change a result. Neighbours on the lattice are ``pitch`` pixels apart, its origin is uniform within a cell, so
@@ -24,10 +24,10 @@ IntArray = NDArray[np.int64]
 Placement = Literal["random", "centre"]
 
 SHARED: Final = 100
-"""Injections that share a window of frames, where there is room, before another window is taken."""
+"""Number of injections that share a window of frames, where there is space, before another window is used."""
 
 LOOSE_PITCH: Final = 32
-"""Distance of objects [px] for detectors that may look at the whole frame, whose sharing is not exact."""
+"""Distance of objects [px] for detectors that may use the whole frame, for which sharing is not exact."""
 
 _BLOCK = 4096
 _EMPTY_BATCHES = 20
@@ -35,7 +35,7 @@ _EMPTY_BATCHES = 20
 
 @dataclass(frozen=True)
 class Batch:
-    """Objects that share a window of frames.
+    """Batch of objects that share a window of frames.
 
     Attributes
     ----------
@@ -75,19 +75,19 @@ def offsets(seed: int, first: int, count: int, placement: Placement) -> FloatArr
 
 
 def pitch_for(detector: Detector, shape: Shape, match_radius: float, travel: int) -> int:
-    """Least distance of objects [px]: none within what the statistics, and the fits of position, in another's match window depend on."""
+    """Least distance of objects [px] at which neither the statistics nor the fits of position affect another's match window."""
     around = LOOSE_PITCH if detector.reach is None else max(detector.reach, shape.half)
     return int(match_radius) + around + shape.half + 1 + travel
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How many injections, how far apart, in how many windows.
+    """Number of injections, their distance, and the number of windows.
 
     Parameters
     ----------
     injections : int
-        Number wanted.
+        Requested number.
     windows : int
         Windows of frames there are.
     rows, columns : int
@@ -97,7 +97,7 @@ class Plan:
     placement : {"random", "centre"}
         Anywhere within the pixels, or at their centres.
     seed : int
-        Of places and displacements.
+        Seed of places and displacements.
     only_rows : (int, int), optional
         Rows that hold objects, first and end; all within the margin where nothing is said [px].
     spread : bool
@@ -133,28 +133,28 @@ class Plan:
 
     @property
     def row_range(self) -> tuple[int, int]:
-        """Rows that hold objects, first and end."""
+        """First and end row of the objects."""
         first, end = self.only_rows or (0, self.rows)
         return max(first, self.margin), min(end, self.rows - self.margin)
 
     @property
     def per_batch(self) -> int:
-        """Injections of one batch: as many as spread them over all windows, at least :data:`SHARED`, as far as there is room."""
+        """Number of injections of one batch: as many as spread them over all windows, at least :data:`SHARED`, as far as there is space."""
         first, end = self.row_range
         cells = max((end - first) // self.pitch, 1) * max((self.columns - 2 * self.margin) // self.pitch, 1)
         return min(max(-(-self.injections // self.windows), 1 if self.spread else SHARED), cells, self.injections)
 
     @property
     def batches(self) -> int:
-        """Batches where every place is free."""
+        """Number of batches where every place is free."""
         return -(-self.injections // self.per_batch)
 
     def batch(self, number: int) -> Batch:
-        """Batch of that number, with all its places."""
+        """Batch of a given number, with all its places."""
         generator = stream(self.seed, "object places", number)
         first_row, first_column = generator.integers(0, self.pitch, 2)
         first, end = self.row_range
-        # fewer rows than a pitch: each is as likely as any other, and none is left without
+        # fewer rows than a pitch: all are equally likely, and each is used
         rows = np.arange(first + first_row * min(self.pitch, end - first) // self.pitch, end, self.pitch)
         columns = np.arange(self.margin + first_column, self.columns - self.margin, self.pitch)
         cells = generator.permutation(rows.size * columns.size)[: self.per_batch]
@@ -167,13 +167,13 @@ class Plan:
 
 
 def free(batch: Batch, known: NDArray[np.bool_]) -> Batch:
-    """The objects of a batch whose pixel has a statistic."""
+    """Objects of a batch whose pixel has a statistic."""
     keep = known[batch.row, batch.column]
     return Batch(batch.window, batch.row[keep], batch.column[keep], batch.offset[keep])
 
 
 def nothing_free(batches: int) -> DataError:
-    """What is said where no object finds a place."""
+    """Message for the case that no object finds a place."""
     return DataError(
         f"{batches} batches of objects found no pixel with a statistic: frames are missing, constant or within the detector's border; "
         "look at them with seaglint analyze, or choose another detector"
@@ -181,7 +181,7 @@ def nothing_free(batches: int) -> DataError:
 
 
 def most_batches(plan: Plan) -> int:
-    """Batches tried before injections that find no place are given up."""
+    """Largest number of batches that are tried for injections that find no place."""
     return 4 * plan.batches + _EMPTY_BATCHES
 
 
@@ -205,9 +205,9 @@ def inject(frames: NDArray[np.floating], batch: Batch, shape: Shape, contrast: f
     batch : Batch
         Objects.
     shape : Shape
-        Of every object.
+        Shape of every object.
     contrast : float
-        What an object centred on a pixel adds to it [u].
+        Signal of an object in the pixel at whose centre it lies [u].
     velocity : (float, float)
         Motion in rows and columns [px a frame].
     """

@@ -1,4 +1,4 @@
-"""A user's detector in a process of its own: what it breaks, or how long it takes, ends there and is said in one line.
+"""User's detector in a process of its own: its errors and time limits end there and are reported in one line.
 
 Frames go to the process and statistics come back through a socket. It is started once, its output to the console goes to stderr, and it is
 ended with the session, after a call that takes too long, or when it dies.
@@ -19,10 +19,10 @@ from seaglint.detection.base import GAUSSIAN_TAIL, Frames
 from seaglint.errors import DataError, DomainError
 
 TIME_LIMIT: Final = 60.0
-"""Seconds a call may take where nothing else is said [s]."""
+"""Default time limit of a call [s]."""
 
 START_LIMIT: Final = 120.0
-"""Seconds within which the module must be imported [s]."""
+"""Time limit for importing the module [s]."""
 
 
 class IsolatedDetector:
@@ -31,14 +31,14 @@ class IsolatedDetector:
     Parameters
     ----------
     path : str
-        As for :func:`seaglint.detection.base.load`.
+        Path as for :func:`seaglint.detection.base.load`.
     time_limit : float
         Longest time of a call [s].
 
     Raises
     ------
     DataError
-        What :func:`seaglint.detection.base.load` refuses, or a module that ends the process or takes too long to import.
+        A path that :func:`seaglint.detection.base.load` refuses, or a module that ends the process or takes too long to import.
     DomainError
         A time limit that is not above 0.
     """
@@ -56,12 +56,12 @@ class IsolatedDetector:
             environment = {**os.environ, "PYTHONPATH": os.pathsep.join(p for p in sys.path if p)}
             self._process = subprocess.Popen(command, pass_fds=[number], stdin=subprocess.DEVNULL, stdout=2, env=environment)
         self._connection = Connection(ours.detach())
-        told = self._answer(START_LIMIT, "while its module was imported")
-        self.name, self.lead, self.calibrated, self.reach = (told[k] for k in ("name", "lead", "calibrated", "reach"))
+        properties = self._answer(START_LIMIT, "while its module was imported")
+        self.name, self.lead, self.calibrated, self.reach = (properties[k] for k in ("name", "lead", "calibrated", "reach"))
 
     @property
     def null_law(self) -> str | None:
-        """That of equivalent standard deviations where the function promises them."""
+        """Distribution of equivalent standard deviations where the function declares them."""
         return GAUSSIAN_TAIL if self.calibrated else None
 
     def __call__(self, frames: Frames) -> Frames:
@@ -88,12 +88,12 @@ class IsolatedDetector:
                 raise DataError(
                     f"detector {self.path} took longer than {limit:g} s {when}; make it faster, give it fewer pixels, or allow more time"
                 )
-            good, told = self._connection.recv()
+            good, answer = self._connection.recv()
         except (EOFError, OSError) as error:
             raise self._ended(when) from error
         if not good:
-            raise DataError(told)
-        return told
+            raise DataError(answer)
+        return answer
 
     def _ended(self, when: str) -> DataError:
         code = self._process.wait()
@@ -107,6 +107,6 @@ class IsolatedDetector:
         self._connection.close()
 
     def __del__(self) -> None:
-        """End the process with the object."""
+        """End the process when the object is deleted."""
         if hasattr(self, "_connection") and self._process.poll() is None:
             self.close()

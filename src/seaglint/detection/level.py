@@ -1,4 +1,4 @@
-"""The level that a recording takes off its frames for the sake of precision, where a detector or a threshold needs it back."""
+"""Restoration of the level that a recording subtracts from its frames for precision, where a detector or a threshold needs it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from seaglint.detection.counting import Counting
 
 @dataclass(frozen=True)
 class Rescaled:
-    """A source whose values are multiplied by a factor and raised by a level.
+    """Source whose values are multiplied by a factor and raised by a level.
 
     With a factor of -1 dark objects are bright, which is what detectors look for.
     """
@@ -39,23 +39,23 @@ class Rescaled:
 
     @property
     def sequence_length(self) -> int:
-        """Frames of each independent sequence; 0 where all belong together."""
+        """Number of frames of each independent sequence; 0 where all belong together."""
         return int(getattr(self.source, "sequence_length", 0))
 
     @property
     def saturation(self) -> float | None:
-        """Value beyond which no pixel goes [u]; None of turned signs, whose largest value was the least."""
+        """Saturation value of a pixel [u]; None with a negative factor, where the largest value was the least."""
         highest = self.source.saturation
         return None if highest is None or self.factor < 0.0 else self.factor * highest + self.level
 
     @property
     def counting(self) -> Counting | None:
-        """How an object's light is counted; turned signs are those of dark objects, which have no shot noise of their own."""
-        found: Counting | None = getattr(self.source, "counting", None)
-        if found is None:
+        """Counting of an object's light; with a negative factor that of dark objects, which have no shot noise of their own."""
+        counting: Counting | None = getattr(self.source, "counting", None)
+        if counting is None:
             return None
-        electrons = None if found.electrons is None or self.factor < 0.0 else found.electrons / self.factor
-        return Counting(electrons, found.step * abs(self.factor))
+        electrons = None if counting.electrons is None or self.factor < 0.0 else counting.electrons / self.factor
+        return Counting(electrons, counting.step * abs(self.factor))
 
     def read(self, start: int, stop: int) -> Frames:
         """Frames ``start`` to ``stop`` (not included) [u]."""
@@ -63,7 +63,7 @@ class Rescaled:
 
 
 def level_shift(detector: Detector, source: FrameSource) -> float:
-    """What the level that a recording takes off its frames would add to the statistic [its unit].
+    """Shift of the statistic by the level that a recording subtracts from its frames [its unit].
 
     Statistics that are not linear take differences or ratios of neighbours, on which a level has no effect.
     """

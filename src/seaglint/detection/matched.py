@@ -26,7 +26,7 @@ from seaglint.errors import DomainError
 FloatArray = NDArray[np.float64]
 
 LEAST_EIGENVALUE: Final = 1e-6
-"""Share of the variance below which eigenvalues of an estimated covariance are lifted: they may come out at 0 or below."""
+"""Share of the variance to which smaller eigenvalues of an estimated covariance are raised: they may come out at 0 or below."""
 
 
 def covariance_matrix(lags: ArrayLike, shape: tuple[int, int]) -> FloatArray:
@@ -46,7 +46,7 @@ def covariance_matrix(lags: ArrayLike, shape: tuple[int, int]) -> FloatArray:
 
 
 def whitened(signature: ArrayLike, lags: ArrayLike) -> FloatArray:
-    """C^-1 s, shape of the signature [unit of the signature / u²]."""
+    """Whitened signature C^-1 s, shape of the signature [unit of the signature / u²]."""
     s = np.asarray(signature, np.float64)
     matrix = covariance_matrix(lags, (s.shape[0], s.shape[1]))
     values, vectors = np.linalg.eigh(matrix)

@@ -16,12 +16,12 @@ from seaglint.detection.registration import displacement, moved
 from seaglint.errors import DomainError
 
 _SPLINE_REACH = 12
-"""Pixels beyond which a moved frame hardly feels one: weights of a cubic spline fall by 0.27 a pixel, here below 1e-6 [px]."""
+"""Reach of the cubic spline of a moved frame [px]: its weights fall by 0.27 a pixel, here below 1e-6."""
 
 
 @dataclass(frozen=True)
 class FrameDifference:
-    """Frame minus the frame ``lag`` earlier.
+    """Difference of a frame and the frame ``lag`` earlier.
 
     Parameters
     ----------
@@ -43,17 +43,17 @@ class FrameDifference:
 
     @property
     def reach(self) -> int | None:
-        """0, or the whole frame where frames are registered [px]."""
+        """Reach of the statistic: 0, or the whole frame where frames are registered [px]."""
         return None if self.register else 0
 
     @property
     def linear(self) -> bool:
-        """A difference of frames that are not moved is."""
+        """True if frames are not registered."""
         return not self.register
 
     @property
     def lead(self) -> int:
-        """The lag [frames]."""
+        """Number of earlier frames, equal to the lag [frames]."""
         return self.lag
 
     def __call__(self, frames: Frames) -> Frames:
@@ -65,7 +65,7 @@ class FrameDifference:
 
 
 def _displacement(earlier: Frames, later: Frames) -> tuple[float, float]:
-    """Displacement of two frames; none where one of them has no value, and its differences and sums have none either."""
+    """Displacement of two frames; none where one of them has no values, so that differences and sums have none either."""
     if not (np.isfinite(earlier).any() and np.isfinite(later).any()):
         return 0.0, 0.0
     return displacement(earlier, later)
@@ -98,19 +98,19 @@ class RegisteredIntegration:
 
     @property
     def reach(self) -> int | None:
-        """What the spline of a moved frame reaches, or the whole frame where frames are registered [px]."""
+        """Reach of the spline of a moved frame, or the whole frame where frames are registered [px]."""
         if self.register:
             return None
         return 0 if self.velocity == (0.0, 0.0) else _SPLINE_REACH + int(np.ceil(self.lead * max(abs(v) for v in self.velocity)))
 
     @property
     def linear(self) -> bool:
-        """A mean of frames that are not moved by what they show is."""
+        """True if frames are not registered by their content."""
         return not self.register
 
     @property
     def lead(self) -> int:
-        """Frames before the latest [frames]."""
+        """Number of frames before the latest [frames]."""
         return self.count - 1
 
     def __call__(self, frames: Frames) -> Frames:

@@ -21,13 +21,13 @@ from seaglint.errors import DomainError
 FloatArray = NDArray[np.float64]
 
 TOLERANCE: Final = 1e-5
-"""Residual of the decomposition over the norm of the patch image at which the iteration ends."""
+"""Ratio of the residual of the decomposition to the norm of the patch image at which the iteration ends."""
 
 _MOST = 60
 
 
 def robust_components(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Low-rank and sparse part of a matrix: least of ||B||_* + ||T||_1 / sqrt(max(rows, columns)) with B + T = matrix.
+    """Low-rank and sparse part of a matrix: minimum of ||B||_* + ||T||_1 / sqrt(max(rows, columns)) with B + T = matrix.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def robust_components(matrix: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 @dataclass(frozen=True)
 class PatchImage:
-    """Sparse part of the matrix whose columns are the patches of a frame; overlapping patches are averaged.
+    """Detector from the sparse part of the matrix whose columns are the patches of a frame; overlapping patches are averaged.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Where a detected object is: centroid and least squares, with the errors that white noise leaves.
+"""Position of a detected object: centroid and least squares, with their errors in white noise.
 
 Places are (row, column) from the centre of the patch's middle pixel [px].
 
@@ -21,7 +21,7 @@ FloatArray = NDArray[np.float64]
 Pointing = Literal["least-squares", "centroid"]
 
 FARTHEST: Final = 1.0
-"""Displacement from the brightest pixel beyond which a fit is not followed [px]."""
+"""Displacement from the brightest pixel beyond which a fit is rejected [px]."""
 
 _STEP = 1e-3
 _ITERATIONS = 8
@@ -36,7 +36,7 @@ def border_level(patches: FloatArray) -> FloatArray:
 
 
 def centroid(patches: FloatArray, level: FloatArray | float = 0.0) -> FloatArray:
-    """Centre of gravity of each patch above its level, shape (n, 2) [px]; NaN where nothing is above it in sum.
+    """Centre of gravity of each patch above its level, shape (n, 2) [px]; NaN where the sum above it is not positive.
 
     x = sum x (I - level) / sum (I - level)
     """
@@ -64,7 +64,7 @@ def _derivatives(shape: Shape, place: FloatArray) -> tuple[FloatArray, FloatArra
 
 
 def least_squares(patches: FloatArray, shape: Shape) -> FloatArray:
-    """Place at which the shape, with an amplitude and a constant level, fits each patch best, shape (n, 2) [px].
+    """Position of the best fit of the shape with an amplitude and a constant level to each patch, shape (n, 2) [px].
 
     Gauss-Newton steps on the place from the middle of the patch; amplitude and level are solved for at each. Places farther than
     :data:`FARTHEST` from the middle are given as NaN: noise has a brighter pixel.
@@ -74,7 +74,7 @@ def least_squares(patches: FloatArray, shape: Shape) -> FloatArray:
     patches : ndarray, shape (n, 2 half + 1, 2 half + 1)
         Around the brightest pixel of each object [u].
     shape : Shape
-        Of the object, with that ``half``.
+        Shape of the object, with that ``half``.
     """
     n = patches.shape[0]
     values = patches.reshape(n, -1)

@@ -15,7 +15,7 @@ from seaglint.detection.base import Frames
 from seaglint.errors import DataError
 
 FINENESS = 50
-"""Parts of a pixel to which a shift is refined: far below what noise leaves."""
+"""Number of parts of a pixel to which a shift is refined: far finer than the noise."""
 
 
 def _prepared(image: ArrayLike) -> NDArray[np.float64]:
@@ -42,7 +42,7 @@ def displacement(earlier: ArrayLike, later: ArrayLike) -> tuple[float, float]:
     if np.shape(earlier) != np.shape(later):
         raise DataError(f"images of shapes {np.shape(earlier)} and {np.shape(later)} cannot be registered; give equal shapes")
     first = _displacement(np.asarray(earlier), np.asarray(later))
-    # Once more on what both images show: what left and what entered pulls the estimate towards 0 under the window.
+    # A second time on the common part of both images: parts in one image alone bias the estimate towards 0 under the window.
     whole = [round(d) for d in first]
     shape = np.shape(earlier)
     if not any(whole) or any(n - abs(d) < 16 for n, d in zip(shape, whole, strict=True)):

@@ -1,4 +1,4 @@
-"""The receiver operating characteristic of one run: rates of detections and false alarms at every threshold."""
+"""Receiver operating characteristic of one run: rates of detections and false alarms at every threshold."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from seaglint.detection.scoring import Scores
 FloatArray = NDArray[np.float64]
 
 POINTS: Final = 120
-"""Thresholds at which the characteristic is told."""
+"""Number of thresholds of the characteristic."""
 
 
 @dataclass(frozen=True)
@@ -47,23 +47,23 @@ class Roc:
 
 
 def roc(curve: RateCurve, scores: Scores, inflation: tuple[float, float], level: float = 0.95) -> Roc:
-    """Characteristic over the thresholds at which there are false alarms.
+    """Receiver operating characteristic over the thresholds at which there are false alarms.
 
     Parameters
     ----------
     curve : RateCurve
-        Of the statistic without objects.
+        Rate curve of the statistic without objects.
     scores : Scores
-        Of the objects.
+        Scores of the objects.
     inflation : (float, float)
         Variance of false alarms and of detections over that of independent ones, taken for every threshold [1].
     level : float
-        Of the bands, each of its rate alone [1].
+        Confidence level of the bands, for each rate alone [1].
     """
     last = int(np.flatnonzero(curve.exceedances)[-1]) if curve.exceedances.any() else 0
     # Even in the logarithm of the rate, where the interest is.
-    wanted = np.geomspace(0.999, 1.0 / max(curve.pixels, 2), POINTS)
-    chosen = np.unique(np.minimum(np.searchsorted(-curve.rate, -wanted), last))
+    rates = np.geomspace(0.999, 1.0 / max(curve.pixels, 2), POINTS)
+    chosen = np.unique(np.minimum(np.searchsorted(-curve.rate, -rates), last))
     count_fa = curve.exceedances[chosen]
     threshold = curve.threshold[chosen]
     ordered = np.sort(scores.score)

@@ -1,4 +1,4 @@
-"""What a detector makes of injected objects: the score of each, where it is found, and the sums behind the intervals.
+"""Scores of injected objects: the score and position of each, and the sums behind the intervals.
 
 The score of an object is the largest statistic within the match radius of its pixel: it is detected at every threshold below its score,
 so that one run gives the whole operating characteristic.
@@ -21,19 +21,19 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 SEGMENTS: Final = 256
-"""Most time segments in which exceedances are counted."""
+"""Largest number of time segments in which exceedances are counted."""
 
 TILES: Final = 32
-"""Most tiles of a frame along an axis."""
+"""Largest number of tiles of a frame along an axis."""
 
 COARSER: Final = 4
-"""Tiles and segments of the injections' cells, in those of the background: an object is rarer than a pixel."""
+"""Number of tiles and segments of the background in one of the injections' cells: an object is rarer than a pixel."""
 
 FEWEST: Final = 10
-"""Occurrences below which their clustering cannot be told."""
+"""Least number of occurrences for estimating their clustering."""
 
 FEWEST_SEQUENCES: Final = 6
-"""Independent sequences from which on their scatter alone makes the intervals."""
+"""Least number of independent sequences whose scatter alone gives the intervals."""
 
 _WINDOW = 0.25
 
@@ -51,12 +51,12 @@ def match_offsets(radius: float) -> IntArray:
     axis = np.arange(-int(radius), int(radius) + 1)
     rows, columns = (g.ravel() for g in np.meshgrid(axis, axis, indexing="ij"))
     inside = rows**2 + columns**2 <= radius * radius
-    found = np.stack([rows[inside], columns[inside]], axis=1)
-    return np.asarray(found[np.argsort((found**2).sum(axis=1), kind="stable")], np.int64)
+    offsets = np.stack([rows[inside], columns[inside]], axis=1)
+    return np.asarray(offsets[np.argsort((offsets**2).sum(axis=1), kind="stable")], np.int64)
 
 
 def around(image: NDArray[np.floating], row: IntArray, column: IntArray, offsets: IntArray) -> FloatArray:
-    """Values at pixels displaced from each place, shape (places, offsets); NaN beyond the frame."""
+    """Values at given offsets from each place, shape (places, offsets); NaN beyond the frame."""
     r, c = row[:, None] + offsets[:, 0], column[:, None] + offsets[:, 1]
     inside = (r >= 0) & (r < image.shape[0]) & (c >= 0) & (c < image.shape[1])
     values = np.full(r.shape, np.nan)
@@ -74,12 +74,12 @@ def best(values: FloatArray) -> tuple[FloatArray, IntArray]:
 
 @dataclass(frozen=True)
 class Scores:
-    """Injected objects of one contrast.
+    """Scores of injected objects of one contrast.
 
     Attributes
     ----------
     contrast : float
-        What an object centred on a pixel adds to it [u].
+        Signal of an object in the pixel at whose centre it lies [u].
     score : ndarray, shape (n,)
         Largest statistic within the match radius, in standard deviations above the mean [1]; minus infinity where the detector says
         nothing once the object is there.
@@ -101,7 +101,7 @@ class Scores:
 
     @classmethod
     def joined(cls, contrast: float, parts: list[tuple[Batch, FloatArray, FloatArray]]) -> Scores:
-        """Of the scores and errors of several batches."""
+        """Return the scores and errors of several batches together."""
         batches, scores, errors = zip(*parts, strict=True)
         score = np.concatenate(scores)
         return cls(
@@ -115,7 +115,7 @@ class Scores:
         )
 
     def detected(self, threshold: float) -> NDArray[np.bool_]:
-        """Whether each is above a threshold [standard deviations]."""
+        """True for each object above a threshold [standard deviations]."""
         return self.score > threshold
 
     def density(self, threshold: float) -> float:
@@ -140,7 +140,7 @@ def _sum_cells(z: np.ndarray, tile: int, threshold: float, sums: np.ndarray) -> 
 
 
 class Cells:
-    """Sums over time segments and tiles, from which the scatter of rates is told.
+    """Sums over time segments and tiles, whose scatter gives the intervals of rates.
 
     Where the threshold m stands on the mean and standard deviation of the same pixels, a cell moves it by
     (sum z + m / 2 sum (z² - 1)) / pixels, which is part of the scatter of every rate at that threshold.
@@ -167,7 +167,7 @@ class Cells:
         self.sums = np.zeros((segments, 4, -(-rows // self.tile), -(-columns // self.tile)))
 
     def add(self, frame: int, z: NDArray[np.float32]) -> None:
-        """Take one frame of z, shape (rows, columns), NaN where missing."""
+        """Add one frame of z, shape (rows, columns), NaN where missing."""
         one = np.zeros(self.sums.shape[1:])
         _sum_cells(z, self.tile, self.threshold, one)
         self.sums[frame // self.per_segment] += one
@@ -176,43 +176,43 @@ class Cells:
 
     @property
     def pixels(self) -> int:
-        """Valid pixels."""
+        """Number of valid pixels."""
         return int(self.sums[:, 0].sum())
 
     @property
     def exceedances(self) -> int:
-        """Pixels above the threshold."""
+        """Number of pixels above the threshold."""
         return int(self.sums[:, 1].sum())
 
     def _moved(self) -> FloatArray:
-        """Standard deviations by which each cell moves the threshold, times all pixels."""
+        """Shift of the threshold by each cell [standard deviations], times all pixels."""
         return np.asarray(self.sums[:, 2] + 0.5 * self.threshold * self.sums[:, 3]) * float(self.estimated)
 
     def _moved_by_sequences(self) -> FloatArray:
-        """The same of each independent sequence."""
+        """Shift of the threshold by each independent sequence [standard deviations], times all pixels."""
         return np.asarray(self._sequences[:, 2] + 0.5 * self.threshold * self._sequences[:, 3]) * float(self.estimated)
 
     def false_alarm_interval(self, density: float, level: float) -> Interval:
-        """Of the rate of exceedances; ``density``: of z at the threshold [per standard deviation]."""
+        """Interval of the rate of exceedances; ``density``: of z at the threshold [per standard deviation]."""
         counts = self.sums[:, 1].astype(np.int64)
         if self.each:
             return interval_of_sequences(self._sequences[:, 1], self._sequences[:, 0], density * self._moved_by_sequences(), level)
         return interval(counts, self.sums[:, 0].astype(np.int64), density * self._moved(), level)
 
     def detection_interval(self, scores: Scores, level: float) -> Interval:
-        """Of the share of objects above the threshold."""
+        """Interval of the share of objects above the threshold."""
         hits = scores.detected(self.threshold)
         if self.each:
             sequence, number = scores.window // self.each, self._sequences.shape[0]
             moved_all = self._moved_by_sequences() * scores.density(self.threshold) * hits.size / max(self.pixels, 1)
             tried = np.bincount(sequence, minlength=number).astype(np.float64)
             return interval_of_sequences(np.bincount(sequence, hits, number).astype(np.float64), tried, moved_all, level)
-        found = self._interval_of_cells(scores, hits, COARSER, level)
-        # A small frame has too few cells of that size to tell how far hits go together; its tiles may do.
-        return found if found.ends is not None else self._interval_of_cells(scores, hits, 1, level)
+        interval = self._interval_of_cells(scores, hits, COARSER, level)
+        # A small frame has too few cells of that size to estimate how hits cluster; its tiles may suffice.
+        return interval if interval.ends is not None else self._interval_of_cells(scores, hits, 1, level)
 
     def _interval_of_cells(self, scores: Scores, hits: NDArray[np.bool_], coarser: int, level: float) -> Interval:
-        """The same from cells of that many tiles along an axis."""
+        """Interval of the share of objects from cells of that many tiles along an axis."""
         segment = scores.window // self.per_segment
         few = max(self.sums.shape[0] // (SEGMENTS // COARSER), 1)
         place = (segment // few, scores.row // self.tile // coarser, scores.column // self.tile // coarser)
@@ -229,7 +229,7 @@ class Cells:
 
 @dataclass(frozen=True)
 class Interval:
-    """A rate with its confidence interval.
+    """Rate with its confidence interval.
 
     Attributes
     ----------
@@ -256,7 +256,7 @@ class Interval:
 
 
 def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level: float) -> Interval:
-    """Wilson's interval with the effective number of trials that the scatter between cells tells.
+    """Wilson's interval with the effective number of trials from the scatter between cells.
 
     Fewer than :data:`FEWEST` occurrences, or as few that did not occur, are taken as independent, with the exact interval
     (:func:`exact_interval`), and the note says so.
@@ -268,7 +268,7 @@ def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level
     shift : ndarray, optional
         By how many occurrences each cell moved the total through the threshold [1].
     level : float
-        Of the interval [1].
+        Confidence level of the interval [1].
     """
     count, number = int(counts.sum()), int(trials.sum())
     if number == 0:
@@ -286,7 +286,7 @@ def interval(counts: IntArray, trials: IntArray, shift: FloatArray | None, level
 
 
 def exact_interval(count: int, number: int, level: float) -> tuple[float, float]:
-    """Interval of a chance that no chance misses more often than ``level`` allows (Clopper and Pearson, Biometrika 26, 404, 1934).
+    """Exact interval of a probability at the confidence ``level`` (Clopper and Pearson, Biometrika 26, 404, 1934).
 
     Wilson's leaves out small chances where one or two occurred: it covers 85 % instead of 95 % where half an occurrence is expected.
 
@@ -295,7 +295,7 @@ def exact_interval(count: int, number: int, level: float) -> tuple[float, float]
     count, number : int
         Occurrences, and independent trials [1].
     level : float
-        Of the interval [1].
+        Confidence level of the interval [1].
 
     Examples
     --------
@@ -311,7 +311,7 @@ def exact_interval(count: int, number: int, level: float) -> tuple[float, float]
 
 
 def interval_of_sequences(counts: FloatArray, trials: FloatArray, shift: FloatArray | None, level: float) -> Interval:
-    """The same from the scatter between independent sequences, whatever the correlation within each.
+    """Interval of a rate from the scatter between independent sequences, whatever the correlation within each.
 
         V = s / (s - 1) sum (counts_i - rate trials_i)² / trials²,   s sequences with trials
 
@@ -322,7 +322,7 @@ def interval_of_sequences(counts: FloatArray, trials: FloatArray, shift: FloatAr
     shift : ndarray, optional
         By how many occurrences each moved the total through the threshold [1].
     level : float
-        Of the interval [1].
+        Confidence level of the interval [1].
     """
     used = trials > 0
     count, number, sequences = round(float(counts.sum())), round(float(trials.sum())), int(used.sum())
@@ -342,7 +342,7 @@ def interval_of_sequences(counts: FloatArray, trials: FloatArray, shift: FloatAr
 
 
 def mean_interval(values: FloatArray, level: float) -> tuple[float, float, float, float]:
-    """Mean and standard deviation of values that are independent, and the half widths of their intervals [unit of the values].
+    """Mean and standard deviation of independent values, and the half widths of their intervals [unit of the values].
 
     The second from the scatter of the squares, which need not be those of a Gaussian.
     """

@@ -1,4 +1,4 @@
-"""Detectors on single images: filters with a threshold behind them, Laplacian of Gaussian, max-mean and max-median.
+"""Detectors on single images: filters followed by a threshold, Laplacian of Gaussian, max-mean and max-median.
 
 References
 ----------
@@ -25,7 +25,7 @@ _DIRECTIONS: Final = ((0, 1), (1, 0), (1, 1), (1, -1))
 
 @dataclass(frozen=True)
 class FilterThreshold:
-    """The plain threshold: the statistic is the frame itself, or what a filter makes of it.
+    """Threshold detector whose statistic is the frame itself, or a filtered frame.
 
     Parameters
     ----------
@@ -52,12 +52,12 @@ class FilterThreshold:
 
     @property
     def linear(self) -> bool:
-        """That of the filter."""
+        """True if the filter is linear."""
         return isinstance(self.filter, _LINEAR)
 
     @property
     def null_law(self) -> str | None:
-        """Gaussian for Gaussian clutter where the filter is linear."""
+        """Gaussian distribution for Gaussian clutter where the filter is linear."""
         return "Gaussian of the measured mean and standard deviation, Gaussian clutter" if self.linear else None
 
     def __call__(self, frames: Frames) -> Frames:
@@ -67,14 +67,14 @@ class FilterThreshold:
 
 @dataclass(frozen=True)
 class Chain:
-    """A filter before a detector.
+    """Detector behind a filter.
 
     Parameters
     ----------
     filter : Filter
         Applied to every frame.
     detector : Detector
-        What sees the filtered frames.
+        Detector that receives the filtered frames.
     """
 
     filter: Filter
@@ -87,27 +87,27 @@ class Chain:
 
     @property
     def lead(self) -> int:
-        """That of the detector [frames]."""
+        """Number of earlier frames that the detector needs [frames]."""
         return self.detector.lead
 
     @property
     def calibrated(self) -> bool:
-        """That of the detector."""
+        """True if the detector's statistic is in equivalent standard deviations."""
         return self.detector.calibrated
 
     @property
     def reach(self) -> int | None:
-        """Sum of both [px]."""
+        """Sum of the reaches of filter and detector [px]."""
         return None if self.detector.reach is None else self.detector.reach + self.filter.margin
 
     @property
     def linear(self) -> bool:
-        """Where both are."""
+        """True if filter and detector are linear."""
         return self.detector.linear and isinstance(self.filter, _LINEAR)
 
     @property
     def null_law(self) -> str | None:
-        """That of the detector; the filter may break what it supposes."""
+        """Distribution of the detector's statistic; the filter may violate its assumptions."""
         return self.detector.null_law
 
     def __call__(self, frames: Frames) -> Frames:
@@ -136,7 +136,7 @@ def laplacian_of_gaussian(scale: float) -> Kernel:
 
 @dataclass(frozen=True)
 class DirectionalBackground:
-    """Max-mean and max-median: pixel minus the largest of the means, or medians, along four lines through it.
+    """Max-mean and max-median detector: pixel minus the largest of the means, or medians, along four lines through it.
 
         T = x - max(Z_row, Z_column, Z_diagonal, Z_other diagonal)
 
@@ -145,7 +145,7 @@ class DirectionalBackground:
     Parameters
     ----------
     kind : {"mean", "median"}
-        What is taken along the lines.
+        Average along the lines.
     size : int
         Pixels of a line, odd, at least 3.
     """

@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 
 
 class Shape(Protocol):
-    """What injection needs of an object's shape."""
+    """Interface of an object's shape for injection."""
 
     @property
     def half(self) -> int:
@@ -25,7 +25,7 @@ class Shape(Protocol):
         ...
 
     def stamps(self, offsets: FloatArray) -> FloatArray:
-        """Objects displaced by (row, column) from the centre of the central pixel, shape (n, 2 half + 1, 2 half + 1) [1].
+        """Return objects displaced by (row, column) from the centre of the central pixel, shape (n, 2 half + 1, 2 half + 1) [1].
 
         ``offsets``: shape (n, 2) [px], within half a pixel.
         """
@@ -60,7 +60,7 @@ class GaussianSpot:
 
     @property
     def half(self) -> int:
-        """Four standard deviations and half a pixel, at least 1 [px]."""
+        """Half size of the stamp: four standard deviations and half a pixel, at least 1 [px]."""
         return max(int(np.ceil(4.0 * self.sigma + 0.5)), 1)
 
     def stamps(self, offsets: FloatArray) -> FloatArray:
@@ -78,7 +78,7 @@ class GaussianSpot:
 
 @dataclass(frozen=True)
 class SampledSpot:
-    """Measured or computed point spread, one value per pixel, displaced by cubic splines; 0 outside.
+    """Measured or computed point spread function, one value per pixel, displaced by cubic splines; 0 outside.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ class SampledSpot:
 
     @property
     def half(self) -> int:
-        """Half the larger side and a pixel more [px]."""
+        """Half size of the stamp: half the larger side and a pixel more [px]."""
         return int(np.shape(self.values)[0]) // 2
 
     def stamps(self, offsets: FloatArray) -> FloatArray:

@@ -1,4 +1,4 @@
-"""Tails of a statistic that takes few values: counts of a converter, and differences of them.
+"""Tails of a statistic with few distinct values: counts of a converter, and differences of them.
 
 Excesses over a threshold are known up to a step, and the generalised Pareto distribution is fitted to the numbers of pixels on each level:
 a level's probability is the difference of the survival function at its two ends, half a step to either side. A threshold lies between two
@@ -24,32 +24,32 @@ from seaglint.random import stream
 FloatArray = NDArray[np.float64]
 
 FEWEST_LEVELS: Final = 3
-"""Levels that a tail is fitted to, at least: one more than it has parameters."""
+"""Least number of levels for fitting a tail: one more than it has parameters."""
 
 _SAMPLE = 200_000
-_SHARE = 20  # values to a level, at least, of what is taken for stepped
+_SHARE = 20  # least number of values per level for a stepped statistic
 _SHAPES = np.linspace(-0.6, 1.2, 181)
 _SCALES = 161
 
 
 @dataclass(frozen=True)
 class Steps:
-    """Levels that a statistic takes: ``level`` and whole steps from it [standard deviations]."""
+    """Levels of a statistic: ``level`` and whole steps from it [standard deviations]."""
 
     level: float
     step: float
 
     def below(self, threshold: float) -> float:
-        """Middle between the two levels that a threshold lies between [standard deviations]."""
+        """Middle between the two levels around a threshold [standard deviations]."""
         return self.level + (math.floor((threshold - self.level) / self.step + 1e-6) + 0.5) * self.step
 
     def above(self, threshold: float) -> float:
-        """The lowest middle between two levels from a threshold on [standard deviations]."""
+        """Lowest middle between two levels at or above a threshold [standard deviations]."""
         return self.level + (math.ceil((threshold - self.level) / self.step - 0.5 - 1e-6) + 0.5) * self.step
 
 
 def steps_of(judged: Background, law: Law) -> Steps | None:
-    """Levels of the statistic; None where it takes any value, or steps finer than two bins of the rate curve."""
+    """Levels of the statistic; None where it is continuous, or has steps finer than two bins of the rate curve."""
     rows, columns = judged.statistic.shape[1:]
     number = min(max(_SAMPLE // (rows * columns), 1), judged.windows)
     chosen = np.unique(np.linspace(0, judged.windows - 1, number).astype(int))
@@ -70,26 +70,26 @@ def steps_of(judged: Background, law: Law) -> Steps | None:
 def tail_above(
     judged: Background, law: Law, curve: RateCurve, events: Events, *, lowest: float = LOWEST_THRESHOLD, seed: int = 0
 ) -> RareTail:
-    """Tail of the statistic's false alarms, stepped or not.
+    """Tail of the statistic's false alarms, for stepped and continuous statistics.
 
     Parameters
     ----------
     judged : Background
         Statistic.
     law : {"sigma", "frame", "fixed", "design"}
-        In whose standard deviations it is told.
+        Law of the threshold, whose standard deviations are the unit of the tail.
     curve, events : RateCurve, Events
         Rates, and the events above ``lowest``.
     lowest : float
         Threshold of the events [standard deviations].
     seed : int
-        Of draws behind tests and intervals.
+        Seed of the draws behind tests and intervals.
     """
     steps = steps_of(judged, law)
     if steps is None:
         return rare_tail(curve, events, seed=seed)
     edges = np.arange(steps.above(lowest), float(curve.threshold[-1]) + steps.step, steps.step) if curve.threshold.size else np.empty(0)
-    # a bin of the curve holds no more than one level: from the edge on all that lies above it
+    # a bin of the curve holds at most one level: from the edge on, all values above it
     above = np.array([int(curve.exceedances[min(int(np.searchsorted(curve.threshold, e)), curve.threshold.size - 1)]) for e in edges])
     filled = np.flatnonzero(above > 0)
     if filled.size < FEWEST_LEVELS:
@@ -115,13 +115,13 @@ def tail_above(
             continue
         edge = int(np.searchsorted(curve.threshold, edges[first]))
         reached = steps.step * (counts.size - 0.5)
-        told = with_limits(curve, edge, float(edges[first]), number, fit, p, reached, stream(seed, "levels of a tail"))
-        return RareTail(told, number / float(above[first]), curve.pixels, None, region, steps)
+        fitted = with_limits(curve, edge, float(edges[first]), number, fit, p, reached, stream(seed, "levels of a tail"))
+        return RareTail(fitted, number / float(above[first]), curve.pixels, None, region, steps)
     return RareTail(None, float("nan"), curve.pixels, note)
 
 
 def fit_levels(counts: NDArray[np.int64], step: float, share: float) -> tuple[ParetoFit, float, tuple[FloatArray, FloatArray]]:
-    """Generalised Pareto fit to numbers on levels, by the largest likelihood on a grid.
+    """Generalised Pareto fit to numbers on levels, by maximum likelihood on a grid.
 
     Parameters
     ----------
@@ -155,10 +155,10 @@ def fit_levels(counts: NDArray[np.int64], step: float, share: float) -> tuple[Pa
     most = float(likelihood[best])
     near = likelihood >= most - 0.5 * QUANTILE**2
     fit = ParetoFit(float(shape[best]), float(scale[best]), most)
-    # against levels that have the shares counted, the rare ones taken together and what lies beyond the last with them
+    # against levels with the counted shares, the rare ones and those beyond the last combined
     expected = weight.sum() * -np.diff(np.append(np.asarray(fit.survival(ends[:-1])), 0.0))
-    kept = max(int(np.sum(np.cumsum(expected[::-1])[::-1] >= 3.0)), 1)
-    seen, wanted = (np.append(v[: kept - 1], v[kept - 1 :].sum()) for v in (weight, expected))
+    count = max(int(np.sum(np.cumsum(expected[::-1])[::-1] >= 3.0)), 1)
+    seen, predicted = (np.append(v[: count - 1], v[count - 1 :].sum()) for v in (weight, expected))
     with np.errstate(divide="ignore", invalid="ignore"):
-        deviance = 2.0 * float(np.where(seen > 0, seen * np.log(seen / wanted), 0.0).sum())
+        deviance = 2.0 * float(np.where(seen > 0, seen * np.log(seen / predicted), 0.0).sum())
     return fit, float(chi2.sf(deviance, max(seen.size - 3, 1))), (shape[near], scale[near])

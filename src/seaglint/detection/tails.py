@@ -1,4 +1,4 @@
-"""Rare false alarms: rates below one in the data, from peaks over a threshold, and whether to believe them.
+"""Rare false alarms: rates below one in the data, from peaks over a threshold, and their reliability.
 
 The fit is that of :mod:`seaglint.clutter.extremes`: a generalised Pareto distribution of the excess of all exceeding pixels, as uncertain
 as the number of declustered events makes it. Tails of clutter approach that form slowly (a Gaussian's shape is still -0.08 at three
@@ -27,21 +27,23 @@ from seaglint.clutter.thresholds import standardise
 from seaglint.errors import DataError, DomainError
 
 LOWEST_THRESHOLD: Final = 3.0
-"""Standard deviations above which the events of a tail begin."""
+"""Threshold above which the events of a tail begin [standard deviations]."""
 
 MOST_EVENTS: Final = 1500
-"""Largest events that are fitted: with them rates of 1e-7 from a million values cover the truth of Gaussian and gamma clutter."""
+"""Number of largest events that are fitted: with them rates of 1e-7 from a million values cover the truth of Gaussian and gamma clutter."""
 
 QUANTILE: Final = 2.1
-"""Standard errors of the region: with 1.96 a rate of 1e-7 from a million values is inside in 278 of 300 samples, as the tail is not of the
-fit's form yet."""
+"""Half width of the confidence region [standard errors].
+
+With 1.96 a rate of 1e-7 from a million values is inside in 278 of 300 samples, as the tail is not of the fit's form yet.
+"""
 
 _GRID = 121
 
 FloatArray = NDArray[np.float64]
 
 RARE: Final = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
-"""Rates whose thresholds are told [1]."""
+"""Rates whose thresholds are reported [1]."""
 
 
 @dataclass(frozen=True)
@@ -70,11 +72,11 @@ class Levels(Protocol):
     """Steps of a statistic, see :class:`seaglint.detection.stepped.Steps`."""
 
     def below(self, threshold: float) -> float:
-        """Middle between the two levels that a threshold lies between [standard deviations]."""
+        """Middle between the two levels around a threshold [standard deviations]."""
         ...
 
     def above(self, threshold: float) -> float:
-        """The lowest middle between two levels from a threshold on [standard deviations]."""
+        """Lowest middle between two levels at or above a threshold [standard deviations]."""
         ...
 
 
@@ -95,7 +97,7 @@ class RareTail:
     region : (ndarray, ndarray)
         Shapes and scales whose log likelihood is within 2.2 of the largest [1, standard deviations].
     levels : Levels, optional
-        Of a statistic that takes steps: thresholds are told as the middle between two of them.
+        Levels of a stepped statistic: thresholds are stated as the middle between two of them.
     """
 
     fit: TailFit | None
@@ -106,7 +108,7 @@ class RareTail:
     levels: Levels | None = None
 
     def at(self, threshold_sigma: float) -> RareRate | None:
-        """Rate at a threshold [standard deviations]; None below that of the fit."""
+        """Rate at a threshold [standard deviations]; None below the threshold of the fit."""
         if self.levels is not None:
             threshold_sigma = self.levels.below(threshold_sigma)
         if self.fit is None or threshold_sigma < self.fit.threshold:
@@ -123,11 +125,11 @@ class RareTail:
         return RareRate(float(threshold_sigma), rate, low, min(high, 1.0), believed)
 
     def threshold_for(self, rate: float) -> RareRate | None:
-        """Threshold at which the rate is ``rate`` [1]; None above the rate at the threshold of the fit, or where the tail ends before."""
-        found = None if self.fit is None else self.fit.threshold_for(rate)
-        if found is None:
+        """Threshold of a rate [1]; None above the rate at the threshold of the fit, or where the tail ends before."""
+        threshold = None if self.fit is None else self.fit.threshold_for(rate)
+        if threshold is None:
             return None
-        return self.at(found if self.levels is None else self.levels.above(found))
+        return self.at(threshold if self.levels is None else self.levels.above(threshold))
 
 
 def rare_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> RareTail:
@@ -147,14 +149,14 @@ def rare_tail(curve: RateCurve, events: Events, *, seed: int = 0) -> RareTail:
 
 
 def survival(shape: FloatArray, scale: FloatArray, excess: FloatArray | float) -> FloatArray:
-    """P(X > excess) of generalised Pareto distributions, none of shape exactly 0 [1]."""
+    """Probability P(X > excess) of generalised Pareto distributions, none of shape exactly 0 [1]."""
     inside = np.maximum(1.0 + shape * np.asarray(excess) / scale, 0.0)
     with np.errstate(divide="ignore"):
         return np.asarray(np.exp(-np.log(inside) / np.abs(shape) * np.sign(shape)))
 
 
 def _region(curve: RateCurve, fit: TailFit) -> tuple[FloatArray, FloatArray]:
-    """Shapes and scales that the excesses do not rule out, from the likelihood of the bins of the curve; an event counts once."""
+    """Shapes and scales that are compatible with the excesses, from the likelihood of the bins of the curve; an event counts once."""
     edge = int(np.searchsorted(curve.threshold, fit.threshold - 1e-6))
     counts = -np.diff(curve.exceedances[edge:])
     used = counts > 0
@@ -176,14 +178,14 @@ def _region(curve: RateCurve, fit: TailFit) -> tuple[FloatArray, FloatArray]:
 
 
 def tail_of(values: ArrayLike, *, seed: int = 0) -> tuple[RareTail, float, float]:
-    """Tail of a sample, and the mean and standard deviation in which its thresholds are told.
+    """Tail of a sample, and the mean and standard deviation of its thresholds' scale.
 
     Parameters
     ----------
     values : array_like
         A series, an image, or frames (k, rows, columns): neighbours belong to one event [u].
     seed : int
-        Of the draws for test and interval.
+        Seed of the draws for test and interval.
 
     Raises
     ------

@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 
 @lru_cache(maxsize=8)
 def _student(degrees: int) -> tuple[FloatArray, FloatArray]:
-    """Ratios and the z with Q(z) equal to their tail of Student's t: dense around 0, to 1e30, where few degrees still have a tail."""
+    """Ratios and their equivalent standard deviations z, by equal tails of Student's t and the Gaussian: dense around 0, up to 1e30."""
     from scipy.special import ndtri, stdtr
 
     ratio = np.sinh(np.linspace(0.0, np.arcsinh(1e30), 20_001))
@@ -34,7 +34,7 @@ def _student(degrees: int) -> tuple[FloatArray, FloatArray]:
 
 @dataclass(frozen=True)
 class TemporalProfile:
-    """A pixel against its own past: Student's ratio of the latest value to ``count`` earlier ones.
+    """Detector of a pixel against its own past: Student's ratio of the latest value to ``count`` earlier ones.
 
         T = (x - mean) / (s sqrt(1 + 1/n)),  Student's t with n - 1 degrees of freedom
 
@@ -63,7 +63,7 @@ class TemporalProfile:
 
     @property
     def lead(self) -> int:
-        """Frames before the latest [frames]."""
+        """Number of frames before the latest [frames]."""
         return self.count + self.guard
 
     def __call__(self, frames: Frames) -> Frames:
@@ -83,7 +83,7 @@ class TemporalProfile:
 
 @dataclass(frozen=True)
 class TrackBeforeDetect:
-    """Sum of a pixel's brightness along the best of all tracks that end in it.
+    """Detector by the largest sum of a pixel's brightness along all tracks that end in it.
 
         I_1 = z_1,  I_k(x) = z_k(x) + max over steps d of at most v of I_(k-1)(x + d),  T = I_n / sqrt(n)
 
@@ -111,12 +111,12 @@ class TrackBeforeDetect:
 
     @property
     def lead(self) -> int:
-        """Frames before the latest [frames]."""
+        """Number of frames before the latest [frames]."""
         return self.count - 1
 
     @property
     def reach(self) -> int:
-        """Longest way of a track [px]."""
+        """Greatest length of a track [px]."""
         return self.lead * self.speed
 
     def __call__(self, frames: Frames) -> Frames:

@@ -1,4 +1,4 @@
-"""Injected objects through a detector, batch by batch.
+"""Trials of a detector with injected objects, batch by batch.
 
 A detector that is linear sees clutter and objects apart: the statistic of the clutter is known, that of the objects is computed once and
 scaled to every contrast. Any other sees the frames with the objects in them. A source that is a sensor's has an attribute ``counting``
@@ -25,19 +25,19 @@ from seaglint.errors import DataError, DomainError
 FloatArray = NDArray[np.float64]
 
 LARGEST_CONTRAST: Final = 1e30
-"""Largest contrast that single precision takes, with room for the sums of detectors [u]."""
+"""Largest contrast in single precision, with a margin for the sums of detectors [u]."""
 
 
 @dataclass(frozen=True)
 class Objects:
-    """What is injected and how a detection is matched to it.
+    """Injected objects and the matching of detections to them.
 
     Parameters
     ----------
     shape : Shape
-        Of every object.
+        Shape of every object.
     contrasts : tuple of float
-        What an object centred on a pixel adds to it; not 0 [u].
+        Signals of an object in the pixel at whose centre it lies; not 0 [u].
     injections : int
         Objects of each contrast, all at the same places.
     placement : {"random", "centre"}
@@ -47,9 +47,9 @@ class Objects:
     velocity : (float, float)
         Motion in rows and columns [px a frame].
     pointing : {"least-squares", "centroid"}
-        How places are estimated.
+        Method that estimates places.
     seed : int
-        Of places.
+        Seed of places.
     duration : int
         Frames for which an object is there, up to the one that is judged; 0 for all that the detector sees [frames].
     only_rows : (int, int), optional
@@ -102,7 +102,7 @@ class Objects:
 
 @dataclass(frozen=True)
 class Trials:
-    """Scores of all objects.
+    """Scores of all injected objects.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class Trials:
     saturated : tuple of int
         Objects of each contrast that would go beyond saturation, where they are cut.
     stopped : str or None
-        Why fewer objects than asked for were tried.
+        Reason why fewer objects than requested were tried.
     """
 
     scores: tuple[Scores, ...]
@@ -164,30 +164,30 @@ class _Batches:
         return out
 
     def _saturated(self, frames: Frames, batch: Batch) -> int:
-        """Objects whose brightest pixel goes beyond saturation."""
+        """Number of objects whose brightest pixel is beyond saturation."""
         if self.source.saturation is None:
             return 0
         return int((frames[-1][batch.row, batch.column] > self.source.saturation).sum())
 
     def _errors(self, image: Frames, batch: Batch, score: FloatArray, where: NDArray[np.int64]) -> FloatArray:
-        """Estimated less true places of what is above the threshold, NaN of the rest."""
+        """Estimated minus true positions of objects above the threshold, NaN for the others."""
         error = np.full((batch.size, 2), np.nan)
-        found = np.flatnonzero(score > self.threshold.sigma)
-        if not found.size or not self.locate:
+        detected = np.flatnonzero(score > self.threshold.sigma)
+        if not detected.size or not self.locate:
             return error
-        pixel = np.stack([batch.row, batch.column], axis=1)[found] + self.offsets[where[found]]
+        pixel = np.stack([batch.row, batch.column], axis=1)[detected] + self.offsets[where[detected]]
         side = 2 * self.objects.shape.half + 1
         patches = around(image, pixel[:, 0], pixel[:, 1], self.patch).reshape(-1, side, side)
         whole = np.isfinite(patches).all(axis=(1, 2))
-        found, pixel, patches = found[whole], pixel[whole], patches[whole]
-        if found.size:
+        detected, pixel, patches = detected[whole], pixel[whole], patches[whole]
+        if detected.size:
             bright = patches if self.objects.contrasts[0] > 0 else -patches
             fitted = (
                 least_squares(bright, self.objects.shape)
                 if self.objects.pointing == "least-squares"
                 else centroid(bright, border_level(bright))
             )
-            error[found] = pixel + fitted - batch.place[found]
+            error[detected] = pixel + fitted - batch.place[detected]
         return error
 
 
@@ -201,7 +201,7 @@ def run_trials(
     enough: Callable[[Sequence[int]], str | None] | None = None,
     locate: bool = True,
 ) -> Trials:
-    """Inject objects until as many as wanted have been tried.
+    """Inject objects until the requested number has been tried.
 
     Parameters
     ----------
@@ -210,7 +210,7 @@ def run_trials(
     source : FrameSource
         Frames.
     objects : Objects
-        What is injected.
+        Objects to inject.
     threshold : Threshold
         Above which places are estimated; the scores are those of every threshold.
     report : callable, optional
@@ -241,13 +241,13 @@ def run_trials(
         if batch.size == 0:
             continue
         try:
-            found = work.run(batch)
+            results = work.run(batch)
         except DataError as error:
             if tried == 0:
                 raise
             stopped = f"stopped after {tried} of {objects.injections} injections: {error}"
             break
-        for k, (score, errors, high) in enumerate(found):
+        for k, (score, errors, high) in enumerate(results):
             parts[k].append((batch, score, errors))
             saturated[k] += high
             hits[k] += int((score > threshold.sigma).sum())

@@ -1,4 +1,4 @@
-"""The process in which a user's detector runs: ``python -m seaglint.detection.worker FD package.module:attribute``."""
+"""Process that runs a user's detector: ``python -m seaglint.detection.worker FD package.module:attribute``."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from seaglint.errors import DataError
 
 
 def serve(connection: Connection, path: str) -> None:
-    """Load the detector, tell what it is, and answer frames with statistics until the other side is gone."""
+    """Load the detector, send its properties, and answer frames with statistics until the other side closes."""
     try:
         detector = load(path)
     except DataError as error:
         connection.send((False, str(error)))
         return
-    told = {"name": detector.name, "lead": detector.lead, "calibrated": detector.calibrated, "reach": detector.reach}
-    connection.send((True, told))
+    properties = {"name": detector.name, "lead": detector.lead, "calibrated": detector.calibrated, "reach": detector.reach}
+    connection.send((True, properties))
     while True:
         try:
             frames = connection.recv()

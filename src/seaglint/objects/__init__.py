@@ -1,1 +1,1 @@
-"""Bodies on and above the sea: shapes, materials, motion, what floats."""
+"""Bodies on and above the sea: shapes, materials, motion, floating."""

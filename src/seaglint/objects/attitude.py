@@ -1,4 +1,4 @@
-"""How a body is turned: heading clockwise from north, pitch (nose up), roll (starboard side down), as a rotation of its axes.
+"""Attitude of a body: heading clockwise from north, pitch (nose up), roll (starboard side down), as a rotation of its axes.
 
 ::
 
@@ -15,7 +15,7 @@ from seaglint.conventions import FloatArray
 
 
 def rotation(heading: float, pitch: float = 0.0, roll: float = 0.0) -> FloatArray:
-    """Rotation from a body's axes to east, north and up of three angles [rad, (3, 3)].
+    """Rotation matrix from a body's axes to east, north and up for three angles [rad, (3, 3)].
 
     Examples
     --------
@@ -43,7 +43,7 @@ def tilt(heading: float, starboard: float, forward: float) -> FloatArray:
     Parameters
     ----------
     heading : float
-        Of the body [rad].
+        Heading of the body [rad].
     starboard, forward : float
         Slope of the plane towards its starboard and forward [1].
 

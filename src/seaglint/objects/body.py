@@ -1,4 +1,4 @@
-"""What an object is made of and where it is: solids of triangles, plumes, points, and their placement at a time."""
+"""Components of an object and its placement at a time: solids of triangles, plumes, points."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from seaglint.conventions import FloatArray
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """A closed surface of triangles, graybody in emission and Lambertian in reflection.
+    """Closed surface of triangles, graybody in emission and Lambertian in reflection.
 
     Attributes
     ----------
@@ -22,9 +22,9 @@ class Solid:
     triangles : ndarray of int32, (triangles, 3)
         Corners, counterclockwise seen from outside.
     temperature : ndarray, (vertices,)
-        Of the surface [K].
+        Temperature of the surface [K].
     emissivity : ndarray, (vertices,)
-        Of the surface [1]; what it lacks of 1 is reflected.
+        Emissivity of the surface [1]; the rest to 1 is reflected.
     """
 
     vertices: FloatArray
@@ -35,7 +35,7 @@ class Solid:
 
 @dataclass(frozen=True)
 class Plume:
-    """An ellipsoid of gas that emits and lets through: no surface, no reflection.
+    """Ellipsoid of gas that emits and transmits, without a surface or reflection.
 
     Its optical depth along a line is that of the middle times (chord / longest chord in that direction): uniform inside.
 
@@ -46,7 +46,7 @@ class Plume:
     semi_axes : tuple of float
         Along x, y and z [m].
     temperature : float
-        Of the gas [K].
+        Temperature of the gas [K].
     emissivity : float
         Along a line through the middle, below 1 [1].
     """
@@ -59,7 +59,7 @@ class Plume:
 
 @dataclass(frozen=True)
 class Point:
-    """A source without extent, at the body's origin.
+    """Source without extent, at the body's origin.
 
     Attributes
     ----------
@@ -78,12 +78,12 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Where a body is at an instant.
+    """Position and attitude of a body at an instant.
 
     Attributes
     ----------
     position : ndarray, (3,)
-        Of its origin: east and north on the sea's own axes, as the sensor's pose has them; height above the mean sea there [m].
+        Position of its origin: east and north on the sea's own axes, as the sensor's pose has them; height above the mean sea there [m].
     rotation : ndarray, (3, 3)
         From the body's axes to east, north and up.
     """
@@ -93,7 +93,7 @@ class Placement:
 
 
 class Motion(Protocol):
-    """Where a body is, as a function of time alone."""
+    """Position and attitude of a body as a function of time alone."""
 
     def at(self, time: float) -> Placement:
         """Placement at a time from the start [s]."""
@@ -102,7 +102,7 @@ class Motion(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """An object of a scene."""
+    """Object of a scene."""
 
     name: str
     parts: tuple[Solid | Plume | Point, ...]

@@ -1,4 +1,4 @@
-"""What a mesh must be to have an inside: closed, of one orientation, of some volume, not crossing itself; and what lies inside."""
+"""Checks that a mesh encloses a volume: closed, of one orientation, of some volume, not crossing itself; and test of points inside."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from seaglint.objects.primitives import Mesh, volume
 from seaglint.objects.solids import merged
 
 THINNEST = 1e-9
-"""Share of its bounding box that a solid must fill at least."""
+"""Least share of its bounding box that a solid fills."""
 
 
 TOUCHING = 1e-6
-"""Depth, against the size of a mesh, up to which triangles that cross are taken to touch: files hold seven digits."""
+"""Depth, relative to the size of a mesh, up to which crossing triangles count as touching: files hold seven digits."""
 
 MOST_SLABS = 64
-"""Parts of a mesh that are looked through for crossings one by one."""
+"""Number of parts of a mesh that are searched for crossings one by one."""
 
 COLDEST, HOTTEST = 100.0, 4000.0
-"""Temperatures of objects [K]: colder ones do not show, hotter ones are mistyped."""
+"""Limits of objects' temperatures [K]; values outside are mistyped."""
 
 
 def oriented(mesh: Mesh) -> Mesh:
-    """A mesh that is a closed surface, with its triangles counterclockwise seen from outside.
+    """Return a mesh, checked to be a closed surface, with its triangles counterclockwise seen from outside.
 
     Raises
     ------
@@ -40,8 +40,8 @@ def oriented(mesh: Mesh) -> Mesh:
     if not len(triangles) or not np.isfinite(vertices).all():
         raise DomainError("the mesh has no triangles, or vertices that are no finite numbers; export it again")
     same = merged(vertices)[triangles]
-    kept = (same[:, 0] != same[:, 1]) & (same[:, 1] != same[:, 2]) & (same[:, 2] != same[:, 0])
-    same, triangles = same[kept], triangles[kept]
+    valid = (same[:, 0] != same[:, 1]) & (same[:, 1] != same[:, 2]) & (same[:, 2] != same[:, 0])
+    same, triangles = same[valid], triangles[valid]
     _require_closed(same)
     filled = volume((vertices, triangles))
     size = np.ptp(vertices, axis=0)
@@ -52,7 +52,7 @@ def oriented(mesh: Mesh) -> Mesh:
 
 
 def inside(part: Solid, place: FloatArray) -> bool:
-    """Whether a place [m, (3,)] in the body's axes is inside a solid: all of the sphere is filled as seen from there."""
+    """True if a place [m, (3,)] in the body's axes is inside a solid: its surface fills the whole sphere seen from there."""
     if np.any(place < part.vertices.min(axis=0)) or np.any(place > part.vertices.max(axis=0)):
         return False
     a, b, c = (part.vertices[part.triangles[:, i]] - place for i in range(3))
@@ -105,7 +105,7 @@ def _require_uncrossed(vertices: FloatArray, triangles: NDArray[np.int64]) -> No
 
 @njit
 def _crossing(corners: FloatArray, low: FloatArray, high: FloatArray, triangles: NDArray[np.int64], depth: float) -> tuple[int, int]:
-    """First two triangles without a common corner that cross by more than ``depth`` [m]; (-1, -1) where there are none.
+    """First two triangles without a common corner that cross by more than ``depth`` [m]; (-1, -1) without any.
 
     They are sorted by the first axis.
     """
@@ -140,7 +140,7 @@ def _crossing(corners: FloatArray, low: FloatArray, high: FloatArray, triangles:
 
 @njit
 def _pierces(start: FloatArray, end: FloatArray, triangle: FloatArray, depth: float) -> bool:
-    """Whether a segment goes through the inside of a triangle, by more than ``depth`` on both sides."""
+    """True if a segment passes through the inside of a triangle, by more than ``depth`` on both sides."""
     a, b, c = triangle[0], triangle[1], triangle[2]
     before, behind = _six_volumes(a, b, c, start), _six_volumes(a, b, c, end)
     if before * behind >= 0.0:
@@ -169,7 +169,7 @@ def _six_volumes(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> 
 
 
 def require_materials(part: Solid) -> None:
-    """Refuse emissivities outside 0 to 1 and temperatures at which nothing of the sea is.
+    """Refuse emissivities outside 0 to 1 and temperatures outside the limits.
 
     Raises
     ------
@@ -183,7 +183,7 @@ def require_materials(part: Solid) -> None:
 
 
 def waterline(part: Solid, level: float) -> tuple[FloatArray, FloatArray] | None:
-    """The rectangle along x and y with the area's second moments of a solid's section at a height of its axes [m].
+    """Rectangle along x and y with the second moments of a solid's section at a height of its axes [m].
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""What floats rides on the resolved waves: heave, roll and pitch are those of the plane that fits the sea best over its waterline.
+"""Floating bodies on the resolved waves: heave, roll and pitch of the plane that best fits the sea over their waterline.
 
 The waterline is a rectangle of half sides a (starboard) and b (forward). For a wave of amplitude A and wavenumbers k_x, k_y along them
 the plane of least squares has
@@ -27,11 +27,11 @@ from seaglint.sea.field import WaveField
 from seaglint.sea.wander import Wander
 
 NEGLIGIBLE = 1e-6
-"""Share of the variances of height and slope that the waves left out may carry: 0.1 % of the motion."""
+"""Share of the variances of height and slope in the waves that may be omitted: 0.1 % of the motion."""
 
 
 class Steered(Protocol):
-    """A motion that knows its velocity."""
+    """Motion with a velocity."""
 
     def at(self, time: float) -> Placement:
         """Placement at a time from the start [s]."""
@@ -43,7 +43,7 @@ class Steered(Protocol):
 
 
 class Lift(NamedTuple):
-    """The sea under a waterline: height [m], its rate [m s-1] and slopes towards starboard and forward [1]."""
+    """Sea under a waterline: height [m], its rate [m s-1] and slopes towards starboard and forward [1]."""
 
     height: float
     rate: float
@@ -53,32 +53,32 @@ class Lift(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Swell:
-    """The waves of a sea, one by one, as far as they count for floating bodies; make it with :meth:`of`."""
+    """Plane waves of a sea that matter for floating bodies; make it with :meth:`of`."""
 
     waves: tuple[FloatArray, ...]
     wander: tuple[Wander, ...]
 
     @classmethod
     def of(cls, field: WaveField, half_sides: tuple[float, float] = (0.0, 0.0)) -> Swell:
-        """The waves that a waterline of these half sides [m] or wider ones can feel."""
+        """Return the waves that a waterline of these half sides [m] or wider ones can feel."""
         every = field.plane_waves()
         shares = []
         for waves in every:
             k = np.hypot(waves[:, 0], waves[:, 1])
-            # what the narrow side lets through in any heading, at most
+            # largest response of the narrow side at any heading
             felt = (waves[:, 3] ** 2 + waves[:, 4] ** 2) * np.minimum(1.0, 1.0 / np.maximum(k * min(half_sides), 1e-300)) ** 2
             shares.append(np.stack([felt, felt * k**2], axis=1))
         whole = np.concatenate(shares) / np.concatenate(shares).sum(axis=0)
         weight = np.sort(whole.max(axis=1))
         least = weight[min(int(np.searchsorted(np.cumsum(weight), NEGLIGIBLE)), weight.size - 1)]
-        kept, first = [], 0
+        selected, first = [], 0
         for waves in every:
-            kept.append(np.ascontiguousarray(waves[whole[first : first + len(waves)].max(axis=1) >= least]))
+            selected.append(np.ascontiguousarray(waves[whole[first : first + len(waves)].max(axis=1) >= least]))
             first += len(waves)
-        return cls(tuple(kept), field.wander)
+        return cls(tuple(selected), field.wander)
 
     def under(self, place: FloatArray, heading: float, half_sides: FloatArray, time: float, velocity: FloatArray | None = None) -> Lift:
-        """The sea under a waterline.
+        """Sea under a waterline.
 
         Parameters
         ----------
@@ -91,7 +91,7 @@ class Swell:
         time : float
             From the start [s].
         velocity : ndarray, optional
-            Of the middle, towards east and north [m s-1]; it counts for the rate.
+            Velocity of the middle, towards east and north [m s-1]; it counts for the rate.
         """
         total = np.zeros(6)
         for i, waves in enumerate(self.waves):
@@ -108,16 +108,16 @@ class Swell:
 
 @dataclass(frozen=True, eq=False)
 class Afloat:
-    """A body that rides on the waves of its place; ``base`` is its motion on a flat sea.
+    """Body that rides on the waves of its place; ``base`` is its motion on a flat sea.
 
     Attributes
     ----------
     base : Steered
         Motion on a flat sea.
     swell : Swell
-        What it rides on.
+        Waves that it rides on.
     centre, half_sides : ndarray, (2,)
-        Of the waterline, towards starboard and forward of the body's origin [m].
+        Centre and half sides of the waterline, towards starboard and forward of the body's origin [m].
     """
 
     base: Steered
@@ -171,7 +171,7 @@ def _lifted(waves: FloatArray, place: FloatArray, stretch: FloatArray, axes: Flo
 
 @njit
 def _averaged(q: float) -> tuple[float, float]:
-    """Mean of a wave over a side, and slope of the line that fits it best, against those at its middle."""
+    """Mean of a wave over a side, and slope of its best linear fit, relative to those at the centre."""
     if abs(q) < 1e-2:
         return 1.0 - q * q / 6.0, 1.0 - 0.1 * q * q
     s, c = math.sin(q), math.cos(q)

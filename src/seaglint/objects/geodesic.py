@@ -1,4 +1,4 @@
-"""Latitude and longitude as metres east and north of a place: length and first azimuth of the geodesic on the WGS 84 ellipsoid.
+"""Conversion of latitude and longitude to metres east and north of a place, by the geodesic on the WGS 84 ellipsoid.
 
 Vincenty, T. 1975: Direct and inverse solutions of geodesics on the ellipsoid with application of nested equations. Survey Review 23, 88-93.
 """
@@ -11,10 +11,10 @@ from typing import Final
 from seaglint.errors import DomainError
 
 SEMI_MAJOR_AXIS: Final = 6_378_137.0
-"""Of WGS 84 [m]."""
+"""Semi-major axis of the WGS 84 ellipsoid [m]."""
 
 FLATTENING: Final = 1.0 / 298.257223563
-"""Of WGS 84."""
+"""Flattening of the WGS 84 ellipsoid [1]."""
 
 
 def east_north(latitude: float, longitude: float, start: tuple[float, float]) -> tuple[float, float]:

@@ -22,12 +22,12 @@ from seaglint.objects.attitude import rotation
 from seaglint.objects.body import Placement
 
 SLOWEST = 1e-6
-"""Speed below which a body has no course of its own [m s-1]."""
+"""Speed below which a body has no course [m s-1]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rest:
-    """A body that stays where it is."""
+    """Motion of a body that stays at its place."""
 
     placement: Placement
 
@@ -42,7 +42,7 @@ class Rest:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """A body that goes straight on from ``start``, at a steady velocity towards east, north and up [m s-1, (3,)]."""
+    """Motion of a body on a straight course from ``start``, at a steady velocity towards east, north and up [m s-1, (3,)]."""
 
     start: Placement
     steady: FloatArray
@@ -58,14 +58,14 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class Keyframed:
-    """A body that goes from keyframe to keyframe; make it with :meth:`create`."""
+    """Motion of a body from keyframe to keyframe; make it with :meth:`create`."""
 
     time: FloatArray
-    """Of the keyframes [s]."""
+    """Times of the keyframes [s]."""
     position: FloatArray
-    """(keyframes, 3): east, north, height [m]."""
+    """Positions of the keyframes (keyframes, 3): east, north, height [m]."""
     follows: bool
-    """Whether the heading is the direction of motion; then ``turns`` hold pitch and roll alone."""
+    """True if the heading is the direction of motion; then ``turns`` hold pitch and roll alone."""
     _spline: CubicSpline | None
     _turns: Slerp
 
@@ -80,7 +80,7 @@ class Keyframed:
         follows: bool = False,
         path: Literal["spline", "straight"] = "spline",
     ) -> Keyframed:
-        """Check keyframes and connect them.
+        """Check keyframes and interpolate between them.
 
         Parameters
         ----------
@@ -91,11 +91,11 @@ class Keyframed:
         angles : ndarray, (keyframes, 3)
             Heading, pitch, roll [rad].
         names : sequence of str
-            What errors call the keyframes, e.g. ``"line 7"``.
+            Names of the keyframes in error messages, e.g. ``"line 7"``.
         follows : bool
             Head along the way; the headings given count for nothing then.
         path : "spline" or "straight"
-            How positions are connected.
+            Interpolation between positions.
 
         Raises
         ------
@@ -151,7 +151,7 @@ class Keyframed:
         return Placement(position, rotation(self._course(t)) @ turned if self.follows else turned)
 
     def velocity(self, time: float) -> FloatArray:
-        """Velocity towards east, north and up [m s-1, (3,)]; at a bend of straight lines that of the line which begins there."""
+        """Velocity towards east, north and up [m s-1, (3,)]; at a corner that of the line that begins there."""
         t = self._inside(time)
         if self._spline is not None:
             return np.asarray(self._spline(t, 1))
@@ -159,7 +159,7 @@ class Keyframed:
         return np.asarray((self.position[row + 1] - self.position[row]) / (self.time[row + 1] - self.time[row]))
 
     def _course(self, time: float) -> float:
-        """Azimuth of the motion [rad]; of the next motion, else of the last, where there is none."""
+        """Azimuth of the motion [rad]; where there is none that of the next motion, else of the last."""
         middle = 0.5 * (self.time[1:] + self.time[:-1])
         for t in (time, *middle[middle > time], *middle[middle <= time][::-1]):
             east, north, _ = self.velocity(float(t))

@@ -1,4 +1,4 @@
-"""Closed surfaces of simple solids, about the middle of their bounding boxes, fine enough to be taken for round.
+"""Closed surfaces of simple solids, about the centre of their bounding boxes, with fine triangles.
 
 A polyhedron with its corners on a sphere is smaller than the sphere. By Cauchy's formula the mean area that a convex body shows over all
 directions is a quarter of its surface, so curved solids are scaled until that is right; what is left depends on the direction.
@@ -18,10 +18,10 @@ from seaglint.conventions import FloatArray
 Mesh = tuple[FloatArray, NDArray[np.int32]]
 
 PARTS: Final = 10
-"""Parts of an icosahedron's edges for a sphere: 2000 triangles show its area within 0.05 % in every direction, 0.014 % rms."""
+"""Number of parts of an icosahedron's edges for a sphere: 2000 triangles show its area within 0.05 % in every direction, 0.014 % rms."""
 
 SIDES: Final = 128
-"""Sides of a cylinder or cone: the area of a cap is 0.02 % too small, the width is within 0.01 %."""
+"""Number of sides of a cylinder or cone: the area of a cap is 0.02 % too small, the width is within 0.01 %."""
 
 _BOX: Final = ((0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7))
 
@@ -34,7 +34,7 @@ def box(size: tuple[float, float, float]) -> Mesh:
 
 
 def wedge(size: tuple[float, float, float]) -> Mesh:
-    """Half of a box of sides along x, y and z [m]: full height aft, falling to nothing at its forward edge."""
+    """Half of a box of sides along x, y and z [m]: full height aft, decreasing to zero at its forward edge."""
     x, y, z = (0.5 * s for s in size)
     corners = np.array([(-x, -y, -z), (x, -y, -z), (x, y, -z), (-x, y, -z), (-x, -y, z), (x, -y, z)])
     return corners, np.array([(0, 2, 1), (0, 3, 2), (0, 1, 5), (0, 5, 4), (1, 2, 5), (0, 4, 3), (4, 5, 2), (4, 2, 3)], np.int32)
@@ -87,7 +87,7 @@ def surface_area(mesh: Mesh) -> float:
 
 
 def doubled_areas(mesh: Mesh) -> FloatArray:
-    """Outward normals of the triangles, twice their areas long [m2, (triangles, 3)]."""
+    """Outward normals of the triangles, of twice their areas [m2, (triangles, 3)]."""
     a, b, c = (mesh[0][mesh[1][:, i]] for i in range(3))
     return np.cross(b - a, c - a)
 
@@ -105,7 +105,7 @@ def _triangles(faces: tuple[tuple[int, int, int, int], ...]) -> NDArray[np.int32
 
 @cache
 def _unit_sphere() -> Mesh:
-    """Icosahedron, split, with the surface of the unit sphere."""
+    """Subdivided icosahedron with the surface area of the unit sphere."""
     g = 0.5 * (1.0 + np.sqrt(5.0))
     corners = np.array(
         [

@@ -1,4 +1,4 @@
-"""Solids from meshes: what they are made of, where they stand in a body, and their union, intersection and difference."""
+"""Solids from meshes: materials, placement in a body, and their union, intersection and difference."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Operation = Literal["union", "intersection", "difference"]
 
 
 def solid(mesh: Mesh, temperature: ArrayLike, emissivity: ArrayLike) -> Solid:
-    """A mesh of a material: one temperature [K] and emissivity [1], or one for each vertex."""
+    """Solid from a mesh and a material: one temperature [K] and emissivity [1], or one for each vertex."""
     vertices, triangles = mesh
     wide = (len(vertices),)
     return Solid(
@@ -29,12 +29,12 @@ def solid(mesh: Mesh, temperature: ArrayLike, emissivity: ArrayLike) -> Solid:
 
 
 def placed(part: Solid, at: ArrayLike, rotation: FloatArray) -> Solid:
-    """A part turned by a rotation [(3, 3)] and then moved [m]."""
+    """Part of a body, rotated [(3, 3)] and then moved [m]."""
     return Solid(part.vertices @ rotation.T + np.asarray(at, np.float64), part.triangles, part.temperature, part.emissivity)
 
 
 def plume_in(part: Plume, at: ArrayLike, rotation: FloatArray) -> Plume:
-    """A plume moved [m] and turned by quarters of a circle, as its axes are the body's.
+    """Plume moved [m] and rotated by quarter turns, as its axes are the body's.
 
     Raises
     ------
@@ -52,7 +52,7 @@ def plume_in(part: Plume, at: ArrayLike, rotation: FloatArray) -> Plume:
 
 
 def combined(operation: Operation, parts: Sequence[Solid]) -> Solid:
-    """One closed surface of several: all of them together, what they have in common, or the first without the others.
+    """Closed surface of the union, intersection or difference of several solids.
 
     Every triangle keeps the temperature and the emissivity of the part that it comes from; what a part cuts out of another has the
     cutting part's. Vertices at the border of two parts are there once for each.
@@ -71,24 +71,24 @@ def combined(operation: Operation, parts: Sequence[Solid]) -> Solid:
     kind = manifold3d.OpType
     match operation:
         case "union":
-            wanted = kind.Add
+            mode = kind.Add
         case "intersection":
-            wanted = kind.Intersect
+            mode = kind.Intersect
         case "difference":
-            wanted = kind.Subtract
+            mode = kind.Subtract
         case other:
             assert_never(other)
-    found = manifold3d.Manifold.batch_boolean([_manifold(part) for part in parts], wanted)
-    if found.is_empty() or found.volume() <= 0.0:
+    result = manifold3d.Manifold.batch_boolean([_manifold(part) for part in parts], mode)
+    if result.is_empty() or result.volume() <= 0.0:
         left = "the parts have nothing in common" if operation == "intersection" else "nothing is left"
         raise DomainError(f"its {operation} is empty: {left}; correct at_m or the sizes of its parts")
-    mesh = found.to_mesh64()
+    mesh = result.to_mesh64()
     values = np.asarray(mesh.vert_properties)
     return solid((values[:, :3], np.asarray(mesh.tri_verts, np.int32)), values[:, 3], values[:, 4])
 
 
 def common_volume(one: Solid, other: Solid) -> float:
-    """Volume that two solids share [m3]."""
+    """Common volume of two solids [m3]."""
     import manifold3d
 
     return float(manifold3d.Manifold.batch_boolean([_manifold(one), _manifold(other)], manifold3d.OpType.Intersect).volume())
@@ -106,13 +106,13 @@ def _manifold(part: Solid) -> Any:
         twice.astype(np.uint64),
         same[twice].astype(np.uint64),
     )
-    found = manifold3d.Manifold(mesh)
-    if found.status() != manifold3d.Error.NoError:
-        raise DomainError(f"a part is no closed surface ({found.status().name}); close it, or leave it out of the union")
-    return found
+    result = manifold3d.Manifold(mesh)
+    if result.status() != manifold3d.Error.NoError:
+        raise DomainError(f"a part is no closed surface ({result.status().name}); close it, or leave it out of the union")
+    return result
 
 
 def merged(vertices: FloatArray) -> NDArray[np.int64]:
-    """Number of the first vertex at the place of each: files and seams have several at one place."""
+    """Number of the first vertex at the place of each; files and seams have several at one place."""
     _, first, back = np.unique(vertices, axis=0, return_index=True, return_inverse=True)
     return np.asarray(first[back.reshape(-1)], np.int64)

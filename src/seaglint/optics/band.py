@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
 ARTICLE_UNIT: Final = 100.0
-"""uW cm-2 sr-1 in one W m-2 sr-1: multiply by it for plots and reports in the source article's unit."""
+"""Number of uW cm-2 sr-1 in one W m-2 sr-1: factor for plots and reports in the source article's unit."""
 
 TEMPERATURE_RANGE: Final = (100.0, 6500.0)
-"""Range in which an apparent temperature is looked for [K]: colder than any sky, hotter than the Sun."""
+"""Range in which an apparent temperature is searched [K]: colder than any sky, hotter than the Sun."""
 
 _TEMPERATURE_NODES: Final = 512  # 0.8 % apart: the cubic spline then leaves less than 1e-6 K between them
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
@@ -28,7 +28,7 @@ _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(6)
 
 @dataclass(frozen=True, eq=False)
 class Band:
-    """A spectral response against wavelength, linear between its points and zero outside them.
+    """Spectral response against wavelength, linear between its points and zero outside them.
 
     Make one with :meth:`rectangular` or :meth:`from_response`.
 
@@ -45,7 +45,7 @@ class Band:
 
     @classmethod
     def rectangular(cls, min_um: float, max_um: float) -> Band:
-        """Response 1 between two wavelengths [um].
+        """Band with a response of 1 between two wavelengths [um].
 
         >>> Band.rectangular(3.0, 5.0).max_um
         5.0
@@ -61,9 +61,9 @@ class Band:
 
     @classmethod
     def from_response(cls, wavelength_um: ArrayLike, response: ArrayLike, *, whole: bool = False) -> Band:
-        """Tabulated response [um, (m,)], [any unit, (m,)], scaled to a peak of 1; descending tables are turned round.
+        """Band from a tabulated response [um, (m,)], [any unit, (m,)], scaled to a peak of 1; descending tables are reversed.
 
-        Zeros at the ends are cut off, unless the ``whole`` table is wanted.
+        Zeros at the ends are cut off, unless ``whole`` is true.
         """
         w, r = np.asarray(wavelength_um, dtype=np.float64), np.asarray(response, dtype=np.float64)
         if w.ndim != 1 or w.shape != r.shape or w.size < 2:
@@ -94,7 +94,7 @@ class Band:
         return float(self.wavelength_um[-1])
 
     def response_at(self, wavenumber_cm: ArrayLike) -> FloatArray:
-        """Response at wavenumbers [cm-1], zero outside the band."""
+        """Response [1] at wavenumbers [cm-1], zero outside the band."""
         nu = np.asarray(wavenumber_cm, dtype=np.float64)
         return np.asarray(np.interp(1.0e4 / nu, self.wavelength_um, self.response, left=0.0, right=0.0))
 
@@ -178,7 +178,7 @@ class ApparentTemperature:
     @classmethod
     def create(cls, band: Band, wavenumber_cm: ArrayLike) -> ApparentTemperature:
         """Tabulate the inverse for one band and grid."""
-        from scipy.interpolate import CubicSpline  # half a second, and most who read a file ask for no temperature
+        from scipy.interpolate import CubicSpline  # takes half a second, and most readers of a file need no temperature
 
         temperature = np.geomspace(*TEMPERATURE_RANGE, _TEMPERATURE_NODES)
         return cls(CubicSpline(np.log(band.radiance(temperature, wavenumber_cm)), np.log(temperature)))
@@ -228,11 +228,11 @@ def apparent_temperature(band_radiance: ArrayLike, band: Band, wavenumber_cm: Ar
     """
     nu = _ascending(wavenumber_cm)
     inverse = _cached_inverse(band.wavelength_um.tobytes(), band.response.tobytes(), nu.tobytes())
-    found = inverse(band_radiance)
+    temperature = inverse(band_radiance)
     # Labelled arrays (xarray) say how to dress results by NumPy's own protocol: dimensions and coordinates stay, name and units are new.
     if isinstance(band_radiance, np.ndarray | np.generic) or not hasattr(band_radiance, "__array_wrap__"):
-        return found
-    labelled: Any = band_radiance.__array_wrap__(found)
+        return temperature
+    labelled: Any = band_radiance.__array_wrap__(temperature)
     labelled.name = "apparent_temperature"
     labelled.attrs = {"units": "K", "long_name": "apparent temperature"}
     return labelled  # type: ignore[no-any-return]

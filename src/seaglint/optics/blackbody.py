@@ -12,10 +12,10 @@ from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 
 FIRST_RADIATION: Final = 2.0e8 * constants.h * constants.c**2
-"""``2 h c^2`` for wavenumbers in cm-1 [W m-2 sr-1 (cm-1)-4]."""
+"""First radiation constant ``2 h c^2`` for wavenumbers in cm-1 [W m-2 sr-1 (cm-1)-4]."""
 
 SECOND_RADIATION: Final = 100.0 * constants.h * constants.c / constants.k
-"""``h c / k`` for wavenumbers in cm-1 [K (cm-1)-1]."""
+"""Second radiation constant ``h c / k`` for wavenumbers in cm-1 [K (cm-1)-1]."""
 
 
 def planck_wavenumber(wavenumber_cm: ArrayLike, temperature: ArrayLike) -> FloatArray:

@@ -90,7 +90,7 @@ class ReflectanceSeries:
         return int(self.coefficients.shape[0])
 
     def basis(self, cos_incidence: ArrayLike) -> FloatArray:
-        """``T_j(2 c - 1)`` [1, (..., terms)]."""
+        """Shifted Chebyshev polynomials ``T_j(2 c - 1)`` of cosines of incidence [1, (..., terms)]."""
         return np.asarray(chebyshev.chebvander(2.0 * np.asarray(cos_incidence, dtype=np.float64) - 1.0, self.terms - 1))
 
     def __call__(self, cos_incidence: ArrayLike) -> FloatArray:

@@ -18,7 +18,7 @@ from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 
 SEA_OFFSET: Final = 0.006
-"""Added to n of pure water for sea water of ordinary salinity [1] (Friedman 1969, Appl. Opt. 8, 2073)."""
+"""Difference of the real index of sea water of ordinary salinity and pure water [1] (Friedman 1969, Appl. Opt. 8, 2073)."""
 
 ARTICLE_N: Final = 1.33
 """Real index of the source article, taken at 4 um, section "Computing temporally averaged sea radiance"."""
@@ -71,7 +71,7 @@ def _table(file: str) -> tuple[FloatArray, FloatArray, FloatArray]:
 
 @cache
 def hale_querry_sea() -> WaterIndex:
-    """Hale and Querry 1973 (pure water, 25 C) with n raised by 0.006 for salt: the default, 0.6-20 um.
+    """Index of Hale and Querry 1973 (pure water, 25 C) with n raised by 0.006 for salt: the default, 0.6-20 um.
 
     >>> m = hale_querry_sea().index(2500.0)
     >>> round(float(m.real), 3), round(float(m.imag), 4)
@@ -83,7 +83,7 @@ def hale_querry_sea() -> WaterIndex:
 
 @cache
 def segelstein() -> WaterIndex:
-    """Segelstein 1981 (pure water, 25 C) with n raised by 0.006 for salt, 0.6-20 um."""
+    """Index of Segelstein 1981 (pure water, 25 C) with n raised by 0.006 for salt, 0.6-20 um."""
     w, n, k = _table("segelstein_1981.csv")
     return WaterIndex("segelstein-sea", w, n + SEA_OFFSET, k)
 

@@ -1,4 +1,4 @@
-r"""Mean radiance as the source article computed it: band means, interpolators of its own, one blackbody for sea and sky.
+r"""Mean radiance as the source article computed it: band means, its own interpolators, one blackbody for sea and sky.
 
 .. math:: L = L_{bb-ae} + \bar\xi\,E_{Sun}\,\bar\tau_{path}, \qquad \bar\xi = \frac{\bar\rho(\omega)\,p\,S}{4\cos^4\beta\cos\theta_v}
 
@@ -83,7 +83,7 @@ class ArticleAtmosphere:
         )
 
     def transmittance(self, slant: ArrayLike) -> FloatArray:
-        """Band mean by Eq. 9, ``exp(sum a_i x^i)``, at slant ranges [m]."""
+        """Band-mean transmittance by Eq. 9, ``exp(sum a_i x^i)``, at slant ranges [m]."""
         return np.asarray(np.exp(polyval(1e-3 * np.asarray(slant, dtype=np.float64), self.coefficients)))
 
 
@@ -94,7 +94,7 @@ def wavelength_mean(weights: FloatArray, wavenumber_cm: FloatArray) -> FloatArra
 
 
 def article_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike) -> SeaRadiance:
-    """Mean radiance in the article's way, at elevations and azimuths.
+    """Mean radiance by the article's method, at elevations and azimuths.
 
     Parameters
     ----------

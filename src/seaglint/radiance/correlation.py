@@ -21,7 +21,7 @@ def _angular_frequency(correlation_time: float) -> float:
 
 
 def correlation_length(correlation_time: float) -> float:
-    """Length ``l = 1/k`` of the wave of angular frequency ``2 pi / T_c``, gravity and surface tension [m].
+    """Length ``l = 1/k`` of the wave of angular frequency ``2 pi / T_c``, with gravity and surface tension [m].
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def correlation_length(correlation_time: float) -> float:
 
 
 def capillary_length(correlation_time: float) -> float:
-    """The same by surface tension alone, ``omega^2 = T k^3 / rho`` with 76.3 dyn/cm: Eq. 17 of the source article as printed [m].
+    """Length ``l = 1/k`` by surface tension alone, ``omega^2 = T k^3 / rho`` with 76.3 dyn/cm: Eq. 17 of the source article as printed [m].
 
     Gravity is not negligible there: :func:`correlation_length` gives 0.257 and 2.27 cm for 70 and 300 ms.
 

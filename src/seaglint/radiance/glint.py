@@ -34,18 +34,18 @@ from seaglint.radiance.mirror import FacetDensity, SunDisc, chance_kernel, sun_d
 from seaglint.sea.slopes import SlopeStatistics
 
 _FLOOR: Final = 1e-3 * SOLAR_ANGULAR_RADIUS
-"""Least rms slope of the quadrature [1]: a mirror gets an edge of 0.2 % of the Sun's radius and needs no formula of its own."""
+"""Least rms slope of the quadrature [1]: a mirror's edge is blurred by 0.2 % of the Sun's radius and needs no formula of its own."""
 
 _THINNEST: Final = 0.02
 """Least ratio of the two rms slopes: at the roughest slopes without wind, 0.055, half of the Sun's radius in slopes."""
 
 _DUSK: Final = 0.3
-"""Depression of the Sun at the sensor's foot from which it is up nowhere in view [rad]: the horizon is this far from 250 km up."""
+"""Depression of the Sun at the sensor's foot from which it is above no horizon in view [rad]: the horizon is this far from 250 km up."""
 
 
 @dataclass(frozen=True)
 class Glint:
-    """What the mirrored Sun needs at each pixel.
+    """Mirrored Sun at each pixel: chance and incidence.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ def direction(zenith: ArrayLike, azimuth: ArrayLike) -> tuple[FloatArray, FloatA
 
 
 def floored(slopes: SlopeStatistics) -> SlopeStatistics:
-    """The same statistics with no variance below the floor, so that mirrors have a density, nor one far below the other.
+    """Return the statistics with variances raised to the floor, so that mirrors have a density and no variance is far below the other.
 
     Slopes along one direction only (directional fits without wind) would leave the quadrature's window, which is set up and down the disc.
     """
@@ -79,7 +79,7 @@ def floored(slopes: SlopeStatistics) -> SlopeStatistics:
 
 @dataclass(frozen=True, eq=False)
 class GlintModel:
-    """The Sun over a sea, prepared for any number of views. Make it with :meth:`prepare`.
+    """Model of the mirrored Sun over a sea, for any number of views. Make it with :meth:`prepare`.
 
     Attributes
     ----------
@@ -104,7 +104,10 @@ class GlintModel:
         shadowing: Shadowing = NESTED,
         sunlight: SunTable = STEADY,
     ) -> GlintModel:
-        """Constants of one Sun and one sea; ``sunlight`` weighs what :meth:`grid` sums, other parameters and errors as in :func:`glint`."""
+        """Prepare the constants of one Sun and one sea.
+
+        The results of :meth:`grid` are weighted with ``sunlight``; other parameters and errors as in :func:`glint`.
+        """
         sea = floored(slopes)
         share, centroid = visible_sun(solar_zenith)
         if share == 0.0:  # it may be up at places towards it
@@ -142,12 +145,12 @@ class GlintModel:
         return Glint(chance, cosine)
 
     def _shines(self, turn: FloatArray) -> bool:
-        """Whether the Sun may be up at a place where the vertical is turned by at most so much [rad]."""
+        """True if the Sun may be up at a place where the vertical is turned by at most ``turn`` [rad]."""
         farthest = float(np.nanmax(turn, initial=0.0))
         return math.asin(self._disc.points[0, 2]) + farthest > -SOLAR_ANGULAR_RADIUS
 
     def _area(self, theta: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """A+ where it is no closed form of the kernel's; empty for Gaussian slopes."""
+        """Visible area A+ where the kernel has no closed form; empty for Gaussian slopes."""
         if self.slopes.is_gaussian:
             return np.zeros((0,) * np.broadcast(theta, azimuth).ndim)
         return self.shadowing.area(theta, azimuth, self.slopes)
@@ -162,7 +165,7 @@ def glint(
     shadowing: Shadowing = NESTED,
     turn: ArrayLike = 0.0,
 ) -> Glint:
-    """Share of the viewed sea that mirrors the Sun to the viewer, and the incidence there.
+    """Share of the viewed sea that mirrors the Sun to the viewer, and the cosine of incidence there.
 
     Parameters
     ----------
@@ -207,8 +210,8 @@ def glint(
         raise DomainError("view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor")
     shape = np.broadcast_shapes(theta.shape, azimuth.shape, psi.shape)
     views = [np.array(np.broadcast_to(a, shape), order="C").ravel() for a in (theta, azimuth, psi)]
-    found = GlintModel.prepare(solar_zenith, solar_azimuth, slopes, shadowing).at(*views)
-    return Glint(found.chance.reshape(shape), found.cos_incidence.reshape(shape))
+    evaluated = GlintModel.prepare(solar_zenith, solar_azimuth, slopes, shadowing).at(*views)
+    return Glint(evaluated.chance.reshape(shape), evaluated.cos_incidence.reshape(shape))
 
 
 @njit_parallel

@@ -1,4 +1,4 @@
-"""Which of the two ways of light, to the viewer and from the Sun, waves shadow, and by which law."""
+"""Shadowing of the two legs of light, to the viewer and from the Sun, and the law that describes it."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from seaglint.sea.shadowing import leg_passage_kernel, visible_area_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
 Law = Literal["smith", "nested"]
-"""Smith's law (Saunders' for the viewer alone), or the same wave band by wave band (:mod:`seaglint.sea.nested`)."""
+"""Shadowing law: Smith's (Saunders' for the viewer alone), or the same wave band by wave band (:mod:`seaglint.sea.nested`)."""
 
 
 @dataclass(frozen=True)
 class Shadowing:
-    """Legs that waves shadow, and how. The constants of this module and :meth:`of` name the usual ones.
+    """Legs that waves shadow, and the shadowing law. The constants of this module and :meth:`of` name the usual combinations.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Shadowing:
 
     @classmethod
     def of(cls, word: str, bands: float | None = None) -> Shadowing:
-        """By the word of scenario files.
+        """Shadowing from its name in scenario files.
 
         Raises
         ------
@@ -58,15 +58,15 @@ class Shadowing:
 
     @property
     def word(self) -> str:
-        """The word of :meth:`of`."""
+        """Name in scenario files, as in :meth:`of`."""
         return next(word for word, known in _WORDS.items() if (known.law, known.sun) == (self.law, self.sun))
 
     def bands_for(self, slopes: SlopeStatistics) -> float:
-        """Bands of the nested law for a sea [1]."""
+        """Number of bands of the nested law for a sea [1]."""
         return bands_of(slopes.mss) if self.bands is None else self.bands
 
     def law_bands(self, slopes: SlopeStatistics) -> float:
-        """Bands of the law for a sea [1]: 1 for Smith's."""
+        """Number of bands of the law for a sea [1]: 1 for Smith's."""
         return self.bands_for(slopes) if self.law == "nested" else 1.0
 
     def area(self, zenith: ArrayLike, azimuth: ArrayLike, slopes: SlopeStatistics) -> FloatArray:
@@ -83,7 +83,7 @@ _WORDS: Final = {"nested": NESTED, "nested-viewer": NESTED_VIEWER, "both": BOTH,
 
 
 class Legs(NamedTuple):
-    """What waves shadow under one Sun, as kernels take it. Made by :func:`legs_of`."""
+    """Shadowing under one Sun, as kernels read it. Made by :func:`legs_of`."""
 
     sun: bool
     hidden: float
@@ -95,15 +95,15 @@ class Legs(NamedTuple):
     """Cotangent of the Sun's zenith angle over the rms slope along its azimuth."""
     deviation: float
     series: float
-    """``1 + hidden`` over that of Gaussian slopes."""
+    """Ratio of ``1 + hidden`` to that of Gaussian slopes."""
     ratio: FloatArray
     """Table of the nested law; empty for Smith's."""
     coupling: FloatArray
-    """Of facets seen and lit; empty for independent legs."""
+    """Table of facets seen and lit; empty for independent legs."""
 
 
 def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimuth: float, *, shining: bool) -> Legs:
-    """Legs for a sea with slopes and the middle of the Sun's visible part [rad]."""
+    """Return the legs for a sea with slopes, and the centroid of the Sun's visible part [rad]."""
     bands = shadowing.law_bands(slopes)
     with_sun = shadowing.sun and shining
     hidden = float(shadowing.area(zenith, azimuth, slopes)) / math.cos(zenith) - 1.0 if with_sun else 0.0
@@ -125,7 +125,7 @@ def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimut
 
 @kernel
 def local_leg(legs: Legs, up: float) -> tuple[float, float]:
-    """``hidden`` and ``edge`` where the middle of the Sun's visible part has another sine of elevation than at the foot.
+    """Return ``hidden`` and ``edge`` where the centroid of the Sun's visible part has another sine of elevation than at the sensor's foot.
 
     The area of skewed slopes changes as that of Gaussian ones. The Sun's azimuth stays the foot's: it moves by ``psi cot(zenith)`` at most,
     little for the low Suns that shadows count for.
@@ -141,7 +141,7 @@ def local_leg(legs: Legs, up: float) -> tuple[float, float]:
 
 @kernel
 def seen_and_lit_kernel(upright: float, view: tuple[float, float], sunward: float, azimuth: float, legs: Legs) -> float:
-    """Share of mirroring facets that is seen and lit, over ``1/(1 + Lambda_v)``, the share that is seen by Smith's law in one band.
+    """Share of mirroring facets that is seen and lit, over ``1/(1 + Lambda_v)``, the share seen by Smith's law in one band.
 
     ``upright``: that share, ``cos(theta_v)/A+``. ``view``: slope towards the viewer, and cotangent of the view zenith, in rms slopes along
     the view. ``sunward``: slope towards the Sun in rms slopes along its azimuth. ``azimuth`` is the viewer's [rad].

@@ -1,4 +1,4 @@
-r"""The Sun against the vertical of the place that is looked at.
+r"""Direction of the Sun relative to the vertical of the place in view.
 
 The Sun's zenith angle and azimuth are those at the sensor's foot. At an arc r along the horizontal direction h of the line of sight the
 vertical is turned by ``psi = r/R`` about the horizontal axis across h, with R the true radius of the Earth: the effective one stands for
@@ -24,11 +24,11 @@ from seaglint.constants import EARTH_RADIUS
 from seaglint.conventions import FloatArray
 
 _LEAST: Final = 1e-6
-"""Turn of the vertical below which the Sun is taken as at the sensor's foot [rad]: an arc of 6 m."""
+"""Turn of the vertical below which the Sun is that at the sensor's foot [rad]: an arc of 6 m."""
 
 
 class SunTable(NamedTuple):
-    """Sunlight in the band over that at the sensor's foot, at even steps of the sine of the Sun's elevation; without values it is 1.
+    """Ratio of sunlight in the band to that at the sensor's foot, at even steps of the sine of the Sun's elevation; 1 without values.
 
     The elevation is that of the middle of the visible part of the disc.
     """
@@ -39,7 +39,7 @@ class SunTable(NamedTuple):
 
 
 STEADY: Final = SunTable(0.0, 1.0, np.zeros(0))
-"""The same sunlight everywhere."""
+"""Sun table with the same sunlight everywhere."""
 
 
 def turn_at(arc: ArrayLike) -> FloatArray:
@@ -64,7 +64,7 @@ def solar_zenith_at(solar_zenith: float, relative_azimuth: ArrayLike, turn: Arra
 
 @kernel
 def turn_kernel(psi: float) -> tuple[float, float]:
-    """Cosine and sine of a turn of the vertical [rad]; (1, 0) of the least.
+    """Cosine and sine of a turn of the vertical [rad]; (1, 0) for turns below the least.
 
     Series to the third term: within 1e-7 up to 0.3 rad, the horizon of a sensor 250 km high.
     """
@@ -77,7 +77,7 @@ def turn_kernel(psi: float) -> tuple[float, float]:
 
 @kernel
 def turned_kernel(east: float, north: float, up: float, away: tuple[float, float], turn: tuple[float, float]) -> tuple[float, float, float]:
-    """A direction in the frame of the place; ``away`` is the horizontal unit vector from the sensor, ``turn`` of :func:`turn_kernel`."""
+    """Direction in the frame of the place; ``away`` is the horizontal unit vector from the sensor, ``turn`` of :func:`turn_kernel`."""
     along = east * away[0] + north * away[1]
     change = along * turn[0] - up * turn[1] - along
     return east + change * away[0], north + change * away[1], along * turn[1] + up * turn[0]
@@ -97,7 +97,7 @@ def visible_sun(solar_zenith: float) -> tuple[float, float]:
 
 @kernel
 def strength_kernel(table: SunTable, up: float) -> float:
-    """Sunlight of a Sun with the sine ``up`` of elevation over that at the sensor's foot [1]."""
+    """Ratio of sunlight of a Sun with the sine ``up`` of elevation to that at the sensor's foot [1]."""
     if table.values.shape[0] < 2:
         return 1.0
     x = min(max((up - table.first) * table.per_step, 0.0), table.values.shape[0] - 1.0)

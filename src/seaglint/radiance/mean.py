@@ -25,16 +25,16 @@ from seaglint.radiance.surface import SeaSurface, azimuth_weights, wind_azimuths
 from seaglint.radiance.view import SeaView, sea_arc
 
 NODES: Final = 160
-"""Elevations at which a view is tabulated."""
+"""Number of elevations at which a view is tabulated."""
 
 SKY_NODES: Final = 4096
-"""Elevations at which the sky is tabulated for lines of sight, even in the square root of the elevation above the horizon."""
+"""Number of elevations at which the sky is tabulated, even in the square root of the elevation above the horizon."""
 
 _FEW: Final = 49
-"""Azimuths up to which scattered sunlight is summed for each, not interpolated."""
+"""Number of azimuths up to which scattered sunlight is summed for each without interpolation."""
 
 _FINEST: Final = 2e-4
-"""Least scale of the elevations tabulated [rad]: a mirror's grazing light changes over hundredths."""
+"""Least scale of the tabulated elevations [rad]: a mirror's grazing light changes over hundredths."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class SeaRadiance:
 
     @property
     def total(self) -> FloatArray:
-        """Sum of all [W m-2 sr-1, (rows, columns)]."""
+        """Sum of all components [W m-2 sr-1, (rows, columns)]."""
         return np.asarray(self.path + self.emission + self.sky + self.sun)
 
 
@@ -120,8 +120,8 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
     azimuths, weights = wind_azimuths(view.slopes), azimuth_weights(view.slopes, columns + np.pi)
     if columns.size < azimuths.size:
         azimuths, weights = columns + np.pi, np.eye(columns.size)
-    found = _sea_rows(view, gamma[sea], azimuths, surface)
-    out = _assembled(view, rows, columns, gamma, found, weights, _glint_model(view))
+    terms = _sea_rows(view, gamma[sea], azimuths, surface)
+    out = _assembled(view, rows, columns, gamma, terms, weights, _glint_model(view))
     where = Rows.of(view, gamma[sea])
     light = _scattered(view, surface, float(where.turn.max(initial=0.0)))
     if light is None:
@@ -140,7 +140,9 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
 
 @dataclass(frozen=True, eq=False)
 class MeanModel:
-    """Mean radiance of one view, tabulated along elevation and wind azimuth: maps of any size are then quick. Make it with :meth:`prepare`.
+    """Mean radiance of one view, tabulated along elevation and wind azimuth, so that maps of any size are quick.
+
+    Make it with :meth:`prepare`.
 
     Path, background and the Sun's spectral sums are splined over the elevation of the viewer as seen from the sea, in
     ``arsinh(elevation / scale)`` with the scale of the sensor's horizon or of the slopes, whichever is finer; the glint's chance is
@@ -180,26 +182,26 @@ class MeanModel:
         """Mean radiance at elevations and azimuths, as :func:`mean_radiance`; within 1e-5 of it."""
         rows, columns = _lines(elevation, azimuth)
         gamma = _sea_elevation(self.view.sensor_height, rows)
-        found = self._spline(np.arcsinh(gamma[np.isfinite(gamma)] / self._scale))
+        interpolated = self._spline(np.arcsinh(gamma[np.isfinite(gamma)] / self._scale))
         weights = azimuth_weights(self.view.slopes, columns + np.pi)
-        out = _assembled(self.view, rows, columns, gamma, found, weights, self._glint)
+        out = _assembled(self.view, rows, columns, gamma, interpolated, weights, self._glint)
         if self._scattered is None:
             return out
         sea = np.isfinite(gamma)
         return _with_scattered(out, sea, self._scattered.map(gamma[sea], columns), self._scattered.light.above(rows[~sea], columns))
 
     def along(self, elevation: FloatArray, azimuth: FloatArray) -> SeaRadiance:
-        """Mean radiance along lines of sight in no order, elevation and azimuth of each [rad, (n,)]; components are (n, 1)."""
+        """Mean radiance along a list of lines of sight, elevation and azimuth of each [rad, (n,)]; components are (n, 1)."""
         gamma = _sea_elevation(self.view.sensor_height, elevation)
         sea = np.isfinite(gamma)
-        found = self._spline(np.arcsinh(gamma[sea] / self._scale))
+        interpolated = self._spline(np.arcsinh(gamma[sea] / self._scale))
         weights = azimuth_weights(self.view.slopes, azimuth[sea] + np.pi)
         k = weights.shape[0]
         path, emission, sky = (np.zeros((elevation.size, 1)) for _ in range(3))
-        terms = np.zeros((elevation.size, found.shape[1] - 1 - 2 * k))
-        path[sea], terms[sea] = found[:, :1], found[:, 1 + 2 * k :]
-        emission[sea, 0] = np.sum(found[:, 1 : 1 + k] * weights.T, axis=1)
-        sky[sea, 0] = np.sum(found[:, 1 + k : 1 + 2 * k] * weights.T, axis=1)
+        terms = np.zeros((elevation.size, interpolated.shape[1] - 1 - 2 * k))
+        path[sea], terms[sea] = interpolated[:, :1], interpolated[:, 1 + 2 * k :]
+        emission[sea, 0] = np.sum(interpolated[:, 1 : 1 + k] * weights.T, axis=1)
+        sky[sea, 0] = np.sum(interpolated[:, 1 + k : 1 + 2 * k] * weights.T, axis=1)
         above, table = self._sky
         sky[~sea, 0] = np.interp(elevation[~sea], above, table)
         if self._scattered is not None:
@@ -212,7 +214,7 @@ class MeanModel:
 
     @cached_property
     def _sky(self) -> tuple[FloatArray, FloatArray]:
-        """Elevations from the horizon to the zenith [rad], and the sky's radiance there [W m-2 sr-1]."""
+        """Elevations from the horizon to the zenith [rad], and the sky radiance there [W m-2 sr-1]."""
         dip = horizon_depression(self.view.sensor_height)
         elevation = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_NODES) ** 2 - dip
         zenith = np.clip(0.5 * np.pi - elevation, 0.0, 0.5 * np.pi + dip)
@@ -243,14 +245,14 @@ def _glint_model(view: SeaView) -> GlintModel:
 
 
 def _scattered(view: SeaView, surface: SeaSurface | None, turn: float | None = None) -> ScatteredSun | None:
-    """Scattered sunlight over the view's sea, if there is any, with places ``turn`` of the vertical away."""
+    """Scattered sunlight over the view's sea, or None, for places with the vertical turned by ``turn``."""
     return ScatteredSun.prepare(
         view, lambda: ReflectanceSeries.of(view.water.index(view.in_band.wavenumber_cm)) if surface is None else surface.reflectance, turn
     )
 
 
 def _with_scattered(out: SeaRadiance, sea: NDArray[np.bool_], scattered: tuple[FloatArray, FloatArray], above: FloatArray) -> SeaRadiance:
-    """Components with scattered sunlight in path and sky, of rows of sea and of rows above."""
+    """Add scattered sunlight to path and sky components, for rows of sea and rows above."""
     path, sky = (np.broadcast_to(part, out.chance.shape).copy() for part in (out.path, out.sky))
     path[sea] += scattered[0]
     sky[sea] += scattered[1]
@@ -259,7 +261,7 @@ def _with_scattered(out: SeaRadiance, sea: NDArray[np.bool_], scattered: tuple[F
 
 
 def _sea_rows(view: SeaView, gamma: FloatArray, azimuths: FloatArray, surface: SeaSurface | None) -> FloatArray:
-    """What rows of sea need [W m-2 sr-1, (rows, 1 + 2 k + terms)]: path, emission and sky at k view azimuths, terms of the mirrored Sun."""
+    """Terms of sea rows [W m-2 sr-1, (rows, 1 + 2 k + terms)]: path, emission and sky at k view azimuths, terms of the mirrored Sun."""
     over, nu = view.in_band, view.in_band.wavenumber_cm
     arc = sea_arc(view.sensor_height, gamma)
     seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., over.grid] * over.weights
@@ -279,13 +281,13 @@ def _sea_rows(view: SeaView, gamma: FloatArray, azimuths: FloatArray, surface: S
 
 
 def _assembled(
-    view: SeaView, rows: FloatArray, columns: FloatArray, gamma: FloatArray, found: FloatArray, weights: FloatArray, glint: GlintModel
+    view: SeaView, rows: FloatArray, columns: FloatArray, gamma: FloatArray, sampled: FloatArray, weights: FloatArray, glint: GlintModel
 ) -> SeaRadiance:
-    """Components on rows and columns, from what the rows of sea need and the weights of its azimuths (k, columns)."""
+    """Components on rows and columns, from the terms of the rows of sea and the weights of their azimuths (k, columns)."""
     sea = np.isfinite(gamma)
     k = weights.shape[0]
-    table = np.zeros((rows.size, found.shape[1]))
-    table[sea] = found
+    table = np.zeros((rows.size, sampled.shape[1]))
+    table[sea] = sampled
     wide = weights[:, :1] if view.slopes.is_isotropic else weights
     path, emission, sky = table[:, :1], table[:, 1 : 1 + k] @ wide, table[:, 1 + k : 1 + 2 * k] @ wide
     turn = turn_at(sea_arc(view.sensor_height, gamma))

@@ -18,7 +18,7 @@ from seaglint.sea.shadowing import visible_area_kernel
 from seaglint.sea.slopes import series_bracket
 
 _BROAD: Final = 0.4
-"""Image of the Sun's radius in slopes over the rms slope, below which seven points on the disc are exact to 1e-3 even at 4 sigma."""
+"""Ratio of the Sun's radius in slopes to the rms slope below which seven points on the disc are exact to 1e-3 even at 4 sigma."""
 
 _WINDOW: Final = 6.0  # standard deviations of a narrow density that are integrated; the rest holds 2e-9
 _GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(24)
@@ -30,43 +30,42 @@ _HEX_Y = np.concatenate([[0.0], np.sqrt(2.0 / 3.0) * np.sin(_HEX_ANGLE)])
 _HEX_W = np.array([0.25] + 6 * [0.125])
 
 _NEGLIGIBLE: Final = 9.0
-"""Rms slopes beyond which the density is nothing (3e-18 of its peak) and no integral is taken."""
+"""Rms slopes beyond which the density is taken as zero (3e-18 of its peak)."""
 
 _series_kernel = kernel(series_bracket)
 
 
 class FacetDensity(NamedTuple):
-    """Slope density as kernels take it."""
+    """Slope density as kernels read it."""
 
     mss_up: float
     mss_cross: float
     deviation_up: float
     deviation_cross: float
     peak: float
-    """Gaussian density of no slope, over 4 [1/slope²]."""
+    """Gaussian density of zero slope, over 4 [1/slope²]."""
     wind_sine: float
     wind_cosine: float
     is_gaussian: bool
     coefficients: FloatArray
-    """Of the Gram-Charlier series [(5,)]; an array, as parallel launchers take no tuples within tuples."""
+    """Coefficients of the Gram-Charlier series [(5,)]; an array, as parallel launchers take no tuples within tuples."""
 
 
 class SunDisc(NamedTuple):
-    """The Sun as kernels take it, at the sensor's foot."""
+    """Solar disc as kernels read it, at the sensor's foot."""
 
     points: FloatArray
-    """Directions of its centre and the hexagon about it (east, north, up) and their weights [sr, (7, 4)]."""
+    """Directions of the disc's centre and the hexagon about it (east, north, up) and their weights [sr, (7, 4)]."""
     rule: FloatArray
-    """Gauss points and weights [(2, 24)]."""
+    """Gauss-Legendre points and weights [(2, 24)]."""
     first: float
-    """First sine of elevation, steps and values of a :class:`~seaglint.radiance.local_sun.SunTable`; as with the sea's coefficients,
-    no tuple."""
+    """First sine of elevation, steps and values of a :class:`~seaglint.radiance.local_sun.SunTable`; an array, no nested tuple."""
     per_step: float
     strength: FloatArray
 
 
 class SunPlace(NamedTuple):
-    """Where a pixel looks: horizontal unit vector away from the sensor, turn of the vertical, and the Sun there.
+    """Place that a pixel sees: horizontal unit vector away from the sensor, turn of the vertical, and the Sun there.
 
     The Sun: its centre, visible share and the middle of that part (east, north, up).
     """
@@ -79,7 +78,7 @@ class SunPlace(NamedTuple):
 
 
 def sun_disc(solar_zenith: float, solar_azimuth: float, sunlight: SunTable) -> SunDisc:
-    """Constants of a Sun."""
+    """Return the constants of a Sun."""
     points = np.empty((_HEX_W.size, 4))
     aim_disc(points, float(solar_zenith), float(solar_azimuth))
     return SunDisc(points, np.stack([_GAUSS_X, _GAUSS_W]), *sunlight)
@@ -101,7 +100,7 @@ def aim_disc(points: FloatArray, solar_zenith: float, solar_azimuth: float) -> N
 
 @kernel
 def _facet_share(east: float, north: float, up: float, sea: FacetDensity) -> float:
-    """``p(s) / (4 cos^4(beta))`` of the facet that mirrors: ``(east, north, up)`` is the sum of both directions."""
+    """Share ``p(s) / (4 cos^4(beta))`` of the mirroring facet; ``(east, north, up)`` is the sum of both directions."""
     # A horizontal look at a horizontal ray needs an upright facet: infinitely steep, density zero.
     fall = -1.0 / max(up, 1e-12)
     slope_east, slope_north = fall * east, fall * north
@@ -120,7 +119,7 @@ def _facet_share(east: float, north: float, up: float, sea: FacetDensity) -> flo
 
 @kernel
 def place_kernel(away: tuple[float, float], turn: tuple[float, float], disc: SunDisc) -> SunPlace:
-    """The Sun over a place."""
+    """Position and strength of the Sun at a place."""
     foot = disc.points[0]
     centre = turned_kernel(foot[0], foot[1], foot[2], away, turn)
     share, lift = visible_part_kernel(centre[2])
@@ -131,7 +130,7 @@ def place_kernel(away: tuple[float, float], turn: tuple[float, float], disc: Sun
 
 @kernel
 def _wide(east: float, north: float, up: float, disc: SunDisc, place: SunPlace, sea: FacetDensity) -> float:
-    """Integral over the whole disc of a density that varies little on it; the view's direction comes first."""
+    """Integral over the whole disc of a density that varies little on it; the first arguments are the view's direction."""
     total = 0.0
     for i in range(disc.points.shape[0]):
         p = disc.points[i]
@@ -198,7 +197,7 @@ def chance_kernel(
     disc: SunDisc,
     legs: Legs,
 ) -> tuple[float, float, float]:
-    """Chance, cosine of incidence and strength of sunlight for one view: sine and cosine of its zenith, then of its azimuth.
+    """Chance, cosine of incidence and strength of sunlight for one view, given by sine and cosine of its zenith, then of its azimuth.
 
     A negative ``area`` asks for the A+ of a Gaussian sea.
     """

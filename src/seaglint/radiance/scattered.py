@@ -1,4 +1,4 @@
-r"""Sunlight that the air scatters, in the mean model: into paths, and into the sky that waves mirror.
+r"""Scattered sunlight in the mean model: in paths, and in the sky that waves mirror.
 
 The air about the Sun's direction is bright (the aureole, some ten degrees wide), so that every slope mirrors its own direction of that sky:
 
@@ -33,39 +33,39 @@ from seaglint.sea.nested import between_bands, nested_ratio_kernel, ratio_table
 from seaglint.sea.slopes import SlopeStatistics, series_bracket
 
 _ROWS: Final = 48
-"""Elevations of the viewer at which the mirrored sky is tabulated."""
+"""Number of elevations of the viewer at which the mirrored sky is tabulated."""
 
 _MIRRORED: Final = 48
-"""Intervals in azimuth of the mirrored sky, all round, ..."""
+"""Number of azimuth intervals of the mirrored sky, over the full circle."""
 
 _STRAIGHT: Final = 64
-"""... and of the path, on one side of the Sun; they crowd at the Sun, by these factors:"""
+"""Number of azimuth intervals of the path, on one side of the Sun. The intervals are denser near the Sun, by the factors below."""
 
 _CROWDING: Final = {_MIRRORED: 3.0, _STRAIGHT: 5.0}
 
 _TERMS: Final = 8
-"""Chebyshev terms of the reflectance: the scattered sky needs it within 1e-4."""
+"""Number of Chebyshev terms of the reflectance: the scattered sky needs it within 1e-4."""
 
 _ACROSS: Final = 17
 _ALONG_X, _ALONG_W = np.polynomial.legendre.leggauss(32)
 _CUT: Final = 5.0
-"""Deviations of slope that are summed."""
+"""Largest slope that is summed, in standard deviations."""
 
 _ELEVATIONS: Final = 129
 _AZIMUTHS: Final = 181
-"""Nodes of the sky over the sea: even in the square root of elevation, and in azimuth."""
+"""Numbers of nodes of the sky over the sea: even in the square root of elevation, and in azimuth."""
 
 _FEW_LINES: Final = 64
-"""Paths up to which each is a sum of its own: a table is as dear as twice as many."""
+"""Number of paths up to which each is summed by itself: a table costs as much as twice as many."""
 
 _LEAST_SLOPE: Final = 1e-4
-"""Least rms slope summed [1]: mirrors see a spot of the sky 0.01 deg wide."""
+"""Least rms slope that is summed [1]: mirrors see a spot of the sky 0.01 deg wide."""
 
 _series_kernel = kernel(series_bracket)
 
 
 class _Facets(NamedTuple):
-    """Slopes as the sum over them takes them: variances along and across the wind, its azimuth, the series and the nested law."""
+    """Slopes for the sum over facets: variances along and across the wind, its azimuth, the series and the nested law."""
 
     up: float
     cross: float
@@ -77,7 +77,7 @@ class _Facets(NamedTuple):
 
 @njit
 def _fill_sky(table: ScatteredTable, suns: np.ndarray, out: np.ndarray) -> None:
-    """Shares of spectral shapes over the sea [(Suns, elevations, azimuths, r)]."""
+    """Fill shares of spectral shapes over the sea [(Suns, elevations, azimuths, r)]."""
     for t in range(out.shape[0]):
         for e in range(out.shape[1]):
             elevation = 0.5 * math.pi * (e / (out.shape[1] - 1)) ** 2
@@ -89,7 +89,7 @@ def _fill_sky(table: ScatteredTable, suns: np.ndarray, out: np.ndarray) -> None:
 
 @kernel
 def _add_sky(sky: np.ndarray, at: tuple[float, float, float], weight: float, out: np.ndarray) -> None:
-    """Add to ``out[r]`` the sky at a Sun's place among the nodes, an elevation and an azimuth from the Sun [rad]."""
+    """Add to ``out[r]`` the sky at an interpolated Sun, an elevation and an azimuth from the Sun [rad]."""
     x, y = at[0], math.sqrt(at[1] / (0.5 * math.pi)) * (sky.shape[1] - 1)
     beside = abs(at[2]) % (2.0 * math.pi)
     z = min(beside, 2.0 * math.pi - beside) / math.pi * (sky.shape[2] - 1)
@@ -184,7 +184,7 @@ def _fill_mirrored(
     sums: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Mirrored sky in band over the area of all visible facets: rows of elevation and turn ``where``, azimuths of lines of sight.
+    """Fill the mirrored sky in band over the area of all visible facets: rows of elevation and turn ``where``, azimuths of lines of sight.
 
     ``sun``: zenith angle and azimuth at the sensor's foot, first zenith angle of the sky and its nodes per rad. ``sums[i, j, r]``: sums
     over the band of reflectance and path for every row.
@@ -204,7 +204,7 @@ def _fill_mirrored(
 
 @dataclass(frozen=True, eq=False)
 class Around:
-    """Azimuths about the Sun at which something is tabulated, closer together near it: ``azimuth = pi sinh(c u)/sinh(c)``, u in 0..1.
+    """Azimuth nodes about the Sun, denser near it: ``azimuth = pi sinh(c u)/sinh(c)``, u in 0..1.
 
     Attributes
     ----------
@@ -218,12 +218,12 @@ class Around:
 
     @classmethod
     def mirrored(cls) -> Around:
-        """For the mirrored sky: both sides, as slopes may lean to one."""
+        """Nodes for the mirrored sky, on both sides of the Sun, as slopes may be skewed to one."""
         return cls._of(np.linspace(-1.0, 1.0, _MIRRORED + 1), _CROWDING[_MIRRORED])
 
     @classmethod
     def path(cls) -> Around:
-        """For paths, the same on both sides."""
+        """Nodes for paths, which are symmetric about the Sun."""
         return cls._of(np.linspace(0.0, 1.0, _STRAIGHT + 1), _CROWDING[_STRAIGHT])
 
     @classmethod
@@ -231,7 +231,7 @@ class Around:
         return cls(np.pi * np.sinh(crowding * u) / np.sinh(crowding), u, crowding)
 
     def weights(self, azimuth: FloatArray) -> FloatArray:
-        """Of the nodes' values for azimuths from the Sun [rad, (columns,)]: (nodes, columns)."""
+        """Weights (nodes, columns) of the nodes' values for azimuths from the Sun [rad, (columns,)]."""
         turned = np.remainder(azimuth + np.pi, 2.0 * np.pi) - np.pi
         turned = turned if self._u[0] < 0.0 else np.abs(turned)
         u = np.arcsinh(turned / np.pi * np.sinh(self._crowding)) / self._crowding
@@ -240,8 +240,9 @@ class Around:
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Rows of sea: elevation of the viewer and turn of the vertical at the place, elevation of the line of sight [rad], arc [m], and
-    transmittance times quadrature weight [cm-1, (rows, n)].
+    """Rows of sea: viewing geometry, and transmittance times quadrature weight [cm-1, (rows, n)].
+
+    The geometry is elevation of the viewer and turn of the vertical at the place, elevation of the line of sight [rad] and arc [m].
     """
 
     gamma: FloatArray
@@ -252,7 +253,7 @@ class Rows:
 
     @classmethod
     def of(cls, view: SeaView, gamma: FloatArray) -> Rows:
-        """Of elevations of the viewer over the sea [rad]."""
+        """Rows for elevations of the viewer over the sea [rad]."""
         arc = sea_arc(view.sensor_height, gamma)
         seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., view.in_band.grid] * view.in_band.weights
         return cls(gamma, turn_at(arc), -(gamma + arc / EFFECTIVE_EARTH_RADIUS), arc, seen)
@@ -277,8 +278,12 @@ class ScatteredSun:
 
     @classmethod
     def prepare(cls, view: SeaView, reflectance: Callable[[], ReflectanceSeries], turn: float | None = None) -> ScatteredSun | None:
-        """For water of a reflectance, asked for where it matters, and places where the vertical is turned by at most ``turn`` [rad]: all in
-        view by default. None where nothing is scattered.
+        """Prepare the scattered sunlight over the sea; None where nothing is scattered.
+
+        The water's reflectance is evaluated where it matters. Places have the vertical turned by at most ``turn`` [rad]: all in view by
+        default.
+
+        The reflectance is evaluated where it matters. Places have the vertical turned by at most ``turn`` [rad]: all in view by default.
         """
         if view.scattered.is_dark:
             return None
@@ -292,7 +297,10 @@ class ScatteredSun:
         return cls(view, reflectance(), _facets_of(view), sky, sun, view.sun_distance_factor * table.spectral)
 
     def mirrored(self, rows: Rows, azimuth: FloatArray) -> FloatArray:
-        """Mirrored by the sea, at the aperture in band [W m-2 sr-1, (rows, columns)]; azimuths of lines of sight [rad, (columns,)]."""
+        """Scattered sunlight mirrored by the sea, at the aperture in band [W m-2 sr-1, (rows, columns)].
+
+        Azimuths are those of lines of sight [rad, (columns,)].
+        """
         if rows.gamma.size == 0:
             return np.zeros((0, azimuth.size))
         terms = self._reflectance.coefficients[:_TERMS]
@@ -305,25 +313,25 @@ class ScatteredSun:
         return np.asarray(np.maximum(out, 0.0) / area)
 
     def path(self, rows: Rows, azimuth: FloatArray) -> FloatArray:
-        """Of paths to the sea in band [W m-2 sr-1, (rows, columns)]; azimuths of lines of sight [rad, (columns,)]."""
+        """Scattered sunlight of paths to the sea in band [W m-2 sr-1, (rows, columns)]; azimuths of lines of sight [rad, (columns,)]."""
         if rows.arc.size * azimuth.size <= _FEW_LINES:
             return self.view.sun_distance_factor * self.view.scattered.paths(rows.arc, azimuth - self.view.solar_azimuth)
         beside = azimuth - self.view.solar_azimuth
         return self.view.sun_distance_factor * path_map(rows.arc, rows.elevation, beside, self.view.scattered.path)
 
     def above(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """Of the sky seen from the sensor at elevations (rows) and azimuths (columns) [rad], in band [W m-2 sr-1]."""
+        """Scattered sunlight of the sky seen from the sensor at elevations (rows) and azimuths (columns) [rad], in band [W m-2 sr-1]."""
         return self.view.sun_distance_factor * sky_map(elevation, azimuth - self.view.solar_azimuth, self.view.scattered.sky)
 
     def above_along(self, elevation: FloatArray, azimuth: FloatArray) -> FloatArray:
-        """The same for lines of sight in no order [(n,)]."""
+        """Scattered sunlight of the sky along a list of lines of sight, in band [W m-2 sr-1, (n,)]."""
         if elevation.size == 0:
             return np.zeros(0)
         return self.view.sun_distance_factor * scattered_shares(elevation, azimuth - self.view.solar_azimuth, self.view.scattered.sky)[:, 0]
 
 
 def _rough(slopes: SlopeStatistics) -> SlopeStatistics:
-    """The same slopes, a mirror's so small that they do not matter."""
+    """Return the slopes with variances raised to the least that the sum resolves."""
     least = max(_LEAST_SLOPE**2, 1e-4 * max(slopes.mss_up, slopes.mss_cross))
     return replace(slopes, mss_up=max(slopes.mss_up, least), mss_cross=max(slopes.mss_cross, least))
 
@@ -343,7 +351,9 @@ def _facets_of(view: SeaView) -> _Facets:
 
 @dataclass(frozen=True, eq=False)
 class ScatteredMap:
-    """Scattered sunlight of one view, tabulated along elevation and azimuth: maps of any size are then quick. Make it with :meth:`prepare`.
+    """Scattered sunlight of one view, tabulated along elevation and azimuth, so that maps of any size are quick.
+
+    Make it with :meth:`prepare`.
 
     Paths and the mirrored sky are splined over the elevation of the viewer as seen from the sea, in ``arsinh(elevation / scale)``, and over
     the azimuth from the Sun.
@@ -371,7 +381,7 @@ class ScatteredMap:
         return self._path(x) @ self._beside.weights(turned), self._mirrored(x) @ self._around.weights(turned)
 
     def along(self, gamma: FloatArray, azimuth: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """The same along lines of sight in no order [(n,)]."""
+        """Path and mirrored sky along a list of lines of sight [(n,)]."""
         x, turned = np.arcsinh(gamma / self._scale), azimuth - self.light.view.solar_azimuth
         path = np.sum(self._path(x) * self._beside.weights(turned).T, axis=1)
         return path, np.sum(self._mirrored(x) * self._around.weights(turned).T, axis=1)

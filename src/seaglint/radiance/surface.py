@@ -1,4 +1,4 @@
-"""Spectra of a rough sea without the Sun: what it emits and which sky it mirrors, averaged over the facets a viewer sees."""
+"""Spectra of a rough sea without the Sun: emission and mirrored sky, averaged over the facets that a viewer sees."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from seaglint.sea.emissivity import facet_nodes
 from seaglint.sea.slopes import SlopeStatistics
 
 _SKY_NODES: Final = 241
-"""Zenith angles of the sky table, crowded to the horizon by the square root of elevation: below 1e-6 of the sky between them."""
+"""Number of zenith angles of the sky table, denser near the horizon (square root of elevation): error below 1e-6 of the sky."""
 
 _SKY_RANK: Final = 1e-7
-"""Singular values of the sky table below this share of the first are dropped; what they carry is below 1e-6 of the sky."""
+"""Relative singular value of the sky table below which components are dropped: error below 1e-6 of the sky."""
 
 _AZIMUTHS: Final = 6
-"""View azimuths from along to across the wind: even harmonics up to the tenth leave 2e-8 of the background (Cox-Munk, 1-14 m/s)."""
+"""Number of view azimuths from along to across the wind: even harmonics to the tenth leave 2e-8 of the background (Cox-Munk, 1-14 m/s)."""
 
 _SKEWED_AZIMUTHS: Final = 13
-"""View azimuths from down to up the wind for slopes that are skewed: all harmonics up to the twelfth."""
+"""Number of view azimuths from down to up the wind for skewed slopes: all harmonics up to the twelfth."""
 
 _CHUNK: Final = 64
-"""View zeniths summed at a time: 64 x 384 facets x 30 numbers are 6 MB."""
+"""Number of view zeniths summed at a time: 64 x 384 facets x 30 numbers are 6 MB."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +60,7 @@ class SkyTable:
         return cls(CubicSpline(root, u[:, :rank] * s[:rank]), np.asarray(v[:rank]))
 
     def shares(self, zenith: ArrayLike) -> FloatArray:
-        """``u_r`` at zenith angles [rad, (...)] up to the horizon: (..., r)."""
+        """Factors ``u_r`` at zenith angles [rad, (...)] up to the horizon: (..., r)."""
         elevation = np.maximum(0.5 * np.pi - np.asarray(zenith, dtype=np.float64), 0.0)
         return np.asarray(self.angular(np.sqrt(elevation)))
 
@@ -88,7 +88,7 @@ class SeaSurface:
         return cls(ReflectanceSeries.of(water.index(nu)), planck_wavenumber(nu, sea_temperature), SkyTable.of(atmosphere, grid))
 
     def leaving(self, view_zenith: ArrayLike, view_azimuth: float, slopes: SlopeStatistics, nested_bands: float = 1.0) -> SeaLeaving:
-        r"""Emission and mirrored sky, facet by facet.
+        r"""Spectra of emission and mirrored sky, averaged facet by facet.
 
         .. math::
 
@@ -145,7 +145,7 @@ class SeaSurface:
 
 
 def wind_azimuths(slopes: SlopeStatistics) -> FloatArray:
-    """View azimuths from which all others follow [rad, (k,)]: one for isotropic slopes, a quarter of the compass for Gaussian ones."""
+    """View azimuths from which all others follow [rad, (k,)]: one for isotropic slopes, a quarter of the circle for Gaussian ones."""
     if slopes.is_isotropic:
         return np.zeros(1)
     turn = np.linspace(0.0, 0.5 * np.pi, _AZIMUTHS) if slopes.is_gaussian else np.linspace(0.0, np.pi, _SKEWED_AZIMUTHS)
@@ -161,5 +161,5 @@ def azimuth_weights(slopes: SlopeStatistics, view_azimuth: FloatArray) -> FloatA
     if slopes.is_isotropic:
         return np.ones((1, view_azimuth.size))
     order = np.arange(known.size) * (2.0 if slopes.is_gaussian else 1.0)
-    basis, wanted = (np.cos(np.outer(order, a - slopes.wind_to_azimuth)) for a in (known, view_azimuth))
-    return np.asarray(np.linalg.solve(basis, wanted))
+    basis, targets = (np.cos(np.outer(order, a - slopes.wind_to_azimuth)) for a in (known, view_azimuth))
+    return np.asarray(np.linalg.solve(basis, targets))

@@ -70,7 +70,7 @@ def patches(
     solid_angle: ArrayLike,
     correlation_length: float,
 ) -> FloatArray:
-    r"""Patches of the size of a mirroring cell that a detector averages over, ``M = Omega r^2 cos(beta) / (l^2 cos(omega))`` [1].
+    r"""Number of mirroring cells that a detector averages over, ``M = Omega r^2 cos(beta) / (l^2 cos(omega))`` [1].
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def patches(
     view_zenith : array_like
         Zenith angle of the direction from the sea to the sensor [rad], 0..pi/2.
     solar_zenith : float
-        That of the Sun's centre [rad]; a disc cut by the horizon counts with the middle of what is left.
+        Zenith angle of the Sun's centre [rad]; a disc cut by the horizon counts with the middle of what is left.
     slant_range : array_like
         Distance to the sea [m].
     solid_angle : array_like
@@ -105,7 +105,10 @@ def patches(
 def patches_of_tilt(
     cos_incidence: ArrayLike, tilt: ArrayLike, slant_range: ArrayLike, solid_angle: ArrayLike, correlation_length: float
 ) -> FloatArray:
-    """The same where the sum of the cosines of both zenith angles is known, ``tilt = cos(theta_v) + cos(theta_s)`` [1], of many Suns."""
+    """Number of mirroring cells as :func:`patches`, for many Suns.
+
+    The sum of the cosines of both zenith angles is ``tilt = cos(theta_v) + cos(theta_s)`` [1].
+    """
     omega = np.asarray(solid_angle, dtype=np.float64)
     if not np.all(omega > 0.0):
         raise DomainError(
@@ -145,7 +148,7 @@ def glint_variance(
     view_zenith : array_like
         Zenith angle of the direction from the sea to the sensor [rad], 0..pi/2.
     solar_zenith : float
-        That of the Sun's centre [rad].
+        Zenith angle of the Sun's centre [rad].
     slant_range : array_like
         Distance to the sea [m].
     solid_angle : array_like
@@ -185,14 +188,14 @@ def glint_variance(
     return np.asarray(point_variance(sun_mean, chance) / np.maximum(m, 1.0))
 
 
-def sea_variance(view: SeaView, found: SeaRadiance, elevation: ArrayLike, solid_angle: ArrayLike, correlation_length: float) -> FloatArray:
+def sea_variance(view: SeaView, mean: SeaRadiance, elevation: ArrayLike, solid_angle: ArrayLike, correlation_length: float) -> FloatArray:
     """Variance of glint for the lines of sight of a mean radiance.
 
     Parameters
     ----------
     view : SeaView
-        Sensor, sea, air and Sun that ``found`` was computed with.
-    found : SeaRadiance
+        Sensor, sea, air and Sun that ``mean`` was computed with.
+    mean : SeaRadiance
         Mean radiance, from :func:`seaglint.radiance.mean.mean_radiance` or :func:`seaglint.radiance.article.article_radiance`.
     elevation : array_like
         Its elevations [rad, (rows,)].
@@ -216,11 +219,11 @@ def sea_variance(view: SeaView, found: SeaRadiance, elevation: ArrayLike, solid_
     sea = np.isfinite(theta)
     omega = np.broadcast_to(np.asarray(solid_angle, dtype=np.float64), rows.shape)
     distance = slant_range_of(view.sensor_height, surface_range(view.sensor_height, -rows[sea]))
-    variance = np.zeros((rows.size, found.sun.shape[1]))
+    variance = np.zeros((rows.size, mean.sun.shape[1]))
     variance[sea] = glint_variance(
-        found.sun[sea],
-        found.chance[sea],
-        found.cos_incidence[sea],
+        mean.sun[sea],
+        mean.chance[sea],
+        mean.cos_incidence[sea],
         theta[sea][:, None],
         view.solar_zenith,
         distance[:, None],

@@ -1,4 +1,4 @@
-"""Who looks at which sea through what, and the sums over the band that every radiance of it needs."""
+"""View of a sea by a sensor, and the sums over the band that every radiance of it needs."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from seaglint.radiance.local_sun import STEADY, SunTable, turn_at, visible_sun
 from seaglint.sea.slopes import SlopeStatistics
 
 _CREST: Final = 20.0
-"""Height of waves that may stand beyond the sea's horizon [m]."""
+"""Largest height of waves beyond the sea's horizon that may be in view [m]."""
 
 _SUN_NODES: Final = 257
-"""Elevations of the Sun at which its light is tabulated: within 2e-3 of it for a Sun 2 deg above the horizon, seen from 10 km."""
+"""Number of elevations of the Sun at which its light is tabulated: error below 2e-3 for a Sun 2 deg above the horizon, seen from 10 km."""
 
 Background = Literal["facets", "blackbody"]
-"""What the sea shows beside the Sun: facets that emit and mirror the sky, or a blackbody (Eqs. 6-7 of the source article)."""
+"""Model of the sea without the Sun: facets that emit and mirror the sky, or a blackbody (Eqs. 6-7 of the source article)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class BandSum:
 
     @classmethod
     def of(cls, band: Band, atmosphere: Atmosphere) -> BandSum:
-        """Of the samples where the band responds.
+        """Quadrature on the samples where the band responds.
 
         Raises
         ------
@@ -70,7 +70,7 @@ class BandSum:
 
 @dataclass(frozen=True, eq=False)
 class SeaView:
-    """Everything but the directions: who looks at which sea through what.
+    """Sensor, sea, air, Sun and band of a view, without its directions.
 
     Attributes
     ----------
@@ -143,7 +143,7 @@ class SeaView:
 
     @cached_property
     def scattered(self) -> ScatteredLight | SampledLight:
-        """Sunlight that the air scatters towards the sensor and the sea, Sun at 1 au; darkness where there is none."""
+        """Scattered sunlight towards the sensor and the sea, Sun at 1 au; dark where the air scatters none."""
         over = self.in_band
         atmosphere = self.atmosphere if self.scattering and self.background == "facets" else None
         return scattered_in(atmosphere, over.grid, over.weights, self.sensor_height, self.solar_zenith, self.farthest_turn)
@@ -175,7 +175,7 @@ class SeaView:
 
     @property
     def _sunlit_zenith(self) -> float:
-        """Zenith angle [rad] for which :attr:`irradiance` is."""
+        """Zenith angle of the Sun to which :attr:`irradiance` belongs [rad]."""
         share, zenith = visible_sun(self.solar_zenith)
         if share == 0.0 and zenith - self.farthest_turn < 0.5 * np.pi + SOLAR_ANGULAR_RADIUS:
             return 0.5 * np.pi - SOLAR_ANGULAR_RADIUS
@@ -183,7 +183,7 @@ class SeaView:
 
     @cached_property
     def sun_table(self) -> SunTable:
-        """Sunlight in the band at places in view over :attr:`irradiance`, by the sine of the Sun's elevation there.
+        """Ratio of sunlight in the band at places in view to :attr:`irradiance`, by the sine of the Sun's elevation there.
 
         Where the atmosphere holds no sunlight for a zenith angle, that of the next one serves.
         """
@@ -195,16 +195,16 @@ class SeaView:
         up = np.linspace(first, last, _SUN_NODES)
         zenith = np.arccos(np.minimum(up, 1.0))
         try:
-            found = self._irradiance(zenith)
+            irradiance = self._irradiance(zenith)
         except DomainError as refused:
             if refused.name != "solar_zenith" or not isinstance(refused.allowed, tuple):
                 raise
-            found = self._irradiance(np.clip(zenith, *refused.allowed))
+            irradiance = self._irradiance(np.clip(zenith, *refused.allowed))
         weights = self.in_band.weights
-        return SunTable(float(first), (_SUN_NODES - 1) / float(last - first), (found @ weights) / float(self.irradiance @ weights))
+        return SunTable(float(first), (_SUN_NODES - 1) / float(last - first), (irradiance @ weights) / float(self.irradiance @ weights))
 
     def _irradiance(self, zenith: FloatArray) -> FloatArray:
-        """Sunlight for zenith angles [W m-2 per cm-1, (angles, n)]."""
+        """Spectral irradiance for zenith angles of the Sun [W m-2 per cm-1, (angles, n)]."""
         return np.asarray(self.sun_distance_factor * self.atmosphere.solar_irradiance(zenith)[..., self.in_band.grid])
 
 

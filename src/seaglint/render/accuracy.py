@@ -1,4 +1,4 @@
-"""How finely a scene is drawn: every setting and the error that it bounds."""
+"""Accuracy settings of the renderer and the error that each of them bounds."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from seaglint.errors import DomainError
 
 @dataclass(frozen=True)
 class Accuracy:
-    """Settings of the renderer.
+    """Accuracy settings of the renderer.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Accuracy:
             raise DomainError(f"oversampling = {self.oversampling} is outside 1 and more; give a whole number from 1 on")
 
     def of_cells(self) -> Accuracy:
-        """The settings for the sweep's cells of a turned camera: as many lines in a pixel of the camera, whatever the cells."""
+        """Return the settings for the sweep's cells of a turned camera, with as many lines in a pixel of the camera for any cells."""
         return replace(
             self,
             lines_per_column=max(self.lines_per_column >> (self.oversampling.bit_length() - 1), 1),

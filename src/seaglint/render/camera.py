@@ -1,4 +1,4 @@
-"""The image grid: equal steps of azimuth (columns, clockwise) and of elevation (rows, row 0 on top)."""
+"""Upright image grid: equal steps of azimuth (columns, clockwise) and of elevation (rows, row 0 on top)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from seaglint.errors import DomainError
 
 @dataclass(frozen=True)
 class Camera:
-    """A sensor above the point (0, 0) of the sea with pixels of equal azimuth and elevation steps.
+    """Upright camera above the point (0, 0) of the sea, with pixels of equal azimuth and elevation steps.
 
     Parameters
     ----------

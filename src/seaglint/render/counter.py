@@ -1,4 +1,4 @@
-"""Random numbers that kernels draw by name: a number is a function of its key, and no generator has a state.
+"""Counter-based random numbers for kernels: each number is a function of its key, without a generator's state.
 
 Integers stay below 32 bits between steps, so that compiled kernels (whose products wrap at 64 bits), plain Python (whose do not) and a
 GPU compute the same. The mixing is a multiply-and-shift of 32 bits with a measured bias below 0.2 bits per thousand (constants of
@@ -15,21 +15,21 @@ WORD = 0xFFFFFFFF
 """Mask of 32 bits."""
 
 SLOTS = 32
-"""Instants of a process whose events are drawn at once, one per bit."""
+"""Number of instants of a process whose events are drawn at once, one per bit."""
 
 SPACING = -math.log1p(-1.0 / 8.0)
-"""Between these instants, in mean intervals: each holds an event with the chance 1/8, three random bits that are all set."""
+"""Spacing of these instants in mean intervals: each holds an event with the chance 1/8, three random bits that are all set."""
 
 LOOK_BACK = 16
-"""Slots searched for an event; none is found there once in 1e29."""
+"""Number of slots searched for an event; the chance to find none is 1e-29."""
 
 BOOST_BELOW = 4.0
-"""Gamma shapes below this are drawn one higher and scaled by ``U^(1/shape)``, which is exact."""
+"""Gamma shape below which deviates are drawn one higher and scaled by ``U^(1/shape)``, which is exact."""
 
 
 @kernel
 def mixed(x: int) -> int:
-    """Any integer to 32 bits, each depending on all."""
+    """Hash of any integer to 32 bits, each of which depends on all."""
     x &= WORD
     x ^= x >> 16
     x = (x * 0x7FEB352D) & WORD
@@ -46,7 +46,7 @@ def cell_key(seed: tuple[int, int], i: int, j: int, lattice: int) -> tuple[int, 
 
 @kernel
 def bits(key: tuple[int, int], number: int) -> int:
-    """The ``number``-th 32 random bits of a key: its first word counts, the second enters between the products."""
+    """Random word ``number`` of 32 bits of a key: its first word counts, the second enters between the products."""
     x = (key[0] + number * 0x9E3779B1) & WORD
     x ^= x >> 16
     x = (x * 0x7FEB352D & WORD) ^ key[1]
@@ -57,7 +57,7 @@ def bits(key: tuple[int, int], number: int) -> int:
 
 @kernel
 def uniform(key: tuple[int, int], number: int) -> float:
-    """The ``number``-th uniform deviate of a key, inside (0, 1)."""
+    """Uniform deviate ``number`` of a key, inside (0, 1)."""
     return (bits(key, number) + 0.5) * 2.0**-32
 
 
@@ -74,7 +74,7 @@ def highest_bit(x: int) -> int:
 
 @kernel
 def last_event(key: tuple[int, int], time: float) -> int:
-    """Name of the last event before ``time`` in a process without memory, one event per unit of time.
+    """Key of the last event before ``time`` in a Poisson process with one event per unit of time.
 
     Two times share their last event with the chance ``exp(-|difference|)``: a value drawn under its name has that correlation in time,
     whatever its density, and any instant is found alone. Events fall on instants :data:`SPACING` apart that every key begins at its own
@@ -117,7 +117,7 @@ def normal_quantile(p: float) -> float:
 
 @kernel
 def gamma_deviate(shape: float, key: tuple[int, int], number: int) -> float:
-    """The ``number``-th gamma deviate of a key, mean 1 and variance ``1/shape``; continuous in the shape but at :data:`BOOST_BELOW`.
+    """Gamma deviate ``number`` of a key, mean 1 and variance ``1/shape``; continuous in the shape but at :data:`BOOST_BELOW`.
 
     The cube of a normal deviate (Wilson and Hilferty 1931), its mean made exact; variances are within 0.2 % of the gamma density's,
     distances between the distributions below 0.003.

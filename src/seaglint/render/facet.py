@@ -28,14 +28,14 @@ from seaglint.sea.seen_and_lit import lit_exponent_kernel
 from seaglint.sea.shadowing import quick_visible_area_kernel
 
 NEGLIGIBLE_EXPONENT = 30.0
-"""Slope densities below exp(-30) of their peak are taken as zero: 1e-13 of the glint's."""
+"""Exponent below which slope densities are taken as zero: exp(-30) of their peak, 1e-13 of the glint's."""
 
 
 class FacetTables(NamedTuple):
-    """Band terms of what facets send.
+    """Band terms of the light of facets.
 
     ``thermal[u, chi, a, c, k]``: emission and reflected sky over the sine of the grazing angle, the view azimuth and the resolved slope
-    towards the viewer and across; ``emitted`` the emission alone, without terms where it is not asked for; ``axes[i] = (first node,
+    towards the viewer and across; ``emitted`` the emission alone, without terms where it is not requested; ``axes[i] = (first node,
     1/step)``. ``sun[c, k]``: reflected sunlight over the cosine of incidence.
     """
 
@@ -46,7 +46,7 @@ class FacetTables(NamedTuple):
 
 
 class FacetOptics(NamedTuple):
-    """All that :func:`facet_thermal` and :func:`facet_sunlight` look up."""
+    """Tables that :func:`facet_thermal` and :func:`facet_sunlight` read."""
 
     sunlight: Sunlight
     roughness: Roughness
@@ -54,7 +54,7 @@ class FacetOptics(NamedTuple):
 
 
 class FacetLevels(NamedTuple):
-    """The facets of every level of detail, in arrays.
+    """Facets of every level of detail, in arrays.
 
     ``roughness[l] = (ee, en, nn, towards the Sun)``; ``nested[l]`` and ``coupling[l]`` its tables, unless all are Smith's and ``smith``
     is set; ``thermal`` and ``emitted`` all tables one after another with ``shape[l] = (first, nu, nchi, na, nc)`` and ``axes[l]``; ``sun``
@@ -74,7 +74,7 @@ class FacetLevels(NamedTuple):
 
 @njit
 def level_optics(sunlight: Sunlight, levels: FacetLevels, level: int) -> FacetOptics:
-    """The facets of one level."""
+    """Facets of one level."""
     first, nu, nx, na, nc = (
         levels.shape[level, 0],
         levels.shape[level, 1],
@@ -150,7 +150,10 @@ def facet_share(
     mirror: tuple[float, float],
     slope: tuple[float, float],
 ) -> float:
-    """:func:`seen_and_lit` of a facet of a slope, for the slope ``mirror`` that mirrors the Sun; ``grazing`` as in :func:`sun_factor`."""
+    """Share :func:`seen_and_lit` of a facet of a slope, for the slope ``mirror`` that mirrors the Sun.
+
+    ``grazing`` as in :func:`sun_factor`.
+    """
     vz, horizontal = grazing
     tilt = sight.east * slope[0] + sight.north * slope[1]
     above = (vz - horizontal * tilt, sun.up - sun.east * slope[0] - sun.north * slope[1])
@@ -171,8 +174,9 @@ def merged_share(
     slope: tuple[float, float],
     spread: tuple[float, float, float],
 ) -> tuple[float, float, float]:
-    """Mean of :func:`facet_share` over slopes of a covariance ``spread`` (ee, en, nn) about ``slope``, and the shift of their mean, east
-    and north, when they are weighted with it.
+    """Mean of :func:`facet_share` over slopes of a covariance ``spread`` (ee, en, nn) about ``slope``, and the shift of their mean.
+
+    The shift, east and north, is that of the mean weighted with the share.
 
     ``<q h> = <h> q(s* - s - V g)``, with g the logarithmic gradient of the share h, to second order in the slopes. The share changes along
     the line of sight, where it is taken at one deviation to either side; across it next to nothing.
@@ -193,7 +197,7 @@ def merged_share(
 def seen_and_lit(
     rough: Roughness, passage: float, mirroring: tuple[float, float], above: tuple[float, float], deviation: tuple[float, float]
 ) -> float:
-    """Share of a facet's mirroring slopes that is seen and lit, over its visible area: ``S (1 + Lambda_v)/A+``; 0 where nothing is.
+    """Seen and lit share of a facet's mirroring slopes over its visible area: ``S (1 + Lambda_v)/A+``; 0 where nothing is.
 
     ``mirroring``: slope that mirrors the Sun from the facet's tilt, towards the viewer and towards the Sun, in deviations. ``above``: mean
     over the facet's slopes of ``v_z - v_h.s`` for the directions to viewer and Sun, and ``deviation`` its spread. The law is that of

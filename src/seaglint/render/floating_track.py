@@ -1,4 +1,4 @@
-"""A sensor on a vessel that rides on the waves: heave, pitch and roll of its waterline turn the camera and move it at the mast's top."""
+"""Sensor on a floating vessel: heave, pitch and roll of its waterline turn the camera and move it at the mast's top."""
 
 from __future__ import annotations
 
@@ -14,44 +14,44 @@ from seaglint.render.platform import Pose, Track
 from seaglint.render.view import Attitude
 
 MOST_SAMPLES = 257
-"""Times at which the motion is looked at beforehand, at most: a second's work."""
+"""Largest number of times at which the motion is evaluated beforehand: a second's work."""
 
 DENSE = 0.25
-"""Spacing of these times [s] up to which they hold the extremes, but for :data:`SPARE`."""
+"""Spacing of these times [s] up to which their extremes are those of the motion, but for :data:`SPARE`."""
 
 SPARE = 0.5
-"""Standard deviations of the motion that a moment between two samples may go beyond their extremes."""
+"""Margin in standard deviations for motion between two samples beyond their extremes."""
 
 FARTHEST = 5.5
-"""The same about the mean where samples are sparse: a Gaussian motion goes beyond once in ten million."""
+"""Margin in standard deviations about the mean where samples are sparse: a Gaussian motion exceeds it once in ten million."""
 
 _TURNS = 9
-"""Azimuths of a turning track at which the camera's reach is looked at."""
+"""Number of azimuths of a turning track at which the camera's reach is evaluated."""
 
 
 @dataclass(frozen=True, eq=False)
 class FloatingTrack(Track):
-    """A track afloat; make it with :meth:`create`. ``time`` and ``values`` are those of the keyframes, on a flat sea."""
+    """Track on a floating vessel; make it with :meth:`create`. ``time`` and ``values`` are those of the keyframes, on a flat sea."""
 
     swell: Swell
     half_sides: FloatArray
     heading: float | None
     low: FloatArray
     high: FloatArray
-    """Least and greatest height [m], azimuth, elevation and roll [rad], with something to spare."""
+    """Least and greatest height [m], azimuth, elevation and roll [rad], with a margin."""
 
     @classmethod
     def create(  # type: ignore[override]
         cls, base: Track, swell: Swell, waterline: tuple[float, float], heading: float | None, times: FloatArray
     ) -> FloatingTrack:
-        """Put a track afloat.
+        """Create the floating track of a track on a flat sea.
 
         Parameters
         ----------
         base : Track
             On a flat sea.
         swell : Swell
-            What the vessel rides on.
+            Waves that the vessel rides on.
         waterline : (float, float)
             Width and length over which waves are averaged [m]; the sensor stands above its middle.
         heading : float, optional
@@ -61,9 +61,9 @@ class FloatingTrack(Track):
         """
         half = 0.5 * np.asarray(waterline, np.float64)
         afloat = cls(base.time, base.values, swell, half, heading, np.zeros(4), np.zeros(4))
-        found = [afloat.at(float(t)) for t in times]
+        poses = [afloat.at(float(t)) for t in times]
         flat = [Track.at(afloat, float(t)) for t in times]
-        numbers, base_numbers = np.array([_numbers(p) for p in found]), np.array([_numbers(p) for p in flat])
+        numbers, base_numbers = np.array([_numbers(p) for p in poses]), np.array([_numbers(p) for p in flat])
         spread = (numbers - base_numbers).std(axis=0)
         low, high = numbers.min(axis=0) - SPARE * spread, numbers.max(axis=0) + SPARE * spread
         if len(times) > 1 and times[1] - times[0] > DENSE:
@@ -72,7 +72,7 @@ class FloatingTrack(Track):
         return cls(base.time, base.values, swell, half, heading, low, high)
 
     def at(self, time: float) -> Pose:
-        """Pose at a time [s]: that of the flat sea, lifted and laid on the sea under the vessel."""
+        """Pose at a time [s]: that of the flat sea, lifted and tilted with the sea under the vessel."""
         flat = super().at(time)
         heading = self._heading(time)
         lift = self.swell.under(np.array([flat.east, flat.north]), heading, self.half_sides, time)
@@ -103,12 +103,12 @@ class FloatingTrack(Track):
 
     @property
     def turns(self) -> bool:
-        """Whether the attitude changes: always."""
+        """True, as the attitude changes always."""
         return True
 
     @property
     def moves(self) -> bool:
-        """Whether anything changes: always."""
+        """True, as the pose changes always."""
         return True
 
     def reach(self) -> tuple[tuple[float, float], ...]:
@@ -128,7 +128,7 @@ def _numbers(pose: Pose) -> tuple[float, float, float, float]:
 
 
 def _turned(attitude: Attitude, turn: FloatArray) -> Attitude:
-    """An attitude turned with the vessel, its angles near those before."""
+    """Attitude rotated with the vessel, its angles near those before."""
     right, _, forward = attitude.axes @ turn.T
     elevation = math.asin(min(max(float(forward[2]), -1.0), 1.0))
     azimuth = math.atan2(float(forward[0]), float(forward[1]))

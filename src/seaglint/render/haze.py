@@ -1,4 +1,4 @@
-"""Scattered sunlight of path and sky in band, as images look it up: rows of a scene against the azimuth from the Sun."""
+"""Scattered sunlight of path and sky in band, as images read it: rows of a scene against the azimuth from the Sun."""
 
 from __future__ import annotations
 
@@ -15,17 +15,18 @@ from seaglint.conventions import FloatArray, depression_of_range
 from seaglint.radiance.view import SeaView
 
 AZIMUTHS: Final = 361
-"""Azimuths from the Sun, uniform in the sine of their half: a third of a degree apart beside the Sun, whose aureole is some ten wide."""
+"""Number of azimuths from the Sun, uniform in the sine of their half: a third of a degree apart near the Sun, in its aureole."""
 
 _AROUND: Final = 2.0 * np.arcsin(np.linspace(0.0, 1.0, AZIMUTHS))
 
 PATH_ROWS: Final = 257
-"""Paths to the sea, uniform in the logarithm of the slant path, as their own tables have them."""
+"""Number of paths to the sea, uniform in the logarithm of the slant path, as their own tables have them."""
 
 
 class Haze(NamedTuple):
-    """Radiance ``values[azimuth, row]`` [W m-2 sr-1] at even steps of the sine of half the azimuth from the Sun, which stands at
-    ``azimuth`` [rad]; without azimuths it is 0.
+    """Scattered radiance ``values[azimuth, row]`` [W m-2 sr-1] at even steps of the sine of half the azimuth from the Sun.
+
+    The Sun stands at ``azimuth`` [rad]; without azimuths the radiance is 0.
     """
 
     values: np.ndarray
@@ -33,18 +34,18 @@ class Haze(NamedTuple):
 
 
 class SunlitPath(NamedTuple):
-    """Scattered sunlight of the paths to some places: places' rows of the table [1, (places,)]."""
+    """Scattered sunlight of the paths to some places: their rows of the table [1, (places,)]."""
 
     haze: Haze
     row: np.ndarray
 
 
 NO_HAZE: Final = Haze(np.zeros((0, 0)), 0.0)
-"""Air that scatters nothing, or night."""
+"""Haze of air that scatters nothing, or at night."""
 
 
 def is_dark(table: ScatteredTable) -> bool:
-    """Whether a table holds no light."""
+    """True if a table holds no light."""
     return not bool(table.amplitude.any())
 
 
@@ -58,7 +59,7 @@ def haze_column(haze: Haze, azimuth: float) -> tuple[int, float]:
 
 @kernel
 def haze_between(haze: Haze, column: tuple[int, float], row: float) -> float:
-    """Radiance between four nodes [W m-2 sr-1]."""
+    """Radiance interpolated between four nodes [W m-2 sr-1]."""
     i, f = column
     j = min(int(row), haze.values.shape[1] - 2)
     g = row - j
@@ -69,7 +70,7 @@ def haze_between(haze: Haze, column: tuple[int, float], row: float) -> float:
 
 @njit
 def path_along(radiance: np.ndarray, sunlit: SunlitPath, azimuth: float, part: tuple[int, int]) -> np.ndarray:
-    """Path radiance of one line of sight [W m-2 sr-1, (places,)]: thermal ``radiance`` and sunlight scattered; only ``part`` is filled."""
+    """Path radiance of one line of sight [W m-2 sr-1, (places,)]: thermal ``radiance`` and scattered sunlight; only ``part`` is filled."""
     if sunlit.haze.values.shape[0] == 0:
         return radiance
     out = np.empty(radiance.shape[0])
@@ -80,7 +81,7 @@ def path_along(radiance: np.ndarray, sunlit: SunlitPath, azimuth: float, part: t
 
 
 def sky_haze(view: SeaView, elevation: FloatArray) -> Haze:
-    """Sky seen from the sensor at elevations [rad, (rows,)]."""
+    """Scattered sky seen from the sensor at elevations [rad, (rows,)]."""
     table = view.scattered.sky
     if is_dark(table) or elevation.size == 0:
         return NO_HAZE
@@ -88,7 +89,7 @@ def sky_haze(view: SeaView, elevation: FloatArray) -> Haze:
 
 
 def sunlit_path(view: SeaView, arcs: FloatArray) -> SunlitPath:
-    """Paths from the sensor to the sea at arcs from its foot [m, (places,)], ascending."""
+    """Scattered sunlight of the paths from the sensor to the sea at ascending arcs from its foot [m, (places,)]."""
     table = view.scattered.path
     if is_dark(table):
         return SunlitPath(NO_HAZE, np.zeros(0))

@@ -1,4 +1,4 @@
-"""Layers of a frame: what a pixel shows, part by part, from the kernels to the file.
+"""Layers of a frame: the parts of the radiance and the geometry of a pixel, from the kernels to the file.
 
 Kernels add to *channels*, one row of sums for each; layers are made of channels and named as the variables of files are.
 """
@@ -41,16 +41,16 @@ SLOPE: Final = 7
 """Slope of the sea away from the sensor times the share of the pixel that the sea fills [1]."""
 
 CHANNELS: Final = 8
-"""All of them."""
+"""Number of all channels."""
 
 FEWEST: Final = 3
-"""Channels that every frame has: the first three."""
+"""Number of channels that every frame has: the first three."""
 
 SKY: Final = 8
-"""Plane of the mirrored sky, and of the sky itself: what the total has beside Sun, emission and path."""
+"""Plane of the mirrored sky, and of the sky itself: total radiance less Sun, emission and path."""
 
 LEAST_SEEN: Final = 1e-9
-"""Share of a pixel below which no sea is seen in it: rounding."""
+"""Least share of sea in a pixel that sees any; smaller ones are rounding."""
 
 _PLANES: Final = {
     "path_radiance": (PATH,),
@@ -65,11 +65,13 @@ _PLANES: Final = {
 }
 
 LIT: Final = frozenset({"glint_radiance", "glint_share", "object_id"})
-"""Layers that need no more than what every frame has."""
+"""Layers that need no other channels than those of every frame."""
 
 
 class Layers(Mapping[str, NDArray[np.float32]]):
-    """One frame: images (rows, columns) under the names of :data:`seaglint.schema.VARIABLES`; ``radiance`` and ``glint_radiance`` always.
+    """Layers of one frame: images (rows, columns) under the names of :data:`seaglint.schema.VARIABLES`.
+
+    The layers ``radiance`` and ``glint_radiance`` are always there.
 
     ``range`` is the distance from the sensor to the sea, mean over what a pixel sees of it, NaN where it sees none; ``coverage`` the share
     of the pixel that the sea fills; ``slope`` that of the resolved waves along the line of sight; ``object_id`` 0 where no object is.
@@ -99,7 +101,7 @@ class Layers(Mapping[str, NDArray[np.float32]]):
 
 
 def require_layers(names: Collection[str]) -> tuple[str, ...]:
-    """Names of layers wanted, in the order of :data:`seaglint.schema.LAYERS`.
+    """Names of requested layers, in the order of :data:`seaglint.schema.LAYERS`.
 
     Raises
     ------
@@ -113,21 +115,21 @@ def require_layers(names: Collection[str]) -> tuple[str, ...]:
 
 
 def channels_for(names: Collection[str]) -> int:
-    """Channels that the kernels must fill for some layers: few where only the mirrored Sun is wanted."""
+    """Number of channels that the kernels must fill for some layers: few for the mirrored Sun alone."""
     return FEWEST if set(names) <= LIT else CHANNELS
 
 
 def planes_for(names: Collection[str]) -> NDArray[np.int64]:
-    """Planes that some layers are made of [(planes,)], the total and the Sun's first."""
-    wanted = [TOTAL, SUN]
+    """Planes needed for some layers [(planes,)], the total and the Sun's first."""
+    planes = [TOTAL, SUN]
     for name in names:
-        wanted += [plane for plane in _PLANES[name] if plane not in wanted]
-    return np.array(wanted, np.int64)
+        planes += [plane for plane in _PLANES[name] if plane not in planes]
+    return np.array(planes, np.int64)
 
 
 @njit_parallel
 def upright(columns: np.ndarray, planes: np.ndarray, out: np.ndarray) -> None:
-    """Turn columns (columns, channels, rows) into ``planes``, ``out`` (planes, rows, columns)."""
+    """Transpose columns (columns, channels, rows) into ``planes``, ``out`` (planes, rows, columns)."""
     for part in numba.prange((out.shape[1] + 15) // 16):
         for column in range(out.shape[2]):
             for row in range(16 * part, min(16 * part + 16, out.shape[1])):
@@ -140,7 +142,10 @@ def upright(columns: np.ndarray, planes: np.ndarray, out: np.ndarray) -> None:
 
 
 def mean_over_sea(weighted: NDArray[Any], coverage: NDArray[Any]) -> NDArray[Any]:
-    """Mean over what a pixel sees of the sea, of :data:`DISTANCE` [m] or :data:`SLOPE` [1] and :data:`COVERAGE`; NaN where it sees none."""
+    """Mean over the visible sea in a pixel of :data:`DISTANCE` [m] or :data:`SLOPE` [1], from the plane and :data:`COVERAGE`.
+
+    NaN without sea.
+    """
     seen = coverage > LEAST_SEEN
     return np.where(seen, weighted / np.where(seen, coverage, 1.0), np.nan).astype(weighted.dtype)
 
@@ -151,7 +156,7 @@ def share_of_glint(glint: NDArray[Any], radiance: NDArray[Any]) -> NDArray[Any]:
 
 
 def layers_of(planes: NDArray[Any], kinds: NDArray[np.int64], names: Collection[str]) -> Layers:
-    """Layers of a frame from its planes (planes, rows, columns), of the ``kinds`` of :func:`planes_for`."""
+    """Layers of a frame from its planes (planes, rows, columns), with the ``kinds`` of :func:`planes_for`."""
     by_kind = {int(kind): plane for kind, plane in zip(kinds, planes, strict=True)}
     images = {"radiance": by_kind[TOTAL], "glint_radiance": by_kind[SUN]}
     for name in names:
@@ -168,15 +173,15 @@ def layers_of(planes: NDArray[Any], kinds: NDArray[np.int64], names: Collection[
 
 
 def summed(parts: Sequence[Layers]) -> Layers:
-    """One image of parts that lie behind each other, each summed for itself and with its ``coverage``."""
+    """Image of parts that lie behind each other, each summed for itself and with its ``coverage``."""
 
     def together(images: list[NDArray[Any]]) -> NDArray[np.float32]:
         return np.asarray(np.sum(images, axis=0), np.float32)
 
     means = {"range", "slope", "glint_share"} & set(parts[0])
-    found = {name: together([part[name] for part in parts]) for name in parts[0] if name not in means}
+    layers = {name: together([part[name] for part in parts]) for name in parts[0] if name not in means}
     for name in means - {"glint_share"}:
-        found[name] = mean_over_sea(together([np.nan_to_num(part[name]) * part["coverage"] for part in parts]), found["coverage"])
+        layers[name] = mean_over_sea(together([np.nan_to_num(part[name]) * part["coverage"] for part in parts]), layers["coverage"])
     if "glint_share" in means:
-        found["glint_share"] = share_of_glint(found["glint_radiance"], found["radiance"])
-    return Layers(found)
+        layers["glint_share"] = share_of_glint(layers["glint_radiance"], layers["radiance"])
+    return Layers(layers)

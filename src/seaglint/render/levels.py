@@ -1,4 +1,4 @@
-"""Levels of detail of a scene: from which range on each is used, and the sea of one instant at all of them."""
+"""Levels of detail of a scene: the range from which each is used, and the sea of one instant at all of them."""
 
 from __future__ import annotations
 
@@ -17,17 +17,19 @@ from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
 
 _ARCS = 2000
-"""Ranges at which the beginning of levels is looked for: to half a per cent."""
+"""Number of ranges at which the beginning of levels is searched: to half a per cent."""
 
 
 _LINES_PER_WAVE = 3.0
-"""Lines that see a wave for themselves, per its length: with fewer the variance of pixels grows, as seen from 10 m to 3 km."""
+"""Number of lines that sample a wave, per its length: with fewer the variance of pixels grows, as seen from 10 m to 3 km."""
 
 
 @dataclass(frozen=True, eq=False)
 class Levels:
-    """Levels of detail of a scene: ``begins`` [m] is the arc from which on each is used, ``steps`` [m] its largest step, ``shortest`` [m]
-    its shortest wave; at the arcs ``parts`` [m] every line of a column parts in two.
+    """Levels of detail of a scene, with the arcs from which on they are used.
+
+    The fields are ``begins`` [m], the arc from which on each is used, ``steps`` [m], its largest step, and ``shortest`` [m], its shortest
+    wave; at the arcs ``parts`` [m] every line of a column splits in two.
     """
 
     detail: Detail
@@ -38,7 +40,7 @@ class Levels:
 
     @classmethod
     def calm(cls) -> Levels:
-        """A sea without resolved waves."""
+        """Levels of a sea without resolved waves."""
         return cls(Detail.calm(), np.zeros(1), np.zeros(1), np.full(1, np.inf), np.empty(0))
 
     @classmethod
@@ -66,7 +68,7 @@ class Levels:
 
     @property
     def spacing(self) -> FloatArray:
-        """Distance of lattice points of every part [m]."""
+        """Spacing of lattice points of every part [m]."""
         return np.array([part.tiles[0].spacing for part in self.detail.parts])
 
     def lattices(self, time: float) -> tuple[NDArray[np.float32], ...]:
@@ -74,13 +76,13 @@ class Levels:
         return self.detail.surfaces(time, workers=numba.get_num_threads())
 
     def surface(self, lattices: tuple[NDArray[np.float32], ...], origin: tuple[float, float]) -> Surface:
-        """The sea of one instant, with the sensor above ``origin``, east and north [m]."""
+        """Sea of one instant, with the sensor above ``origin``, east and north [m]."""
         turn = np.array([part.tiles[0].rotation for part in self.detail.parts])
         wander = tuple(part.wander[0] for part in self.detail.parts if part.wander)
         return surface_of(lattices, self.spacing, turn, tuple(level.parts for level in self.detail.levels), origin, wander)
 
     def bounds(self, lattices: tuple[NDArray[np.float32], ...]) -> Bounds:
-        """What rays over the finest level step by."""
+        """Bounds of the sea that determine the steps of rays over the finest level."""
         parts = self.detail.levels[0].parts
         if not parts:
             return Bounds(0.0, 0.0, 1.0)
@@ -90,7 +92,7 @@ class Levels:
 
 
 def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accuracy, last: float) -> tuple[FloatArray, FloatArray]:
-    """Arc from which on each level is used, and arcs at which lines part in two [m]: what costs least for a given variance of pixels.
+    """Arc from which on each level is used, and arcs at which lines split in two [m], at the least cost for a given variance of pixels.
 
     A pixel averages waves that are shorter than it is wide or long, so that a band of slope variance ``m`` and length ``L`` adds
     ``m min(1, L/width) min(1, L/length)`` to the variance of pixels, to first order in the slopes. A level loses the part of the bands that
@@ -114,7 +116,7 @@ def _plan(detail: Detail, shortest: FloatArray, camera: Camera, accuracy: Accura
             error = np.abs(gained[level] - lost[level])
             allowed = (width * accuracy.shortest_wave_columns >= shortest[level]) | (level == 0)
             good = allowed & (error <= most) & (lost[level] <= 3.0 * most)
-            # where nothing is good enough the smallest error counts, always behind what is
+            # where no level is good enough the one with the smallest error is used, always behind a good one
             cost = np.where(good, (1 << doublings) / shortest[level], np.where(allowed, 1e6 * (1.0 + error), np.inf))
             better = cost < best
             best[better], chosen[0, better], chosen[1, better] = cost[better], level, doublings

@@ -1,4 +1,4 @@
-r"""Scattered sunlight of the sky in the facets that mirror it: averages over their slopes, tabulated beside the thermal light.
+r"""Scattered sky light mirrored by facets: averages over their slopes, tabulated beside the thermal light.
 
 Unlike the thermal sky it depends on the azimuth from the Sun. Its aureole is some ten degrees wide, as wide as the facets' own slopes blur
 it, so that sums over slopes need close nodes. They are taken as convolutions: with ``a`` the slope towards the viewer, ``c`` that across
@@ -27,28 +27,28 @@ from seaglint.render.thermal import FARTHEST_TURNED_AWAY, band_reflectance
 from seaglint.sea.nested import nested_exponent_kernel
 
 SPECTRAL_ERROR: Final = 3e-3
-"""Root-mean-square error of the sky's spectra, relative to each, that the spectral shapes kept leave; sums over the band keep a tenth."""
+"""Root-mean-square error of the sky's spectra, relative to each, left by the spectral shapes; sums over the band keep a tenth."""
 
 TERM_ERROR: Final = 1e-4
-"""The same of the mirrored spectra times the path's transmittance, by the band terms kept."""
+"""Root-mean-square error, relative to each, of the mirrored spectra times the path's transmittance, left by the band terms."""
 
 ELEVATIONS: Final = 129
-"""Nodes of the sky uniform in the square root of the sine of elevation: amplitudes are smooth, the aureole is in the other direction."""
+"""Number of sky nodes uniform in the square root of the sine of elevation; amplitudes are smooth, as the aureole depends on the angle."""
 
 ANGLES: Final = 513
-"""Nodes uniform in the sine of half the scattering angle, 0.22 deg apart at the Sun."""
+"""Number of nodes uniform in the sine of half the scattering angle, 0.22 deg apart at the Sun."""
 
 SUNS: Final = 5
-"""Zenith angles of the Sun over the sea in view, where it differs."""
+"""Number of zenith angles of the Sun over the sea in view, where it differs."""
 
 REACH: Final = 4.5
-"""Deviations of the facets' slopes that are summed: 7e-6 of them lie beyond."""
+"""Largest facet slope that is summed, in standard deviations: 7e-6 of the slopes lie beyond."""
 
 ALONG_PANEL, ACROSS_STEP = 0.2, 0.04
 """Largest panel of six nodes along the view and step across it, in slope: four and a half degrees of mirrored light from node to node."""
 
 SMOOTHEST: Final = 0.004
-"""Least deviation of slopes that is resolved; smoother facets blur the sky by half a degree, the Sun's own width."""
+"""Least resolved deviation of slopes; smoother facets blur the sky by half a degree, the Sun's own width."""
 
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
@@ -67,8 +67,9 @@ class HazySky(NamedTuple):
 
 
 class HazyFacets(NamedTuple):
-    """What facets mirror of it: ``reflected[c, r, q]``, band terms of the spectral shapes over the cosine of incidence, and the unit
-    vector to the Sun at the sensor's foot (east, north, up).
+    """Scattered sky light mirrored by facets: ``reflected[c, r, q]`` over the cosine of incidence.
+
+    These are band terms of the spectral shapes; the other field is the unit vector to the Sun at the sensor's foot (east, north, up).
     """
 
     sky: HazySky
@@ -89,12 +90,14 @@ class Lines(NamedTuple):
 
 
 def hazy_sky(table: ScatteredTable, weights: FloatArray) -> tuple[HazySky, FloatArray]:
-    """The sky of a table on nodes that facets look up, and its spectral shapes [W m-2 sr-1 per cm-1, (r, n)]: as few as serve the band.
+    """Scattered sky of a table on the nodes that facets read, and its spectral shapes [W m-2 sr-1 per cm-1, (r, n)].
+
+    There are as few shapes as the band allows.
 
     ``weights``: quadrature weights of the band [cm-1, (n,)].
     """
     several = table.suns[1] > 0.0
-    # the whole disc: what a place's horizon leaves of it is for the place to say
+    # the whole disc: the share above a place's horizon is applied at the place
     first = table.suns[0] if several else min(table.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS)
     last = first + (table.amplitude.shape[0] - 1) / table.suns[1] if several else first
     zenith = np.linspace(first, last, (SUNS if last - first > np.radians(1.0) else 2) if several else 1)
@@ -104,7 +107,7 @@ def hazy_sky(table: ScatteredTable, weights: FloatArray) -> tuple[HazySky, Float
     azimuth = 2.0 * np.arcsin(np.sqrt(columns))
     grid = np.meshgrid(zenith, elevation, azimuth, indexing="ij")
     one = np.eye(table.angular.shape[1])
-    # a table whose phase functions are 1 tells its amplitudes (t, j, columns, k, r)
+    # a table whose phase functions are 1 returns its amplitudes (t, j, columns, k, r)
     ask = [scattered_shares(grid[1], grid[2], table._replace(angular=np.stack([k, k])), grid[0]) for k in one]
     amplitude = np.stack(ask, axis=3)
     angle = np.linspace(0.0, math.pi, table.angular.shape[0])
@@ -131,18 +134,21 @@ def _fewest_shapes(shares: FloatArray, spectral: FloatArray, weights: FloatArray
     _, r = np.linalg.qr((spectral * np.sqrt(np.maximum(weights, 0.0))).T)
     seen = shares @ r.T
     size = np.linalg.norm(seen, axis=1, keepdims=True)
-    kept = size[:, 0] > 1e-6 * size.max()
-    _, s, vt = np.linalg.svd(seen[kept] / size[kept], full_matrices=False)
+    significant = size[:, 0] > 1e-6 * size.max()
+    _, s, vt = np.linalg.svd(seen[significant] / size[significant], full_matrices=False)
     left = np.sqrt(np.maximum(1.0 - np.cumsum(s**2) / np.sum(s**2), 0.0))
     count = int(np.argmax(left <= SPECTRAL_ERROR)) + 1
     mixed = r.T @ vt[:count].T
     # least squares for spectra from shares
-    found = shares[kept] / size[kept]
-    return mixed, np.asarray(np.linalg.lstsq(found @ mixed, found @ spectral, rcond=None)[0])
+    weighted = shares[significant] / size[significant]
+    return mixed, np.asarray(np.linalg.lstsq(weighted @ mixed, weighted @ spectral, rcond=None)[0])
 
 
 def hazy_facets(view: SeaView, basis: PathBasis) -> tuple[HazyFacets, FloatArray] | None:
-    """What facets mirror [W m-2 sr-1], and the matrix [1, (q, k)] from its band terms to those of the path's basis; None in darkness."""
+    """Light mirrored by facets [W m-2 sr-1], and the matrix [1, (q, k)] from its band terms to those of the path's basis.
+
+    None in darkness.
+    """
     table = view.scattered.sea_sky
     if is_dark(table):
         return None
@@ -163,7 +169,7 @@ def hazy_facets(view: SeaView, basis: PathBasis) -> tuple[HazyFacets, FloatArray
 
 
 def turns_of(height: float, sine: FloatArray) -> FloatArray:
-    """Turn of the vertical [rad] at the places of the mean sea that are seen at sines of the grazing angle from ``height`` [m]."""
+    """Turn of the vertical [rad] at places of the mean sea, given the sines of their grazing angles seen from ``height`` [m]."""
     arcs = np.concatenate([[0.0], np.geomspace(1e-3 * height, horizon_range(height), 2000)])
     seen = np.cos(view_zenith_of_range(height, arcs))
     return np.asarray(turn_at(np.interp(sine, seen[::-1], arcs[::-1])))
@@ -227,8 +233,9 @@ def horizon_slope(sight: tuple[float, float], across: float, lean: float) -> flo
 
 @kernel
 def visible(rough: Roughness, sight: tuple[float, float], a: float, tilt: float, sigma: float) -> float:
-    """Density of a slope ``a`` in the view over its Gaussian's peak, of facets tilted by ``tilt``: times their visible area and the
-    share that nested shadows leave.
+    """Density of a slope ``a`` in the view over its Gaussian's peak, of facets tilted by ``tilt``.
+
+    It is multiplied by their visible area and the share that nested shadows leave.
     """
     z = (a - tilt) / sigma
     share = math.exp(-0.5 * z * z) * max(sight[0] - sight[1] * a, 0.0)
@@ -253,7 +260,7 @@ def visible_whole(rough: Roughness, sight: tuple[float, float], tilt: float, sig
 
 @njit
 def fill_line(facets: HazyFacets, rough: Roughness, lines: Lines, u: int, x: int, out: np.ndarray) -> None:
-    """Averages of :func:`add_haze` over the visible slopes of facets, for one grazing angle and azimuth, into ``out[a, c, q]``."""
+    """Fill ``out[a, c, q]`` with averages of :func:`add_haze` over the visible slopes of facets, for one grazing angle and azimuth."""
     sine = min(lines.sine[u], 1.0)
     cosine = math.sqrt(max(1.0 - sine * sine, 0.0))
     sight, tangent = (sine, cosine), sine / max(cosine, 1e-12)
@@ -326,7 +333,7 @@ def _fill(facets: HazyFacets, rough: Roughness, lines: Lines, out: np.ndarray, p
 
 
 def haze_table(facets: HazyFacets, rough: Roughness, lines: Lines) -> FloatArray:
-    """Band terms of the scattered sky that facets mirror [W m-2 sr-1, (u, chi, a, c, q)]."""
+    """Band terms of the mirrored scattered sky [W m-2 sr-1, (u, chi, a, c, q)]."""
     shape = (lines.sine.size, lines.azimuth.size, lines.along.size, lines.across.size, facets.reflected.shape[2])
     out = np.empty(shape)
     in_threads(lambda some: _fill(facets, rough, lines, out, some), shape[0] * shape[1])

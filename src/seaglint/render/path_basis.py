@@ -1,4 +1,4 @@
-"""Spectral products along the line of sight, integrated per wavenumber at the price of a few sums.
+"""Basis for spectral products along the line of sight: integrals per wavenumber from sums over a few terms.
 
 A pixel needs ``int R(nu) tau(nu; range) X(nu; facet) dnu`` for millions of facets. The transmittances seen from one height span a
 small space: with ``tau(nu; r) ~ sum_k a_k(r) phi_k(nu)`` the integral is ``sum_k a_k(r) int R phi_k X dnu``, and the
@@ -24,10 +24,10 @@ PRODUCT_ERROR = 1e-4
 """RMS error relative to the products, over facets and ranges, that :func:`fewest_terms` leaves."""
 
 TOGETHER = 4
-"""Terms of the thermal tables come in fours: kernels take four at once."""
+"""Number of terms that kernels process at once; the thermal tables have a multiple of it."""
 
 NODES = 320
-"""Ranges at which the atmosphere is asked; the coefficients between them are splined in log range."""
+"""Number of ranges at which the atmosphere is evaluated; the coefficients between them are splined in log range."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class PathBasis:
     weights : (n,) [cm-1]
         Quadrature weights of the band.
     coefficients : (m, k)
-        ``a_k`` at the ranges asked for.
+        ``a_k`` at the requested ranges.
     path_radiance : (m,) [W m-2 sr-1]
         Thermal path radiance in the band.
     """
@@ -90,7 +90,7 @@ def path_basis(atmosphere: Atmosphere, band: Band, height: float, range_m: Float
 
 
 def fewest_terms(tables: FloatArray, coefficients: FloatArray, together: int = 1) -> tuple[FloatArray, FloatArray]:
-    """Tables (..., k) and coefficients (m, k) with the same products ``tables @ coefficients.T`` [any unit], in as few terms as serve.
+    """Reduce tables (..., k) and coefficients (m, k) to the fewest terms with the same products ``tables @ coefficients.T`` [any unit].
 
     What facets send varies less from one to the next than spectra can: two or three terms do the work of seven. Facets and ranges count
     alike, whatever their radiance. Their number is a multiple of ``together``.
@@ -105,8 +105,8 @@ def fewest_terms(tables: FloatArray, coefficients: FloatArray, together: int = 1
     left = energy.sum() - np.cumsum(energy)
     terms = int(np.argmax(left <= PRODUCT_ERROR**2 * energy.sum())) + 1
     terms = -(-terms // together) * together
-    kept = np.zeros((vectors.shape[0], terms))
-    kept[:, : min(terms, vectors.shape[1])] = vectors[:, :terms]
-    # product = facets r^T kept kept^T, so with coefficients = q r the pair (facets r^T kept, q kept) stands for it
-    mixed = np.linalg.solve(r, kept) if np.linalg.matrix_rank(r) == r.shape[0] else np.linalg.pinv(r) @ kept
-    return (facets @ (r.T @ kept)).reshape(*tables.shape[:-1], terms), np.ascontiguousarray(coefficients @ mixed)
+    selected = np.zeros((vectors.shape[0], terms))
+    selected[:, : min(terms, vectors.shape[1])] = vectors[:, :terms]
+    # product = facets r^T selected selected^T, so with coefficients = q r it is the pair (facets r^T selected, q selected)
+    mixed = np.linalg.solve(r, selected) if np.linalg.matrix_rank(r) == r.shape[0] else np.linalg.pinv(r) @ selected
+    return (facets @ (r.T @ selected)).reshape(*tables.shape[:-1], terms), np.ascontiguousarray(coefficients @ mixed)

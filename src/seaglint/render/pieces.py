@@ -1,4 +1,4 @@
-"""Visible pieces of a line of sight, and neighbours of nearly one slope taken together to be shaded as one.
+"""Visible pieces of a line of sight, and neighbours of nearly equal slope merged to be shaded as one.
 
 The walk finds a piece at every sample that rises above the horizon. Far away and with short waves many of them share a row of the image,
 and neighbours differ by little beside the slopes that their facets carry. A merged piece has the mean slope of its parts, each weighted
@@ -19,11 +19,11 @@ from seaglint.render.surface import LONGEST_STRIP, STRIP, Course, Strip, Surface
 from seaglint.render.walk import elevation
 
 BUFFER = 1024
-"""Visible pieces that are found before they are shaded; 150 kB stay near the processor."""
+"""Number of visible pieces found before they are shaded; 150 kB stay in the processor's cache."""
 
 
 class Pieces(NamedTuple):
-    """Visible pieces of a line as :func:`~seaglint.render.walk.walk_line` finds them, and room for what they send, channel by channel.
+    """Visible pieces of a line from :func:`~seaglint.render.walk.walk_line`, and buffers for their radiance, channel by channel.
 
     Piece ``j`` reaches from the sample ``begin[j]`` to ``sample[j]``; ``extent[j]`` is its length [m] and the tangent at its upper edge,
     ``arc[j]`` its middle [m], ``slope[j]`` its mean slope towards east and north and ``spread[j]`` the covariance (ee, en, nn) within it.
@@ -39,8 +39,10 @@ class Pieces(NamedTuple):
 
 
 class Merging(NamedTuple):
-    """How far neighbours are taken together: their slope variance over that of their facets, cells of elevation per radian that they share
-    (so that they do not depend on where a view begins), and at every level of detail the tangent of elevation up to which this is done.
+    """Limits for merging neighbours: slope variance, elevation and tangent.
+
+    The fields are their slope variance over that of their facets, cells of elevation per radian that they share (so that they do not depend
+    on where a view begins), and at every level of detail the tangent of elevation up to which they are merged.
     """
 
     spread: float
@@ -50,7 +52,7 @@ class Merging(NamedTuple):
 
 @njit
 def new_pieces(channels: int) -> Pieces:
-    """Room for :data:`BUFFER` pieces."""
+    """Buffers for :data:`BUFFER` pieces."""
     return Pieces(
         np.empty(BUFFER, np.int64),
         np.empty(BUFFER, np.int64),
@@ -64,9 +66,9 @@ def new_pieces(channels: int) -> Pieces:
 
 @kernel
 def read_slopes(surface: Surface, line: Course, range_m: np.ndarray, pieces: Pieces, count: int, strip: Strip) -> None:
-    """Middles of the first ``count`` pieces and the slopes there, as :func:`~seaglint.render.surface.slopes` to 2e-5 of a cell.
+    """Read the middles of the first ``count`` pieces and the slopes there, as :func:`~seaglint.render.surface.slopes` to 2e-5 of a cell.
 
-    Strip by strip, as far as positions within one can be told.
+    Strip by strip, within the range of positions in one.
     """
     v, u = strip.fraction
     p00, p01, p10, p11 = strip.corner
@@ -103,8 +105,9 @@ def read_slopes(surface: Surface, line: Course, range_m: np.ndarray, pieces: Pie
 
 @kernel
 def merge(pieces: Pieces, count: int, lowest: float, rough: Roughness, limits: tuple[float, float, float, float]) -> int:
-    """Take neighbours among the first ``count`` pieces together, in place; returns how many are left. The first, which the view's edge may
-    cut, stays alone.
+    """Merge neighbours among the first ``count`` pieces in place; return the number left.
+
+    The first, which the view's edge may cut, stays alone.
 
     ``lowest``: tangent at the lower edge of the first; ``limits``: those of :class:`Merging` at a level, and the elevation of a cell's
     edge [rad].

@@ -1,4 +1,4 @@
-"""Where a moving sensor is and how it is turned: keyframes, interpolated."""
+"""Pose of a moving sensor: position and attitude interpolated between keyframes."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from seaglint.limits import MOST_SPEED, MOST_TURN
 from seaglint.render.view import Attitude
 
 COLUMNS = ("time", "east", "north", "height", "azimuth", "elevation", "roll")
-"""What a track holds, in this order."""
+"""Quantities of a track, in this order."""
 
 _TURNING = ("azimuth", "roll")
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Place of a sensor at an instant (east, north of the sea's origin; height above the mean sea [m]) and its attitude."""
+    """Position of a sensor at an instant (east, north of the sea's origin; height above the mean sea [m]) and its attitude."""
 
     east: float
     north: float
@@ -37,23 +37,23 @@ class Track:
 
     time: FloatArray
     values: FloatArray
-    """(keyframes, 6): east, north, height [m], azimuth, elevation, roll [rad]; azimuth and roll unwrapped."""
+    """Values of keyframes (keyframes, 6): east, north, height [m], azimuth, elevation, roll [rad]; azimuth and roll unwrapped."""
 
     @classmethod
     def standing(cls, height: float, attitude: Attitude) -> Track:
-        """A sensor that does not move, above the sea's origin."""
+        """Track of a sensor that does not move, above the sea's origin."""
         return cls(np.zeros(1), np.array([[0.0, 0.0, height, attitude.azimuth, attitude.elevation, attitude.roll]]))
 
     @classmethod
     def create(cls, columns: Mapping[str, FloatArray], names: Sequence[str]) -> Track:
-        """Check keyframes and connect them.
+        """Check keyframes and interpolate between them.
 
         Parameters
         ----------
         columns : mapping
             Arrays under :data:`COLUMNS` [s, m, rad], one value per keyframe.
         names : sequence of str
-            What errors call the keyframes, e.g. ``"line 7"``.
+            Names of the keyframes in error messages, e.g. ``"line 7"``.
 
         Raises
         ------
@@ -91,7 +91,7 @@ class Track:
         return cls(table[:, 0].copy(), table[:, 1:].copy())
 
     def at(self, time: float) -> Pose:
-        """Pose at a time [s]; a standing sensor has one for all times.
+        """Pose at a time [s]; a standing sensor has the same at all times.
 
         Raises
         ------
@@ -120,7 +120,7 @@ class Track:
 
     @property
     def turns(self) -> bool:
-        """Whether the attitude changes."""
+        """True if the attitude changes."""
         return bool(np.ptp(self.values[:, 3:], axis=0).max() > 0.0)
 
     def reach(self) -> tuple[tuple[float, float], ...]:
@@ -129,7 +129,7 @@ class Track:
 
     @property
     def moves(self) -> bool:
-        """Whether anything changes."""
+        """True if position or attitude changes."""
         return self.time.size > 1
 
     def attitudes(self, parts: int = 8) -> list[Attitude]:

@@ -1,4 +1,4 @@
-"""Rays followed to the sea one by one, where azimuth says nothing (near nadir) and the sweep does not serve.
+"""Single rays followed to the sea, where the sweep over azimuths does not serve (near nadir).
 
 A ray at height ``f`` above the sea below it cannot meet the sea before ``f / (fall + L run)``, with ``fall`` and ``run`` what it goes down
 and outwards per metre and ``L`` the steepest slope of the sea: steps of that length never pass through a crest, and get the closer the
@@ -35,27 +35,29 @@ from seaglint.sea.nested import bands_of_facets
 from seaglint.sea.slopes import SlopeStatistics
 
 PATH_NODES = 2048
-"""Arcs at which the path is known, uniform in log(1 + arc/height): a step changes the transmittance by less than 1e-3."""
+"""Number of arcs at which the path is tabulated, uniform in log(1 + arc/height): a step changes the transmittance by less than 1e-3."""
 
 SKY_ROWS = 1025
-"""Elevations of the sky table, uniform in the square root of the elevation above the horizon."""
+"""Number of elevations of the sky table, uniform in the square root of the elevation above the horizon."""
 
 SAMPLES = (2, 8)
-"""Least and most rays along each side of a pixel; between them, as many as put four on the shortest wave."""
+"""Least and largest number of rays along each side of a pixel; between them, as many as put four on the shortest wave."""
 
 CALM_SAMPLES = 4
-"""The same where no waves are resolved."""
+"""Number of rays along each side of a pixel where no waves are resolved."""
 
 CLOSE = 1e-3
-"""Height above the sea at which a ray has arrived, in lattice spacings."""
+"""Height above the sea at which a ray has arrived [lattice spacings]."""
 
 MOST_STEPS = 200_000
-"""Steps after which a ray is given up; only rays that skim the sea for tens of kilometres need thousands."""
+"""Largest number of steps of a ray; only rays that skim the sea for tens of kilometres need thousands."""
 
 
 class Air(NamedTuple):
-    """Path by arc and sky by elevation, from one height: ``path`` at the arcs ``scale (e^(i/parts) - 1)``; ``sky`` and the sunlight that
-    it scatters at the elevations ``i^2/sky_parts^2 - dip``.
+    """Path by arc and sky by elevation, from one height.
+
+    The fields are ``path`` at the arcs ``scale (e^(i/parts) - 1)``, and ``sky`` and its scattered sunlight at the elevations
+    ``i^2/sky_parts^2 - dip``.
     """
 
     scale: float
@@ -68,7 +70,7 @@ class Air(NamedTuple):
 
 
 class RayTables(NamedTuple):
-    """All that rays look up; ``thermal`` and ``emitted`` are the facets' tables, azimuth first."""
+    """Tables that rays read; ``thermal`` and ``emitted`` are the facets' tables, azimuth first."""
 
     sunlight: Sunlight
     strength: SunTable
@@ -79,7 +81,7 @@ class RayTables(NamedTuple):
 
 
 class Room(NamedTuple):
-    """What a ray works with: the lines over the sea towards its azimuth and towards the Sun, and no table of the disc."""
+    """Buffers of a ray: the lines over the sea towards its azimuth and towards the Sun, without a table of the disc."""
 
     line: Course
     sunward: Course
@@ -101,7 +103,7 @@ def above_sphere(height: float, run: float, rise: float, s: float) -> tuple[floa
 
 @kernel
 def mean_arc(eye: float, run: float, rise: float) -> float:
-    """Arc [m] at which a ray meets the mean sea, or comes nearest to it; ``run`` and ``rise`` make its unit vector."""
+    """Arc [m] at which a ray meets the mean sea, or is nearest to it; ``run`` and ``rise`` make its unit vector."""
     nearest = max(-rise * (EFFECTIVE_EARTH_RADIUS + eye), 0.0)
     power = eye * (2.0 * EFFECTIVE_EARTH_RADIUS + eye)
     s = power / (nearest + math.sqrt(nearest * nearest - power)) if nearest * nearest > power else nearest
@@ -150,7 +152,7 @@ def sky_at(air: Air, elevation: float, azimuth: float) -> float:
 def warm_light(
     table: np.ndarray, axes: np.ndarray, path: np.ndarray, i: int, sight: Sight, sine: float, slope: tuple[float, float]
 ) -> float:
-    """A thermal table, azimuth first, between the two azimuths next to a line of sight; 0 without terms."""
+    """Thermal table, azimuth first, interpolated between the two azimuths next to a line of sight; 0 without terms."""
     if table.shape[4] == 0:
         return 0.0
     ix, fx = azimuth_node(axes, table.shape[0], sight.chi)
@@ -164,7 +166,7 @@ def warm_light(
 def ray(
     surface: Surface, bounds: Bounds, eye: float, tables: RayTables, optics: FacetOptics, room: Room, direction: np.ndarray, out: np.ndarray
 ) -> None:
-    """Channels of one ray along a unit vector (east, north, up) into ``out`` (channels,)."""
+    """Compute the channels of one ray along a unit vector (east, north, up) into ``out`` (channels,)."""
     air, sun = tables.air, tables.sunlight
     rise = direction[2]
     run = math.sqrt(direction[0] * direction[0] + direction[1] * direction[1])
@@ -239,7 +241,7 @@ def walk_pixels(
 
 @dataclass(frozen=True, eq=False)
 class WalkedRays:
-    """What rays from one height look up; make it with :meth:`prepare`."""
+    """Tables of rays from one height; make it with :meth:`prepare`."""
 
     tables: RayTables
 
@@ -258,7 +260,7 @@ class WalkedRays:
         """Tables for rays that look down at least as steeply as ``elevation`` and between two azimuths [rad].
 
         ``facets``: slopes left to the facets; ``resolved``: slope variances of the waves, along and across the wind; ``crest``: height of
-        the highest [m]; ``emitted``: whether emission is wanted apart from the sky.
+        the highest [m]; ``emitted``: whether emission is separate from the sky.
         """
         eye = view.sensor_height
         dip = horizon_depression(eye)
@@ -296,7 +298,7 @@ class WalkedRays:
 
 
 def rays_per_side(corner: FloatArray, pixels: NDArray[np.int64], height: float, shortest_wave: float) -> NDArray[np.int64]:
-    """Rays along each side of a pixel [1]: enough to put four on the shortest wave in its footprint, within :data:`SAMPLES`."""
+    """Number of rays along each side of a pixel [1]: enough to put four on the shortest wave in its footprint, within :data:`SAMPLES`."""
     if not np.isfinite(shortest_wave):
         return np.full(pixels.size, CALM_SAMPLES, np.int64)
     row, column = np.divmod(pixels, corner.shape[1] - 1)

@@ -1,4 +1,4 @@
-"""What every prepared scene answers: an image of it from a pose at a time."""
+"""Interface of a prepared scene: an image of it from a pose at a time."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from seaglint.render.view import Imager
 
 
 class Instant(NamedTuple):
-    """The sea of an instant under a sensor: its levels of detail, their lattices, and these as kernels read them."""
+    """Sea of an instant under a sensor: its levels of detail, their lattices, and these as kernels read them."""
 
     levels: Levels
     lattices: tuple[NDArray[np.float32], ...]
@@ -26,7 +26,7 @@ class Instant(NamedTuple):
 
 
 class Scene(Protocol):
-    """A sea, its air and its Sun, prepared for a camera: frozen, whatever is drawn of it."""
+    """Sea, air and Sun prepared for a camera; immutable."""
 
     @property
     def view(self) -> SeaView:
@@ -40,16 +40,16 @@ class Scene(Protocol):
 
     @property
     def pose(self) -> Pose:
-        """The pose that the scene was prepared for, or the first of them."""
+        """Pose that the scene was prepared for, or the first of them."""
         ...
 
     @property
     def report(self) -> Mapping[str, Any]:
-        """What was decided on preparing, for the provenance."""
+        """Settings chosen during preparation, for the provenance."""
         ...
 
     def reseeded(self, seed: int) -> Self:
-        """Another realisation of the same sea, sparkles included, without preparing anything again."""
+        """Return another realisation of the same sea, sparkles included, without preparing anything again."""
         ...
 
     @property
@@ -58,15 +58,15 @@ class Scene(Protocol):
         ...
 
     def seen_from(self, pose: Pose) -> SeaView:
-        """Sea, air and Sun as they are drawn from a pose."""
+        """View of sea, air and Sun from a pose."""
         ...
 
     def sea(self, pose: Pose, time: float) -> Instant:
-        """The sea of an instant under a sensor."""
+        """Sea of an instant under a sensor."""
         ...
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
-        """The image; see :func:`image`."""
+        """Image of the scene; see :func:`image`."""
         ...
 
 
@@ -76,7 +76,7 @@ def image(scene: Scene, pose: Pose, time: float, sea: Instant | None = None) -> 
     Parameters
     ----------
     scene : Scene
-        What is prepared.
+        Prepared scene.
     pose : Pose
         Place and attitude of the sensor.
     time : float
@@ -101,12 +101,12 @@ def image(scene: Scene, pose: Pose, time: float, sea: Instant | None = None) -> 
 
 
 def joined(parts: Sequence[Layers]) -> Layers:
-    """Images side by side, from the left."""
+    """Images joined side by side, from the left."""
     return Layers({name: np.concatenate([part[name] for part in parts], axis=1) for name in parts[0]})
 
 
 def require_columns(part: tuple[int, int], columns: int) -> None:
-    """Refuse columns ``part = (first, end)`` that an image has not.
+    """Refuse columns ``part = (first, end)`` outside the image.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Waves that shade others from a low Sun: how much of the solar disc a point of the resolved sea sees over the crests towards it."""
+"""Shadows of waves under a low Sun: the share of the solar disc that a point of the resolved sea sees over the crests towards it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from seaglint.render.sunlight import Sunlight
 from seaglint.render.surface import Course, Surface, bilinear, height, position
 
 FARTHEST = 4000
-"""Steps after which a Sun at the very horizon is taken as seen."""
+"""Number of steps after which a Sun at the very horizon counts as visible."""
 
 
 @kernel
@@ -25,7 +25,7 @@ def disc_share(distance: float) -> float:
 
 @kernel
 def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: float, march: tuple[float, float], sun: Sunlight) -> float:
-    """Share of the solar disc seen from the sea ``r`` metres along a line, over the waves of a level between it and the Sun there.
+    """Share of the solar disc visible from the sea ``r`` metres along a line, over the waves of a level towards the Sun there.
 
     The skyline is looked for in the Sun's own azimuth, in steps [m] of ``march[0]`` or as many as a sea that rises by ``march[1]`` at
     most allows, as far as the highest crest could reach over the lower limb; the round sea's drop over that distance is left out. Tiles are
@@ -36,7 +36,7 @@ def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: fl
     own = height(surface, line, 0, tiles, r)
     low = max(sun.lower_tangent, 1e-4)
     steps = min((surface.crest[level, 0] - own) / (low * step), float(FARTHEST))
-    # most of what shades a place is near it: the first step is taken in parts
+    # most waves that shade a place are near it: the first step is taken in parts
     skyline, n = -1.0, 0.25
     while n <= steps:
         d, z = n * step, 0.0

@@ -13,7 +13,7 @@ from seaglint.render.sweep import Rows
 
 
 def sky_rows(view: SeaView, camera: Camera) -> Rows:
-    """Rows of a camera, the sky in those that touch it and the Sun in it."""
+    """Rows of a camera, with the radiance of the sky and the Sun in those that touch the sky."""
     elevation = np.maximum(camera.elevations, -horizon_depression(camera.height))
     # only rows that touch the sky are looked up; crests never lower the horizon by more than a few rows
     sky = np.zeros(camera.rows)
@@ -22,6 +22,6 @@ def sky_rows(view: SeaView, camera: Camera) -> Rows:
         sky[rows] = view.in_band(view.atmosphere.sky_radiance(0.5 * np.pi - elevation[rows], camera.height))
     bottom = float(np.tan(max(camera.bottom, -0.5 * np.pi + 1e-9)))
     top = float(np.tan(min(camera.top, 0.5 * np.pi - 1e-9)))
-    # one row more, between which and the last there is nothing to look up
+    # one row more, as nothing is interpolated beyond the last
     haze = sky_haze(view, np.append(elevation[rows], elevation[rows][-1:]))
     return Rows(camera.top, 1.0 / camera.row_step, camera.rows, bottom, top, sky, haze, sun_in_sky(view))

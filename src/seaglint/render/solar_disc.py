@@ -1,4 +1,4 @@
-"""The solar disc in the slopes that mirror it: its covariance carried to slopes by the mirror's Jacobian, and its sharp edge.
+"""Solar disc in slope space: its covariance transformed to slopes by the mirror's Jacobian, and its sharp edge.
 
 The density of a facet's slopes is convolved with the disc, whose covariance is ``eps^2/4`` in every direction.
 """
@@ -16,14 +16,14 @@ from seaglint.render.roughness import Roughness, Sight
 from seaglint.render.sunlight import Sunlight
 
 DISC_ROWS = (17, 6)
-"""Rows of a :class:`DiscLine`, with which the glint is within 1.5e-3, and their fields."""
+"""Number of rows of a :class:`DiscLine`, for an error of the glint below 1.5e-3, and number of their fields."""
 
 SHARP_DISC = 0.1
-"""Share of the Sun's image in the slope variance from which its sharp edge counts: below it the glint's peak moves by less than 0.4 %."""
+"""Ratio of the Sun's image to the slope variance above which its sharp edge counts: below it the glint's peak moves by less than 0.4 %."""
 
 
 class Disc(NamedTuple):
-    """The solar disc in the slopes that mirror it, with the facets' roughness on it, at one grazing angle.
+    """Solar disc in slope space, convolved with the facets' roughness, at one grazing angle.
 
     ``east, north``: its middle, from the slope that mirrors the Sun's centre; ``ee, en, nn``: halves of the inverse covariance of facet and
     disc together (``en`` twice); ``peak``: logarithm of a quarter of their density at the middle.
@@ -38,7 +38,9 @@ class Disc(NamedTuple):
 
 
 class DiscLine(NamedTuple):
-    """The :class:`Disc` of a line of sight at even steps of ``1/(sin(grazing) + sin(Sun's elevation))``; ``rows[i]`` are its fields.
+    """Table of :class:`Disc` along a line of sight at even steps of ``1/(sin(grazing) + sin(Sun's elevation))``.
+
+    ``rows[i]`` are its fields.
 
     Without rows it is not tabled: facets are so smooth that the shape of the disc counts, or it is for single rays.
     """
@@ -56,7 +58,7 @@ def sharp(rough: Roughness, disc: tuple[float, float, float]) -> bool:
 
 @kernel
 def disc_of(sun: Sunlight, rough: Roughness, mz: float, se: float, sn: float) -> tuple[Disc, tuple[float, float, float]]:
-    """The :class:`Disc` about a mirroring slope, and its own covariance of slopes (ee, en, nn); ``mz`` as in :func:`disc_in_slopes`."""
+    """Disc about a mirroring slope, and its own covariance of slopes (ee, en, nn); ``mz`` as in :func:`disc_in_slopes`."""
     disc_ee, disc_en, disc_nn, shift_e, shift_n = disc_in_slopes(sun, mz, se, sn)
     # the weight 1/cos^4(beta), growing as exp(4 s/(1+s^2) . ds) across the disc's image, moves its centre
     lean = 4.0 / (1.0 + se * se + sn * sn)
@@ -69,7 +71,7 @@ def disc_of(sun: Sunlight, rough: Roughness, mz: float, se: float, sn: float) ->
 
 @kernel
 def disc_at(line: DiscLine, per_mz: float) -> Disc:
-    """The :class:`Disc` between two rows of a line's table."""
+    """Disc interpolated between two rows of a line's table."""
     x = (per_mz - line.first) * line.per_step
     i = np.uint64(min(max(int(x), 0), line.rows.shape[0] - 2))
     f = x - float(i)
@@ -86,7 +88,7 @@ def disc_at(line: DiscLine, per_mz: float) -> Disc:
 
 @kernel
 def broadened(disc: Disc, spread: tuple[float, float, float]) -> Disc:
-    """The disc with a covariance of slopes (ee, en, nn) added to that of facet and disc: ``(P^-1 + V)^-1 = (1 + P V)^-1 P``."""
+    """Disc with a covariance of slopes (ee, en, nn) added to that of facet and disc: ``(P^-1 + V)^-1 = (1 + P V)^-1 P``."""
     p, q, r = 2.0 * disc.ee, disc.en, 2.0 * disc.nn
     a, b = 1.0 + p * spread[0] + q * spread[1], p * spread[1] + q * spread[2]
     c, d = q * spread[0] + r * spread[1], 1.0 + q * spread[1] + r * spread[2]
@@ -98,7 +100,7 @@ def broadened(disc: Disc, spread: tuple[float, float, float]) -> Disc:
 
 @njit
 def no_disc_line() -> DiscLine:
-    """For single rays: without a table."""
+    """Empty table for single rays."""
     return DiscLine(np.empty((0, DISC_ROWS[1])), 0.0, 0.0)
 
 
@@ -150,7 +152,7 @@ def disc_in_slopes(sun: Sunlight, mz: float, se: float, sn: float) -> tuple[floa
 
 @kernel
 def disc_edge(disc: tuple[float, float, float], rough: Roughness, offset: tuple[float, float]) -> float:
-    """What a disc's sharp edge adds to the exponent of the Gaussian that stands for its convolution with the facet's slopes.
+    """Contribution of the disc's sharp edge to the exponent of the Gaussian that approximates its convolution with the facet's slopes.
 
     A uniform disc has the fourth cumulants ``-(E_ij E_kl + E_ik E_jl + E_il E_jk)/3`` with ``E`` its covariance (``disc``). The Edgeworth
     factor is ``1 - H/24`` with ``H = (u.Eu)^2 - 2 tr(E/C) u.Eu - 4 u.E/C.Eu + tr(E/C)^2 + 2 tr((E/C)^2)``, ``u = C^-1 offset`` and ``C``
@@ -173,7 +175,7 @@ def disc_edge(disc: tuple[float, float, float], rough: Roughness, offset: tuple[
 
 @kernel
 def mirror_factor(sun: Sunlight, ve: float, vn: float, vz: float, slope_east: float, slope_north: float) -> float:
-    """``1/(pi eps^2)`` where a smooth facet mirrors a point of the solar disc to the viewer ``v``, else 0."""
+    """Factor ``1/(pi eps^2)`` where a smooth facet mirrors a point of the solar disc to the viewer ``v``, else 0."""
     norm = 1.0 / math.sqrt(1.0 + slope_east * slope_east + slope_north * slope_north)
     ne, nn, nz = -slope_east * norm, -slope_north * norm, norm
     twice = 2.0 * (ve * ne + vn * nn + vz * nz)

@@ -1,4 +1,4 @@
-r"""Sub-pixel glint: the sparkles inside a pixel make its sunlight fluctuate about the mean of its facets.
+r"""Sparkles: fluctuation of the sunlight of a pixel about the mean of its facets, from cells smaller than the pixel.
 
 The sea is a field of independent cells of length ``l`` (:mod:`seaglint.radiance.variance`). A cell mirrors the Sun or does not; to a
 detector that sees many, the sum is gamma-like. So a cell's light is a gamma deviate of mean 1 and variance ``1/P - 1``, a pixel's the
@@ -40,30 +40,36 @@ from seaglint.render.roughness import Sight
 from seaglint.render.sunlight import Sunlight, sunlight_at
 
 MOST_CELLS = 10.0
-"""Cells in one direction up to which a pixel is their average. Beyond, pixels are independent, and a box of 10 x 10 cells has 7 % less
-variance than independent cells: half of that is left to the pixel and half to the average of many."""
+"""Number of cells in one direction up to which a pixel is their average.
+
+Beyond, pixels are independent, and a box of 10 x 10 cells has 7 % less variance than independent cells: half of that is left to the pixel
+and half to the average of many.
+"""
 
 BORDER = 1.0 / 6.0
-"""A box laid at random over n cells in a row has the variance of n + 1/3 independent ones (1/n - 1/(3 n^2)); this is the half of it."""
+"""Half of the extra cells of a random box: over n cells in a row it has the variance of n + 1/3 independent ones (1/n - 1/(3 n^2))."""
 
 COMPONENTS = 2
-"""Independent parts of a pixel of many cells, on lattices shifted against each other: it changes in steps of half its fluctuation."""
+"""Number of independent parts of a pixel of many cells, on lattices shifted against each other.
+
+It changes in steps of half its fluctuation.
+"""
 
 SECTORS = 64
-"""Directions of the lattices in a full circle; a pixel is then at most 2.8 deg from one."""
+"""Number of lattice directions in a full circle; a pixel is then at most 2.8 deg from one."""
 
 FILLED = 0.7
-"""A standing cell is at most this much of the pixel in either direction, so that neighbours do not share one."""
+"""Largest share of a standing cell in the pixel's width in either direction, so that neighbours do not share one."""
 
 NEGLIGIBLE = 1e-4
-"""Relative variance of the mirrored Sun, weighted by its square, below which sparkles are left out: 1 % of the glint."""
+"""Relative variance of the mirrored Sun, weighted by its square, below which sparkles are omitted: 1 % of the glint."""
 
 SURVEYED = 24
-"""Rows and columns at which it is looked up."""
+"""Number of rows and columns at which this variance is evaluated."""
 
 
 class Sparkle(NamedTuple):
-    """What all pixels share: two words of the seed, the cell's length [m] (0: no sparkles) and the correlation time [s]."""
+    """Sparkle parameters of an image: two words of the seed, the cell's length [m] (0: no sparkles) and the correlation time [s]."""
 
     seed_low: int
     seed_high: int
@@ -72,11 +78,11 @@ class Sparkle(NamedTuple):
 
 
 NO_SPARKLE = Sparkle(0, 0, 0.0, 1.0)
-"""Images that hold the mean over the facets of a pixel."""
+"""Parameters of images that hold the mean over the facets of a pixel."""
 
 
 class SparkleRows(NamedTuple):
-    """The mean sea in each row of an image.
+    """Mean sea in each row of an image.
 
     ``range_m, along, reach``: arc from the sensor's foot to the row's middle, length of the row on the ground, distance from the axis
     through the sensor and the Earth's centre [m]. ``grazing``: sine of the mean grazing angle. ``column_step``: width of a pixel [rad].
@@ -90,7 +96,7 @@ class SparkleRows(NamedTuple):
 
 
 def sparkle_of(seed: int, cell: float, correlation_time: float) -> Sparkle:
-    """The parameters of a sea [m, s].
+    """Sparkle parameters of a sea [m, s].
 
     Examples
     --------
@@ -125,17 +131,17 @@ def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
     solid = (ground.reach * camera.column_step * camera.row_step)[rows][:, None] / slant
     theta = np.arccos(ground.grazing[rows])[:, None]
     turn = turn_at(ground.range_m[rows])[:, None]
-    found = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, turn)
-    shown = found.chance > 0.0
+    mirrored = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, turn)
+    shown = mirrored.chance > 0.0
     if not shown.any():
         return 0.0
-    many = patches(np.where(shown, found.cos_incidence, 1.0), theta, view.solar_zenith, slant, solid, cell)
-    return float(np.sum(found.chance * (1.0 - found.chance) / np.maximum(many, 1.0)) / np.sum(found.chance**2))
+    many = patches(np.where(shown, mirrored.cos_incidence, 1.0), theta, view.solar_zenith, slant, solid, cell)
+    return float(np.sum(mirrored.chance * (1.0 - mirrored.chance) / np.maximum(many, 1.0)) / np.sum(mirrored.chance**2))
 
 
 @dataclass(frozen=True)
 class Sparkles:
-    """What a scene says of its sparkles; ``use = "auto"`` leaves them out where they are negligible.
+    """Sparkle settings of a scene; ``use = "auto"`` omits them where they are negligible.
 
     Parameters
     ----------
@@ -155,11 +161,11 @@ class Sparkles:
     use: Literal["auto", "on", "off"] = "auto"
 
     def reseeded(self, seed: int) -> Sparkles:
-        """Those of another realisation of the sea."""
+        """Return the sparkles of another realisation of the sea."""
         return replace(self, seed=seed)
 
     def of(self, view: SeaView, camera: Camera) -> tuple[Sparkle, dict[str, Any]]:
-        """Parameters for the kernels, :data:`NO_SPARKLE` where images have none, and a word on it for the provenance."""
+        """Parameters for the kernels, :data:`NO_SPARKLE` where images have none, and a note for the provenance."""
         if self.use == "off":
             return NO_SPARKLE, {"subpixel_glint": "off: the mean over the facets of a pixel"}
         variance = relative_variance(view, camera, self.cell)
@@ -176,7 +182,7 @@ class Sparkles:
 
 
 NO_SPARKLES = Sparkles(0, 1.0, 1.0, "off")
-"""Scenes that hold the mean over the facets of a pixel."""
+"""Settings of scenes that hold the mean over the facets of a pixel."""
 
 
 def sparkle_rows(camera: Camera) -> SparkleRows:
@@ -186,8 +192,8 @@ def sparkle_rows(camera: Camera) -> SparkleRows:
     edges = camera.top - np.arange(camera.rows + 1) * camera.row_step
 
     def arc(elevation: np.ndarray) -> np.ndarray:
-        found = np.asarray(surface_range(camera.height, np.clip(-elevation, horizon, 0.5 * np.pi)))
-        return np.where((-elevation <= horizon) | ~np.isfinite(found), far, found)
+        arcs = np.asarray(surface_range(camera.height, np.clip(-elevation, horizon, 0.5 * np.pi)))
+        return np.where((-elevation <= horizon) | ~np.isfinite(arcs), far, arcs)
 
     middle = arc(camera.elevations)
     upper, lower = arc(edges[:-1]), arc(edges[1:])
@@ -210,7 +216,7 @@ class Heading(NamedTuple):
 
 @kernel
 def heading(azimuth: float) -> Heading:
-    """The :class:`Heading` of a line that leaves the sensor at an azimuth [rad]."""
+    """Return the :class:`Heading` of a line that leaves the sensor at an azimuth [rad]."""
     turn = 2.0 * math.pi / SECTORS
     sector = math.floor(azimuth / turn + 0.5) % SECTORS
     return Heading(sector, math.sin(sector * turn), math.cos(sector * turn))
@@ -218,7 +224,7 @@ def heading(azimuth: float) -> Heading:
 
 @kernel
 def cell_light(sparkle: Sparkle, i: int, j: int, lattice: int, shape: float, time: float) -> float:
-    """Gamma deviate of mean 1 of a cell, as it is since its last change."""
+    """Gamma deviate of mean 1 of a cell since its last change."""
     key = cell_key((sparkle.seed_low, sparkle.seed_high), i, j, lattice)
     return gamma_deviate(shape, (key[1], key[0]), last_event(key, time / sparkle.correlation_time))
 
@@ -248,7 +254,7 @@ def box(middle: float, length: float, side: float) -> tuple[float, float, float]
 
 @kernel
 def power_below(x: float) -> tuple[int, float]:
-    """The largest power of two up to ``x``: its exponent and itself."""
+    """Largest power of two up to ``x``: its exponent and itself."""
     fraction, exponent = math.frexp(x)
     return exponent - 1, 0.5 * x / fraction
 
@@ -295,7 +301,7 @@ def sparkle_factor(
     cell = sparkle.cell
     cells_along, cells_across = length / (cell * stretch), width / cell
     shape = 1.0 / (variance * cells_along * cells_across)  # of one cell
-    # what a direction of many cells does to the shape
+    # effect of a direction of many cells on the shape
     many_along, many_across = cells_along > MOST_CELLS, cells_across > MOST_CELLS
     doublings_across, side_across = 0, cell
     if many_across:
@@ -331,7 +337,7 @@ def sparkle_factor(
 
 @kernel
 def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence: float, up: float, across: float) -> float:
-    """Variance of the mirrored Sun in a pixel of many cells, ``L^2 (1/P - 1)/M`` [W2 m-4 sr-2]: one piece's part, to be averaged.
+    """Variance of the mirrored Sun of one piece in a pixel of many cells, ``L^2 (1/P - 1)/M`` [W2 m-4 sr-2], to be averaged.
 
     ``chance`` is P of the facet, ``up`` the sum of the vertical components of the directions to the sensor and to the Sun,
     ``2 cos(omega) cos(beta)``, and ``across`` the pixel's area across the line of sight [m2]. Weighted by the share of the pixel that
@@ -347,7 +353,7 @@ def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence:
 def facet_spread(
     sparkle: Sparkle, sun: Sunlight, sight: Sight, grazing: tuple[float, float], solar: float, factor: float, across: float
 ) -> float:
-    """:func:`piece_variance` of a facet; 0 without sparkles.
+    """Variance :func:`piece_variance` of a facet; 0 without sparkles.
 
     ``factor`` [1/sr] is :func:`~seaglint.render.facet.sun_factor`, times the share of the Sun that waves leave; times the solid angle of
     the Sun it is P. ``grazing``: sine and cosine of the grazing angle.
@@ -364,7 +370,7 @@ def facet_spread(
 def sparkle_column(
     sparkle: Sparkle, rows: SparkleRows, sun: Sunlight, azimuth: float, origin: tuple[float, float], time: float, images: np.ndarray
 ) -> None:
-    """Let the mirrored Sun of a column sparkle, as its whole image ``images[0]`` (channels, rows) says; those of intervals follow it.
+    """Apply sparkles to the mirrored Sun of a column, from its whole image ``images[0]`` (channels, rows). Those of intervals follow it.
 
     ``origin`` is the sensor's foot in the sea's coordinates, east and north [m].
     """
@@ -400,7 +406,7 @@ def sparkle_columns(
     time: float,
     images: np.ndarray,
 ) -> None:
-    """:func:`sparkle_column` for every column of ``images`` (columns, intervals, channels, rows)."""
+    """Apply :func:`sparkle_column` to every column of ``images`` (columns, intervals, channels, rows)."""
     for column in numba.prange(azimuths.shape[0]):
         sparkle_column(sparkle, rows, sun, azimuths[column], origin, time, images[column])
 

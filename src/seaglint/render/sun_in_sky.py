@@ -1,4 +1,4 @@
-r"""The solar disc itself, where the camera sees it in the sky: a uniform disc with a sharp limb, cut by the skyline of the sea.
+r"""Solar disc in the sky part of an image: a uniform disc with a sharp limb, cut by the skyline of the sea.
 
 At an azimuth ``a`` from the Sun the disc reaches over the elevations ``phi - delta`` to ``phi + delta`` with
 
@@ -24,14 +24,14 @@ from seaglint.radiance.view import SeaView
 from seaglint.render.haze import is_dark
 
 CHORDS: Final = 32
-"""Chords of the disc in a column, at even steps of the angle whose sine is their distance from the middle: within 1e-5 of its area."""
+"""Number of chords of the disc in a column, at even steps of the arc sine of their distance from the middle: within 1e-5 of its area."""
 
 _LARGE: Final = 1.5
-"""Pixels whose corners are all this far from the Sun [rad] do not hold it."""
+"""Angle from the Sun of all corners beyond which a pixel does not contain it [rad]."""
 
 
 class SunInSky(NamedTuple):
-    """Radiance of the disc [W m-2 sr-1], 0 where there is none; azimuth and apparent elevation of its middle at the sensor [rad]."""
+    """Radiance of the disc [W m-2 sr-1], 0 without one; azimuth and apparent elevation of its centre at the sensor [rad]."""
 
     radiance: float
     azimuth: float
@@ -42,7 +42,7 @@ NO_SUN: Final = SunInSky(0.0, 0.0, 0.0)
 
 
 def sun_in_sky(view: SeaView) -> SunInSky:
-    """The disc that a sensor sees, ``E / (pi eps^2)`` with the sunlight E at the sea.
+    """Solar disc that a sensor sees, with the radiance ``E / (pi eps^2)`` for the sunlight E at the sea.
 
     Its elevation is the apparent one at the sensor's height, about which its aureole stands too. A disc below the horizon at the sensor's
     foot has the light of one on the horizon. None where no part of it stands above the sensor's horizon.
@@ -66,14 +66,14 @@ def sun_in_sky(view: SeaView) -> SunInSky:
 
 @kernel
 def reach(sun: SunInSky) -> float:
-    """Largest azimuth from its middle that the disc reaches [rad]; pi for one that holds the zenith."""
+    """Largest azimuth of the disc from its centre [rad]; pi for one that contains the zenith."""
     ratio = math.sin(SOLAR_ANGULAR_RADIUS) / max(math.cos(sun.elevation), 1e-9)
     return math.asin(ratio) if ratio < 1.0 else math.pi
 
 
 @kernel
 def chord(sun: SunInSky, azimuth: float) -> tuple[float, float]:
-    """Elevations of the disc's lower and upper limb at an azimuth from its middle [rad]; the same twice where there is none."""
+    """Elevations of the disc's lower and upper limb at an azimuth from its centre [rad]; twice the same value where there is none."""
     across = math.cos(sun.elevation) * math.sin(azimuth)
     radius = math.sin(SOLAR_ANGULAR_RADIUS)
     middle = math.atan2(math.sin(sun.elevation), math.cos(sun.elevation) * math.cos(azimuth))

@@ -1,4 +1,4 @@
-"""The Sun over a scene, as kernels see it: at the sensor's foot, and at a place in view."""
+"""Sun over a scene as kernels read it: at the sensor's foot, and at a place in view."""
 
 from __future__ import annotations
 
@@ -14,8 +14,10 @@ from seaglint.radiance.local_sun import turn_kernel, turned_kernel
 
 
 class Sunlight(NamedTuple):
-    """The Sun as kernels see it: the unit vector to it, the tangent ``t_*`` in its vertical plane and the horizontal one ``c_*``, the
-    horizontal unit vector towards it, the tangents of its limbs' elevations, and the share of its disc above the horizon.
+    """Sun as kernels read it: directions, limbs and visible share.
+
+    The fields are the unit vector to it, the tangent ``t_*`` in its vertical plane and the horizontal one ``c_*``, the horizontal unit
+    vector towards it, the tangents of its limbs' elevations, and the share of its disc above the horizon.
     """
 
     shining: bool
@@ -36,7 +38,7 @@ class Sunlight(NamedTuple):
 
 
 def sunlight(zenith: float, azimuth: float, shining: bool) -> Sunlight:
-    """The direction to a whole Sun, the tangents to it, in its vertical plane and horizontal, and its limbs."""
+    """Direction to a whole Sun, the tangents to it, in its vertical plane and horizontal, and its limbs."""
     sz, cz, sa, ca = np.sin(zenith), np.cos(zenith), np.sin(azimuth), np.cos(azimuth)
     limbs = np.tan(np.clip(0.5 * np.pi - zenith + np.array([-1.0, 1.0]) * SOLAR_ANGULAR_RADIUS, -1.5, 0.5 * np.pi - 1e-6))
     values = (azimuth, sz * sa, sz * ca, cz, -cz * sa, -cz * ca, sz, ca, -sa, sa, ca, *limbs, 1.0)
@@ -45,7 +47,7 @@ def sunlight(zenith: float, azimuth: float, shining: bool) -> Sunlight:
 
 @kernel
 def sunlight_at(sun: Sunlight, away_east: float, away_north: float, arc: float) -> Sunlight:
-    """The Sun at a place an ``arc`` [m] from the sensor's foot, ``away`` the horizontal unit vector to it.
+    """Sun at a place an ``arc`` [m] from the sensor's foot, ``away`` the horizontal unit vector to it.
 
     Its vector is that to the middle of the visible part. ``azimuth`` stays the foot's, which tables of the sea's shadows are for.
     """

@@ -1,4 +1,4 @@
-"""Reading the synthesised sea: bilinear interpolation on periodic lattices, at any level of detail, and bounds of its height.
+"""Reading of the synthesised sea: bilinear interpolation on periodic lattices, at any level of detail, and bounds of its height.
 
 A level of detail (:mod:`seaglint.sea.detail`) is a choice of lattices whose heights add up. A kernel that follows a horizontal line makes a
 :func:`course` of it once: where it starts on every lattice of the level and how it moves over it.
@@ -21,30 +21,32 @@ from seaglint.errors import DomainError
 from seaglint.sea.wander import Wander
 
 STRIP = 64
-"""Samples of a line that are read together."""
+"""Number of samples of a line that are read together."""
 
 SUBCELL_BITS = 16
-"""Positions within a strip are told in ``2**-16`` of a cell, a fiftieth of a millimetre for cells of a metre."""
+"""Number of bits of positions within a cell: steps of ``2**-16`` of it, a fiftieth of a millimetre for cells of a metre."""
 
 SUBCELLS = 1 << SUBCELL_BITS
 
 LONGEST_STRIP = 1 << 14
-"""Cells that a strip may pass, and points a side of a lattice: with their parts they fill 31 bits."""
+"""Largest number of cells along a strip, and of points a side of a lattice: with their parts they fill 31 bits."""
 
 WHOLE_TURNS = LONGEST_STRIP * SUBCELLS
 """Offset that keeps positions positive; a whole number of periods of any lattice."""
 
 READS_PER_CELL = 2.5
-"""Readings of a lattice in a cell, at least, where samples lie closer. Heights are linear between them: within 3.3 % of the amplitude of
-the lattice's shortest waves, which are four cells long. Slopes are read wherever they are needed.
+"""Least number of lattice readings in a cell where samples lie closer.
+
+Heights are linear between them: within 3.3 % of the amplitude of the lattice's shortest waves, which are four cells long. Slopes are read
+wherever they are needed.
 """
 
 KNOTS_PER_PERIOD = 8
-"""Knots of a line in a period of a tile that wanders: between them its displacement is linear, within 0.02 % of the period."""
+"""Number of knots of a line in a period of a wandering tile: between them its displacement is linear, within 0.02 % of the period."""
 
 
 class Surface(NamedTuple):
-    """One instant of the sea.
+    """Sea of one instant as kernels read it.
 
     ``height`` [m] and ``slope[:, (east, north)]`` are all lattices one after another: ``part[i] = (first address, points along a side,
     their binary logarithm)``. Within a lattice squares of 4 x 4 points lie together in memory, because lines cross it in any direction; see
@@ -64,7 +66,7 @@ class Surface(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """What rays step by: bounds of the sea's height [m] and slope [1], and the finest spacing of its lattices [m]."""
+    """Bounds for the steps of rays: of the sea's height [m] and slope [1], and the finest spacing of its lattices [m]."""
 
     crest: float
     steepest: float
@@ -72,7 +74,7 @@ class Bounds(NamedTuple):
 
 
 class Course(NamedTuple):
-    """A horizontal line over the lattices of one level: straight between the knots at which the displacement of a part is known.
+    """Horizontal line over the lattices of one level, straight between the knots at which the displacement of a part is known.
 
     ``start[j, m] + r step[j, m]``: position (u, v) [cells] at ``r`` metres, between the knots ``m`` and ``m + 1``; ``part[j]`` as in
     :class:`Surface`, and the last ``m``; ``knot[j] = (arc of the first knot [m], knots per metre)``.
@@ -85,8 +87,9 @@ class Course(NamedTuple):
 
 
 class Strip(NamedTuple):
-    """Up to :data:`STRIP` samples: their heights [m], and room for those that are read: arcs from the strip's beginning and heights [m],
-    fractions (v, u) and addresses of the points around them.
+    """Buffers of up to :data:`STRIP` samples: their heights [m], and positions of those that are read.
+
+    These are arcs from the strip's beginning and heights [m], fractions (v, u) and addresses of the points around them.
     """
 
     height: np.ndarray
@@ -98,7 +101,7 @@ class Strip(NamedTuple):
 
 @njit
 def new_strip() -> Strip:
-    """An empty strip."""
+    """Empty strip."""
     room = (np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32))
     fraction = (np.empty(STRIP, np.float32), np.empty(STRIP, np.float32))
     return Strip(np.empty(STRIP, np.float32), np.empty(STRIP, np.float32), np.empty(STRIP, np.float32), fraction, room)
@@ -106,7 +109,7 @@ def new_strip() -> Strip:
 
 @kernel
 def sine(cycles: float) -> float:
-    """Sine of an angle in cycles, within 3e-7: a minimax polynomial times its zeros, which the processor takes several at a time."""
+    """Sine of an angle in cycles, within 3e-7: a minimax polynomial times its zeros, which vectorises."""
     x = cycles - math.floor(cycles + 0.5)
     q = x * x
     return x * (1.0 - 4.0 * q) * (6.2831842 + q * (-16.2087243 + q * (16.7611333 + q * (-9.5276694 + q * 3.0445527))))
@@ -114,7 +117,7 @@ def sine(cycles: float) -> float:
 
 @kernel
 def knots(surface: Surface, i: int, arcs: tuple[float, float]) -> tuple[int, float]:
-    """Straight pieces of a line between two arcs [m] over a part, and pieces per metre; one where the part lies still."""
+    """Number of straight pieces of a line between two arcs [m] over a part, and pieces per metre; one where the part does not wander."""
     if surface.wander.shape[1] == 0 or arcs[1] <= arcs[0]:
         return 1, 0.0
     per_metre = KNOTS_PER_PERIOD * surface.grid[i, 0] / surface.part[i, 1]
@@ -137,7 +140,7 @@ def displace(surface: Surface, i: int, direction: tuple[float, float], arcs: tup
 
 @kernel
 def lay_course(surface: Surface, level: int, direction: tuple[float, float], arcs: tuple[float, float], line: Course) -> None:
-    """Make ``line`` the line from under the sensor along a horizontal unit vector (east, north), to be read between two arcs [m].
+    """Set ``line`` to the line from under the sensor along a horizontal unit vector (east, north), to be read between two arcs [m].
 
     With one arc, twice, it is straight, and displaced all along as it is there.
     """
@@ -163,7 +166,7 @@ def lay_course(surface: Surface, level: int, direction: tuple[float, float], arc
 
 @njit
 def course(surface: Surface, level: int, east: float, north: float, arcs: tuple[float, float] = (0.0, 0.0)) -> Course:
-    """The line from under the sensor along a horizontal unit vector; see :func:`lay_course`."""
+    """Line from under the sensor along a horizontal unit vector; see :func:`lay_course`."""
     count, most = 0, 1
     while count < surface.level.shape[1] and surface.level[level, count] >= 0:
         most = max(most, knots(surface, surface.level[level, count], arcs)[0])
@@ -176,7 +179,7 @@ def course(surface: Surface, level: int, east: float, north: float, arcs: tuple[
 
 @kernel
 def piece(line: Course, j: int, r: float) -> int:
-    """Straight piece of a line over a level's part ``j``, ``r`` metres along; the first and the last go on beyond their ends."""
+    """Straight piece of a line over a level's part ``j``, ``r`` metres along; the first and the last continue beyond their ends."""
     return int(min(max(int((r - line.knot[j, 0]) * line.knot[j, 1]), 0), line.part[j, 3]))
 
 
@@ -295,7 +298,7 @@ def address(line: Course, j: int, first: float, some: tuple[int, int], strip: St
 
 @kernel
 def stride(line: Course, j: int, span: float, count: int) -> int:
-    """Binary logarithm of the distance, in samples, of those at which a level's part ``j`` is read: 0, 2 or 4.
+    """Binary logarithm of the distance, in samples, of readings of a level's part ``j``: 0, 2 or 4.
 
     ``span``: length of the strip's ``count`` samples [m]; a strip that is not full is read at every sample.
     """
@@ -308,7 +311,7 @@ def stride(line: Course, j: int, span: float, count: int) -> int:
 
 @kernel
 def add_between(strip: Strip, bits: int) -> None:
-    """Add heights that are known at every ``2**bits``-th sample to the strip's, linear between; fast where ``bits`` is a constant."""
+    """Add heights known at every ``2**bits``-th sample to the strip's, linear between; fast where ``bits`` is a constant."""
     apart = 1 << bits
     part = np.float32(1.0 / apart)
     for m in range(STRIP >> bits):
@@ -365,7 +368,7 @@ def read_heights(surface: Surface, line: Course, j: int, first: float, count: in
 
 @kernel
 def lay_squares(lattice: np.ndarray, height: np.ndarray, slope: np.ndarray) -> None:
-    """Lay a lattice (n, n, 3) out in squares of 4 x 4 points, as :class:`Surface` has them."""
+    """Reorder a lattice (n, n, 3) in squares of 4 x 4 points, as :class:`Surface` has them."""
     size = lattice.shape[0]
     for y in range(size):
         for x in range(size):
@@ -391,7 +394,7 @@ def surface_of(
     origin: tuple[float, float] = (0.0, 0.0),
     wander: tuple[Wander, ...] = (),
 ) -> Surface:
-    """Bundle the lattices of one instant; none are a sea without resolved waves.
+    """Bundle the lattices of one instant; without lattices the sea has no resolved waves.
 
     Parameters
     ----------
@@ -417,7 +420,7 @@ def surface_of(
     for lattice, begin, end in zip(lattices, first[:-1], first[1:], strict=True):
         lay_squares(lattice, heights[begin:end], both_slopes[begin:end])
     c, s = np.cos(turn), np.sin(turn)
-    # positions are periodic: small numbers keep their digits
+    # positions are periodic: small numbers have more digits
     u, v = (np.mod(p / spacing, sizes) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
     highest = [float(z[..., 0].max()) for z in lattices]
     most = max(*map(len, chosen), 1)
@@ -437,7 +440,7 @@ def surface_of(
 
 
 def _wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
-    """:attr:`Surface.wander` for a sensor above ``origin``."""
+    """Rows :attr:`Surface.wander` for a sensor above ``origin``."""
     out = np.zeros((len(wander), max((w.phase.size for w in wander), default=0), 5))
     for row, one, d, angle in zip(out, wander, spacing, turn, strict=False):
         c, s = np.cos(angle), np.sin(angle)

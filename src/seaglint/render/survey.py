@@ -1,4 +1,4 @@
-"""Which directions the attitudes of a turning camera need, and whether what is prepared serves them."""
+"""Directions that the attitudes of a turning camera need, and the check whether a prepared scene covers them."""
 
 from __future__ import annotations
 
@@ -14,24 +14,24 @@ from seaglint.render.swept import SAME, beyond
 
 @dataclass(frozen=True, eq=False)
 class Survey:
-    """The azimuth-elevation grid that serves all attitudes, the highest elevation and the azimuths of the pixels that it does not."""
+    """Azimuth-elevation grid that serves all attitudes, and the highest elevation and the azimuths of the pixels that it does not."""
 
     grid: Camera | None
     walk_from: float
     walk_azimuths: tuple[float, float]
 
 
-def covers(made: Survey, wanted: Survey) -> bool:
-    """Whether what was prepared serves another camera."""
-    one, other = made.grid, wanted.grid
+def covers(made: Survey, requested: Survey) -> bool:
+    """True if a prepared scene covers another camera."""
+    one, other = made.grid, requested.grid
     if other is not None and (one is None or beyond(one, other) > SAME or other.row_step < one.row_step * (1.0 - SAME)):
         return False
-    (left, right), (first, last) = made.walk_azimuths, wanted.walk_azimuths
+    (left, right), (first, last) = made.walk_azimuths, requested.walk_azimuths
     if first == last:
         return True
     turn = 2.0 * np.pi * np.round((0.5 * (first + last) - 0.5 * (left + right)) / (2.0 * np.pi))
     around = right - left >= 2.0 * np.pi - SAME
-    return wanted.walk_from <= made.walk_from + SAME and (around or (left <= first - turn + SAME and last - turn <= right + SAME))
+    return requested.walk_from <= made.walk_from + SAME and (around or (left <= first - turn + SAME and last - turn <= right + SAME))
 
 
 def corners_of(azimuth: FloatArray, swept: NDArray[np.bool_]) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""The sweep: walk outward along each azimuth, keep the highest elevation seen so far, and shade what rises above it.
+"""Sweep: walk outward along each azimuth, track the highest elevation so far, and shade what rises above it.
 
 Every surface piece above the running horizon is visible and covers a known interval of elevation; its radiance, found at the middle and
 linear towards its neighbours, is added to the pixels in proportion to the overlap. So a column has no sampling noise in elevation, its
@@ -35,16 +35,18 @@ from seaglint.render.thermal import ThermalLine, facet_thermal, thermal_along
 from seaglint.render.walk import Walk, bend, elevation, walk_line
 
 NEGLIGIBLE_SUN = 3e-4
-"""Share of a facet's thermal radiance below which its sunlight is not asked for shadows."""
+"""Share of a facet's thermal radiance below which its sunlight is not tested for shadows."""
 
 
 WIDE_COLUMN = math.radians(0.5)
-"""Width of a column [rad] from which on each of its lines has tables of its own: the aureole is ten degrees wide."""
+"""Least width of a column [rad] whose lines have tables of their own: the aureole is ten degrees wide."""
 
 
 class Rows(NamedTuple):
-    """Rows of the image: elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the thermal sky in
-    each, the sunlight that it scatters in those that touch it, and the Sun.
+    """Rows of the image: geometry, sky and Sun.
+
+    The fields are elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the thermal sky in each,
+    its scattered sunlight in those that touch it, and the Sun.
     """
 
     top: float
@@ -58,8 +60,10 @@ class Rows(NamedTuple):
 
 
 class Swept(NamedTuple):
-    """All that columns look up: samples, rows, the Sun at the sensor's foot and how its light changes with its elevation, facets,
-    sparkles, and which pieces are shaded as one; no length depends on the instant.
+    """Data that columns read; no length depends on the instant.
+
+    The fields are samples, rows, the Sun at the sensor's foot and the change of its light with its elevation, facets, sparkles, and the
+    limits for merging pieces.
     """
 
     walk: Walk
@@ -72,9 +76,10 @@ class Swept(NamedTuple):
 
 
 class Line(NamedTuple):
-    """One line of sight of a column in one stage: its level of detail, its way and the way to the Sun over the sea, the tables of its
-    facets (:func:`~seaglint.render.thermal.thermal_along`, :func:`~seaglint.render.solar_disc.disc_line`), the radiance of its path
-    (:func:`~seaglint.render.haze.path_along`), and its share and the width of the column [rad].
+    """Line of sight of a column in one stage: its level of detail, its course and the course to the Sun over the sea, and its tables.
+
+    These are the tables of its facets (:func:`~seaglint.render.thermal.thermal_along`, :func:`~seaglint.render.solar_disc.disc_line`), the
+    radiance of its path (:func:`~seaglint.render.haze.path_along`), and its share and the width of the column [rad].
     """
 
     level: int
@@ -126,7 +131,9 @@ def add_rows(
 
 @kernel
 def leaning(light: np.ndarray, j: int, k: int, before: float, here: float, after: float, width: float) -> float:
-    """Change of a radiance per radian over piece ``j``, from its neighbours: centres ``before, here, after``, its own where none is.
+    """Derivative of a radiance over elevation [per rad] at piece ``j``, from its neighbours.
+
+    The centres are ``before, here, after``; a missing neighbour's is its own.
 
     Its ends stay within what separates it from its neighbours, and above 0.
     """
@@ -139,7 +146,7 @@ def leaning(light: np.ndarray, j: int, k: int, before: float, here: float, after
 
 @kernel
 def distance(eye: float, z: float, r: float) -> float:
-    """Straight way from the sensor, ``eye`` [m] above the mean sea, to a point ``z`` [m] above it at an arc ``r`` [m]."""
+    """Slant distance from the sensor, ``eye`` [m] above the mean sea, to a point ``z`` [m] above it at an arc ``r`` [m]."""
     half = math.sin(0.5 * r / EFFECTIVE_EARTH_RADIUS)
     across = 4.0 * (EFFECTIVE_EARTH_RADIUS + eye) * (EFFECTIVE_EARTH_RADIUS + z) * half * half
     return math.sqrt((eye - z) * (eye - z) + across)
@@ -147,7 +154,10 @@ def distance(eye: float, z: float, r: float) -> float:
 
 @kernel
 def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pieces: Pieces, j: int, below: float) -> None:
-    """Find what a piece sends, from its upper edge down to the tangent ``below``, into ``pieces.light[j]``; ``lit`` has the Sun there."""
+    """Compute the light of a piece, from its upper edge down to the tangent ``below``, into ``pieces.light[j]``.
+
+    ``lit`` has the Sun there.
+    """
     walk, light, sun = swept.walk, pieces.light, lit.sunlight
     i, above, r = (pieces.begin[j] + pieces.sample[j]) >> 1, pieces.extent[j, 1], pieces.arc[j]
     if i == 0:
@@ -234,7 +244,7 @@ def shade_line(
 
 @kernel
 def add_sky(rows: Rows, azimuth: float, tangent: float, weight: float, image: np.ndarray) -> None:
-    """Fill the rows above the horizon that a line at an azimuth [rad] ended with."""
+    """Fill the rows above the horizon of a line at an azimuth [rad]."""
     upper = (rows.top - elevation(tangent)) * rows.per_radian
     for row in range(min(rows.number, math.ceil(max(upper, 0.0)))):
         image[TOTAL, row] += weight * rows.sky[row] * (min(upper, row + 1.0) - row)
@@ -246,7 +256,7 @@ def add_sky(rows: Rows, azimuth: float, tangent: float, weight: float, image: np
 
 @kernel
 def add_skies(rows: Rows, azimuth: float, width: float, tangents: np.ndarray, image: np.ndarray) -> None:
-    """Sky and Sun of a column above the horizons that its lines ended with."""
+    """Add sky and Sun of a column above the horizons of its lines."""
     lines = tangents.shape[0]
     for j in range(lines):
         add_sky(rows, azimuth + width * ((j + 0.5) / lines - 0.5), tangents[j], 1.0 / lines, image)
@@ -256,7 +266,7 @@ def add_skies(rows: Rows, azimuth: float, width: float, tangents: np.ndarray, im
 
 @njit
 def skies_alone(rows: Rows, azimuths: np.ndarray, width: float, images: np.ndarray) -> None:
-    """Fill columns that see no sea; as :func:`sweep_columns`."""
+    """Fill columns without sea; as :func:`sweep_columns`."""
     below = np.full(1, rows.bottom_tangent)
     for column in range(azimuths.shape[0]):
         images[column] = 0.0

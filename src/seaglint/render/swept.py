@@ -1,4 +1,4 @@
-"""Scenes of an upright camera with equal steps of azimuth and elevation: one sweep over the sea is an image."""
+"""Scene of an upright camera with equal steps of azimuth and elevation: one sweep over the sea gives an image."""
 
 from __future__ import annotations
 
@@ -38,24 +38,24 @@ from seaglint.sea.shadowing import smith_lambda
 from seaglint.sea.slopes import gaussian_slopes
 
 SUBMERGED = 0.75
-"""A sensor below this many significant heights (three standard deviations) would be under water now and then."""
+"""Least height of a sensor in significant heights (three standard deviations); lower ones would be under water now and then."""
 
 CELLS_PER_ROW = 3.0
-"""Cells of elevation in a row within which neighbouring pieces are shaded as one."""
+"""Number of cells of elevation in a row within which neighbouring pieces are merged."""
 
 RARE_SHADOW = 0.005
-"""Share of the sea in shadow below which one ray to the Sun serves neighbours that are shaded as one; where more is in shadow none are."""
+"""Share of the sea in shadow below which one ray to the Sun serves merged neighbours; with more shadow none are merged."""
 
 SHADOW_GRAZING = 0.25
-"""Tangent of depression, in rms slopes, from which on this holds: glint changes by less than 0.2 %; at the horizon it would by 2 %."""
+"""Tangent of depression, in rms slopes, beyond which this holds: glint changes by less than 0.2 %; at the horizon it would by 2 %."""
 
 SAME = 1e-9
-"""Difference of angles [rad], of steps and of heights (relative) that counts as none."""
+"""Tolerance within which angles [rad], steps and heights (relative) are equal."""
 
 
 @dataclass(frozen=True, eq=False)
 class SweptScene:
-    """A sea prepared for an upright camera that stands still; make it with :meth:`prepare`.
+    """Scene prepared for an upright camera that stands still; make it with :meth:`prepare`.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class SweptScene:
     waves : WaveField or None
         The part of the slopes that is geometry; the rest goes to the facets. Without it the image is the mean.
     accuracy : Accuracy
-        How finely it is drawn.
+        Accuracy settings of the drawing.
     layers : tuple of str
         Layers beside ``radiance`` and ``glint_radiance``.
     sparkles : Sparkles
@@ -83,7 +83,7 @@ class SweptScene:
     _prepared_for: Camera
     _levels: Levels
     _tables: Swept | None
-    """None where no sea can be seen."""
+    """Tables of the kernels; None where no sea can be seen."""
 
     @classmethod
     def prepare(
@@ -96,7 +96,7 @@ class SweptScene:
         layers: Collection[str] = (),
         sparkles: Sparkles = NO_SPARKLES,
     ) -> SweptScene:
-        """Make everything that does not change in time.
+        """Prepare everything that does not change in time.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class SweptScene:
 
     @property
     def pose(self) -> Pose:
-        """Above the sea's origin, as the camera stands."""
+        """Pose of the camera above the sea's origin."""
         return Pose(0.0, 0.0, self.camera.height, Attitude(self.camera.azimuth, self.camera.elevation))
 
     @property
@@ -140,7 +140,7 @@ class SweptScene:
 
     @property
     def tables(self) -> Swept | None:
-        """What the kernels look up; None where no sea can be seen."""
+        """Tables that the kernels read; None where no sea can be seen."""
         return self._tables
 
     @property
@@ -159,7 +159,7 @@ class SweptScene:
         }
 
     def with_camera(self, camera: Camera) -> SweptScene:
-        """The same scene through another camera, nothing prepared anew: some of its columns and rows, or from a little higher up.
+        """Return the same scene through another camera without preparing anything again: some of its columns and rows, or slightly higher.
 
         Raises
         ------
@@ -194,7 +194,7 @@ class SweptScene:
         return replace(self, camera=camera, _tables=self._tables._replace(walk=walk, rows=rows))
 
     def reseeded(self, seed: int) -> Self:
-        """Another realisation of the same sea, sparkles included, without preparing anything again."""
+        """Return another realisation of the same sea, sparkles included, without preparing anything again."""
         sparkles, tables = self.sparkles.reseeded(seed), self._tables
         if tables is not None:
             tables = tables._replace(sparkle=sparkles.of(self.view, self._prepared_for)[0])
@@ -205,30 +205,30 @@ class SweptScene:
         return replace(self, waves=waves, sparkles=sparkles, _levels=levels, _tables=tables)
 
     def surface(self, time: float, origin: tuple[float, float] = (0.0, 0.0)) -> Surface:
-        """The sea at a time [s], with the sensor above ``origin``, east and north [m], at every level of detail."""
+        """Sea at a time [s], with the sensor above ``origin``, east and north [m], at every level of detail."""
         return self._levels.surface(self._levels.lattices(time), origin)
 
     @property
     def pixels(self) -> Imager:
-        """The camera's pixels, whatever its attitude."""
+        """Pixels of the camera, whatever its attitude."""
         camera = self.camera
         return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)
 
     def seen_from(self, _: Pose) -> SeaView:
-        """Sea, air and Sun as they are drawn."""
+        """View of sea, air and Sun."""
         return self.view
 
     def sea(self, pose: Pose, time: float) -> Instant:
-        """The sea at a time [s] under a sensor."""
+        """Sea at a time [s] under a sensor."""
         lattices = self._levels.lattices(time)
         return Instant(self._levels, lattices, self._levels.surface(lattices, (pose.east, pose.north)))
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
-        """The image from a pose at a time [s]."""
+        """Image from a pose at a time [s]."""
         return self.columns(pose, time, (0, self.camera.columns), sea)
 
     def columns(self, pose: Pose, time: float, part: tuple[int, int], sea: Instant | None = None) -> Layers:
-        """Columns ``part = (first, end)`` of the image alone: their bytes are those of the whole image.
+        """Image of the columns ``part = (first, end)`` alone: their bytes are those of the whole image.
 
         Raises
         ------
@@ -241,7 +241,7 @@ class SweptScene:
         return self._layers(images[:, 0])
 
     def scanned(self, poses: Sequence[Pose], times: Sequence[float]) -> Layers:
-        """An image whose columns have each their own pose and time [s], as scanners see it; neighbours that share both go together."""
+        """Image whose columns have each their own pose and time [s], as scanners see it; neighbours that share both are drawn together."""
         count = self.camera.columns
         if len(poses) != count or len(times) != count:
             raise DomainError(f"{len(poses)} poses and {len(times)} times for {count} columns; give one of each for every column")
@@ -249,7 +249,7 @@ class SweptScene:
         return joined([self.columns(poses[a], times[a], (a, b)) for a, b in zip(begins, [*begins[1:], count], strict=True)])
 
     def intervals(self, pose: Pose, time: float, cuts: FloatArray) -> tuple[Layers, ...]:
-        """The image in intervals of distance: what stands before each cut and behind the one before it, and what is beyond the last.
+        """Images of intervals of distance: between each cut and the one before it, and beyond the last.
 
         Parameters
         ----------
@@ -292,7 +292,7 @@ class SweptScene:
         return out
 
     def planes(self, pose: Pose, time: float, surface: Surface, part: tuple[int, int]) -> NDArray[np.float32]:
-        """Planes of :func:`~seaglint.render.layers.planes_for` [(planes, rows, columns)] of some columns, of a sea at hand."""
+        """Planes of :func:`~seaglint.render.layers.planes_for` [(planes, rows, columns)] of some columns, for a given sea."""
         images = self._swept(pose, time, part, surface, np.zeros((part[1] - part[0], 0)))
         return self._planes(images[:, 0], planes_for(self.layers))
 
@@ -325,7 +325,7 @@ class SweptScene:
             )
 
     def _tabled(self, arcs: FloatArray) -> Swept:
-        """What columns look up for samples at ``arcs`` [m]."""
+        """Tables that columns read for samples at ``arcs`` [m]."""
         view, camera, levels = self.view, self.camera, self._levels
         every = 1 if self.waves is None else PATH_EVERY
         # of the middle of the piece that ends at a sample
@@ -365,8 +365,10 @@ class SweptScene:
         return out
 
     def _shadows(self, sun: Sunlight) -> tuple[FloatArray, FloatArray]:
-        """Step [m] and steepest rise of shadow rays at every level, 0 where next to nothing is in shadow by Smith's law; and the tangent of
-        elevation up to which one ray serves several pieces: farther out those that are seen are those most often in shadow.
+        """Step [m] and steepest rise of shadow rays at every level, and the tangent up to which one ray serves several pieces.
+
+        The rise is 0 where almost nothing is in shadow by Smith's law. Farther out than that tangent of elevation the visible pieces are
+        those most often in shadow.
         """
         levels, fine = self._levels, self.accuracy
         if self.waves is None:
@@ -385,8 +387,9 @@ class SweptScene:
 
 
 def calm_doublings(width: float, most: int) -> int:
-    """How often the lines of a column over a sea without waves part in two: until three stand in a deviation of the glint, or ``most`` are
-    there; ``width`` is the column's, in deviations of the glint.
+    """Number of times that the lines of a column split in two over a sea without waves.
+
+    They split until three stand in a deviation of the glint, or ``most`` times; ``width`` is the column's, in deviations of the glint.
 
     >>> calm_doublings(0.3, 16), calm_doublings(1.0, 16), calm_doublings(9.0, 16)
     (0, 2, 4)
@@ -395,19 +398,19 @@ def calm_doublings(width: float, most: int) -> int:
 
 
 def beyond(made: Camera, other: Camera) -> float:
-    """Angle by which a camera looks beyond another [rad]; 0 or less where it stays inside."""
+    """Angle by which a camera's view extends beyond another's [rad]; 0 or less where it stays inside."""
     aside = abs(float(wrap_angle(other.azimuth - made.azimuth))) + 0.5 * (other.width - made.width)
     around = made.width >= 2.0 * np.pi - SAME
     return max(-np.inf if around else aside, other.top - made.top, made.bottom - other.bottom)
 
 
 def composed(parts: Sequence[Layers]) -> Layers:
-    """The whole image from its :meth:`SweptScene.intervals`, front to back."""
+    """Whole image from its :meth:`SweptScene.intervals`, front to back."""
     return summed(parts)
 
 
 def require_above(foot: float, height: float, time: float) -> None:
-    """Refuse a sensor ``height`` above the mean sea that the sea under it, ``foot`` high [m], covers."""
+    """Refuse a sensor ``height`` above the mean sea that is below the sea under it, ``foot`` high [m]."""
     if foot >= height:
         text = f"at {time:g} s the sea stands {foot:.2f} m high under the sensor, which is {height:g} m above the mean sea"
         raise DomainError(

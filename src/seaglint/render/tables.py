@@ -1,4 +1,4 @@
-"""What facets send, tabled for a scene: one assembly for the sweep and for walked rays.
+"""Tables of the light of facets for a scene: one assembly for the sweep and for walked rays.
 
 Emission, mirrored sky and mirrored Sun of every level of detail, and the terms of the path that they are multiplied with.
 """
@@ -27,8 +27,10 @@ from seaglint.sea.slopes import SlopeStatistics, gaussian_slopes
 
 
 class PathTerms(NamedTuple):
-    """The path at the places of a basis: coefficients of the thermal, solar and emitted terms [1, (m, k)], its own thermal radiance
-    [W m-2 sr-1, (m,)] and the sunlight that it scatters.
+    """Path at the places of a basis: coefficients and radiances.
+
+    The coefficients are those of the thermal, solar and emitted terms [1, (m, k)]; the radiances its own thermal one [W m-2 sr-1, (m,)] and
+    the scattered sunlight.
     """
 
     thermal: np.ndarray
@@ -40,7 +42,7 @@ class PathTerms(NamedTuple):
 
 @dataclass(frozen=True)
 class FacetDomain:
-    """Where the facets of one level of detail are looked up.
+    """Domain over which the facets of one level of detail are tabulated.
 
     Attributes
     ----------
@@ -63,8 +65,10 @@ class FacetDomain:
 def facet_slopes(
     slopes: SlopeStatistics, resolved: tuple[float, float], wind_to_azimuth: float, covariance: float = 0.0
 ) -> SlopeStatistics:
-    """Statistics left to the facets: the model's variances minus what the interpolated lattices carry, along and across the wind of
-    the waves; with a covariance of the two, as swell from elsewhere has, the facets' own directions make up for it.
+    """Slope statistics of the facets: the model's variances minus those that the interpolated lattices carry.
+
+    Both are along and across the wind of the waves; a covariance of the two, as from swell of another direction, is compensated by the
+    facets' own directions.
 
     Raises
     ------
@@ -90,7 +94,7 @@ def sun_terms(basis: PathBasis, irradiance: FloatArray, water: WaterIndex) -> Fl
 
 
 def sun_of(view: SeaView, basis: PathBasis) -> tuple[Sunlight, FloatArray]:
-    """The Sun's centre at the sensor's foot, and the band terms of the reflection of the whole disc [W m-2] (:func:`sun_terms`)."""
+    """Direction of the Sun's centre at the sensor's foot, and band terms of the whole disc's reflection [W m-2] (:func:`sun_terms`)."""
     shining = bool(view.irradiance.max() > 0.0)
     return sunlight(view.solar_zenith, view.solar_azimuth, shining), sun_terms(basis, view.irradiance, view.water)
 
@@ -125,11 +129,11 @@ def facet_tables(
     sources, hazy = thermal_sources(basis, view), hazy_facets(view, basis)
     roughs = [roughness_of(d.slopes, view.solar_azimuth, d.bands, shade_sun=view.shadowing.sun) for d in domains]
     at_sun = None if hazy is None else (0.5 * np.pi - view.solar_zenith, view.solar_azimuth)
-    found = [thermal_axes(d.slopes, d.resolved, d.sines, azimuths, at_sun) for d in domains]
+    axes_of = [thermal_axes(d.slopes, d.resolved, d.sines, azimuths, at_sun) for d in domains]
 
     def together(light: ThermalSources, haze: tuple[HazyFacets, FloatArray] | None) -> FloatArray:
         parts: list[NDArray[Any]] = []
-        for domain, rough, (axes, shape) in zip(domains, roughs, found, strict=True):
+        for domain, rough, (axes, shape) in zip(domains, roughs, axes_of, strict=True):
             part: NDArray[Any]
             if hazy is None:
                 part = thermal_table(light, rough, axes, shape, basis.phi.shape[0])
@@ -145,7 +149,7 @@ def facet_tables(
     alone, alone_path = np.zeros((thermal.shape[0], 0)), np.zeros((basis.coefficients.shape[0], 0))
     if emitted:
         alone, alone_path = fewest_terms(together(sources._replace(sky=np.zeros_like(sources.sky)), None), basis.coefficients, TOGETHER)
-    shapes = np.array([shape for _, shape in found])
+    shapes = np.array([shape for _, shape in axes_of])
     first = np.concatenate([[0], np.cumsum(shapes.prod(axis=1))[:-1]])
     levels = FacetLevels(
         np.array([rough[:4] for rough in roughs]),
@@ -155,21 +159,21 @@ def facet_tables(
         thermal.astype(np.float32),
         alone.astype(np.float32),
         np.concatenate([first[:, None], shapes], axis=1),
-        np.stack([nodes for nodes, _ in found]),
+        np.stack([nodes for nodes, _ in axes_of]),
         np.ascontiguousarray(reflected),
     )
     return sun, levels, PathTerms(thermal_path, sun_path, alone_path, basis.path_radiance, sunlit_path(view, arcs))
 
 
 def _stacked(tables: list[NDArray[np.float32]]) -> NDArray[np.float32]:
-    """Tables of one shape together; empty ones, of logarithms, as zeros."""
+    """Tables of one shape stacked; empty ones, of logarithms, as zeros."""
     shape = max((table.shape for table in tables), key=lambda shape: shape[0])
     full = tuple(max(n, 1) for n in shape)
     return np.stack([table if table.size else np.zeros(full, np.float32) for table in tables])
 
 
 def _lines(height: float, axes: FloatArray, shape: tuple[int, int, int, int]) -> Lines:
-    """Lines of sight and slopes of a table's nodes, seen from ``height`` [m]."""
+    """Lines of sight and slopes at a table's nodes, seen from ``height`` [m]."""
     sine, at, along, across = (first + np.arange(n) / per_step for (first, per_step), n in zip(axes[:4], shape, strict=True))
     azimuth = np.array([azimuth_of(axes, float(x)) for x in at])
     return Lines(sine, turns_of(height, sine), azimuth, along, across)
@@ -180,10 +184,10 @@ def _on_axes(
     domain: FacetDomain,
     rough: Roughness,
     azimuths: tuple[float, float],
-    wanted: tuple[FloatArray, tuple[int, int, int, int]],
+    target: tuple[FloatArray, tuple[int, int, int, int]],
 ) -> NDArray[np.float32]:
-    """Thermal table on the axes that the mirrored aureole asks for, from one on the fewer azimuths and slopes that thermal light does."""
-    axes, shape = wanted
+    """Thermal table on the axes of the mirrored aureole, from one on the fewer azimuths and slopes of thermal light."""
+    axes, shape = target
     plain, few = thermal_axes(domain.slopes, domain.resolved, domain.sines, azimuths)
     table = thermal_table(light, rough, plain, few, light.black.shape[0])
     at = _lines(1.0, axes, shape)

@@ -26,16 +26,16 @@ from seaglint.sea.nested import nested_exponent_kernel
 from seaglint.sea.slopes import SlopeStatistics
 
 INCIDENCE_NODES = 513
-"""Nodes uniform in the cosine of incidence; linear interpolation of the reflectance is then within 2e-5."""
+"""Number of nodes uniform in the cosine of incidence; linear interpolation of the reflectance is then within 2e-5."""
 
 SKY_NODES = 129
-"""Nodes uniform in the square root of the reflected ray's cosine, which crowd at the horizon, where the sky changes fast."""
+"""Number of nodes uniform in the square root of the reflected ray's cosine, dense at the horizon, where the sky changes fast."""
 
 ALONG_NODES, CROSS_NODES = 14, 5
 """Quadrature over the facet's slopes: Gauss-Legendre on both sides of the slope that mirrors the horizon, Gauss-Hermite across."""
 
 FARTHEST_TURNED_AWAY = -3.0
-"""Facets turned from the viewer by more than this many deviations of their roughness are treated as if by this many; they are not seen."""
+"""Largest tilt away from the viewer, in deviations of the roughness, that is tabulated; facets tilted more are not seen."""
 
 
 AUREOLE, AUREOLE_STEP = math.radians(4.0), 0.25
@@ -47,7 +47,7 @@ AUREOLE_SCALE = math.radians(15.0)
 
 
 class ThermalLine(NamedTuple):
-    """A thermal table (u, a, c, k) of one line of sight: its values and its sizes; the number of terms is a multiple of four."""
+    """Thermal table (u, a, c, k) of one line of sight: its values and its sizes; the number of terms is a multiple of four."""
 
     values: np.ndarray
     sines: int
@@ -57,7 +57,7 @@ class ThermalLine(NamedTuple):
 
 
 class ThermalSources(NamedTuple):
-    """Band terms of the light that a smooth facet sends: ``emitted[c, k]``, ``sky[c, m, k]``, ``black[k]``."""
+    """Band terms of the light of a smooth facet: ``emitted[c, k]``, ``sky[c, m, k]``, ``black[k]``."""
 
     emitted: np.ndarray
     sky: np.ndarray
@@ -84,7 +84,7 @@ def node(axes: np.ndarray, axis: int, size: int, value: float) -> tuple[int, flo
 
 @kernel
 def crowded(delta: float, scale: float) -> float:
-    """Coordinate of an azimuth from the Sun [rad]: even steps are closest there and grow beyond ``scale`` [rad]. It goes on over turns."""
+    """Coordinate of an azimuth from the Sun [rad], with even steps near it that grow beyond ``scale`` [rad]. It continues over turns."""
     turns = math.floor(delta / (2.0 * math.pi) + 0.5)
     return float(scale * (math.asinh((delta - 2.0 * math.pi * turns) / scale) + 2.0 * turns * math.asinh(math.pi / scale)))
 
@@ -102,7 +102,7 @@ def azimuth_of(axes: np.ndarray, coordinate: float) -> float:
 
 @kernel
 def azimuth_node(axes: np.ndarray, size: int, azimuth: float) -> tuple[int, float]:
-    """:func:`node` of an azimuth [rad], whatever its turn, on a table's second axis: plain, or crowded at the Sun's."""
+    """Lower node and fraction (:func:`node`) of an azimuth [rad], at any turn, on a table's second axis: plain, or dense at the Sun's."""
     scale = axes[4, 1]
     x, turn = azimuth, 2.0 * math.pi
     if scale > 0.0:
@@ -149,7 +149,7 @@ def facet_thermal(
 
 @kernel
 def between(rows: np.ndarray, i: int, f: float, k: int) -> float:
-    """An entry between row ``i`` and, where ``f`` is not 0, the next one."""
+    """Entry interpolated between row ``i`` and, where ``f`` is not 0, the next one."""
     if f == 0.0:
         return float(rows[i, k])
     return float(rows[i, k] + f * (rows[i + 1, k] - rows[i, k]))
@@ -157,7 +157,7 @@ def between(rows: np.ndarray, i: int, f: float, k: int) -> float:
 
 @kernel
 def one_term(values: np.ndarray, corner: tuple[int, int, int, int], k: int, weights: tuple[float, float, float, float]) -> float:
-    """One term of a thermal table between four corners."""
+    """One term of a thermal table, interpolated between four corners."""
     # addresses are never negative: spared the compiler's care for those that count from the end
     a, b, c, d = np.uint64(corner[0] + k), np.uint64(corner[1] + k), np.uint64(corner[2] + k), np.uint64(corner[3] + k)
     return float(weights[0] * values[a] + weights[1] * values[b] + weights[2] * values[c] + weights[3] * values[d])
@@ -167,7 +167,7 @@ def one_term(values: np.ndarray, corner: tuple[int, int, int, int], k: int, weig
 def four_terms(
     values: np.ndarray, corner: tuple[int, int, int, int], k: int, weights: tuple[float, float, float, float]
 ) -> tuple[float, float, float, float]:
-    """Four terms that lie together, which the processor takes at once."""
+    """Four adjacent terms of a thermal table, which the processor takes at once."""
     return (
         one_term(values, corner, k, weights),
         one_term(values, corner, k + 1, weights),
@@ -178,13 +178,13 @@ def four_terms(
 
 @njit
 def thermal_line(table: np.ndarray) -> ThermalLine:
-    """A table (u, a, c, k) for one azimuth."""
+    """Thermal table (u, a, c, k) for one azimuth."""
     return ThermalLine(table.reshape(table.size), table.shape[0], table.shape[1], table.shape[2], table.shape[3])
 
 
 @njit
 def thermal_along(table: np.ndarray, axes: np.ndarray, sight: Sight) -> ThermalLine:
-    """The thermal table of one line of sight: interpolated to its azimuth once, as all its facets share it."""
+    """Thermal table of one line of sight, interpolated to its azimuth once for all its facets."""
     ix, fx = azimuth_node(axes, table.shape[1], sight.chi)
     nu, _, na, nc, terms = table.shape
     # C order makes the two azimuths' parts of a row of the table plain stretches of memory
@@ -200,7 +200,7 @@ def thermal_along(table: np.ndarray, axes: np.ndarray, sight: Sight) -> ThermalL
 
 @kernel
 def add_mirror(sources: ThermalSources, sine: float, a: float, c: float, weight: float, out: np.ndarray) -> None:
-    """Add to ``out[k]`` what a smooth facet of slope ``a`` towards the viewer and ``c`` across sends to a viewer at ``sine``."""
+    """Add to ``out[k]`` the light of a smooth facet of slope ``a`` towards the viewer and ``c`` across, for a viewer at ``sine``."""
     cosine = math.sqrt(max(1.0 - sine * sine, 0.0))
     nz = 1.0 / math.sqrt(1.0 + a * a + c * c)
     cos_incidence = min(max((sine - cosine * a) * nz, 0.0), 1.0)
@@ -232,7 +232,7 @@ def mean_facet(
     slope: tuple[float, float],
     out: np.ndarray,
 ) -> None:
-    """Average of :func:`add_mirror` over the visible slopes of a facet, into ``out[k]``; the weights are normalised to 1.
+    """Average :func:`add_mirror` over the visible slopes of a facet into ``out[k]``; the weights are normalised to 1.
 
     ``sight`` is the horizontal unit vector to the viewer, ``slope`` the facet's towards the viewer and across.
     """
@@ -308,7 +308,7 @@ def thermal_axes(
     azimuths: tuple[float, float],
     sun: tuple[float, float] | None = None,
 ) -> tuple[FloatArray, tuple[int, int, int, int]]:
-    """Axes of the thermal table, (5, 2) first nodes and inverse steps [1, rad, 1, 1], and the numbers of nodes.
+    """Axes of the thermal table: (5, 2) first nodes and inverse steps [1, rad, 1, 1], and the numbers of nodes.
 
     Steps follow the roughness: the average changes over about one deviation of the facet's slopes. Slopes span 5.5 deviations of the
     resolved waves. Where the air scatters sunlight, with the ``sun`` (elevation, azimuth) [rad], the mirrored aureole asks for closer
@@ -359,7 +359,7 @@ def thermal_sources(basis: PathBasis, view: SeaView) -> ThermalSources:
 def thermal_table(
     sources: ThermalSources, rough: Roughness, axes: FloatArray, shape: tuple[int, int, int, int], terms: int
 ) -> NDArray[np.float32]:
-    """Band terms of what facets send beside sunlight [W m-2 sr-1]: ``shape`` of :func:`thermal_axes`, and ``terms``."""
+    """Band terms of the light of facets without sunlight [W m-2 sr-1]: ``shape`` of :func:`thermal_axes`, and ``terms``."""
     nodes, weights = np.polynomial.legendre.leggauss(ALONG_NODES)
     cross, cross_weights = hermegauss(CROSS_NODES)
     quadrature = SlopeQuadrature(nodes, weights, cross, cross_weights / cross_weights.sum())

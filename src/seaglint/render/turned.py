@@ -1,4 +1,4 @@
-"""Scenes of a camera in any attitude, standing or moving: the sweep's image resampled, and rays walked where it does not serve."""
+"""Scene of a camera in any attitude, standing or moving: the sweep's image resampled, and rays walked where it does not serve."""
 
 from __future__ import annotations
 
@@ -45,18 +45,18 @@ from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
 
 KEPT_HEIGHTS = 3
-"""Heights prepared that are kept."""
+"""Number of prepared heights that are cached."""
 
 MOST_KEPT = 1 << 29
-"""Bytes of weights that are kept from frame to frame; beyond it they are computed for every frame."""
+"""Size of resampling weights that are cached from frame to frame [bytes]; beyond it they are computed for every frame."""
 
 NEAR_CIRCLE = np.radians(300.0)
-"""Range of azimuths from which the sweep's image goes all round."""
+"""Least range of azimuths for which the sweep's image covers the full circle [rad]."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Plan:
-    """What one attitude needs: pixels resampled from columns ``parts`` of the sweep's image, laid side by side, and pixels walked."""
+    """Drawing plan of one attitude: pixels resampled from columns ``parts`` of the sweep's image, laid side by side, and pixels walked."""
 
     corner: FloatArray
     swept: NDArray[np.int64]
@@ -70,7 +70,7 @@ class _Plan:
 
 @dataclass(frozen=True, eq=False)
 class _Height:
-    """A scene prepared for one sensor height: the sweep's, if any pixel is swept, and the rays', made when the first is walked."""
+    """Scene prepared for one sensor height: the sweep's, if any pixel is swept, and the rays', prepared on first use."""
 
     view: SeaView
     swept: SweptScene | None
@@ -87,7 +87,7 @@ class _Height:
 
 @dataclass(frozen=True, eq=False)
 class TurnedScene:
-    """A sea prepared for a camera in any attitude on a track; make it with :meth:`prepare`.
+    """Scene prepared for a camera in any attitude on a track; make it with :meth:`prepare`.
 
     Attributes
     ----------
@@ -98,7 +98,7 @@ class TurnedScene:
     waves : WaveField or None
         The part of the slopes that is geometry.
     accuracy : Accuracy
-        How finely it is drawn.
+        Accuracy settings of the drawing.
     layers : tuple of str
         Layers beside ``radiance`` and ``glint_radiance``.
     sparkles : Sparkles
@@ -119,7 +119,7 @@ class TurnedScene:
     _view_at: Callable[[float], SeaView]
     _survey: Survey
     _whole: Levels
-    """The sea in full detail, for views that are walked alone."""
+    """Sea in full detail, for views that are walked alone."""
     _still: _Plan | None = None
     _heights: OrderedDict[float, _Height] = field(default_factory=OrderedDict)
 
@@ -135,14 +135,14 @@ class TurnedScene:
         layers: Collection[str] = (),
         sparkles: Sparkles = NO_SPARKLES,
     ) -> TurnedScene:
-        """Make what does not depend on the instant.
+        """Prepare everything that does not depend on the instant.
 
         Parameters
         ----------
         view_at : callable
             ``view_at(height)`` is the :class:`~seaglint.radiance.view.SeaView` of a sensor height [m].
         imager, track, waves, accuracy, layers, sparkles
-            As the attributes.
+            See the attributes.
 
         Raises
         ------
@@ -170,7 +170,7 @@ class TurnedScene:
 
     @property
     def pose(self) -> Pose:
-        """Where the track begins."""
+        """Pose at the beginning of the track."""
         return self.track.at(float(self.track.time[0]))
 
     @property
@@ -182,15 +182,15 @@ class TurnedScene:
         return {**(swept.report if swept is not None else {}), "sweep_cells": cells, **walked}
 
     def with_camera(self, imager: Imager) -> TurnedScene:
-        """The same scene through another camera on the same track, no table made anew.
+        """Return the same scene through another camera on the same track, without new tables.
 
         Raises
         ------
         DomainError
             Pixels finer than those prepared, or a view beyond it.
         """
-        found, made = self._for(imager)._survey, self._survey
-        if not covers(made, found):
+        surveyed, made = self._for(imager)._survey, self._survey
+        if not covers(made, surveyed):
             raise DomainError(
                 "the camera looks beyond the view that the scene was prepared for, or has finer pixels; stay inside it or prepare a scene "
                 "for this camera"
@@ -199,14 +199,14 @@ class TurnedScene:
         return other if self.track.turns else replace(other, _still=other._plan(self.track.attitudes()[0]))
 
     def reseeded(self, seed: int) -> Self:
-        """Another realisation of the same sea, sparkles included, without preparing anything again."""
+        """Return another realisation of the same sea, sparkles included, without preparing anything again."""
         waves = self.waves.reseeded(seed) if self.waves is not None else None
         whole = self._whole if waves is None else replace(self._whole, detail=Detail.of(waves, 1))
         heights = OrderedDict((at, replace(h, swept=h.swept and h.swept.reseeded(seed))) for at, h in self._heights.items())
         return replace(self, waves=waves, sparkles=self.sparkles.reseeded(seed), _whole=whole, _heights=heights)
 
     def _surveyed(self, attitudes: list[Attitude], oversampling: int) -> Survey:
-        """The azimuth-elevation grid that serves all attitudes; the highest elevation and the azimuths of the pixels that it does not."""
+        """Azimuth-elevation grid that serves all attitudes, and the highest elevation and the azimuths of the pixels that it does not."""
         pitch = np.inf
         reach, azimuths, walked, walk_from = [], [], [], math.radians(-89.0)
         for attitude in attitudes:
@@ -233,7 +233,7 @@ class TurnedScene:
         bottom, top = max(min(r[0] for r in reach), self.accuracy.walk_below) - margin, max(r[1] for r in reach) + margin
         row_step = pitch / oversampling
         rows = max(math.ceil((top - bottom) / row_step), 1)
-        # a pixel is widest in azimuth where it is farthest from the horizontal; the finest wanted is nearest to it
+        # a pixel is widest in azimuth where it is farthest from the horizontal; the finest required one is nearest to it
         nearest = 0.0 if bottom <= 0.0 <= top else min(abs(bottom), abs(top))
         column_step = row_step / math.cos(nearest)
         left, right = min(a[0] for a in azimuths) - margin, max(a[1] for a in azimuths) + margin
@@ -255,7 +255,7 @@ class TurnedScene:
         return 2.0 * np.pi / self.waves.tiles[-1].k_max if self.waves is not None else np.inf
 
     def _serves(self, low: FloatArray, high: FloatArray) -> NDArray[np.bool_]:
-        """Whether the sweep serves pixels between two elevations [rad]: where it may see the sea, and not too steeply."""
+        """True if the sweep serves pixels between two elevations [rad]: where it may see the sea, and not too steeply."""
         # a little above the horizontal, so that a pixel cut by it is one of the sweep's
         highest = math.radians(60.0) if self.track.lowest <= self._crest else 0.0
         return np.asarray((low >= self.accuracy.walk_below) & (low < highest) & (high <= highest + math.radians(20.0)))
@@ -266,7 +266,7 @@ class TurnedScene:
         swept = self._serves(*pixel_elevations(corner)).ravel()
         pixels = np.flatnonzero(swept)
         parts: tuple[tuple[int, int], ...] = ()
-        found, cells, resampling = None, None, None
+        quadrilaterals, cells, resampling = None, None, None
         if self._survey.grid is not None and pixels.size:
             grid = cells_of(self._survey.grid)
             every = quads(corner, pixels, grid, attitude.azimuth)
@@ -274,22 +274,21 @@ class TurnedScene:
             swept[pixels[~covered]] = False
             pixels = pixels[covered]
             if pixels.size:
-                found, cells, parts = self._columns(every.some(covered), grid)
-                if part is None and not self.track.turns and 8 * int(found.bound.sum()) <= MOST_KEPT:
-                    resampling = Resampling.of(found, pixels, cells)
+                quadrilaterals, cells, parts = self._columns(every.some(covered), grid)
+                if part is None and not self.track.turns and 8 * int(quadrilaterals.bound.sum()) <= MOST_KEPT:
+                    resampling = Resampling.of(quadrilaterals, pixels, cells)
         walked = np.flatnonzero(~swept)
         samples = rays_per_side(corner, walked, self.track.highest, self._shortest_wave)
-        return _Plan(corner, pixels, parts, found, cells, resampling, walked, samples)
+        return _Plan(corner, pixels, parts, quadrilaterals, cells, resampling, walked, samples)
 
-    def _columns(self, found: Quads, grid: Cells) -> tuple[Quads, Cells, tuple[tuple[int, int], ...]]:
-        """The columns that quadrilaterals touch: these counted from the first of them, their cells, and the parts ``(first, end)`` of the
-        grid that make them.
+    def _columns(self, quadrilaterals: Quads, grid: Cells) -> tuple[Quads, Cells, tuple[tuple[int, int], ...]]:
+        """Columns that quadrilaterals touch, counted from the first of them, their cells, and the parts ``(first, end)`` of the grid.
 
         Beyond the end of a grid that goes round its beginning follows.
         """
-        first, last = math.floor(found.column.min()), math.ceil(found.column.max())
+        first, last = math.floor(quadrilaterals.column.min()), math.ceil(quadrilaterals.column.max())
         if grid.circle and last - first >= grid.columns:
-            return found, grid, ((0, grid.columns),)
+            return quadrilaterals, grid, ((0, grid.columns),)
         if not grid.circle:
             first, last = max(first, 0), min(last, grid.columns)
         wide = last - first
@@ -297,7 +296,7 @@ class TurnedScene:
         begin = first % grid.columns
         there = min(wide, grid.columns - begin)
         parts = [(begin, begin + there)] + ([(0, wide - there)] if wide > there else [])
-        return found._replace(column=found.column - first), cells, tuple(parts)
+        return quadrilaterals._replace(column=quadrilaterals.column - first), cells, tuple(parts)
 
     def _node(self, eye: float) -> float:
         """Height at which the air is prepared for a sensor height [m]: the next lower of a fixed series."""
@@ -341,7 +340,7 @@ class TurnedScene:
         )
 
     def _require_pose(self, pose: Pose) -> None:
-        """Refuse heights and attitudes off the track that was prepared for."""
+        """Refuse heights and attitudes off the prepared track."""
         low, high = self.track.lowest, self.track.highest
         if not low * (1.0 - SAME) <= pose.height <= high * (1.0 + SAME) or not np.isfinite(pose.east + pose.north):
             raise DomainError(
@@ -365,27 +364,27 @@ class TurnedScene:
 
     @property
     def pixels(self) -> Imager:
-        """The camera's pixels."""
+        """Pixels of the camera."""
         return self.imager
 
     def seen_from(self, pose: Pose) -> SeaView:
-        """Sea, air and Sun as they are drawn from a pose's height."""
+        """View of sea, air and Sun from a pose's height."""
         return self._prepared(pose.height).view
 
     def sea(self, pose: Pose, time: float) -> Instant:
-        """The sea of an instant under a sensor."""
+        """Sea of an instant under a sensor."""
         prepared = self._prepared(pose.height)
         levels = prepared.swept.levels if prepared.swept is not None else self._whole
         lattices = levels.lattices(time)
         return Instant(levels, lattices, levels.surface(lattices, (pose.east, pose.north)))
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
-        """The image from a pose at a time [s]."""
+        """Image from a pose at a time [s]."""
         self._require_pose(pose)
         return self._drawn(pose, time, self._still if self._still is not None else self._plan(pose.attitude), sea)
 
     def columns(self, pose: Pose, time: float, part: tuple[int, int], sea: Instant | None = None) -> Layers:
-        """Columns ``part = (first, end)`` of the image alone: those of the whole image but for rounding.
+        """Image of the columns ``part = (first, end)`` alone: those of the whole image but for rounding.
 
         Raises
         ------
@@ -417,7 +416,7 @@ class TurnedScene:
 
 
 def _resample(plan: _Plan, images: NDArray[np.float32], out: NDArray[np.float32]) -> None:
-    """Images of the sweep's cells (planes, rows, columns) into the camera's pixels (planes, pixels)."""
+    """Resample images of the sweep's cells (planes, rows, columns) into the camera's pixels (planes, pixels)."""
     if plan.resampling is not None:
         plan.resampling(images, out)
         return

@@ -27,15 +27,15 @@ from seaglint.render.camera import Camera
 Projection = Literal["equal-angle", "pinhole"]
 
 WIDEST_PINHOLE = np.radians(WIDEST_PINHOLE_DEG)
-"""Field of view that a plane image is allowed [rad]."""
+"""Largest field of view of a plane image [rad]."""
 
 CORNERS = 10
-"""Room for the corners of a quadrilateral cut by two parallel lines, and two more."""
+"""Largest number of corners of a quadrilateral cut by two parallel lines, and two more."""
 
 
 @dataclass(frozen=True)
 class Attitude:
-    """Where a camera points [rad]: azimuth clockwise from north, elevation above the horizontal, roll about the line of sight.
+    """Attitude of a camera [rad]: azimuth clockwise from north, elevation above the horizontal, roll about the line of sight.
 
     A positive roll turns the camera clockwise as seen from behind it (right side down), so what it sees turns counter-clockwise in the
     image.
@@ -56,7 +56,7 @@ class Attitude:
 
 @dataclass(frozen=True)
 class Imager:
-    """Pixels of a camera, whatever its attitude.
+    """Pixels of a camera, in any attitude.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Imager:
 
     @property
     def goes_round(self) -> bool:
-        """Whether the image closes on itself: its last column lies beside its first."""
+        """True if the image closes on itself: its last column lies beside its first."""
         return self.projection == "equal-angle" and self.width > 2.0 * np.pi - 1e-9
 
     def directions(self, attitude: Attitude, across: ArrayLike, down: ArrayLike) -> FloatArray:
@@ -145,7 +145,7 @@ class Imager:
         return azimuth, np.arctan2(v[..., 2], np.hypot(v[..., 0], v[..., 1]))
 
     def camera(self, height: float, attitude: Attitude) -> Camera | None:
-        """The sweep's own image grid where this camera has it (equal angles, no roll), else None."""
+        """Image grid of the sweep where this camera has one (equal angles, no roll), else None."""
         if self.projection != "equal-angle" or attitude.roll != 0.0:
             return None
         return Camera(height, attitude.azimuth, attitude.elevation, self.width, self.height_angle, self.columns, self.rows)
@@ -169,8 +169,10 @@ def pixel_elevations(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 class Cells(NamedTuple):
-    """The sweep's image in azimuth and the sine of elevation: azimuth of its middle and step of its columns [rad], their number, whether
-    they go round; row 0's upper edge, 1/row step [rad], and the sines of all edges of rows.
+    """Cells of the sweep's image in azimuth and the sine of elevation.
+
+    The fields are azimuth of its middle and step of its columns [rad], their number, a flag for the full circle; row 0's upper edge, 1/row
+    step [rad], and the sines of all edges of rows.
     """
 
     middle: float
@@ -197,7 +199,7 @@ class Quads(NamedTuple):
     bound: NDArray[np.int64]
 
     def some(self, which: NDArray[np.bool_]) -> Quads:
-        """A part of them."""
+        """Return a part of the quadrilaterals."""
         return Quads(self.column[which], self.sine[which], self.bound[which])
 
 
@@ -216,17 +218,17 @@ def quads(corners: FloatArray, pixels: NDArray[np.int64], cells: Cells, azimuth_
     return Quads(u, np.ascontiguousarray(at[..., 2]), bound.astype(np.int64))
 
 
-def inside(found: Quads, cells: Cells) -> NDArray[np.bool_]:
-    """Whether the cells cover each quadrilateral [(pixels,)]."""
-    rows = (found.sine.max(axis=1) <= cells.edges[0]) & (found.sine.min(axis=1) >= cells.edges[-1])
+def inside(quadrilaterals: Quads, cells: Cells) -> NDArray[np.bool_]:
+    """True for each quadrilateral that the cells cover [(pixels,)]."""
+    rows = (quadrilaterals.sine.max(axis=1) <= cells.edges[0]) & (quadrilaterals.sine.min(axis=1) >= cells.edges[-1])
     if cells.circle:
         return np.asarray(rows)
-    return np.asarray(rows & (found.column.min(axis=1) >= 0.0) & (found.column.max(axis=1) <= cells.columns))
+    return np.asarray(rows & (quadrilaterals.column.min(axis=1) >= 0.0) & (quadrilaterals.column.max(axis=1) <= cells.columns))
 
 
 @njit
 def cut(poly: np.ndarray, n: int, axis: int, bound: float, sign: float, out: np.ndarray) -> int:
-    """Part of a polygon (n corners) on one side of a line: ``sign (p[axis] - bound) >= 0``; returns its number of corners."""
+    """Cut a polygon (n corners) to one side of a line, ``sign (p[axis] - bound) >= 0``; return its number of corners."""
     count = 0
     for i in range(n):
         j = i + 1 if i + 1 < n else 0
@@ -254,7 +256,7 @@ def area(poly: np.ndarray, n: int) -> float:
 
 @njit
 def overlaps(column: np.ndarray, sine: np.ndarray, cells: Cells, work: np.ndarray, index: np.ndarray, weight: np.ndarray) -> int:
-    """Cells (row times columns plus column) that a quadrilateral overlaps and their weights, which sum to 1; returns how many.
+    """Find the cells (row times columns plus column) that a quadrilateral overlaps and their weights, which sum to 1. Return their number.
 
     ``work`` holds four polygons.
     """
@@ -275,7 +277,7 @@ def overlaps(column: np.ndarray, sine: np.ndarray, cells: Cells, work: np.ndarra
             first, last = strip[0, 0], strip[0, 0]
             for i in range(1, n):
                 first, last = min(first, strip[i, 0]), max(last, strip[i, 0])
-            # what lies left of each column's right edge, less what lay left of the one before
+            # area left of each column's right edge, less that left of the one before
             before = 0.0
             for c in range(int(first), math.ceil(last)):
                 m = cut(strip, n, 0, c + 1.0, -1.0, left)
@@ -298,7 +300,7 @@ def overlaps(column: np.ndarray, sine: np.ndarray, cells: Cells, work: np.ndarra
 def fill_weights(
     column: np.ndarray, sine: np.ndarray, cells: Cells, start: np.ndarray, count: np.ndarray, index: np.ndarray, weight: np.ndarray
 ) -> None:
-    """:func:`overlaps` of many quadrilaterals; those of pixel ``p`` lie from ``start[p]`` on, ``count[p]`` of them."""
+    """Compute :func:`overlaps` of many quadrilaterals; those of pixel ``p`` lie from ``start[p]`` on, ``count[p]`` of them."""
     blocks = (column.shape[0] + 255) // 256
     for block in numba.prange(blocks):
         work = np.empty((4, CORNERS, 2))
@@ -310,7 +312,7 @@ def fill_weights(
 def apply_weights(
     start: np.ndarray, count: np.ndarray, index: np.ndarray, weight: np.ndarray, images: np.ndarray, pixels: np.ndarray, out: np.ndarray
 ) -> None:
-    """Weighted sums of ``images`` (k, cells) into the pixels named of ``out`` (k, all pixels)."""
+    """Compute weighted sums of ``images`` (k, cells) in the named pixels of ``out`` (k, all pixels)."""
     for p in numba.prange(pixels.shape[0]):
         for k in range(images.shape[0]):
             total = 0.0
@@ -323,7 +325,7 @@ def apply_weights(
 def resample_at_once(
     column: np.ndarray, sine: np.ndarray, cells: Cells, most: int, images: np.ndarray, pixels: np.ndarray, out: np.ndarray
 ) -> None:
-    """:func:`fill_weights` and :func:`apply_weights` without keeping the weights; ``most`` cells are under a pixel at most."""
+    """Apply :func:`fill_weights` and :func:`apply_weights` without storing the weights; ``most`` cells are under a pixel at most."""
     blocks = (column.shape[0] + 255) // 256
     for block in numba.prange(blocks):
         work = np.empty((4, CORNERS, 2))
@@ -348,12 +350,12 @@ class Resampling:
     weight: NDArray[np.float32]
 
     @classmethod
-    def of(cls, found: Quads, pixels: NDArray[np.int64], cells: Cells) -> Resampling:
-        """Weights for some pixels (flat indices) and their quadrilaterals."""
-        start = np.concatenate([[0], np.cumsum(found.bound)])
+    def of(cls, quadrilaterals: Quads, pixels: NDArray[np.int64], cells: Cells) -> Resampling:
+        """Resampling weights for some pixels (flat indices) and their quadrilaterals."""
+        start = np.concatenate([[0], np.cumsum(quadrilaterals.bound)])
         count = np.zeros(pixels.size, np.int32)
         index, weight = np.zeros(start[-1], np.int32), np.zeros(start[-1], np.float32)
-        fill_weights(found.column, found.sine, cells, start, count, index, weight)
+        fill_weights(quadrilaterals.column, quadrilaterals.sine, cells, start, count, index, weight)
         return cls(pixels, start, count, index, weight)
 
     def __call__(self, images: NDArray[np.float32], out: NDArray[np.float32]) -> None:

@@ -1,4 +1,4 @@
-"""The walk outward along a line of sight: where samples lie, and which pieces of sea rise above what was seen before.
+"""Walk outward along a line of sight: positions of samples, and pieces of sea that rise above the skyline.
 
 Detail falls with range: where a column has grown wider than half the waves of a level's last octave (:mod:`seaglint.sea.detail`),
 that octave goes to the facets and steps grow. Most samples are hidden at grazing views: strips of them are passed over where the largest
@@ -21,17 +21,17 @@ from seaglint.render.surface import STRIP, Course, Strip, Surface, add_heights, 
 from seaglint.render.tables import PathTerms
 
 RANGE_PARTS = 0.5
-"""Largest step as a share of the ground seen by one pixel row, so that near pixels are made of several pieces."""
+"""Largest step as a share of the ground seen by one pixel row, so that near pixels consist of several pieces."""
 
 PATH_EVERY = 16
-"""Samples between two at which the path of sight is known, where waves are resolved."""
+"""Number of samples between two at which the path is known, where waves are resolved."""
 
 CALM_PARTS = 4
-"""Pieces per pixel row where no waves are resolved."""
+"""Number of pieces per pixel row where no waves are resolved."""
 
 
 class Walk(NamedTuple):
-    """Samples along every line: arcs from the sensor's foot and what depends on them alone.
+    """Samples along every line: arcs from the sensor's foot and the quantities that depend on them alone.
 
     ``range_m``: the arcs; ``eye``: height of the sensor [m]. A height ``z`` is seen at the tangent ``rise z - fall``, to first order in
     ``z`` over the Earth's radius. ``path`` stands at every ``every``-th sample, from the first to one past the last; linear between.
@@ -87,7 +87,7 @@ def sea_limits(camera: Camera, crest: float) -> tuple[float, float] | None:
 
 
 def calm_ranges(camera: Camera) -> FloatArray:
-    """Arcs at equal steps of elevation, crowding at the horizon, for a sea without resolved waves [m]."""
+    """Arcs at equal steps of elevation, dense at the horizon, for a sea without resolved waves [m]."""
     horizon = horizon_depression(camera.height)
     lowest = min(-camera.bottom + camera.row_step, 0.5 * np.pi)
     if lowest <= horizon:
@@ -104,7 +104,7 @@ def calm_ranges(camera: Camera) -> FloatArray:
 
 
 def stages(arcs: FloatArray, begins: FloatArray, parts: FloatArray) -> NDArray[np.int64]:
-    """Rows of :attr:`Walk.stage` for samples at ``arcs`` [m].
+    """Row numbers of :attr:`Walk.stage` for samples at ``arcs`` [m].
 
     Level ``l`` begins at the arc ``begins[l]``; at each of ``parts`` the lines of a column part in two. They never join again, as each
     has its own horizon.
@@ -117,9 +117,12 @@ def stages(arcs: FloatArray, begins: FloatArray, parts: FloatArray) -> NDArray[n
 
 
 def sight_lines(arcs: FloatArray, height: float) -> tuple[FloatArray, FloatArray]:
-    """:attr:`Walk.rise` [1/m] and :attr:`Walk.fall` [1] of samples at ``arcs`` [m] for a sensor ``height`` above the mean sea [m]."""
+    """Arrays :attr:`Walk.rise` [1/m] and :attr:`Walk.fall` [1] of samples at ``arcs`` [m].
+
+    The sensor is ``height`` above the mean sea [m].
+    """
     psi = arcs / EFFECTIVE_EARTH_RADIUS
-    # straight below the sensor nothing has a tangent: a nanometre aside it is as good as endless
+    # straight below the sensor the tangent is infinite: it is evaluated a nanometre aside
     reach = np.maximum(EFFECTIVE_EARTH_RADIUS * np.sin(psi), 1e-9)
     below = height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2
     return (np.cos(psi) + below / EFFECTIVE_EARTH_RADIUS) / reach, below / reach
@@ -139,7 +142,7 @@ def bend(range_m: float) -> tuple[float, float, float]:
 
 @kernel
 def elevation(tangent: float) -> float:
-    """Arc tangent; a series, within 1e-12, where it is small."""
+    """Elevation from its tangent: arc tangent, by a series within 1e-12 where it is small."""
     if abs(tangent) > 0.1:
         return math.atan(tangent)
     t = tangent * tangent
@@ -177,12 +180,12 @@ def walk_line(
     """
     i, end = part
     tangent, top = horizon
-    found, tiles = 0, line.part.shape[0]
-    while i < end and tangent < top and found + STRIP <= sample.shape[0]:
+    number, tiles = 0, line.part.shape[0]
+    while i < end and tangent < top and number + STRIP <= sample.shape[0]:
         count = min(STRIP, end - i)
         strip.height[:] = 0.0
         j = 0
-        # the first time with the highest crest of all: beyond the horizon next to nothing has to be read
+        # first with the highest crest of all: beyond the horizon almost no sample has to be read
         while j < tiles and in_view(walk, strip, i, count, surface.crest[level, j], tangent):
             add_heights(surface, line, j, walk.range_m, i, count, strip)
             j += 1
@@ -198,10 +201,10 @@ def walk_line(
                     above = walk.range_m[k] * (risen - tangent)
                     below = walk.range_m[k - 1] * max(tangent - walk.rise[k - 1] * before + walk.fall[k - 1], 0.0)
                     length = (walk.range_m[k] - walk.range_m[k - 1]) * above / (below + above + 1e-30)
-                sample[found], piece[found, 0], piece[found, 1] = k, length, risen
-                found += 1
+                sample[number], piece[number, 0], piece[number, 1] = k, length, risen
+                number += 1
                 tangent = risen
                 if tangent >= top:
                     break
         i += count
-    return found, (i if tangent < top else end), tangent
+    return number, (i if tangent < top else end), tangent

@@ -1,4 +1,4 @@
-"""Slope statistics against wind speed from the glint that a satellite saw all over the ocean (Bréon and Henriot 2006).
+"""Slope statistics against wind speed from satellite images of glint over the ocean (Bréon and Henriot 2006).
 
 Bréon and Henriot, "Spaceborne observations of ocean glint reflectance and modeling of wave slope distributions",
 J. Geophys. Res. 111, C06005 (2006): eight million observations of POLDER, winds at 10 m of a scatterometer.
@@ -14,7 +14,7 @@ from seaglint.sea.wind import require_wind, u10_of_wind
 
 
 def breon_henriot(wind_speed: float, wind_to_azimuth: float, *, height: float = 10.0, extrapolate: bool = False) -> SlopeStatistics:
-    """Slopes of the open ocean, with skewness (steep lee faces above 4 m/s) and peakedness.
+    """Slope statistics of the open ocean, with skewness (steep lee faces above 4 m/s) and peakedness.
 
     ``mss_up = 0.001 + 0.00316 W``, ``mss_cross = 0.003 + 0.00185 W``, ``c21 = -9.1e-4 W^2``, ``c03 = -0.45/(1 + exp(7 - W))``,
     ``c40 = 0.3``, ``c22 = 0.12``, ``c04 = 0.4``, ``W`` the wind at 10 m.

@@ -14,13 +14,13 @@ from seaglint.sea.slopes import SlopeStatistics
 from seaglint.sea.wind import require_wind, u10_of_wind, wind_at_height
 
 WIND_HEIGHT: Final = 12.5
-"""Height of Cox and Munk's anemometer [m]."""
+"""Height of Cox and Munk's wind measurement [m]."""
 
 
 def _fit_wind(
     wind_speed: float, height: float, extrapolate: bool, valid: tuple[float, float] = COX_MUNK_WIND, model: str = "the Cox-Munk fit"
 ) -> float:
-    """Wind speed at the anemometer height of the fit [m/s]."""
+    """Wind speed at the measurement height of the fit [m/s]."""
     if not extrapolate:
         require_wind(wind_speed, valid, model=model, advice="choose another slope model or pass extrapolate = true")
     if height == WIND_HEIGHT:
@@ -30,7 +30,7 @@ def _fit_wind(
 
 
 def cox_munk_isotropic(wind_speed: float, *, height: float = 10.0, extrapolate: bool = False) -> SlopeStatistics:
-    """Slopes of a clean sea, the same in all directions.
+    """Slope statistics of a clean sea, Gaussian and isotropic.
 
     ``mss = 0.003 + 0.00512 W``, half of it in each direction, ``W`` the wind at 12.5 m.
 
@@ -67,7 +67,7 @@ def cox_munk_isotropic(wind_speed: float, *, height: float = 10.0, extrapolate: 
 
 
 def cox_munk_anisotropic(wind_speed: float, wind_to_azimuth: float, *, height: float = 10.0, extrapolate: bool = False) -> SlopeStatistics:
-    """Slopes of a clean sea, Gaussian, with different variances along and across the wind.
+    """Slope statistics of a clean sea, Gaussian, with different variances along and across the wind.
 
     ``mss_up = 0.00316 W + 0.000``, ``mss_cross = 0.003 + 0.00192 W``, ``W`` the wind at 12.5 m.
 
@@ -108,7 +108,7 @@ def cox_munk_anisotropic(wind_speed: float, wind_to_azimuth: float, *, height: f
 def cox_munk_gram_charlier(
     wind_speed: float, wind_to_azimuth: float, *, height: float = 10.0, extrapolate: bool = False
 ) -> SlopeStatistics:
-    """Slopes of a clean sea with skewness (steep lee faces) and peakedness.
+    """Slope statistics of a clean sea with skewness (steep lee faces) and peakedness.
 
     Variances of :func:`cox_munk_anisotropic`; ``c21 = 0.01 - 0.0086 W``, ``c03 = 0.04 - 0.033 W``, ``c40 = 0.40``, ``c22 = 0.12``,
     ``c04 = 0.23``, ``W`` the wind at 12.5 m.
@@ -155,7 +155,7 @@ def cox_munk_gram_charlier(
 
 
 def cox_munk_slick(wind_speed: float, wind_to_azimuth: float, *, height: float = 10.0, extrapolate: bool = False) -> SlopeStatistics:
-    """Slopes of a sea under an oil slick, which damps waves shorter than about 0.3 m.
+    """Slope statistics of a sea under an oil slick, which damps waves shorter than about 0.3 m.
 
     ``mss_up = 0.005 + 0.00078 W``, ``mss_cross = 0.003 + 0.00084 W``, ``c21 = 0``, ``c03 = 0.02``, ``c40 = 0.36``, ``c22 = 0.10``,
     ``c04 = 0.26``, ``W`` the wind at 12.5 m.

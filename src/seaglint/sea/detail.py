@@ -1,4 +1,4 @@
-"""Levels of detail: the same sea with its shortest waves left out, one octave after another, more or less.
+"""Levels of detail: the same sea without its shortest waves, about one octave less at each level.
 
 Each tile of a :class:`~seaglint.sea.field.WaveField` comes as it is and low-passed on lattices of half, a quarter, ... of its points,
 as long as waves are left. A level is a choice of one version of every tile that still has waves. What a level leaves out belongs to
@@ -17,15 +17,15 @@ from seaglint.sea.field import WaveField
 from seaglint.sea.tiles import longest_wave_number
 
 NARROWEST: Final = 1.5
-"""A low-passed tile reaches at least this far above its longest waves, in wavenumber; else the whole tile is left out."""
+"""Least ratio of the upper limit of a low-passed tile to its lowest wavenumber; a narrower tile is omitted."""
 
 SMALLEST: Final = 16
-"""Fewest lattice points a side."""
+"""Fewest lattice points along a side of a low-passed tile."""
 
 
 @dataclass(frozen=True)
 class Level:
-    """One level of detail.
+    """One level of detail: the tiles of the sea that it contains.
 
     Attributes
     ----------
@@ -47,19 +47,22 @@ class Level:
 
 @dataclass(frozen=True, eq=False)
 class Detail:
-    """All versions of all tiles of a sea, and the levels made of them, finest first. The coarsest still has the energetic waves."""
+    """Levels of detail of a sea, finest first, and the versions of its tiles that they consist of.
+
+    The coarsest level still has the energetic waves.
+    """
 
     parts: tuple[WaveField, ...]
     levels: tuple[Level, ...]
 
     @classmethod
     def calm(cls) -> Detail:
-        """A sea without waves: one level of nothing."""
+        """Levels of detail of a sea without waves: one empty level."""
         return cls((), (Level((), float("inf"), (0.0, 0.0)),))
 
     @classmethod
     def of(cls, waves: WaveField, levels: int | None = None) -> Detail:
-        """Levels of a sea; ``levels`` limits their number (1: the sea as it is)."""
+        """Levels of detail of a sea; ``levels`` limits their number (1: the full sea alone)."""
         longest = longest_wave_number(waves.spectrum)
         parts: list[WaveField] = []
         versions: list[list[int]] = []
@@ -75,20 +78,20 @@ class Detail:
                 part = part.halved()
             versions.append(chain)
         chosen = [[chain[0] for chain in versions[: i + 1]] for i in range(len(versions))]
-        found = [
+        selections = [
             (*first[:-1], version)  # whole longer tiles, and the last one's versions
             for first, chain in zip(reversed(chosen), reversed(versions), strict=True)
             for version in chain
         ]
-        every = cls(tuple(parts), tuple(_level(parts, level) for level in found[:levels]))
+        every = cls(tuple(parts), tuple(_level(parts, level) for level in selections[:levels]))
         return every.first(len(every.levels))
 
     def first(self, levels: int) -> Detail:
-        """The finest levels alone, and the parts that they need."""
+        """Return the finest levels alone, with the parts that they need."""
         used = self.levels[:levels]
-        kept = sorted({p for level in used for p in level.parts})
-        place = {p: i for i, p in enumerate(kept)}
-        return Detail(tuple(self.parts[p] for p in kept), tuple(replace(v, parts=tuple(place[p] for p in v.parts)) for v in used))
+        used_parts = sorted({p for level in used for p in level.parts})
+        place = {p: i for i, p in enumerate(used_parts)}
+        return Detail(tuple(self.parts[p] for p in used_parts), tuple(replace(v, parts=tuple(place[p] for p in v.parts)) for v in used))
 
     def surfaces(self, time: float, workers: int = 1) -> tuple[NDArray[np.float32], ...]:
         """Height [m] and slopes [1] of every part at one time [s], as :meth:`WaveField.surfaces`."""

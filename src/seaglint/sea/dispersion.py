@@ -53,7 +53,7 @@ def angular_frequency(wavenumber: ArrayLike) -> FloatArray:
 
 
 def group_velocity(wavenumber: ArrayLike) -> FloatArray:
-    """Speed of energy, ``d omega/dk = (g + 3 (T/rho) k^2)/(2 omega)`` [m s⁻¹]; infinite at k = 0."""
+    """Group velocity, ``d omega/dk = (g + 3 (T/rho) k^2)/(2 omega)`` [m s⁻¹]; infinite at k = 0."""
     k = np.asarray(wavenumber, dtype=np.float64)
     with np.errstate(divide="ignore"):
         return np.asarray((GRAVITY + 3.0 * _KINEMATIC_TENSION * k * k) / (2.0 * angular_frequency(k)))

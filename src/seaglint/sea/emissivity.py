@@ -1,4 +1,4 @@
-"""Emissivity and reflectance of the rough sea: averages over the facets a viewer sees.
+"""Emissivity and reflectance of the rough sea: averages over the facets that a viewer sees.
 
 With ``v`` the unit vector to the viewer, a facet of slope ``s`` takes the share
 
@@ -39,7 +39,7 @@ _CUT: Final = 5.5  # standard deviations; the tail beyond holds 4e-8
 
 
 class RefractiveIndex(Protocol):
-    """What this module needs of a water index table."""
+    """Interface of a table of the refractive index of water."""
 
     def index(self, wavenumber_cm: FloatArray) -> NDArray[np.complex128]:
         """Complex refractive index n + i k at the given wavenumbers [cm⁻¹]."""
@@ -69,7 +69,7 @@ class FacetNodes:
 
 
 def _frame_shape(slopes: SlopeStatistics, azimuth: float, along: FloatArray, across: FloatArray) -> FloatArray:
-    """Density over its Gaussian for slopes along ``azimuth`` and 90 degrees clockwise of it."""
+    """Ratio of the slope density to its Gaussian, for slopes along ``azimuth`` and 90 degrees clockwise of it."""
     turn = azimuth - slopes.wind_to_azimuth
     s, c = float(np.sin(turn)), float(np.cos(turn))
     downwind, cross = along * c - across * s, along * s + across * c
@@ -149,7 +149,7 @@ def facet_nodes(view_zenith: ArrayLike, slopes: SlopeStatistics, view_azimuth: f
 
 
 def _slopes_across_only(cosine: FloatArray, across_var: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Slopes and probabilities without any slope along the view (flat, or a crest line seen end on)."""
+    """Slopes and probabilities of a sea without slopes along the view (flat, or a crest line seen end on)."""
     if across_var <= 0.0:
         zero = np.zeros_like(cosine)
         return zero, zero, np.ones_like(cosine)
@@ -163,7 +163,7 @@ def _slopes_across_only(cosine: FloatArray, across_var: float) -> tuple[FloatArr
 def _slopes_both(
     cosine: FloatArray, sine: FloatArray, along_var: float, covariance: float, across_var: float, *, even: bool
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Slopes along and across the view azimuth and their (unnormalised) probabilities, split where mirrored rays turn down.
+    """Slopes along and across the view azimuth and their unnormalised probabilities, split at the slope of horizontal mirrored rays.
 
     ``even``: the density of standardised slopes is the same on both sides of the view.
     """
@@ -187,7 +187,7 @@ def _slopes_both(
 
 
 def _across_rule(across_var: float, *, symmetric: bool) -> tuple[FloatArray, FloatArray]:
-    """Nodes of the slope across the view; where both signs give the same, only one is kept."""
+    """Nodes of the slope across the view; one sign alone where both give the same result."""
     if across_var <= 0.0:
         return np.zeros(1), np.ones(1)
     order = 2 * _ACROSS
@@ -198,7 +198,7 @@ def _across_rule(across_var: float, *, symmetric: bool) -> tuple[FloatArray, Flo
 
 
 def _turning_slope(cosine: FloatArray, sine: FloatArray, across: FloatArray) -> FloatArray:
-    """Slope along the view at which the mirrored ray is horizontal: ``(s + tan)^2 + t^2 = 1/cos^2``, stable to the horizon and past it."""
+    """Slope along the view at which the mirrored ray is horizontal: ``(s + tan)^2 + t^2 = 1/cos^2``, stable beyond the horizon."""
     root = np.maximum(1.0 - (cosine * across) ** 2, 0.0)
     outside = (cosine * across) ** 2 >= 1.0
     inside = cosine * (1.0 - across**2) / np.where(outside, 1.0, sine + np.sqrt(root))

@@ -39,7 +39,7 @@ _NEAR: Final = 24  # lattice steps from the origin within which cells are integr
 
 @dataclass(frozen=True, eq=False)
 class _Lattice:
-    """Waves a tile can carry: rows are v wavenumbers in FFT order, columns u wavenumbers from 0 up.
+    """Waves that a tile can carry: rows are v wavenumbers in FFT order, columns u wavenumbers from 0 up.
 
     ``variance`` and ``opposite`` are the height variances of the waves travelling along k and along -k [m²]. The column u = 0 holds
     k and -k both: its lower half has no waves of its own.
@@ -62,7 +62,7 @@ class _Amplitudes:
 
 @dataclass(frozen=True, eq=False)
 class WaveField:
-    """A moving sea; make it with :meth:`create`.
+    """Moving sea, synthesised on periodic tiles. Make it with :meth:`create`.
 
     ``wander``: by how much each tile is read aside (:mod:`seaglint.sea.wander`); empty where tiles lie still.
     """
@@ -76,8 +76,9 @@ class WaveField:
 
     @classmethod
     def create(cls, spectrum: DirectionalSpectrum, tiles: Sequence[Tile], seed: int, *, wander: bool = False) -> WaveField:
-        """Put a spectrum on tiles and draw the amplitudes of each from ``stream(seed, "waves", tile index)``; ``wander``: so that the sea
-        does not repeat with the periods of its tiles.
+        """Plan tiles for a spectrum and draw the amplitudes of each from ``stream(seed, "waves", tile index)``.
+
+        With ``wander`` the sea does not repeat with the periods of its tiles.
 
         Raises
         ------
@@ -89,19 +90,19 @@ class WaveField:
         return cls(spectrum, tuple(tiles), seed, _wander(tiles, seed) if wander else (), lattices, _draw(lattices, seed))
 
     def reseeded(self, seed: int) -> WaveField:
-        """Another realisation of the same sea, as :meth:`create` would make it, without integrating the spectrum again."""
+        """Return another realisation of the same sea, as :meth:`create` would make it, without integrating the spectrum again."""
         wander = _wander(self.tiles, seed) if self.wander else ()
         return replace(self, seed=seed, wander=wander, _amplitudes=_draw(self._lattices, seed))
 
     def only(self, tile: int) -> WaveField:
-        """The waves of one tile alone."""
+        """Return the waves of one tile alone."""
         one = slice(tile, tile + 1)
         return replace(
             self, tiles=self.tiles[one], wander=self.wander[one], _lattices=self._lattices[one], _amplitudes=self._amplitudes[one]
         )
 
     def halved(self) -> WaveField:
-        """The same waves but for those of the upper half of each tile's wavenumbers, on half as many points a side."""
+        """Return the field without the upper half of each tile's wavenumbers, on half as many points a side."""
         tiles = tuple(replace(tile, n=tile.n // 2, k_max=0.5 * tile.k_max) for tile in self.tiles)
         cut = [_low_pass(*parts) for parts in zip(tiles, self._lattices, self._amplitudes, strict=True)]
         return replace(self, tiles=tiles, _lattices=tuple(c[0] for c in cut), _amplitudes=tuple(c[1] for c in cut))
@@ -128,7 +129,7 @@ class WaveField:
         return tuple(_surface(tile, lattice, amplitudes, time, workers) for tile, lattice, amplitudes in parts)
 
     def plane_waves(self) -> tuple[FloatArray, ...]:
-        """The waves of every tile one by one.
+        """Return the plane waves of every tile.
 
         Returns
         -------
@@ -149,7 +150,7 @@ class WaveField:
         return 4.0 * float(np.sqrt(self.height_variance))
 
     def resolved_mss(self, interpolation: Literal["bilinear", "none"] = "bilinear") -> tuple[float, float]:
-        """Ensemble slope variance that a sampler gets, along and across the wind.
+        """Ensemble slope variance along and across the wind as a sampler obtains it, interpolated bilinearly [1].
 
         Bilinear interpolation between lattice points keeps ``(2 + cos k_u d)/3 (2 + cos k_v d)/3`` of a wave's variance, averaged
         over positions; the facets must be given what it loses.
@@ -157,7 +158,7 @@ class WaveField:
         Parameters
         ----------
         interpolation : "bilinear" or "none"
-            How slopes are read between lattice points.
+            Interpolation of slopes between lattice points.
 
         Returns
         -------
@@ -171,7 +172,7 @@ class WaveField:
         return up, cross
 
     def resolved_covariance(self) -> float:
-        """Ensemble covariance of the slopes along the wind and to the right of it that a sampler gets, interpolated bilinearly [1].
+        """Ensemble covariance of the slopes along and to the right of the wind as a sampler obtains them, interpolated bilinearly [1].
 
         Exactly 0 for a spectrum that lies evenly on both sides of the wind: what its lattices show is the error of their sums.
         """
@@ -180,7 +181,7 @@ class WaveField:
         return float(sum(np.sum(energy * along * across) for energy, along, across in self._slope_parts("bilinear")))
 
     def _slope_parts(self, interpolation: Literal["bilinear", "none"]) -> Iterator[tuple[FloatArray, FloatArray, FloatArray]]:
-        """Of every tile the variances of its waves, and their wavenumbers along the wind and to the right of it."""
+        """Variances of the waves of every tile, and their wavenumbers along the wind and to the right of it."""
         s, c = np.sin(self.spectrum.wind_to_azimuth), np.cos(self.spectrum.wind_to_azimuth)
         for tile, waves in zip(self.tiles, self._lattices, strict=True):
             energy = waves.variance + waves.opposite
@@ -248,18 +249,18 @@ def _lattice_waves(spectrum: DirectionalSpectrum, tile: Tile) -> _Lattice:
 
 
 def _low_pass(tile: Tile, lattice: _Lattice, amplitudes: _Amplitudes) -> tuple[_Lattice, _Amplitudes]:
-    """The waves of a lattice that belong to a tile with fewer points."""
+    """Select the waves of a lattice that a tile with fewer points can carry."""
     top = int(np.ceil(tile.k_max / tile.step)) + 1
     rows = np.concatenate([np.arange(top + 1), np.arange(-top, 0)])
-    kept = np.ix_(rows, np.arange(top + 1))
-    k_east, k_north = lattice.k_east[kept], lattice.k_north[kept]
+    inner = np.ix_(rows, np.arange(top + 1))
+    k_east, k_north = lattice.k_east[inner], lattice.k_north[inner]
     held = np.hypot(k_east, k_north) < tile.k_max
-    waves = _Lattice(k_east, k_north, lattice.frequency[kept], lattice.variance[kept] * held, lattice.opposite[kept] * held)
-    return waves, _Amplitudes(amplitudes.forward[kept] * held, amplitudes.backward[kept] * held)
+    waves = _Lattice(k_east, k_north, lattice.frequency[inner], lattice.variance[inner] * held, lattice.opposite[inner] * held)
+    return waves, _Amplitudes(amplitudes.forward[inner] * held, amplitudes.backward[inner] * held)
 
 
 def _draw(lattices: Sequence[_Lattice], seed: int) -> tuple[_Amplitudes, ...]:
-    """Gaussian amplitudes of every tile."""
+    """Draw the Gaussian amplitudes of every tile."""
     return tuple(_draw_tile(lattice, stream(seed, "waves", i)) for i, lattice in enumerate(lattices))
 
 
@@ -268,7 +269,7 @@ def _wander(tiles: Sequence[Tile], seed: int) -> tuple[Wander, ...]:
 
 
 def _draw_tile(lattice: _Lattice, rng: np.random.Generator) -> _Amplitudes:
-    """Gaussian amplitudes, ``<|a/2|^2> = variance/2``: half of it in each of the two parts of the complex number."""
+    """Draw the Gaussian amplitudes of a tile, ``<|a/2|^2> = variance/2``: half of it in the real and half in the imaginary part."""
     draws = rng.standard_normal((4, *lattice.variance.shape))
     forward = 0.5 * np.sqrt(lattice.variance) * (draws[0] + 1j * draws[1])
     backward = 0.5 * np.sqrt(lattice.opposite) * (draws[2] + 1j * draws[3])
@@ -279,15 +280,15 @@ def _draw_tile(lattice: _Lattice, rng: np.random.Generator) -> _Amplitudes:
 
 
 def _plane_waves(lattice: _Lattice, amplitudes: _Amplitudes) -> FloatArray:
-    """Waves along k, then those along -k; the lower half of the column u = 0 repeats its upper half."""
+    """Plane waves along k, then those along -k; the lower half of the column u = 0 repeats its upper half."""
     own = np.ones(lattice.variance.shape, bool)
     own[lattice.variance.shape[1] :, 0] = False
-    found = []
+    waves = []
     for sign, half, variance in ((1.0, amplitudes.forward, lattice.variance), (-1.0, amplitudes.backward, lattice.opposite)):
         held = own & (variance > 0.0)
         a = 2.0 * half[held].astype(np.complex128)
-        found.append(np.stack([sign * lattice.k_east[held], sign * lattice.k_north[held], lattice.frequency[held], a.real, a.imag], axis=1))
-    return np.concatenate(found)
+        waves.append(np.stack([sign * lattice.k_east[held], sign * lattice.k_north[held], lattice.frequency[held], a.real, a.imag], axis=1))
+    return np.concatenate(waves)
 
 
 @njit

@@ -51,15 +51,15 @@ BANDS: Final = 5
 """Bands of equal slope variance of a sea of 7 to 8 m/s; see :func:`bands_of`."""
 
 _MOST_BANDS: Final = 64
-"""At 64 bands the ratio is within 10 % of the limit without end, and the quadrature still resolves one band."""
+"""Largest number of bands: at 64 the ratio is within 10 % of the limit of infinitely many, and the quadrature still resolves one band."""
 
 _ONE: Final = np.uint64(1)
 _STEP: Final = 0.05
 REACH: Final = 6.5
-"""Slopes that count, in rms slopes."""
+"""Largest slope that is integrated, in rms slopes."""
 
 HIGHEST: Final = 6.0
-"""Elevation of the view, in rms slopes, from which nothing is hidden (1e-9 of the sea)."""
+"""Elevation of the view, in rms slopes, above which nothing is hidden (1e-9 of the sea)."""
 
 _ROWS: Final = round(HIGHEST / _STEP) + 4
 _COLUMNS: Final = round(2.0 * REACH / _STEP) + 3
@@ -71,7 +71,7 @@ def _density(x: FloatArray) -> FloatArray:
 
 
 def _area(x: FloatArray) -> FloatArray:
-    """``x Phi(x) + phi(x)``: the area A+ over the rms slope, for an edge x rms slopes away."""
+    """Visible area A+ over the rms slope, ``x Phi(x) + phi(x)``, for an edge x rms slopes away."""
     return np.asarray(0.5 * x * (1.0 + erf(x / math.sqrt(2.0))) + _density(x))
 
 
@@ -89,12 +89,12 @@ def _log_ratio(t: FloatArray, mu: float, bands: int) -> FloatArray:
     for _ in range(bands - 2):
         seen = (step @ seen) * projection
     last = (_density((t[:, None] - slope) / width) / width * onward) @ seen
-    # far beyond the edge, where nothing is seen anyway, many narrow bands leave 0
+    # far beyond the edge, where nothing is visible, many narrow bands give 0
     return np.asarray(np.log(np.maximum(last * _area(np.asarray(mu)), 1e-300)) - np.log(_density(t)))
 
 
 def bands_of(mss: float) -> float:
-    """Bands of equal slope variance that stand for a sea of total slope variance ``mss`` [1]: ``0.55 + 110 mss``, from 2.6 to 5.3.
+    """Number of bands of equal slope variance for a sea of total slope variance ``mss`` [1]: ``0.55 + 110 mss``, from 2.6 to 5.3.
 
     Fitted to brute force in the vertical plane of the Sun, on Gaussian seas with the shape of Elfouhaily's spectrum down to 3 mm and the
     slope variances of Cox and Munk: depressions of 0.5-12 deg, Suns 30-85 deg from the zenith. Seen, and seen and lit, over Smith's law:
@@ -108,7 +108,7 @@ def bands_of(mss: float) -> float:
 
 
 def bands_of_facets(share: float, bands: float) -> float:
-    """Bands left to facets that carry a share of the slope variance while longer waves are geometry: ``N [1 - 1.08 (1 - share)^0.55]``.
+    """Number of bands for facets with a share of the slope variance, longer waves being geometry: ``N [1 - 1.08 (1 - share)^0.55]``.
 
     Geometry hides in more ways than its share of ``bands`` says, most of all the longest waves. Below 1 the facets hide less than Smith's
     law has it: the waves that they ride on fall away from where they are seen. 0 where they hide nothing of each other.
@@ -120,14 +120,14 @@ def bands_of_facets(share: float, bands: float) -> float:
     >>> round(bands_of_facets(0.66, 4.8), 1)
     1.9
     """
-    # fewer bands than any sea has go over into Smith's law, whose facets stay Smith's
+    # fewer bands than any sea has approach Smith's law, whose facets stay Smith's
     lost = 1.08 * min(max(bands - 1.0, 0.0) / 1.6, 1.0)
     return float(max(bands * (1.0 - lost * (1.0 - min(share, 1.0)) ** 0.55), 0.0))
 
 
 @lru_cache(maxsize=8)
 def ratio_table(bands: int = BANDS) -> FloatArray:
-    """Table for :func:`nested_ratio_kernel` [(rows, columns)]: logarithms; one band has none, an empty table.
+    """Table of logarithms for :func:`nested_ratio_kernel` [(rows, columns)]; empty for one band.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def ratio_table(bands: int = BANDS) -> FloatArray:
 
 @lru_cache(maxsize=16)
 def between_bands(table: Callable[[int], FloatArray], bands: float) -> FloatArray:
-    """A table of logarithms [1] (:func:`ratio_table`, :func:`lit_table`) for a number of bands that need not be whole; empty for one.
+    """Table of logarithms [1] (:func:`ratio_table`, :func:`lit_table`) for a non-integer number of bands; empty for one.
 
     Ratios are mixed, not their logarithms, so that visible densities still add up to 1.
     """
@@ -164,7 +164,7 @@ def between_bands(table: Callable[[int], FloatArray], bands: float) -> FloatArra
 
 @kernel
 def _cubic(f: float, a: float, b: float, c: float, d: float) -> float:
-    """Cubic through four even points, at ``f`` of the way between the middle two."""
+    """Cubic interpolation between four even points, at the fraction ``f`` between the middle two."""
     return (
         -f * (f - 1.0) * (f - 2.0) / 6.0 * a
         + (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0 * b
@@ -175,7 +175,7 @@ def _cubic(f: float, a: float, b: float, c: float, d: float) -> float:
 
 @kernel
 def nested_ratio_kernel(slope: float, edge: float, deviation: float, table: FloatArray) -> float:
-    """Visible density of a nested sea over Smith's; see :func:`nested_ratio`.
+    """Ratio of the visible density of a nested sea to Smith's; see :func:`nested_ratio`.
 
     ``slope`` along the view, ``edge`` the cotangent of the view zenith, at least 0, ``deviation`` the rms slope along the view.
     """
@@ -194,7 +194,7 @@ def nested_ratio_kernel(slope: float, edge: float, deviation: float, table: Floa
 
 @kernel
 def nested_exponent_kernel(slope: float, edge: float, deviation: float, table: FloatArray) -> float:
-    """Logarithm of :func:`nested_ratio_kernel`, interpolated linearly: within 1e-3, for hot loops."""
+    """Logarithm of :func:`nested_ratio_kernel`, interpolated linearly: within 1e-3, for inner loops."""
     if table.shape[0] == 0 or edge >= HIGHEST * deviation:
         return 0.0
     column = (min(max(slope / deviation, -REACH), REACH) + REACH) / _STEP + 1.0
@@ -215,7 +215,7 @@ def _map_ratio(slope: FloatArray, edge: FloatArray, deviation: FloatArray, table
 
 
 def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: ArrayLike, bands: float = BANDS) -> FloatArray:
-    """Visible slope density of a nested sea over that of Smith's law.
+    """Ratio of the visible slope density of a nested sea to that of Smith's law.
 
     ``p_N(s) = ratio * p(s) max(0, v_z - v_h . s) / A+``
 
@@ -276,7 +276,7 @@ def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: Arra
 
 @lru_cache(maxsize=16)
 def _moments(bands: float) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """What skewness and excess along the view add to the visible area through the nested ratio, over A+, against the edge in rms slopes."""
+    """Ratios to A+ of what skewness and excess along the view add to the visible area of a nested sea, against the edge in rms slopes."""
     ratio = np.exp(between_bands(ratio_table, bands)) - 1.0
     t: FloatArray = np.asarray(_STEP * (np.arange(_COLUMNS) - 1.0) - REACH, dtype=np.float64)
     edge: FloatArray = np.asarray(_STEP * (np.arange(_ROWS) - 1.0), dtype=np.float64)

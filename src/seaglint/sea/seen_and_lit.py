@@ -1,4 +1,4 @@
-"""Facets that are both seen and lit, wave band by wave band: tables of the joint law over what the legs do alone.
+"""Facets that are both seen and lit, wave band by wave band: ratio tables of the joint law to the two legs taken alone.
 
 The law stands in :mod:`seaglint.sea.nested`.
 """
@@ -16,13 +16,13 @@ from seaglint.conventions import FloatArray
 from seaglint.sea.nested import BANDS, HIGHEST, REACH, between_bands, nested_ratio_kernel, ratio_table
 
 _COUPLING: Final = 0.55
-"""Bands of the coupling of both legs over those of each alone."""
+"""Ratio of the number of bands of the coupling of both legs to that of each leg alone."""
 
 _ONE: Final = np.uint64(1)
 _PAIR_NODES: Final = 31
 _PAIR_TOP: Final = HIGHEST
 _PAIR_SHARES: Final = 33
-"""Tables of two legs: elevations of viewer and Sun in rms slopes, and the slope's place between the two edges."""
+"""Sizes of tables of two legs: elevations of viewer and Sun in rms slopes, and position of the slope between the two edges."""
 
 
 @kernel
@@ -40,13 +40,13 @@ def _onward(view: float, sun: float, width: float) -> float:
 
 @kernel
 def _pair_elevation(node: int) -> float:
-    """At an edge itself nothing is left: the least elevation stands for none."""
+    """Elevation at a node in rms slopes, at least 1e-3, as nothing is visible at an elevation of 0."""
     return max(_PAIR_TOP * node / (_PAIR_NODES - 1), 1e-3)
 
 
 @njit
 def _pair_ratios(view: float, sun: float, bands: int, x: FloatArray, w: FloatArray, slopes: FloatArray, out: FloatArray) -> None:
-    """Logarithms of the joint density over Smith's at ``slopes``, viewer and Sun ``view`` and ``sun`` rms slopes high, oppositely."""
+    """Logarithms of the joint density over Smith's at ``slopes``, for viewer and Sun ``view`` and ``sun`` rms slopes high, oppositely."""
     width = 1.0 / math.sqrt(bands)
     low, high = -min(sun, REACH), min(view, REACH)
     half = 0.5 * (high - low)
@@ -94,7 +94,7 @@ def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, alone: FloatArray, out
 
 @njit
 def _fill_lit(alone: FloatArray, out: FloatArray) -> None:
-    """Add the Sun's leg alone to a coupling."""
+    """Add the logarithms of the Sun's leg alone to a table of the coupling."""
     shares = out.shape[2]
     for i in range(out.shape[0]):
         for j in range(out.shape[1]):
@@ -105,7 +105,7 @@ def _fill_lit(alone: FloatArray, out: FloatArray) -> None:
 
 @lru_cache(maxsize=8)
 def _pair_table(bands: int) -> FloatArray:
-    """Coupling in whole bands."""
+    """Table of the coupling for a whole number of bands."""
     if bands == 1:
         return np.zeros((0, 0, 0))
     x, w = np.polynomial.legendre.leggauss(48 + 16 * math.isqrt(bands))
@@ -115,7 +115,7 @@ def _pair_table(bands: int) -> FloatArray:
 
 
 def coupling_table(bands: float) -> FloatArray:
-    r"""Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: facets seen and lit over what the two legs alone leave.
+    r"""Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: facets seen and lit over the product of the two legs alone.
 
     .. math::
 
@@ -131,7 +131,7 @@ def coupling_table(bands: float) -> FloatArray:
 
 @lru_cache(maxsize=8)
 def lit_table(bands: int = BANDS) -> FloatArray:
-    """Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: facets lit too, of those seen, band by band.
+    """Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: share of the seen facets that is lit too, band by band.
 
     The Sun's leg alone and the coupling of both (:func:`coupling_table`): logarithms of the share of seen facets that are lit, over what
     Smith's law in one band has for it; one band has an empty table.
@@ -152,7 +152,7 @@ def lit_table(bands: int = BANDS) -> FloatArray:
 
 @kernel
 def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray) -> float:
-    """Logarithm of :func:`lit_table` or :func:`coupling_table` between its nodes; linear in the table.
+    """Logarithm from :func:`lit_table` or :func:`coupling_table`, interpolated linearly between its nodes.
 
     ``slope`` along the view, ``view`` and ``sun`` the elevations of viewer and Sun over the facet (cotangents of their zenith angles), all
     in rms slopes; both elevations at least 0, the Sun opposite to the viewer.

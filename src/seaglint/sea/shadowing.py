@@ -37,7 +37,7 @@ from seaglint.sea.slopes import SlopeStatistics, gram_charlier
 FloatArray = NDArray[np.float64]
 
 _REACH: Final = 8.0
-"""Standard deviations to which negative values of a series are integrated; a density beyond is below 1e-14 of its peak."""
+"""Standard deviations to which negative values of a series are integrated; beyond, the density is below 1e-14 of its peak."""
 
 _X_STEP: Final = 0.05
 _TURNS: Final = 65
@@ -45,18 +45,18 @@ _TURNS: Final = 65
 
 
 class _Series(NamedTuple):
-    """Gram-Charlier series of normalised slopes, as the kernel takes it."""
+    """Gram-Charlier series of normalised slopes, as the kernel reads it."""
 
     deviation_up: float
     deviation_cross: float
     coefficients: FloatArray
-    """(c21, c03, c40, c22, c04) [1]."""
+    """Gram-Charlier coefficients (c21, c03, c40, c22, c04) [1]."""
     mass: float
-    """Mass that counting negative values as 0 adds [1]."""
+    """Mass added by setting negative values of the series to 0 [1]."""
     mean: float
-    """Its first moment towards where the wind comes FROM, in standard deviations [1]."""
+    """First moment of the added mass towards where the wind comes FROM, in standard deviations [1]."""
     table: FloatArray
-    """Its share of ``A+/d`` against angle (0..pi, rows) and ``x`` [1]."""
+    """Share of the added mass in ``A+/d`` against angle (0..pi, rows) and ``x`` [1]."""
 
 
 @kernel
@@ -72,7 +72,7 @@ def visible_area_kernel(mean: float, deviation: float) -> float:
 
 
 def _area_series() -> FloatArray:
-    """``G = x Phi + phi`` and its derivatives ``Phi, phi/2, -x phi/6`` at even nodes from -6 to 4 [(nodes, 4)]."""
+    """Function ``G = x Phi + phi`` and its derivatives ``Phi, phi/2, -x phi/6`` at even nodes from -6 to 4 [(nodes, 4)]."""
     from scipy.special import ndtr
 
     x = np.linspace(-6.0, 4.0, 10 * _NODES_PER_DEVIATION + 1)
@@ -86,7 +86,7 @@ _AREA_SERIES: Final = _area_series()
 
 @kernel
 def quick_visible_area_kernel(mean: float, deviation: float) -> float:
-    """:func:`visible_area_kernel` for hot loops: within 1e-5 of it from 4 deviations below the edge up, 0 from 6 below."""
+    """Approximation of :func:`visible_area_kernel` for inner loops: within 1e-5 from 4 deviations below the edge up, 0 from 6 below."""
     if mean >= 4.0 * deviation:
         return mean
     x = (mean / deviation + 6.0) * _NODES_PER_DEVIATION
@@ -110,7 +110,7 @@ def smith_lambda_kernel(nu: float) -> float:
 
 @kernel
 def leg_passage_kernel(relative_azimuth: float) -> float:
-    """Weight of the second leg's own shadows, 0 for legs on one side to 1 on opposite sides; see :func:`bistatic`."""
+    """Weight of the second leg's own shadows, 0 for legs on one side to 1 for opposite sides; see :func:`bistatic`."""
     turn = 2.0 * math.pi
     angle = abs(relative_azimuth - turn * math.floor(relative_azimuth / turn + 0.5))
     return angle / (4.41 * angle + 1.0) * (4.41 * math.pi + 1.0) / math.pi
@@ -118,7 +118,7 @@ def leg_passage_kernel(relative_azimuth: float) -> float:
 
 @kernel
 def both_legs_kernel(lambda_view: float, lambda_sun: float, passage: float) -> float:
-    """Share of facets both seen and lit, for a weight of :func:`leg_passage_kernel`."""
+    """Share of facets both seen and lit, for a given weight of :func:`leg_passage_kernel`."""
     small, large = min(lambda_view, lambda_sun), max(lambda_view, lambda_sun)
     if large == math.inf:
         return 0.0
@@ -150,7 +150,7 @@ def _map_bistatic(lambda_view: FloatArray, lambda_sun: FloatArray, azimuth: Floa
 
 
 def _flat_broadcast(*arrays: ArrayLike) -> tuple[tuple[int, ...], list[FloatArray]]:
-    """Broadcast shape and the raveled float64 copies."""
+    """Return the broadcast shape and the flattened float64 copies."""
     parts = np.broadcast_arrays(*(np.asarray(a, dtype=np.float64) for a in arrays))
     # copies: broadcast views are read-only soon, and kernels are compiled for arrays that are not
     return parts[0].shape, [np.array(p, order="C").ravel() for p in parts]
@@ -194,7 +194,7 @@ def smith_nu(zenith: ArrayLike, mss_along: ArrayLike) -> FloatArray:
 
 
 def saunders(view_zenith: ArrayLike, mss_along: ArrayLike) -> FloatArray:
-    """Saunders' shadowing factor of one leg, the seen share of facets turned to the viewer.
+    """Saunders' shadowing factor of one leg, the visible share of facets turned to the viewer.
 
     ``S = 1/(1 + Lambda) = 2/[1 + erf(nu) + exp(-nu^2)/(nu sqrt(pi))]``
 
@@ -288,7 +288,7 @@ def projected_area(view_zenith: ArrayLike, mss_along: ArrayLike) -> FloatArray:
 
 @lru_cache(maxsize=64)
 def _clipping(coefficients: tuple[float, float, float, float, float]) -> tuple[float, float, FloatArray]:
-    """Mass, first moment and table of a series' negative part, see :class:`_Series`.
+    """Mass, first moment and table of the negative part of a series; see :class:`_Series`.
 
     Where the wind's direction and the view's part by ``psi`` on the plane of normalised slopes, the slope along the view over its
     rms value is ``z = xi sin(psi) - eta cos(psi)``, and the table holds the integral of ``negative part * max(0, x - z)``.
@@ -315,7 +315,7 @@ def _clipping(coefficients: tuple[float, float, float, float, float]) -> tuple[f
 
 @kernel
 def _series_area_kernel(zenith: float, turn: float, series: _Series) -> float:
-    """A+ of a Gram-Charlier density seen from ``zenith`` at an azimuth ``turn`` from the wind's."""
+    """Visible area A+ of a Gram-Charlier density seen from ``zenith`` at an azimuth ``turn`` from the wind's."""
     cosine, sine = math.cos(zenith), math.sin(zenith)
     up, cross = series.deviation_up * math.cos(turn), series.deviation_cross * abs(math.sin(turn))
     sigma = math.hypot(up, cross)
@@ -350,7 +350,7 @@ def _map_series_area(zenith: FloatArray, turn: FloatArray, series: _Series, out:
 
 
 def clipped_mass(slopes: SlopeStatistics) -> float:
-    """Mass that a slope density gains because negative values of its series count as 0 [1]: its integral over all slopes less 1.
+    """Mass that a slope density gains by setting negative values of its series to 0 [1]: its integral over all slopes less 1.
 
     >>> from seaglint.sea.slopes import SlopeStatistics
     >>> clipped_mass(SlopeStatistics(0.03, 0.02))

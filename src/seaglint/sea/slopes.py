@@ -1,4 +1,4 @@
-"""The record every slope model fills: variances along and across the wind, Gram-Charlier coefficients, and the density they define."""
+"""Record of sea slope statistics: variances along and across the wind, Gram-Charlier coefficients, and the density they define."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class SlopeStatistics:
     c04: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse variances that are negative or not finite, and a series about a Gaussian that has no width."""
+        """Refuse variances that are negative or not finite, and a series about a Gaussian of zero width."""
         values = (self.mss_up, self.mss_cross, self.wind_to_azimuth)
         if not all(np.isfinite(values)) or self.mss_up < 0.0 or self.mss_cross < 0.0:
             raise DomainError(
@@ -65,11 +65,11 @@ class SlopeStatistics:
 
     @property
     def is_gaussian(self) -> bool:
-        """Whether the density is the Gaussian of the two variances: no Gram-Charlier coefficient."""
+        """True if the density is the Gaussian of the two variances, without Gram-Charlier coefficients."""
         return not any(self.coefficients)
 
     def gaussian(self) -> SlopeStatistics:
-        """The Gaussian of the same variances and wind direction."""
+        """Gaussian statistics with the same variances and wind direction."""
         return SlopeStatistics(self.mss_up, self.mss_cross, self.wind_to_azimuth)
 
     @property
@@ -79,12 +79,12 @@ class SlopeStatistics:
 
     @property
     def is_isotropic(self) -> bool:
-        """Whether all directions are alike: the same variance both ways and no Gram-Charlier coefficient."""
+        """True if all directions are alike: the same variance both ways and no Gram-Charlier coefficient."""
         return self.mss_up == self.mss_cross and self.is_gaussian
 
     @property
     def is_flat(self) -> bool:
-        """Whether there is no slope at all."""
+        """True if both slope variances are 0."""
         return self.mss == 0.0
 
     def mss_along(self, azimuth: ArrayLike) -> FloatArray:
@@ -146,7 +146,7 @@ class SlopeStatistics:
         return np.asarray(gaussian * self.shape(cross / np.sqrt(self.mss_cross), -along / np.sqrt(self.mss_up)))
 
     def shape(self, xi: ArrayLike, eta: ArrayLike) -> FloatArray:
-        """Density over that of the Gaussian of the same variances, at least 0 [1].
+        """Ratio of the density to the Gaussian of the same variances, at least 0 [1].
 
         Parameters
         ----------
@@ -157,12 +157,12 @@ class SlopeStatistics:
 
 
 def gram_charlier(xi: ArrayLike, eta: ArrayLike, coefficients: tuple[float, float, float, float, float]) -> FloatArray:
-    """Bracket of :meth:`SlopeStatistics.density`, negative values and all [1]; ``coefficients`` are (c21, c03, c40, c22, c04)."""
+    """Series bracket of :meth:`SlopeStatistics.density`, negative values included [1]; ``coefficients`` are (c21, c03, c40, c22, c04)."""
     return np.asarray(series_bracket(np.asarray(xi, dtype=np.float64), np.asarray(eta, dtype=np.float64), coefficients))
 
 
 def series_bracket(x: Any, y: Any, coefficients: tuple[float, float, float, float, float]) -> Any:
-    """The same for arrays or floats: arithmetic alone, so that kernels compile it."""
+    """Bracket of the Gram-Charlier series for arrays or floats [1], arithmetic alone, so that kernels can compile it."""
     c21, c03, c40, c22, c04 = coefficients
     xx, yy = x * x, y * y
     skewness = -y * (0.5 * c21 * (xx - 1.0) + c03 / 6.0 * (yy - 3.0))
@@ -171,7 +171,7 @@ def series_bracket(x: Any, y: Any, coefficients: tuple[float, float, float, floa
 
 
 def gaussian_slopes(up: float, cross: float, covariance: float, wind_to_azimuth: float) -> SlopeStatistics:
-    """Gaussian slopes whose covariance has directions of its own, told along these.
+    """Gaussian slope statistics from a covariance, expressed along its principal axes.
 
     Parameters
     ----------
@@ -196,5 +196,5 @@ def gaussian_slopes(up: float, cross: float, covariance: float, wind_to_azimuth:
 
 
 def flat() -> SlopeStatistics:
-    """A sea without any slope: a mirror."""
+    """Slope statistics of a flat sea, a mirror."""
     return SlopeStatistics(0.0, 0.0)

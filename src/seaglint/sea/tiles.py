@@ -1,4 +1,4 @@
-"""The tiles that carry a sea: which waves lie on which, and down to what length waves are geometry at all."""
+"""Tiles that carry the waves of a sea: wave bands, sizes, and the shortest wave that is geometry."""
 
 from __future__ import annotations
 
@@ -19,20 +19,20 @@ SAMPLES_PER_WAVE: Final = 4
 """Lattice points per shortest wave of a tile: bilinear interpolation keeps 75-100 % of such a wave's slope variance."""
 
 SHORTEST_SPAN: Final = 6.0
-"""Fewest waves of a band's longest kind along a tile; with fewer, directions are coarse and the tile's beat shows."""
+"""Fewest waves of a band's longest kind along a tile; with fewer, directions are coarse and the tile's periodicity shows."""
 
 TILES: Final = 3
-"""Tiles that the waves of a sea are spread over, unless another number is asked for."""
+"""Default number of tiles that the waves of a sea are spread over."""
 
 ENERGETIC_SHARE: Final = 0.01
-"""Share of the height variance in waves longer than the "longest" one that the first tile must hold SHORTEST_SPAN times."""
+"""Share of the height variance in waves longer than the "longest" one, SHORTEST_SPAN of which must fit on the first tile."""
 
 _GOLDEN: Final = 0.3819660112501051  # 1 - 1/golden ratio: the fraction that is hardest to approach by ratios of small integers
 
 
 @dataclass(frozen=True)
 class Tile:
-    """A periodic square of sea and the waves it carries.
+    """Periodic square of sea and the waves that it carries.
 
     Attributes
     ----------
@@ -84,12 +84,12 @@ class Tile:
 
     @property
     def spacing(self) -> float:
-        """Distance of lattice points [m]."""
+        """Spacing of lattice points [m]."""
         return self.length / self.n
 
     @property
     def step(self) -> float:
-        """Distance of lattice wavenumbers [rad m⁻¹]."""
+        """Spacing of lattice wavenumbers [rad m⁻¹]."""
         return 2.0 * np.pi / self.length
 
 
@@ -155,16 +155,16 @@ def plan_tiles(spectrum: DirectionalSpectrum, shortest_wave: float, n: int, tile
     )
 
 
-@lru_cache(maxsize=4)  # asked four times of the spectrum of a scene
+@lru_cache(maxsize=4)  # called four times for the spectrum of a scene
 def longest_wave_number(spectrum: DirectionalSpectrum) -> float:
     """Wavenumber below which lies :data:`ENERGETIC_SHARE` of the height variance [rad m⁻¹]."""
     low, high = spectrum.wavenumber_range
-    wanted = ENERGETIC_SHARE * spectrum.height_variance()
-    return float(np.exp(brentq(lambda x: spectrum.height_variance(float(np.exp(x))) - wanted, np.log(low), np.log(high), xtol=1e-6)))
+    variance = ENERGETIC_SHARE * spectrum.height_variance()
+    return float(np.exp(brentq(lambda x: spectrum.height_variance(float(np.exp(x))) - variance, np.log(low), np.log(high), xtol=1e-6)))
 
 
 def resolve_limit(spectrum: DirectionalSpectrum, slopes: SlopeStatistics, fraction: float = 0.8) -> float:
-    """Wavenumber at which resolved slopes reach a fraction of the slope model in the direction where that comes first.
+    """Wavenumber at which resolved slopes reach a fraction of the slope model, in the direction where that comes first.
 
     Geometry stops there, so that the facets of the energy rule keep a share of the variance in every direction. For waves that run
     with the wind the direction is upwind or crosswind; for swell from elsewhere it is where ``v.R v/(v.T v)`` is largest over the

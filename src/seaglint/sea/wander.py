@@ -1,4 +1,4 @@
-"""Wandering tiles: each is read a little aside, by a displacement that changes slowly over the sea, so that it does not repeat.
+"""Slow displacement of tiles over the sea, so that the sea does not repeat with the periods of its tiles.
 
 ::
 
@@ -45,7 +45,7 @@ class Wander(NamedTuple):
 
     @classmethod
     def of(cls, tile: Tile, seed: int, index: int) -> Wander:
-        """The displacement of a sea's tile ``index``, with phases from ``stream(seed, "wander", index)``."""
+        """Return the displacement of tile ``index``, with phases from ``stream(seed, "wander", index)``."""
         c, s = np.cos(tile.rotation), np.sin(tile.rotation)
         turn = np.array([[c, s], [-s, c]])
         phase = 2.0 * np.pi * stream(seed, "wander", index).random(len(_WAVES))
@@ -53,12 +53,12 @@ class Wander(NamedTuple):
 
     def __call__(self, east: FloatArray, north: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Displacement towards east and north [m] at places of the sea [m]; arrays that broadcast against each other."""
-        found = [np.zeros(np.broadcast_shapes(np.shape(east), np.shape(north))) for _ in range(2)]
+        displacement = [np.zeros(np.broadcast_shapes(np.shape(east), np.shape(north))) for _ in range(2)]
         for amplitude, wave, phase in zip(*self, strict=True):
             sine = np.sin(wave[0] * east + wave[1] * north + phase)
-            found[0] += amplitude[0] * sine
-            found[1] += amplitude[1] * sine
-        return found[0], found[1]
+            displacement[0] += amplitude[0] * sine
+            displacement[1] += amplitude[1] * sine
+        return displacement[0], displacement[1]
 
     def gradient(self, east: float, north: float) -> FloatArray:
         """Derivatives of the displacement (rows: east, north) towards east and north (columns) at a place [1, (2, 2)]."""

@@ -1,1 +1,1 @@
-"""What is between the radiance at the aperture and the detector's signal: optics, detector, scan, noise."""
+"""Sensor from the radiance at the aperture to the detector's signal: optics, detector, scan, noise."""

@@ -1,4 +1,4 @@
-"""The whole sensor: radiance at the aperture in, counts out, frame by frame."""
+"""Chain of the whole sensor: from radiance at the aperture to counts, frame by frame."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ from seaglint.sensor.thermal import NANO, ThermalDetector
 from seaglint.sensor.transfer import Sampling, Transfer, needed_oversampling
 
 KEPT: Final = 2
-"""Transfers of different sizes or smears that are kept."""
+"""Number of transfers of different sizes or smears that are cached."""
 
 SHORT_BELOW: Final = 0.95
-"""Share of the well from which on the shorter exposure is taken."""
+"""Share of the well above which the shorter exposure is used."""
 
 
 @dataclass(frozen=True, eq=False)
 class Exposure:
-    """One frame of a sensor, or several of them.
+    """Signal of one frame of a sensor, or of several.
 
     Attributes
     ----------
     signal : ndarray
         Counts [(rows, columns) or (time, rows, columns), uint16].
     units : ndarray
-        The same before the converter: electrons, or nanowatts of a thermal detector, noise and background in it [shape of ``signal``].
+        Signal before the converter: electrons, or nanowatts of a thermal detector, noise and background in it [shape of ``signal``].
     saturated : int
         Pixels that are full or at the end of the converter.
     """
@@ -55,20 +55,20 @@ class Exposure:
 
 @dataclass(frozen=True, eq=False)
 class SensorModel:
-    """Optics, detector and noise for one band.
+    """Sensor model of optics, detector and noise for one band.
 
     Attributes
     ----------
     photons : Photons
         Band and quantum efficiency.
     optics : Optics
-        What is in front of the detector.
+        Optics in front of the detector.
     detector : Detector or ThermalDetector
         The pixels.
     noise : Noise
-        What they add.
+        Noise of the pixels.
     seed : int
-        Of everything random.
+        Seed of all random numbers.
     frame_interval : float
         Time from frame to frame [s].
     scanning : bool
@@ -95,7 +95,7 @@ class SensorModel:
 
     @property
     def exposure_time(self) -> float:
-        """Time over which the line of sight's movement blurs [s]; a thermal detector has only its lag."""
+        """Time over which movement of the line of sight blurs [s]; a thermal detector has only its lag."""
         return self.detector.integration_time if isinstance(self.detector, Detector) else 0.0
 
     @cached_property
@@ -105,12 +105,12 @@ class SensorModel:
 
     @cached_property
     def oversampling(self) -> int:
-        """Fine pixels along a pixel's side that the optics' cut-off at the shortest wavelength needs."""
+        """Fine pixels along a pixel's side that the optics' cut-off at the shortest wavelength requires."""
         return needed_oversampling(self.ifov, self.optics.cutoff(1e-6 * self.photons.band.min_um))
 
     @cached_property
     def readout(self) -> Readout:
-        """The straight line from radiance to counts."""
+        """Straight line from radiance to counts."""
         optics, detector, photons = self.optics, self.detector, self.photons
         warm = optics.emissivity * optics.solid_angle + optics.housing_solid_angle
         glow = float(photons.radiance(optics.temperature)) * warm * detector.active_area if warm > 0.0 else 0.0
@@ -133,7 +133,7 @@ class SensorModel:
 
     @cached_property
     def read_rms(self) -> float:
-        """Noise of a reading, in units, shot noise not in it: a photon detector's read noise; a thermal detector's whole noise."""
+        """Noise of a reading without shot noise [units]: a photon detector's read noise; a thermal detector's whole noise."""
         detector = self.detector
         if isinstance(detector, Detector):
             return detector.read_noise
@@ -147,27 +147,27 @@ class SensorModel:
         return (drift[0] + rates[0]) * self.exposure_time, (drift[1] + rates[1]) * self.exposure_time
 
     def sampling(self, oversampling: int, rates: tuple[float, float] = (0.0, 0.0)) -> Sampling:
-        """How pictures that are ``oversampling`` times finer are sampled, the line of sight moving at ``rates`` [rad s-1]."""
+        """Sampling of pictures that are ``oversampling`` times finer, with the line of sight moving at ``rates`` [rad s-1]."""
         detector = self.detector
         share = detector.crosstalk if isinstance(detector, Detector) else 0.0
         width = detector.active_width / self.optics.focal_length
         return Sampling(self.ifov, width, oversampling, share, self.smear(rates), self.circle)
 
     def transfer(self, shape: tuple[int, int], oversampling: int, rates: tuple[float, float] = (0.0, 0.0)) -> Transfer:
-        """Blur and sampling of fine pictures of ``shape`` (rows, columns); the latest are kept."""
+        """Blur and sampling of fine pictures of ``shape`` (rows, columns); the latest are cached."""
         key = (self.sampling(oversampling, rates), shape)
-        found = self._transfers.get(key)
-        if found is None:
-            found = self._transfers[key] = Transfer.of(self.blur, key[0], shape)
+        cached = self._transfers.get(key)
+        if cached is None:
+            cached = self._transfers[key] = Transfer.of(self.blur, key[0], shape)
             while len(self._transfers) > KEPT:
                 self._transfers.popitem(last=False)
         self._transfers.move_to_end(key)
-        return found
+        return cached
 
     def focal_plane(
         self, radiance: NDArray[np.float32], oversampling: int = 1, rates: tuple[float, float] = (0.0, 0.0)
     ) -> NDArray[np.float32]:
-        """What each pixel sees: blurred, distorted and vignetted.
+        """Radiance on each pixel: blurred, distorted and vignetted.
 
         Parameters
         ----------
@@ -206,12 +206,12 @@ class SensorModel:
         return out
 
     def expose(self, seen: NDArray[np.float32], frame: int = 0, time: float | None = None) -> Exposure:
-        """Signal of what the pixels see.
+        """Signal of the pixels for given radiances.
 
         Parameters
         ----------
         seen : ndarray
-            Of :meth:`focal_plane` [W m-2 sr-1, (rows, columns) or (time, rows, columns)].
+            Radiance from :meth:`focal_plane` [W m-2 sr-1, (rows, columns) or (time, rows, columns)].
         frame : int
             Number of the frame (of the first one) in the whole sequence: its noise is a function of it.
         time : float, optional
@@ -239,7 +239,7 @@ class SensorModel:
                 second = self._collected(mean / factor, frame, well, 1) * factor
                 short = units > SHORT_BELOW * well
                 units, full = np.where(short, second, units), second >= well * factor
-                reading = np.where(short, factor, 1.0)  # the short exposure is read with the same noise, and then multiplied
+                reading = np.where(short, factor, 1.0)  # the short exposure is read with the same noise and then scaled
         else:
             units, full = light + dark, np.zeros(shape, np.bool_)
         added = temporal_noise(noise, self.seed, frame, shape, self.read_rms)
@@ -249,7 +249,7 @@ class SensorModel:
         return Exposure(counts.astype(np.uint16), units.astype(np.float32), saturated)
 
     def _collected(self, mean: FloatArray, frame: int, well: float, exposure: int) -> FloatArray:
-        """Electrons in the wells: those of light and dark current, with their shot noise, no more than they hold."""
+        """Electrons in the wells: from light and dark current, with their shot noise, limited to the well."""
         if self.noise.temporal:
             # NumPy's Poisson numbers end at 2^63; wells end long before.
             most = np.clip(mean, 0.0, 1e15)
@@ -257,14 +257,14 @@ class SensorModel:
         return np.minimum(mean, well)
 
     def _pattern(self, shape: tuple[int, int]) -> Pattern:
-        found = self._patterns.get(shape)
-        if found is None:
+        cached = self._patterns.get(shape)
+        if cached is None:
             full = min(self.readout.full_scale, 1e15)
-            found = self._patterns[shape] = Pattern.of(self.noise, self.seed, shape, full, scanning=self.scanning)
-        return found
+            cached = self._patterns[shape] = Pattern.of(self.noise, self.seed, shape, full, scanning=self.scanning)
+        return cached
 
     def sense(self, radiance: NDArray[np.float32], frame: int = 0, oversampling: int = 1) -> Exposure:
-        """:meth:`focal_plane` and :meth:`expose` at once; a lag needs the frames before it, see :func:`lagged`."""
+        """Signal by :meth:`focal_plane` and :meth:`expose`; a lag needs the frames before it, see :func:`lagged`."""
         return self.expose(self.focal_plane(radiance, oversampling), frame)
 
     def apparent_temperature(self, counts: FloatArray | NDArray[np.uint16]) -> FloatArray:
@@ -272,12 +272,12 @@ class SensorModel:
         return self.photons.apparent_temperature(self.readout.radiance(counts))
 
     def reseeded(self, seed: int) -> SensorModel:
-        """Another detector of the same kind, and other noise."""
+        """Return another detector of the same kind, with other noise."""
         return replace(self, seed=seed, _transfers=self._transfers, _patterns={})
 
 
 def require_radiance(radiance: NDArray[np.float32], name: str = "radiance") -> None:
-    """Refuse values that are no radiances; errors call them ``name``.
+    """Refuse values that are not radiances; the message calls them ``name``.
 
     Raises
     ------

@@ -13,21 +13,21 @@ from seaglint.conventions import FloatArray
 from seaglint.errors import DomainError
 
 MOST_BITS: Final = 16
-"""Bit depth of the widest signal that is written."""
+"""Largest bit depth of the signal."""
 
 FULL_SCALE_TEMPERATURE: Final = 400.0
-"""Blackbody that fills the converter where neither well nor gain is given [K]: hotter than any sea, cooler than a mirrored Sun."""
+"""Blackbody temperature that fills the converter without a given well or gain [K]: hotter than any sea, cooler than a mirrored Sun."""
 
 
 class Pixels:
-    """What pixels of all detectors have: records with a pitch [m], a fill factor and a bit depth."""
+    """Common interface of the pixels of all detectors: a pitch [m], a fill factor and a bit depth."""
 
     pitch: float
     fill_factor: float
     bit_depth: int
 
     def require_bits(self) -> None:
-        """Refuse more bits than a signal has."""
+        """Refuse a bit depth above :data:`MOST_BITS`."""
         if not 1 <= self.bit_depth <= MOST_BITS:
             raise DomainError(
                 f"bit depth = {self.bit_depth} is not one of a signal of 16 bits; give 1 to {MOST_BITS}",
@@ -43,7 +43,7 @@ class Pixels:
 
     @property
     def active_area(self) -> float:
-        """[m2]."""
+        """Area of the sensitive square [m2]."""
         return self.pitch**2 * self.fill_factor
 
     @property
@@ -73,7 +73,7 @@ class Detector(Pixels):
     dark_current : float
         [electrons s-1].
     bit_depth : int
-        Of the converter.
+        Bit depth of the converter.
     gain : float or None
         Electrons for each count; where None a full well, or the electrons of a hot blackbody, fill the converter.
     offset : float
@@ -116,13 +116,13 @@ class Detector(Pixels):
 
     @property
     def range_factor(self) -> float:
-        """By how much the second integration time widens the range of electrons."""
+        """Factor by which the second integration time widens the range of electrons."""
         return 1.0 if self.short_time is None else self.integration_time / self.short_time
 
 
 @dataclass(frozen=True)
 class Readout:
-    """Straight line from radiance to counts: what photon and thermal detectors have in common.
+    """Straight line from radiance to counts, for photon and thermal detectors.
 
     ``units`` are electrons of a photon detector, nanowatts absorbed by a thermal one.
 
@@ -163,11 +163,11 @@ class Readout:
 
     @property
     def full_scale(self) -> float:
-        """Units at which the signal ends: of the pixel or of the converter."""
+        """Largest signal of the pixel or of the converter [units]."""
         return min(self.capacity, (self.top_count - self.offset) * self.gain)
 
     def units(self, radiance: ArrayLike) -> FloatArray:
-        """Mean units of radiances at the aperture [W m-2 sr-1], unlimited."""
+        """Mean signal of radiances at the aperture [W m-2 sr-1], unlimited [units]."""
         return self.per_radiance * np.asarray(radiance, np.float64) + self.background
 
     def counts(self, units: ArrayLike) -> FloatArray:
@@ -191,7 +191,7 @@ class Readout:
 
 
 def square_mtf(frequency: ArrayLike, width: float) -> FloatArray:
-    """Transfer of a detector that is an angle [rad] wide, at frequencies across it [cycles rad-1]."""
+    """Transfer of a detector of an angular width [rad], at frequencies across it [cycles rad-1]."""
     return np.asarray(np.sinc(np.asarray(frequency, np.float64) * width))
 
 

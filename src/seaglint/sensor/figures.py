@@ -1,4 +1,4 @@
-r"""Figures of merit of a sensor: what a data sheet would say of it.
+r"""Figures of merit of a sensor, as in a data sheet.
 
 With the electrons ``N`` of a blackbody that fills the field and their noise ``sigma``
 
@@ -25,22 +25,22 @@ from seaglint.sensor.detector import Detector, crosstalk_mtf, square_mtf
 from seaglint.sensor.optics import motion_mtf
 
 BACKGROUND: Final = 300.0
-"""Blackbody against which NETD, SiTF and the like are stated [K]."""
+"""Temperature of the blackbody against which NETD, SiTF and the like are stated [K]."""
 
 MTF_POINTS: Final = 41
-"""Frequencies of an MTF that is told, from 0 to twice the Nyquist frequency."""
+"""Number of frequencies of a printed MTF, from 0 to twice the Nyquist frequency."""
 
 
 @dataclass(frozen=True)
 class Budget:
-    """Temporal noise of a pixel by its causes, rms in units of the signal, beside the mean signal."""
+    """Temporal noise of a pixel by its causes, rms in units of the signal, with the mean signal."""
 
     signal: float
     parts: dict[str, float]
 
     @property
     def total(self) -> float:
-        """Root of the sum of squares."""
+        """Total noise: root of the sum of squares."""
         return math.sqrt(sum(value**2 for value in self.parts.values()))
 
 
@@ -71,7 +71,7 @@ def mtf(model: SensorModel, frequency: ArrayLike, rates: tuple[float, float] = (
 
 
 def budget(model: SensorModel, radiance: float) -> Budget:
-    """Noise of a pixel that sees a radiance at the aperture [W m-2 sr-1]."""
+    """Noise budget of a pixel at a radiance at the aperture [W m-2 sr-1]."""
     line, noise, detector = model.readout, model.noise, model.detector
     signal = float(line.units(radiance))
     parts: dict[str, float] = {}
@@ -88,7 +88,7 @@ def budget(model: SensorModel, radiance: float) -> Budget:
 
 
 def fixed_pattern(model: SensorModel, radiance: float) -> float:
-    """Rms of what differs from pixel to pixel and stays [units]."""
+    """Rms of fixed differences between pixels [units]."""
     noise, line = model.noise, model.readout
     light = float(line.units(radiance)) - line.dark
     if noise.corrected_at is None:
@@ -100,11 +100,11 @@ def fixed_pattern(model: SensorModel, radiance: float) -> float:
 
 
 def three_d(model: SensorModel, radiance: float) -> dict[str, float]:
-    """The seven components of 3-D noise at a radiance [units]; what differs between pixels of a scanner differs between rows."""
-    found, noise = budget(model, radiance), model.noise
+    """Seven components of 3-D noise at a radiance [units]; differences between pixels of a scanner are differences between rows."""
+    temporal, noise = budget(model, radiance), model.noise
     common = ("frame", "row_temporal", "column_temporal")
     pattern, scanning = fixed_pattern(model, radiance), model.scanning
-    pixel = math.sqrt(sum(value**2 for name, value in found.parts.items() if name not in common))
+    pixel = math.sqrt(sum(value**2 for name, value in temporal.parts.items() if name not in common))
     return {
         "T": noise.frame,
         "V": math.hypot(noise.row, pattern) if scanning else noise.row,
@@ -117,12 +117,12 @@ def three_d(model: SensorModel, radiance: float) -> dict[str, float]:
 
 
 def signal_slope(model: SensorModel, temperature: float) -> float:
-    """Units of signal for each kelvin of a blackbody [units K-1], with the conversion that the chain has."""
+    """Signal for each kelvin of a blackbody [units K-1], with the conversion of the chain."""
     return model.readout.per_radiance * model.photons.radiance_slope(temperature)
 
 
 def point_share(model: SensorModel) -> float:
-    """Share of a point's light that falls on the pixel on whose middle it stands [1]."""
+    """Share of a point's light on the pixel at whose centre it stands [1]."""
     f = (np.arange(-512, 512) + 0.5) * (4.0 * model.optics.cutoff(1e-6 * model.photons.band.min_um) / 1024)
     frequency, table = model.blur.table()
     width = model.detector.active_width / model.optics.focal_length
@@ -137,7 +137,7 @@ def figures(
     rates: tuple[float, float] = (0.0, 0.0),
     frequencies: Sequence[float] = (),
 ) -> dict[str, Any]:
-    """Everything that is told of a sensor, as plain numbers under names that say their units.
+    """All figures of merit of a sensor, as plain numbers under names with their units.
 
     Parameters
     ----------
@@ -148,7 +148,7 @@ def figures(
     rates : (float, float)
         Movement of the line of sight by the platform [rad s-1].
     frequencies : sequence of float
-        At which the MTF is told [cycles rad-1]; from 0 to twice the Nyquist frequency where there are none.
+        Frequencies of the MTF [cycles rad-1]; by default from 0 to twice the Nyquist frequency.
     """
     line, detector, optics, photons = model.readout, model.detector, model.optics, model.photons
     photon = isinstance(detector, Detector)
@@ -158,7 +158,7 @@ def figures(
     units = "electrons" if photon else "nw"
     nyquist = 0.5 / model.ifov
     frequency = np.asarray(frequencies, np.float64) if frequencies else np.linspace(0.0, 2.0 * nyquist, MTF_POINTS)
-    found = mtf(model, frequency, rates)
+    transfer = mtf(model, frequency, rates)
     here = budget(model, mean)
     floor = budget(model, 0.0).total
     time = detector.integration_time if isinstance(detector, Detector) else model.frame_interval
@@ -191,10 +191,10 @@ def figures(
         "saturation_radiance": ceiling,
         "mtf": {
             "frequency_cycles_per_mrad": (1e-3 * frequency).tolist(),
-            "along": found["along"]["total"].tolist(),
-            "across": found["across"]["total"].tolist(),
+            "along": transfer["along"]["total"].tolist(),
+            "across": transfer["across"]["total"].tolist(),
             "nyquist_cycles_per_mrad": 1e-3 * nyquist,
-            "parts": {way: {name: part.tolist() for name, part in parts.items() if name != "total"} for way, parts in found.items()},
+            "parts": {way: {name: part.tolist() for name, part in parts.items() if name != "total"} for way, parts in transfer.items()},
         },
         f"noise_budget_{units}": {
             "scene_radiance": mean,

@@ -1,4 +1,4 @@
-r"""Noise of a detector: what changes from frame to frame, what stays, and pixels that are defect.
+r"""Noise of a detector: temporal noise, fixed pattern, and defective pixels.
 
 Every number is a function of (seed, frame, pixel): a frame drawn alone has the noise that it has in its sequence, whatever the threads.
 The seven components of three-dimensional noise (NVESD) can all be put in: frame (T), row (V), column (H), row in time (TV), column in time
@@ -23,7 +23,7 @@ from seaglint.conventions import FloatArray
 from seaglint.random import stream
 
 OCTAVES: Final = 10
-"""Octaves of 1/f noise: down to a thousandth of the frame rate."""
+"""Number of octaves of 1/f noise: down to a thousandth of the frame rate."""
 
 BLINK_SHARE: Final = 0.5
 """Share of the time that a blinking pixel is in its upper state."""
@@ -31,7 +31,7 @@ BLINK_SHARE: Final = 0.5
 
 @dataclass(frozen=True)
 class Noise:
-    """What a detector adds to its mean signal, in units of the signal (electrons; nanowatts of a thermal detector).
+    """Noise settings of a detector, in units of the signal (electrons; nanowatts of a thermal detector).
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Noise:
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
-    """What of the pixels of one detector does not change: a function of its seed and size; make it with :meth:`of`."""
+    """Fixed pattern of one detector, a function of its seed and size; make it with :meth:`of`."""
 
     noise: Noise
     full_scale: float
@@ -93,7 +93,7 @@ class Pattern:
     dead: NDArray[np.bool_] | None
     hot: NDArray[np.bool_] | None
     blinking: NDArray[np.int64] | None
-    """Flat indices of the pixels that blink."""
+    """Flat indices of the blinking pixels."""
     cells: tuple[int, int]
     """Rows and columns of the detector's own pixels: those of the picture, or one column of a scanner."""
     seed: int = field(default=0)
@@ -135,7 +135,7 @@ class Pattern:
         )
 
     def response(self, light: FloatArray) -> FloatArray:
-        """Mean signal by light of every pixel, given that of an ideal one: gain, curvature, dead pixels."""
+        """Mean signal of every pixel from that of an ideal one: gain, curvature, dead pixels."""
         if self.gain is not None:
             light = light * (1.0 + self.gain)
         if self.curvature is not None:
@@ -146,13 +146,13 @@ class Pattern:
         return light
 
     def dark(self, shape: tuple[int, int]) -> FloatArray | float:
-        """Dark signal beyond that of all pixels: hot ones."""
+        """Additional dark signal of hot pixels."""
         if self.hot is None:
             return 0.0
         return np.broadcast_to(np.where(self.hot, self.noise.hot_signal, 0.0), shape)
 
     def added(self, time: float, signal: FloatArray) -> FloatArray:
-        """The signal with what is added after the exposure: offsets, drift, blinking."""
+        """Signal with offsets, drift and blinking, which are added after the exposure."""
         if self.offset is not None:
             signal = signal + self.offset
         if self.drift is not None:
@@ -164,7 +164,7 @@ class Pattern:
         return signal
 
     def _states(self, time: float) -> FloatArray:
-        """Whether each blinking pixel is up: drawn anew in spans that begin at a phase of its own."""
+        """State of each blinking pixel, True for the upper one: drawn anew in spans that begin at a phase of its own."""
         assert self.blinking is not None
         count = self.blinking.size
         # half of the new states are the old ones
@@ -180,7 +180,7 @@ class Pattern:
 
 
 def temporal_noise(noise: Noise, seed: int, frame: int, shape: tuple[int, int], rms: float) -> FloatArray | None:
-    """Noise that is added to the signal of a frame: a reading's ``rms`` and components of :class:`Noise`; None where there is none."""
+    """Temporal noise of a frame: a reading's ``rms`` and components of :class:`Noise`; None where there is none."""
     if not noise.temporal:
         return None
     out: FloatArray | None = None

@@ -1,4 +1,4 @@
-r"""Optics: how much light reaches the focal plane and how sharp it is.
+r"""Optics: transmitted light on the focal plane, and sharpness.
 
 Spatial frequencies ``f`` are cycles per radian at the aperture. Each cause of blur is a transfer function (MTF) of its own and the
 whole is their product:
@@ -32,24 +32,24 @@ SHANNON_LIMIT: Final = 0.18
 """Rms wavefront error [waves] at which Shannon's fit reaches 0 at half the cut-off; it holds below."""
 
 PUPIL_POINTS: Final = 512
-"""Points across the overlap of two pupils: MTFs within 1e-5."""
+"""Number of points across the overlap of two pupils: MTFs within 1e-5."""
 
 NODES: Final = 512
-"""Nodes of a tabled MTF between 0 and the cut-off; linear between them it is within 1e-5."""
+"""Number of nodes of a tabulated MTF between 0 and the cut-off; linear between them it is within 1e-5."""
 
 SolidAngle = Literal["sine", "thin-lens"]
 
 
 @dataclass(frozen=True)
 class Optics:
-    r"""Optics of a sensor.
+    r"""Optics of a sensor: pupil, transmittance, blur, distortion.
 
     Attributes
     ----------
     aperture, focal_length : float
         Diameter of the entrance pupil and focal length [m].
     transmission : float
-        Of the optics, in the band [1].
+        Transmittance of the optics, in the band [1].
     obscuration : float
         Diameter of the central obscuration over that of the pupil [1].
     wavefront_error : float
@@ -61,7 +61,7 @@ class Optics:
     drift : (float, float)
         Steady movement of the line of sight, along and across rows [rad s-1].
     temperature, emissivity : float
-        Of warm optics, which shine into the detector themselves [K, 1].
+        Temperature and emissivity of warm optics, which radiate into the detector themselves [K, 1].
     shield_f_number : float or None
         F-number of the cold shield; where it is lower than that of the optics, the housing (black, at ``temperature``) is seen around
         them. None is a shield that fits.
@@ -114,12 +114,12 @@ class Optics:
 
     @property
     def open_share(self) -> float:
-        """Share of the pupil's area that the obscuration leaves."""
+        """Open share of the pupil's area, without the obscuration."""
         return 1.0 - self.obscuration**2
 
     @property
     def solid_angle(self) -> float:
-        """Solid angle of light on a detector on the axis, obscuration taken off [sr]; projected, as the sine condition has it."""
+        """Projected solid angle of light on a detector on the axis, without the obscuration [sr], by the sine condition."""
         return cone(self.f_number, self.solid_angle_law) * self.open_share
 
     @property
@@ -129,13 +129,13 @@ class Optics:
 
     @property
     def housing_solid_angle(self) -> float:
-        """Solid angle of warm housing that a cold shield too wide lets in [sr]."""
+        """Solid angle of warm housing seen through an oversized cold shield [sr]."""
         if self.shield_f_number is None or self.shield_f_number >= self.f_number:
             return 0.0
         return cone(self.shield_f_number, self.solid_angle_law) - cone(self.f_number, self.solid_angle_law)
 
     def cutoff(self, wavelength: float) -> float:
-        """Highest frequency that passes [cycles rad-1]."""
+        """Cut-off frequency of the optics [cycles rad-1]."""
         return self.aperture / wavelength
 
 
@@ -231,7 +231,7 @@ class Blur:
 
     @classmethod
     def of(cls, optics: Optics, wavelength: FloatArray, share: FloatArray) -> Blur:
-        """Average over wavelengths [m] with the share of the electrons at each."""
+        """Average over wavelengths [m], weighted with the share of the electrons at each."""
         mean = float(wavelength @ share)
         nodes = np.linspace(0.0, 1.0, NODES + 1)
         frequency = nodes * optics.cutoff(float(wavelength.min()))
@@ -254,7 +254,7 @@ class Blur:
         return cls(optics, mean, frequency, diffraction, soft @ weight)
 
     def parts(self, frequency: ArrayLike) -> dict[str, FloatArray]:
-        """Every cause of blur that has the same effect in all directions, at frequencies [cycles rad-1]."""
+        """Transfer of every cause of blur that is equal in all directions, at frequencies [cycles rad-1]."""
         f = np.abs(np.asarray(frequency, np.float64))
         optics = self.optics
         sharp = np.interp(f, self.frequency, self.diffraction, right=0.0)
@@ -269,7 +269,7 @@ class Blur:
         return out
 
     def table(self) -> tuple[FloatArray, FloatArray]:
-        """The product of these parts from 0 to the cut-off [cycles rad-1, 1]."""
+        """Product of these parts from 0 to the cut-off [cycles rad-1, 1]."""
         total = np.ones(self.frequency.size)
         for part in self.parts(self.frequency).values():
             total = total * part
@@ -277,12 +277,12 @@ class Blur:
 
 
 def cos4_falloff(x: FloatArray, y: FloatArray) -> FloatArray:
-    """Illumination of points of the focal plane, whose places are tangents of the field angle [1, (columns,)], [1, (rows,)]."""
+    """Relative illumination of points of the focal plane, given by tangents of the field angle [1, (columns,)], [1, (rows,)]."""
     return 1.0 / (1.0 + x[None, :] ** 2 + y[:, None] ** 2) ** 2
 
 
 def distorted_places(shape: tuple[int, int], share: float) -> tuple[FloatArray, FloatArray]:
-    """Rows and columns of the sharp picture that each pixel of a distorted one shows [(rows, columns)].
+    """Rows and columns of the sharp picture at each pixel of a distorted one [(rows, columns)].
 
     A point at the radius ``r`` (1 at the corners) is drawn at ``r (1 + share r^2)``.
     """

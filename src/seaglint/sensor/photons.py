@@ -1,4 +1,4 @@
-r"""Photons of a radiance that is known in a band alone.
+r"""Conversion of in-band radiance to photons and electrons.
 
 A detector counts photons, a scene gives watts in a band. With the response ``R`` of the band and the detector's quantum efficiency
 ``eta``, a blackbody of temperature ``T`` gives
@@ -25,10 +25,10 @@ from seaglint.optics.band import ApparentTemperature, Band
 from seaglint.optics.blackbody import planck_wavenumber
 
 REFERENCE_TEMPERATURE: Final = 300.0
-"""Blackbody whose spectrum stands for the scene's [K]: in the middle of seas and skies."""
+"""Temperature of the blackbody whose spectrum represents the scene's [K]: in the middle of seas and skies."""
 
 SUN_TEMPERATURE: Final = 5778.0
-"""Blackbody that stands for sunlight where its conversion is compared [K]."""
+"""Temperature of the blackbody that represents sunlight in the comparison of conversions [K]."""
 
 STEP: Final = 1.0
 """Step of the spectral grid [cm-1]: conversions are then exact to 1e-6."""
@@ -86,7 +86,7 @@ class Photons:
 
     @cached_property
     def _electrons(self) -> FloatArray:
-        """Electrons of a joule at each wavenumber."""
+        """Electrons per joule at each wavenumber [J-1]."""
         return self._efficiency / (100.0 * constants.h * constants.c * self.wavenumber_cm)
 
     def radiance(self, temperature: ArrayLike) -> FloatArray:
@@ -94,7 +94,7 @@ class Photons:
         return self._planck(temperature) @ self._weights
 
     def photon_radiance(self, temperature: ArrayLike) -> FloatArray:
-        """Electrons from a blackbody, spectrum by spectrum [electrons s-1 m-2 sr-1, shape of ``temperature`` in K]."""
+        """Electron rate from a blackbody, integrated over its spectrum [electrons s-1 m-2 sr-1, shape of ``temperature`` in K]."""
         return np.asarray(self._planck(temperature) @ (self._weights * self._electrons))
 
     def radiance_slope(self, temperature: float) -> float:
@@ -104,12 +104,12 @@ class Photons:
         return float((pair[1] - pair[0]) / (2.0 * step))
 
     def per_joule(self, temperature: float) -> float:
-        """Electrons for each joule in the band, ``K(T)`` of the module [J-1]."""
+        """Electrons per joule in the band, ``K(T)`` of the module [J-1]."""
         return float(self.photon_radiance(temperature) / self.radiance(temperature))
 
     @cached_property
     def electrons_per_joule(self) -> float:
-        """The same at the reference temperature: what the chain uses [J-1]."""
+        """Electrons per joule at the reference temperature, which the chain uses [J-1]."""
         return self.per_joule(self.temperature)
 
     def error(self, temperature: float) -> float:
@@ -122,7 +122,7 @@ class Photons:
 
     @cached_property
     def sunlight_error(self) -> float:
-        """The same for sunlight [1]."""
+        """Relative error of the chain's electrons for the spectrum of sunlight [1]."""
         return self.error(SUN_TEMPERATURE)
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Geometry in time: the instant at which each column or row of a picture is taken."""
+"""Timing of a picture: the instant at which each column or row is taken."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ScanKind = Literal["staring", "line", "panoramic"]
 
 @dataclass(frozen=True)
 class Scan:
-    """How a picture comes about in time.
+    """Timing of the columns and rows of a picture.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Scan:
 
     @property
     def instantaneous(self) -> bool:
-        """Whether all pixels have one instant."""
+        """True if all pixels have one instant."""
         return (self.kind == "staring" or self.period == 0.0) and self.row_time == 0.0
 
     def column_delays(self, columns: int) -> FloatArray:

@@ -1,4 +1,4 @@
-r"""Thermal detectors: a microbolometer answers to absorbed power, with a lag, and has no shot noise.
+r"""Thermal detectors: the response of a microbolometer to absorbed power, with a lag and without shot noise.
 
 Noise is what a data sheet states: the NETD against a blackbody of a temperature, seen through optics of an f-number. In absorbed power
 
@@ -20,13 +20,13 @@ from seaglint.conventions import FloatArray
 from seaglint.sensor.detector import MOST_BITS, Pixels
 
 FORGOTTEN: Final = 1e-4
-"""Share of an old frame from which it is left out of the lag: less than a count of most converters."""
+"""Share of an old frame below which it is omitted from the lag: less than a count of most converters."""
 
 MOST_REMEMBERED: Final = 64
-"""Frames that are remembered at most."""
+"""Largest number of frames in the lag."""
 
 NANO: Final = 1e9
-"""Nanowatts in a watt: the units of the signal."""
+"""Number of nanowatts, the units of the signal, in a watt."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class ThermalDetector(Pixels):
     netd_f_number, netd_temperature : float
         Optics (transmission 1) and blackbody [K] for which it is stated.
     time_constant : float
-        Of the exponential lag [s]; 0 has none.
+        Time constant of the exponential lag [s]; 0 has none.
     fill_factor : float
         Share of a pixel's area that absorbs [1].
     absorptance : float
@@ -50,7 +50,7 @@ class ThermalDetector(Pixels):
     full_scale_temperature : float
         Blackbody that fills the converter [K].
     bit_depth : int
-        Of the converter.
+        Bit depth of the converter.
     offset : float
         Counts without power.
     """
@@ -71,12 +71,12 @@ class ThermalDetector(Pixels):
 
 
 def lag_weights(time_constant: float, interval: float) -> FloatArray:
-    """Shares of this frame, the one before and so on in the signal, which add to 1.
+    """Weights of this frame, the one before and so on in the signal, which add to 1.
 
     Parameters
     ----------
     time_constant, interval : float
-        Of the detector, and between frames [s].
+        Time constant of the detector, and interval between frames [s].
 
     Examples
     --------
@@ -87,7 +87,7 @@ def lag_weights(time_constant: float, interval: float) -> FloatArray:
     """
     if time_constant <= 0.0:
         return np.ones(1)
-    kept = math.exp(-interval / time_constant)
-    count = 1 + min(math.floor(math.log(FORGOTTEN) / math.log(kept)) if kept > 0.0 else 0, MOST_REMEMBERED - 1)
-    weights = (1.0 - kept) * kept ** np.arange(count)
+    decay = math.exp(-interval / time_constant)
+    count = 1 + min(math.floor(math.log(FORGOTTEN) / math.log(decay)) if decay > 0.0 else 0, MOST_REMEMBERED - 1)
+    weights = (1.0 - decay) * decay ** np.arange(count)
     return np.asarray(weights / weights.sum())

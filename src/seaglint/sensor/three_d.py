@@ -23,7 +23,7 @@ from seaglint.conventions import FloatArray
 from seaglint.errors import DataError
 
 COMPONENTS: Final = ("T", "V", "H", "TV", "TH", "VH", "TVH")
-"""Time; rows (each one level); columns; rows in time; columns in time; pixels; pixels in time."""
+"""Components: time; rows (each one level); columns; rows in time; columns in time; pixels; pixels in time."""
 
 
 def three_d_noise(cube: NDArray[np.floating] | NDArray[np.integer]) -> dict[str, float]:

@@ -1,4 +1,4 @@
-r"""From a fine picture of the radiance to the detector's pixels: blur and integration in one pass, aliased as the sensor's own.
+r"""Sampling of a fine picture of the radiance by the detector's pixels: blur and integration in one pass, with the sensor's aliasing.
 
 The picture has ``n x n`` pixels in each of the detector's, each the mean over its area. In frequency the detector's mean is then
 
@@ -27,28 +27,28 @@ from seaglint.sensor.detector import crosstalk_mtf, square_mtf
 from seaglint.sensor.optics import Blur, motion_mtf
 
 MARGIN: Final = 8
-"""Pixels around the picture in which its border goes on, at least."""
+"""Least number of pixels by which the picture's border is continued."""
 
 MOST_OVERSAMPLING: Final = 15
-"""Fine pixels along a side of a detector's at most."""
+"""Largest number of fine pixels along a side of a detector's."""
 
 AIRY_RINGS: Final = 6.0
 """Margin in units of the blur's diameter (wavelength times f-number)."""
 
 WINGS: Final = 0.001
-"""Share of an edge's step that may reach over the margin from the picture's other side.
+"""Largest share of an edge's step that may wrap around over the margin from the picture's other side.
 
 The wings of diffraction fall only as the distance: of an edge ``x`` away the share ``s / (2 pi^2 x)`` is left, with the fall ``s`` of the
 transfer at frequency 0. A margin of six rings lets through 0.005, which raises the whole MTF of a slanted edge by 0.01.
 """
 
 MOST_MARGIN: Final = 64
-"""Pixels of margin for those wings at most, or half the picture's side where that is more: wider ones cost more than they change."""
+"""Largest margin for those wings [pixels], or half the picture's side where that is more: wider ones cost more than they change."""
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """How the detector samples the picture.
+    """Sampling of the picture by the detector.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class Sampling:
 
 
 def needed_oversampling(step: float, cutoff: float) -> int:
-    """Fine pixels along a side that hold all that optics of a cut-off [cycles rad-1] let through to pixels ``step`` [rad] apart.
+    """Fine pixels along a side of pixels ``step`` [rad] apart for optics of a cut-off [cycles rad-1].
 
     >>> needed_oversampling(0.15e-3, 0.1 / 3.5e-6)
     9
@@ -84,7 +84,7 @@ def needed_oversampling(step: float, cutoff: float) -> int:
 
 
 def require_divides(shape: tuple[int, int], oversampling: int) -> tuple[int, int]:
-    """Size of the detector under a fine picture.
+    """Size of the detector under a fine picture; refuse sizes that do not divide.
 
     Raises
     ------
@@ -111,16 +111,16 @@ class Transfer:
 
     sampling: Sampling
     shape: tuple[int, int]
-    """Rows and columns of the detector."""
+    """Numbers of rows and columns of the detector."""
     before: tuple[int, int]
     """Pixels of margin above and to the left."""
     padded: tuple[int, int]
-    """Rows and columns with the margins."""
+    """Numbers of rows and columns with the margins."""
     filter: NDArray[np.complex64] = field(repr=False)
 
     @classmethod
     def of(cls, blur: Blur, sampling: Sampling, fine_shape: tuple[int, int]) -> Transfer:
-        """Prepare for fine pictures (rows, columns).
+        """Prepare the transfer for fine pictures (rows, columns).
 
         Raises
         ------
@@ -137,7 +137,7 @@ class Transfer:
             for side, smear in zip(shape, (sampling.smear[1], sampling.smear[0]), strict=True)
         )
         rows = int(scipy.fft.next_fast_len(shape[0] + 2 * margin[0], real=True))
-        # All round there is nothing to add: what follows the last column is the first.
+        # A full circle needs no margin: the last column is followed by the first.
         columns = shape[1] if sampling.circle else int(scipy.fft.next_fast_len(shape[1] + 2 * margin[1], real=True))
         before = (margin[0], 0 if sampling.circle else margin[1])
         x = scipy.fft.rfftfreq(n * columns, step / n)
@@ -162,7 +162,7 @@ class Transfer:
             raise DomainError(
                 f"a picture of {fine.shape} for a sensor prepared for {(self.shape[0] * n, self.shape[1] * n)}; prepare another"
             )
-        level = np.float32(fine.mean(dtype=np.float64))  # what is transformed is small: single precision rounds little
+        level = np.float32(fine.mean(dtype=np.float64))  # the transformed values are small: single precision rounds little
         given = np.pad(fine - level, [_pads(n * self.before[i], n * self.shape[i], n * self.padded[i]) for i in (0, 1)], mode="edge")
         spectrum = scipy.fft.rfft2(given)
         spectrum *= self.filter

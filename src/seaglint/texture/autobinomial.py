@@ -18,12 +18,12 @@ IntArray = NDArray[np.integer[Any]]
 KIND: Final = "autobinomial"
 
 MOST_LEVELS: Final = 1024
-"""Grey levels beyond which a binomial is a Gaussian and the Gauss-Markov field the model to take."""
+"""Number of grey levels beyond which a binomial is a Gaussian and the Gauss-Markov field is the better model."""
 
 
 @dataclass(frozen=True)
 class Autobinomial:
-    """``x_s | neighbours ~ Binomial(levels - 1, logistic(alpha + sum_k beta_k sum_d (x_{s+d} + x_{s-d})))``.
+    """Autobinomial field, ``x_s | neighbours ~ Binomial(levels - 1, logistic(alpha + sum_k beta_k sum_d (x_{s+d} + x_{s-d})))``.
 
     The joint density is ``exp(sum_s [alpha x_s + log C(levels - 1, x_s)] + sum_k beta_k sum_pairs x_s x_t) / Z``.
 
@@ -73,7 +73,7 @@ class Autobinomial:
 
     @classmethod
     def of(cls, levels: int, order: int, alpha: float, beta: tuple[float, ...], *, isotropic: bool = True) -> Autobinomial:
-        """The field of a neighbourhood's order; one coupling for each distance, or for each symmetric pair."""
+        """Field of a neighbourhood's order; one coupling for each distance, or for each symmetric pair."""
         return cls(levels, classes(order, isotropic), alpha, beta)
 
     @property
@@ -92,11 +92,11 @@ class Autobinomial:
         return np.array([self.alpha, *self.beta])
 
     def with_parameters(self, parameters: FloatArray) -> Autobinomial:
-        """The same field with other alpha and couplings."""
+        """Return the field with other alpha and couplings."""
         return Autobinomial(self.levels, self.neighbours, float(parameters[0]), tuple(map(float, parameters[1:])))
 
     def to_dict(self) -> dict[str, Any]:
-        """What JSON holds of it."""
+        """Return the field as values for JSON."""
         return {
             "kind": KIND,
             "levels": self.levels,
@@ -107,7 +107,7 @@ class Autobinomial:
 
     @classmethod
     def from_dict(cls, held: dict[str, Any]) -> Autobinomial:
-        """Read back what :meth:`to_dict` wrote.
+        """Read the output of :meth:`to_dict`.
 
         Raises
         ------
@@ -126,7 +126,7 @@ class Autobinomial:
 
 
 def check_levels(levels: int) -> None:
-    """Refuse numbers of grey levels that no field can have."""
+    """Refuse numbers of grey levels outside the allowed range."""
     if not 2 <= levels <= MOST_LEVELS:
         raise DomainError(
             f"levels = {levels}: allowed are 2 to {MOST_LEVELS} grey levels; quantise the picture first",
@@ -137,7 +137,7 @@ def check_levels(levels: int) -> None:
 
 
 def check_shape(shape: tuple[int, int], model: Autobinomial) -> None:
-    """Refuse pictures in which a pixel would meet the same neighbour twice."""
+    """Refuse pictures in which a pixel would have the same neighbour twice."""
     rows, columns = (2 * far + 1 for far in model.reach)
     if len(shape) != 2 or shape[0] < rows or shape[1] < columns:
         raise DomainError(
@@ -150,7 +150,7 @@ def check_shape(shape: tuple[int, int], model: Autobinomial) -> None:
 
 
 def checked_field(field: IntArray, model: Autobinomial) -> NDArray[np.int16]:
-    """A picture of grey levels as the kernels take it (a copy).
+    """Copy of a picture of grey levels in the form of the kernels.
 
     Raises
     ------

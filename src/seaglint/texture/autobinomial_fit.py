@@ -1,4 +1,4 @@
-"""Fit an autobinomial field to a picture of grey levels, with standard errors and the regime that the fit is in."""
+"""Fit of an autobinomial field to a picture of grey levels, with standard errors and the regime of the fit."""
 
 from __future__ import annotations
 
@@ -20,31 +20,31 @@ from seaglint.threads import single_threaded_algebra
 Method = Literal["pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"]
 
 PIXELS_PER_PARAMETER: Final = 30
-"""Pixels with all their neighbours that each parameter takes at least: below, standard errors mean nothing."""
+"""Least number of pixels with all their neighbours for each parameter; with fewer, standard errors are meaningless."""
 
 
 @dataclass(frozen=True)
 class Fit:
-    """A fitted field.
+    """Fitted autobinomial field.
 
     Attributes
     ----------
     model : Autobinomial
         The field.
     covariance : array, (1 + classes, 1 + classes)
-        Of :attr:`parameters`; NaN where the picture is too small to tell.
+        Covariance of :attr:`parameters`; NaN where the picture is too small to tell.
     log_pseudo_likelihood : float
         Log pseudo-likelihood of the picture at the fit, mean per pixel [nat].
     pixels : int
         Pixels that entered, each with all its neighbours.
     method : {"pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"}
-        How the parameters were found.
+        Method of the fit.
     converged : bool
         Whether the maximum was reached.
     steps : int
         Newton's steps taken.
     regime : Regime or None
-        What samples of the fit are like; None where it was not asked for.
+        Regime of samples of the fit; None where it was not requested.
     distance : float or None
         Left between the picture's sums and those of samples, in standard deviations of a sample's; None of a pseudo-likelihood.
     """
@@ -71,22 +71,22 @@ class Fit:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Sentences for whoever uses the fit: what is wrong with it and what to do."""
-        found = []
+        """Notes for the user of the fit: problems and remedies."""
+        messages = []
         if not self.converged:
             left = "" if self.distance is None else f" {self.distance:.3g} standard deviations from"
-            found.append(
+            messages.append(
                 f"the Monte Carlo likelihood was not climbed to its top in {self.steps} steps (sums over pixels and pairs of samples stay"
                 f"{left or ' away from'} the picture's): take the pseudo-likelihood's fit, fewer levels or a lower order"
             )
         if np.isnan(self.covariance).any() and self.method == "pseudo-likelihood":
-            found.append("the picture is too small for standard errors of so many neighbours: take a larger one or a lower order")
+            messages.append("the picture is too small for standard errors of so many neighbours: take a larger one or a lower order")
         if self.regime is not None and self.regime.name != "usable":
-            found.append(self.regime.text)
-        return tuple(found)
+            messages.append(self.regime.text)
+        return tuple(messages)
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything of the fit that JSON can hold."""
+        """Return the fit as values for JSON."""
         return {
             "model": self.model.to_dict(),
             "method": self.method,
@@ -136,7 +136,7 @@ def fit(
     neighbours : tuple of tuple of (int, int), optional
         Classes of offsets in place of ``order`` and ``isotropic``.
     seed : int
-        Of the simulations.
+        Seed of the simulations.
     start : array, (1 + classes,), optional
         Where the climb of the pseudo-likelihood begins; it ends in the same place.
     check : bool
@@ -172,8 +172,8 @@ def fit(
     field = checked_field(image, model)
     refuse_flat(field, levels)
     _refuse_few(field, model, periodic=periodic)
-    found, regressors = neighbour_sums(field, ties, periodic=periodic)
-    top = climb(found, regressors, model.most, ties, start, periodic=periodic)
+    pixels, regressors = neighbour_sums(field, ties, periodic=periodic)
+    top = climb(pixels, regressors, model.most, ties, start, periodic=periodic)
     model, covariance = model.with_parameters(top.parameters), top.covariance
     converged, steps, distance = top.converged, top.steps, None
     if method != "pseudo-likelihood":
@@ -184,7 +184,7 @@ def fit(
         model,
         covariance,
         conditional_log_likelihood(field, model, periodic=periodic),
-        found.size,
+        pixels.size,
         method,
         converged,
         steps,
@@ -194,7 +194,7 @@ def fit(
 
 
 def refuse_flat(field: NDArray[np.int16], levels: int) -> None:
-    """Refuse pictures of one value, and those of two that are to be fitted with more levels."""
+    """Refuse pictures of one value, and those of two values for a fit with more levels."""
     values = np.unique(field)
     if values.size == 1:
         raise DomainError(

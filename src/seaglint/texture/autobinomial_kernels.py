@@ -17,17 +17,17 @@ from seaglint.conventions import FloatArray
 from seaglint.render.counter import WORD, bits, cell_key, uniform
 
 PRECISION = 56
-"""Bits of a probability that are looked at: the 53 of a double, and a multiple of :data:`UNROLLED`."""
+"""Number of bits of a probability that are used: the 53 of a double, and a multiple of :data:`UNROLLED`."""
 
 UNROLLED = 4
-"""Bits looked at between two questions whether any trial is open: a quarter less time than asking after each."""
+"""Number of bits between two tests whether any trial is undecided: a quarter less time than a test after each."""
 
 TRIALS = 63
-"""Trials drawn at once, a bit each of a 64-bit integer that stays positive."""
+"""Number of trials drawn at once, a bit each of a 64-bit integer that stays positive."""
 
 
 class Law(NamedTuple):
-    """What a pixel's conditional law takes of the model: one half of the offsets, the coupling and class of each."""
+    """Parameters of a pixel's conditional distribution: one half of the offsets, the coupling and class of each."""
 
     down: NDArray[np.int64]
     right: NDArray[np.int64]
@@ -38,7 +38,7 @@ class Law(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """Pixels in the order of their colours, rows and columns apart, and where each row or column beyond the edge lies on the torus.
+    """Pixels in the order of their colours, rows and columns apart, and the periodic indices of rows and columns beyond the edge.
 
     Pixels within ``margin`` rows and columns of the edge are held.
     """
@@ -55,7 +55,7 @@ class Plan(NamedTuple):
 
 @kernel
 def set_bits(x: int) -> int:
-    """How many of 32 bits are set."""
+    """Number of bits that are set, of 32."""
     x -= (x >> 1) & 0x55555555
     x = (x & 0x33333333) + ((x >> 2) & 0x33333333)
     x = (x + (x >> 4)) & 0x0F0F0F0F
@@ -64,7 +64,7 @@ def set_bits(x: int) -> int:
 
 @kernel
 def binomial(probability: float, trials: int, key: tuple[int, int]) -> int:
-    """Binomial deviate, exact to the last bit of the probability: ``trials`` uniform numbers, compared with it bit by bit at once.
+    """Binomial deviate, exact to the last bit of the probability, from ``trials`` uniform numbers compared bit by bit at once.
 
     Each trial's number is drawn from its highest bit down until it differs from the probability's: some log2(trials) + 2 words of random
     bits, whatever the probability.
@@ -92,7 +92,7 @@ def binomial(probability: float, trials: int, key: tuple[int, int]) -> int:
 
 @kernel
 def neighbour_sum(field: NDArray[np.int16], law: Law, plan: Plan, y: int, x: int) -> float:
-    """Neighbours of a pixel, each with its coupling."""
+    """Sum of the neighbours of a pixel, weighted with their couplings."""
     up, left = plan.far[0], plan.far[1]
     total = 0.0
     for k in range(law.coupling.shape[0]):
@@ -105,7 +105,7 @@ def neighbour_sum(field: NDArray[np.int16], law: Law, plan: Plan, y: int, x: int
 
 @njit
 def draw_row(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, int], y: int, colour: int) -> None:
-    """Draw the pixels of one colour in a row anew."""
+    """Draw the pixels of one colour in a row from their conditional distribution."""
     for j in range(plan.column_starts[colour], plan.column_starts[colour + 1]):
         x = int(plan.columns[j])
         logit = law.alpha + neighbour_sum(field, law, plan, y, x)
@@ -114,7 +114,7 @@ def draw_row(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, in
 
 @njit
 def gibbs(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
-    """Sweeps number ``first`` and on, colour by colour, in place."""
+    """Run Gibbs sweeps from number ``first`` on, colour by colour, in place."""
     for sweep in range(first, first + sweeps):
         now = cell_key((int(seed[0]), int(seed[1])), sweep, sweep, 1)
         for down in range(plan.row_starts.shape[0] - 1):
@@ -125,7 +125,7 @@ def gibbs(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64
 
 @njit_parallel
 def gibbs_in_threads(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
-    """As :func:`gibbs`, the rows of a colour shared by the threads: pixels of one colour are no neighbours."""
+    """Run :func:`gibbs` with the rows of a colour divided among threads: pixels of one colour are no neighbours."""
     for sweep in range(first, first + sweeps):
         first_word, second_word = cell_key((int(seed[0]), int(seed[1])), sweep, sweep, 1)
         for down in range(plan.row_starts.shape[0] - 1):
@@ -136,7 +136,7 @@ def gibbs_in_threads(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArr
 
 @kernel
 def coupling_between(law: Law, shape: tuple[int, int], down: int, right: int) -> float:
-    """Coupling of two pixels of a torus that lie so far apart; 0 where they are no neighbours."""
+    """Coupling of two pixels of a torus at a given distance; 0 where they are no neighbours."""
     rows, columns = shape
     for k in range(law.coupling.shape[0]):
         dy, dx = law.down[k], law.right[k]
@@ -149,7 +149,7 @@ def coupling_between(law: Law, shape: tuple[int, int], down: int, right: int) ->
 
 @njit
 def exchange(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64], first: int, sweeps: int) -> int:
-    """Metropolis exchanges of two pixels drawn at random, half as many in a sweep as there are pixels; returns how many took place."""
+    """Run Metropolis exchanges of random pairs of pixels, half as many in a sweep as there are pixels; return the number accepted."""
     rows, columns = field.shape
     pixels = rows * columns
     taken = 0
@@ -173,7 +173,7 @@ def exchange(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.in
 
 @njit
 def pair_sums(field: NDArray[np.int16], law: Law, plan: Plan, sums: FloatArray) -> None:
-    """Add to ``sums`` the levels of all pixels that are drawn, and for each class the products of all pairs with one of them."""
+    """Add to ``sums`` the levels of all drawn pixels, and for each class the products of all pairs with one of them."""
     rows, columns = field.shape
     up, left, high, wide = plan.far[0], plan.far[1], plan.margin[0], plan.margin[1]
     for y in range(high, rows - high):
@@ -183,7 +183,7 @@ def pair_sums(field: NDArray[np.int16], law: Law, plan: Plan, sums: FloatArray) 
             for k in range(law.coupling.shape[0]):
                 dy, dx = law.down[k], law.right[k]
                 total = int(field[plan.wrap_rows[y + dy + up], plan.wrap_columns[x + dx + left]])
-                # The pair behind is counted from its other end, unless that one is held.
+                # The opposite pair is counted from its other end, unless that pixel is fixed.
                 if high + wide > 0 and (y - dy < high or not wide <= x - dx < columns - wide):
                     total += int(field[y - dy, x - dx])
                 sums[1 + law.group[k]] += here * total

@@ -17,14 +17,14 @@ from seaglint.texture.autobinomial import Autobinomial, IntArray, check_shape, c
 from seaglint.texture.neighbourhood import colours
 
 IN_THREADS_FROM: Final = 64 * 64
-"""Pixels from which threads share a sweep: below, starting them takes longer than the work."""
+"""Number of pixels from which a sweep runs in threads; for fewer, starting them takes longer than the work."""
 
 CUT_MARGIN: Final = 16
-"""Pixels that a sample without periods is cut out of on each side, in reaches of the neighbourhood."""
+"""Margin on each side from which a sample without periods is cut, in reaches of the neighbourhood."""
 
 
 def law(model: Autobinomial) -> kernels.Law:
-    """The model as kernels take it."""
+    """Parameters of the model as kernels read them."""
     flat = [(dy, dx, beta, k) for k, (one, beta) in enumerate(zip(model.neighbours, model.beta, strict=True)) for dy, dx in one]
     down, right, coupling, group = (np.array(column) for column in zip(*flat, strict=True))
     return kernels.Law(
@@ -33,7 +33,7 @@ def law(model: Autobinomial) -> kernels.Law:
 
 
 def plan(model: Autobinomial, shape: tuple[int, int], *, held_border: bool = False) -> kernels.Plan:
-    """Colours of a lattice; with ``held_border`` the pixels that have not all their neighbours in the picture stay as they are."""
+    """Colours of a lattice; with ``held_border`` the pixels without all their neighbours in the picture stay unchanged."""
     check_shape(shape, model)
     far = model.reach
     margin = far if held_border else (0, 0)
@@ -47,30 +47,30 @@ def plan(model: Autobinomial, shape: tuple[int, int], *, held_border: bool = Fal
 
 
 def words(seed: int, purpose: str) -> NDArray[np.int64]:
-    """Two words of 32 bits by which kernels name their random numbers."""
+    """Two words of 32 bits that key the random numbers of kernels."""
     return stream(seed, purpose).integers(0, WORD, size=2, endpoint=True)
 
 
 def sweep(field: NDArray[np.int16], held: kernels.Law, lattice: kernels.Plan, key: NDArray[np.int64], first: int, sweeps: int) -> None:
-    """Gibbs sweeps in place, in threads where the picture is worth it; bytes are the same either way."""
+    """Run Gibbs sweeps in place, in threads for large pictures; the bytes are the same either way."""
     run = kernels.gibbs_in_threads if field.size >= IN_THREADS_FROM else kernels.gibbs
     run(field, held, lattice, key, first, sweeps)
 
 
 def sums(field: NDArray[np.int16], held: kernels.Law, lattice: kernels.Plan) -> FloatArray:
     """Sufficient statistics: sum of levels, and of the products of each class of pairs [level, level²]."""
-    found = np.zeros(2 + int(held.group.max()))
-    kernels.pair_sums(field, held, lattice, found)
-    return found
+    result = np.zeros(2 + int(held.group.max()))
+    kernels.pair_sums(field, held, lattice, result)
+    return result
 
 
 def independent(model: Autobinomial, shape: tuple[int, int], seed: int) -> NDArray[np.int16]:
-    """Start of a chain: pixels binomial without coupling, their mean that of the model's mean field."""
+    """Initial picture of a chain: pixels binomial without coupling, with the mean of the model's mean field."""
     return stream(seed, "autobinomial-start").binomial(model.most, mean_field_share(model), size=shape).astype(np.int16)
 
 
 def mean_field_share(model: Autobinomial) -> float:
-    """Mean level over the largest, where every neighbour has the mean [1]: reached from 1/2 by small steps."""
+    """Mean level over the largest in the mean field, where every neighbour has the mean [1]; iterated from 1/2 in small steps."""
     pull = 2.0 * model.most * sum(beta * len(one) for one, beta in zip(model.neighbours, model.beta, strict=True))
     share = 0.5
     for _ in range(200):
@@ -81,7 +81,7 @@ def mean_field_share(model: Autobinomial) -> float:
 def sample(
     model: Autobinomial, shape: tuple[int, int], sweeps: int, seed: int, *, periodic: bool = True, start: IntArray | None = None
 ) -> NDArray[np.int16]:
-    """Draw a picture by Gibbs sweeps: every pixel anew from its conditional law, colour by colour.
+    """Sample of a picture by Gibbs sweeps: every pixel from its conditional distribution, colour by colour.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def sample(
 
 
 def exchange(image: IntArray, model: Autobinomial, sweeps: int, seed: int) -> NDArray[np.int16]:
-    """Draw a picture with exactly the histogram of ``image``: pairs of pixels swap their levels by Metropolis' rule.
+    """Sample of a picture with exactly the histogram of ``image``, by Metropolis exchanges of pairs of pixels.
 
     Cannot freeze into a constant or lose its contrast, whatever the couplings: the way out of a fit in the frozen or molten regime.
 

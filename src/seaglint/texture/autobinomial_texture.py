@@ -1,4 +1,4 @@
-"""A texture of an autobinomial field: grey levels by the field, and the values that they stand for."""
+"""Texture of an autobinomial field: grey levels of the field, and the values that they represent."""
 
 from __future__ import annotations
 
@@ -24,29 +24,29 @@ from seaglint.texture.regime import correlations
 Sampler = Literal["gibbs", "exchange"]
 
 Way = Literal["auto", "pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"]
-"""How couplings are found; auto by the regime that the pseudo-likelihood's fit is in."""
+"""Method that fits the couplings; auto chooses by the regime of the pseudo-likelihood's fit."""
 
 SWEEPS: Final[Mapping[Sampler, int]] = {"gibbs": 300, "exchange": 200}
-"""Of a sample: Gibbs as many as the regime was told from; exchanges tried for each pixel."""
+"""Number of sweeps of a sample: Gibbs sweeps as many as in the test of the regime; exchanges tried for each pixel."""
 
 
 APART: Final = 0.03
-"""Distance of distribution functions from which Gibbs samples have another histogram: by chance 128 x 128 pixels differ by 0.01."""
+"""Distance of distribution functions beyond which Gibbs samples have another histogram: by chance 128 x 128 pixels differ by 0.01."""
 
 
 @dataclass(frozen=True)
 class AutobinomialTexture:
-    """Pixels are grey levels of an autobinomial field, with the values and the histogram of the picture it was fitted to.
+    """Texture of grey levels of an autobinomial field, with the values and the histogram of the fitted picture.
 
     Attributes
     ----------
     field : Autobinomial
     grey : GreyLevels
-        What each level stands for.
+        Value that each level represents.
     histogram : tuple of float
         Share of each level in the picture [1]: samples by exchange keep it, so that no phase transition can freeze or melt them.
     sampler : {"gibbs", "exchange"}
-        What samples are drawn with.
+        Method that draws samples.
     """
 
     field: Autobinomial
@@ -75,7 +75,7 @@ class AutobinomialTexture:
             return self._values(gibbs(self.field, (rows, columns), count, seed))
         shares = np.array(self.histogram)
         counts = np.floor(shares * rows * columns).astype(int)
-        # What rounding leaves goes to the levels that lost most.
+        # The remainder of rounding is given to the levels that lost most.
         lost = np.argsort(counts - shares * rows * columns)
         counts[lost[: rows * columns - counts.sum()]] += 1
         start = np.repeat(np.arange(counts.size), counts).astype(np.int16)
@@ -91,7 +91,7 @@ class AutobinomialTexture:
         return float(np.mean([conditional_log_likelihood(self.grey.to_levels(frame), self.field) for frame in frames]))
 
     def to_dict(self) -> dict[str, Any]:
-        """What JSON holds of it."""
+        """Return the texture as values for JSON."""
         return {
             **self.field.to_dict(),
             "grey_edges": self.grey.edges.tolist(),
@@ -102,7 +102,7 @@ class AutobinomialTexture:
 
     @classmethod
     def from_dict(cls, held: Mapping[str, Any]) -> AutobinomialTexture:
-        """Read back what :meth:`to_dict` wrote.
+        """Read the output of :meth:`to_dict`.
 
         Raises
         ------
@@ -125,7 +125,7 @@ class AutobinomialTexture:
 
 @dataclass(frozen=True)
 class AutobinomialTextureFit:
-    """A fitted texture and what is known of it.
+    """Fitted texture with the diagnostics of the fit.
 
     Attributes
     ----------
@@ -134,7 +134,7 @@ class AutobinomialTextureFit:
         The field's; where that asked for did not converge, the one whose exchange samples are nearer to the picture, it or the
         pseudo-likelihood's.
     tried : Way
-        How couplings were asked for.
+        Requested method for the couplings.
     notes : tuple of str
     """
 
@@ -154,30 +154,30 @@ def fit_texture(
     keep_histogram: bool = False,
     seed: int = 0,
 ) -> AutobinomialTextureFit:
-    """Fit a texture to a picture and choose the sampler that brings its contrast and correlation back.
+    """Fit a texture to a picture and choose the sampler that reproduces its contrast and correlation.
 
     With ``method`` auto a usable fit of the pseudo-likelihood is sampled by Gibbs sweeps, if they nearly have the picture's histogram.
     Where that fit is frozen or molten, or the histogram is to be kept, couplings are those of the likelihood given the histogram, and
-    samples exchanges. A Monte Carlo likelihood that does not converge is told, with how far samples stay from the picture; samples are then
-    exchanges, at those couplings where it stopped or where the pseudo-likelihood has its top, whose correlations are nearer.
+    samples exchanges. A Monte Carlo likelihood that does not converge is reported, with the distance of samples from the picture; samples
+    are then exchanges, at those couplings where it stopped or where the pseudo-likelihood has its top, whose correlations are nearer.
 
     Parameters
     ----------
     image : array_like, shape (rows, columns)
         [u], without missing values.
     levels, order, isotropic : int, int, bool
-        Of the field (:func:`seaglint.texture.autobinomial_fit.fit`).
+        Parameters of the field (:func:`seaglint.texture.autobinomial_fit.fit`).
     method : str
         auto, or one of the fits.
     keep_histogram : bool
         Draw samples with the picture's histogram, by exchange, whatever the regime.
     seed : int
-        Of the simulations.
+        Seed of the simulations.
 
     Raises
     ------
     DataError, DomainError
-        As of the fit and of :class:`seaglint.texture.levels.GreyLevels`.
+        Errors of the fit and of :class:`seaglint.texture.levels.GreyLevels`.
     """
     grey = GreyLevels.of(image, levels)
     picture = grey.to_levels(image)
@@ -187,36 +187,36 @@ def fit_texture(
         return fit_field(picture, levels, order, isotropic=isotropic, method=by, seed=seed, check=by != "monte-carlo-exchange")
 
     pseudo = fitted("pseudo-likelihood")
-    found = pseudo if method == "auto" else fitted(method)
+    selected = pseudo if method == "auto" else fitted(method)
     notes: list[str] = []
-    lost = found.regime is not None and found.regime.name != "usable"
-    if found.regime is not None and not lost and not keep_histogram:
-        apart = _histograms_apart(picture, found.model, seed)
+    lost = selected.regime is not None and selected.regime.name != "usable"
+    if selected.regime is not None and not lost and not keep_histogram:
+        apart = _histograms_apart(picture, selected.model, seed)
         if apart > APART:
             keep_histogram = True
-            notes.append(f"Gibbs sweeps at the {found.method} fit have another histogram (distribution functions differ by {apart:.2g})")
+            notes.append(f"Gibbs sweeps at the {selected.method} fit have another histogram (distribution functions differ by {apart:.2g})")
     if method == "auto" and (lost or keep_histogram):
-        if found.regime is not None and lost:
-            notes.append(f"Gibbs sweeps at the pseudo-likelihood's fit: {found.regime.finding}")
-        found = fitted("monte-carlo-exchange")
-    elif lost and found.regime is not None:
-        notes.append(f"Gibbs sweeps at this fit: {found.regime.finding}")
-    by_exchange = keep_histogram or lost or not found.converged or found.method == "monte-carlo-exchange"
-    if not found.converged:
-        gaps = [_gap(picture, one.model, seed) for one in (found, pseudo)]
-        tried, found = found.method, (found, pseudo)[int(np.argmin(gaps))]
+        if selected.regime is not None and lost:
+            notes.append(f"Gibbs sweeps at the pseudo-likelihood's fit: {selected.regime.finding}")
+        selected = fitted("monte-carlo-exchange")
+    elif lost and selected.regime is not None:
+        notes.append(f"Gibbs sweeps at this fit: {selected.regime.finding}")
+    by_exchange = keep_histogram or lost or not selected.converged or selected.method == "monte-carlo-exchange"
+    if not selected.converged:
+        gaps = [_gap(picture, one.model, seed) for one in (selected, pseudo)]
+        tried, selected = selected.method, (selected, pseudo)[int(np.argmin(gaps))]
         notes.append(
             f"the {tried} likelihood did not converge: the picture is none of this family. "
             f"Exchange samples where it stopped miss correlations with neighbours by {gaps[0]:.2g}, at the pseudo-likelihood's top by "
             f"{gaps[1]:.2g}; the nearer couplings are taken. Take fewer levels, another order or --model gauss-markov"
         )
     if by_exchange:
-        notes.append(f"samples are drawn by exchange at the couplings of the {found.method} fit: they have the picture's histogram")
-    elif found.regime is not None:
-        notes.append(f"samples are drawn by Gibbs sweeps: {found.regime.finding}")
+        notes.append(f"samples are drawn by exchange at the couplings of the {selected.method} fit: they have the picture's histogram")
+    elif selected.regime is not None:
+        notes.append(f"samples are drawn by Gibbs sweeps: {selected.regime.finding}")
     shares = np.bincount(picture.ravel(), minlength=levels) / picture.size
-    texture = AutobinomialTexture(found.model, grey, tuple(map(float, shares)), "exchange" if by_exchange else "gibbs")
-    return AutobinomialTextureFit(texture, found, method, tuple(notes))
+    texture = AutobinomialTexture(selected.model, grey, tuple(map(float, shares)), "exchange" if by_exchange else "gibbs")
+    return AutobinomialTextureFit(texture, selected, method, tuple(notes))
 
 
 def _gap(picture: NDArray[np.int16], model: Autobinomial, seed: int) -> float:

@@ -29,15 +29,15 @@ KIND: Final = "gauss-markov"
 Offset = tuple[int, int, int]
 
 FLAT: Final = 1e-12
-"""Least of 1 - 2 sum b cos at which a field still has a variance; below it one wave takes all of it."""
+"""Least value of 1 - 2 sum b cos at which a field has a variance; below it one wave takes all of it."""
 
 
 MOST_VALLEYS: Final = 200
-"""Valleys of a symbol whose bottoms are looked for."""
+"""Largest number of minima of a symbol that are refined."""
 
 
 def canonical(offset: Sequence[int]) -> Offset:
-    """The one of d and -d that comes first in time, then downwards, then to the right.
+    """Representative of d and -d: the one that comes first in time, then downwards, then to the right.
 
     Examples
     --------
@@ -53,7 +53,7 @@ def canonical(offset: Sequence[int]) -> Offset:
 
 @dataclass(frozen=True)
 class GaussMarkov:
-    """A Gauss-Markov field.
+    """Gauss-Markov field on a torus.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class GaussMarkov:
         return int(sides[0]), int(sides[1]), int(sides[2])
 
     def to_dict(self) -> dict[str, Any]:
-        """What JSON holds of it."""
+        """Return the field as values for JSON."""
         return {
             "kind": KIND,
             "offsets": [list(d) for d in self.offsets],
@@ -106,13 +106,13 @@ class GaussMarkov:
 
     @classmethod
     def from_dict(cls, table: Mapping[str, Any]) -> GaussMarkov:
-        """Read back what :meth:`to_dict` wrote."""
+        """Read the output of :meth:`to_dict`."""
         offsets = tuple(canonical(d) for d in table["offsets"])
         return cls(offsets, tuple(map(float, table["coefficients"])), float(table["variance"]), float(table["mean"]))
 
 
 def require_torus(model: GaussMarkov, shape: Sequence[int]) -> Offset:
-    """Shape (frames, rows, columns) of a torus that the neighbourhood fits on.
+    """Shape (frames, rows, columns) of a torus, refused where the neighbourhood does not fit on it.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def require_torus(model: GaussMarkov, shape: Sequence[int]) -> Offset:
 
 
 def symbol(model: GaussMarkov, shape: Sequence[int]) -> FloatArray:
-    """``1 - 2 sum_k b_k cos(w . d_k)`` at the frequencies of a torus [1, (frames, rows, columns // 2 + 1)], as of ``rfftn``.
+    """Symbol ``1 - 2 sum_k b_k cos(w . d_k)`` at the frequencies of a torus [1, (frames, rows, columns // 2 + 1)], as of ``rfftn``.
 
     Raises
     ------
@@ -138,18 +138,18 @@ def symbol(model: GaussMarkov, shape: Sequence[int]) -> FloatArray:
         A torus that is too small, or one of whose waves has no finite variance.
     """
     sides = require_torus(model, shape)
-    found = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, sides)
-    least = float(found.min())
+    result = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, sides)
+    least = float(result.min())
     if least < FLAT:
         raise DomainError(
             f"the weights leave 1 - 2 sum b cos = {least:.2g} for a wave of this torus, and a field needs more than 0; "
             "take weights that sum to less than 1/2, or another size"
         )
-    return found
+    return result
 
 
 def _cosines(offsets: Sequence[Offset], weights: Sequence[float], shape: Offset) -> FloatArray:
-    """``sum_k weights_k cos(w . d_k)`` on the half spectrum: few offsets, so that phases along the axes are multiplied."""
+    """Sum ``sum_k weights_k cos(w . d_k)`` on the half spectrum, by products of phases along the axes, as offsets are few."""
     frequencies = [2.0 * np.pi * np.fft.fftfreq(n) for n in shape[:2]] + [2.0 * np.pi * np.fft.rfftfreq(shape[2])]
     out = np.zeros((shape[0], shape[1], shape[2] // 2 + 1))
     for (t, y, x), weight in zip(offsets, weights, strict=True):
@@ -162,7 +162,7 @@ def _cosines(offsets: Sequence[Offset], weights: Sequence[float], shape: Offset)
 
 
 def least_symbol(model: GaussMarkov, grid: Sequence[int]) -> float:
-    """Smallest ``1 - 2 sum_k b_k cos(w . d_k)`` over all frequencies [1]: above 0 a field of any size exists.
+    """Smallest symbol ``1 - 2 sum_k b_k cos(w . d_k)`` over all frequencies [1]: above 0 a field of any size exists.
 
     Parameters
     ----------
@@ -179,18 +179,18 @@ def least_symbol(model: GaussMarkov, grid: Sequence[int]) -> float:
     # Finer than the grid, which does not resolve troughs that run obliquely between its points.
     finer = 4 if model.reach[0] == 0 else 2
     sides = [finer * max(n, 2 * r + 1) if r else 1 for n, r in zip(grid, model.reach, strict=True)]
-    found = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, (sides[0], sides[1], sides[2]))
+    values = 1.0 - 2.0 * _cosines(model.offsets, model.coefficients, (sides[0], sides[1], sides[2]))
     # Every valley of the grid that can be the deepest between its points: curvature times half a step squared lower than it looks.
     steps = 2.0 * np.pi / np.array(sides)
     deeper = float(np.abs(weights) @ ((np.abs(offsets) @ (0.5 * steps)) ** 2))
-    valleys = np.flatnonzero((found <= minimum_filter(found, 3, mode="nearest")) & (found < found.min() + deeper))
-    lowest = valleys[np.argsort(found.ravel()[valleys])][:MOST_VALLEYS]
+    valleys = np.flatnonzero((values <= minimum_filter(values, 3, mode="nearest")) & (values < values.min() + deeper))
+    lowest = valleys[np.argsort(values.ravel()[valleys])][:MOST_VALLEYS]
 
     def value(w: FloatArray) -> tuple[float, FloatArray]:
         phase = offsets @ w
         return float(1.0 - 2.0 * weights @ np.cos(phase)), 2.0 * (weights * np.sin(phase)) @ offsets
 
-    places = 2.0 * np.pi * np.array(np.unravel_index(lowest, found.shape)).T / np.array(sides)
+    places = 2.0 * np.pi * np.array(np.unravel_index(lowest, values.shape)).T / np.array(sides)
     # Near the valley: a long first step would leave it for another.
     found_at = (
         minimize(value, w, jac=True, method="L-BFGS-B", bounds=list(zip(w - 3 * steps, w + 3 * steps, strict=True))) for w in places
@@ -212,7 +212,7 @@ def covariance(model: GaussMarkov, shape: Sequence[int]) -> FloatArray:
 
 
 def half_weights(columns: int) -> FloatArray:
-    """How often each column of a half spectrum stands in the whole one: twice but for frequency 0 and Nyquist's."""
+    """Multiplicity of each column of a half spectrum in the whole one: two but for frequency 0 and Nyquist's."""
     weights = np.full(columns // 2 + 1, 2.0)
     weights[0] = 1.0
     if columns % 2 == 0:
@@ -244,13 +244,13 @@ def log_likelihood(model: GaussMarkov, field: ArrayLike) -> float:
     sides = require_torus(model, x.shape)
     power = np.abs(rfftn(x - model.mean)) ** 2 / x.size
     weight = half_weights(sides[2])
-    found = symbol(model, sides)
-    total = float((weight * (np.log(found) - found * power / model.variance)).sum())
+    values = symbol(model, sides)
+    total = float((weight * (np.log(values) - values * power / model.variance)).sum())
     return 0.5 * (total - x.size * math.log(2.0 * math.pi * model.variance))
 
 
 def conditional(model: GaussMarkov, field: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """What each pixel is expected to be given its neighbours, where all of them lie in the picture, and what it is [u].
+    """Expected value of each pixel given its neighbours, where all of them lie in the picture, and its actual value [u].
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Parameters of a Gauss-Markov field by maximum likelihood, and its neighbourhood by an information criterion.
+"""Fit of a Gauss-Markov field by maximum likelihood, and of its neighbourhood by an information criterion.
 
 In the precisions ``theta = (1, b) / v`` a Gauss-Markov field is an exponential family: its log likelihood
 ``n/2 [mean log(lambda) - sum_k c_k theta_k]``, ``lambda(w) = theta_0 - 2 sum_k theta_k cos(w . d_k)``, needs of the data only their
@@ -25,21 +25,21 @@ from seaglint.errors import DataError, DomainError
 from seaglint.texture.gauss_markov import GaussMarkov, Offset, canonical, half_weights, least_symbol
 
 PER_PARAMETER: Final = 50
-"""Pixels that a parameter needs at least."""
+"""Least number of pixels for each parameter."""
 
 STEPS: Final = 60
-"""Of Newton's method; ten serve unless the optimum lies on the border of the region, where there is none."""
+"""Largest number of steps of Newton's method; ten suffice unless the optimum lies on the border of the region, where there is none."""
 
 LEAST: Final = 1e-5
-"""Smallest 1 - 2 sum b cos of a fitted field."""
+"""Least value of 1 - 2 sum b cos of a fitted field."""
 
 SMALLEST_TORUS: Final = 16
-"""Least side of the torus that stands for an endless plane, in times the largest offset."""
+"""Least side of the torus that represents an infinite plane, in times the largest offset."""
 
 
 @dataclass(frozen=True)
 class Covariances:
-    """What the likelihood needs of a field.
+    """Covariances of a field, the sufficient statistics of the likelihood.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Covariances:
     mean : float
         [u].
     shape : (int, int, int)
-        Of the field.
+        Shape of the field.
     periodic : bool
         Whether the field is a torus.
     """
@@ -60,13 +60,13 @@ class Covariances:
 
     @property
     def reach(self) -> Offset:
-        """Largest distance held along each axis."""
+        """Largest stored distance along each axis."""
         t, y, x = (n // 2 for n in self.values.shape)
         return t, y, x
 
     @property
     def pixels(self) -> int:
-        """Of the field."""
+        """Number of pixels of the field."""
         return math.prod(self.shape)
 
     def at(self, offset: Offset) -> float:
@@ -75,7 +75,7 @@ class Covariances:
         return float(self.values[t, y, x])
 
     def damped(self) -> Covariances:
-        """The same less what is uncertain at large distances: the nearest covariances that surely belong to a field.
+        """Return the covariances reduced at large, uncertain distances: the nearest ones that surely belong to a field.
 
         Times a triangle along each axis, and a spectrum without negative values.
         """
@@ -130,23 +130,23 @@ def covariances(field: ArrayLike, reach: Sequence[int], *, periodic: bool = Fals
 
 @dataclass(frozen=True)
 class GaussMarkovFit:
-    """A fitted field.
+    """Fitted Gauss-Markov field.
 
     Attributes
     ----------
     model : GaussMarkov
     standard_errors : tuple of float
-        Of the coefficients [1], from the information of the likelihood.
+        Standard errors of the coefficients [1], from the information of the likelihood.
     variance_error : float
         Standard error of the conditional variance [u²].
     log_likelihood : float
         At the optimum [1].
     pixels : int
-        Of the data.
+        Number of pixels of the data.
     steps : int
-        Of Newton's method.
+        Number of steps of Newton's method.
     notes : tuple of str
-        What a reader should know.
+        Notes for readers of results.
     """
 
     model: GaussMarkov
@@ -159,18 +159,18 @@ class GaussMarkovFit:
 
     @property
     def bic(self) -> float:
-        """Schwarz's information criterion, ``-2 log L + parameters log(pixels)``: the smaller, the better."""
+        """Schwarz's information criterion, ``-2 log L + parameters log(pixels)``; smaller is better."""
         return -2.0 * self.log_likelihood + (len(self.model.offsets) + 2) * math.log(self.pixels)
 
 
 SEARCHED: Final = ((1, 256, 256), (32, 64, 64))
-"""Largest torus of the search for a neighbourhood, without and with time: the data enter by their covariances, whatever their size."""
+"""Largest torus of the search for a neighbourhood, without and with time; the data enter by their covariances, whatever their size."""
 
 LARGEST_TORUS: Final = ((1, 512, 512), (64, 128, 128))
-"""Largest torus that stands for an endless plane: long waves that hold much of the variance need a fine grid of frequencies."""
+"""Largest torus that represents an infinite plane; long waves with much of the variance need a fine grid of frequencies."""
 
 SEARCH: Final = 1e-9
-"""Log likelihood per pixel within which the steps of the search for a neighbourhood end; a hundred thousandth of the criterion."""
+"""Gain of log likelihood per pixel at which the steps of the search for a neighbourhood end: 1e-5 of the criterion."""
 
 
 class _Likelihood:
@@ -190,11 +190,11 @@ class _Likelihood:
         self.offsets = tuple(offsets)
 
     def _moments(self) -> FloatArray:
-        """Coefficients of the precisions in the log likelihood: the covariances, twice but for the variance, with the sign of lambda."""
+        """Coefficients of the precisions in the log likelihood: twice the covariances, but once the variance, with the sign of lambda."""
         return np.array([self.data.at((0, 0, 0)), *(-2.0 * self.data.at(d) for d in self.offsets)])
 
     def spectrum(self, theta: FloatArray) -> FloatArray:
-        """Lambda on the half spectrum."""
+        """Spectrum lambda on the half grid of frequencies."""
         from scipy.fft import rfftn
 
         kernel = np.zeros(self.shape)
@@ -222,14 +222,17 @@ class _Likelihood:
         return 0.5 * (expected - self._moments()), self.information(squared, self.offsets)
 
     def information(self, squared: FloatArray, offsets: Sequence[Offset]) -> FloatArray:
-        """``1/2 mean(c_j c_k / lambda²)``, c = 1 and -2 cos: sums and differences of offsets in the transform of 1/lambda²."""
+        """Information ``1/2 mean(c_j c_k / lambda²)``, c = 1 and -2 cos.
+
+        It follows from the transform of 1/lambda² at sums and differences of offsets.
+        """
         every = np.array([(0, 0, 0), *offsets])
         scale = np.where(np.arange(len(every)) == 0, 1.0, -2.0)
         both = _read(squared, every[:, None] + every) + _read(squared, every[:, None] - every)
         return np.asarray(0.25 * np.outer(scale, scale) * both)
 
     def row(self, squared: FloatArray, offsets: Sequence[Offset], joining: Offset) -> FloatArray:
-        """The row of :meth:`information` of a pair that joins, its own entry last."""
+        """Row of :meth:`information` for an added pair, its own entry last."""
         every = np.array([(0, 0, 0), *offsets, joining])
         scale = np.where(np.arange(len(every)) == 0, 1.0, -2.0)
         return np.asarray(-0.5 * scale * (_read(squared, every + np.array(joining)) + _read(squared, every - np.array(joining))))
@@ -242,11 +245,11 @@ def _read(values: FloatArray, offsets: NDArray[np.int64]) -> FloatArray:
 
 
 class NoOptimumError(DataError):
-    """Covariances that no Gauss-Markov field of the neighbourhood has."""
+    """Error for covariances that no Gauss-Markov field of the neighbourhood has."""
 
 
 def _maximise(likelihood: _Likelihood, start: FloatArray | None, tolerance: float = 1e-16) -> tuple[FloatArray, float, int]:
-    """Precisions of the optimum, log likelihood per pixel, steps: Newton with halved steps, which stays in the region."""
+    """Precisions at the optimum, log likelihood per pixel, and steps, by Newton's method with halved steps inside the region."""
     theta = np.zeros(len(likelihood.offsets) + 1)
     theta[0] = 1.0 / likelihood.data.at((0, 0, 0))
     if start is not None:
@@ -263,13 +266,13 @@ def _maximise(likelihood: _Likelihood, start: FloatArray | None, tolerance: floa
         while True:
             tried = theta + length * direction
             at = likelihood.spectrum(tried)
-            found = likelihood.value(tried, at)
-            if found >= value + 1e-4 * length * decrement:
+            gained = likelihood.value(tried, at)
+            if gained >= value + 1e-4 * length * decrement:
                 break
             length *= 0.5
             if length < 1e-9:
                 return theta, value, step  # rounding: no step is uphill any more
-        theta, lam, value = tried, at, found
+        theta, lam, value = tried, at, gained
         if lam.min() < 1e-9 * lam.max():
             break
     raise NoOptimumError(
@@ -306,11 +309,11 @@ def fit(
     >>> bool(max(map(abs, found.model.coefficients)) < 3 * max(found.standard_errors))
     True
     """
-    wanted = tuple(canonical(d) for d in offsets)
-    reach = np.abs(np.array([*wanted, (0, 0, 0)])).max(axis=0)
+    requested = tuple(canonical(d) for d in offsets)
+    reach = np.abs(np.array([*requested, (0, 0, 0)])).max(axis=0)
     known = data if isinstance(data, Covariances) else covariances(data, [int(r) for r in reach], periodic=periodic)
-    _require_pixels(known, len(wanted))
-    likelihood = _Likelihood(known, wanted)
+    _require_pixels(known, len(requested))
+    likelihood = _Likelihood(known, requested)
     theta = None if start is None else np.array([1.0, *start]) / known.at((0, 0, 0))
     if theta is not None and not np.isfinite(likelihood.value(theta, likelihood.spectrum(theta))):
         raise DomainError("start: 1 - 2 sum b cos(w d) is not above 0 for every wave; give weights that sum to less than 1/2")
@@ -364,7 +367,7 @@ def candidates(reach: Sequence[int]) -> tuple[Offset, ...]:
 
 
 def choose(data: Covariances, among: Sequence[Offset], most: int = 16) -> GaussMarkovFit:
-    """Choose the neighbourhood by Schwarz's criterion, one pair after the other, and fit it.
+    """Choose the neighbourhood by Schwarz's criterion, adding one pair after the other, and fit it.
 
     At each step the pair joins whose score test promises the largest gain; it stays if the criterion falls, and the search ends where none
     does. At the end pairs that are no longer worth their parameter leave.
@@ -389,9 +392,9 @@ def choose(data: Covariances, among: Sequence[Offset], most: int = 16) -> GaussM
     try:
         return _forward(data, pool, most)
     except NoOptimumError:
-        found = _forward(data.damped(), pool, most)
+        selected = _forward(data.damped(), pool, most)
         note = "covariances at large distances were damped: as they are, no field has them"
-        return replace(found, notes=(*found.notes, note))
+        return replace(selected, notes=(*selected.notes, note))
 
 
 def _forward(data: Covariances, pool: list[Offset], most: int) -> GaussMarkovFit:
@@ -409,7 +412,7 @@ def _forward(data: Covariances, pool: list[Offset], most: int) -> GaussMarkovFit
         except NoOptimumError:
             if len(chosen) >= 2:
                 likelihood.offsets = tuple(chosen)
-                break  # the neighbourhood found serves; the next pair has no optimum
+                break  # the present neighbourhood is used; the next pair has no optimum
             raise
         if gained - value < penalty:
             likelihood.offsets = tuple(chosen)
@@ -434,7 +437,7 @@ def _forward(data: Covariances, pool: list[Offset], most: int) -> GaussMarkovFit
 
 
 def _most_promising(likelihood: _Likelihood, theta: FloatArray, pool: list[Offset]) -> Offset:
-    """Pair with the largest score statistic, ``gradient² / information`` given the pairs that are in."""
+    """Pair with the largest score statistic, ``gradient² / information`` given the pairs already included."""
     from scipy.fft import irfftn
 
     lam = likelihood.spectrum(theta)

@@ -1,4 +1,4 @@
-"""A texture of a Gauss-Markov field: correlations by the field, values by a marginal transform, patches by a slow field."""
+"""Texture of a Gauss-Markov field: correlations by the field, values by a marginal transform, patches by a slow field."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from seaglint.texture.tails import find_modulation
 KIND: Final = "gauss-markov"
 
 REACH: Final = (2, 4, 4)
-"""Farthest neighbours that are tried, in frames, rows and columns."""
+"""Farthest candidate neighbours, in frames, rows and columns."""
 
 SPACE_IN_TIME: Final = 2
-"""Farthest rows and columns of neighbours in other frames: waves pass a pixel or two from one frame to the next."""
+"""Farthest rows and columns of neighbours in other frames: waves move a pixel or two from one frame to the next."""
 
 
 @dataclass(frozen=True)
 class GaussianTexture:
-    """Pixels are ``marginal(x)``, x a Gauss-Markov field of variance 1, made of white noise or of noise times a slow field.
+    """Texture ``marginal(x)`` of a Gauss-Markov field x of variance 1, made of white noise or of noise times a slow field.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class GaussianTexture:
         return pseudo_log_likelihood(self.field, x) - float(np.mean(self.marginal.log_slope(x)))
 
     def to_dict(self) -> dict[str, Any]:
-        """What JSON holds of it."""
+        """Return the texture as values for JSON."""
         return {
             **self.field.to_dict(),
             "marginal": self.marginal.to_dict(),
@@ -74,7 +74,7 @@ class GaussianTexture:
 
     @classmethod
     def from_dict(cls, held: Mapping[str, Any]) -> GaussianTexture:
-        """Read back what :meth:`to_dict` wrote.
+        """Read the output of :meth:`to_dict`.
 
         Raises
         ------
@@ -94,7 +94,7 @@ class GaussianTexture:
 
 @dataclass(frozen=True)
 class TextureFit:
-    """A fitted texture and what is known of it.
+    """Fitted texture with the diagnostics of the fit.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class TextureFit:
 
 
 def neighbours(shape: Sequence[int], reach: Sequence[int] = REACH) -> tuple[tuple[int, int, int], ...]:
-    """Pairs to choose from in a field of that shape: all within ``reach``, in other frames no farther than :data:`SPACE_IN_TIME`.
+    """Candidate pairs for a field of that shape: all within ``reach``, in other frames no farther than :data:`SPACE_IN_TIME`.
 
     Frames are compared where there are eight of them or more.
     """
@@ -135,7 +135,7 @@ def fit_texture(
     most: int = 16,
     seed: int = 0,
 ) -> TextureFit:
-    """Fit a texture to a picture or sequence that is no torus.
+    """Fit a texture to a picture or sequence that is not periodic.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def fit_texture(
     most : int
         Largest number of neighbour pairs.
     seed : int
-        Of the samples that the slow field is found with.
+        Seed of the samples for the search of the slow field.
 
     Raises
     ------
@@ -166,8 +166,8 @@ def fit_texture(
     if not variance > 0.0:
         raise DataError("all values are equal: there is no texture to fit; choose another region")
     marginal = fit_marginal(x, tails)
-    wanted = marginal.latent_correlation(seen.values / variance)
-    field = estimation.choose(replace(seen, values=wanted, mean=0.0), pool, most)
+    latent = marginal.latent_correlation(seen.values / variance)
+    field = estimation.choose(replace(seen, values=latent, mean=0.0), pool, most)
     notes = list(field.notes)
     slow, left = None, np.full(3, np.nan)
     if product or (product is None and tails != "gaussian"):

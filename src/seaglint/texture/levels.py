@@ -1,4 +1,4 @@
-"""Grey levels of a picture: from radiance to whole numbers and back."""
+"""Grey levels of a picture: conversion of radiance to whole numbers and back."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from seaglint.errors import DomainError
 from seaglint.texture.autobinomial import check_levels
 
 Spacing = Literal["even", "equal-share"]
-"""Levels of equal width between the extremes, or of equally many pixels."""
+"""Spacing of levels: equal widths between the extremes, or equal numbers of pixels."""
 
 
 @dataclass(frozen=True)
 class GreyLevels:
-    """What each grey level stands for.
+    """Grey levels with the value that each represents.
 
     Attributes
     ----------
@@ -39,12 +39,12 @@ class GreyLevels:
 
     @property
     def levels(self) -> int:
-        """How many."""
+        """Number of levels."""
         return int(self.values.size)
 
     @classmethod
     def of(cls, picture: ArrayLike, levels: int, spacing: Spacing = "even") -> GreyLevels:
-        """Levels of a picture.
+        """Grey levels for a picture.
 
         Parameters
         ----------
@@ -95,5 +95,5 @@ class GreyLevels:
         return np.searchsorted(self.edges, np.asarray(picture, dtype=np.float64), side="right").astype(np.int16)
 
     def to_values(self, field: NDArray[Any] | ArrayLike) -> FloatArray:
-        """Value that each pixel's level stands for [as the picture]."""
+        """Value that each pixel's level represents [as the picture]."""
         return self.values[np.asarray(field, dtype=np.int64)]

@@ -1,9 +1,9 @@
-"""Long tails by a marginal transform: pixels of a Gaussian field become gamma, lognormal, K or empirical values.
+"""Marginal transforms for long tails: pixels of a Gaussian field become gamma, lognormal, K or empirical values.
 
-``x = Q(Phi(g))`` with g standard normal and Q the wanted quantiles. With the Hermite polynomials He_n,
+``x = Q(Phi(g))`` with g standard normal and Q the required quantiles. With the Hermite polynomials He_n,
 ``x = sum_n c_n He_n(g)``, ``c_n = E[x He_n(g)] / n!`` by Gauss-Hermite quadrature, so two pixels with correlation r of the Gaussian field
 have, of the output, the correlation ``R(r) = sum_(n>0) c_n² n! r^n / sum_(n>0) c_n² n!`` (Price 1958; Liu and Munk 1946). R is inverted, so
-that the output has the correlation that is wanted; what the terms left out hold of the variance is stated.
+that the output has the required correlation; the share of the variance in the omitted terms is stated.
 """
 
 from __future__ import annotations
@@ -25,22 +25,22 @@ Tails = Literal["gaussian", "gamma", "lognormal", "k", "empirical"]
 TAILS: Final[tuple[Tails, ...]] = get_args(Tails)
 
 TERMS: Final = 24
-"""Hermite polynomials of the expansion; a gamma distribution of shape 1/2 leaves 1e-7 of its variance in the others."""
+"""Number of Hermite polynomials of the expansion; a gamma distribution of shape 1/2 leaves 1e-7 of its variance in the others."""
 
 NODES: Final = 120
-"""Of the Gauss-Hermite quadrature."""
+"""Number of nodes of the Gauss-Hermite quadrature."""
 
 REACH: Final = 7.0
-"""Table of quantiles from -REACH to REACH standard deviations; beyond lies 1e-12 of the values, which take the table's ends."""
+"""Range of the table of quantiles, -REACH to REACH standard deviations; 1e-12 of the values lie beyond and take the table's ends."""
 
 TABLE: Final = 4097
-"""Points of the table; between them the transform is linear: error below 1e-5 of the standard deviation for a gamma of shape 1/2."""
+"""Number of points of the table, linear between them: error below 1e-5 of the standard deviation for a gamma of shape 1/2."""
 
 KEPT: Final = 512
-"""Quantiles that an empirical distribution keeps."""
+"""Number of quantiles of an empirical distribution."""
 
 INNER: Final = (0.0005, 0.9995)
-"""Quantiles between which a family is fitted: a few values of a target or a bad pixel do not set the tail."""
+"""Quantiles between which a family is fitted, so that a few values of a target or a bad pixel do not determine the tail."""
 
 
 @njit
@@ -64,11 +64,11 @@ class Marginal:
     kind : str
         One of :data:`TAILS`.
     loc, scale : float
-        Of the family [u]; ``scale`` below 0 turns it over: a long tail on the dark side.
+        Location and scale of the family [u]; ``scale`` below 0 reverses it: a long tail on the dark side.
     shape : float or None
-        Of gamma (k), lognormal (s of the logarithm) and K (v); None for the others.
+        Shape of gamma (k), lognormal (s of the logarithm) and K (v); None for the others.
     quantiles : tuple of float
-        Of the empirical distribution at evenly spaced standard normal values from -4 to 4, in units of ``scale`` about ``loc``.
+        Quantiles of the empirical distribution at evenly spaced standard normal values from -4 to 4, in units of ``scale`` about ``loc``.
 
     Raises
     ------
@@ -103,7 +103,7 @@ class Marginal:
         return self(np.linspace(-REACH, REACH, TABLE)).astype(np.float32)
 
     def transform(self, g: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Like a call, by the table, in place and in threads [u]: same bytes for any number of them."""
+        """Transform by the table, in place and in threads [u]: same bytes for any number of them."""
         if self.kind == "gaussian":
             g *= np.float32(self.scale)
             g += np.float32(self.loc)
@@ -113,21 +113,24 @@ class Marginal:
         return g
 
     def gaussian(self, values: ArrayLike) -> FloatArray:
-        """The standard normal values that the transform makes ``values`` of [1]; those beyond the table take its ends."""
+        """Standard normal values that the transform maps to ``values`` [1]; those beyond the table take its ends."""
         grid = np.linspace(-REACH, REACH, TABLE)
         table = self(grid)
         rising, places = np.unique(table, return_index=True)
         return np.interp(np.asarray(values, np.float64), rising, grid[places])
 
     def log_slope(self, g: ArrayLike) -> FloatArray:
-        """Logarithm of ``dx/dg`` [log u]: what densities of pixels differ by from those of the Gaussian field."""
+        """Logarithm of ``dx/dg`` [log u], by which densities of pixels differ from those of the Gaussian field."""
         step = 1e-3
         u = np.asarray(g, np.float64)
         return np.log(np.maximum((self(u + step) - self(u - step)) / (2.0 * step), 1e-300))
 
     @cached_property
     def hermite(self) -> FloatArray:
-        """``c_n sqrt(n!)`` for n = 0 ... :data:`TERMS` [u]: mean, then amplitudes whose squares sum to the variance."""
+        """Hermite coefficients ``c_n sqrt(n!)`` for n = 0 ...
+
+        :data:`TERMS` [u]: mean, then amplitudes whose squares sum to the variance.
+        """
         nodes, weights = np.polynomial.hermite_e.hermegauss(NODES)
         weights = weights / weights.sum()
         values = self(nodes) * weights
@@ -141,7 +144,7 @@ class Marginal:
 
     @cached_property
     def variance(self) -> float:
-        """Of a pixel [u²], by quadrature."""
+        """Variance of a pixel [u²], by quadrature."""
         nodes, weights = np.polynomial.hermite_e.hermegauss(NODES)
         values = self(nodes)
         weights = weights / weights.sum()
@@ -149,12 +152,12 @@ class Marginal:
 
     @property
     def mean(self) -> float:
-        """Of a pixel [u]."""
+        """Mean of a pixel [u]."""
         return float(self.hermite[0])
 
     @property
     def truncation(self) -> float:
-        """Share of the variance in the terms that the expansion leaves out [1]: bound of the error of correlations."""
+        """Share of the variance in the truncated terms of the expansion [1], a bound of the error of correlations."""
         return max(1.0 - float((self.hermite[1:] ** 2).sum()) / self.variance, 0.0)
 
     def output_correlation(self, latent: ArrayLike) -> FloatArray:
@@ -164,8 +167,8 @@ class Marginal:
             np.polynomial.polynomial.polyval(np.asarray(latent, np.float64), np.concatenate([[0.0], weights / weights.sum()]))
         )
 
-    def latent_correlation(self, wanted: ArrayLike) -> FloatArray:
-        """Correlation of the Gaussian field that gives the output the correlation ``wanted`` [1], shape of it.
+    def latent_correlation(self, output: ArrayLike) -> FloatArray:
+        """Correlation of the Gaussian field for a given correlation ``output`` of the pixels [1], shape of it.
 
         Correlations below what the distribution can have (a gamma of shape 1 cannot go below -0.64) give that of -1.
 
@@ -178,20 +181,20 @@ class Marginal:
         grid = np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 4001))
         values = np.maximum.accumulate(self.output_correlation(grid))
         rising, places = np.unique(values, return_index=True)
-        return np.interp(np.asarray(wanted, np.float64), rising, grid[places])
+        return np.interp(np.asarray(output, np.float64), rising, grid[places])
 
     def to_dict(self) -> dict[str, Any]:
-        """What JSON holds of it."""
-        found: dict[str, Any] = {"kind": self.kind, "loc": self.loc, "scale": self.scale}
+        """Return the distribution as values for JSON."""
+        result: dict[str, Any] = {"kind": self.kind, "loc": self.loc, "scale": self.scale}
         if self.shape is not None:
-            found["shape"] = self.shape
+            result["shape"] = self.shape
         if self.quantiles:
-            found["quantiles"] = list(self.quantiles)
-        return found
+            result["quantiles"] = list(self.quantiles)
+        return result
 
     @classmethod
     def from_dict(cls, held: Mapping[str, Any]) -> Marginal:
-        """Read back what :meth:`to_dict` wrote."""
+        """Read the output of :meth:`to_dict`."""
         shape = held.get("shape")
         quantiles = tuple(map(float, held.get("quantiles", ())))
         return cls(held["kind"], float(held["loc"]), float(held["scale"]), None if shape is None else float(shape), quantiles)
@@ -217,7 +220,7 @@ def _standard(marginal: Marginal) -> Callable[[FloatArray], FloatArray]:
 
     def empirical(g: FloatArray) -> FloatArray:
         inside = np.interp(g, knots, values)
-        # Beyond the data the quantiles go on as a straight line: a Gaussian tail of their own slope.
+        # Beyond the data the quantiles continue as a straight line: a Gaussian tail of their own slope.
         return np.asarray(inside + ends[1] * np.maximum(g - 4.0, 0.0) + ends[0] * np.minimum(g + 4.0, 0.0))
 
     return empirical
@@ -241,13 +244,13 @@ def _k_quantiles(shape: float) -> Callable[[FloatArray], FloatArray]:
     log_above = np.minimum.accumulate(np.minimum(log_above, -1e-16))
     g = np.where(log_above < -math.log(2.0), -special.ndtri_exp(log_above), special.ndtri(-np.expm1(log_above)))
     rising, places = np.unique(g, return_index=True)
-    kept = np.isfinite(rising)
+    finite = np.isfinite(rising)
     log_x = np.log(x)[places]
-    return lambda value: np.asarray(np.exp(np.interp(value, rising[kept], log_x[kept])))
+    return lambda value: np.asarray(np.exp(np.interp(value, rising[finite], log_x[finite])))
 
 
 def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
-    """Fit a family with location and scale so that its quantiles are nearest those of the data (least squares).
+    """Fit a family with location and scale to the quantiles of the data, by least squares.
 
     Parameters
     ----------
@@ -298,11 +301,11 @@ def fit_marginal(values: ArrayLike, tails: Tails) -> Marginal:
 
     # Gamma and K down to a shape of 0.05; the lognormal's s is small where the tail is short.
     low, high = (math.log(0.01), math.log(2.0)) if tails == "lognormal" else (math.log(0.05), math.log(400.0))
-    found = []
+    candidates = []
     for side in (1, -1):
         grid = np.linspace(low, high, 25)
         best = int(np.argmin([distance(s, side)[0] for s in grid]))
         bounds = (grid[max(best - 1, 0)], grid[min(best + 1, 24)])
         place = minimize_scalar(lambda s, side=side: distance(s, side)[0], bounds=bounds, method="bounded").x
-        found.append(distance(float(place), side))
-    return min(found, key=lambda pair: pair[0])[1]
+        candidates.append(distance(float(place), side))
+    return min(candidates, key=lambda pair: pair[0])[1]

@@ -1,4 +1,4 @@
-"""Whether Gibbs chains of a field have forgotten their starts: energy traces, effective sample size and R-hat (arviz-stats)."""
+"""Convergence of Gibbs chains of a field: energy traces, effective sample size and R-hat (arviz-stats)."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LARGEST_RHAT: Final = 1.01
 
 @dataclass(frozen=True)
 class Mixing:
-    """Traces of several chains, and what they say.
+    """Traces of several chains, and their convergence diagnostics.
 
     Attributes
     ----------
@@ -39,12 +39,12 @@ class Mixing:
 
     @property
     def mixed(self) -> bool:
-        """Whether every R-hat is below :data:`LARGEST_RHAT`."""
+        """True if every R-hat is below :data:`LARGEST_RHAT`."""
         return bool((self.rhat < LARGEST_RHAT).all())
 
 
 def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: int = 4, warm: int = 200, draws: int = 400) -> Mixing:
-    """Run chains from starts far apart (levels even over the range from low to high) and judge them.
+    """Run chains from distant starts (levels even over the range from low to high) and evaluate their convergence.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ def mixing(model: Autobinomial, shape: tuple[int, int], seed: int, *, chains: in
     shape : (int, int)
         Rows and columns, on a torus.
     seed : int
-        Of the chains; each has its own stream.
+        Seed of the chains; each has its own stream.
     chains, warm, draws : int
         Chains, sweeps left out of each, and sweeps of which each is a draw.
 

@@ -15,45 +15,45 @@ from seaglint.texture.autobinomial import Autobinomial
 from seaglint.texture.neighbourhood import Classes
 
 ROUNDS: Final = 60
-"""Newton's steps with sampled moments before the climb is given up."""
+"""Largest number of Newton's steps with sampled moments."""
 
 SWEEPS: Final = 150
-"""Sweeps of a step; the first third of them is left out."""
+"""Number of sweeps of a step; the first third of them is discarded."""
 
 CLOSE: Final = 4.0
-"""Distance between picture and samples, in standard deviations of the sums, from which steps are told by more sweeps."""
+"""Distance between picture and samples, in standard deviations of the sums, below which steps use more sweeps."""
 
 CLOSE_SWEEPS: Final = 600
 
 LAST_SWEEPS: Final = 1500
-"""Sweeps from which the likelihood around the last step is computed."""
+"""Number of sweeps for the likelihood around the last step."""
 
 LONGEST_STEP: Final = 10.0
-"""Longest step, in standard deviations of the sums: sampled moments tell little beyond."""
+"""Longest step, in standard deviations of the sums; sampled moments are not valid beyond."""
 
 LARGEST_TURN: Final = 0.05
 """Largest change of the mean field's slope at half the largest level in a step: near the transition moments change within some 0.1."""
 
 NEAR: Final = 0.5
-"""Distance between picture and samples, in standard deviations of the sums, from which the last sweeps are drawn."""
+"""Distance between picture and samples, in standard deviations of the sums, below which the last sweeps are drawn."""
 
 BATCHES: Final = 30
-"""Parts of the last sweeps whose means tell the error of the simulation."""
+"""Number of parts of the last sweeps whose means give the error of the simulation."""
 
 FEWEST_WEIGHTS: Final = 0.1
-"""Share of the last sweeps that must count after weighting: below, the importance sampling is not to be trusted."""
+"""Least effective share of the last sweeps after weighting; below, importance sampling is not reliable."""
 
 
 @dataclass(frozen=True)
 class Ascent:
-    """Where the climb ended.
+    """Result of the maximisation.
 
     Attributes
     ----------
     model : Autobinomial
         The field at the maximum.
     covariance : array, (1 + classes, 1 + classes)
-        Of the parameters: inverse Fisher information and the error of the simulation.
+        Covariance of the parameters: inverse Fisher information and the error of the simulation.
     rounds : int
         Newton's steps taken.
     distance : float
@@ -71,7 +71,7 @@ class Ascent:
 
 @dataclass
 class _Chain:
-    """A chain of samples whose model changes under way, and its sums."""
+    """Chain of samples whose model changes on the way, and its sums."""
 
     state: NDArray[np.int16]
     lattice: kernels.Plan
@@ -80,21 +80,21 @@ class _Chain:
     done: int = 0
 
     def draws(self, model: Autobinomial, sweeps: int) -> FloatArray:
-        """Sums after each of so many further sweeps; without that of the levels where the histogram is kept."""
+        """Sums after each of several further sweeps; without the sum of levels where the histogram is fixed."""
         held = sampler.law(model)
-        found = np.empty((sweeps, 1 + len(model.beta)))
+        sums = np.empty((sweeps, 1 + len(model.beta)))
         for i in range(sweeps):
             if self.keep_histogram:
                 kernels.exchange(self.state, held, self.lattice, self.key, self.done, 1)
             else:
                 sampler.sweep(self.state, held, self.lattice, self.key, self.done, 1)
-            found[i] = sampler.sums(self.state, held, self.lattice)
+            sums[i] = sampler.sums(self.state, held, self.lattice)
             self.done += 1
-        return found[:, int(self.keep_histogram) :]
+        return sums[:, int(self.keep_histogram) :]
 
 
 def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int, *, periodic: bool, keep_histogram: bool = False) -> Ascent:
-    """Climb the likelihood from ``first``: Newton's steps with moments from sampled pictures, then importance sampling.
+    """Maximise the likelihood from ``first``: Newton's steps with moments from sampled pictures, then importance sampling.
 
     Parameters
     ----------
@@ -103,7 +103,7 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
     first : Autobinomial
         Where to begin: the pseudo-likelihood's maximum.
     seed : int
-        Of the simulation.
+        Seed of the simulation.
     periodic : bool
         Whether opposite edges are neighbours; else the likelihood is that of the inner pixels given those at the edge.
     keep_histogram : bool
@@ -118,9 +118,9 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
     lattice = sampler.plan(first, field.shape, held_border=not (periodic or keep_histogram))
     purpose = "autobinomial-exchange-likelihood" if keep_histogram else "autobinomial-likelihood"
     chain = _Chain(field.copy(), lattice, sampler.words(seed, purpose), keep_histogram)
-    wanted = sampler.sums(field, sampler.law(first), lattice)[int(keep_histogram) :]
+    observed = sampler.sums(field, sampler.law(first), lattice)[int(keep_histogram) :]
     if keep_histogram and not periodic:
-        wanted = field.size * inside_products(field, first.neighbours)
+        observed = field.size * inside_products(field, first.neighbours)
     model, fixed = first, first.parameters[: int(keep_histogram)]
     rounds, distance = 0, np.inf
     pairs = np.array([len(one) for one in first.neighbours])
@@ -131,8 +131,8 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
     while rounds < ROUNDS:
         rounds += 1
         sweeps = SWEEPS if distance > CLOSE else CLOSE_SWEEPS
-        found = chain.draws(model, sweeps)[sweeps // 3 :]
-        step, distance = newton(wanted - found.mean(axis=0), np.atleast_2d(np.cov(found.T)))
+        sampled = chain.draws(model, sweeps)[sweeps // 3 :]
+        step, distance = newton(observed - sampled.mean(axis=0), np.atleast_2d(np.cov(sampled.T)))
         if distance < NEAR or not np.isfinite(distance):
             break
         turn = 0.5 * model.most * float(np.abs(step[-len(pairs) :]) @ pairs)
@@ -141,25 +141,25 @@ def maximum_likelihood(field: NDArray[np.int16], first: Autobinomial, seed: int,
     covariance = np.full((size, size), np.nan)
     if not distance < NEAR:
         return Ascent(model, covariance, rounds, float(distance), False)
-    shift, inner, distance, even = _last(chain.draws(model, LAST_SWEEPS) - wanted)
+    shift, inner, distance, even = _last(chain.draws(model, LAST_SWEEPS) - observed)
     covariance[int(keep_histogram) :, int(keep_histogram) :] = inner
     return Ascent(moved(shift), covariance, rounds, distance, bool(distance < 1e-3 and even > FEWEST_WEIGHTS))
 
 
 def inside_products(field: NDArray[np.int16], neighbours: Classes) -> FloatArray:
-    """Mean product of a pair of each class that lies inside the picture, times the pairs that a pixel of a torus has [level²].
+    """Mean product of a pair of each class inside the picture, times the number of pairs of a pixel of a torus [level²].
 
     The mean is the whole picture's: pixels at the edge, which are in fewer pairs, may have another.
     """
     mean = float(field.mean())
     held = field - mean
     rows, columns = held.shape
-    found = np.zeros(len(neighbours))
+    products = np.zeros(len(neighbours))
     for k, one in enumerate(neighbours):
         for dy, dx in one:
             left, right = max(-dx, 0), max(dx, 0)
-            found[k] += float((held[: rows - dy, left : columns - right] * held[dy:, right : columns - left]).mean()) + mean * mean
-    return found
+            products[k] += float((held[: rows - dy, left : columns - right] * held[dy:, right : columns - left]).mean()) + mean * mean
+    return products
 
 
 def newton(gap: FloatArray, covariance: FloatArray) -> tuple[FloatArray, float]:
@@ -175,24 +175,24 @@ def newton(gap: FloatArray, covariance: FloatArray) -> tuple[FloatArray, float]:
     return (vectors @ (along / values)) / scale, float(np.sqrt((along**2 / values).sum()))
 
 
-def _last(found: FloatArray) -> tuple[FloatArray, FloatArray, float, float]:
-    """Maximum of the likelihood relative to that of the sampled model: samples weighted by what their sums gain from a shift.
+def _last(differences: FloatArray) -> tuple[FloatArray, FloatArray, float, float]:
+    """Maximum of the likelihood relative to that of the sampled model, by importance weights of the samples' sums for a shift.
 
     Takes sums less those of the picture; returns the shift, its covariance (with the error of the simulation), the gap that is left and
     the share of the samples that count.
     """
-    shift = np.zeros(found.shape[1])
-    weights, distance = np.full(found.shape[0], 1.0 / found.shape[0]), np.inf
+    shift = np.zeros(differences.shape[1])
+    weights, distance = np.full(differences.shape[0], 1.0 / differences.shape[0]), np.inf
     for _ in range(20):
-        step, distance = newton(-(weights @ found), np.atleast_2d(np.cov(found.T, aweights=weights)))
+        step, distance = newton(-(weights @ differences), np.atleast_2d(np.cov(differences.T, aweights=weights)))
         if not np.isfinite(distance) or distance < 1e-6:
             break
         shift = shift + step
-        logs = found @ shift
+        logs = differences @ shift
         weights = np.exp(logs - logs.max())
         weights /= weights.sum()
-    share = 1.0 / (found.shape[0] * float((weights**2).sum()))
-    inverse = np.linalg.pinv(np.atleast_2d(np.cov(found.T, aweights=weights)), rcond=1e-14, hermitian=True)
-    batches = np.array([part.mean(axis=0) for part in np.array_split(found, BATCHES)])
+    share = 1.0 / (differences.shape[0] * float((weights**2).sum()))
+    inverse = np.linalg.pinv(np.atleast_2d(np.cov(differences.T, aweights=weights)), rcond=1e-14, hermitian=True)
+    batches = np.array([part.mean(axis=0) for part in np.array_split(differences, BATCHES)])
     simulation = inverse @ np.atleast_2d(np.cov(batches.T) / BATCHES) @ inverse
     return shift, np.asarray(inverse + simulation), float(distance), share

@@ -1,4 +1,4 @@
-"""Which pixels of a Markov random field are neighbours: offsets by order, grouped into the classes that share a parameter."""
+"""Neighbourhoods of a Markov random field: offsets by order, grouped into the classes that share a parameter."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Offset = tuple[int, int]
 Classes = tuple[tuple[Offset, ...], ...]
 
 MOST_ORDER: Final = 40
-"""Orders beyond reach over nine pixels: an 8 x 8 block of couplings, more than textures of a few hundred pixels determine."""
+"""Largest order; higher ones reach over nine pixels, an 8 x 8 block of couplings, more than textures of a few hundred pixels determine."""
 
 
 def classes(order: int, isotropic: bool = True) -> Classes:
@@ -70,7 +70,7 @@ def reach(neighbours: Classes) -> tuple[int, int]:
 
 
 def colours(size: int, distance: int) -> list[list[int]]:
-    """Places 0 to ``size - 1`` on a ring, in groups no two of whose members are ``distance`` or less apart.
+    """Positions 0 to ``size - 1`` on a ring, in groups whose members are more than ``distance`` apart.
 
     Examples
     --------

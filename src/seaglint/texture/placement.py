@@ -1,4 +1,4 @@
-"""A texture laid onto the sea as a sensor sees it: footprints grow with the range, fluctuations average out, the correlation shrinks.
+"""Texture on the sea as a sensor sees it: footprints grow with range, fluctuations average out, the correlation shrinks.
 
 The Gaussian field lies on the sea, its pixels some metres long and wide. A pixel of the sensor sees the mean over its footprint, which is
 Gaussian too, and is brought back to the variance 1. Its value is then the quantile of a distribution with the mean and the variance of
@@ -18,15 +18,15 @@ from seaglint.errors import DomainError
 from seaglint.texture.marginals import Tails
 
 SAMPLED: Final = 12
-"""Frames that the variance of the averaged field is taken from, over all of the plane's columns."""
+"""Number of frames for the variance of the averaged field, over all of the plane's columns."""
 
 NARROWEST: Final = 1e-6
-"""Least ratio of standard deviation to mean that counts as fluctuation."""
+"""Least ratio of standard deviation to mean that is a fluctuation."""
 
 
 @dataclass(frozen=True)
 class Footprints:
-    """Where rows and columns of a camera lie on the sea.
+    """Footprints of the rows and columns of a camera on the sea.
 
     Attributes
     ----------
@@ -42,7 +42,7 @@ class Footprints:
 
     @classmethod
     def of(cls, height: float, elevations: FloatArray, row_step: float, columns: int, column_step: float) -> Footprints:
-        """Of a camera with equal steps [m, rad]: the row that the horizon cuts ends there."""
+        """Footprints of a camera with equal steps [m, rad]; the row that the horizon cuts ends there."""
         near = surface_range(height, -(elevations - 0.5 * row_step))
         far = surface_range(height, -(elevations + 0.5 * row_step))
         far = np.where(np.isnan(far) & ~np.isnan(near), horizon_range(height), far)
@@ -70,7 +70,7 @@ class Footprints:
 
 
 class Plane:
-    """A periodic Gaussian field on the sea, seen through footprints.
+    """Periodic Gaussian field on the sea, seen through footprints.
 
     Parameters
     ----------
@@ -110,7 +110,7 @@ class Plane:
         return (_running(field.T, high[None, :]) - _running(field.T, low[None, :])).T / (high - low)[:, None]
 
     def frame(self, number: int) -> FloatArray:
-        """The field as the sensor sees it in a frame, variance 1 (rows, columns) [1]; 0 above the horizon."""
+        """Field in a frame as the sensor sees it, variance 1 (rows, columns) [1]; 0 above the horizon."""
         profile = self._profile(number)
         sums = _running(profile, self._edges)
         out = np.zeros(self._shape)
@@ -139,7 +139,7 @@ def _running(values: FloatArray, places: FloatArray) -> FloatArray:
 
 
 def fluctuation(g: FloatArray, mean: FloatArray, std: FloatArray, tails: Tails) -> FloatArray:
-    """Values with a mean and a standard deviation by pixel, g standard deviations up the Gaussian field [u], shape of g.
+    """Values with a mean and a standard deviation by pixel, at g standard deviations of the Gaussian field [u], shape of g.
 
     ``tails`` gaussian and lognormal are these; all others are gamma distributed, from 0 upwards.
     Pixels whose mean or standard deviation is 0 have their mean.

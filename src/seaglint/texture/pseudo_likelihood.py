@@ -1,4 +1,4 @@
-"""Maximum pseudo-likelihood of autobinomial fields: a concave function, climbed by Newton's steps, with sandwich standard errors."""
+"""Maximum pseudo-likelihood of autobinomial fields: a concave function, maximised by Newton's steps, with sandwich standard errors."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from seaglint.texture.neighbourhood import Classes, reach
 MOST_STEPS: Final = 100
 
 DECREMENT: Final = 1e-18
-"""Gain of a further Newton step in log pseudo-likelihood per pixel at which the climb ends: the couplings then have ten digits."""
+"""Gain of a further Newton step in log pseudo-likelihood per pixel at which the iteration ends: the couplings then have ten digits."""
 
 CERTAIN: Final = 40.0
-"""Logit beyond which a pixel is certain: couplings that make all pixels so grow for ever."""
+"""Logit beyond which a pixel is certain; couplings that make all pixels certain grow without limit."""
 
 LARGEST_CONDITION: Final = 1e12
-"""Condition of the information matrix (of scaled sums) beyond which neighbours cannot be told apart."""
+"""Largest condition of the information matrix (of scaled sums); beyond, neighbours cannot be distinguished."""
 
 
 @dataclass(frozen=True)
 class Climb:
-    """Where the climb ended.
+    """Result of the maximisation.
 
     Attributes
     ----------
     parameters : array, (1 + classes,)
         alpha and the couplings.
     covariance : array, (1 + classes, 1 + classes)
-        Of the parameters, by the sandwich formula; NaN where the picture is too small to tell.
+        Covariance of the parameters, by the sandwich formula; NaN where the picture is too small to tell.
     log_likelihood : float
         Log pseudo-likelihood, all pixels [nat].
     steps : int
@@ -55,7 +55,7 @@ class Climb:
 
 
 def neighbour_sums(field: IntArray, neighbours: Classes, *, periodic: bool) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Levels of pixels, and 1 and the sum of each class of their neighbours [level].
+    """Levels of pixels, and a matrix of 1 and the sum of each class of their neighbours [level].
 
     Returns
     -------
@@ -81,7 +81,7 @@ def neighbour_sums(field: IntArray, neighbours: Classes, *, periodic: bool) -> t
 
 
 def log_choices(levels: NDArray[Any], most: int) -> NDArray[np.float64]:
-    """Logarithm of the number of ways to choose so many of ``most`` [1]."""
+    """Logarithm of the binomial coefficient for given numbers of ``most`` [1]."""
     return np.asarray(gammaln(most + 1.0) - gammaln(levels + 1.0) - gammaln(most - levels + 1.0))
 
 
@@ -110,7 +110,7 @@ def conditional_log_likelihood(image: IntArray, model: Autobinomial, *, periodic
     """
     levels, sums = neighbour_sums(checked_field(image, model), model.neighbours, periodic=periodic)
     logit = sums @ model.parameters
-    # Both tails keep their digits: log p = log_expit(eta), log (1 - p) = log_expit(-eta).
+    # Accurate in both tails: log p = log_expit(eta), log (1 - p) = log_expit(-eta).
     each = levels * log_expit(logit) + (model.most - levels) * log_expit(-logit) + log_choices(levels, model.most)
     return float(each.mean())
 
@@ -123,7 +123,7 @@ def climb(
     Parameters
     ----------
     levels, sums : array
-        Of :func:`neighbour_sums`.
+        Arrays from :func:`neighbour_sums`.
     most : int
         Largest grey level.
     neighbours : tuple of tuple of (int, int)
@@ -233,7 +233,7 @@ def _refuse_even_sums(spread: FloatArray) -> None:
 
 
 def _refuse_twins(information: FloatArray) -> None:
-    """Refuse classes of neighbours of which one can stand for another."""
+    """Refuse classes of neighbours of which one is a function of another."""
     held = np.sqrt(np.diag(information))
     if not held.all() or np.linalg.cond(information / np.outer(held, held)) > LARGEST_CONDITION:
         raise DomainError(

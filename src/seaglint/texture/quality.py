@@ -1,4 +1,4 @@
-"""How alike two pictures or sequences are as textures, in numbers: a sample and the data that it was fitted to, say.
+"""Similarity of two pictures or sequences as textures, in numbers, such as a sample and the data that it was fitted to.
 
 The false alarms of the Laplacian-filtered picture are what matters to a detector; distances of values, spectra, correlations in space and
 time and co-occurrence of grey levels say where a model fails that meets them, or why it does not.
@@ -24,25 +24,28 @@ from seaglint.texture.tails import interior
 THRESHOLDS: Final = (3.0, 3.5)
 
 LAGS: Final = 12
-"""Largest distance of the correlations compared [px]."""
+"""Largest distance of the compared correlations [px]."""
 
 FRAMES: Final = 12
-"""Frames whose spectra, correlations in space and co-occurrence are compared, evenly spread."""
+"""Number of frames whose spectra, correlations in space and co-occurrence are compared, evenly spread."""
 
 TIMES: Final = 25
-"""Largest number of frames between pixels compared."""
+"""Largest number of frames between compared pixels."""
 
 SQUARES: Final = (64, 32, 16)
-"""Sides of the squares of the spectra compared [px]: the largest of which there are :data:`FEWEST` in both."""
+"""Sides of the squares of the compared spectra [px]: the largest of which there are :data:`FEWEST` in both."""
 
 FEWEST: Final = 24
-"""Squares whose mean periodogram scatters by some 1 dB; a single one would by 5.6 dB, more than the limit of two that differ."""
+"""Least number of squares of a spectrum: their mean periodogram scatters by some 1 dB.
+
+A single one would by 5.6 dB, more than the limit.
+"""
 
 LEVELS: Final = 16
-"""Grey levels of the co-occurrence matrix."""
+"""Number of grey levels of the co-occurrence matrix."""
 
 PAIRS: Final = ((0, 1), (1, 0), (1, 1), (1, -1))
-"""Distances of its pairs (rows, columns)."""
+"""Distances of the pairs of the co-occurrence matrix (rows, columns)."""
 
 LIMITS: Final[Mapping[str, float]] = {
     "rate_factor": 1.5,
@@ -52,13 +55,16 @@ LIMITS: Final[Mapping[str, float]] = {
     "time_correlation": 0.1,
     "cooccurrence": 0.25,
 }
-"""What a texture is said to miss: ratio of rates, distance of distribution functions, rms of spectra [dB], rms of correlations, largest
-relative difference of co-occurrence features."""
+"""Limits beyond which a texture differs.
+
+They are ratio of rates, distance of distribution functions, rms of spectra [dB], rms of correlations, largest relative difference of
+co-occurrence features.
+"""
 
 
 @dataclass(frozen=True)
 class Likeness:
-    """Measures of one texture.
+    """Texture measures of one picture or sequence.
 
     Attributes
     ----------
@@ -66,17 +72,17 @@ class Likeness:
     values : ndarray
         Sorted sample of the pixels [u].
     rates : tuple of FalseAlarmRate
-        Of the filtered picture at 3 and 3.5 standard deviations.
+        Rates of the filtered picture at 3 and 3.5 standard deviations.
     curve : RateCurve
         At all thresholds.
     spectrum : Spectrum
-        Of the pixels in standard deviations.
+        Spectrum of the pixels in standard deviations.
     x, y : ndarray
         Correlation by distance in columns and rows, from 0.
     time : ndarray or None
         Correlation by frames.
     features : dict of float
-        Of co-occurring grey levels.
+        Haralick features of co-occurring grey levels.
     """
 
     name: str
@@ -92,13 +98,13 @@ class Likeness:
 
 @dataclass(frozen=True)
 class Comparison:
-    """Two textures, the first one the data."""
+    """Measures of two textures, the first one the data."""
 
     first: Likeness
     second: Likeness
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain numbers and words."""
+        """Return the comparison as plain numbers and words."""
         a, b = self.first, self.second
         rates = [_rates(p, q) for p, q in zip(a.rates, b.rates, strict=True)]
         values = self._values()
@@ -107,7 +113,7 @@ class Comparison:
             name: {"first": a.features[name], "second": b.features[name], "relative": _relative(name, a.features[name], b.features[name])}
             for name in a.features
         }
-        found = {
+        result = {
             "first": a.name,
             "second": b.name,
             "filtered_rates": rates,
@@ -117,7 +123,7 @@ class Comparison:
             "time_correlation_distance": times,
             "cooccurrence": features,
         }
-        return {**found, "fails": _fails(found)}
+        return {**result, "fails": _fails(result)}
 
     def _values(self) -> dict[str, Any]:
         a, b = self.first.values, self.second.values
@@ -152,31 +158,31 @@ def _rates(a: FalseAlarmRate, b: FalseAlarmRate) -> dict[str, Any]:
     }
 
 
-def _fails(found: Mapping[str, Any]) -> list[str]:
-    """Sentences on what is farther apart than :data:`LIMITS`."""
+def _fails(comparison: Mapping[str, Any]) -> list[str]:
+    """Sentences on the measures that differ by more than :data:`LIMITS`."""
     out = []
-    for entry in found["filtered_rates"]:
+    for entry in comparison["filtered_rates"]:
         ratio, most = entry["second_over_first"], LIMITS["rate_factor"]
         if ratio is None:
             out.append(f"at {entry['threshold_sigma']:g} sigma one of the two has no exceedance in the filtered picture")
         elif not 1.0 / most <= ratio <= most:
             out.append(f"the filtered picture exceeds {entry['threshold_sigma']:g} sigma {ratio:.2g} times as often as the first")
     checks = (
-        ("ks", found["marginal"]["ks"], "distribution functions of the pixels differ by {:.2g}"),
-        ("spectrum_db", found["spectrum_distance_db"], "spectra differ by {:.2g} dB rms"),
-        ("correlation", found["correlation_distance"], "correlations in space differ by {:.2g} rms"),
-        ("time_correlation", found["time_correlation_distance"], "correlations in time differ by {:.2g} rms"),
+        ("ks", comparison["marginal"]["ks"], "distribution functions of the pixels differ by {:.2g}"),
+        ("spectrum_db", comparison["spectrum_distance_db"], "spectra differ by {:.2g} dB rms"),
+        ("correlation", comparison["correlation_distance"], "correlations in space differ by {:.2g} rms"),
+        ("time_correlation", comparison["time_correlation_distance"], "correlations in time differ by {:.2g} rms"),
     )
     out += [text.format(value) for name, value, text in checks if value is not None and value > LIMITS[name]]
-    worst = max(found["cooccurrence"], key=lambda name: found["cooccurrence"][name]["relative"])
-    if found["cooccurrence"][worst]["relative"] > LIMITS["cooccurrence"]:
-        pair = found["cooccurrence"][worst]
+    worst = max(comparison["cooccurrence"], key=lambda name: comparison["cooccurrence"][name]["relative"])
+    if comparison["cooccurrence"][worst]["relative"] > LIMITS["cooccurrence"]:
+        pair = comparison["cooccurrence"][worst]
         out.append(f"co-occurring grey levels differ most in {worst}: {pair['first']:.3g} and {pair['second']:.3g}")
     return out
 
 
 def _relative(name: str, a: float, b: float) -> float:
-    """Difference of a feature over its larger value; of correlations, which are near 0 where nothing is, over 1."""
+    """Difference of a feature over its larger value; for correlations, which may be near 0, over 1."""
     return abs(a - b) / (1.0 if name == "correlation" else max(abs(a), abs(b), 1e-12))
 
 
@@ -186,7 +192,7 @@ def _rms(a: FloatArray, b: FloatArray) -> float:
 
 
 def _decibels(a: Spectrum, b: Spectrum) -> float:
-    """Rms of the ratio of two spectra over the frequencies that hold more than a millionth of the densest one's [dB]."""
+    """Rms of the ratio of two spectra over the frequencies with more than a millionth of the largest density [dB]."""
     largest = max(float(a.density.max()), float(b.density.max()))
     floor = 1e-6 * largest
     ratio = 10.0 * np.log10(np.maximum(a.density, floor) / np.maximum(b.density, floor))
@@ -196,7 +202,7 @@ def _decibels(a: Spectrum, b: Spectrum) -> float:
 def compare(
     first: NDArray[np.floating], second: NDArray[np.floating], names: tuple[str, str] = ("data", "sample"), *, consecutive: bool = True
 ) -> Comparison:
-    """Measure two textures.
+    """Compare two textures by their measures.
 
     Parameters
     ----------
@@ -225,7 +231,7 @@ def compare(
 
 
 def _side(shape: tuple[int, ...]) -> int:
-    """Side of the squares of a spectrum, of which there are enough to average [px]."""
+    """Side of the squares of a spectrum that allows a sufficient average [px]."""
     frames, rows, columns = min(shape[0], FRAMES), *shape[1:]
     return next((side for side in SQUARES if frames * (rows // side) * (columns // side) >= FEWEST), SQUARES[-1])
 

@@ -1,4 +1,4 @@
-"""Whether samples of a fitted field look like its picture: usable, frozen or molten, with what to do."""
+"""Comparison of samples of a fitted field with its picture: usable, frozen or molten, with the remedy."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from seaglint.texture.neighbourhood import Classes
 Name = Literal["usable", "frozen", "molten"]
 
 CHECK_SWEEPS: Final = 300
-"""Sweeps after which samples from opposite starts are compared."""
+"""Number of sweeps after which samples from opposite starts are compared."""
 
 CHECK_SIDE: Final = 128
-"""Rows and columns of the samples, at most."""
+"""Largest number of rows and columns of the samples."""
 
 APART: Final = 0.05
-"""Difference of two samples' means, over the largest level, from which they remember their starts."""
+"""Difference of two samples' means, over the largest level, beyond which they depend on their starts."""
 
 DRIFT: Final = 0.15
-"""Difference of samples' and picture's means, over the largest level, that counts as a fall into a phase."""
+"""Difference of samples' and picture's means, over the largest level, that counts as a transition to a phase."""
 
 EVEN: Final = 0.7
-"""Ratios of standard deviations and of correlations below this, or above its inverse, are no match."""
+"""Ratio of standard deviations and of correlations below which, or above whose inverse, they do not match."""
 
 ORDERED: Final = 2.0
-"""Standard deviation of samples, over that of pixels without neighbours, from which they lie in domains or stripes of two phases."""
+"""Standard deviation of samples, over that of pixels without neighbours, beyond which they form domains or stripes of two phases."""
 
 REMEDY: Final = (
     "fit with method 'monte-carlo-exchange' and keep the picture's histogram with the exchange sampler, or take fewer levels, "
@@ -41,12 +41,12 @@ REMEDY: Final = (
 
 @dataclass(frozen=True)
 class Regime:
-    """What samples at the fitted parameters are like.
+    """Properties of samples at the fitted parameters.
 
     Attributes
     ----------
     name : {"usable", "frozen", "molten"}
-        Frozen: samples end in a phase, near a constant or as told by their start. Molten: samples lose the picture's contrast
+        Frozen: samples end in a phase, near a constant or determined by their start. Molten: samples lose the picture's contrast
         or correlation, towards white noise.
     susceptibility : float
         Slope of the mean field at the picture's mean, largest over all waves [1]: from 1 on its waves grow until levels run out.
@@ -75,12 +75,12 @@ class Regime:
 
     @property
     def text(self) -> str:
-        """What was found and what to do, in a sentence."""
+        """Finding and remedy, in a sentence."""
         return self.finding if self.name == "usable" else f"{self.finding}; {REMEDY}"
 
     @property
     def finding(self) -> str:
-        """What was found, in a sentence."""
+        """Finding, in a sentence."""
         spread = f"standard deviation {self.sample_std:.3g} levels in samples, {self.data_std:.3g} in the picture"
         tie = f"correlation with the nearest neighbours {self.sample_correlation[0]:.2f} and {self.data_correlation[0]:.2f}"
         if self.name == "usable":
@@ -95,7 +95,7 @@ class Regime:
 
 
 def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int = CHECK_SWEEPS) -> Regime:
-    """Sample the field from the lowest level, the highest level and the picture, and compare with the picture.
+    """Sample the field from the lowest level, the highest level and the picture, and compare the samples with the picture.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
     model : Autobinomial
         The fit.
     seed : int
-        Of the samples.
+        Seed of the samples.
     sweeps : int
         Gibbs sweeps of each sample.
     """
@@ -114,7 +114,7 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
     own = sampler.sample(model, (rows, columns), sweeps, seed + 2, start=field[:rows, :columns])
     memory = abs(float(high.mean()) - float(low.mean())) / model.most
     data = correlations(field, model.neighbours)
-    found = correlations(own, model.neighbours)
+    own_correlations = correlations(own, model.neighbours)
     shift = abs(float(own.mean()) - float(field.mean())) / model.most
     spread = float(own.std()) / float(field.std())
     name: Name = "usable"
@@ -122,7 +122,7 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
     alone = float(np.sqrt(model.most * share * (1.0 - share)))  # of pixels without neighbours
     if memory > APART or shift > DRIFT or (spread > 1.0 / EVEN and float(own.std()) > ORDERED * alone):
         name = "frozen"
-    elif not EVEN <= spread <= 1.0 / EVEN or (abs(data[0]) > 0.1 and not EVEN <= found[0] / data[0] <= 1.0 / EVEN):
+    elif not EVEN <= spread <= 1.0 / EVEN or (abs(data[0]) > 0.1 and not EVEN <= own_correlations[0] / data[0] <= 1.0 / EVEN):
         name = "molten"
     slope, phases = mean_field(model, float(field.mean()) / model.most)
     return Regime(
@@ -134,7 +134,7 @@ def regime(field: NDArray[np.int16], model: Autobinomial, seed: int, sweeps: int
         float(field.mean()),
         float(own.std()),
         float(field.std()),
-        tuple(map(float, found)),
+        tuple(map(float, own_correlations)),
         tuple(map(float, data)),
     )
 
@@ -144,15 +144,15 @@ def correlations(field: NDArray[np.int16], neighbours: Classes) -> FloatArray:
     held = field - field.mean()
     variance = float((held * held).mean())
     rows, columns = held.shape
-    found = np.zeros(len(neighbours))
+    result = np.zeros(len(neighbours))
     if variance == 0.0:
-        return found
+        return result
     for k, one in enumerate(neighbours):
         for dy, dx in one:
             left, right = max(-dx, 0), max(dx, 0)
             here, there = held[: rows - dy, left : columns - right], held[dy:, right : columns - left]
-            found[k] += float((here * there).mean()) / variance / len(one)
-    return found
+            result[k] += float((here * there).mean()) / variance / len(one)
+    return result
 
 
 def mean_field(model: Autobinomial, share: float | None = None, waves: int = 64) -> tuple[float, int]:

@@ -1,4 +1,4 @@
-"""Whether a picture can be the sample of a stationary texture, and which part of it is where the whole is not."""
+"""Check whether a picture can be the sample of a stationary texture, and search for a part that can."""
 
 from __future__ import annotations
 
@@ -14,37 +14,37 @@ from seaglint.clutter.correlation import spatial_correlation, trend_surface
 from seaglint.errors import DataError
 
 SMALLEST_SIDE: Final = 24
-"""Rows and columns that a texture is fitted to at least [px]: six times the farthest neighbour."""
+"""Least number of rows and columns for fitting a texture [px]: six times the farthest neighbour."""
 
 SHARES: Final = (0.75, 0.5, 0.375, 0.25)
-"""Sides of the regions that are looked at where the whole is not stationary, as shares of the picture's."""
+"""Sides of the regions searched where the whole is not stationary, as shares of the picture's."""
 
 STEPS: Final = 5
-"""Places of a region of one size along each side."""
+"""Number of places of a region of one size along each side."""
 
 FEW: Final = 8
-"""Frames that slow changes are looked for in; those between them hardly tell more."""
+"""Number of frames in which slow changes are measured; those between them add little."""
 
 TOLD: Final = (0.1, 1.4)
-"""Share of the variance in slow changes of the mean, and ratio of the largest to the smallest standard deviation, that a user is told."""
+"""Limits of slow changes that are reported: share of the variance, and ratio of the largest to the smallest standard deviation."""
 
 REFUSED: Final = (0.5, 2.0)
-"""The same from which a texture would be one of the slow change: a fit's correlations then miss the data's by more than 0.1."""
+"""Limits of slow changes beyond which a picture is refused: a fit's correlations then differ from the data's by more than 0.1."""
 
 TERMS: Final = 14
-"""Coefficients, but for the constant, of the surface that a slow change is: of degree 4."""
+"""Number of coefficients without the constant of the surface for the slow change, of degree 4."""
 
 PARTS: Final = 3
-"""Rows and columns of parts whose standard deviations are compared."""
+"""Number of rows and columns of parts whose standard deviations are compared."""
 
 LOOKED_AT: Final = 64
-"""Rows and columns that slow changes are looked for in, evenly spread over the region."""
+"""Number of rows and columns in which slow changes are measured, evenly spread over the region."""
 
 BY_CHANCE: Final = (1.7, 4.4)
 """Upper 95 % of chi-square with :data:`TERMS` degrees of freedom over its mean, and of the range of 9 normal deviates."""
 
 MOST_BY_CHANCE: Final = (0.2, 2.0)
-"""Most that chance is allowed: a region of a few correlation lengths looks like a slow change, and is as little a texture."""
+"""Largest allowance for chance; a region of a few correlation lengths resembles a slow change and is no texture either."""
 
 
 @dataclass(frozen=True)
@@ -65,12 +65,12 @@ class Region:
         return (self.bottom - self.top) * (self.right - self.left)
 
     def of(self, frames: NDArray[np.floating]) -> NDArray[np.floating]:
-        """The region of frames (..., rows, columns)."""
+        """Return the frames (..., rows, columns) inside the region."""
         return frames[..., self.top : self.bottom, self.left : self.right]
 
 
 def parse_region(text: str, rows: int, columns: int) -> Region:
-    """Region from ``ROWS,COLUMNS``, each FIRST:END in pixels, either end left out for the border.
+    """Region from ``ROWS,COLUMNS``, each FIRST:END in pixels; an end that is left out is the border.
 
     Raises
     ------
@@ -97,12 +97,12 @@ def parse_region(text: str, rows: int, columns: int) -> Region:
 
 
 def require_values(frames: ArrayLike, *, two: bool = False) -> None:
-    """Refuse pictures that no texture can be fitted to.
+    """Refuse pictures to which no texture can be fitted.
 
     Parameters
     ----------
     frames : array_like, shape (frames, rows, columns)
-        Of the region [u].
+        Frames of the region [u].
     two : bool
         Whether two values are enough: for an autobinomial field of two levels.
 
@@ -137,7 +137,7 @@ def require_values(frames: ArrayLike, *, two: bool = False) -> None:
 
 @dataclass(frozen=True)
 class Changes:
-    """How much a picture changes slowly from place to place, less what correlated pixels do by chance.
+    """Slow changes of a picture from place to place, less those of correlated pixels by chance.
 
     Effects and not levels of a test: in a large picture the least change is significant, and no measured sea is without.
 
@@ -153,18 +153,18 @@ class Changes:
     spread: float
 
     def beyond(self, limits: tuple[float, float]) -> bool:
-        """Whether one of the two is above its limit."""
+        """True if one of the two is above its limit."""
         return self.mean > limits[0] or self.spread > limits[1]
 
     @property
     def text(self) -> str:
-        """What changes, in words."""
-        told = []
+        """Slow changes in words."""
+        messages = []
         if self.mean > TOLD[0]:
-            told.append(f"mean changes slowly from place to place ({100.0 * self.mean:.0f} % of the variance)")
+            messages.append(f"mean changes slowly from place to place ({100.0 * self.mean:.0f} % of the variance)")
         if self.spread > TOLD[1]:
-            told.append(f"variance differs from place to place (standard deviations of its parts by a factor of {self.spread:.2g})")
-        return " and its ".join(told)
+            messages.append(f"variance differs from place to place (standard deviations of its parts by a factor of {self.spread:.2g})")
+        return " and its ".join(messages)
 
 
 def examine(frames: NDArray[np.floating]) -> Changes:
@@ -176,7 +176,7 @@ def examine(frames: NDArray[np.floating]) -> Changes:
         return Changes(0.0, 1.0)
     surface = trend_surface(some.mean(axis=0))
     near = spatial_correlation(some, mean=surface)
-    # Pixels that one independent value stands for.
+    # Number of pixels per independent value.
     area = float(np.nan_to_num(max(near.scale_x, 1.0) * max(near.scale_y, 1.0), nan=np.inf))
     left = some - surface
     share = float(surface.var()) / variance - min(TERMS * BY_CHANCE[0] * area / surface.size, MOST_BY_CHANCE[0])
@@ -190,11 +190,11 @@ def examine(frames: NDArray[np.floating]) -> Changes:
 
 
 def even_region(frames: NDArray[np.floating]) -> Region | None:
-    """Largest region whose slow changes are too small to be told, of a few sizes and places; None where there is none."""
+    """Largest region without reportable slow changes, of a few sizes and places; None without one."""
     rows, columns = frames.shape[-2:]
     for share in SHARES:
-        found = [(examine(region.of(frames)), region) for region in _places(rows, columns, share)]
-        passed = [(changes.mean / TOLD[0] + changes.spread / TOLD[1], region) for changes, region in found if not changes.beyond(TOLD)]
+        examined = [(examine(region.of(frames)), region) for region in _places(rows, columns, share)]
+        passed = [(changes.mean / TOLD[0] + changes.spread / TOLD[1], region) for changes, region in examined if not changes.beyond(TOLD)]
         if passed:
             return min(passed, key=lambda pair: pair[0])[1]
     return None
@@ -210,12 +210,12 @@ def _places(rows: int, columns: int, share: float) -> Iterator[Region]:
 
 
 def require_stationary(frames: NDArray[np.floating], within: Region | None = None, *, detrended: bool = False) -> tuple[str, ...]:
-    """Refuse a picture whose mean or variance changes grossly across it (a horizon, a shore), and name the part to choose.
+    """Refuse a picture whose mean or variance changes grossly across it (a horizon, a shore), and suggest a part to choose.
 
     Parameters
     ----------
     frames : ndarray, shape (frames, rows, columns)
-        Of the region [u].
+        Frames of the region [u].
     within : Region, optional
         The region in the picture, so that the part is named in rows and columns of the picture; the frames by default.
     detrended : bool

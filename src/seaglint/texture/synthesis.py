@@ -31,17 +31,17 @@ from seaglint.texture.marginals import Marginal
 Field = NDArray[np.float32]
 
 Density = Callable[[int], FloatArray]
-"""Spectral density of a slab: given the number of the frequency in time, (rows, columns // 2 + 1)."""
+"""Spectral density of a slab, a function of the number of the frequency in time: (rows, columns // 2 + 1)."""
 
 
 @dataclass(frozen=True)
 class Modulation:
-    """Slow field of gamma distributed power that a fast field is multiplied by.
+    """Slow field of gamma distributed power that multiplies a fast field.
 
     Attributes
     ----------
     shape : float
-        Of the gamma distribution [1]: variance over squared mean is its inverse.
+        Shape of the gamma distribution [1]: variance over squared mean is its inverse.
     lengths : (float, float, float)
         Distances at which the correlation of the Gaussian field behind it, ``exp(-(d / length)²)``, is 1/e [frames, rows, columns].
 
@@ -59,12 +59,12 @@ class Modulation:
             raise DomainError(f"modulation of shape {self.shape:g} and lengths {self.lengths}: give numbers above 0")
 
     def to_dict(self) -> dict[str, Any]:
-        """What JSON holds of it."""
+        """Return the modulation as values for JSON."""
         return {"shape": self.shape, "lengths": list(self.lengths)}
 
     @classmethod
     def from_dict(cls, held: Mapping[str, Any]) -> Modulation:
-        """Read back what :meth:`to_dict` wrote."""
+        """Read the output of :meth:`to_dict`."""
         t, y, x = map(float, held["lengths"])
         return cls(float(held["shape"]), (t, y, x))
 
@@ -75,11 +75,11 @@ def gaussian(shape: Sequence[int], density: Density, seed: int, purpose: str = "
     Parameters
     ----------
     shape : (int, int, int)
-        Of the torus.
+        Shape of the torus.
     density : callable
         ``density(k)`` is the spectral density at the frequency number k in time [u², (rows, columns // 2 + 1)].
     seed, purpose : int, str
-        Of the random stream; each frequency in time has its own, so that threads change no byte.
+        Key of the random stream; each frequency in time has its own, so that threads change no byte.
 
     Notes
     -----
@@ -141,7 +141,7 @@ def density_of(model: GaussMarkov, shape: Sequence[int]) -> Density:
 
 
 class _Slabs:
-    """The symbol of a model at one frequency in time: few neighbours, each a product of phases."""
+    """Symbol of a model at one frequency in time, with few neighbours, each a product of phases."""
 
     def __init__(self, model: GaussMarkov, shape: Offset) -> None:
         self._shape = shape
@@ -154,10 +154,10 @@ class _Slabs:
     def __call__(self, k: int) -> FloatArray:
         turned = self._rows * np.exp(1j * self._waves[k] * self._times)
         # The real part of the product of two complex matrices, by two real ones.
-        found = 1.0 - 2.0 * (turned.real @ self._columns.real - turned.imag @ self._columns.imag)
-        if not found.min() > 0.0:
+        symbol = 1.0 - 2.0 * (turned.real @ self._columns.real - turned.imag @ self._columns.imag)
+        if not symbol.min() > 0.0:
             raise DomainError("the weights leave a wave of this torus without a finite variance; take another size")
-        return np.asarray(found)
+        return np.asarray(symbol)
 
 
 @lru_cache(maxsize=32)
@@ -186,9 +186,9 @@ def latent(model: GaussMarkov, shape: Sequence[int], seed: int, modulation: Modu
     model : GaussMarkov
         Its correlations; mean and variance are not used.
     shape : (int, int, int)
-        Of the torus.
+        Shape of the torus.
     seed : int
-        The same seed gives the same bytes for any number of threads.
+        Seed; the same one gives the same bytes for any number of threads.
     modulation : Modulation, optional
         Slow field; Gaussian without.
 
@@ -215,7 +215,7 @@ def rough(modulation: Modulation, shape: Sequence[int], seed: int) -> Field:
 
 
 def filtered(noise: Field, density: Density) -> Field:
-    """White noise given a spectral density."""
+    """White noise filtered to a spectral density."""
     from scipy.fft import irfftn, rfftn
 
     shape = noise.shape

@@ -1,4 +1,4 @@
-"""How much of the long tails of filtered pictures the marginal transform leaves, and the slow field that brings it.
+"""Long tails of filtered pictures: what the marginal transform does not reproduce, and the slow field that does.
 
 False alarms are counted in the Laplacian of a picture, and its tails have two sources. Pixels whose own values have a long tail, sparse
 glints on a dark sea, keep it when they are filtered: the marginal transform suffices. In a bright corridor pixels are spread evenly, and
@@ -24,24 +24,24 @@ from seaglint.texture.marginals import Marginal
 from seaglint.texture.synthesis import Modulation, density_of, filtered, latent, rough
 
 THRESHOLDS: Final = (2.5, 3.0, 3.5)
-"""Where rates are matched [standard deviations of the filtered picture]."""
+"""Thresholds at which rates are matched [standard deviations of the filtered picture]."""
 
 NEAR: Final = math.log(1.15)
-"""Root mean square of the log ratios of rates from which on there is nothing to mend."""
+"""Root mean square of the log ratios of rates below which no correction is needed."""
 
 SHAPES: Final = tuple(np.geomspace(0.12, 12.0, 15))
-"""Shapes of the slow field that are tried; above the last one it is hardly felt."""
+"""Candidate shapes of the slow field; above the last one it has almost no effect."""
 
 STRETCHES: Final = (0.5, 1.0, 2.0)
-"""Lengths that are tried, times those at which the squares of the filtered data decorrelate."""
+"""Candidate lengths, in times those at which the squares of the filtered data decorrelate."""
 
 PILOT: Final = 600_000
-"""Pixels of the samples that are compared with the data."""
+"""Number of pixels of the samples that are compared with the data."""
 
 
 @dataclass(frozen=True)
 class Tail:
-    """What of the filtered picture is matched.
+    """Tail rates and length of the filtered picture that are matched.
 
     Attributes
     ----------
@@ -62,7 +62,7 @@ class Tail:
 
 
 def interior(frames: ArrayLike) -> NDArray[np.float32]:
-    """Laplacian of the pixels that see no border, in standard deviations of their frame, (frames, rows - 2, columns - 2)."""
+    """Laplacian of the pixels away from the border, in standard deviations of their frame, (frames, rows - 2, columns - 2)."""
     out = Laplacian().apply(np.asarray(frames, np.float32))[:, 1:-1, 1:-1]
     return standardise(out, np.ones(out.shape[1:], np.bool_))
 
@@ -96,23 +96,23 @@ def _length(line: FloatArray) -> float:
 
 
 def misfit(sample: Tail, data: Tail) -> FloatArray:
-    """Log of the ratios of rates at the thresholds, sample over data [1]; one pixel stands for none."""
+    """Log of the ratios of rates at the thresholds, sample over data [1]; one pixel replaces none."""
     return np.asarray(
         np.log(np.maximum(sample.rates, 0.3 / PILOT) / np.maximum(data.rates, 0.5 * data.rates[0] / max(data.counts[0], 1.0) + 1e-12))
     )
 
 
 def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, seed: int = 0) -> tuple[Modulation | None, FloatArray]:
-    """Slow field with which samples have the tails of the data when they are filtered.
+    """Slow field with which filtered samples have the tails of the data.
 
     Parameters
     ----------
     data : array_like, shape (frames, rows, columns)
         [u].
     model, marginal : GaussMarkov, Marginal
-        Of the texture, already fitted.
+        Model and marginal of the texture, already fitted.
     seed : int
-        Of the samples.
+        Seed of the samples.
 
     Returns
     -------
@@ -121,10 +121,10 @@ def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, see
     misfit : ndarray, shape (3,)
         Log ratios of the rates at :data:`THRESHOLDS` that are left.
     """
-    wanted = tail(data)
+    target = tail(data)
     shape = pilot_shape(model, np.shape(data)[0])
-    weights = np.sqrt(np.maximum(wanted.counts, 1.0))
-    plain = misfit(tail(marginal.transform(latent(model, shape, seed))), wanted)
+    weights = np.sqrt(np.maximum(target.counts, 1.0))
+    plain = misfit(tail(marginal.transform(latent(model, shape, seed))), target)
 
     def cost(left: FloatArray) -> float:
         return float(np.average(left**2, weights=weights))
@@ -135,15 +135,15 @@ def find_modulation(data: ArrayLike, model: GaussMarkov, marginal: Marginal, see
     density = density_of(model, shape)
     best: tuple[float, Modulation | None, FloatArray] = (cost(plain), None, plain)
     for stretch in STRETCHES:
-        lengths = tuple(max(stretch * length, 0.5) for length in wanted.lengths)
+        lengths = tuple(max(stretch * length, 0.5) for length in target.lengths)
         for nu in SHAPES:
             tried = Modulation(float(nu), lengths)  # type: ignore[arg-type]
             made = filtered(rough(tried, shape, seed), density)
             made /= made.std()
-            found = tail(marginal.transform(made))
-            left = misfit(found, wanted)
-            # Tails first; of two lengths with the same tails the one whose exceedances cluster as the data's.
-            total = cost(left) + 0.25 * float(np.mean((found.clusters - wanted.clusters) ** 2))
+            sampled = tail(marginal.transform(made))
+            left = misfit(sampled, target)
+            # Tails first; of two lengths with the same tails, the one whose exceedances cluster like the data's.
+            total = cost(left) + 0.25 * float(np.mean((sampled.clusters - target.clusters) ** 2))
             if total < best[0]:
                 best = (total, tried, left)
     return best[1], best[2]

@@ -1,1 +1,1 @@
-"""How often which conditions come, and how often they bring glint."""
+"""Weather statistics: probability of conditions, and of the glint that they bring."""

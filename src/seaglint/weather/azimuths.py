@@ -1,4 +1,4 @@
-"""Share of the azimuths at which a look exceeds thresholds, found by its borders instead of drawn: chances of glint without that noise.
+"""Share of the azimuths at which a look exceeds thresholds, by finding its borders: probabilities of glint without sampling noise.
 
 With everything but the azimuth given, glint falls off to both sides of the Sun. The borders where it passes a threshold are bracketed on
 a few azimuths and found by the Illinois rule in the logarithm of radiance, which is nearly a parabola there.
@@ -29,13 +29,13 @@ from seaglint.weather.sunlight import (
 )
 
 _BESIDE: Final = np.radians([2.0, 5.0, 10.0, 18.0, 30.0, 50.0, 90.0, 180.0])
-"""Azimuths to each side of the Sun between which at most one border is looked for [rad]."""
+"""Azimuths to each side of the Sun between which at most one border is searched [rad]."""
 
 _FAR: Final = 7.0
-"""Logarithm of radiance below the least threshold from which the outer azimuths are passed over: glint only falls there."""
+"""Logarithm of radiance below the least threshold beyond which the outer azimuths are skipped, as glint only decreases there."""
 
 _CLOSE: Final = 2e-4
-"""Logarithm of radiance to which borders are found: a tenth of what the tables of light are good for."""
+"""Logarithm of radiance to which borders are refined: a tenth of the accuracy of the tables of light."""
 
 _LEAST: Final = 1e-300
 _TURNS: Final = 40
@@ -45,16 +45,16 @@ class _Plan(NamedTuple):
     nodes: FloatArray
     """Azimuths from the Sun, ascending [rad]."""
     start: int
-    """Place of the brightest."""
+    """Index of the brightest node."""
     falls: bool
-    """Whether glint falls to both sides of it: the range holds no second approach to the Sun."""
+    """True if glint decreases to both sides of it: the range holds no second approach to the Sun."""
     thresholds: FloatArray
-    """Logarithms."""
+    """Logarithms of the thresholds."""
     depression: tuple[float, float]
 
 
 class _Beam(NamedTuple):
-    """A look but for its azimuth."""
+    """Look without its azimuth."""
 
     elevation: float
     arc: float
@@ -94,7 +94,7 @@ def azimuth_shares(
 
 
 def _nodes(first: float, last: float) -> tuple[FloatArray, int, bool]:
-    """Azimuths to look at, the place of the one next to the Sun, and whether glint falls to both sides of it."""
+    """Azimuths to evaluate, the index of the one next to the Sun, and True if glint decreases to both sides of it."""
     turn = 2.0 * math.pi
     if last - first >= turn - 1e-9:
         first, last = -math.pi, math.pi
@@ -109,17 +109,17 @@ def _nodes(first: float, last: float) -> tuple[FloatArray, int, bool]:
 @njit
 def _logarithm(row: FloatArray, azimuth: float, light: MirroredLight, sea: Seas, beam: _Beam) -> float:
     """Logarithm of radiance at an azimuth from the Sun."""
-    found = direction(row, beam.elevation, beam.arc, row[5] + azimuth, light, sea, beam.state, beam.disc, beam.way)
-    return math.log(max(found[0], _LEAST))
+    evaluated = direction(row, beam.elevation, beam.arc, row[5] + azimuth, light, sea, beam.state, beam.disc, beam.way)
+    return math.log(max(evaluated[0], _LEAST))
 
 
 @njit
 def _border(
     row: FloatArray, ends: tuple[float, float], above: tuple[float, float], level: float, light: MirroredLight, sea: Seas, beam: _Beam
 ) -> float:
-    """Azimuth between two ends where glint passes a level; ``above``: logarithms less the level at the ends, of unlike signs."""
+    """Azimuth between two ends where glint passes a level; ``above``: logarithms less the level at the ends, of opposite signs."""
     a, b = ends
-    # Far in the dark the logarithm falls steeply: as it stands it would pull every secant to the other end.
+    # Far in the dark the logarithm falls steeply: without a limit it would move every secant to the other end.
     fa, fb = min(max(above[0], -8.0), 8.0), min(max(above[1], -8.0), 8.0)
     x = a
     for _ in range(_TURNS):

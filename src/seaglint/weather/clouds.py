@@ -1,4 +1,4 @@
-"""Whether clouds leave the Sun to the sea: by their cover, only when overcast, or along slanting lines of sight."""
+"""Probability that clouds do not hide the Sun from the sea: by their cover, only when overcast, or along slanting lines of sight."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike
 from seaglint.conventions import FloatArray
 
 CloudLaw = Literal["cover", "overcast", "line-of-sight"]
-"""The Sun is free with the chance 1 - cover; whenever the sky is not overcast; or by :func:`clear_line`."""
+"""Law of the probability of a free Sun: 1 - cover; 1 unless the sky is overcast; or by :func:`clear_line`."""
 
 OVERCAST: Final = 0.99
-"""Cover from which a sky is overcast [1]: reports in eighths and fractions rounded to hundredths say 1 for it."""
+"""Least cover of an overcast sky [1]: reports in eighths and fractions rounded to hundredths mean 1 by it."""
 
 
 def clear_line(cover: ArrayLike, elevation: ArrayLike, aspect: float) -> FloatArray:
-    r"""Chance that a line of sight at an elevation meets no cloud.
+    r"""Probability that a line of sight at an elevation meets no cloud.
 
     .. math:: P = (1 - N)^{1 + \frac{4}{\pi}\,a\,\cot e}
 
@@ -30,7 +30,7 @@ def clear_line(cover: ArrayLike, elevation: ArrayLike, aspect: float) -> FloatAr
     cover : array_like
         N, share of the sky covered as seen from straight below [1].
     elevation : array_like
-        Of the line of sight [rad]; broadcast. At 0 and below no line is clear under any cloud.
+        Elevation of the line of sight [rad]; broadcast. At 0 and below no line is clear under any cloud.
     aspect : float
         a, height of clouds over their width [1]; 0 is :data:`CloudLaw` ``"cover"``.
 
@@ -45,7 +45,7 @@ def clear_line(cover: ArrayLike, elevation: ArrayLike, aspect: float) -> FloatAr
 
 
 def illuminated(law: CloudLaw, cover: ArrayLike, elevation: ArrayLike, *, overcast: float = OVERCAST, aspect: float = 0.5) -> FloatArray:
-    """Chance that the Sun is not hidden by clouds [1], by one of the laws; parameters as in :func:`clear_line`.
+    """Probability that the Sun is not hidden by clouds [1], by one of the laws; parameters as in :func:`clear_line`.
 
     >>> illuminated("overcast", [0.9, 1.0], 0.5).tolist()
     [1.0, 0.0]

@@ -1,4 +1,4 @@
-"""When, where and in which weather each draw looks, from uniform numbers: rows of the table stay whole and keep their season and hour."""
+"""Times, places and weather of draws, from uniform numbers: rows of the table stay whole and keep their season and hour."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from seaglint.weather.table import MONTHS, IntArray, WeatherTable, month_used
 
 _DAY: Final = 86_400.0
 _SMALL: Final = 16
-"""Rows up to which each is a range of winds of its own."""
+"""Number of rows up to which each is a range of winds of its own."""
 
 
 @dataclass(frozen=True)
 class Times:
-    """Times that are equally likely.
+    """Range of equally likely times.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class Times:
     hours: tuple[float, float] = (0.0, 24.0)
 
     def draw(self, day: FloatArray, hour: FloatArray) -> FloatArray:
-        """Seconds since 1970-01-01 UTC at uniform numbers for the day and the hour [s]."""
+        """Times at uniform numbers for the day and the hour [s since 1970-01-01 UTC]."""
         low, high = self.hours
         return np.asarray(self.day(day) + 3600.0 * (low + (high - low) * hour))
 
@@ -52,7 +52,7 @@ class Times:
 
     @property
     def days(self) -> FloatArray:
-        """Beginnings of the days that count [s since 1970-01-01 UTC]."""
+        """Beginnings of the allowed days [s since 1970-01-01 UTC]."""
         first, last = year_span(self.year)
         days = np.arange(first, last, _DAY)
         return days[np.isin(months_of(days), self.months)] if self.months else days
@@ -60,7 +60,7 @@ class Times:
 
 @dataclass(frozen=True)
 class Region:
-    """Places that are equally likely by area, between latitudes and longitudes [deg]; a point where both ends agree.
+    """Region of places that are equally likely by area, between latitudes and longitudes [deg]; a point where both ends are equal.
 
     A western border beyond the eastern one crosses the date line.
     """
@@ -83,7 +83,7 @@ class Region:
 
 @dataclass(frozen=True, eq=False)
 class Conditions:
-    """One row of weather, a time and a place for every draw; times and places are NaN where the Sun is given.
+    """Weather row, time and place of every draw; times and places are NaN where the Sun is given.
 
     Attributes
     ----------
@@ -94,7 +94,7 @@ class Conditions:
     latitude, longitude : ndarray
         North and east positive [deg].
     weight : ndarray, optional
-        What each draw stands for [1], 1 on average; all the same where it is not given.
+        Weight of each draw [1], 1 on average; all the same where it is not given.
     """
 
     rows: IntArray
@@ -165,7 +165,7 @@ def conditions(
 
 
 def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> IntArray:
-    """Rows at two uniform numbers each: the first chooses a range of winds, the second a row of it in the order of the cover.
+    """Draw rows at two uniform numbers each: the first chooses a range of winds, the second a row of it in the order of the cover.
 
     Rows have the chances of :meth:`WeatherTable.draw`, but wind and cover each follow a number of their own, so that points even in two
     dimensions leave little noise in either.
@@ -178,7 +178,7 @@ def draw_pairs(table: WeatherTable, uniform: FloatArray, second: FloatArray) -> 
 
 
 def _pairs(weight: FloatArray, wind: FloatArray, cover: FloatArray, uniform: FloatArray, second: FloatArray) -> IntArray:
-    """The same of columns."""
+    """Draw values of columns at two uniform numbers each, as :func:`draw_pairs`."""
     order = np.lexsort((cover, wind))
     order = order[weight[order] > 0.0]
     ends = np.cumsum(weight[order])
@@ -196,7 +196,7 @@ def _pairs(weight: FloatArray, wind: FloatArray, cover: FloatArray, uniform: Flo
 
 
 def _rows_at(table: WeatherTable, uniform: FloatArray, second: FloatArray, time: FloatArray, some: NDArray[np.intp]) -> IntArray:
-    """Of some rows those of the month and the nearest hour of times; a month without rows has those of its neighbour.
+    """Rows, among some, of the month and the nearest hour of times; a month without rows has those of its neighbour.
 
     A month that has no rows of an hour gives all of its own.
     """
@@ -215,13 +215,13 @@ def _rows_at(table: WeatherTable, uniform: FloatArray, second: FloatArray, time:
         in_month = (of_month == key[at[0]]) if used else np.ones(some.size, dtype=np.bool_)
         rows = in_month & (hour == hours[at_hour[at[0]]]) if hours.size else in_month
         rows = rows if np.any(weight[rows] > 0.0) else in_month
-        found = np.flatnonzero(rows)
-        out[at] = some[found[_pairs(weight[found], wind[found], cover[found], uniform[at], second[at])]]
+        matches = np.flatnonzero(rows)
+        out[at] = some[matches[_pairs(weight[matches], wind[matches], cover[matches], uniform[at], second[at])]]
     return out
 
 
 def _nearest(hour: FloatArray, hours: FloatArray) -> NDArray[np.intp]:
-    """Place of the nearest of ascending hours, around the day."""
+    """Index of the nearest of ascending hours, around the day."""
     wrapped = np.concatenate([[hours[-1] - 24.0], hours, [hours[0] + 24.0]])
     return np.asarray((np.searchsorted(0.5 * (wrapped[1:] + wrapped[:-1]), hour) - 1) % hours.size)
 
@@ -233,14 +233,14 @@ def _of_rows(table: WeatherTable, uniform: Mapping[str, FloatArray], when: Times
         if np.isnan(table[name]).any():
             raise DomainError(f"place_from_weather = true needs {name} in every row of the weather table; give a region or [place] instead")
     month, hour = table["month"], table["hour_utc"]
-    wanted = np.isnan(month) | np.isin(month, when.months or tuple(range(1, 13)))
+    selected = np.isnan(month) | np.isin(month, when.months or tuple(range(1, 13)))
     low, high = when.hours
-    wanted &= np.isnan(hour) | ((hour % 24.0 >= low) & (hour % 24.0 <= high))
-    if not np.any(wanted & (table["weight"] > 0.0)):
+    selected &= np.isnan(hour) | ((hour % 24.0 >= low) & (hour % 24.0 <= high))
+    if not np.any(selected & (table["weight"] > 0.0)):
         names = ", ".join(MONTHS[m - 1] for m in when.months) or "all months"
         raise DomainError(f"no row of the weather table is of {names} between {low:g} and {high:g} h UTC; choose others")
-    kept = np.flatnonzero(wanted)
-    rows = kept[draw_pairs(table.take(kept), uniform["row"], uniform["cover"])]
+    matches = np.flatnonzero(selected)
+    rows = matches[draw_pairs(table.take(matches), uniform["row"], uniform["cover"])]
     time = when.draw(uniform["day"], uniform["hour"])
     for m in range(1, 13):
         at = np.flatnonzero(month[rows] == m)
@@ -256,5 +256,5 @@ def _of_rows(table: WeatherTable, uniform: Mapping[str, FloatArray], when: Times
 
 
 def timestamp(moment: datetime) -> float:
-    """Seconds since 1970-01-01 UTC [s] of a time with a zone."""
+    """Timestamp [s since 1970-01-01 UTC] of a time with a zone."""
     return moment.astimezone(UTC).timestamp()

@@ -17,23 +17,23 @@ _BY_DAY: Final = 15.0 / 16.0
 """Share of the draws given to the arc; a dyadic one keeps Sobol points even on both sides."""
 
 _DUSK: Final = math.radians(-1.2)
-"""Elevation at the ends of the arc [rad]: refraction, radius of the disc and 0.3 deg for what is seen far from the sensor."""
+"""Elevation of the Sun at the ends of the arc [rad]: refraction, radius of the disc and 0.3 deg for places far from the sensor."""
 
 _YEAR: Final = 365.2422 * 86_400.0
 _HALF_DAY: Final = 12.0
 
 
 class Hours(NamedTuple):
-    """Hours of the day and what each stands for [(n,)]."""
+    """Hours of the day and the weight of each [(n,)]."""
 
     hour: FloatArray
-    """UTC [h]."""
+    """Hours UTC [h]."""
     weight: FloatArray
-    """Density wanted (even over the hours that count) over the one drawn from [1]; 1 on average."""
+    """Ratio of the required density (even over the allowed hours) to that of the draws [1]; 1 on average."""
 
 
 def arc(day: FloatArray, latitude: FloatArray, longitude: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Noon [h UTC] and half of the time that the Sun is up [h, 0 to 12], within some minutes.
+    """Noon [h UTC] and half of the time during which the Sun is up [h, 0 to 12], within some minutes.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What a table of weather takes from what was observed: wind from its components, humidity, wave height, model atmosphere."""
+"""Quantities derived from observations: wind from its components, humidity, wave height, model atmosphere."""
 
 from __future__ import annotations
 
@@ -10,20 +10,19 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.conventions import FloatArray
 
 ICE_POINT: Final = 273.15
-"""0 degC [K]."""
+"""Temperature of 0 degC [K]."""
 
 TROPICAL_BELOW: Final = 30.0
-"""Latitude up to which the tropical model atmosphere stands [deg]: halfway between the tropical model's 15 deg and the midlatitude one's
-45 deg."""
+"""Latitude below which the tropical model atmosphere is used [deg]: halfway between its 15 deg and the midlatitude model's 45 deg."""
 
 SUBARCTIC_FROM: Final = 52.5
-"""Latitude from which the subarctic models stand [deg]: halfway between 45 and 60 deg."""
+"""Latitude from which the subarctic models are used [deg]: halfway between 45 and 60 deg."""
 
 _MAGNUS: Final = (17.625, 243.04)
 
 
 def wind_from_components(east: ArrayLike, north: ArrayLike) -> tuple[FloatArray, FloatArray]:
-    """Speed of a wind and where it comes from, of the components that it blows towards.
+    """Speed of a wind and the direction that it comes from, from the components that it blows towards.
 
     Parameters
     ----------
@@ -49,7 +48,7 @@ def wind_from_components(east: ArrayLike, north: ArrayLike) -> tuple[FloatArray,
 
 
 def relative_humidity(air_k: ArrayLike, dew_point_k: ArrayLike) -> FloatArray:
-    """Relative humidity over water, of air temperature and dew point [share of 1].
+    """Relative humidity over water, from air temperature and dew point [share of 1].
 
     Notes
     -----

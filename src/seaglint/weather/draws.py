@@ -1,4 +1,4 @@
-"""Points of randomised quasi-Monte Carlo, and the intervals that independent scramblings give."""
+"""Randomised quasi-Monte Carlo points, and intervals from independent scramblings."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from seaglint.conventions import FloatArray
 from seaglint.random import stream
 
 SCRAMBLINGS: Final = 16
-"""Fewest independent scramblings: Student's factor is 2.13 then, against 1.96 of infinitely many."""
+"""Least number of independent scramblings: Student's factor is 2.13 then, against 1.96 for infinitely many."""
 
 LEVEL: Final = 0.95
 _FEW: Final = 10
-"""Hits below which a count's own interval holds too: means of so few are not normal."""
+"""Number of hits below which a count's own interval is included: means of so few are not normal."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How many points: ``scramblings`` times ``points``, the latter a power of two.
+    """Number of points: ``scramblings`` times ``points``, the latter a power of two.
 
     >>> Plan.of(100_000)
     Plan(scramblings=25, points=4096)
@@ -34,13 +34,13 @@ class Plan:
 
     @classmethod
     def of(cls, samples: int) -> Plan:
-        """At least ``samples`` in all, in 16 to 31 scramblings (32 where rounding asks for it)."""
+        """Plan of at least ``samples`` points, in 16 to 31 scramblings (32 where rounding requires it)."""
         points = 2 ** max(int(math.log2(max(samples // SCRAMBLINGS, 1))), 0)
         return cls(max(math.ceil(samples / points), SCRAMBLINGS), points)
 
     @property
     def total(self) -> int:
-        """All points."""
+        """Total number of points."""
         return self.scramblings * self.points
 
     def uniform(self, dimensions: int, seed: int, *, plain: bool = False) -> FloatArray:
@@ -56,7 +56,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A mean and its 95 % interval."""
+    """Mean and its 95 % interval."""
 
     value: float
     low: float
@@ -72,7 +72,7 @@ def estimate(values: FloatArray, plan: Plan, *, weight: FloatArray | None = None
     Parameters
     ----------
     values : ndarray
-        Of every draw [(total,)], between 0 and ``most``.
+        Values of every draw [(total,)], between 0 and ``most``.
     plan : Plan
         Scramblings and points.
     weight : ndarray, optional

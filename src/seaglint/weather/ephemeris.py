@@ -1,4 +1,4 @@
-"""Where the Sun stands at any time and place: the NREL solar position algorithm (Reda and Andreas 2004), quick for a million draws.
+"""Direction of the Sun at any time and place by the NREL solar position algorithm (Reda and Andreas 2004), fast for a million draws.
 
 What depends on the time alone (right ascension, declination, distance, sidereal time) is taken from pvlib's form of the algorithm at steps
 of six hours and interpolated by cubics, within 1e-6 deg; what depends on the place is computed for every draw.
@@ -20,14 +20,14 @@ from seaglint.errors import DomainError
 
 STANDARD_PRESSURE: Final = 1013.25
 STANDARD_TEMPERATURE: Final = 12.0
-"""Air for refraction where nothing is said [hPa], [degC]: pvlib's standard atmosphere at the sea."""
+"""Default air for refraction [hPa], [degC]: pvlib's standard atmosphere at the sea."""
 
 _STEP: Final = 21_600.0
 _DELTA_T: Final = 67.0
-"""Terrestrial less universal time [s]; 10 s more move the Sun by 1e-4 deg."""
+"""Terrestrial minus universal time [s]; 10 s more move the Sun by 1e-4 deg."""
 
 _RISE: Final = 0.5667
-"""Refraction at the horizon of the algorithm [deg]: below it and the disc's radius together the Sun is not lifted."""
+"""Refraction at the horizon of the algorithm [deg]; a Sun lower by it and the disc's radius is not refracted."""
 
 _FLATTENING: Final = 0.99664719
 _EQUATOR: Final = 6_378_140.0
@@ -39,14 +39,14 @@ class SunPositions(NamedTuple):
     zenith: FloatArray
     """Apparent zenith angle, refraction included [rad]."""
     azimuth: FloatArray
-    """Clockwise from north [rad]."""
+    """Azimuth clockwise from north [rad]."""
     irradiance_factor: FloatArray
-    """Irradiance against that at 1 au, ``1/d^2`` [1]."""
+    """Ratio of the irradiance to that at 1 au, ``1/d^2`` [1]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Ephemeris:
-    """The Sun between two times. Make it with :meth:`between`.
+    """Ephemeris of the Sun between two times. Make it with :meth:`between`.
 
     Attributes
     ----------
@@ -61,7 +61,7 @@ class Ephemeris:
 
     @classmethod
     def between(cls, first: float, last: float) -> Ephemeris:
-        """Of the seconds since 1970-01-01 UTC from ``first`` to ``last``."""
+        """Ephemeris for the seconds since 1970-01-01 UTC from ``first`` to ``last``."""
         # pandas comes with it and takes half a second
         from pvlib import spa
 
@@ -78,7 +78,7 @@ class Ephemeris:
 
     @classmethod
     def of_year(cls, year: int) -> Ephemeris:
-        """Of a calendar year, UTC."""
+        """Ephemeris of a calendar year, UTC."""
         return cls.between(*year_span(year))
 
     def at(
@@ -142,7 +142,7 @@ def year_span(year: int) -> tuple[float, float]:
 
 @kernel
 def _cubic(f: float, a: float, b: float, c: float, d: float) -> float:
-    """Cubic through four even points, at ``f`` of the way between the middle two."""
+    """Cubic interpolation between four even points, at the fraction ``f`` between the middle two."""
     low, high = f + 1.0, f - 2.0
     return -f * (f - 1.0) * high / 6.0 * a + low * (f - 1.0) * high / 2.0 * b - low * f * high / 2.0 * c + low * f * (f - 1.0) / 6.0 * d
 

@@ -1,4 +1,4 @@
-"""Radiance of the mirrored Sun for many looks at once, each with weather, Sun, height and direction of its own."""
+"""Radiance of the mirrored Sun for many looks at once, each with its own weather, Sun, height and direction."""
 
 from __future__ import annotations
 
@@ -30,19 +30,22 @@ from seaglint.weather.sunlight import (
 )
 
 DUSK: Final = 0.3
-"""Depression of the Sun from which it is up nowhere in view [rad]."""
+"""Depression of the Sun from which it is above no horizon in view [rad]."""
 
 _FAINT: Final = 1e-300
-"""Radiance of a lit sea whose glint is nothing in numbers [W m-2 sr-1]: it is above 0 wherever the Sun is up."""
+"""Radiance of a lit sea with negligible glint [W m-2 sr-1], so that it is above 0 wherever the Sun is up."""
 
 COLUMNS: Final = ("model", "wind", "wind_to", "height", "solar_zenith", "solar_azimuth", "irradiance_factor", "azimuth", "depression")
-"""What a look is, in the order of the kernel's array: place of the model atmosphere in the table, U10 [m/s], azimuth it blows to [rad],
-sensor's height [m], the Sun's direction [rad] and ``1/d^2``, azimuth of the look and its depression [rad]."""
+"""Quantities of a look, in the order of the kernel's array.
+
+These are index of the model atmosphere in the table, U10 [m/s], azimuth it blows to [rad], sensor's height [m], the Sun's direction [rad]
+and ``1/d^2``, azimuth of the look and its depression [rad].
+"""
 
 
 @dataclass(frozen=True)
 class Search:
-    """Directions about each look of which the brightest counts; by default the look alone.
+    """Directions about each look among which the brightest is used; by default the look alone.
 
     Attributes
     ----------
@@ -62,17 +65,17 @@ class Search:
 
 @dataclass(frozen=True, eq=False)
 class Looks:
-    """What the looks see [(n,) each]; 0 where no Sun is up, or no sea in view, and the least number where glint is next to nothing."""
+    """Results of looks [(n,) each]; 0 where no Sun is up or no sea in view, and the least number where glint is negligible."""
 
     radiance: FloatArray
-    """Of the mirrored Sun at the sensor [W m-2 sr-1]."""
+    """Radiance of the mirrored Sun at the sensor [W m-2 sr-1]."""
     chance: FloatArray
     """Share of the viewed area that mirrors the Sun [1]."""
     cos_incidence: FloatArray
     elevation: FloatArray
-    """Of the viewer at the sea there [rad]; negative where the look misses the sea."""
+    """Elevation of the viewer at the sea there [rad]; negative where the look misses the sea."""
     sun_up: FloatArray
-    """Sine of the Sun's elevation there, of the middle of what is seen of it [1]."""
+    """Sine of the elevation there of the visible part of the Sun [1]."""
 
 
 def looks(draws: FloatArray, light: MirroredLight, sea: Seas, search: Search = Search()) -> Looks:
@@ -115,21 +118,21 @@ class _Plan(NamedTuple):
 
 
 class Way(NamedTuple):
-    """Where a direction stands among the nodes of the light."""
+    """Position of a direction among the nodes of the light."""
 
     wind: int
     """First nodes of wind and height."""
     height: int
     coarse: tuple[float, float]
-    """Their coordinates among the nodes of the mean reflectance."""
+    """Coordinates of wind and height among the nodes of the mean reflectance."""
     across: float
     """Coordinate of the view, 0 to 1."""
     weights: FloatArray
-    """Of the cubics, those of view and Sun to be filled [(4, 4)]."""
+    """Weights of the cubics; those of view and Sun are filled later [(4, 4)]."""
 
 
 class SeaState(NamedTuple):
-    """The sea at one wind, and what is the same for all directions."""
+    """Sea at one wind, equal for all directions."""
 
     density: FacetDensity
     wind: float
@@ -142,7 +145,7 @@ class SeaState(NamedTuple):
 
 @kernel
 def _area_ratio(sea: Seas, wind: float, edge: float, turn: float) -> float:
-    """Visible area over that of Gaussian slopes; ``wind`` in steps of the slopes, ``turn`` from the waves' direction [rad]."""
+    """Ratio of the visible area to that of Gaussian slopes; ``wind`` in steps of the slopes, ``turn`` from the waves' direction [rad]."""
     if sea.area.shape[0] == 0:
         return 1.0
     folded = abs((turn + math.pi) % (2.0 * math.pi) - math.pi)
@@ -161,7 +164,7 @@ def _area_ratio(sea: Seas, wind: float, edge: float, turn: float) -> float:
 
 @njit
 def sea_at(sea: Seas, row: FloatArray, coefficients: FloatArray) -> SeaState:
-    """The sea under the wind of a look; fills the coefficients of its series."""
+    """Sea under the wind of a look; fills the coefficients of its series."""
     wind = min(max((row[1] - sea.first) / sea.step, 0.0), sea.slopes.shape[0] - 1.0)
     i = min(int(wind), sea.slopes.shape[0] - 2)
     f = wind - i
@@ -272,10 +275,10 @@ def _fill(
                     break
                 x = math.asinh(gamma / scale)
             arc = EFFECTIVE_EARTH_RADIUS * max(depression - gamma, 0.0)
-            found = direction(
+            evaluated = direction(
                 row, gamma, arc, row[7] + a, light, sea, state, disc, Way(wind, height, coarse, (x - start) / (last - start), weights)
             )
-            bright = max(found[0], _FAINT) if found[3] > 0.0 else 0.0
+            bright = max(evaluated[0], _FAINT) if evaluated[3] > 0.0 else 0.0
             if bright > out[n, 0] or step == 0:
                 best, aside = u, a
-                out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = bright, found[1], found[2], gamma, found[3]
+                out[n, 0], out[n, 1], out[n, 2], out[n, 3], out[n, 4] = bright, evaluated[1], evaluated[2], gamma, evaluated[3]

@@ -1,4 +1,4 @@
-"""Columns of a stranger's table as those of a weather table: which one, and the line from its unit to ours."""
+"""Mapping of the columns of a user's table to those of a weather table, with the linear conversion of units."""
 
 from __future__ import annotations
 
@@ -22,25 +22,27 @@ UNITS: Final = {
     "wind_v_m_s": "m/s",
     "dew_point_k": "K",
 }
-"""Unit of each column that has one; cloud cover, humidity, month and weight are plain numbers."""
+"""Unit of each column with a unit; cloud cover, humidity, month and weight are plain numbers."""
 
 SHARES: Final = ("cloud_cover", "relative_humidity")
-"""Shares of 1, which other tables have in percent, oktas or tenths."""
+"""Columns of shares of 1, which other tables have in percent, oktas or tenths."""
 
 SHARE_UNITS: Final = {"1": 1.0, "fraction": 1.0, "percent": 0.01, "%": 0.01, "okta": 0.125, "oktas": 0.125, "tenths": 0.1}
-"""Spellings of the units of a share, and what one of each is."""
+"""Spellings of the units of a share, with the factor of each."""
 
 HELPERS: Final = ("time", "wind_to_deg", "wind_u_m_s", "wind_v_m_s", "dew_point_k")
-"""What a column may also be, of which ours are made: ISO times, the direction that a wind blows towards, its components towards east and
-north, and the dew point."""
+"""Further target columns from which a weather table's are derived.
+
+These are ISO times, the direction that a wind blows towards, its components towards east and north, and the dew point.
+"""
 
 TARGETS: Final = (*RANGES, *TEXTS, *HELPERS)
-"""All that a column can be mapped to."""
+"""Names of all target columns of a mapping."""
 
 
 @dataclass(frozen=True)
 class MappedColumn:
-    """One column: value = ``scale * cell + offset``.
+    """Mapping of one column: value = ``scale * cell + offset``.
 
     Attributes
     ----------
@@ -49,7 +51,7 @@ class MappedColumn:
     column : str
         Heading in the file.
     unit : str
-        As given, for messages; empty where the cells are in our unit.
+        Unit as given, for messages; empty where the cells are in the unit of the target column.
     scale, offset : float
         The line from its unit to ours.
     """

@@ -1,4 +1,4 @@
-"""What a designer counts of the mirrored Sun: its mean, mean plus deviations, pixels past a threshold, targets that it hides."""
+"""Measures of the mirrored Sun for a designer: its mean, mean plus deviations, pixels above a threshold, hidden targets."""
 
 from __future__ import annotations
 
@@ -15,30 +15,30 @@ from seaglint.radiance.view import sea_arc
 from seaglint.weather.looks import Looks
 
 
-def deviation(found: Looks, height: FloatArray, solid_angle: float, length: float) -> FloatArray:
+def deviation(evaluated: Looks, height: FloatArray, solid_angle: float, length: float) -> FloatArray:
     """Standard deviation of glint in a pixel of each look [W m-2 sr-1, (n,)], as :func:`seaglint.radiance.variance.glint_variance`.
 
     Parameters
     ----------
-    found : Looks
-        What the looks see.
+    evaluated : Looks
+        Results of the looks.
     height : ndarray
-        Of the sensors [m, (n,)].
+        Heights of the sensors [m, (n,)].
     solid_angle : float
-        Of a pixel [sr].
+        Solid angle of a pixel [sr].
     length : float
         Side of a cell of glint [m].
     """
-    gamma = np.maximum(found.elevation, 0.0)
+    gamma = np.maximum(evaluated.elevation, 0.0)
     slant = slant_range(height, sea_arc(height, gamma))
-    tilt = np.maximum(np.sin(gamma) + found.sun_up, 0.0)
-    m = patches_of_tilt(found.cos_incidence, tilt, slant, solid_angle, length)
-    return np.asarray(np.sqrt(point_variance(found.radiance, found.chance) / np.maximum(m, 1.0)))
+    tilt = np.maximum(np.sin(gamma) + evaluated.sun_up, 0.0)
+    m = patches_of_tilt(evaluated.cos_incidence, tilt, slant, solid_angle, length)
+    return np.asarray(np.sqrt(point_variance(evaluated.radiance, evaluated.chance) / np.maximum(m, 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
 class DetectionCurve:
-    """Chance of detection against contrast, linear between its points and constant beyond them.
+    """Probability of detection against contrast, linear between its points and constant beyond them.
 
     Attributes
     ----------
@@ -52,17 +52,17 @@ class DetectionCurve:
     pd: FloatArray
 
     def __call__(self, contrast: FloatArray) -> FloatArray:
-        """Chances at contrasts [1]."""
+        """Probabilities at contrasts [1]."""
         return np.asarray(np.interp(contrast, self.contrast, self.pd))
 
 
 def exceeds(radiance: FloatArray, threshold: float) -> FloatArray:
-    """1 where a radiance is above a threshold, else 0."""
+    """Value 1 where a radiance is above a threshold, else 0."""
     return (radiance > threshold).astype(np.float64)
 
 
 def passes(mean: FloatArray, sigma: FloatArray, threshold: float) -> FloatArray:
-    """Chance that glint in a pixel is above a threshold [1]: a gamma law of this mean and deviation [W m-2 sr-1].
+    """Probability that glint in a pixel is above a threshold [1]: a gamma law of this mean and deviation [W m-2 sr-1].
 
     >>> import numpy as np
     >>> round(float(passes(np.array([1.0]), np.array([1.0]), 2.0)[0]), 4)
@@ -75,7 +75,7 @@ def passes(mean: FloatArray, sigma: FloatArray, threshold: float) -> FloatArray:
 
 
 def detected(radiance: FloatArray, illuminated: FloatArray, curve: DetectionCurve, contrast: float) -> FloatArray:
-    """Chance to detect a target [1] that stands out from a sea without glint by ``contrast`` [W m-2 sr-1].
+    """Probability to detect a target [1] with a contrast of ``contrast`` to a sea without glint [W m-2 sr-1].
 
     Glint behind it takes its radiance from the contrast; where clouds hide the Sun, with the chance 1 - ``illuminated``, it takes nothing.
     """
@@ -84,7 +84,7 @@ def detected(radiance: FloatArray, illuminated: FloatArray, curve: DetectionCurv
 
 
 def exceeded_by(radiance: FloatArray, illuminated: FloatArray, shares: Sequence[float], weight: FloatArray | None = None) -> FloatArray:
-    """Radiances that glint exceeds in these shares of all draws [W m-2 sr-1]: contrasts that stand out in the others.
+    """Radiances that glint exceeds in given shares of all draws [W m-2 sr-1]: contrasts visible in the others.
 
     ``weight`` is what each draw stands for [(n,)]; all the same where it is not given.
     """

@@ -16,13 +16,13 @@ from seaglint.sea.shadowing import projected_area
 from seaglint.sea.slopes import SlopeStatistics
 
 SlopesAt = Callable[[float], SlopeStatistics]
-"""Slopes of the sea at a wind [m/s] that blows towards azimuth 0."""
+"""Function that returns the slopes of the sea at a wind [m/s] that blows towards azimuth 0."""
 
 _STEP: Final = 0.2
-"""Winds of the table [m/s]: slope variances are linear in the wind within 1e-4 of themselves over it."""
+"""Step of winds of the table [m/s]: slope variances are linear in the wind within 1e-4 of themselves over it."""
 
 _BANDS: Final = 0.25
-"""Steps of the number of bands of the nested law; shares of facets are mixed linearly between them, within 1e-3."""
+"""Steps of the number of bands of the nested law; shares of facets are interpolated linearly between them, within 1e-3."""
 
 _AREA_WIND: Final = 2.0
 _EDGES: Final = 31
@@ -30,14 +30,17 @@ _TURNS: Final = 19
 
 
 class Seas(NamedTuple):
-    """Slopes against the wind, as kernels take them. Made by :func:`seas`."""
+    """Slopes against the wind, as kernels read them. Made by :func:`seas`."""
 
     first: float
     """Lowest wind, and step [m/s]."""
     step: float
     slopes: FloatArray
-    """Variances along and across the waves, series (c21, c03, c40, c22, c04), bands of the law, azimuth of the waves from the wind's
-    [rad] [(winds, 9)]."""
+    """Slope parameters of each wind [(winds, 9)].
+
+    These are variances along and across the waves, series (c21, c03, c40, c22, c04), bands of the law, azimuth of the waves from the wind's
+    [rad].
+    """
     is_gaussian: bool
     sun_leg: bool
     first_band: float
@@ -45,9 +48,9 @@ class Seas(NamedTuple):
     ratio: FloatArray
     """Tables of the nested law [(bands, rows, columns)]; empty ones for Smith's."""
     coupling: FloatArray
-    """Of facets seen and lit [(bands, view, Sun, slope)]."""
+    """Tables of facets seen and lit [(bands, view, Sun, slope)]."""
     area: FloatArray
-    """Visible area over that of Gaussian slopes [(winds, edges, turns)]; empty for those."""
+    """Ratio of the visible area to that of Gaussian slopes [(winds, edges, turns)]; empty for those."""
 
 
 def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) -> Seas:
@@ -55,28 +58,28 @@ def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) 
     low, high = winds
     count = max(int(np.ceil((high - low) / _STEP)) + 1, 2)
     nodes = np.linspace(low, max(high, low + 1e-6), count)
-    found = [floored(slopes_at(float(min(wind, high)))) for wind in nodes]
-    bands = np.array([shadowing.law_bands(s) for s in found])
-    table = np.array([[s.mss_up, s.mss_cross, *s.coefficients] for s in found])
+    statistics = [floored(slopes_at(float(min(wind, high)))) for wind in nodes]
+    bands = np.array([shadowing.law_bands(s) for s in statistics])
+    table = np.array([[s.mss_up, s.mss_cross, *s.coefficients] for s in statistics])
     first = float(bands.min())
     steps = 1 if bands.max() == first else max(int(np.ceil((bands.max() - first) / _BANDS)) + 1, 2)
     grid = np.linspace(first, float(bands.max()), steps)
     return Seas(
         low,
         float(nodes[1] - nodes[0]),
-        np.column_stack([table, bands, [s.wind_to_azimuth for s in found]]),
-        all(s.is_gaussian for s in found),
+        np.column_stack([table, bands, [s.wind_to_azimuth for s in statistics]]),
+        all(s.is_gaussian for s in statistics),
         shadowing.sun,
         first,
         float(grid[1] - grid[0]) if steps > 1 else 1.0,
         np.stack([between_bands(ratio_table, float(b)) for b in grid]),
         np.stack([coupling_table(float(b)) for b in grid]) if shadowing.sun else np.zeros((steps, 0, 0, 0)),
-        np.zeros((0, 0, 0)) if all(s.is_gaussian for s in found) else _areas(slopes_at, nodes, shadowing),
+        np.zeros((0, 0, 0)) if all(s.is_gaussian for s in statistics) else _areas(slopes_at, nodes, shadowing),
     )
 
 
 def _areas(slopes_at: SlopesAt, nodes: FloatArray, shadowing: Shadowing) -> FloatArray:
-    """Ratios at every tenth wind, elevations of the view to 6 rms slopes, and half of the compass from where the wind blows to."""
+    """Area ratios at every tenth wind, elevations of the view to 6 rms slopes, and half of the circle from the downwind direction."""
     edge = np.maximum(np.linspace(0.0, HIGHEST, _EDGES), 1e-9)
     turn = np.linspace(0.0, np.pi, _TURNS)
     out = []

@@ -1,4 +1,4 @@
-"""Which rows of a table are wanted: box, polygon, months, hours, region; and how many each of them leaves out."""
+"""Selection of rows of a table: box, polygon, months, hours, region; with the number that each of them excludes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ BoolArray = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Box:
-    """A range of latitudes and longitudes, borders included.
+    """Range of latitudes and longitudes, borders included.
 
     Attributes
     ----------
@@ -39,14 +39,14 @@ class Box:
             )
 
     def holds(self, latitude: FloatArray, longitude: FloatArray) -> BoolArray:
-        """Whether places [deg] are inside."""
+        """True for places [deg] inside."""
         width = 360.0 if self.east - self.west >= 360.0 else (self.east - self.west) % 360.0
         return np.asarray((latitude >= self.south) & (latitude <= self.north) & ((longitude - self.west) % 360.0 <= width))
 
 
 @dataclass(frozen=True)
 class Polygon:
-    """An area between corners joined by straight lines in latitude and longitude.
+    """Area between corners joined by straight lines in latitude and longitude.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ class Polygon:
             )
 
     def holds(self, latitude: FloatArray, longitude: FloatArray) -> BoolArray:
-        """Whether places [deg] are inside, by the number of borders that a ray to the east crosses."""
+        """True for places [deg] inside, by the number of borders that a ray to the east crosses."""
         first = self.corners[0][0]
         x = west_east(np.asarray(longitude, dtype=np.float64) - first)
         y = np.asarray(latitude, dtype=np.float64)
@@ -80,7 +80,7 @@ class Polygon:
 
 @dataclass(frozen=True)
 class Selection:
-    """Rows that are wanted; None is all of them.
+    """Criteria for rows; None selects all of them.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class Selection:
 
     @property
     def words(self) -> list[str]:
-        """What is wanted, for messages."""
+        """Criteria in words, for messages."""
         out = []
         if self.box is not None:
             out.append(f"box {self.box.west:g},{self.box.south:g},{self.box.east:g},{self.box.north:g} (west,south,east,north)")
@@ -125,7 +125,7 @@ class Selection:
         return out
 
     def places(self, latitude: FloatArray, longitude: FloatArray) -> BoolArray:
-        """Whether places [deg] are inside box and polygon."""
+        """True for places [deg] inside box and polygon."""
         good = np.ones(np.broadcast(latitude, longitude).shape, dtype=np.bool_)
         for area in (self.box, self.polygon):
             if area is not None:
@@ -133,7 +133,7 @@ class Selection:
         return good
 
     def times(self, month: FloatArray, hour: FloatArray) -> BoolArray:
-        """Whether months and hours are wanted."""
+        """True for the selected months and hours."""
         good = np.ones(month.shape, dtype=np.bool_)
         if self.months is not None:
             good &= np.isin(month, self.months)
@@ -142,12 +142,12 @@ class Selection:
         return good
 
     def rows(self, columns: Mapping[str, FloatArray], count: int) -> tuple[BoolArray, dict[str, int]]:
-        """Rows that are wanted, and how many are left out by what.
+        """Selected rows, and the number that each criterion excludes.
 
         Parameters
         ----------
         columns : mapping
-            Columns by name; a row whose place or time is missing or unknown is left out where one is asked for, and counted so.
+            Columns by name; a row whose place or time is missing or unknown is excluded where one is a criterion, and counted so.
         count : int
             Number of rows.
 
@@ -177,7 +177,7 @@ class Selection:
 
 
 def select(table: WeatherTable, selection: Selection) -> tuple[WeatherTable, dict[str, int]]:
-    """Rows of a table that are wanted, and how many are left out by what.
+    """Select rows of a table, and count those that each criterion excludes.
 
     Raises
     ------
@@ -201,7 +201,7 @@ def select(table: WeatherTable, selection: Selection) -> tuple[WeatherTable, dic
 
 
 def covered(columns: Mapping[str, FloatArray]) -> str:
-    """Places and times of columns, in words."""
+    """Range of places and times of columns, in words."""
     out = []
     for name, what in (("latitude_deg", "latitudes"), ("longitude_deg", "longitudes")):
         values = columns.get(name)
@@ -212,6 +212,6 @@ def covered(columns: Mapping[str, FloatArray]) -> str:
         out.append("months " + ", ".join(str(int(m)) for m in np.unique(months[~np.isnan(months)])))
     hours = columns.get("hour_utc")
     if hours is not None and not np.all(np.isnan(hours)):
-        found = np.unique(np.floor(hours[~np.isnan(hours)])).astype(int)
-        out.append("hours " + (", ".join(map(str, found)) if found.size <= 8 else f"{found[0]} to {found[-1]}"))
+        present = np.unique(np.floor(hours[~np.isnan(hours)])).astype(int)
+        out.append("hours " + (", ".join(map(str, present)) if present.size <= 8 else f"{present[0]} to {present[-1]}"))
     return ", ".join(out) or "no places and no times"

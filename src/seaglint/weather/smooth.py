@@ -35,7 +35,7 @@ BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
     "visibility_km": (0.0, np.inf),
     "significant_height_m": (0.0, np.inf),
 }
-"""Columns that can be smoothed and the bounds that they keep; directions go around."""
+"""Columns that can be smoothed, with their bounds; directions are periodic."""
 
 
 def bandwidths(table: WeatherTable, names: Sequence[str] = ("wind_speed_m_s", "cloud_cover")) -> dict[str, float]:
@@ -55,7 +55,7 @@ def bandwidths(table: WeatherTable, names: Sequence[str] = ("wind_speed_m_s", "c
 
 
 def _spread(table: WeatherTable, name: str) -> float:
-    """Weighted standard deviation of the values there; of directions that of a wrapped normal of the same resultant."""
+    """Weighted standard deviation of the valid values; for directions that of a wrapped normal of the same resultant."""
     values, weight = table[name], table["weight"]
     known = ~np.isnan(values) & (weight > 0.0)
     if not known.any():
@@ -76,7 +76,7 @@ def smoothed(table: WeatherTable, rows: IntArray, uniform: FloatArray, bandwidth
     table : WeatherTable
         The table drawn from.
     rows : (n,) array of int
-        What :meth:`~seaglint.weather.table.WeatherTable.draw` gave.
+        Rows from :meth:`~seaglint.weather.table.WeatherTable.draw`.
     uniform : (n, columns) array
         Numbers inside (0, 1), a column for each of ``bandwidth`` in its order.
     bandwidth : mapping

@@ -1,4 +1,4 @@
-"""Where the chance of glint comes from: by month, hour, bearing and latitude, and by the winds and Suns that bring it."""
+"""Strata of the probability of glint: by month, hour, bearing and latitude, and by the winds and Suns that bring it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LATITUDES: Final = np.arange(-90.0, 91.0, 10.0)
 
 @dataclass(frozen=True)
 class Stratum:
-    """Draws between two values of a quantity.
+    """Stratum of draws between two values of a quantity.
 
     Attributes
     ----------
@@ -56,7 +56,7 @@ def strata(
 
     ``weight`` is what each draw stands for [(total,)]; all the same where it is not given.
     """
-    found = []
+    result = []
     each = np.ones(values.size) if weight is None else weight
     whole, total = float(values @ each), float(each.sum())
     for name, (what, edges) in quantities.items():
@@ -68,5 +68,5 @@ def strata(
                 continue
             e = estimate(values, plan, weight=inside, most=most)
             part = float(values @ inside) / whole if whole > 0.0 else float("nan")
-            found.append(Stratum(name, float(edges[i - 1]), float(edges[i]), count / total, e.value, e.low, e.high, part))
-    return found
+            result.append(Stratum(name, float(edges[i - 1]), float(edges[i]), count / total, e.value, e.low, e.high, part))
+    return result

@@ -1,4 +1,4 @@
-"""What a table of weather says in a few numbers: wind rose, joint law of wind and cloud, months, shares missing."""
+"""Summary of a table of weather: wind rose, joint distribution of wind and cloud, months, shares missing."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from seaglint.conventions import FloatArray
 from seaglint.weather.table import RANGES, TEXTS, WeatherTable
 
 SECTORS: Final = 16
-"""Sectors of the wind rose, the first centred on north."""
+"""Number of sectors of the wind rose, the first centred on north."""
 
 SPEED_EDGES: Final = (0.0, 2.0, 5.0, 8.0, 11.0, 14.0, 20.0, np.inf)
 """Classes of wind speed [m/s]."""
@@ -39,8 +39,8 @@ def joint_density(table: WeatherTable) -> FloatArray:
     """Probability of wind speed and cloud cover [(speed classes, cloud classes)]; its sum is the share of rows that have both."""
     speed, cloud = table["wind_speed_m_s"], table["cloud_cover"]
     known = ~np.isnan(speed) & ~np.isnan(cloud)
-    found, _, _ = np.histogram2d(speed[known], cloud[known], bins=(SPEED_EDGES, CLOUD_EDGES), weights=table.probability[known])
-    return np.asarray(found)
+    density, _, _ = np.histogram2d(speed[known], cloud[known], bins=(SPEED_EDGES, CLOUD_EDGES), weights=table.probability[known])
+    return np.asarray(density)
 
 
 def correlation(table: WeatherTable, first: str = "wind_speed_m_s", second: str = "cloud_cover") -> float:

@@ -1,4 +1,4 @@
-r"""Sunlight that a mirroring point of the sea sends to the sensor, tabulated: a million draws need no spectra of their own.
+r"""Tables of the sunlight that a mirroring point of the sea sends to the sensor: a million draws need no spectra of their own.
 
 A point of the sea that mirrors the Sun shows the band radiance
 
@@ -31,37 +31,37 @@ from seaglint.radiance.article import ArticleAtmosphere, wavelength_mean
 from seaglint.radiance.view import BandSum, sea_arc
 
 AirAt = Callable[[str, float], Atmosphere]
-"""Air of a model atmosphere at a wind [m/s]."""
+"""Function that returns the air of a model atmosphere at a wind [m/s]."""
 
 _VIEWS: Final = 32
 _SUNS: Final = 32
 _TERMS: Final = 12
-"""Terms of the reflectance; the rest is below 1e-5."""
+"""Number of terms of the reflectance; the rest is below 1e-5."""
 
 _COARSE: Final = (4, 6, 8, 12)
-"""Winds, heights, views and Suns of the mean reflectance."""
+"""Numbers of winds, heights, views and Suns of the mean reflectance."""
 
 _SUN_SCALE: Final = 0.012
 _HEIGHTS_PER_UNIT: Final = 3.0
-"""Nodes of winds, views, Suns and heights (for each unit of their coordinate), and terms of the reflectance."""
+"""Numbers of nodes of winds, views, Suns and heights (for each unit of their coordinate), and of terms of the reflectance."""
 _LEAST: Final = 1e-60
 
 
 class MirroredLight(NamedTuple):
-    """The table as kernels take it. Make it with :func:`mirrored_light`."""
+    """Table of mirrored sunlight as kernels read it. Make it with :func:`mirrored_light`."""
 
     winds: FloatArray
-    """Nodes [m/s, (models, winds)]; four equal tables where the air knows no wind."""
+    """Nodes of wind [m/s, (models, winds)]; four equal tables where the air does not depend on wind."""
     pieces: FloatArray
-    """Places of the first node of every piece without a kink, and of the last node [(models, pieces + 1)]."""
+    """Indices of the first node of every piece without a kink, and of the last node [(models, pieces + 1)]."""
     heights: FloatArray
     """Coordinates of sensor heights (:func:`height_coordinate`) [(heights,)], one or at least four."""
     height_pieces: FloatArray
-    """Places of the first node of every layer of air, and of the last node."""
+    """Indices of the first node of every layer of air, and of the last node."""
     depression: tuple[float, float]
-    """What is looked at [rad]."""
+    """Range of depressions that are evaluated [rad]."""
     lowest: float
-    """Least depression of the nodes [rad]: that of the looks from one height, the horizon from many, whose nodes then move smoothly."""
+    """Least depression of the nodes [rad]: that of the looks from one height, the horizon from many, whose nodes then vary smoothly."""
     values: FloatArray
     """Logarithm of radiance at reflectance 1 [W m-2 sr-1, (models, winds, heights, views, Suns)]."""
     coarse_winds: FloatArray
@@ -140,7 +140,7 @@ def mirrored_light(
 
 
 def _some(count: int, most: int) -> NDArray[np.intp]:
-    """Places of at most so many of some nodes, both ends among them."""
+    """Indices of at most so many of some nodes, both ends among them."""
     return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.intp))
 
 
@@ -183,7 +183,7 @@ class _Sums(NamedTuple):
 
 
 def _wind_nodes(winds: tuple[float, float] | None, kinks: Sequence[Sequence[float]]) -> tuple[FloatArray, FloatArray]:
-    """Nodes of every model [(models, winds)] and the places of the pieces' first nodes and of the last [(models, pieces + 1)].
+    """Return nodes of wind of every model [(models, winds)] and the indices of the pieces' first nodes and of the last [(models, pieces + 1)].
 
     All models have as many pieces, and as many nodes in each, as the one that asks for most: a model with fewer kinks is cut where
     another one has them, which costs nodes and no accuracy.
@@ -201,7 +201,7 @@ def _wind_nodes(winds: tuple[float, float] | None, kinks: Sequence[Sequence[floa
 
 
 def height_coordinate(height: ArrayLike) -> FloatArray:
-    """Heights [m] stretched for cubics [1]: logarithmic to 1 km, above it the root of the share of LOWTRAN7's layers of 1 km.
+    """Coordinate of heights [m] for cubics [1]: logarithmic to 1 km, above it the root of the share of LOWTRAN7's layers of 1 km.
 
     >>> height_coordinate([1000.0, 2250.0]).tolist()
     [0.0, 1.5]
@@ -220,7 +220,7 @@ def _heights_of(coordinate: FloatArray) -> FloatArray:
 
 
 def _levels(heights: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
-    """Coordinates of the nodes and the places of the layers' first nodes and of the last."""
+    """Coordinates of the nodes and the indices of the layers' first nodes and of the last."""
     low, high = (float(height_coordinate(h)) for h in heights)
     if high - low < 1e-9:
         return np.array([low]), np.array([0.0, 0.0])
@@ -229,7 +229,7 @@ def _levels(heights: tuple[float, float]) -> tuple[FloatArray, FloatArray]:
 
 
 def _pieces(edges: list[float], counts: list[int]) -> tuple[FloatArray, FloatArray]:
-    """Even nodes between edges, and the places of the edges among them."""
+    """Even nodes between edges, and the indices of the edges among them."""
     parts = [np.linspace(a, b, n)[int(i > 0) :] for i, ((a, b), n) in enumerate(zip(itertools.pairwise(edges), counts, strict=True))]
     return np.concatenate(parts), np.concatenate([[0.0], np.cumsum(np.array(counts) - 1)]).astype(np.float64)
 
@@ -241,7 +241,7 @@ def _sun_zeniths(count: int) -> FloatArray:
 
 @kernel
 def elevation_kernel(height: float, depression: float) -> float:
-    """Elevation of the viewer above the horizontal at the sea point looked at [rad]; negative where the look misses the sea."""
+    """Elevation of the viewer above the horizontal at the sea point in view [rad]; negative where the look misses the sea."""
     excess = height / EFFECTIVE_EARTH_RADIUS
     half = math.sin(0.5 * depression)
     square = half * half * (1.0 + excess) - 0.5 * excess
@@ -250,7 +250,10 @@ def elevation_kernel(height: float, depression: float) -> float:
 
 @kernel
 def view_range_kernel(height: float, low: float, high: float) -> tuple[float, float, float]:
-    """Scale of the elevations, and coordinates ``arsinh(elevation/scale)`` of the first and last view, the horizon in place of the sky."""
+    """Scale of the elevations, and coordinates ``arsinh(elevation/scale)`` of the first and last view.
+
+    The sky is replaced by the horizon.
+    """
     scale = math.acos(EFFECTIVE_EARTH_RADIUS / (EFFECTIVE_EARTH_RADIUS + height))
     first = math.asinh(max(elevation_kernel(height, low), 0.0) / scale)
     last = math.asinh(max(elevation_kernel(height, high), 0.0) / scale)
@@ -258,7 +261,7 @@ def view_range_kernel(height: float, low: float, high: float) -> tuple[float, fl
 
 
 def view_elevations(height: float, depression: tuple[float, float], share: FloatArray) -> FloatArray:
-    """Elevations of the viewer at shares 0 to 1 of the way between two depressions [rad]."""
+    """Elevations of the viewer at shares 0 to 1 of the interval between two depressions [rad]."""
     scale, first, last = view_range_kernel(float(height), float(depression[0]), float(depression[1]))
     return np.minimum(scale * np.sinh(first + share * (last - first)), 0.5 * np.pi)
 
@@ -281,7 +284,7 @@ def place_four(x: float, nodes: FloatArray, first: int, last: int, weights: Floa
 
 @njit
 def place_even(x: float, count: int, weights: FloatArray) -> int:
-    """The same for even nodes 0 to 1, ``x`` within them."""
+    """Weights of the cubic through four of even nodes 0 to 1 about ``x``, which lies within them; returns the first of the four."""
     z = min(max(x, 0.0), 1.0) * (count - 1)
     start = min(max(int(z) - 1, 0), count - 4)
     f = z - start
@@ -294,7 +297,7 @@ def place_even(x: float, count: int, weights: FloatArray) -> int:
 
 @njit
 def place_in_pieces(x: float, nodes: FloatArray, pieces: FloatArray, weights: FloatArray) -> int:
-    """Weights of the four nodes about ``x`` that stand in its piece; returns the first. Beyond the nodes the nearest one counts."""
+    """Weights of the four nodes about ``x`` in its piece; returns the first. Beyond the nodes the nearest one is used."""
     if nodes.size == 1:
         weights[0] = 1.0
         return 0
@@ -313,7 +316,7 @@ def sun_coordinate_kernel(up: float) -> float:
 
 @kernel
 def between_kernel(x: float, nodes: FloatArray) -> float:
-    """Place of ``x`` among ascending nodes, in nodes; beyond them the nearest counts."""
+    """Coordinate of ``x`` among ascending nodes, in nodes; beyond them the nearest is used."""
     inside = min(max(x, nodes[0]), nodes[-1])
     i = 0
     while i < nodes.size - 2 and inside > nodes[i + 1]:

@@ -1,4 +1,4 @@
-"""Tables of weather: each row is one set of conditions that occurred together, with a weight.
+"""Tables of weather: each row is one set of simultaneous conditions, with a weight.
 
 Rows are drawn whole, so that the joint law is kept: strong winds and overcast skies come together as often as they do in the table.
 A draw takes uniform numbers rather than a generator, so that quasi-random sequences can drive it.
@@ -34,21 +34,24 @@ RANGES: Final[Mapping[str, tuple[float, float]]] = {
     "latitude_deg": (-90.0, 90.0),
     "longitude_deg": (-180.0, 180.0),
 }
-"""Columns of numbers and the closed range of each: what an observation can be, so that a wrong unit is noticed. Wind at 10 m, direction
-that it comes from clockwise from north, cloud cover and humidity as shares of 1 (humidity above 1 is supersaturated air)."""
+"""Columns of numbers and the closed range of each, from possible observations, so that a wrong unit is noticed.
+
+Wind at 10 m, direction that it comes from clockwise from north, cloud cover and humidity as shares of 1 (humidity above 1 is supersaturated
+air).
+"""
 
 TEXTS: Final = ("region", "atmosphere")
-"""Columns of text: a name of the user's, and that of a model atmosphere; an empty text is missing."""
+"""Columns of text: a user's label, and the name of a model atmosphere; an empty text is missing."""
 
 NEEDED: Final = ("wind_speed_m_s", "cloud_cover")
-"""Columns that every table has, though single values may be missing."""
+"""Columns that every table must have, though single values may be missing."""
 
 MONTHS: Final = ("January", "February", "March", "April", "May", "June", "July", "August", "September", "October", "November", "December")
 
 
 @dataclass(frozen=True)
 class WeatherTable:
-    """Conditions that occurred together, a row each.
+    """Table of simultaneous conditions, one set in each row.
 
     Parameters
     ----------
@@ -65,7 +68,7 @@ class WeatherTable:
 
     Notes
     -----
-    Weights need not sum to 1: any positive sum is divided out by :attr:`probability`, and :attr:`weight_sum` keeps it to be told.
+    Weights need not sum to 1: any positive sum is divided out by :attr:`probability`, and :attr:`weight_sum` stores it.
 
     Examples
     --------
@@ -106,7 +109,7 @@ class WeatherTable:
         return int(self.columns["weight"].size)
 
     def __contains__(self, name: object) -> bool:
-        """Whether there is a column of this name."""
+        """True if there is a column of this name."""
         return name in self.columns or name in self.texts
 
     def __getitem__(self, name: str) -> FloatArray:
@@ -133,7 +136,7 @@ class WeatherTable:
 
     @property
     def effective_rows(self) -> float:
-        """Number of equal weights that would vary a mean as much: 1 / sum of squared probabilities (Kish)."""
+        """Effective number of rows with equal weights: 1 / sum of squared probabilities (Kish)."""
         return float(1.0 / np.sum(self.probability**2))
 
     def mean(self, name: str) -> float:
@@ -148,7 +151,7 @@ class WeatherTable:
         return float(np.sum(self.probability[lacks]))
 
     def take(self, rows: NDArray[np.integer] | NDArray[np.bool_]) -> WeatherTable:
-        """Rows by index or mask, in their order, with their weights.
+        """Return rows by index or mask, in their order, with their weights.
 
         Raises
         ------
@@ -158,7 +161,7 @@ class WeatherTable:
         return WeatherTable({n: v[rows] for n, v in self.columns.items()}, {n: v[rows] for n, v in self.texts.items()})
 
     def complete(self, names: Sequence[str] = NEEDED) -> tuple[WeatherTable, int]:
-        """Rows that have all these values, and how many were left out.
+        """Return the rows that have all these values, and the number of excluded rows.
 
         Raises
         ------
@@ -172,7 +175,7 @@ class WeatherTable:
         return self.take(good), int(np.sum(~good))
 
     def draw(self, uniform: FloatArray) -> IntArray:
-        """Rows at uniform numbers, by the inverse of the cumulative weights.
+        """Draw rows at uniform numbers, by the inverse of the cumulative weights.
 
         Parameters
         ----------
@@ -188,26 +191,26 @@ class WeatherTable:
         return _inverse(self.columns["weight"], _checked_uniform(uniform))
 
     def ordered(self, *names: str) -> WeatherTable:
-        """The same rows sorted by these columns, the first counting most; missing values stand last."""
+        """Return the rows sorted by these columns, the first as primary key; missing values stand last."""
         return self.take(np.lexsort([self[name] for name in reversed(names)]))
 
     @property
     def months(self) -> tuple[int, ...]:
-        """Months that have rows of a weight above zero, ascending; empty where the table knows no months."""
+        """Months that have rows of a weight above zero, ascending; empty where the table has no months."""
         return _months(self["month"], self.columns["weight"])
 
     @property
     def month_used(self) -> dict[int, int]:
-        """:func:`month_used` of the rows."""
+        """Months by :func:`month_used` for the rows."""
         return month_used(self["month"], self.columns["weight"])
 
     @property
     def missing_months(self) -> tuple[int, ...]:
-        """Months without rows that :meth:`draw_in_month` takes from a neighbour; empty where the table knows no months."""
+        """Months without rows, for which :meth:`draw_in_month` uses a neighbour; empty where the table has no months."""
         return tuple(m for m, used in self.month_used.items() if m != used)
 
     def draw_in_month(self, uniform: FloatArray, month: NDArray[np.integer]) -> IntArray:
-        """Rows at uniform numbers, each from the rows of its month.
+        """Draw rows at uniform numbers, each from the rows of its month.
 
         Parameters
         ----------
@@ -229,9 +232,9 @@ class WeatherTable:
         if not used:
             return self.draw(uniform)
         out = np.empty(uniform.shape, dtype=np.int64)
-        for wanted in np.unique(month).tolist():
-            rows = np.flatnonzero(self["month"] == used[wanted])
-            at = month == wanted
+        for requested in np.unique(month).tolist():
+            rows = np.flatnonzero(self["month"] == used[requested])
+            at = month == requested
             out[at] = rows[_inverse(self.columns["weight"][rows], uniform[at])]
         return out
 
@@ -241,7 +244,7 @@ def _months(month: FloatArray, weight: FloatArray) -> tuple[int, ...]:
 
 
 def month_used(month: FloatArray, weight: FloatArray) -> dict[int, int]:
-    """For each of the months 1-12 the month whose rows are drawn: itself, or the nearest around the year that has rows.
+    """Month whose rows are drawn for each of the months 1-12: itself, or the nearest around the year that has rows.
 
     Of two that are equally near the earlier one is taken. Empty where no month is known: all rows serve all the year.
     """
@@ -252,11 +255,11 @@ def month_used(month: FloatArray, weight: FloatArray) -> dict[int, int]:
 
 
 def _inverse(weight: FloatArray, uniform: FloatArray) -> IntArray:
-    """Index of the first cumulative weight above ``uniform`` of the sum."""
+    """Index of the first cumulative weight above ``uniform`` times the sum."""
     cumulative = np.cumsum(weight)
-    found = np.searchsorted(cumulative, uniform * cumulative[-1], side="right")
+    index = np.searchsorted(cumulative, uniform * cumulative[-1], side="right")
     # Rounding may bring uniform * sum up to the sum itself; the last row that has a weight is then meant.
-    return np.asarray(np.minimum(found, np.flatnonzero(weight)[-1]), dtype=np.int64)
+    return np.asarray(np.minimum(index, np.flatnonzero(weight)[-1]), dtype=np.int64)
 
 
 def _checked_uniform(uniform: FloatArray) -> FloatArray:

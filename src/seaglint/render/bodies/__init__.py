@@ -1,1 +1,1 @@
-"""Objects in the picture: where they stand in it, what hides them, what they send, and what is true of them."""
+"""Objects in the image: their position, what hides them, their radiance, and their ground truth."""

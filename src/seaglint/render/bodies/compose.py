@@ -1,4 +1,4 @@
-"""Bodies put over the image of the sea, and what is true of them: by coverage, so that pixels that none touches keep their bytes."""
+"""Composition of bodies with the image of the sea, by coverage; pixels without a body keep their bytes."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from seaglint.render.bodies.shade import ACROSS, COVER, DISTANCE, DOWN, EMITTED,
 from seaglint.render.layers import LEAST_SEEN, Layers, share_of_glint
 
 LEAST_COVER: Final = 1e-12
-"""Share of a pixel below which a body is not in it."""
+"""Least share of a pixel that a visible body covers."""
 
 _ADDED: Final = {
     "radiance": (PATH, EMITTED, MIRRORED, SUN),
@@ -30,12 +30,12 @@ _ADDED: Final = {
     "glint_radiance": (SUN,),
     "coverage": (),
 }
-"""Planes of a body that layers take, beside the share of the sea's own that it leaves."""
+"""Planes of a body that enter each layer, beside the sea's plane times the share that it leaves."""
 
 
 @dataclass(frozen=True, eq=False)
 class Share:
-    """What one body leaves in some pixels: its coverage and its radiance times that, both over the sea's image there.
+    """Coverage and radiance of one body in some pixels, radiance times coverage, both over the sea's image there.
 
     ``image``: radiance of the sea's image in these pixels; ``pixel``: their solid angle [sr].
     """
@@ -48,19 +48,19 @@ class Share:
     pixel: FloatArray
 
     def rows_between(self, first: int, end: int) -> Share:
-        """Some rows alone."""
+        """Return the share in some rows alone."""
         keep = (self.rows >= first) & (self.rows < end)
         return Share(self.rows[keep], self.columns, self.cover[keep], self.radiance[keep], self.image[keep], self.pixel[keep])
 
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """One body in the image of an instant, added up over its parts and over parts of the image.
+    """One body in the image of an instant, summed over its parts and over parts of the image.
 
     Attributes
     ----------
     name : str
-        Of the body.
+        Name of the body.
     distance, azimuth, elevation : float
         To its origin [m], [rad].
     whole : float
@@ -82,7 +82,7 @@ class Sight:
     shares: tuple[Share, ...] = field(default=())
 
     def joined(self, other: Sight) -> Sight:
-        """With what another part of the image has of it."""
+        """Return the sum with the sight of another part of the image."""
         return replace(
             self,
             seen=self.seen + other.seen,
@@ -92,7 +92,7 @@ class Sight:
         )
 
     def between(self, first: int, end: int) -> Sight:
-        """What some rows of the image alone have of it; its middle there from whole pixels where it lies partly in them."""
+        """Return the sight in some rows of the image alone, its centre from whole pixels where it lies partly in them."""
         shares = tuple(share.rows_between(first, end) for share in self.shares)
         before = sum(int(share.cover.size) for share in self.shares)
         if sum(share.cover.size for share in shares) == before:
@@ -102,13 +102,13 @@ class Sight:
         across = float(sum((c * (s.columns + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
         down = float(sum((c * (s.rows[:, None] + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
         if self.seen == 0.0:  # of a point it is there or not
-            kept = any(share.cover.size for share in shares)
-            across, down = (self.across, self.down) if kept else (0.0, 0.0)
+            visible = any(share.cover.size for share in shares)
+            across, down = (self.across, self.down) if visible else (0.0, 0.0)
         return replace(self, seen=seen, across=across, down=down, shares=shares)
 
 
 def composed(layers: Layers, stage: Stage, picture: Picture, light: Surroundings) -> tuple[Layers, tuple[Sight, ...]]:
-    """The image of the sea with bodies over it, and what is seen of each.
+    """Return the image of the sea with bodies over it, and the sight of each body.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def composed(layers: Layers, stage: Stage, picture: Picture, light: Surroundings
     stage : Stage
         Camera, pose and pixels.
     picture : Picture
-        What the bodies leave in it.
+        Contributions of the bodies to the image.
     light : Surroundings
         The view's.
 
@@ -153,7 +153,7 @@ def composed(layers: Layers, stage: Stage, picture: Picture, light: Surroundings
 
 
 def _pixels(stage: Stage) -> FloatArray:
-    """Solid angles of the pixels that are drawn [sr, (rows, columns)]."""
+    """Solid angles of the pixels to draw [sr, (rows, columns)]."""
     across, down = np.arange(*stage.columns) + 0.5, np.arange(*stage.rows)[:, None] + 0.5
     return stage.imager.solid_angle(stage.pose.attitude, across, down)
 
@@ -169,9 +169,9 @@ def _share(patch: Patch, stage: Stage, sea: FloatArray, pixel: FloatArray, light
 
 
 def _intensity(patch: Patch, behind: float, light: Surroundings) -> float:
-    """Radiant intensity of a point above what is behind it, before the path [W sr-1]."""
+    """Radiant intensity of a point above its background, before the path [W sr-1]."""
     point = patch.placed.part.kind
-    assert isinstance(point, Point)  # nothing else has no extent
+    assert isinstance(point, Point)  # only points have no extent
     if point.intensity is not None:
         return point.intensity
     assert point.temperature_difference is not None  # one of the two is given
@@ -188,7 +188,7 @@ def _blackbody(light: Surroundings, kelvin: float) -> float:
 
 
 def _distances(layers: Layers, stage: Stage, patches: Sequence[Patch], out: dict[str, NDArray[np.float32]]) -> None:
-    """Mean distance over what a pixel sees of sea and bodies."""
+    """Mean distance over the sea and bodies that a pixel sees [m]."""
     if "range" not in out:
         return
     for patch in patches:
@@ -203,7 +203,7 @@ def _distances(layers: Layers, stage: Stage, patches: Sequence[Patch], out: dict
 
 
 def _derived(layers: Layers, stage: Stage, patches: Sequence[Patch], out: dict[str, NDArray[np.float32]]) -> None:
-    """The share of glint of what is seen now; no slope where bodies leave no sea to see."""
+    """Layers derived from the others: share of glint with bodies; slope is NaN where bodies hide the sea."""
     left = np.ones(layers.radiance.shape)
     for patch in patches:
         where = np.ix_(patch.rows - stage.rows[0], patch.columns - stage.columns[0])
@@ -234,7 +234,7 @@ def _sights(stage: Stage, picture: Picture, patches: list[Patch], shares: list[S
 
 
 def _beside(sums: FloatArray, first: FloatArray, circle: int) -> FloatArray:
-    """Sums of a part with its columns counted as those of the first part: on a panorama they may differ by full circles."""
+    """Sums of a part with its columns counted from those of the first part; on a panorama they may differ by full circles."""
     if circle == 0 or sums[SEEN] == 0.0 or first[SEEN] == 0.0:
         return sums
     turns = round((sums[ACROSS] / sums[SEEN] - first[ACROSS] / first[SEEN]) / circle)

@@ -1,4 +1,4 @@
-"""The sea in front of a body: how high it stands along the lines of sight that cross it, and what it hides.
+"""Sea in front of a body: its height along the lines of sight to the body, and what it hides.
 
 Along a few azimuths the resolved waves are walked from where a crest could first touch the lowest line of sight to behind the body, as
 finely as the picture has them there. At every place of the body the greatest elevation of the sea before it and the sea's own height are
@@ -20,27 +20,28 @@ from seaglint.render.surface import STRIP, Surface, add_heights, course, new_str
 from seaglint.render.walk import sight_lines
 
 LINES_PER_WAVE = 4.0
-"""Azimuth lines across the shortest resolved wave."""
+"""Number of azimuth lines across the shortest resolved wave."""
 
 MOST_LINES = 256
-"""Azimuth lines of a body at most."""
+"""Largest number of azimuth lines of a body."""
 
 ARCS_ACROSS = 24
-"""Arcs over the depth of a body, at least."""
+"""Least number of arcs over the depth of a body."""
 
 MOST_ARCS = 60_000
-"""Arcs of a line at most: 15 km in steps of a quarter of a metre. Longer ways take longer steps."""
+"""Largest number of arcs of a line: 15 km in steps of a quarter of a metre. Longer ways take longer steps."""
 
 STEEP = 1.0
-"""Tangent of depression from which on downwards no wave in front hides a body: slopes of resolved waves stay below it."""
+"""Tangent of depression beyond which no wave in front hides a body: slopes of resolved waves stay below it."""
 
 _LOWEST = -1e9
 
 
 class Crests(NamedTuple):
-    """The sea along azimuth lines: ``azimuth`` of the first [rad] and lines per radian; arcs [m] of its samples; greatest tangent of
-    elevation up to each and height there [m], (lines, arcs). Without lines the mean sea: ``horizon``, its arc [m] and tangent.
-    ``top``: greatest height [m] and tangent of all; what stands above both is in view.
+    """Sea along azimuth lines: greatest tangent of elevation up to each arc, and height there [m], (lines, arcs).
+
+    The lines are given by ``azimuth`` of the first [rad] and lines per radian, with the arcs [m] of its samples. Without lines there is the
+    mean sea: ``horizon``, its arc [m] and tangent. ``top``: greatest height [m] and tangent of all; what stands above both is in view.
     """
 
     azimuth: float
@@ -53,15 +54,16 @@ class Crests(NamedTuple):
 
 
 def calm(eye: float) -> Crests:
-    """The mean sea from a height [m]."""
+    """Crests of the mean sea seen from a height [m]."""
     none = np.zeros((0, 0))
     horizon = (horizon_range(eye), -math.tan(horizon_depression(eye)))
     return Crests(0.0, 0.0, np.zeros(0), none, none, horizon, (0.0, horizon[1]))
 
 
 class Span(NamedTuple):
-    """What a body takes up: azimuths of its left and right [rad], arcs of its near and far end [m], its least and greatest tangent of
-    elevation.
+    """Extent of a body in azimuth, arc and elevation.
+
+    The fields are azimuths of its left and right [rad], arcs of its near and far end [m], its least and greatest tangent of elevation.
     """
 
     azimuth: tuple[float, float]
@@ -89,10 +91,10 @@ def _walk(surface: Surface, stage: np.ndarray, sights: np.ndarray, azimuths: np.
             while at < end:
                 count = min(STRIP, end - at)
                 strip.height[:] = 0.0
-                wanted = at + count > keep
+                needed = at + count > keep
                 j, seen = 0, True
                 while j < tiles and seen:
-                    if not wanted:
+                    if not needed:
                         seen = False
                         for k in range(count):
                             if rise[at + k] * (strip.height[k] + surface.crest[level, j]) - fall[at + k] > highest:
@@ -109,7 +111,7 @@ def _walk(surface: Surface, stage: np.ndarray, sights: np.ndarray, azimuths: np.
 
 
 def crests(levels: Levels, surface: Surface, eye: float, span: Span) -> Crests:
-    """The sea before and under a body, from a sensor ``eye`` above the mean sea [m]."""
+    """Compute the sea before and under a body, from a sensor ``eye`` above the mean sea [m]."""
     mean = calm(eye)
     if surface.part.shape[0] == 0:
         return mean
@@ -137,7 +139,7 @@ def crests(levels: Levels, surface: Surface, eye: float, span: Span) -> Crests:
 
 
 def _first_arc(eye: float, lowest: float, near: float, crest: float) -> float:
-    """Arc from which on a crest could reach the line of sight of tangent ``lowest``."""
+    """First arc at which a crest can reach the line of sight of tangent ``lowest``."""
     if lowest < -STEEP:
         return near
     arcs: FloatArray = np.linspace(0.0, near, 400)
@@ -149,7 +151,7 @@ def _first_arc(eye: float, lowest: float, near: float, crest: float) -> float:
 
 @kernel
 def in_sight(crest: Crests, azimuth: float, arc: float, height: float, tangent: float) -> bool:
-    """Whether the sea leaves a point in view: its azimuth [rad], arc [m], height above the mean sea [m] and tangent of elevation."""
+    """True if the sea does not hide a point, given by azimuth [rad], arc [m], height above the mean sea [m] and tangent of elevation."""
     lines, arcs = crest.tangent.shape
     if lines == 0:
         return bool(height >= 0.0 and (arc <= crest.horizon[0] or tangent >= crest.horizon[1]))

@@ -1,4 +1,4 @@
-"""Objects drawn over the image of the sea: each on samples of its own, hidden by what stands before it, put together by coverage."""
+"""Drawing of objects over the image of the sea: each sampled on its own grid, hidden by what is in front, composed by coverage."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ from seaglint.render.surface import Surface
 from seaglint.render.view import Imager
 
 SHADOW_CELLS: Final = (128, 256)
-"""Cells along a side of a body's shadow map: of one with at most :data:`_FEW` samples along a side, and of larger ones."""
+"""Cells along a side of a body's shadow map: for one with at most :data:`_FEW` samples along a side, and for larger ones."""
 
 _FEW: Final = 192
 
 _FACES_SUN: Final = 1e-3
-"""Least share of light that a surface reflects for its shadow map to be made."""
+"""Least reflectance of a surface for which its shadow map is computed."""
 
 _WHOLE_CELLS: Final = 128
 _OWN_PLANE: Final = Lens(np.eye(3), True, (0.0, 1.0), (0.0, 1.0), 1.0)
@@ -56,7 +56,7 @@ _KEPT: Final = 4
 
 @dataclass(frozen=True, eq=False)
 class Patch:
-    """What a part leaves in some pixels.
+    """Contribution of a part to some pixels.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Patch:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """What all bodies leave in the image of an instant, and where they stand."""
+    """Contributions of all bodies to the image of an instant, and their positions."""
 
     bodies: tuple[Body, ...]
     stands: tuple[Stand, ...]
@@ -92,7 +92,7 @@ class Picture:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """What bodies are drawn for: a camera's pixels at an instant, the sea before them, and what light there is.
+    """Surroundings of the drawing: a camera's pixels at an instant, the sea in front of the bodies, and the light.
 
     Attributes
     ----------
@@ -117,28 +117,28 @@ class Stage:
 
     @cached_property
     def lens(self) -> Lens:
-        """How its points become directions."""
+        """Conversion of the camera's image points to directions."""
         return lens(self.imager, self.pose.attitude)
 
     @cached_property
     def window(self) -> Window:
-        """Pixels that are drawn."""
+        """Pixels to draw."""
         return Window(self.columns, self.rows, self.imager.columns if self.imager.goes_round else 0)
 
     def crests(self, one: Placed) -> Crests:
-        """The sea before a part."""
+        """Sea in front of a part."""
         if self.sea is None:
             return calm(self.pose.height)
         return crests(*self.sea, self.pose.height, one.span[0])
 
     def faces(self, one: Placed, plane: Plane, about: Placed) -> Faces:
-        """A part's triangles or points on a plane and in the image, columns ascending to both sides of another."""
+        """Triangles or points of a part on a plane and in the image, with continuous columns about those of another."""
         middle = float(image_point(self.lens, tuple(about.place), 0.5 * self.imager.columns)[0])
         point, image = project(one.surface, plane.axes, self.lens, middle)
         return faces_of(one.part.kind, point, image, self._bend(one))
 
     def _bend(self, one: Placed) -> float:
-        """Most that sides of a part bend in the image, as a share of their size."""
+        """Largest curvature of the sides of a part in the image, as a share of their size."""
         if self.lens.plane:
             return 1e-9
         level = one.place @ self.lens.turn
@@ -148,7 +148,7 @@ class Stage:
         return 1e-9 + 2.0 * one.angle * (0.25 * math.tan(steepest) + 0.5 * one.angle)
 
     def box(self, faces: Faces) -> tuple[float, float, float, float] | None:
-        """Left, right, top and bottom of a part in the image [pixels]; None where none of it is before the camera."""
+        """Left, right, top and bottom of a part in the image [pixels]; None where none of it is in front of the camera."""
         seen = faces.point[:, 2] > 0.0
         if not seen.any():
             return None
@@ -162,7 +162,7 @@ class Stage:
 
 @dataclass(frozen=True, eq=False)
 class Drawer:
-    """Bodies ready to be drawn from any pose at any time. Make it with :meth:`of`."""
+    """Drawer of bodies from any pose at any time. Make it with :meth:`of`."""
 
     bodies: tuple[Body, ...]
     _parts: tuple[Part, ...]
@@ -170,25 +170,25 @@ class Drawer:
 
     @classmethod
     def of(cls, bodies: tuple[Body, ...]) -> Drawer:
-        """Make ready what does not change in time."""
+        """Prepare everything that does not change in time."""
         return cls(bodies, parts_of(bodies))
 
     def moved(self, bodies: tuple[Body, ...]) -> Drawer:
-        """The same bodies elsewhere, in the light that is known already."""
+        """Return the drawer of the same bodies at other places, in the light that is already computed."""
         return replace(self, bodies=bodies, _parts=parts_of(bodies))
 
     def light(self, view: SeaView) -> Surroundings:
-        """Light about bodies in a view; the latest are kept."""
+        """Light about bodies in a view; the latest ones are cached."""
         if view not in self._light:
             self._light[view] = Surroundings.of(view)
         self._light.move_to_end(view)
-        found = self._light[view]
+        cached = self._light[view]
         while len(self._light) > _KEPT:
             self._light.popitem(last=False)
-        return found
+        return cached
 
     def picture(self, stage: Stage, time: float) -> Picture:
-        """What the bodies leave in the image at a time [s].
+        """Contributions of the bodies to the image at a time [s].
 
         Raises
         ------
@@ -197,25 +197,25 @@ class Drawer:
         """
         stands = tuple(stand(body.motion.at(time), stage.pose) for body in self.bodies)
         every = tuple(placed(part, stands[part.body], stage.pose.height) for part in self._parts)
-        wanted = [one for one in every if self._near(stage, one)]
+        selected = [one for one in every if self._near(stage, one)]
         light = self.light(stage.view)
-        corners = [_corners(one) for one in wanted]
+        corners = [_corners(one) for one in selected]
         try:
-            arriving = light.arriving(corners, [_temperatures(one) for one in wanted])
+            arriving = light.arriving(corners, [_temperatures(one) for one in selected])
         except DomainError as error:
             raise DomainError(f"objects: {error}") from error
 
         def draw(n: int) -> Patch | None:
-            return _drawn(stage, wanted[n], every, arriving[n], light)
+            return _drawn(stage, selected[n], every, arriving[n], light)
 
         with ThreadPoolExecutor(int(numba.get_num_threads())) as pool:
             # the first alone: it compiles, if need be, in one thread
-            first = [draw(0)] if wanted else []
-            found = first + list(pool.map(draw, range(1, len(wanted))))
-        return Picture(self.bodies, stands, tuple(patch for patch in found if patch is not None), every)
+            first = [draw(0)] if selected else []
+            patches = first + list(pool.map(draw, range(1, len(selected))))
+        return Picture(self.bodies, stands, tuple(patch for patch in patches if patch is not None), every)
 
     def _near(self, stage: Stage, one: Placed) -> bool:
-        """Whether a part may be in the pixels that are drawn: its sphere meets the cone about them."""
+        """True if a part may be in the pixels to draw: its sphere meets the cone about them."""
         imager, attitude = stage.imager, stage.pose.attitude
         (left, right), (top, bottom) = stage.columns, stage.rows
         border = np.linspace(0.0, 1.0, 17)
@@ -229,7 +229,7 @@ class Drawer:
 
 
 def faces_of(kind: Mesh | Plume | Point, point: FloatArray, image: FloatArray, bend: float) -> Faces:
-    """What a part shows on a plane; nothing but its points where it is no mesh."""
+    """Faces of a part on a plane; the points alone where it is no mesh."""
     if isinstance(kind, Mesh):
         return Faces(point, image, kind.corners, kind.ends, kind.sides, bend)
     none = np.zeros((0, 3), np.int32)
@@ -261,7 +261,7 @@ def _overlapping(one: Placed, every: tuple[Placed, ...]) -> list[Placed]:
 
 
 def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriving, light: Surroundings) -> Patch | None:
-    """One part on samples of its own; None where it leaves nothing."""
+    """Draw one part on its own grid of samples; None where it contributes nothing."""
     plane = Plane.to(one.place)
     faces = stage.faces(one, plane, one)
     box = stage.box(faces)
@@ -299,7 +299,7 @@ def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriv
 
 
 def _clipped(box: tuple[float, float, float, float], window: Window) -> tuple[float, float, float, float] | None:
-    """The part of a box that is drawn; of a panorama all columns, so that what crosses its seam stays whole."""
+    """Part of a box inside the window; of a panorama all columns, so that a body across its seam stays whole."""
     left, right, top, bottom = box
     if window.circle == 0:
         left, right = max(left, float(window.columns[0])), min(right, float(window.columns[1]))
@@ -310,7 +310,7 @@ def _clipped(box: tuple[float, float, float, float], window: Window) -> tuple[fl
 
 
 def _others(samples: Samples, grid: Grid, solids: list[Faces]) -> FloatArray:
-    """Nearness of other bodies, as the samples."""
+    """Inverse depths of other bodies at the samples."""
     near = np.zeros_like(samples.near)
     if solids:
         triangle = np.full(near.shape, -1, np.int32)
@@ -320,7 +320,7 @@ def _others(samples: Samples, grid: Grid, solids: list[Faces]) -> FloatArray:
 
 
 def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: FloatArray) -> Patch | None:
-    """The pixels that are drawn, of those of the grid."""
+    """Patch of the pixels to draw, from the pixels of the grid."""
     rows, columns = grid.first[1] + np.arange(grid.pixels[1]), grid.first[0] + np.arange(grid.pixels[0])
     if stage.window.circle:
         columns = columns % stage.window.circle
@@ -336,12 +336,12 @@ def _point(
     box: tuple[float, float, float, float],
     arriving: Arriving,
 ) -> Patch | None:
-    """A point: whether it is in view, and the transmittance of its path."""
+    """Draw a point source: its visibility and the transmittance of its path."""
     plane, sea, solids, gases = around
     grid = Grid((0, 0), (1, 1), (1, 1), (0, 0), (1, 1))
     x, y, near = np.zeros((3, 1, 1))
     samples = Samples(x, y, near, np.full((1, 1), -1, np.int32), np.ones((1, 1)))
-    # every triangle is asked for the one direction
+    # every triangle is tested in the one direction
     near = _others(samples, grid, [faces._replace(image=np.zeros_like(faces.image)) for faces in solids])
     scene = Scene(stage.pose.height, sea, near, gases, plane.axes, one.heading)
     column, row = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
@@ -363,12 +363,12 @@ def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
     right = np.array([sun[1], -sun[0], 0.0])
     right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
     across = np.stack([right, np.cross(sun, right)])
-    found: SunMap = sun_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
-    return found
+    result: SunMap = sun_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
+    return result
 
 
 def solid_angle(one: Placed) -> float:
-    """Solid angle of a part [sr], whatever hides it; of a plume that of what it takes from the light behind it."""
+    """Solid angle of a part [sr] without occlusion; for a plume that of its absorption of the light behind it."""
     if one.radius == 0.0:
         return 0.0
     plane = Plane.to(one.place)
@@ -385,7 +385,7 @@ def solid_angle(one: Placed) -> float:
     y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
     if isinstance(one.part.kind, Mesh):
         samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32), np.zeros(x.shape))
-        image = np.stack([point[:, 0] - low[0], high[1] - point[:, 1]], axis=1) / step  # rows go down
+        image = np.stack([point[:, 0] - low[0], high[1] - point[:, 1]], axis=1) / step  # rows count downwards
         faces = faces_of(one.part.kind, point, image, 1e-9)
         return float(whole_solid_angle(faces, _OWN_PLANE, samples, (float(step[0]), float(step[1]))))
     u = np.stack([x, y, np.ones_like(x)], axis=-1)

@@ -1,4 +1,4 @@
-r"""Where a body stands for a sensor: axes at the sensor, and the plane on which its picture is sampled.
+r"""Position of a body for a sensor: axes at the sensor, and the plane on which its picture is sampled.
 
 The sea is a sphere of the effective Earth radius :math:`R'`. A body whose origin stands ``z`` above the mean sea at an arc ``r`` from the
 sensor's foot is, in the sensor's axes (east, north, up),
@@ -26,14 +26,14 @@ from seaglint.render.view import Attitude, Imager
 
 
 class Stand(NamedTuple):
-    """A body at an instant as a sensor has it: place of its origin in the sensor's axes [m] and the turn from its axes to these."""
+    """Body at an instant in the sensor's axes: place of its origin [m] and rotation from its axes to these."""
 
     place: FloatArray
     turn: FloatArray
 
 
 def stand(placement: Placement, pose: Pose) -> Stand:
-    """Place and turn of a body in the axes (east, north, up) of a sensor."""
+    """Place and rotation of a body in the axes (east, north, up) of a sensor."""
     east, north = placement.position[0] - pose.east, placement.position[1] - pose.north
     height, arc = float(placement.position[2]), math.hypot(east, north)
     s, c = (east / arc, north / arc) if arc > 0.0 else (0.0, 1.0)
@@ -48,7 +48,7 @@ def stand(placement: Placement, pose: Pose) -> Stand:
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """A plane across the line of sight to a body: points are their tangents to the right and up, and one over the depth [1/m].
+    """Plane across the line of sight to a body: points are their tangents to the right and up, and one over the depth [1/m].
 
     Straight edges are straight there, whatever the camera.
     """
@@ -58,7 +58,7 @@ class Plane:
 
     @classmethod
     def to(cls, place: FloatArray) -> Plane:
-        """The plane across the direction of a place [m]."""
+        """Plane across the direction of a place [m]."""
         ahead = place / np.linalg.norm(place)
         level = math.hypot(ahead[0], ahead[1])
         right = np.array([ahead[1], -ahead[0], 0.0]) / level if level > 1e-12 else np.array([1.0, 0.0, 0.0])
@@ -66,7 +66,7 @@ class Plane:
 
 
 class Lens(NamedTuple):
-    """How image points become directions: ``turn @ (a u, a v, b)`` with (u, v) of columns and (a, b) of rows (:func:`lens`)."""
+    """Conversion of image points to directions: ``turn @ (a u, a v, b)`` with (u, v) of columns and (a, b) of rows (:func:`lens`)."""
 
     turn: np.ndarray
     plane: bool
@@ -77,7 +77,7 @@ class Lens(NamedTuple):
 
 
 def lens(imager: Imager, attitude: Attitude) -> Lens:
-    """Of a camera: columns and rows become angles, or tangents of a plane image, as ``first + step x``."""
+    """Lens of a camera: columns and rows become angles, or tangents of a plane image, as ``first + step x``."""
     axes = attitude.axes
     if imager.projection == "pinhole":
         wide, high = 2.0 * math.tan(0.5 * imager.width), 2.0 * math.tan(0.5 * imager.height_angle)
@@ -92,7 +92,7 @@ def lens(imager: Imager, attitude: Attitude) -> Lens:
 
 @kernel
 def image_point(lens: Lens, direction: tuple[float, float, float], about: float) -> tuple[float, float, bool]:
-    """Column and row of a direction [pixels], the inverse of :class:`Lens`, and whether it is before the camera.
+    """Column and row of a direction [pixels], the inverse of :class:`Lens`, and a flag for directions in front of the camera.
 
     Of the columns that differ by a full circle it is the one nearest to ``about``.
     """
@@ -110,7 +110,7 @@ def image_point(lens: Lens, direction: tuple[float, float, float], about: float)
 
 @njit
 def project(surface: np.ndarray, axes: np.ndarray, lens: Lens, about: float) -> tuple[np.ndarray, np.ndarray]:
-    """Points [m, (n, 3)] on a plane, as tangents and one over the depth, 0 behind the sensor or the camera; and in the image [pixels]."""
+    """Project points [m, (n, 3)] to a plane (tangents and one over the depth, 0 behind the sensor or the camera) and the image [pixels]."""
     point, image = np.zeros((surface.shape[0], 3)), np.zeros((surface.shape[0], 2))
     for n in range(surface.shape[0]):
         x, y, z = surface[n, 0], surface[n, 1], surface[n, 2]
@@ -126,7 +126,7 @@ def project(surface: np.ndarray, axes: np.ndarray, lens: Lens, about: float) -> 
 
 
 class Grid(NamedTuple):
-    """Cells over part of an image, one sample in each: a whole number of cells to a pixel along either side.
+    """Cells over part of an image with one sample each: a whole number of cells to a pixel along either side.
 
     ``first``: column and row of the first pixel; ``pixels``: how many each way; ``cells``: cells in a pixel, each way.
     """
@@ -135,23 +135,23 @@ class Grid(NamedTuple):
     pixels: tuple[int, int]
     cells: tuple[int, int]
     begin: tuple[int, int]
-    """First cell each way, counted from the image's corner."""
+    """First cell along each side, counted from the image's corner."""
     size: tuple[int, int]
-    """Cells each way."""
+    """Number of cells along each side."""
 
 
 FEWEST_CELLS = 8
-"""Cells along a pixel's side, at least."""
+"""Least number of cells along a pixel's side."""
 
 CELLS_ACROSS = 96
-"""Cells across a small body's box: its solid angle is then within some 0.1 %."""
+"""Number of cells across a small body's box, for a solid angle within some 0.1 %."""
 
 MOST_CELLS = 1 << 20
-"""Cells that are held at a time; larger grids are drawn in strips of rows."""
+"""Largest number of cells in memory; larger grids are drawn in strips of rows."""
 
 
 def grid_over(box: tuple[float, float, float, float]) -> Grid:
-    """Cells over a box (left, right, top, bottom) [pixels]."""
+    """Grid of cells over a box (left, right, top, bottom) [pixels]."""
     cells, begin, size, first, pixels = [], [], [], [], []
     for low, high in ((box[0], box[1]), (box[2], box[3])):
         n = max(math.ceil(CELLS_ACROSS / max(high - low, 1e-9)), FEWEST_CELLS)

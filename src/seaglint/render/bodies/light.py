@@ -1,4 +1,4 @@
-r"""What a body's surface sends, and what of it arrives: spectra about a body, and their sums over the band along its own paths.
+r"""Radiance of a body's surface at the sensor: spectra of the light about the body, and their sums over the band along its paths.
 
 A facet of temperature T, emissivity e and normal n, in diffuse light of the radiance L around it and under the Sun where it is lit, sends
 
@@ -28,19 +28,20 @@ from seaglint.radiance.view import SeaView
 from seaglint.render.haze import is_dark
 
 NORMALS: Final = (13, 9)
-"""Normals tabled: even in the cosine of the angle from the zenith, and in azimuth from the Sun from 0 to pi."""
+"""Normals at which light is tabulated: even in the cosine of the angle from the zenith, and in azimuth from the Sun from 0 to pi."""
 
 _ELEVATIONS: Final = 24
 _AROUND: Final = 48
 """Directions of the light about a body: elevations above and below the horizontal, and azimuths from the Sun on one side."""
 
 LOWEST_LINE: Final = -50.0
-"""Paths to points that the sea hides are taken to end higher up, where the line passes no deeper than this [m]."""
+"""Greatest depth of the line of sight below the sea [m]; paths to points that lie deeper end higher up instead."""
 
 
 class Arriving(NamedTuple):
-    """Sums over the band at four corners of a body's range and height [W m-2 sr-1]: ``corner`` holds arc and height of the first, each with
-    its inverse extent behind it.
+    """Sums over the band at four corners of a body's range and height [W m-2 sr-1].
+
+    The field ``corner`` holds arc and height of the first, each followed by its inverse extent.
 
     Of corner p: ``emitted[p, k]`` of a blackbody at the body's k-th temperature, ``mirrored[p, m, a]`` of light diffusely reflected by a
     white facet of the m-th and a-th of :data:`NORMALS`, ``sun[p]`` of the Sun at normal incidence on it, ``path[p]`` of the path;
@@ -56,7 +57,7 @@ class Arriving(NamedTuple):
 
 
 class Corners(NamedTuple):
-    """Arcs [m] and heights [m] at a body's near and far, low and high end, azimuth and elevation of its line of sight [rad]."""
+    """Arcs [m] and heights [m] of a body's near and far, low and high end, azimuth and elevation of its line of sight [rad]."""
 
     arc: tuple[float, float]
     height: tuple[float, float]
@@ -81,7 +82,7 @@ class Surroundings:
 
     @classmethod
     def of(cls, view: SeaView) -> Surroundings:
-        """Of a view's sky and mean sea."""
+        """Surroundings for a view's sky and mean sea."""
         grid = view.in_band.grid
         x, w = np.polynomial.legendre.leggauss(_ELEVATIONS)
         # crowded at the horizontal, where the sky is brightest and the sea darkens
@@ -109,11 +110,11 @@ class Surroundings:
 
     @property
     def shines(self) -> bool:
-        """Whether the Sun's centre is above the horizontal and its light arrives."""
+        """True if the Sun's centre is above the horizontal and its light arrives."""
         return bool(self.view.solar_zenith < 0.5 * np.pi and self.view.irradiance.any())
 
     def arriving(self, places: list[Corners], temperatures: list[FloatArray]) -> list[Arriving]:
-        """Sums over the band for bodies at some places, of surfaces at some temperatures [K, (k,)]."""
+        """Sums over the band for bodies at some places, for surfaces at some temperatures [K, (k,)]."""
         if not places:
             return []
         eye, view = self.view.sensor_height, self.view
@@ -157,9 +158,9 @@ class Surroundings:
         at_sea = 2.0 * radius * np.arcsin(np.sqrt(np.minimum(ratio, 1.0)))
         azimuth = np.array([p.azimuth for p in places])[:, None] - view.solar_azimuth
         elevation = np.array([p.elevation for p in places])[:, None]
-        found = scattered_path(at_sea, elevation, azimuth, table)
+        radiance = scattered_path(at_sea, elevation, azimuth, table)
         # shorter than the sensor is high, there is no path to the sea: in proportion to the length
-        return np.asarray(view.sun_distance_factor * found * np.minimum(slant / eye, 1.0))
+        return np.asarray(view.sun_distance_factor * radiance * np.minimum(slant / eye, 1.0))
 
     def kelvin(self, radiance: float) -> float:
         """Apparent temperature [K] of a band radiance [W m-2 sr-1]."""
@@ -167,7 +168,7 @@ class Surroundings:
 
 
 def _azimuths() -> tuple[FloatArray, FloatArray]:
-    """Azimuths from the Sun on one side [rad], closer together near it, and their weights for both sides."""
+    """Azimuths from the Sun on one side [rad], denser near it, and their weights for both sides."""
     x, w = np.polynomial.legendre.leggauss(_AROUND)
     u, crowd = 0.5 * (1.0 + x), 4.0
     return np.pi * np.sinh(crowd * u) / np.sinh(crowd), w * np.pi * crowd * np.cosh(crowd * u) / np.sinh(crowd)
@@ -191,7 +192,7 @@ def _hemispheres(up: FloatArray, azimuth: FloatArray, solid: FloatArray, light: 
 
 
 def _lowest_seen(eye: float, arcs: FloatArray) -> FloatArray:
-    """Height of points at arcs [m] whose line to the sensor passes :data:`LOWEST_LINE` deep; 0 before the horizon of so deep a sea."""
+    """Height of points at arcs [m] whose line to the sensor passes :data:`LOWEST_LINE` below the sea; 0 before that sea's horizon."""
     radius = EFFECTIVE_EARTH_RADIUS + LOWEST_LINE
     beyond = arcs / EFFECTIVE_EARTH_RADIUS - math.acos(radius / (EFFECTIVE_EARTH_RADIUS + eye))
     return np.asarray(np.where(beyond > 0.0, radius / np.cos(np.maximum(beyond, 0.0)) - EFFECTIVE_EARTH_RADIUS, 0.0))

@@ -1,4 +1,4 @@
-"""Names of the numbers that are true of an object in a frame; apart, since files are read without drawing anything."""
+"""Names of the ground-truth numbers of an object in a frame; a separate module, as files are read without drawing."""
 
 from __future__ import annotations
 
@@ -24,4 +24,4 @@ NUMBERS: Final = (
     "signal_column_px",
     "signal_row_px",
 )
-"""Numbers of a body in a frame, in the order of the columns of tables; what is not known of a body out of view is NaN."""
+"""Ground-truth numbers of a body in a frame, in the order of table columns; unknown numbers of a body out of view are NaN."""

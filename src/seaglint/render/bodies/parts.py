@@ -1,4 +1,4 @@
-"""Bodies made ready to be drawn: their solids as one mesh, their gases and their points, each placed at an instant."""
+"""Bodies prepared for drawing: their solids as one mesh, their gases and their points, each placed at an instant."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from seaglint.render.bodies.crests import Span
 from seaglint.render.bodies.eye import Stand
 
 MOST_TEMPERATURES: Final = 16
-"""Different temperatures of a body that are each looked up; more are read from a table, linear between 257 of them."""
+"""Largest number of temperatures of a body that are evaluated one by one; more are interpolated linearly in a table of 257."""
 
 _TABLED: Final = 257
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
-    """All solids of a body, in its axes [m]; ``code`` is the place of a vertex's temperature in ``temperatures`` [K].
+    """Mesh of all solids of a body, in its axes [m]; ``code`` is the index of a vertex's temperature in ``temperatures`` [K].
 
     ``ends``: vertices of its edges (edges, 2); ``sides``: edges of the triangles (triangles, 3), from 1, negative where they run backwards.
     """
@@ -44,35 +44,35 @@ class Mesh:
 
     @classmethod
     def of(cls, solids: list[Solid]) -> Mesh:
-        """Put solids together."""
+        """Mesh of several solids."""
         first = np.concatenate([[0], np.cumsum([s.vertices.shape[0] for s in solids])[:-1]])
         vertices = np.ascontiguousarray(np.concatenate([s.vertices for s in solids]), dtype=np.float64)
         corners = np.concatenate([s.triangles + n for s, n in zip(solids, first, strict=True)]).astype(np.int32)
         kelvin = np.concatenate([np.asarray(s.temperature, np.float64) for s in solids])
-        found, inverse = np.unique(kelvin, return_inverse=True)
+        temperatures, inverse = np.unique(kelvin, return_inverse=True)
         code: FloatArray = np.asarray(inverse, np.float64)
-        if found.size > MOST_TEMPERATURES:
-            found = np.linspace(found[0], found[-1], _TABLED)
-            code = (kelvin - found[0]) / (found[1] - found[0])
+        if temperatures.size > MOST_TEMPERATURES:
+            temperatures = np.linspace(temperatures[0], temperatures[-1], _TABLED)
+            code = (kelvin - temperatures[0]) / (temperatures[1] - temperatures[0])
         middle = 0.5 * (vertices.min(axis=0) + vertices.max(axis=0))
         radius = float(np.sqrt(((vertices - middle) ** 2).sum(axis=1).max()))
         emissivity = np.concatenate([np.asarray(s.emissivity, np.float64) for s in solids])
-        return cls(vertices, np.ascontiguousarray(corners), code, emissivity, found, middle, radius, *_edges(vertices, corners))
+        return cls(vertices, np.ascontiguousarray(corners), code, emissivity, temperatures, middle, radius, *_edges(vertices, corners))
 
 
 def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Edges of triangles, and which of them each triangle has (:class:`Mesh`)."""
+    """Edges of triangles, and the edge numbers of each triangle (:class:`Mesh`)."""
     same = merged(vertices)[corners]
     start, end = same, np.roll(same, -1, axis=1)
     count = len(vertices)
-    found, which = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_inverse=True)
-    ends = np.stack(np.divmod(found, count), axis=1).astype(np.int32)
+    keys, which = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_inverse=True)
+    ends = np.stack(np.divmod(keys, count), axis=1).astype(np.int32)
     return ends, np.where(start < end, which.reshape(same.shape) + 1, -(which.reshape(same.shape) + 1)).astype(np.int32)
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One thing to draw: what it is, the number of the body that it belongs to."""
+    """Part of a body to draw, with the number of the body."""
 
     body: int
     name: str
@@ -97,15 +97,15 @@ class Placed:
     Attributes
     ----------
     part : Part
-        What it is.
+        Part of the body.
     place : ndarray
         Its middle.
     radius : float
-        Of a sphere about it that holds it.
+        Radius of a sphere about it that encloses it [m].
     surface : ndarray
         Vertices of a mesh; points about a plume; the point itself [m, (n, 3)].
     gas : ndarray
-        Of a plume, as :func:`~seaglint.render.bodies.raster.chord` takes it.
+        Data of a plume, as :func:`~seaglint.render.bodies.raster.chord` takes it.
     eye : float
         Height of the sensor above the mean sea [m].
     """
@@ -119,22 +119,22 @@ class Placed:
 
     @property
     def distance(self) -> float:
-        """To its middle [m]."""
+        """Distance to the part's centre [m]."""
         return float(np.linalg.norm(self.place))
 
     @property
     def azimuth(self) -> float:
-        """Of its middle [rad]."""
+        """Azimuth of the part's centre [rad]."""
         return math.atan2(self.place[0], self.place[1])
 
     @property
     def heading(self) -> tuple[float, float, float]:
-        """Azimuth of its middle [rad], with its sine and cosine."""
+        """Azimuth of the part's centre [rad], with its sine and cosine."""
         return self.azimuth, math.sin(self.azimuth), math.cos(self.azimuth)
 
     @property
     def elevation(self) -> float:
-        """Of its middle [rad]."""
+        """Elevation of the part's centre [rad]."""
         return math.atan2(self.place[2], math.hypot(self.place[0], self.place[1]))
 
     @property
@@ -144,7 +144,7 @@ class Placed:
 
     @cached_property
     def span(self) -> tuple[Span, tuple[float, float]]:
-        """What it takes up, and its least and greatest height above the mean sea [m]."""
+        """Extent of the part, and its least and greatest height above the mean sea [m]."""
         middle, s, c = self.heading
         low, high = _extent(self.surface, self.eye, (s, c))
         turn, near = (low[0], high[0]), low[1]
@@ -162,14 +162,14 @@ def _extent(surface: FloatArray, eye: float, heading: tuple[float, float]) -> tu
     for n in range(surface.shape[0]):
         east, north, up = surface[n, 0], surface[n, 1], surface[n, 2]
         level, over = math.sqrt(east * east + north * north), EFFECTIVE_EARTH_RADIUS + eye + up
-        found = (
+        sample = (
             math.atan2(east * c - north * s, east * s + north * c),
             EFFECTIVE_EARTH_RADIUS * math.atan2(level, over),
             up / max(level, 1e-9),
             math.sqrt(level * level + over * over) - EFFECTIVE_EARTH_RADIUS,
         )
         for k in range(4):
-            low[k], high[k] = min(low[k], found[k]), max(high[k], found[k])
+            low[k], high[k] = min(low[k], sample[k]), max(high[k], sample[k])
     return low, high
 
 
@@ -183,7 +183,7 @@ _BALL: Final = np.array(
 
 
 def placed(part: Part, stand: Stand, eye: float) -> Placed:
-    """A part of a body that stands somewhere, seen from a height [m].
+    """Part of a body at its place, seen from a height [m].
 
     Raises
     ------
@@ -213,7 +213,7 @@ def placed(part: Part, stand: Stand, eye: float) -> Placed:
 
 
 def _holds_sensor(surface: FloatArray, corners: NDArray[np.int32]) -> bool:
-    """Whether the closed surface goes round the sensor: its solid angles add to a full sphere."""
+    """True if the closed surface encloses the sensor: its solid angles add to a full sphere."""
     size = np.linalg.norm(surface, axis=1)
     a, b, c = (surface[corners[:, k]] for k in range(3))
     p, q, r = (size[corners[:, k]] for k in range(3))

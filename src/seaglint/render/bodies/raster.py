@@ -1,4 +1,4 @@
-"""Samples of a body's picture, which triangle each of them meets first, and how much of its cell the body covers.
+"""Rasterisation of bodies: samples of their picture, the nearest triangle at each, and the covered share of each cell.
 
 Samples are laid in image coordinates, so that pixels are covered exactly, and looked up on the plane across the line of sight
 (:class:`~seaglint.render.bodies.eye.Plane`), where triangles have straight sides and one over the depth is linear. Each cell has its sample
@@ -20,17 +20,19 @@ from seaglint.render.bodies.eye import Grid, Lens, image_point
 
 TURN_OF_ROWS = 0.6180339887498949
 TURN_OF_COLUMNS = 0.7548776662466927
-"""Turns of the samples' places from row to row and from column to column."""
+"""Steps of the sample positions from row to row and from column to column."""
 
 LEAST_BEND = 0.02
-"""Cells by which an edge may bend in the image before it is cut into pieces."""
+"""Curvature of an edge in the image above which it is cut into pieces [cells]."""
 
 MOST_PIECES = 64
 
 
 class Samples(NamedTuple):
-    """Samples of a grid (rows, columns): tangents to the right and up of the plane, one over the depth of what is met [1/m], 0 for nothing,
-    its triangle, and the share of the cell that the body covers.
+    """Samples of a grid (rows, columns): plane coordinates, and the nearest triangle at each.
+
+    The fields are tangents to the right and up of the plane, one over the depth of the hit [1/m], 0 without one, its triangle, and the
+    share of the cell that the body covers.
     """
 
     x: np.ndarray
@@ -41,9 +43,10 @@ class Samples(NamedTuple):
 
 
 class Faces(NamedTuple):
-    """Triangles on a plane: tangents and one over the depth of vertices (n, 3), their image points (n, 2) [pixels], corners (m, 3), edges'
-    ends and triangles' sides (:class:`~seaglint.render.bodies.parts.Mesh`), and the share of its size by which a triangle's sides may bend
-    in the image.
+    """Triangles on a plane: vertices as tangents and one over the depth (n, 3), and their image points (n, 2) [pixels].
+
+    Further fields are corners (m, 3), edges' ends and triangles' sides (:class:`~seaglint.render.bodies.parts.Mesh`), and the share of its
+    size by which a triangle's sides may bend in the image.
     """
 
     point: np.ndarray
@@ -56,14 +59,14 @@ class Faces(NamedTuple):
 
 @kernel
 def sample_place(i: int, j: int) -> tuple[float, float]:
-    """Place of a cell's sample within it, each way in 0..1."""
+    """Position of a cell's sample within it, each coordinate in 0..1."""
     a, b = 0.5 + TURN_OF_ROWS * j, 0.5 + TURN_OF_COLUMNS * i
     return a - math.floor(a), b - math.floor(b)
 
 
 @njit
 def lay_samples(grid: Grid, lens: Lens, axes: np.ndarray) -> Samples:
-    """Samples of a grid on the plane of ``axes``, nothing met."""
+    """Samples of a grid on the plane of ``axes``, without hits."""
     wide, high = grid.size
     x, y = np.empty((high, wide)), np.empty((high, wide))
     turn = np.zeros((3, 3))
@@ -99,14 +102,14 @@ def lay_samples(grid: Grid, lens: Lens, axes: np.ndarray) -> Samples:
 
 @kernel
 def cell_range(low: float, high: float, cells: int, begin: int, size: int) -> tuple[int, int]:
-    """Cells of a grid between two image points [pixels], as (first, end)."""
+    """Range of cells of a grid between two image points [pixels], as (first, end)."""
     a, b = math.floor(low * cells) - begin, math.floor(high * cells) + 1 - begin
     return int(max(a, 0)), int(min(b, size))
 
 
 @njit
 def meet(faces: Faces, grid: Grid, samples: Samples) -> None:
-    """Find the nearest triangle that faces the sensor, for each sample."""
+    """Find the nearest triangle that faces the sensor at each sample."""
     point, image = faces.point, faces.image
     for t in range(faces.corner.shape[0]):
         a, b, c = faces.corner[t, 0], faces.corner[t, 1], faces.corner[t, 2]
@@ -140,7 +143,7 @@ def meet(faces: Faces, grid: Grid, samples: Samples) -> None:
 
 @njit
 def outline(faces: Faces, lens: Lens, axes: np.ndarray, grid: Grid, samples: Samples) -> None:
-    """Shares of the cells that triangles cover, from their outline; after :func:`meet`.
+    """Compute the shares of the cells that triangles cover, from their outline; after :func:`meet`.
 
     What its own sample misses has the triangle and nearness of the edge that runs through. Where some of the triangles are not before the
     camera, or over the pole of the image's angles, samples count in whole.
@@ -203,13 +206,13 @@ def outline(faces: Faces, lens: Lens, axes: np.ndarray, grid: Grid, samples: Sam
 
 @njit
 def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, float], times: float, met: tuple[float, int]) -> None:
-    """Add what lies to the right of a line (x, y to x, y) [cells], going down, to the changes of shares along rows.
+    """Add the area to the right of a descending line (x, y to x, y) [cells] to the changes of shares along rows.
 
     ``met``: nearness and triangle for the cells on it whose samples met nothing.
     """
     high, wide = samples.share.shape
     x0, y0, x1, y1 = line
-    if y0 == y1:  # nothing to its right, but cells on it all the same
+    if y0 == y1:  # no cells to its right, but cells on it
         j = math.floor(y0)
         if 0 <= j < high:
             _touch(samples, j, max(math.floor(min(x0, x1)), 0), min(math.ceil(max(x0, x1)), wide), met)
@@ -228,7 +231,7 @@ def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, 
         if b <= 0.0:
             border[j, 0] += d
             continue
-        if a < 0.0:  # of what lies left of the grid all of the first cell is to the right
+        if a < 0.0:  # left of the grid the whole first cell is to the right
             border[j, 0] += d * -a / (b - a)
             d, a = d * b / (b - a), 0.0
         if b > wide:
@@ -245,7 +248,7 @@ def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, 
 
 @kernel
 def _touch(samples: Samples, j: int, first: int, end: int, met: tuple[float, int]) -> None:
-    """Give cells of a row that met nothing a nearness and a triangle."""
+    """Give cells of a row without a hit an inverse depth and a triangle."""
     for i in range(first, end):
         if samples.near[j, i] <= 0.0:
             samples.near[j, i], samples.triangle[j, i] = met
@@ -284,7 +287,7 @@ def chord(gas: np.ndarray, direction: tuple[float, float, float], first: float, 
 
 @njit
 def whole_solid_angle(faces: Faces, lens: Lens, samples: Samples, cell: tuple[float, float]) -> float:
-    """Solid angle [sr] of triangles from samples that lie ``cell`` apart on the plane itself, which is the image of ``lens``."""
+    """Solid angle [sr] of triangles from samples that lie ``cell`` apart on the plane itself, the image of ``lens``."""
     total = 0.0
     high, wide = samples.x.shape
     grid = Grid((0, 0), (wide, high), (1, 1), (0, 0), (wide, high))

@@ -1,4 +1,4 @@
-"""Sums over samples: which of them are in view, what they send, and what of it falls into which pixel."""
+"""Shading of samples: their visibility, their radiance, and the sums in each pixel."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PATH: Final = 1
 EMITTED: Final = 2
 MIRRORED: Final = 3
 SUN: Final = 4
-"""Planes of radiance times that share [W m-2 sr-1]: of the path, emitted, of diffuse light and of the Sun reflected by the body."""
+"""Planes of radiance times that share [W m-2 sr-1]: path, emission, reflected diffuse light and reflected Sun of the body."""
 
 DISTANCE: Final = 5
 """Plane of the distance times that share [m]."""
@@ -33,16 +33,18 @@ WHOLE: Final = 0
 SEEN: Final = 1
 ACROSS: Final = 2
 DOWN: Final = 3
-"""Sums over samples: solid angle in all and in view [sr]; the latter times the place in the image [sr pixels]."""
+"""Sums over samples: total and visible solid angle [sr]; the latter times the place in the image [sr pixels]."""
 
 SUMS: Final = 4
 
 LIFT: Final = 1e-3
-"""Share of a body's size by which what shades it must stand nearer to the Sun: rounding of its shadow map."""
+"""Least distance towards the Sun between a shading and a shaded surface, as a share of the body's size: rounding of its shadow map."""
 
 
 class Shape(NamedTuple):
-    """A body's triangles in the sensor's axes: vertices [m, (n, 3)], corners (m, 3), place of every vertex's temperature among those of
+    """Triangles of a body in the sensor's axes, with emissivity.
+
+    The fields are vertices [m, (n, 3)], corners (m, 3), index of every vertex's temperature among those of
     :class:`~seaglint.render.bodies.light.Arriving`, and emissivity.
     """
 
@@ -53,8 +55,10 @@ class Shape(NamedTuple):
 
 
 class SunMap(NamedTuple):
-    """How near to the Sun surfaces stand that face away from it, on a grid across its light: direction to the Sun (3), unit vectors across
-    (2, 3), coordinates of the first cell and cells per metre (4), and coordinates towards the Sun [m]. Without cells nothing is shaded.
+    """Shadow map: coordinates towards the Sun [m] of the surfaces that face away from it, on a grid across its light.
+
+    The fields are direction to the Sun (3), unit vectors across (2, 3), coordinates of the first cell and cells per metre (4), and
+    coordinates towards the Sun [m]. Without cells nothing is shaded.
     """
 
     sun: np.ndarray
@@ -65,8 +69,10 @@ class SunMap(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """What stands around a body: the sensor's height [m], the sea, what is in front of it (depths, 0 for nothing, as the samples), gases
-    (:func:`~seaglint.render.bodies.raster.chord`), the plane's axes, and the azimuth of the body's middle [rad] with its sine and cosine.
+    """Surroundings of a body: the sensor's height [m], the sea, other bodies, gases, axes and heading.
+
+    Other bodies in front of it are depths (0 for none) at the samples, gases as in :func:`~seaglint.render.bodies.raster.chord`; the
+    heading is the azimuth of the body's centre [rad] with its sine and cosine.
     """
 
     eye: float
@@ -78,7 +84,7 @@ class Scene(NamedTuple):
 
 
 class Window(NamedTuple):
-    """Pixels that are drawn: first and end column, first and end row; columns in a full circle, 0 where there is none."""
+    """Pixels to draw: first and end column, first and end row; columns in a full circle, 0 where there is none."""
 
     columns: tuple[int, int]
     rows: tuple[int, int]
@@ -87,7 +93,7 @@ class Window(NamedTuple):
 
 @kernel
 def _pixel(grid: Grid, window: Window, i: int, j: int) -> tuple[int, int, bool]:
-    """Column and row, counted from the grid's first, of a cell's pixel, and whether it is drawn."""
+    """Column and row of a cell's pixel, counted from the grid's first, and a flag for pixels to draw."""
     column, row = (grid.begin[0] + i) // grid.cells[0], (grid.begin[1] + j) // grid.cells[1]
     at = column % window.circle if window.circle > 0 else column
     drawn = window.columns[0] <= at < window.columns[1] and window.rows[0] <= row < window.rows[1]
@@ -96,7 +102,7 @@ def _pixel(grid: Grid, window: Window, i: int, j: int) -> tuple[int, int, bool]:
 
 @kernel
 def _row_solid_angle(lens: Lens, grid: Grid, j: int) -> float:
-    """Solid angle of a cell in a row [sr], at its middle; of a plane image that in its middle."""
+    """Solid angle of a cell in a row [sr], at its middle; for a plane image at the middle of the row."""
     cell = lens.pixel / (grid.cells[0] * grid.cells[1])
     if lens.plane:
         return float(cell)
@@ -105,7 +111,7 @@ def _row_solid_angle(lens: Lens, grid: Grid, j: int) -> float:
 
 @kernel
 def _falling(lens: Lens, grid: Grid, j: int, i: int) -> float:
-    """Solid angle of a cell over that of its row: what falls off to the corners of a plane image."""
+    """Ratio of a cell's solid angle to that of its row, which decreases to the corners of a plane image."""
     if not lens.plane:
         return 1.0
     x = lens.across[0] + lens.across[1] * (grid.begin[0] + i + 0.5) / grid.cells[0]
@@ -133,7 +139,7 @@ def place_of(x: float, y: float, depth: float, scene: Scene) -> tuple[float, flo
 
 @kernel
 def _visible(scene: Scene, at: tuple[float, float, float, float, float]) -> bool:
-    """Whether the sea leaves a point in view."""
+    """True if the sea does not hide a point."""
     level = math.sqrt(at[0] * at[0] + at[1] * at[1])
     if at[4] > scene.crests.top[0] and at[2] > scene.crests.top[1] * level:
         return True
@@ -147,7 +153,7 @@ def _visible(scene: Scene, at: tuple[float, float, float, float, float]) -> bool
 
 @kernel
 def _clear(scene: Scene, direction: tuple[float, float, float], last: float) -> float:
-    """Share of light that the gases let through before a distance [m] along a direction."""
+    """Transmittance of the gases before a distance [m] along a direction."""
     depth = 0.0
     for g in range(scene.gases.shape[0]):
         depth += chord(scene.gases[g], direction, 0.0, last)
@@ -156,7 +162,7 @@ def _clear(scene: Scene, direction: tuple[float, float, float], last: float) -> 
 
 @njit
 def clear_to(scene: Scene, distance: float) -> float:
-    """Share of the light of a point, in the middle of the plane, that sea, bodies and gases leave in view, before the air."""
+    """Transmittance to a point at the centre of the plane through sea, bodies and gases, before the air."""
     at = place_of(0.0, 0.0, distance, scene)
     if scene.others[0, 0] * distance > 1.0 or not _visible(scene, at):
         return 0.0
@@ -165,7 +171,7 @@ def clear_to(scene: Scene, distance: float) -> float:
 
 @kernel
 def _between(corner: np.ndarray, arc: float, height: float) -> tuple[float, float]:
-    """Place among the corners of :class:`Arriving`."""
+    """Coordinates of a point between the corners of :class:`Arriving`."""
     return (
         min(max((arc - corner[0]) * corner[1], 0.0), 1.0),
         min(max((height - corner[2]) * corner[3], 0.0), 1.0),
@@ -174,13 +180,13 @@ def _between(corner: np.ndarray, arc: float, height: float) -> tuple[float, floa
 
 @kernel
 def _mix(u: float, v: float, a: float, b: float, c: float, d: float) -> float:
-    """Bilinear between four corners."""
+    """Bilinear interpolation between four corners."""
     return float((1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * c + u * d))
 
 
 @kernel
 def _lit(shadow: SunMap, point: tuple[float, float, float]) -> bool:
-    """Whether nothing of the body stands between a point and the Sun."""
+    """True if no part of the body stands between a point and the Sun."""
     if shadow.nearest.shape[0] == 0:
         return True
     a, f = shadow.across, shadow.first
@@ -194,7 +200,7 @@ def _lit(shadow: SunMap, point: tuple[float, float, float]) -> bool:
 
 @kernel
 def _reflect(light: Arriving, shadow: SunMap, at: tuple[float, float], normal: tuple[float, float, float]) -> tuple[float, float]:
-    """Diffuse light that a white facet reflects, at a place among the corners; and its cosine towards the Sun, 0 behind."""
+    """Diffuse light reflected by a white facet, interpolated between the corners, and its cosine towards the Sun, 0 behind."""
     m = light.mirrored
     x = (normal[2] + 1.0) * 0.5 * (m.shape[1] - 1)
     i = min(max(int(x), 0), m.shape[1] - 2)
@@ -221,8 +227,9 @@ def _reflect(light: Arriving, shadow: SunMap, at: tuple[float, float], normal: t
 def _facet(
     shape: Shape, light: Arriving, shadow: SunMap, t: int, at: tuple[float, float, float, float, float]
 ) -> tuple[float, float, float, float, float]:
-    """Emissivity of a triangle at a point, what arrives of a blackbody there, of diffuse light and of the Sun if nothing shades it, both
-    reflected in full, and of the path.
+    """Light of a triangle at a point: emissivity, blackbody radiance, reflected diffuse light, reflected Sun, and path.
+
+    The Sun counts if nothing shades it; both kinds of reflected light are those of a white surface.
     """
     emitted, sun, path, v = light.emitted, light.sun, light.path, shape.vertex
     most = emitted.shape[1] - 1
@@ -260,7 +267,7 @@ def _facet(
 def _enter(
     planes: np.ndarray, row: int, column: int, facet: tuple[float, float, float, float, float], parts: tuple[float, float, float]
 ) -> None:
-    """Add a facet's part of a pixel to the planes: its share, the lit share, and distance times share."""
+    """Add a facet's contribution to the planes of a pixel: its share, the lit share, and distance times share."""
     if parts[0] > 0.0:
         planes[COVER, row, column] += parts[0]
         planes[PATH, row, column] += parts[0] * facet[4]
@@ -287,7 +294,7 @@ def shade_solid(
     """
     planes, sums = out
     share = 1.0 / (grid.cells[0] * grid.cells[1])
-    # of the facet at hand in a pixel of a row: what it sends, and its samples, those lit and their distances
+    # of the present facet in a pixel of a row: its light, and the numbers of its samples, those lit and their distances
     facet = (0.0, 0.0, 0.0, 0.0, 0.0)
     for j in range(grid.size[1]):
         row_solid = _row_solid_angle(lens, grid, j)
@@ -315,7 +322,7 @@ def shade_solid(
                 _enter(planes, above, before, facet, (share * parts, share * lit, share * far))
                 parts = lit = far = 0.0
                 last, before, above = t, column, row
-                # neighbours in a pixel on one facet send the same
+                # neighbouring samples of a pixel on one facet have the same radiance
                 facet = _facet(shape, light, shadow, t, at)
             parts += clear
             far += clear * distance
@@ -415,7 +422,7 @@ def sun_map(vertex: np.ndarray, corner: np.ndarray, axes: tuple[np.ndarray, np.n
         area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
         if area >= 0.0:
             continue
-        # shares of b and c, and how near the Sun it is, change by the same from cell to cell
+        # shares of b and c, and the coordinate towards the Sun, change linearly from cell to cell
         scale = 1.0 / area
         b_across, b_down, c_across, c_down = (cy - ay) * scale, (ax - cx) * scale, (ay - by) * scale, (bx - ax) * scale
         to_b, to_c = point[b, 2] - point[a, 2], point[c, 2] - point[a, 2]

@@ -1,4 +1,4 @@
-r"""Shadows of bodies on the glint: where a body stands between the mean sea and the Sun, its facets mirror no Sun.
+r"""Shadows of bodies on the glint: facets mirror no Sun where a body stands between the mean sea and the Sun.
 
 The shadow is the body laid on the mean sea along the Sun's rays: a vertex :math:`p` goes to :math:`p - t s`, where the line to the
 Sun :math:`s` leaves the sphere,
@@ -28,7 +28,7 @@ from seaglint.render.layers import Layers, share_of_glint
 
 
 def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surroundings) -> Layers:
-    """The image of the sea with the shadows of bodies on its glint.
+    """Return the image of the sea with the shadows of bodies on its glint.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surr
     if not touched.any():
         return layers
     share = np.minimum(dark, 1.0)
-    if "coverage" in layers:  # the shadow lies on the sea alone
+    if "coverage" in layers:  # only the sea is shadowed
         share = np.minimum(dark / np.maximum(layers["coverage"], LEAST_COVER), 1.0)
     lost = layers.glint_radiance * share
     out = {name: image.copy() for name, image in layers.items()}
@@ -68,7 +68,7 @@ def shadowed(layers: Layers, stage: Stage, placed: Sequence[Placed], light: Surr
 
 
 def laid(one: Placed, sun: FloatArray, eye: float) -> Placed | None:
-    """A part laid on the mean sea along the Sun's rays; None where they pass over the sea."""
+    """Part projected on the mean sea along the Sun's rays; None where the rays pass over the sea."""
     p, radius = one.surface, EFFECTIVE_EARTH_RADIUS
     above = eye + p[:, 2]
     c = p[:, 0] ** 2 + p[:, 1] ** 2 + above * (2.0 * radius + above)
@@ -77,7 +77,7 @@ def laid(one: Placed, sun: FloatArray, eye: float) -> Placed | None:
     if np.any((under < 0.0) | (along <= 0.0)) or c.max() <= 0.0:
         return None
     way = np.maximum(c, 0.0) / (along + np.sqrt(under))
-    # what is under water goes straight up
+    # points under water are moved straight up
     level = np.hypot(p[:, 0], p[:, 1])
     surface = p - way[:, None] * sun
     sunken = c < 0.0
@@ -108,6 +108,6 @@ def _add(dark: FloatArray, stage: Stage, flat: Placed | None) -> None:
         columns = (some.begin[0] + np.arange(some.size[0])) // some.cells[0]
         rows = (some.begin[1] + np.arange(some.size[1])) // some.cells[1]
         columns = columns % circle if circle else columns
-        kept = np.ix_((rows >= top) & (rows < bottom), (columns >= left) & (columns < right))
-        where = np.ix_(rows[kept[0].ravel()] - top, columns[kept[1].ravel()] - left)
-        np.add.at(dark, where, (samples.triangle[kept] >= 0) / (some.cells[0] * some.cells[1]))
+        inner = np.ix_((rows >= top) & (rows < bottom), (columns >= left) & (columns < right))
+        where = np.ix_(rows[inner[0].ravel()] - top, columns[inner[1].ravel()] - left)
+        np.add.at(dark, where, (samples.triangle[inner] >= 0) / (some.cells[0] * some.cells[1]))

@@ -1,4 +1,4 @@
-"""Labels of bodies in an image: numbers and masks from what is seen of them, in pixels of the image or of a coarser detector."""
+"""Labels of bodies in an image: numbers and masks from their sights, in pixels of the image or of a coarser detector."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from seaglint.render.bodies.compose import LEAST_COVER, Sight
 from seaglint.render.bodies.numbers import NUMBERS
 
 SURROUND: Final = 10
-"""Pixels around a body's box over which its clutter is taken."""
+"""Width of the frame around a body's box in which its clutter is evaluated [pixels]."""
 
 LEAST_CLUTTER: Final = 8
-"""Pixels of sea that a clutter needs."""
+"""Least number of pixels of sea for a clutter value."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Pixels:
-    """What a body leaves in a box of pixels: coverage, radiance times it, the sea's share that it hides, and their solid angles.
+    """Sums of a body in a box of pixels: coverage, radiance times coverage, the sea's share that it hides, and solid angles.
 
     ``shape``: rows and columns of the image; with ``around`` it closes on itself, and columns of a box go on beyond its right edge.
     """
@@ -39,7 +39,7 @@ class _Pixels:
     seen: NDArray[np.bool_]
 
     def where(self, margin: int = 0) -> tuple[NDArray[Any], ...]:
-        """The box in the image, with some pixels around it."""
+        """Box in the image, with some pixels around it."""
         top, bottom = max(self.top - margin, 0), min(self.top + self.seen.shape[0] + margin, self.shape[0])
         left, right = self.left - margin, self.left + self.seen.shape[1] + margin
         if self.around:
@@ -55,12 +55,15 @@ def labels(
     *,
     around: bool = False,
 ) -> tuple[Mapping[str, FloatArray], list[NDArray[np.bool_]], NDArray[np.uint16]]:
-    """Numbers (:data:`~seaglint.render.bodies.numbers.NUMBERS`) of bodies, masks (rows, columns), and which covers most of a pixel, from 1.
+    """Numbers and masks of bodies in an image, and the number of the body in each pixel.
+
+    The numbers are :data:`~seaglint.render.bodies.numbers.NUMBERS`, the masks (rows, columns); a pixel has the number of the body that
+    covers most of it, from 1.
 
     Parameters
     ----------
     sights : tuple of Sight
-        What is seen of each body.
+        Sight of each body.
     sea : ndarray
         Image of the sea alone [W m-2 sr-1, (rows, columns)], in pixels as fine as they were drawn.
     kelvin : callable
@@ -75,32 +78,32 @@ def labels(
     coarse = np.asarray(sea, np.float64).reshape(shape[0], n, shape[1], n).mean(axis=(1, 3)) if n > 1 else np.asarray(sea, np.float64)
     boxes = [_pixels(sight, n, shape, around) for sight in sights]
     masks, number = _owners(boxes, shape)
-    rows = [_numbers(sight, found, coarse, number > 0, kelvin, n) for sight, found in zip(sights, boxes, strict=True)]
+    rows = [_numbers(sight, box, coarse, number > 0, kelvin, n) for sight, box in zip(sights, boxes, strict=True)]
     return {name: np.array([row[name] for row in rows], np.float64) for name in NUMBERS}, masks, number
 
 
 def numbers_of(sights: tuple[Sight, ...], shape: tuple[int, int], *, around: bool = False) -> NDArray[np.uint16]:
-    """The number [1], from 1, of the body that covers most of a pixel; 0 where none is."""
+    """Number [1], from 1, of the body that covers most of a pixel; 0 where there is none."""
     return _owners([_pixels(sight, 1, shape, around) for sight in sights], shape)[1]
 
 
 def _owners(boxes: list[_Pixels | None], shape: tuple[int, int]) -> tuple[list[NDArray[np.bool_]], NDArray[np.uint16]]:
     """Masks of bodies, and the number of the one that covers most."""
     number, most, masks = np.zeros(shape, np.uint16), np.zeros(shape), []
-    for body, found in enumerate(boxes, 1):
+    for body, box in enumerate(boxes, 1):
         mask = np.zeros(shape, bool)
-        if found is not None:
-            where = found.where()
-            mask[where] = found.seen
-            more = found.seen & (found.cover >= most[where]) & ((found.cover > 0.0) | (number[where] == 0))
+        if box is not None:
+            where = box.where()
+            mask[where] = box.seen
+            more = box.seen & (box.cover >= most[where]) & ((box.cover > 0.0) | (number[where] == 0))
             number[where] = np.where(more, np.uint16(body), number[where])
-            most[where] = np.where(more, found.cover, most[where])
+            most[where] = np.where(more, box.cover, most[where])
         masks.append(mask)
     return masks, number
 
 
 def _pixels(sight: Sight, n: int, shape: tuple[int, int], around: bool) -> _Pixels | None:
-    """Sums over a body's shares in the pixels that are labelled."""
+    """Sums over a body's shares in the labelled pixels."""
     shares = [share for share in sight.shares if share.cover.size]
     if not shares:
         return None
@@ -122,25 +125,25 @@ def _pixels(sight: Sight, n: int, shape: tuple[int, int], around: bool) -> _Pixe
 
 
 def _columns(touched: NDArray[np.int64], width: int, around: bool) -> tuple[int, int]:
-    """First column and the one after the last; around a full circle from beyond the widest gap, on over the seam."""
-    found = np.unique(touched)
-    first, last = int(found[0]), int(found[-1])
-    gaps = np.diff(found)
+    """First column and the one after the last; around a full circle from behind the widest gap, continuous over the seam."""
+    occupied = np.unique(touched)
+    first, last = int(occupied[0]), int(occupied[-1])
+    gaps = np.diff(occupied)
     if not around or gaps.size == 0 or gaps.max() <= first + width - last:
         return first, last + 1
     k = int(gaps.argmax())
-    return int(found[k + 1]), int(found[k]) + width + 1
+    return int(occupied[k + 1]), int(occupied[k]) + width + 1
 
 
 def _numbers(
     sight: Sight,
-    found: _Pixels | None,
+    box: _Pixels | None,
     sea: FloatArray,
     covered: NDArray[np.bool_],
     kelvin: Callable[[float], float],
     n: int,
 ) -> dict[str, float]:
-    """Numbers of one body."""
+    """Ground-truth numbers of one body."""
     row = dict.fromkeys(NUMBERS, math.nan)
     row |= {
         "range_m": sight.distance,
@@ -151,42 +154,42 @@ def _numbers(
         "pixels": 0.0,
         "irradiance_W_m2": 0.0,
     }
-    if found is None:
+    if box is None:
         return row
-    difference = found.added - found.hidden
+    difference = box.added - box.hidden
     total = float(difference.sum())
     point = sight.seen == 0.0
     weight = 1.0 if point else sight.seen
     row["visible_share"] = 1.0 if point else min(sight.seen / sight.whole, 1.0) if sight.whole > 0.0 else math.nan
-    row["column_px"] = _on_image(sight.across / weight / n - 0.5, found)
+    row["column_px"] = _on_image(sight.across / weight / n - 0.5, box)
     row["row_px"] = sight.down / weight / n - 0.5
-    rows, columns = np.nonzero(found.seen)
-    row["bbox_left_px"], row["bbox_top_px"] = float(found.left + columns.min()), float(found.top + rows.min())
+    rows, columns = np.nonzero(box.seen)
+    row["bbox_left_px"], row["bbox_top_px"] = float(box.left + columns.min()), float(box.top + rows.min())
     row["bbox_width_px"], row["bbox_height_px"] = float(np.ptp(columns) + 1), float(np.ptp(rows) + 1)
-    row["pixels"] = float(found.cover.sum())
+    row["pixels"] = float(box.cover.sum())
     row["irradiance_W_m2"] = total
     if abs(total) > 0.0:
         j, i = np.mgrid[0 : difference.shape[0], 0 : difference.shape[1]]
-        row["signal_column_px"] = _on_image(found.left + float((difference * i).sum()) / total, found)
-        row["signal_row_px"] = found.top + float((difference * j).sum()) / total
+        row["signal_column_px"] = _on_image(box.left + float((difference * i).sum()) / total, box)
+        row["signal_row_px"] = box.top + float((difference * j).sum()) / total
     if not point:
         row["contrast_W_m2_sr"] = total / sight.seen
-        row["temperature_difference_K"] = kelvin(float(found.added.sum()) / sight.seen) - kelvin(float(found.hidden.sum()) / sight.seen)
-    spread = _clutter(found, sea, covered)
-    peak = difference / np.where(found.solid > 0.0, found.solid, 1.0)
+        row["temperature_difference_K"] = kelvin(float(box.added.sum()) / sight.seen) - kelvin(float(box.hidden.sum()) / sight.seen)
+    spread = _clutter(box, sea, covered)
+    peak = difference / np.where(box.solid > 0.0, box.solid, 1.0)
     if spread > 0.0:
         row["signal_to_clutter"] = float(np.abs(peak).max()) / spread
     return row
 
 
-def _on_image(column: float, found: _Pixels) -> float:
-    """A column of an image that closes on itself, from -0.5 on."""
-    return (column + 0.5) % found.shape[1] - 0.5 if found.around else column
+def _on_image(column: float, box: _Pixels) -> float:
+    """Column in an image that closes on itself, from -0.5 on."""
+    return (column + 0.5) % box.shape[1] - 0.5 if box.around else column
 
 
-def _clutter(found: _Pixels, sea: FloatArray, covered: NDArray[np.bool_]) -> float:
-    """Standard deviation of the sea's image around a body [W m-2 sr-1]; NaN where too little is left of it."""
-    where = found.where(SURROUND)
+def _clutter(box: _Pixels, sea: FloatArray, covered: NDArray[np.bool_]) -> float:
+    """Standard deviation of the sea's image around a body [W m-2 sr-1]; NaN with too few pixels of sea."""
+    where = box.where(SURROUND)
     around = sea[where][~covered[where]]
     around = around[np.isfinite(around)]
     return float(around.std()) if around.size >= LEAST_CLUTTER else math.nan

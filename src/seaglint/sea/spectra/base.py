@@ -1,4 +1,4 @@
-"""What a directional wave spectrum is, and the integrals that follow from it.
+"""Interface of a directional wave spectrum, and the integrals that follow from it.
 
     Psi(k_east, k_north) = S(k)/k D(k, phi),     int S dk = <zeta^2>,     int D dphi = 1
 
@@ -41,7 +41,7 @@ class DirectionalSpectrum(ABC):
     @property
     @abstractmethod
     def wavenumber_range(self) -> tuple[float, float]:
-        """Wavenumbers between which there is energy [rad m⁻¹]; zero outside."""
+        """Range of wavenumbers that has energy [rad m⁻¹]; the spectrum is zero outside."""
 
     @abstractmethod
     def omnidirectional(self, wavenumber: ArrayLike) -> FloatArray:
@@ -117,6 +117,6 @@ class DirectionalSpectrum(ABC):
 
 
 def downwind(angle: ArrayLike) -> FloatArray:
-    """1 on the half plane around the wind's direction, 0 behind it, 1/2 on the line between (so k and -k share that energy once) [1]."""
+    """Weight [1] of the half plane around the wind's direction: 1 inside, 0 behind, 1/2 between (so k and -k share that energy once)."""
     c = np.cos(np.asarray(angle, dtype=np.float64))
     return np.asarray(np.where(np.abs(c) < 1e-9, 0.5, (c > 0.0).astype(np.float64)))

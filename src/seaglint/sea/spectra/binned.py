@@ -1,4 +1,4 @@
-"""Spectra given on frequencies and directions: what wave models write, and a cosine about a stated direction.
+"""Spectra given on frequencies and directions, as wave models write them or spread by a cosine about a stated direction.
 
 Two seas that cross within one frequency stay two, which two moments would blur. Between directions the density is a monotone cubic, never
 negative, drawn finely: linear between bins of 15 degrees would make a wind sea's directions 1.8 % wider than they are, this 0.2 %. Every
@@ -27,7 +27,7 @@ _COSINE_BINS: Final = 360  # the sharpest cosine taken is one degree wide at hal
 
 @dataclass(frozen=True, eq=False)
 class BinnedSpectrum(MeasuredSpectrum):
-    """Measured spectrum with a distribution of its own per frequency; make it with :func:`of_bins` or :func:`of_cosine`.
+    """Measured spectrum with a directional distribution for each frequency; make it with :func:`of_bins` or :func:`of_cosine`.
 
     Attributes
     ----------
@@ -41,7 +41,7 @@ class BinnedSpectrum(MeasuredSpectrum):
     share: FloatArray = field(default_factory=lambda: np.empty((0, 0)))
 
     def spreading(self, wavenumber: ArrayLike, azimuth: ArrayLike) -> FloatArray:
-        """Linear between the directions, and between the frequencies over wavenumber [rad⁻¹]; that of the tail beyond them."""
+        """Directional distribution [rad⁻¹], linear in direction and wavenumber; that of the tail beyond the measured range."""
         k, angle = np.broadcast_arrays(np.asarray(wavenumber, dtype=np.float64), np.asarray(azimuth, dtype=np.float64))
         rows = self._k.size
         lower = np.clip(np.searchsorted(self._k, k, side="right") - 1, 0, rows - 2)
@@ -54,11 +54,11 @@ class BinnedSpectrum(MeasuredSpectrum):
         return np.asarray(values[0] + step * (values[1] - values[0]))
 
     def _tail_share(self) -> FloatArray:
-        """Mean distribution of the last bands with energy, whose moments the tail has too [rad⁻¹, (n,)]."""
+        """Mean distribution of the last bands with energy, whose moments the tail also has [rad⁻¹, (n,)]."""
         return np.asarray(self.share[np.flatnonzero(self.energy > 0.0)[-TAIL_BANDS:]].mean(axis=0))
 
     def _place(self, angle: FloatArray) -> tuple[NDArray[np.intp], NDArray[np.intp], FloatArray]:
-        """Directions on both sides of an angle, and how far it is from the first to the second [1]."""
+        """Indices of the directions on both sides of an angle, and the fraction from the first to the second [1]."""
         turn = 2.0 * np.pi
         angle = self.azimuth[0] + (angle - self.azimuth[0]) % turn
         left = np.searchsorted(self.azimuth, angle, side="right") - 1
@@ -142,7 +142,7 @@ def of_cosine(
 
 
 def _sorted_directions(azimuth: FloatArray) -> tuple[FloatArray, float]:
-    """Azimuths in one turn, and their step [rad]."""
+    """Azimuths sorted within one turn, and their step [rad]."""
     wrapped = np.asarray(azimuth, dtype=np.float64) % (2.0 * np.pi)
     ordered = np.sort(wrapped)
     if ordered.size < 4 or not np.all(np.isfinite(ordered)):
@@ -159,7 +159,7 @@ def _sorted_directions(azimuth: FloatArray) -> tuple[FloatArray, float]:
 
 
 def _with_empty_ends(azimuth: FloatArray, values: FloatArray, step: float) -> tuple[FloatArray, FloatArray]:
-    """A sector from its first direction on, followed by what makes it a whole turn, or with a bin of nothing at each end."""
+    """Directions of a sector completed to the full circle, or with an empty bin at each end."""
     beginning = int(np.argmax(np.diff(azimuth, append=azimuth[0] + 2.0 * np.pi))) + 1
     azimuth, values = np.roll(azimuth, -beginning), np.roll(values, -beginning, axis=1)
     azimuth = azimuth[0] + (azimuth - azimuth[0]) % (2.0 * np.pi)
@@ -175,7 +175,7 @@ def _with_empty_ends(azimuth: FloatArray, values: FloatArray, step: float) -> tu
 
 
 def _refined(azimuth: FloatArray, values: FloatArray, step: float) -> tuple[FloatArray, FloatArray, float]:
-    """Directions close enough for straight lines between them, the densities there, and their step [rad]."""
+    """Directions dense enough for linear interpolation, the densities there, and their step [rad]."""
     parts = int(np.ceil(step / _FINE))
     around = np.concatenate([azimuth[-2:] - 2.0 * np.pi, azimuth, azimuth[:2] + 2.0 * np.pi])
     periodic = np.hstack([values[:, -2:], values, values[:, :2]])
@@ -186,7 +186,7 @@ def _refined(azimuth: FloatArray, values: FloatArray, step: float) -> tuple[Floa
 
 
 def _filled(values: FloatArray, energy: FloatArray) -> FloatArray:
-    """Distribution of every band [rad⁻¹]; a band without energy takes that of the nearest one with some."""
+    """Directional distribution of every band [rad⁻¹]; a band without energy takes that of the nearest band with energy."""
     known = np.flatnonzero(energy > 0.0)
     if known.size == 0:
         raise DataError("energy of a measured spectrum must not be zero everywhere; for a calm sea use the flat spectrum")

@@ -23,7 +23,7 @@ VALID_WIND: Final = (0.5, 30.0)
 """Winds at 10 m for which the model is evaluated [m/s]; the data behind it are of 2-24 m/s."""
 
 VALID_INVERSE_WAVE_AGE: Final = (0.83, 5.0)
-"""Fully developed to very young seas (the paper's own limits are 0.84 and 5)."""
+"""Allowed inverse wave ages [1], from fully developed to very young seas (the paper's own limits are 0.84 and 5)."""
 
 _K_M: Final = 370.0  # gravity-capillary peak [rad/m]
 _C_M: Final = 0.23  # slowest phase speed [m/s]
@@ -41,7 +41,7 @@ def inverse_wave_age_of_fetch(u10: float, fetch: float) -> float:
 
 @dataclass(frozen=True)
 class ElfouhailySpectrum(DirectionalSpectrum):
-    """Elfouhaily et al. 1997, all of it travelling downwind.
+    """Spectrum of Elfouhaily et al. 1997, with all waves travelling downwind.
 
     ``S(k) = k^-3 (B_l + B_h)``, ``D = [1 + Delta cos 2 phi]/pi`` for ``|phi| < pi/2``: the paper's form, symmetric under k to -k,
     with the upwind half folded on the downwind one, which leaves height, slopes and all even moments as they were.
@@ -91,12 +91,12 @@ class ElfouhailySpectrum(DirectionalSpectrum):
 
     @property
     def peak_wavenumber(self) -> float:
-        """``k_p = (g/U10^2) Omega_c^2`` [rad m⁻¹]."""
+        """Peak wavenumber ``k_p = (g/U10^2) Omega_c^2`` [rad m⁻¹]."""
         return float(GRAVITY / self.u10**2 * self.inverse_wave_age**2)
 
     @property
     def wavenumber_range(self) -> tuple[float, float]:
-        """From a sixth of the peak (a factor exp(-45)) to 1e4 rad/m (a factor exp(-169)) [rad m⁻¹]."""
+        """Range from a sixth of the peak (a factor exp(-45)) to 1e4 rad/m (a factor exp(-169)) [rad m⁻¹]."""
         return self.peak_wavenumber / 6.0, 1.0e4
 
     @property
@@ -105,7 +105,7 @@ class ElfouhailySpectrum(DirectionalSpectrum):
         return friction_velocity(self.u10, self.inverse_wave_age)
 
     def omnidirectional(self, wavenumber: ArrayLike) -> FloatArray:
-        """``S(k) = k^-3 (B_l + B_h)`` [m³] (Eq. 30, its parts Eqs. 31, 32, 40, 41)."""
+        """Omnidirectional spectrum ``S(k) = k^-3 (B_l + B_h)`` [m³] (Eq. 30, its parts Eqs. 31, 32, 40, 41)."""
         k = np.asarray(wavenumber, dtype=np.float64)
         low, high = self.wavenumber_range
         inside = (k >= low) & (k <= high)
@@ -132,13 +132,13 @@ class ElfouhailySpectrum(DirectionalSpectrum):
         return np.asarray(np.tanh(0.25 * np.log(2.0) + 4.0 * (speed / peak_speed) ** 2.5 + short * (_C_M / speed) ** 2.5))
 
     def spreading(self, wavenumber: ArrayLike, azimuth: ArrayLike) -> FloatArray:
-        """``D = [1 + Delta cos 2 phi]/pi`` on the downwind half plane [rad⁻¹] (Eq. 49, folded)."""
+        """Spreading function ``D = [1 + Delta cos 2 phi]/pi`` on the downwind half plane [rad⁻¹] (Eq. 49, folded)."""
         angle = np.asarray(azimuth, dtype=np.float64) - self.wind_to_azimuth
         delta = self._asymmetry(np.asarray(wavenumber, dtype=np.float64))
         return np.asarray(downwind(angle) * (1.0 + delta * np.cos(2.0 * angle)) / np.pi)
 
     def second_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
-        """``Delta/2`` [1]."""
+        """Second harmonic of the spreading, ``Delta/2`` [1]."""
         return np.asarray(0.5 * self._asymmetry(np.asarray(wavenumber, dtype=np.float64)))
 
 

@@ -1,4 +1,4 @@
-"""Waves of a stated height and period: the JONSWAP shape (Hasselmann et al. 1973), for wind sea and swell alike."""
+"""JONSWAP spectrum of a stated height and period (Hasselmann et al. 1973), for wind sea and swell."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from seaglint.sea.spectra.spreading import cosine_power, power_of_width, second_
 FloatArray = NDArray[np.float64]
 
 HEIGHTS: Final = (0.01, 30.0)
-"""Significant heights that are taken [m]."""
+"""Allowed significant heights [m]."""
 
 PERIODS: Final = (0.5, 30.0)
-"""Peak periods that are taken [s]; shorter waves are not gravity waves, longer ones not wind's."""
+"""Allowed peak periods [s]; shorter waves are not gravity waves, longer ones are not raised by wind."""
 
 PEAK_FACTORS: Final = (1.0, 20.0)
-"""Peak enhancements that are taken [1]: 1 is a fully developed sea, the experiment's mean 3.3, its scatter 1 to 7."""
+"""Allowed peak enhancements [1]: 1 is a fully developed sea, the experiment's mean 3.3, its scatter 1 to 7."""
 
 STEEPEST: Final = 0.07
-"""Largest significant height over the peak's wavelength that is taken [1]; young seas in a gale reach 0.06."""
+"""Largest allowed ratio of significant height to the peak's wavelength [1]; young seas in a gale reach 0.06."""
 
 _SIDES: Final = (0.07, 0.09)  # width of the peak below and above its frequency
 _K_MAX: Final = 370.0  # gravity waves only, as in the Pierson-Moskowitz spectrum [rad/m]
@@ -81,7 +81,7 @@ class JonswapSpectrum(DirectionalSpectrum):
     wind_to_azimuth: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse what is outside the ranges, and waves that would break."""
+        """Refuse values outside the ranges, and waves that would break."""
         for name, value, (low, high), unit in (
             ("height", self.height, HEIGHTS, " m"),
             ("peak_period", self.peak_period, PERIODS, " s"),
@@ -114,16 +114,16 @@ class JonswapSpectrum(DirectionalSpectrum):
 
     @property
     def wavenumber_range(self) -> tuple[float, float]:
-        """From a sixth of the peak (a factor exp(-45)) to 370 rad/m [rad m⁻¹]."""
+        """Range from a sixth of the peak (a factor exp(-45)) to 370 rad/m [rad m⁻¹]."""
         return self.peak_wavenumber / 6.0, _K_MAX
 
     def breakpoints(self) -> FloatArray:
-        """The peak, where its width changes, and its sides, which are narrow [rad m⁻¹]."""
+        """Peak wavenumber, where the peak width changes, and the sides of the narrow peak [rad m⁻¹]."""
         low, high = _SIDES
         return np.asarray(self.peak_wavenumber * np.array([1 - 3 * low, 1 - low, 1.0, 1 + high, 1 + 3 * high]) ** 2)
 
     def _shape(self, k: FloatArray) -> FloatArray:
-        """``k^-3 exp[-5/4 (k_p/k)^2] gamma^r``: the spectrum but for its level [m³]."""
+        """Unscaled spectrum ``k^-3 exp[-5/4 (k_p/k)^2] gamma^r`` [m³]."""
         ratio = np.sqrt(k / self.peak_wavenumber)
         side = np.where(ratio <= 1.0, *_SIDES)
         peak = self.gamma ** np.exp(-((ratio - 1.0) ** 2) / (2.0 * side**2))
@@ -131,18 +131,18 @@ class JonswapSpectrum(DirectionalSpectrum):
 
     @cached_property
     def _level(self) -> float:
-        """Factor that gives the height [1]."""
+        """Scale factor that gives the stated height [1]."""
         return float((self.height / 4.0) ** 2 / self.integrate(self._shape))
 
     def omnidirectional(self, wavenumber: ArrayLike) -> FloatArray:
-        """``S(k)`` of the stated height [m³]."""
+        """Omnidirectional spectrum ``S(k)`` of the stated height [m³]."""
         k = np.asarray(wavenumber, dtype=np.float64)
         low, high = self.wavenumber_range
         inside = (k >= low) & (k <= high)
         return np.asarray(np.where(inside, self._level * self._shape(np.where(inside, k, self.peak_wavenumber)), 0.0))
 
     def spreading(self, wavenumber: ArrayLike, azimuth: ArrayLike) -> FloatArray:
-        """The same power of the cosine at every wavenumber [rad⁻¹]."""
+        """Spreading function, the same power of the cosine at every wavenumber [rad⁻¹]."""
         share = cosine_power(np.asarray(azimuth, dtype=np.float64) - self.to_azimuth, power_of_width(self.width))
         return np.asarray(np.broadcast_arrays(share, np.asarray(wavenumber, dtype=np.float64))[0])
 
@@ -151,9 +151,9 @@ class JonswapSpectrum(DirectionalSpectrum):
         return complex(second_moment(float(power_of_width(self.width))) * np.exp(2j * (self.to_azimuth - self.wind_to_azimuth)))
 
     def second_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
-        """The same at every wavenumber [1]."""
+        """Second harmonic of the spreading along the wind [1], equal at every wavenumber."""
         return np.full(np.shape(np.asarray(wavenumber)), self._second().real)
 
     def cross_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
-        """The same at every wavenumber [1]."""
+        """Second harmonic of the spreading across the wind [1], equal at every wavenumber."""
         return np.full(np.shape(np.asarray(wavenumber)), self._second().imag)

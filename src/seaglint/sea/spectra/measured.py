@@ -1,4 +1,4 @@
-"""Measured directional spectra: what a wave buoy reports, as a wavenumber spectrum.
+"""Measured directional spectra as a wave buoy reports them, converted to wavenumber spectra.
 
 A buoy gives, per frequency band, the energy density and two Fourier moments of the directional distribution. The distribution used is the
 one of maximum entropy with exactly these moments, positive everywhere; the slope variances along and across the wind depend on the second
@@ -64,7 +64,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
     wind_to_azimuth: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuse columns that cannot be a spectrum."""
+        """Refuse columns that are not a valid spectrum."""
         columns = (self.frequency_hz, self.energy, self.first, self.second)
         if len({c.shape for c in columns}) != 1 or self.frequency_hz.ndim != 1 or self.frequency_hz.size < 3:
             raise DataError("a measured spectrum needs frequency, energy and two moments of the same length, at least 3 bands")
@@ -98,12 +98,12 @@ class MeasuredSpectrum(DirectionalSpectrum):
 
     @property
     def tail_wavenumber(self) -> float:
-        """Wavenumber above which the spectrum is not measured but continued [rad m⁻¹]."""
+        """Wavenumber above which the spectrum is extrapolated [rad m⁻¹]."""
         return self._tail.start
 
     @property
     def wavenumber_range(self) -> tuple[float, float]:
-        """From the first frequency to 370 rad/m, where surface tension takes over [rad m⁻¹]."""
+        """Range from the first frequency to 370 rad/m, where surface tension dominates [rad m⁻¹]."""
         return float(self._k[0]), _TAIL_END
 
     def breakpoints(self) -> FloatArray:
@@ -111,7 +111,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
         return self._k
 
     def omnidirectional(self, wavenumber: ArrayLike) -> FloatArray:
-        """``E(f) df/dk`` up to the last band with energy, above it ``level k^-3`` [m³]."""
+        """Omnidirectional spectrum: ``E(f) df/dk`` up to the last band with energy, above it ``level k^-3`` [m³]."""
         k = np.asarray(wavenumber, dtype=np.float64)
         low, high = self.wavenumber_range
         safe = np.clip(k, low, high)
@@ -121,7 +121,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
         return np.asarray(np.where((k >= low) & (k <= high), value, 0.0))
 
     def _moments(self, wavenumber: ArrayLike) -> tuple[ComplexArray, ComplexArray]:
-        """Moments at any wavenumber; mixtures of possible moments are possible."""
+        """Circular moments at any wavenumber, interpolated; mixtures of possible moments are possible."""
         k = np.asarray(wavenumber, dtype=np.float64)
         measured = k < self._tail.start
         first = np.where(measured, np.interp(k, self._k, self.first), self._tail.first)
@@ -147,7 +147,7 @@ class MeasuredSpectrum(DirectionalSpectrum):
 
 
 class _Tail(NamedTuple):
-    """Continuation above the measured bands: ``S = level k^-3`` from ``start`` on."""
+    """Tail above the measured bands: ``S = level k^-3`` from ``start`` on."""
 
     start: float
     level: float
@@ -161,7 +161,7 @@ def _frequency_per_wavenumber(k: FloatArray) -> FloatArray:
 
 
 def possible_moments(first: ComplexArray, second: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-    """Nearest moments that a distribution of finite width has.
+    """Return the nearest moments that a distribution of finite width can have.
 
     A distribution needs ``|c1| < 1`` and ``|c2 - c1^2| < 1 - |c1|^2``; sampling noise of a buoy can lie outside. Moments beyond 95 % of
     these limits are moved to 95 %.

@@ -69,12 +69,12 @@ class PiersonMoskowitzSpectrum(DirectionalSpectrum):
 
     @classmethod
     def of_u10(cls, u10: float, wind_to_azimuth: float = 0.0) -> PiersonMoskowitzSpectrum:
-        """Spectrum for the neutral wind at 10 m [m s⁻¹], carried to 19.5 m by the logarithmic law."""
+        """Spectrum for the neutral wind at 10 m [m s⁻¹], converted to 19.5 m by the logarithmic law."""
         return cls(wind_at_height(u10, WIND_HEIGHT), wind_to_azimuth)
 
     @property
     def _cutoff(self) -> float:
-        """``g/U^2 sqrt(beta)`` [rad m⁻¹]."""
+        """Wavenumber ``g/U^2 sqrt(beta)`` of the low-frequency cutoff [rad m⁻¹]."""
         return float(GRAVITY / self.u19_5**2 * np.sqrt(_BETA))
 
     @property
@@ -84,11 +84,11 @@ class PiersonMoskowitzSpectrum(DirectionalSpectrum):
 
     @property
     def wavenumber_range(self) -> tuple[float, float]:
-        """From a sixth of the peak (a factor exp(-45)) to 370 rad/m [rad m⁻¹]."""
+        """Range from a sixth of the peak (a factor exp(-45)) to 370 rad/m [rad m⁻¹]."""
         return self.peak_wavenumber / 6.0, _K_MAX
 
     def omnidirectional(self, wavenumber: ArrayLike) -> FloatArray:
-        """``S(k) = alpha/(2 k^3) exp[-beta (g/(k U^2))^2]`` [m³]."""
+        """Omnidirectional spectrum ``S(k) = alpha/(2 k^3) exp[-beta (g/(k U^2))^2]`` [m³]."""
         k = np.asarray(wavenumber, dtype=np.float64)
         low, high = self.wavenumber_range
         inside = (k >= low) & (k <= high)
@@ -96,11 +96,11 @@ class PiersonMoskowitzSpectrum(DirectionalSpectrum):
         return np.asarray(np.where(inside, 0.5 * _ALPHA * k**-3 * np.exp(-((self._cutoff / k) ** 2)), 0.0))
 
     def spreading(self, wavenumber: ArrayLike, azimuth: ArrayLike) -> FloatArray:
-        """``D = (2/pi) cos^2 phi`` on the downwind half plane [rad⁻¹]."""
+        """Spreading function ``D = (2/pi) cos^2 phi`` on the downwind half plane [rad⁻¹]."""
         angle = np.asarray(azimuth, dtype=np.float64) - self.wind_to_azimuth
         share = downwind(angle) * 2.0 / np.pi * np.cos(angle) ** 2
         return np.asarray(np.broadcast_arrays(share, np.asarray(wavenumber, dtype=np.float64))[0])
 
     def second_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
-        """One half at every wavenumber [1]."""
+        """Second harmonic of the spreading: one half at every wavenumber [1]."""
         return np.full(np.shape(np.asarray(wavenumber)), 0.5)

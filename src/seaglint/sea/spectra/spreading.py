@@ -2,7 +2,7 @@
 
 ``D = Gamma(s + 1)/[2 sqrt(pi) Gamma(s + 1/2)] cos^2s((phi - phi_0)/2)``
 
-Its width is told as the circular one, ``sigma = sqrt(2 (1 - |c1|))`` with the first moment ``|c1| = s/(s + 1)`` (Kuik, van Vledder and
+Its width is the circular one, ``sigma = sqrt(2 (1 - |c1|))`` with the first moment ``|c1| = s/(s + 1)`` (Kuik, van Vledder and
 Holthuijsen 1988, Eq. 33), as buoys and wave models do.
 """
 

@@ -55,27 +55,27 @@ class WaveSystems(DirectionalSpectrum):
 
     @property
     def peak_wavenumber(self) -> float:
-        """Peak of the system whose own is highest in the FREQUENCY spectrum of the sum [rad m⁻¹]."""
+        """Peak wavenumber of the system with the highest peak in the FREQUENCY spectrum of the sum [rad m⁻¹]."""
         peaks = np.array([system.peak_wavenumber for system in self.systems])
         return float(peaks[int(np.argmax(self.omnidirectional(peaks) / group_velocity(peaks)))])
 
     @property
     def wavenumber_range(self) -> tuple[float, float]:
-        """From the longest waves of any system to the shortest [rad m⁻¹]."""
+        """Range from the longest to the shortest waves of all systems [rad m⁻¹]."""
         ranges = [system.wavenumber_range for system in self.systems]
         return min(low for low, _ in ranges), max(high for _, high in ranges)
 
     def breakpoints(self) -> FloatArray:
-        """Break points of all systems, and where each begins and ends [rad m⁻¹]."""
+        """Break points of all systems, and the ends of their ranges [rad m⁻¹]."""
         parts = [np.concatenate([system.breakpoints(), system.wavenumber_range]) for system in self.systems]
         return np.unique(np.concatenate(parts))
 
     def omnidirectional(self, wavenumber: ArrayLike) -> FloatArray:
-        """``sum S_i`` [m³]."""
+        """Omnidirectional spectrum ``sum S_i`` [m³]."""
         return np.asarray(np.sum([system.omnidirectional(wavenumber) for system in self.systems], axis=0))
 
     def _mean(self, wavenumber: ArrayLike, of: Callable[[DirectionalSpectrum], FloatArray]) -> FloatArray:
-        """Mean of what every system has, weighted with its energy; plain where there is none."""
+        """Mean of a property of the systems, weighted with their energy; unweighted where there is no energy."""
         energy = np.array([system.omnidirectional(wavenumber) for system in self.systems])
         energy = np.where(energy.sum(axis=0) > 0.0, energy, 1.0)
         values = np.array([of(system) for system in self.systems])
@@ -83,13 +83,13 @@ class WaveSystems(DirectionalSpectrum):
         return np.asarray((weights * values).sum(axis=0) / weights.sum(axis=0))
 
     def spreading(self, wavenumber: ArrayLike, azimuth: ArrayLike) -> FloatArray:
-        """``sum S_i D_i/sum S_i`` [rad⁻¹]."""
+        """Spreading function ``sum S_i D_i/sum S_i`` [rad⁻¹]."""
         return self._mean(wavenumber, lambda system: system.spreading(wavenumber, azimuth))
 
     def second_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
-        """Mean over the systems, weighted with their energies [1]."""
+        """Second harmonic along the wind, mean over the systems weighted with their energies [1]."""
         return self._mean(wavenumber, lambda system: system.second_harmonic(wavenumber))
 
     def cross_harmonic(self, wavenumber: ArrayLike) -> FloatArray:
-        """Mean over the systems, weighted with their energies [1]."""
+        """Second harmonic across the wind, mean over the systems weighted with their energies [1]."""
         return self._mean(wavenumber, lambda system: system.cross_harmonic(wavenumber))
