@@ -161,7 +161,9 @@ def block(place: str) -> tuple[Path, re.Match[str]]:
     """Page and text between the markers of ``page.md#name``."""
     page, name = place.split("#")
     path = ROOT / page
-    found = re.search(rf"(?<=^% begin {re.escape(name)}\n).*?(?=^% end {re.escape(name)}$)", path.read_text("utf-8"), re.DOTALL | re.MULTILINE)
+    found = re.search(
+        rf"(?<=^% begin {re.escape(name)}\n).*?(?=^% end {re.escape(name)}$)", path.read_text("utf-8"), re.DOTALL | re.MULTILINE
+    )
     if found is None:
         raise SystemExit(f"tables: {page} lacks the lines '% begin {name}' and '% end {name}'; put them around the table")
     return path, found
@@ -263,7 +265,8 @@ def main(arguments: list[str] | None = None) -> int:
     elif options.check:
         sampled = [table for table in (chosen if options.names else old) if table.sample]
         print(f"{len(old)} of {len(chosen)} tables and figures are older than their code, {len(sampled)} samples to compute")
-        return int(not all([check(table) for table in sampled]))
+        verdicts = [check(table) for table in sampled]
+        return int(not all(verdicts))
     else:
         for table in chosen:
             (stamp if options.stamp else make)(table)

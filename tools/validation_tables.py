@@ -258,9 +258,14 @@ def departure(scene: dict[str, object], *, flat: bool = False) -> float:
         if flat:
             expected = float(view.band.radiance(view.sea_temperature, view.atmosphere.wavenumber_cm))
         else:
-            # A row is a mean over its elevations (two Gauss points); without waves a column is one line of sight, at its middle.
-            inside = camera.row_step / np.sqrt(12.0)
-            expected = sum(0.5 * mean_radiance(view, camera.elevations + y, camera.azimuths).total for y in (-inside, inside))
+            # A pixel is a mean over its elevations (two Gauss points) and, in the glint, over its azimuths, here 5 deg (eight).
+            inside, (across, weights) = camera.row_step / np.sqrt(12.0), np.polynomial.legendre.leggauss(8)
+            sides = zip(np.radians(30.0 / 12) * across, 0.25 * weights, strict=True)
+            expected = sum(
+                weight * mean_radiance(view, camera.elevations + y, camera.azimuths + x).total
+                for x, weight in sides
+                for y in (-inside, inside)
+            )
         worst = max(worst, float(np.max(np.abs(seen / expected - 1.0))))
     return worst
 
