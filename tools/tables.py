@@ -145,11 +145,11 @@ def write_made(entries: dict[str, dict[str, str]]) -> None:
     MADE.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def stamp(table: Table) -> None:
-    """Put down that a table is as the code of now makes it."""
+def stamp(table: Table) -> dict[str, str]:
+    """What is put down of a table that is as the code of now makes it."""
     commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, cwd=ROOT, check=False).stdout.strip()
     entry = {"commit": commit or "unknown", "date": f"{datetime.datetime.now(datetime.UTC):%Y-%m-%d}"}
-    write_made(made() | {table.name: entry | ({} if table.times else {"digest": table.digest()})})
+    return entry | ({} if table.times else {"digest": table.digest()})
 
 
 def stale(table: Table, known: dict[str, dict[str, str]]) -> bool:
@@ -169,20 +169,23 @@ def block(place: str) -> tuple[Path, re.Match[str]]:
     return path, found
 
 
-def make(table: Table) -> None:
-    """Run the command of a table, with this interpreter first in the path and an empty folder named by FOLDER."""
+def make(table: Table) -> bool:
+    """Run the command of a table, with this interpreter first in the path and an empty folder named by FOLDER; whether it was made."""
     print(f"\n== {table.name}: {table.command}", flush=True)
     with tempfile.TemporaryDirectory() as folder:
         paths = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
         done = subprocess.run(
             table.command,
             shell=True,
-            check=True,
+            check=False,
             cwd=ROOT,
             env=os.environ | {"PATH": paths, "FOLDER": folder},
             stdout=subprocess.PIPE if table.stdout else None,
             text=True,
         )
+    if done.returncode:
+        print(f"{table.name}: not made, the command ended with status {done.returncode}")
+        return False
     if table.stdout:
         path, found = block(table.stdout)
         page = path.read_text(encoding="utf-8")
@@ -190,7 +193,8 @@ def make(table: Table) -> None:
     if table.by_hand:
         print(f"copy what changed into {', '.join(table.makes)}, then: ./run tables --stamp {table.name}")
     else:
-        stamp(table)
+        write_made(made() | {table.name: stamp(table)})
+    return True
 
 
 def apart(printed: str, new: str) -> str:
@@ -244,7 +248,7 @@ def listed(table: Table, known: dict[str, dict[str, str]]) -> str:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Make, list or check; 1 where a sample is not as printed."""
+    """Make, list or check; 1 where a table was not made or a sample is not as printed."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     what = parser.add_mutually_exclusive_group()
     for flag in ("--list", "--check", "--stamp"):
@@ -265,11 +269,11 @@ def main(arguments: list[str] | None = None) -> int:
     elif options.check:
         sampled = [table for table in (chosen if options.names else old) if table.sample]
         print(f"{len(old)} of {len(chosen)} tables and figures are older than their code, {len(sampled)} samples to compute")
-        verdicts = [check(table) for table in sampled]
-        return int(not all(verdicts))
+        return int(not all(list(map(check, sampled))))
+    elif options.stamp:
+        write_made(made() | {table.name: stamp(table) for table in chosen})
     else:
-        for table in chosen:
-            (stamp if options.stamp else make)(table)
+        return int(not all(list(map(make, chosen))))
     return 0
 
 

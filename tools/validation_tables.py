@@ -290,20 +290,23 @@ def replace(page: str, name: str, lines: list[str]) -> str:
     return pattern.sub(lambda _: "\n".join((begin, "", *lines, "", end)), page)
 
 
-def main(names: list[str]) -> None:
-    """Rewrite the page."""
+def main(names: list[str]) -> int:
+    """Rewrite the page; how many tables were left as they are, for want of data."""
     unknown = set(names) - set(TABLES)
     if unknown:
         raise SystemExit(f"no table {', '.join(sorted(unknown))}; there are {', '.join(TABLES)}")
+    left = 0
     for name in names or TABLES:
         try:
             lines = list(TABLES[name]())
         except NotHereError as reason:
             print(f"{name}: left as it is, {reason}")
+            left += 1
             continue
         print(f"\n{name}", *lines, sep="\n")
         PAGE.write_text(replace(PAGE.read_text(encoding="utf-8"), name, lines), encoding="utf-8")
+    return left
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    sys.exit(main(sys.argv[1:]))

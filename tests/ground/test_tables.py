@@ -139,9 +139,23 @@ def test_a_table_is_stale_until_it_is_stamped(tmp_path: Path, monkeypatch: pytes
     monkeypatch.setattr(tables, "MADE", tmp_path / "made.toml")
     table = tables.tables()["headline"]
     assert tables.stale(table, tables.made())
-    tables.stamp(table)
+    assert tables.main(["--stamp", "headline"]) == 0
     assert not tables.stale(table, tables.made())
     assert set(tables.made()["headline"]) == {"commit", "date", "digest"}
+
+
+def test_a_command_that_fails_leaves_the_table_stale(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tables, "MADE", tmp_path / "made.toml")
+    monkeypatch.setattr(tables, "tables", lambda: {"one": tables.Table("one", "exit 3", (), ("optics",))})
+    assert tables.main(["one"]) == 1
+    assert tables.made() == {}
+
+
+def test_what_a_command_prints_goes_between_the_markers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(tables, "ROOT", tmp_path)
+    (tmp_path / "page.md").write_text("a\n% begin one\n\n| old |\n\n% end one\nb\n")
+    assert tables.make(tables.Table("one", "echo '| new |'", (), stdout="page.md#one", by_hand=True))
+    assert (tmp_path / "page.md").read_text() == "a\n% begin one\n\n| new |\n\n% end one\nb\n"
 
 
 def test_the_list_names_tables_without_failing(capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
