@@ -221,15 +221,6 @@ def test_a_page_is_light_with_its_pictures(page: Path) -> None:
     assert len(text) + sum(path.stat().st_size for path in set(named)) < MOST_BYTES
 
 
-def test_every_picture_has_a_command() -> None:
-    told = re.findall(r"^\| (`.*`) \| .+ \|$", (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.MULTILINE)
-    patterns = [pattern for cell in told for pattern in re.findall(r"`([^`]+)`", cell)]
-    images = DOCS / "images"
-    made = {path for pattern in patterns for path in images.glob(pattern)}
-    assert {path for path in images.rglob("*.*") if path.is_file()} - made == set()
-    assert [pattern for pattern in patterns if not list(images.glob(pattern))] == []
-
-
 def test_what_is_shown_is_compared() -> None:
     assert alike("rate 0.0100 in 40 frames", "rate 0.0101 in 40 frames")
     assert not alike("rate 0.0100 in 40 frames", "rate 0.0105 in 40 frames")

@@ -120,12 +120,12 @@ def main() -> None:
     parser.add_argument("--cuts", type=float, nargs="+", default=CUTS, help="shortest waves that are geometry [m]")
     parser.add_argument("--seas", type=int, default=3, help="independent seas per wind")
     options = parser.parse_args()
-    print("| wind, m/s | " + " | ".join(f"waves to {cut:g} m" for cut in options.cuts) + " |")
-    print("|---" * (len(options.cuts) + 1) + "|")
+    heads = [f"{'waves to ' if cut == options.cuts[0] else ''}{cut:g} m" for cut in options.cuts]
+    print("| wind | " + " | ".join(heads) + " |\n| " + " | ".join(["---"] * (len(heads) + 1)) + " |")
     for wind in options.winds:
         off = differences(wind, options.cuts, options.seas)
         cells = [f"{np.nanmax(np.abs(part)):.3f}, {np.sqrt(np.nanmean(part**2)):.3f}" for part in off]
-        print(f"| {wind:g} | " + " | ".join(cells) + " |", flush=True)
+        print(f"| {wind:g} m/s | " + " | ".join(cells) + " |", flush=True)
 
 
 if __name__ == "__main__":

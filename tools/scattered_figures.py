@@ -197,8 +197,8 @@ def difference() -> None:
     print(f"  peak: {peaks}, {inverse(peaks)}; largest difference {added.max():.3g}, smallest {added.min():.3g}")
 
 
-def background() -> None:
-    """The sea without glint from 100 m, 10 m/s, Sun at 77.4 deg, 2.29 deg down, as in the article's background, by azimuth."""
+def background_of(lit: bool) -> FloatArray:
+    """The sea without glint from 100 m, 10 m/s, Sun at 77.4 deg, 2.29 deg down, as in the article's background, by azimuth [K]."""
     scenario = {
         "sun": {"zenith_deg": 77.4, "azimuth_deg": 0.0},
         "wind": {"speed_m_s": 10.0},
@@ -206,12 +206,17 @@ def background() -> None:
         "sea": {"temperature_k": 288.15, "water": "article", "slopes": {"kind": "cox-munk-isotropic"}},
     }
     azimuth = np.radians([0.0, 30.0, 90.0, 180.0])
+    view = prepare.view(parse_scenario(scenario | {"atmosphere": {"scattered_sunlight": lit}}))
+    inverse = ApparentTemperature.create(view.band, view.atmosphere.wavenumber_cm)
+    seen = mean_radiance(view, np.radians([-2.29]), azimuth)
+    return np.asarray(inverse(seen.total[0] - np.broadcast_to(seen.sun, seen.total.shape)[0]))
+
+
+def background() -> None:
+    """Print the sea without glint, with and without scattered sunlight."""
     print("background [K] at 0, 30, 90, 180 deg from the Sun")
     for lit in (False, True):
-        view = prepare.view(parse_scenario(scenario | {"atmosphere": {"scattered_sunlight": lit}}))
-        inverse = ApparentTemperature.create(view.band, view.atmosphere.wavenumber_cm)
-        seen = mean_radiance(view, np.radians([-2.29]), azimuth)
-        print(f"  scattered sunlight {lit}: {inverse(seen.total[0] - np.broadcast_to(seen.sun, seen.total.shape)[0])}")
+        print(f"  scattered sunlight {lit}: {background_of(lit)}")
 
 
 def main(names: list[str]) -> None:

@@ -290,18 +290,23 @@ PICTURES = {"air": air, "scattered": scattered, "emissivity": emissivity, "mitsu
 TAKEN = {"air": take_air, "scattered": take_scattered, "emissivity": take_emissivity}
 
 
-def main(names: list[str]) -> None:
-    """Draw those named, or all."""
+def main(names: list[str]) -> int:
+    """Draw those named, or all; how many were drawn from files that could not be made anew."""
     if unknown := set(names) - set(PICTURES):
         sys.exit(f"{', '.join(sorted(unknown))}: not one of {', '.join(PICTURES)}")
     IMAGES.mkdir(parents=True, exist_ok=True)
+    reference, old = data_folder("SEAGLINT_REFERENCE_DIR"), 0
     for name in names or PICTURES:
-        if name in TAKEN and (folder := data_folder("SEAGLINT_REFERENCE_DIR")):
-            TAKEN[name](folder)
+        if name in TAKEN and reference:
+            TAKEN[name](reference)
+        elif name in TAKEN:
+            print(f"{name}: drawn from the file as it is, no reference tables are beside the repository")
+            old += 1
         path = IMAGES / f"{name}.png"
         PICTURES[name]().savefig(path, dpi=90, metadata={"Software": None})
         print(f"{path.relative_to(ROOT)}  {path.stat().st_size / 1e3:.0f} kB")
+    return old
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    sys.exit(main(sys.argv[1:]))

@@ -183,7 +183,7 @@ class _Sums(NamedTuple):
 
 
 def _wind_nodes(winds: tuple[float, float] | None, kinks: Sequence[Sequence[float]]) -> tuple[FloatArray, FloatArray]:
-    """Return nodes of wind of every model [(models, winds)] and the indices of the pieces' first nodes and of the last [(models, pieces + 1)].
+    """Return nodes of wind [(models, winds)] and the indices of the pieces' first nodes and of the last [(models, pieces + 1)].
 
     All models have as many pieces, and as many nodes in each, as the one that asks for most: a model with fewer kinks is cut where
     another one has them, which costs nodes and no accuracy.
