@@ -29,6 +29,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from data_folders import name_folders
+
 ROOT = Path(__file__).resolve().parents[1]
 SOURCE = Path("src") / "seaglint"
 MADE = ROOT / "docs" / "data" / "made.toml"
@@ -255,6 +257,7 @@ def main(arguments: list[str] | None = None) -> int:
         what.add_argument(flag, action="store_true")
     parser.add_argument("names", nargs="*", metavar="NAME")
     options = parser.parse_args(arguments)
+    name_folders()
     every, known = tables(), made()
     if unknown := set(options.names) - set(every):
         parser.error(f"no table {', '.join(sorted(unknown))}; there are {', '.join(every)}")
