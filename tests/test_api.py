@@ -15,12 +15,12 @@ import seaglint as sg
 from seaglint.analysis import Analysis, Options
 from seaglint.analysis import analyze as run_analysis
 from seaglint.analysis.recording import Recording
+from seaglint.base.errors import DataError, DomainError, ScenarioError
+from seaglint.base.schema import LAYERS
 from seaglint.cluster import Here
-from seaglint.errors import DataError, DomainError, ScenarioError
-from seaglint.io.recording import open_recording
+from seaglint.files.recording import open_recording
 from seaglint.optics.band import Band
-from seaglint.pipeline.mean import mean as pipeline_mean
-from seaglint.schema import LAYERS
+from seaglint.studies.mean.mean_map import mean as pipeline_mean
 
 RATE = 20.0
 SCENE = {
@@ -59,8 +59,8 @@ def test_a_number_of_workers_is_that_of_processes(tmp_path, monkeypatch, workers
         raise Asked(workers)
 
     monkeypatch.setattr("seaglint.cluster.LocalProcesses", processes)
-    for name in ("sensed.render", "ensemble.render_ensemble", "ensemble_dataset.ensemble_dataset"):
-        monkeypatch.setattr(f"seaglint.pipeline.{name}", done)
+    for name in ("sequence.sensed.render", "ensemble.render_ensemble.render_ensemble", "ensemble.ensemble_dataset.ensemble_dataset"):
+        monkeypatch.setattr(f"seaglint.studies.{name}", done)
     few = {"base": SCENE, "ensemble": {"scenes": 2}}
     (tmp_path / "few.toml").write_text("base = { preset = 'glint' }\n[ensemble]\nscenes = 2\n")
     expected = (2, 1) if workers == 2 else workers
@@ -86,10 +86,16 @@ def in_new_interpreter(code: str) -> str:
 
 @pytest.mark.parametrize(
     "before",
-    ["", "import seaglint.render", "from seaglint.render.camera import Camera", "import seaglint.pipeline.render", "sg.mean"],
+    [
+        "",
+        "import seaglint.imaging",
+        "from seaglint.imaging.camera.image_grid import Camera",
+        "import seaglint.studies.sequence.render_sequence",
+        "sg.mean",
+    ],
 )
 def test_render_is_a_function_and_a_room_whatever_was_imported_before(before: str) -> None:
-    after = "import seaglint.render.camera as camera\nprint(callable(sg.render), camera.Camera is sg.render.camera.Camera)"
+    after = "import seaglint.imaging.camera.image_grid as camera\nprint(callable(sg.render), camera.Camera is sg.render.camera.Camera)"
     code = f"import seaglint as sg\n{before}\n{after}"
     assert in_new_interpreter(code) == "True True"
 

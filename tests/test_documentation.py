@@ -81,10 +81,10 @@ def test_names_and_files_exist(page: Path) -> None:
 
 
 def test_a_name_that_is_gone_is_found() -> None:
-    assert not exists("seaglint.render.renderer.Renderer")
-    assert not exists("seaglint.render.sweep.Frame")
-    assert exists("seaglint.render.sweep.Rows")
-    assert exists("seaglint.render.swept.SweptScene.intervals")
+    assert not exists("seaglint.imaging.renderer.Renderer")
+    assert not exists("seaglint.imaging.sweep.sweep.Frame")
+    assert exists("seaglint.imaging.sweep.sweep.Rows")
+    assert exists("seaglint.imaging.swept.SweptScene.intervals")
 
 
 def python_of(page: str, folder: Path) -> None:
@@ -242,9 +242,9 @@ def test_the_house_is_drawn_as_the_contract_has_it() -> None:
 def test_pictures_of_validation_show_what_the_code_gives() -> None:
     import numpy as np
 
+    from seaglint.facet.emissivity import emissivity
     from seaglint.optics.sea_water import hale_querry_sea
-    from seaglint.sea.cox_munk import cox_munk_isotropic
-    from seaglint.sea.emissivity import emissivity
+    from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
     from validation_plots import BANDS, read
     from validation_tables import lowtran_case
 

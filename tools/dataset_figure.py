@@ -10,9 +10,9 @@ import tempfile
 import tomllib
 from pathlib import Path
 
-from seaglint.pipeline.dataset import Options
-from seaglint.pipeline.ensemble_dataset import Source, ensemble_dataset
 from seaglint.scenario.ensemble import parse_ensemble
+from seaglint.studies.ensemble.ensemble_dataset import Source, ensemble_dataset
+from seaglint.studies.ensemble.scenes_to_dataset import Options
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENES = 18

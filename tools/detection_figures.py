@@ -17,20 +17,20 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from seaglint.base.errors import SeaglintError
 from seaglint.detection.design import by_windows
 from seaglint.detection.injection import Batch, inject
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import Objects
-from seaglint.errors import SeaglintError
-from seaglint.io.detection_parts import Parts
-from seaglint.pipeline.detect import Options, detect
-from seaglint.pipeline.detect_design import Design, design, rate_threshold
-from seaglint.pipeline.detect_range import RangeOptions, detection_range
-from seaglint.pipeline.detect_scene import SceneOptions, lead_of, run_scene
-from seaglint.pipeline.injected import Strength, point_shape
-from seaglint.pipeline.scene_frames import SceneFrames, Seas, frames_key
+from seaglint.files.detection_parts import Parts
 from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map, draw_ranges
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.detect.designer import Design, design, rate_threshold
+from seaglint.studies.detect.injected import Strength, point_shape
+from seaglint.studies.detect.performance import Options, detect
+from seaglint.studies.detect.range_search import RangeOptions, detection_range
+from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of, run_scene
+from seaglint.studies.detect.scene_frames import SceneFrames, Seas, frames_key
 
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
 SUN = 240.0

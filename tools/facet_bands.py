@@ -3,8 +3,8 @@
     python tools/facet_bands.py [--winds 3 5 7 10 14] [--cuts 0.25 1 4 16] [--seas 3]
 
 The seas of ``nested_bands.py``, their waves down to a cut as geometry and the slope variance of the others on facets with the bands of
-:func:`seaglint.sea.nested.bands_of_facets`. The share of mirroring slopes that is seen and lit, over Smith's, is to be that of the whole
-sea, whatever the cut. Markdown goes to standard output: for every wind and cut the largest and the rms difference.
+:func:`seaglint.sea.shadowing.nested.bands_of_facets`. The share of mirroring slopes that is seen and lit, over Smith's, is to be that of
+the whole sea, whatever the cut. Markdown goes to standard output: for every wind and cut the largest and the rms difference.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from numpy.typing import NDArray
 from scipy.fft import irfft
 
 from nested_bands import SHORTEST, SPACING, mirroring_slope, unhidden, variance
-from seaglint.render.facet import seen_and_lit
-from seaglint.render.roughness import Roughness, roughness_of
-from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic
-from seaglint.sea.nested import bands_of, bands_of_facets
-from seaglint.sea.shadowing import smith_lambda
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.facet.facet_sunlight import seen_and_lit
+from seaglint.facet.roughness import Roughness, roughness_of
+from seaglint.sea.shadowing.nested import bands_of, bands_of_facets
+from seaglint.sea.shadowing.smith import smith_lambda
+from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 
 FloatArray = NDArray[np.float64]

@@ -16,16 +16,16 @@ from typing import Any
 import numpy as np
 
 from seaglint.analysis.run import ALWAYS
+from seaglint.base.conventions import surface_range
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
-from seaglint.conventions import surface_range
-from seaglint.io.columns import write_columns
-from seaglint.pipeline import prepare
-from seaglint.pipeline.render import prepare_sequence
-from seaglint.pipeline.table1 import corridor, scene, sequence, table1
-from seaglint.radiance.view import SeaView
-from seaglint.render.camera import Camera
+from seaglint.facet.sea_view import SeaView
+from seaglint.files.tables.columns import write_columns
+from seaglint.imaging.camera.image_grid import Camera
+from seaglint.studies.article.table1 import corridor, scene, sequence, table1
+from seaglint.studies.prepare import prepare
+from seaglint.studies.sequence.render_sequence import prepare_sequence
 from validation_tables import PAGE, replace, table
 
 WINDS = (2.0, 5.0, 10.0)

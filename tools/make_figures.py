@@ -57,7 +57,7 @@ def figure(name: str, folder: Path) -> Path:
 def demo_analysis(folder: Path) -> Analysis:
     """Clutter of the demo, rendered once."""
     from seaglint.analysis import analyze
-    from seaglint.io.recording import open_recording
+    from seaglint.files.recording import open_recording
 
     run = folder / "clutter.zarr"
     if not run.exists():

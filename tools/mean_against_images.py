@@ -15,14 +15,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from seaglint.pipeline import prepare
-from seaglint.radiance.legs import BOTH
+from seaglint.facet.legs import BOTH
+from seaglint.imaging.accuracy import Accuracy
+from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.scene import image
+from seaglint.imaging.swept import SweptScene
 from seaglint.radiance.mean import mean_radiance
-from seaglint.render.accuracy import Accuracy
-from seaglint.render.camera import Camera
-from seaglint.render.scene import image
-from seaglint.render.swept import SweptScene
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.prepare import prepare
 
 WINDS = (3.0, 7.0, 12.0)
 SUNS = (60.0, 75.0, 80.0, 85.0, 88.5)

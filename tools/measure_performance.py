@@ -38,7 +38,7 @@ FRAME = (
     PEAK
     + """
 import json, statistics, sys, time
-from seaglint.pipeline.render import prepare_sequence
+from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.scenario.load import load_scenario, parse_scenario
 scenario = load_scenario(sys.argv[1]) if sys.argv[1].endswith(".toml") else parse_scenario(json.loads(sys.argv[1]))
 start = time.perf_counter()
@@ -55,7 +55,7 @@ print(json.dumps({"ready": ready, "first": seconds[0], "frame": statistics.media
 
 MAP = """
 import json, statistics, time
-from seaglint.pipeline import prepare
+from seaglint.studies import prepare
 from seaglint.radiance.mean import MeanModel
 from seaglint.scenario.load import parse_scenario
 scenario = parse_scenario({"sensor": {"pixels": [1024, 1024], "pixel_shape": "any"}})
@@ -108,7 +108,7 @@ def batch_seconds(rows: int = 10_000) -> float:
     """Whole process of ``seaglint evaluate atmosphere`` over random cases of all model atmospheres in one band."""
     import numpy as np
 
-    from seaglint.atmosphere.table_file import table_models
+    from seaglint.air.table.table_file import table_models
 
     random = np.random.default_rng(1)
     height = np.exp(random.uniform(np.log(2.0), np.log(1e4), rows))
@@ -145,7 +145,7 @@ def sweeps_seconds(sweeps: int = 100) -> float:
 
 def loop_seconds() -> float:
     """Whole process of ``seaglint texture sample`` for 256 frames of 512 x 512 pixels, with neighbours in three frames."""
-    from seaglint.io.texture_file import StoredTexture, write_texture
+    from seaglint.files.texture_file import StoredTexture, write_texture
     from seaglint.texture.gauss_markov import GaussMarkov
     from seaglint.texture.gaussian_texture import GaussianTexture
     from seaglint.texture.marginals import Marginal

@@ -20,22 +20,22 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.atmosphere.base import Atmosphere
-from seaglint.atmosphere.table import TableAtmosphere
-from seaglint.conventions import view_zenith
+from seaglint.air.protocol import Atmosphere
+from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.base.conventions import view_zenith
+from seaglint.facet.legs import BOTH, NESTED
+from seaglint.facet.sea_view import SeaView
+from seaglint.imaging.accuracy import Accuracy
+from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.scene import image
+from seaglint.imaging.swept import SweptScene
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
-from seaglint.radiance.legs import BOTH, NESTED
 from seaglint.radiance.mean import mean_radiance
-from seaglint.radiance.view import SeaView
-from seaglint.render.accuracy import Accuracy
-from seaglint.render.camera import Camera
-from seaglint.render.scene import image
-from seaglint.render.swept import SweptScene
-from seaglint.sea.cox_munk import cox_munk_anisotropic
 from seaglint.sea.field import WaveField
-from seaglint.sea.shadowing import smith_lambda, smith_nu
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.sea.shadowing.smith import smith_lambda, smith_nu
+from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles, resolve_limit
 

@@ -4,7 +4,8 @@
 
 A Gaussian surface with the shape of Elfouhaily's spectrum down to 3 mm, scaled to Cox and Munk's upwind slope variance, 10 km in 2^23
 points. Among its points that mirror the Sun those count that no other point hides from the viewer, and from the Sun. Both shares are told
-over Smith's, with standard errors from the scatter of the seas: the numbers that :func:`seaglint.sea.nested.bands_of` is fitted to.
+over Smith's, with standard errors from the scatter of the seas: the numbers that :func:`seaglint.sea.shadowing.nested.bands_of` is fitted
+to.
 Markdown goes to standard output: the largest differences of the law by wind and Sun.
 """
 
@@ -22,10 +23,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft
 
-from seaglint.radiance.glint import glint
-from seaglint.radiance.legs import BOTH, NESTED, NESTED_VIEWER, VIEWER, Shadowing
-from seaglint.sea.cox_munk import WIND_HEIGHT, cox_munk_anisotropic
-from seaglint.sea.shadowing import smith_lambda
+from seaglint.facet.glint import glint
+from seaglint.facet.legs import BOTH, NESTED, NESTED_VIEWER, VIEWER, Shadowing
+from seaglint.sea.shadowing.smith import smith_lambda
+from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 
 FloatArray = NDArray[np.float64]

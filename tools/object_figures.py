@@ -12,10 +12,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from seaglint.pipeline.render import Sequence, prepare_sequence
+from seaglint.base.schema import VARIABLES
 from seaglint.plot.scale import scale_limits
 from seaglint.scenario.load import load_scenario, parse_scenario
-from seaglint.schema import VARIABLES
+from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"

@@ -16,12 +16,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.facet.sea_view import SeaView
 from seaglint.optics.band import apparent_temperature
 from seaglint.optics.fresnel import reflectance
-from seaglint.pipeline import prepare
 from seaglint.radiance.mean import mean_radiance
-from seaglint.radiance.view import SeaView
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.prepare import prepare
 
 FloatArray = NDArray[np.float64]
 

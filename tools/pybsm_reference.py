@@ -1,7 +1,7 @@
 """Numbers of pyBSM for the tests of the sensor: transfer functions and electrons of a mid-wave camera.
 
 pyBSM pins versions of Numba and NumPy, so it is not installed beside seaglint: run this in an environment of its own
-(``pip install pybsm``), ``python tools/pybsm_reference.py tests/sensor/data/pybsm.csv``.
+(``pip install pybsm``), ``python tools/pybsm_reference.py tests/instrument/data/pybsm.csv``.
 """
 
 from __future__ import annotations

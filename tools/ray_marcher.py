@@ -20,8 +20,8 @@ from numba import njit
 from numpy.typing import NDArray
 
 from seaglint.sea.field import WaveField
-from seaglint.sea.nested import HIGHEST, nested_ratio
-from seaglint.sea.seen_and_lit import coupling_table, lit_exponent_kernel
+from seaglint.sea.shadowing.nested import HIGHEST, nested_ratio
+from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel
 
 FloatArray = NDArray[np.float64]
 

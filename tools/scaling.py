@@ -28,10 +28,10 @@ import numpy as np
 
 import scaling_jobs
 from seaglint.cluster import Job, LocalProcesses
-from seaglint.cluster.base import Done
 from seaglint.cluster.dask import DaskWorkers, client_of, connected, quiet
+from seaglint.cluster.job import Done
 from seaglint.cluster.remote import packed
-from seaglint.io.layout import Layout
+from seaglint.files.store.layout import Layout
 from seaglint.scenario.load import parse_scenario
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "performance.md"

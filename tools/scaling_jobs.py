@@ -23,8 +23,8 @@ class FrameRecord(NamedTuple):
 
 def frames(scenario: Any) -> Callable[[int], FrameRecord]:
     """Frames of a scenario, rendered and thrown away."""
-    from seaglint.pipeline.render import prepare_sequence
-    from seaglint.threads import single_threaded_algebra
+    from seaglint.base.threads import single_threaded_algebra
+    from seaglint.studies.sequence.render_sequence import prepare_sequence
 
     run = prepare_sequence(scenario)
 
@@ -55,7 +55,7 @@ def peak_mb() -> float:
 
 async def simulated(unit: bytes, content: bytes) -> bytes:
     """In the place of :func:`seaglint.cluster.remote.do`: sleeps in the worker's event loop, so that a unit costs no thread."""
-    from seaglint.cluster.base import Done
+    from seaglint.cluster.job import Done
 
     began = time.perf_counter()
     await asyncio.sleep(1.0)

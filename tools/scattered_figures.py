@@ -19,14 +19,14 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 import seaglint as sg
-from seaglint.conventions import FloatArray
-from seaglint.io.cases import Cases
+from seaglint.base.conventions import FloatArray
+from seaglint.files.tables.cases import Cases
 from seaglint.optics.band import ApparentTemperature
-from seaglint.pipeline import prepare
-from seaglint.pipeline.evaluate import NamedBand, evaluate_scattered, parse_bands
 from seaglint.radiance.mean import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
+from seaglint.studies.mean.evaluate_cases import NamedBand, evaluate_scattered, parse_bands
+from seaglint.studies.prepare import prepare
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"

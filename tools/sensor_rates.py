@@ -16,14 +16,14 @@ from typing import Any
 import numpy as np
 
 from seaglint.analysis.run import ALWAYS
+from seaglint.base.conventions import horizon_depression
 from seaglint.clutter.false_alarms import FalseAlarms
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
-from seaglint.conventions import horizon_depression
-from seaglint.pipeline import prepare
-from seaglint.pipeline.sensed import binned, prepare_sensed
-from seaglint.pipeline.table1 import corridor
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.article.table1 import corridor
+from seaglint.studies.prepare import prepare
+from seaglint.studies.sequence.sensed import binned, prepare_sensed
 from validation_tables import PAGE, replace, table
 
 GUIDE = PAGE.parent / "guide" / "sensor.md"

@@ -13,19 +13,19 @@ from pathlib import Path
 
 import numpy as np
 
+from seaglint.instrument.chain import SensorModel
+from seaglint.instrument.detector import Detector, square_mtf
+from seaglint.instrument.figures_of_merit import figures, mtf, three_d
+from seaglint.instrument.noise import Noise
+from seaglint.instrument.optics import Optics, jitter_mtf, pupil_mtf, wavefront_mtf
+from seaglint.instrument.photons import Photons
+from seaglint.instrument.three_d import three_d_noise
 from seaglint.optics.band import Band
-from seaglint.sensor.chain import SensorModel
-from seaglint.sensor.detector import Detector, square_mtf
-from seaglint.sensor.figures import figures, mtf, three_d
-from seaglint.sensor.noise import Noise
-from seaglint.sensor.optics import Optics, jitter_mtf, pupil_mtf, wavefront_mtf
-from seaglint.sensor.photons import Photons
-from seaglint.sensor.three_d import three_d_noise
 from slanted_edge import edge_mtf, slanted_edge
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "validation.md"
-PYBSM = ROOT / "tests" / "sensor" / "data" / "pybsm.csv"
+PYBSM = ROOT / "tests" / "instrument" / "data" / "pybsm.csv"
 ANGLE = 5.0
 Row = tuple[str, str, str]
 """What is compared, the bound, what was found."""

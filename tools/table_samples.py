@@ -166,7 +166,7 @@ def sensor() -> Pairs:
 
 def textures() -> Pairs:
     """The measured picture without glint."""
-    from seaglint.io.recording import open_recording
+    from seaglint.files.recording import open_recording
     from texture_table import MEASURED, held_out, judged, row
 
     if not os.environ.get("SEAGLINT_DATA_DIR"):
@@ -239,8 +239,8 @@ def against_lowtran7() -> Pairs:
 
 def against_scattered() -> Pairs:
     """Scattered sunlight of the reference cases."""
-    from seaglint.io.cases import read_cases
-    from seaglint.pipeline.evaluate import evaluate_scattered, parse_bands
+    from seaglint.files.tables.cases import read_cases
+    from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
     from validation_tables import folder
 
     cases = read_cases(folder("SEAGLINT_REFERENCE_DIR") / "lowtran7_scattered.csv")
@@ -251,9 +251,9 @@ def against_scattered() -> Pairs:
 
 def against_wu_smith() -> Pairs:
     """Some of the emissivities."""
+    from seaglint.facet.emissivity import emissivity
     from seaglint.optics.sea_water import hale_querry_sea
-    from seaglint.sea.cox_munk import cox_munk_isotropic
-    from seaglint.sea.emissivity import emissivity
+    from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 
     for row in data("against_wu_smith")[::EVERY]:
         wavelength, wind, angle = (float(row[key]) for key in ("wavelength_um", "wind_speed_m_s", "zenith_deg"))

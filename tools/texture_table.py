@@ -17,11 +17,11 @@ import numpy as np
 
 from data_folders import data_folder
 from seaglint.analysis.recording import Recording
-from seaglint.io.recording import open_recording
-from seaglint.pipeline.render import render
-from seaglint.pipeline.texture import STILL, FitOptions, Fitted, detrended, fit, frames_of, sample_like
-from seaglint.plot.texture import draw_measures, draw_pictures
+from seaglint.files.recording import open_recording
+from seaglint.plot.texture_report import draw_measures, draw_pictures
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.sequence.render_sequence import render
+from seaglint.studies.texture.texture_sequences import STILL, FitOptions, Fitted, detrended, fit, frames_of, sample_like
 from seaglint.texture.gaussian_texture import fit_texture
 from seaglint.texture.quality import compare
 from seaglint.texture.suitability import parse_region

@@ -54,7 +54,7 @@ def numbers(rows: list[dict[str, str]], column: str) -> np.ndarray:
 
 def take_air(reference: Path) -> None:
     """LOWTRAN7's slant paths beside the table's."""
-    from seaglint.atmosphere.table_file import models
+    from seaglint.air.table.table_file import models
     from validation_tables import lowtran_case
 
     keys = ["atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg"]
@@ -72,8 +72,8 @@ def take_air(reference: Path) -> None:
 
 def take_scattered(reference: Path) -> None:
     """LOWTRAN7's scattered sunlight beside ours, 3.5-5 um."""
-    from seaglint.io.cases import read_cases
-    from seaglint.pipeline.evaluate import evaluate_scattered, parse_bands
+    from seaglint.files.tables.cases import read_cases
+    from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
 
     path = reference / "lowtran7_scattered.csv"
     with path.open() as file:
@@ -87,9 +87,9 @@ def take_scattered(reference: Path) -> None:
 
 def take_emissivity(reference: Path) -> None:
     """Wu and Smith's emissivities beside ours."""
+    from seaglint.facet.emissivity import emissivity
     from seaglint.optics.sea_water import hale_querry_sea
-    from seaglint.sea.cox_munk import cox_munk_isotropic
-    from seaglint.sea.emissivity import emissivity
+    from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 
     lines = (reference / "emissivity_wu_smith.csv").read_text(encoding="utf-8").splitlines()
     rows: list[list[Any]] = []
@@ -203,9 +203,9 @@ def mitsuba() -> Figure:
 
 def sensor() -> Figure:
     """MTF by slanted edges against the product of its parts, and parts against pyBSM."""
-    from seaglint.sensor.detector import square_mtf
-    from seaglint.sensor.figures import mtf
-    from seaglint.sensor.optics import Optics, jitter_mtf, pupil_mtf, wavefront_mtf
+    from seaglint.instrument.detector import square_mtf
+    from seaglint.instrument.figures_of_merit import mtf
+    from seaglint.instrument.optics import Optics, jitter_mtf, pupil_mtf, wavefront_mtf
     from sensor_validation import ANGLE, PYBSM, camera
     from slanted_edge import edge_mtf, slanted_edge
 

@@ -20,22 +20,22 @@ from pathlib import Path
 import numpy as np
 
 from data_folders import data_folder
-from seaglint.atmosphere.table import TableAtmosphere
-from seaglint.atmosphere.table_file import models
-from seaglint.io.cases import read_cases
+from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.air.table.table_file import models
+from seaglint.facet.emissivity import emissivity
+from seaglint.files.tables.cases import read_cases
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.pipeline import prepare
-from seaglint.pipeline.evaluate import evaluate_scattered, parse_bands
-from seaglint.pipeline.render import prepare_sequence
 from seaglint.radiance.mean import mean_radiance
 from seaglint.scenario.load import parse_scenario
-from seaglint.sea.cox_munk import cox_munk_isotropic
-from seaglint.sea.emissivity import emissivity
 from seaglint.sea.field import WaveField
+from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
 from seaglint.sea.tiles import plan_tiles
+from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
+from seaglint.studies.prepare import prepare
+from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 PAGE = Path(__file__).resolve().parents[1] / "docs" / "validation.md"
 
@@ -199,8 +199,8 @@ def realisation(field: WaveField, time: float) -> tuple[float, float, float]:
 
 def buoy() -> Lines:
     """A week of spectra of buoy 41010 against the buoy's own summary."""
-    from seaglint.errors import DataError
-    from seaglint.io.waves import WaveChoice, read_waves
+    from seaglint.base.errors import DataError
+    from seaglint.files.waves import WaveChoice, read_waves
 
     path = folder("SEAGLINT_DATA_DIR") / "waves" / "41010"
     summary = [line.split() for line in path.with_suffix(".spec").read_text(encoding="utf-8").splitlines() if not line.startswith("#")]

@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ray_marcher import facets_of, sea_of, seen_over_model
 from seaglint.sea.field import WaveField
-from seaglint.sea.slopes import SlopeStatistics
-from seaglint.sea.spectra.base import DirectionalSpectrum
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.tiles import plan_tiles
 

@@ -158,7 +158,7 @@ class ScenarioPresets(GeneratedTable):
 
     def lines(self) -> list[str]:
         """Markdown to insert."""
-        from seaglint.scenario.presets import PRESETS
+        from seaglint.scenario.presets.scene_presets import PRESETS
 
         return markdown_table(("preset", "scene", "remarks"), [(f"`{k}`", p.title, " ".join(p.notes)) for k, p in PRESETS.items()])
 
@@ -168,7 +168,7 @@ class ObjectPresets(GeneratedTable):
 
     def lines(self) -> list[str]:
         """Markdown to insert."""
-        from seaglint.scenario.object_presets import OBJECTS
+        from seaglint.scenario.presets.object_presets import OBJECTS
 
         return markdown_table(("preset", "object", "sources"), [(f"`{k}`", p.title, "; ".join(p.sources)) for k, p in OBJECTS.items()])
 
@@ -178,7 +178,7 @@ class OutputVariables(GeneratedTable):
 
     def lines(self) -> list[str]:
         """Markdown to insert."""
-        from seaglint import schema
+        from seaglint.base import schema
 
         body = [(f"`{v.name}`", v.units, v.standard_name or "", v.long_name) for v in schema.VARIABLES.values()]
         return markdown_table(("name", "units", "CF standard name", "meaning"), body)

@@ -7,7 +7,7 @@ import os
 
 import matplotlib.pyplot as plt
 
-from seaglint.atmosphere.table import TableAtmosphere
+from seaglint.air.table.lowtran7 import TableAtmosphere
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 figure, axes = plt.subplots(figsize=(8.4, 4.4), layout="constrained")

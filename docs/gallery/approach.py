@@ -10,7 +10,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 import seaglint as sg
-from seaglint.pipeline.render import prepare_sequence
+from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 tables = tomllib.loads((Path(__file__).parents[2] / "examples" / "approach.toml").read_text())

@@ -9,7 +9,7 @@ import os
 import matplotlib.pyplot as plt
 
 import seaglint as sg
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 SHIPS = {6: -2.6, 12: -0.9, 18: 0.9, 24: 2.6}  # distance [km]: bearing [deg]

@@ -8,8 +8,8 @@ import os
 
 import matplotlib.pyplot as plt
 
-from seaglint.pipeline.ensemble import draw
 from seaglint.scenario.ensemble import parse_ensemble
+from seaglint.studies.ensemble.render_ensemble import draw
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 laws = [

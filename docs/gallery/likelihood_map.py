@@ -9,7 +9,7 @@ import os
 import matplotlib.pyplot as plt
 
 import seaglint as sg
-from seaglint.pipeline.likelihood_map import likelihood_map
+from seaglint.studies.likelihood.chance_map import likelihood_map
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 scene = sg.load(

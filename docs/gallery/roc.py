@@ -12,7 +12,7 @@ import seaglint as sg
 from seaglint.analysis import Recording
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import Objects
-from seaglint.pipeline.detect import Options, detect
+from seaglint.studies.detect.performance import Options, detect
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 scene = sg.load(

@@ -10,7 +10,7 @@ import numpy as np
 
 import seaglint as sg
 from seaglint.analysis import Recording
-from seaglint.pipeline.texture import FitOptions, fit, loop
+from seaglint.studies.texture.texture_sequences import FitOptions, fit, loop
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 SIZE = 48 if SMALL else 128

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from seaglint.pipeline.weather import describe
-from seaglint.plot.weather import write_weather_plot
+from seaglint.plot.weather_figure import write_weather_plot
+from seaglint.studies.likelihood.weather_files import describe
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 rng = np.random.default_rng(1)

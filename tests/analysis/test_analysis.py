@@ -13,9 +13,9 @@ from scipy.stats import norm
 
 from seaglint.analysis import Options, analyze, run
 from seaglint.analysis.recording import Recording
+from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.goodness import goodness
-from seaglint.errors import DataError, DomainError
-from seaglint.io.recording import open_recording
+from seaglint.files.recording import open_recording
 
 RNG = np.random.default_rng(12)
 WHITE = RNG.normal(100.0, 5.0, (40, 96, 128)).astype(np.float32)
@@ -241,7 +241,7 @@ def test_tiny_pictures_are_answered() -> None:
 
 @quick
 def test_a_detector_is_judged_beside_the_filter() -> None:
-    from seaglint.detection.choice import named
+    from seaglint.detection.named_detectors import named
 
     found = result(WHITE, Options(detectors=(named("ca-cfar"), named("frame-difference"))))
     names = {alarm["filter"] for alarm in found["regions"]["all"]["false_alarms"]}
@@ -391,7 +391,7 @@ def test_dead_rows_of_a_file_that_is_mapped(tmp_path: Path) -> None:
     frames[:, 7] = 0.0
     frames[2, 3, 4] = np.nan
     np.save(tmp_path / "clip.npy", frames)
-    from seaglint.detection.choice import named
+    from seaglint.detection.named_detectors import named
 
     found = of(open_recording(tmp_path / "clip.npy"), Options(detectors=(named("ca-cfar"),)))
     assert any("1 rows left out (7)" in note for note in found["notes"])
@@ -401,7 +401,7 @@ def test_dead_rows_of_a_file_that_is_mapped(tmp_path: Path) -> None:
 @quick
 @pytest.mark.parametrize(("scope", "detectors"), [("frame", ()), ("sequence", ("frame-difference",))])
 def test_progress_counts_the_frames_of_the_recording(scope: Any, detectors: tuple[str, ...]) -> None:
-    from seaglint.detection.choice import named
+    from seaglint.detection.named_detectors import named
 
     told: list[tuple[int, int]] = []
     frames = SMALL[:12]

@@ -13,9 +13,9 @@ import pytest
 import xarray as xr
 
 from seaglint.cli.app import main
-from seaglint.io.layout import Layout
-from seaglint.io.provenance import band_attributes, provenance
-from seaglint.io.store import write_sequence
+from seaglint.files.provenance import band_attributes, provenance
+from seaglint.files.store.layout import Layout
+from seaglint.files.store.store import write_sequence
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
 
@@ -85,9 +85,14 @@ def fake_headline():
 @pytest.fixture
 def pipeline(monkeypatch) -> None:
     """Put the stand-ins where the commands look for the pipeline."""
-    for name, function in (("render", fake_render), ("mean", fake_mean), ("headline", fake_headline)):
-        module = types.ModuleType(f"seaglint.pipeline.{name}")
-        setattr(module, name, function)
+    for name, function in (
+        ("sequence.render_sequence.render", fake_render),
+        ("mean.mean_map.mean", fake_mean),
+        ("article.headline.headline", fake_headline),
+    ):
+        room, _, attribute = name.rpartition(".")
+        module = types.ModuleType(f"seaglint.studies.{room}")
+        setattr(module, attribute, function)
         monkeypatch.setitem(sys.modules, module.__name__, module)
 
 

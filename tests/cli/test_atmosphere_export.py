@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from seaglint.errors import DomainError
-from seaglint.io.atmosphere_file import read_atmosphere
-from seaglint.pipeline.mean import mean
-from seaglint.pipeline.render import prepare_sequence
+from seaglint.base.errors import DomainError
+from seaglint.files.air.air_file import read_atmosphere
 from seaglint.scenario.load import load_scenario
+from seaglint.studies.mean.mean_map import mean
+from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 SCENE = """[band]
 min_um = 3.9

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from seaglint.errors import BackendError
-from seaglint.io.lowtran import engine
-from seaglint.io.lowtran.deck import Aerosol, Air
-from seaglint.io.modtran.lines import Line
-from seaglint.io.modtran.reading import read_spectra
-from seaglint.io.modtran.tape5 import deck
-from seaglint.pipeline.mean import mean
+from seaglint.base.errors import BackendError
+from seaglint.files.lowtran import engine
+from seaglint.files.lowtran.deck import Aerosol, Air
+from seaglint.files.modtran.lines import Line
+from seaglint.files.modtran.reading import read_spectra
+from seaglint.files.modtran.tape5 import deck
 from seaglint.scenario.load import load_scenario
+from seaglint.studies.mean.mean_map import mean
 
 SCENE = """[band]
 min_um = 3.9

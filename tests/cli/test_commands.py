@@ -11,11 +11,11 @@ from pathlib import Path
 import pytest
 
 import seaglint as package
+from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.cli import app as commands
 from seaglint.cli.doctor import data_files, examine, read_checksums
-from seaglint.cli.frames import parse_frames
-from seaglint.cli.progress import LOG_INTERVAL, ProgressMode, log_lines, progress
-from seaglint.errors import DomainError, ScenarioError
+from seaglint.cli.terminal.frame_numbers import parse_frames
+from seaglint.cli.terminal.progress import LOG_INTERVAL, ProgressMode, log_lines, progress
 
 
 def one_line(text: str) -> bool:
@@ -61,7 +61,7 @@ def test_the_scale_of_previews_is_chosen(seaglint, pipeline, scenario, tmp_path,
 
 
 def test_one_frame_alone_is_that_of_the_sequence(seaglint, pipeline, scenario, tmp_path):
-    from seaglint.io.store import open_sequence
+    from seaglint.files.store.store import open_sequence
 
     seaglint("render", scenario, "-o", tmp_path / "all.zarr")
     assert seaglint("render", scenario, "-o", tmp_path / "one.zarr", "--frames", "2:3").code == 0
@@ -143,7 +143,7 @@ def test_what_only_physics_refuses_names_the_file(seaglint, pipeline, scenario, 
     def refuse(*_, **__):
         raise error
 
-    monkeypatch.setattr(sys.modules["seaglint.pipeline.render"], "render", refuse)
+    monkeypatch.setattr(sys.modules["seaglint.studies.sequence.render_sequence"], "render", refuse)
     answer = seaglint("render", scenario, "-o", tmp_path / "run.zarr", "--progress", "none")
     assert answer.code == 2
     assert one_line(answer.err)
@@ -159,7 +159,7 @@ def test_wrong_command_lines_are_code_2(seaglint, arguments):
 
 
 def test_a_full_disk_is_code_3(seaglint, pipeline, scenario, tmp_path, monkeypatch):
-    from seaglint.io.shards import Shards
+    from seaglint.files.store.shards import Shards
 
     def full(*_):
         raise OSError(28, "No space left on device")
@@ -179,7 +179,7 @@ def test_a_real_refusal_to_write_is_code_3(scenario, tmp_path):
     )
     code = limit + (
         "import sys; sys.path.insert(0, sys.argv.pop(1)); import types, conftest as fake; "
-        "module = types.ModuleType('seaglint.pipeline.render'); module.render = fake.fake_render; "
+        "module = types.ModuleType('seaglint.studies.sequence.render_sequence'); module.render = fake.fake_render; "
         "sys.modules[module.__name__] = module; fake.main()"
     )
     scenario.write_text(scenario.read_text().replace("[32, 16]", "[128, 64]"))
@@ -195,7 +195,7 @@ def test_ctrl_c_before_the_first_frame_is_code_130(seaglint, pipeline, scenario,
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules["seaglint.pipeline.render"], "render", interrupted)
+    monkeypatch.setattr(sys.modules["seaglint.studies.sequence.render_sequence"], "render", interrupted)
     answer = seaglint("render", scenario, "-o", tmp_path / "run.zarr", "--progress", "none")
     assert answer.code == 130
     assert one_line(answer.err)
@@ -205,7 +205,7 @@ def test_a_defect_keeps_its_traceback(seaglint, pipeline, scenario, tmp_path, mo
     def defect(*_, **__):
         raise ZeroDivisionError
 
-    monkeypatch.setattr(sys.modules["seaglint.pipeline.render"], "render", defect)
+    monkeypatch.setattr(sys.modules["seaglint.studies.sequence.render_sequence"], "render", defect)
     monkeypatch.setattr(sys, "argv", ["seaglint", "render", str(scenario), "-o", str(tmp_path / "run.zarr")])
     with pytest.raises(ZeroDivisionError):
         commands.main()

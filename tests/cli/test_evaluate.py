@@ -7,10 +7,10 @@ import stat
 import numpy as np
 import pytest
 
-from seaglint.atmosphere.table_file import table_models
-from seaglint.cli.progress import PATIENCE, ProgressMode, patient_progress
-from seaglint.errors import DataError
-from seaglint.pipeline.evaluate import evaluate_mean, groups_of, parse_bands
+from seaglint.air.table.table_file import table_models
+from seaglint.base.errors import DataError
+from seaglint.cli.terminal.progress import PATIENCE, ProgressMode, patient_progress
+from seaglint.studies.mean.evaluate_cases import evaluate_mean, groups_of, parse_bands
 
 QUANTITIES = ("tau_mean", "path_radiance_W_m2_sr", "sun_normal_irradiance_W_m2", "sun_times_tau_W_m2", "sky_radiance_W_m2_sr")
 AIR = "atmosphere,wind_speed_m_s,sensor_height_m,depression_deg,solar_zenith_deg,sky_zenith_deg"
@@ -132,9 +132,9 @@ def test_emissivity_reaches_the_horizon_and_marks_winds_beyond_the_fit(seaglint,
 
 def test_mean_is_that_of_the_command_mean(cases):
     """Another way through the program: a map of one pixel, with directions from north and a wind that has one."""
-    from seaglint.io.cases import read_cases
-    from seaglint.pipeline.mean import mean
+    from seaglint.files.tables.cases import read_cases
     from seaglint.scenario.load import parse_scenario
+    from seaglint.studies.mean.mean_map import mean
 
     degrees = 0.03
     scenario = parse_scenario(
@@ -160,9 +160,9 @@ def test_mean_is_that_of_the_command_mean(cases):
 
 def test_mean_with_a_wind_that_has_a_direction(cases):
     """Wind from 100 deg clockwise of the Sun, against a map; from across it gives another glint."""
-    from seaglint.io.cases import read_cases
-    from seaglint.pipeline.mean import mean
+    from seaglint.files.tables.cases import read_cases
     from seaglint.scenario.load import parse_scenario
+    from seaglint.studies.mean.mean_map import mean
 
     degrees = 0.03
     scenario = parse_scenario(
@@ -188,9 +188,9 @@ def test_mean_with_a_wind_that_has_a_direction(cases):
 
 def test_slopes_of_a_row_are_those_of_the_scenarios_model(cases):
     """Gram and Charlier's series tells upwind from downwind, Gaussian slopes do not; one row has no direction."""
-    from seaglint.io.cases import read_cases
-    from seaglint.pipeline.mean import mean
+    from seaglint.files.tables.cases import read_cases
     from seaglint.scenario.load import parse_scenario
+    from seaglint.studies.mean.mean_map import mean
 
     def expected(kind, wind_from):
         degrees = 0.03
@@ -358,7 +358,7 @@ def test_progress_shows_only_work_that_lasts(capsys):
 
 SCATTERED = "kind,atmosphere,wind_speed_m_s,sensor_height_m,elevation_deg,azimuth_from_sun_deg,solar_zenith_deg"
 
-# LOWTRAN7 as in tests/atmosphere/test_scattered_against_lowtran.py: inputs, then scattered and thermal radiance in 3.5-5 um.
+# LOWTRAN7 as in tests/air/test_scattered_against_lowtran.py: inputs, then scattered and thermal radiance in 3.5-5 um.
 SCATTERED_ROWS = [
     ("sky,subarctic-summer,15.36,39.3,23.739,123.104,24.385", 0.0320464, 0.745034),
     ("path,us-standard-1976,12.05,1024.4,-16.773,69.596,40.243", 0.00783819, 0.603991),

@@ -18,7 +18,7 @@ import typer
 from typer.main import get_command
 
 from seaglint.cli.app import app
-from seaglint.cli.examples import EXAMPLES
+from seaglint.cli.terminal.examples import EXAMPLES
 
 ROOT = get_command(app)
 QUICK = ("init", "schema", "weather build", "weather info", "evaluate atmosphere", "evaluate emissivity", "ensemble")
@@ -107,7 +107,7 @@ def test_quick_examples_work_in_an_empty_folder(name: str, tmp_path: Path, seagl
 @pytest.fixture(scope="module")
 def rendered_once(tmp_path_factory) -> Callable[..., Path]:
     """The renderer, which copies the store of a scenario and frames that it made before."""
-    from seaglint.pipeline.render import render
+    from seaglint.studies.sequence.render_sequence import render
 
     folder, made = tmp_path_factory.mktemp("rendered"), {}
 
@@ -128,7 +128,7 @@ def rendered_once(tmp_path_factory) -> Callable[..., Path]:
 @pytest.mark.parametrize("order", [1, 2])
 def test_examples_work_in_any_order_with_every_line_typed_each_time(order: int, rendered_once, tmp_path, seaglint, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("seaglint.pipeline.render.render", rendered_once)
+    monkeypatch.setattr("seaglint.studies.sequence.render_sequence.render", rendered_once)
     # The figures of the article, minutes each, read nothing in the folder and are typed by the tests below.
     names = [name for name in EXAMPLES if not name.startswith("reproduce")]
     random.Random(order).shuffle(names)

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.pipeline import fig12
 from seaglint.scenario.load import load_scenario
+from seaglint.studies.article import fig12
 
 ROOT = Path(__file__).parents[2]
 

@@ -10,7 +10,7 @@ import pytest
 from typer.main import get_command
 
 from seaglint.cli.app import app
-from seaglint.cli.groups import GROUPS, OTHER
+from seaglint.cli.terminal.groups import GROUPS, OTHER
 
 ROOT = get_command(app)
 GROUPED = ("", *(name for name, command in ROOT.commands.items() if hasattr(command, "commands")))  # type: ignore[attr-defined]

@@ -10,9 +10,9 @@ import sys
 import pytest
 
 from seaglint.cli.app import main
-from seaglint.io import empty_store, store
-from seaglint.io.claim import lock_path
-from seaglint.io.shards import Shards
+from seaglint.files.store import empty_store, store
+from seaglint.files.store.claim import lock_path
+from seaglint.files.store.shards import Shards
 
 
 def one_line(text: str) -> bool:
@@ -33,7 +33,7 @@ def one_line(text: str) -> bool:
     ],
 )
 def test_names_are_refused_before_the_work(seaglint, scenario, tmp_path, monkeypatch, command, output, code, told):
-    for name in ("seaglint.pipeline.render.prepare_sequence", "seaglint.pipeline.mean.mean"):
+    for name in ("seaglint.studies.sequence.render_sequence.prepare_sequence", "seaglint.studies.mean.mean_map.mean"):
         monkeypatch.setattr(name, lambda *_, **__: pytest.fail("computed"))
     answer = seaglint(*([command, tmp_path / output] if command == "init" else [command, scenario, "-o", tmp_path / output]))
     assert (answer.code, one_line(answer.err)) == (code, True), answer.err
@@ -137,7 +137,7 @@ def test_half_written_chunks_of_a_killed_process_go(seaglint, pipeline, scenario
 def test_sigterm_before_the_first_frame_is_code_143_and_a_line(scenario, tmp_path):
     code = (
         "import sys, time; sys.path.insert(0, sys.argv.pop(1)); import types, conftest as fake; "
-        "module = types.ModuleType('seaglint.pipeline.render'); "
+        "module = types.ModuleType('seaglint.studies.sequence.render_sequence'); "
         "module.render = lambda *_, **__: (print('prepares', file=sys.stderr, flush=True), time.sleep(3600)); "
         "sys.modules[module.__name__] = module; fake.main()"
     )

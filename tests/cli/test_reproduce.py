@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from seaglint.pipeline import figures
-from seaglint.plot import article
+from seaglint.plot import article_figures as article
+from seaglint.studies.article import figures
 
 DIMS = ("wind_speed_m_s", "solar_zenith_deg", "sensor_zenith_deg")
 
@@ -85,7 +85,7 @@ def test_dark_maps_draw_and_equal_numbers_draw_equal_bytes(tmp_path):
 @pytest.fixture
 def small_table1(monkeypatch):
     """Table 1 from two frames of few pixels."""
-    from seaglint.pipeline import table1
+    from seaglint.studies.article import table1
 
     whole = table1.table1
     monkeypatch.setattr(table1, "PIXELS", (96, 32))

@@ -83,7 +83,9 @@ def test_options_that_do_not_go_together_are_one_line(seaglint, scenario, tmp_pa
 
 
 def test_a_share_over_workers_then_previews(seaglint, scenario, tmp_path, monkeypatch):
-    stand_in = sys.modules["seaglint.pipeline.render"]  # the package's attribute is the true one, where that was imported before
+    stand_in = sys.modules[
+        "seaglint.studies.sequence.render_sequence"
+    ]  # the package's attribute is the true one, where that was imported before
     asked, made = [], stand_in.render
 
     def render(*given, workers=None, **more):

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from seaglint.io.recording import open_recording
-from seaglint.io.texture_file import read_texture, write_texture
-from seaglint.pipeline.texture import FitOptions, fit
+from seaglint.files.recording import open_recording
+from seaglint.files.texture_file import read_texture, write_texture
+from seaglint.studies.texture.texture_sequences import FitOptions, fit
 from seaglint.texture.gauss_markov import GaussMarkov
 from seaglint.texture.gaussian_texture import GaussianTexture
 from seaglint.texture.marginals import Marginal
@@ -157,9 +157,9 @@ def test_a_texture_stands_in_for_a_rendered_sequence(seaglint, model, tmp_path, 
     """With a map whose mean and deviation are known: the sequence has them, and nothing moves above the horizon."""
     scenario = tmp_path / "my.toml"
     scenario.write_text("[sensor]\nfov_deg = [4, 2]\nelevation_deg = -0.8\npixels = [48, 24]\nframes = 12\nframe_rate_hz = 50\n")
-    from seaglint.io.provenance import band_attributes
+    from seaglint.files.provenance import band_attributes
     from seaglint.optics.band import Band
-    from seaglint.pipeline import texture_place
+    from seaglint.studies.texture import perspective as texture_place
 
     def known(_: object) -> xr.Dataset:
         maps = {"radiance": 5.0, "path_radiance": 1.0, "glint_radiance": 2.0, "glint_std": 0.8}

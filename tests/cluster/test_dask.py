@@ -13,12 +13,12 @@ from types import SimpleNamespace
 import pytest
 import toy_jobs
 
+from seaglint.base.errors import BackendError, DataError, DomainError
 from seaglint.cluster import Done, Failed, Job
-from seaglint.cluster.base import ATTEMPTS
 from seaglint.cluster.batch_queue import queued, read_settings
 from seaglint.cluster.dask import _Mapping, connected, judged
+from seaglint.cluster.job import ATTEMPTS
 from seaglint.cluster.machine import this_machine
-from seaglint.errors import BackendError, DataError, DomainError
 
 distributed = pytest.importorskip("distributed")
 

@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 import toy_jobs
 
+from seaglint.base.errors import BackendError, DomainError
 from seaglint.cluster import Done, Failed, Here, Job, LocalProcesses
-from seaglint.cluster.base import ATTEMPTS
-from seaglint.errors import BackendError, DomainError
+from seaglint.cluster.job import ATTEMPTS
 
 
 @pytest.fixture(scope="module")

@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from seaglint.cluster import LocalProcesses
-from seaglint.cluster.base import outgoing
 from seaglint.cluster.dask import connected
-from seaglint.io.recording import open_recording
-from seaglint.io.share import Share
-from seaglint.io.store import finish_sequence
-from seaglint.pipeline.render import render
-from seaglint.pipeline.sense import Reopen, sense
+from seaglint.cluster.job import outgoing
+from seaglint.files.recording import open_recording
+from seaglint.files.store.share import Share
+from seaglint.files.store.store import finish_sequence
 from seaglint.scenario.load import load_scenario, parse_scenario
+from seaglint.studies.sequence.render_sequence import render
+from seaglint.studies.sequence.sense import Reopen, sense
 
 TOML = """
 [sensor.optics]

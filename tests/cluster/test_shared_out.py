@@ -7,15 +7,15 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from seaglint.base.errors import BackendError, DataError, DomainError
 from seaglint.cli.app import app
-from seaglint.cli.workers import chosen
+from seaglint.cli.terminal.workers import chosen
 from seaglint.cluster import Done, Failed, LocalProcesses
-from seaglint.cluster.base import record_of
-from seaglint.errors import BackendError, DataError, DomainError
-from seaglint.io.detection_parts import sea_path
-from seaglint.pipeline.likelihood_map import likelihood_map
-from seaglint.pipeline.scene_frames import SceneFrames, Seas
+from seaglint.cluster.job import record_of
+from seaglint.files.detection_parts import sea_path
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.detect.scene_frames import SceneFrames, Seas
+from seaglint.studies.likelihood.chance_map import likelihood_map
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 
 HANG = 600.0
 """Seconds after which what never comes is given up."""

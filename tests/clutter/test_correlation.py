@@ -3,8 +3,8 @@ import pytest
 from scipy.ndimage import gaussian_filter
 from scipy.signal import lfilter
 
+from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import block_labels, decay, effective_count, spatial_correlation, temporal_correlation, trend_surface
-from seaglint.errors import DataError
 
 LENGTHS = [1.2, 1.5, 2.0, 2.7, 5.0, 8.5]
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.stats import genpareto
 
+from seaglint.base.errors import DomainError
 from seaglint.clutter.exceedances import Events
 from seaglint.clutter.extremes import fit_pareto, fit_tail
 from seaglint.clutter.false_alarms import FalseAlarms, RateCurve
-from seaglint.errors import DomainError
 
 
 @pytest.mark.parametrize("shape", [-0.3, 0.0, 0.2, 0.8])

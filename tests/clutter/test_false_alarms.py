@@ -10,11 +10,11 @@ from scipy.ndimage import gaussian_filter
 from scipy.signal import lfilter
 from scipy.stats import binom, norm
 
+from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.cluster_variance import rate_variance, score_interval
 from seaglint.clutter.false_alarms import SEGMENTS, FalseAlarms
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import frame_scale, gaussian_rate, standardise
-from seaglint.errors import DataError, DomainError
 
 
 def count(z: np.ndarray, *thresholds: float) -> FalseAlarms:

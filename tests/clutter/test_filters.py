@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.ndimage import convolve
 
+from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter import filters
 from seaglint.clutter.filters import DifferenceOfGaussians, Filter, Kernel, Laplacian, MatchedFilter, MedianSubtraction, TopHat
-from seaglint.errors import DataError, DomainError
 
 BLOB = np.exp(-0.5 * (np.add.outer(np.arange(-3, 4) ** 2, np.arange(-3, 4) ** 2)) / 0.8**2)
 ALL = [

@@ -4,9 +4,9 @@ from scipy import stats
 from scipy.ndimage import gaussian_filter
 from scipy.special import kv
 
+from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import block_labels, effective_count
 from seaglint.clutter.fits import FAMILIES, cdf, draw, fit, log_density
-from seaglint.errors import DataError
 
 TRUTHS = [
     ("gamma", (0.7, 3.0)),

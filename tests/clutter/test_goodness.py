@@ -3,10 +3,10 @@ import pytest
 from scipy import stats
 from scipy.ndimage import gaussian_filter
 
+from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import effective_count, spatial_correlation
 from seaglint.clutter.fits import draw, fit
 from seaglint.clutter.goodness import distances, goodness
-from seaglint.errors import DataError
 
 
 def test_distances_are_scipys():

@@ -4,8 +4,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import stats
 
+from seaglint.base.errors import DataError
 from seaglint.clutter.moments import Moments, PixelMoments
-from seaglint.errors import DataError
 
 
 def sums(moments):

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
+from seaglint.base.errors import DataError
 from seaglint.clutter.segmentation import otsu_threshold, segment
-from seaglint.errors import DataError
 
 ROWS, COLUMNS = 192, 256
 Y, X = np.mgrid[:ROWS, :COLUMNS]

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from seaglint.base.errors import DataError
 from seaglint.clutter.spectrum import power_spectrum
-from seaglint.errors import DataError
 
 
 def test_parseval():

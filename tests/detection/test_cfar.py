@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from seaglint.base.errors import DomainError
 from seaglint.clutter.false_alarms import FalseAlarms
 from seaglint.clutter.thresholds import gaussian_rate
-from seaglint.detection.base import Detector
 from seaglint.detection.cfar import CellAveraging, OrderedStatistic
-from seaglint.errors import DomainError
+from seaglint.detection.interface import Detector
 
 
 def clutter(kind: str, seed: int = 41) -> np.ndarray:

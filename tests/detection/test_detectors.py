@@ -7,15 +7,15 @@ import pytest
 from scipy.linalg import toeplitz
 from scipy.special import ndtr
 
+from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.filters import TopHat, autocovariance
-from seaglint.detection.base import Detector, Frames
-from seaglint.detection.choice import NAMES, named, named_for
+from seaglint.detection.interface import Detector, Frames
 from seaglint.detection.matched import LocalMatched, Matched, deflection
+from seaglint.detection.named_detectors import NAMES, named, named_for
 from seaglint.detection.patch_image import robust_components
 from seaglint.detection.spatial import Chain, DirectionalBackground, FilterThreshold, laplacian_of_gaussian
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.temporal import TemporalProfile, TrackBeforeDetect
-from seaglint.errors import DataError, DomainError
 
 SPOT = GaussianSpot(0.8)
 SIGNATURE = SPOT.stamps(np.zeros((1, 2)))[0]

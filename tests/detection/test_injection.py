@@ -7,12 +7,12 @@ import pytest
 from scipy.integrate import dblquad
 
 from seaglint.analysis import Recording
+from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.background import Background
-from seaglint.detection.choice import named_for
 from seaglint.detection.injection import Batch, Plan, inject, offsets
+from seaglint.detection.named_detectors import named_for
 from seaglint.detection.spot import GaussianSpot, SampledSpot
 from seaglint.detection.trials import Objects, run_trials
-from seaglint.errors import DataError, DomainError
 
 SPOT = GaussianSpot(0.8)
 

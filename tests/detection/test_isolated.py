@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from seaglint.analysis import Recording
+from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.isolated import IsolatedDetector
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import Objects
-from seaglint.errors import DataError, DomainError
-from seaglint.pipeline.detect import Options, detect
+from seaglint.studies.detect.performance import Options, detect
 
 SOURCE = """
 import os, time

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
+from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.thresholds import standardise
-from seaglint.detection.base import statistics
+from seaglint.detection.interface import statistics
 from seaglint.detection.moving import FrameDifference, RegisteredIntegration
 from seaglint.detection.registration import displacement, moved
-from seaglint.errors import DataError, DomainError
 
 SPOT = gaussian_filter(np.pad([[1.0]], 4), 1.0)
 SPOT /= SPOT.max()

@@ -7,15 +7,15 @@ import pytest
 from scipy.stats import binom, gamma, norm
 
 from seaglint.analysis import Recording
+from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.background import Background, count_false_alarms
-from seaglint.detection.base import Detector
-from seaglint.detection.choice import named_for
+from seaglint.detection.interface import Detector
+from seaglint.detection.named_detectors import named_for
+from seaglint.detection.rare_alarms import tail_of
 from seaglint.detection.scoring import exact_interval, interval, match_offsets
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
-from seaglint.detection.tails import tail_of
 from seaglint.detection.trials import Objects, run_trials
-from seaglint.errors import DataError, DomainError
 
 SPOT = GaussianSpot(0.8)
 ENERGY = float((SPOT.stamps(np.zeros((1, 2))) ** 2).sum())

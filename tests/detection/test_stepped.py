@@ -15,8 +15,8 @@ from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.stepped import steps_of, tail_above
 from seaglint.detection.trials import Objects, run_trials
-from seaglint.pipeline.detect import Options, detect
-from seaglint.pipeline.detect_chips import chips
+from seaglint.studies.detect.chips import chips
+from seaglint.studies.detect.performance import Options, detect
 
 
 def source_of(frames: np.ndarray, **more: object) -> SimpleNamespace:

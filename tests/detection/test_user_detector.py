@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from seaglint.analysis import Options, Recording, analyze
-from seaglint.detection.base import Detector, UserDetector, filled, load, statistics
-from seaglint.detection.choice import named
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
+from seaglint.detection.interface import Detector, UserDetector, filled, load, statistics
+from seaglint.detection.named_detectors import named
 
 SOURCE = """
 import numpy as np

@@ -11,25 +11,25 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from seaglint.atmosphere.base import wavenumber_grid
-from seaglint.atmosphere.vacuum import VacuumAtmosphere
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.errors import DataError, DomainError
-from seaglint.io.labels import Labels, run_lengths, write_labels
+from seaglint.air.protocol import wavenumber_grid
+from seaglint.air.vacuum import VacuumAtmosphere
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.threads import thread_limit
+from seaglint.files.store.object_labels import Labels, run_lengths, write_labels
+from seaglint.imaging.camera.pose import Pose
+from seaglint.imaging.camera.view import Attitude, Imager
+from seaglint.imaging.detail_levels import Levels
+from seaglint.imaging.wave_surface import surface_of
 from seaglint.objects import primitives
 from seaglint.objects.body import Body, Placement, Plume, Point
+from seaglint.objects.drawing.compose import composed
+from seaglint.objects.drawing.draw import Drawer, Picture, Stage
+from seaglint.objects.drawing.sample_sums import COVER, SUN
+from seaglint.objects.drawing.truth import labels
 from seaglint.objects.solids import placed, solid
-from seaglint.pipeline.render import prepare_sequence, render
-from seaglint.render.bodies.compose import composed
-from seaglint.render.bodies.draw import Drawer, Picture, Stage
-from seaglint.render.bodies.shade import COVER, SUN
-from seaglint.render.bodies.truth import labels
-from seaglint.render.levels import Levels
-from seaglint.render.platform import Pose
-from seaglint.render.surface import surface_of
-from seaglint.render.view import Attitude, Imager
 from seaglint.scenario.load import parse_scenario
-from seaglint.threads import thread_limit
+from seaglint.studies.sequence.render_sequence import prepare_sequence, render
 
 EYE = 20.0
 HOT = 350.0

@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 
 import seaglint as sg
-from seaglint.io.store import write_sequence
-from seaglint.pipeline.render import prepare_sequence
+from seaglint.files.store.store import write_sequence
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 CALM = {"sea": {"resolve_waves": False}}
 BOX = {"name": "box", "shape": {"kind": "box", "size_m": [12, 12, 8]}, "temperature_k": 320.0, "emissivity": 0.9, "height_m": 4}

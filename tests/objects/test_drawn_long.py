@@ -10,16 +10,16 @@ import trimesh
 import xarray as xr
 from scipy.interpolate import RegularGridInterpolator
 
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.cli.app import main
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.imaging.wave_surface import course, height
 from seaglint.objects import primitives
 from seaglint.objects.body import Body, Placement
+from seaglint.objects.drawing.draw import Drawer, Stage
+from seaglint.objects.drawing.sample_sums import COVER, SEEN
 from seaglint.objects.solids import combined, placed, solid
-from seaglint.pipeline.render import prepare_sequence
-from seaglint.render.bodies.draw import Drawer, Stage
-from seaglint.render.bodies.shade import COVER, SEEN
-from seaglint.render.surface import course, height
 from seaglint.scenario.load import load_scenario, parse_scenario
+from seaglint.studies.sequence.render_sequence import prepare_sequence
 
 pytestmark = pytest.mark.validation
 

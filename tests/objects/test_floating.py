@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from seaglint.imaging.camera.pose import Track
+from seaglint.imaging.camera.view import Attitude
 from seaglint.objects.attitude import heading_of, rotation
 from seaglint.objects.body import Placement
 from seaglint.objects.floating import Afloat, Swell
+from seaglint.objects.floating_track import FloatingTrack
 from seaglint.objects.motion import Course, Rest
-from seaglint.render.floating_track import FloatingTrack
-from seaglint.render.platform import Track
-from seaglint.render.view import Attitude
 from seaglint.sea.field import WaveField
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.tiles import Tile

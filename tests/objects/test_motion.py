@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from scipy.special import ellipeinc
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.objects.attitude import heading_of, rotation, tilt
 from seaglint.objects.geodesic import FLATTENING, SEMI_MAJOR_AXIS, east_north
 from seaglint.objects.motion import Keyframed

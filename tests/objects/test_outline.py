@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
+from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.objects import primitives
+from seaglint.objects.drawing.crests import calm, in_sight
+from seaglint.objects.drawing.eye import Grid, image_point, lens, project
+from seaglint.objects.drawing.parts import Mesh
+from seaglint.objects.drawing.raster import Faces, Samples, chord, meet, outline
 from seaglint.objects.solids import solid
-from seaglint.render.bodies.crests import calm, in_sight
-from seaglint.render.bodies.eye import Grid, image_point, lens, project
-from seaglint.render.bodies.parts import Mesh
-from seaglint.render.bodies.raster import Faces, Samples, chord, meet, outline
-from seaglint.render.view import Attitude, Imager
 
 pytestmark = pytest.mark.kernel
 

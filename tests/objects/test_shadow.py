@@ -9,14 +9,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.objects import primitives
 from seaglint.objects.body import Body, Placement
+from seaglint.objects.drawing.draw import Drawer, Stage
+from seaglint.objects.drawing.object_shadow import shadowed
 from seaglint.objects.solids import solid
-from seaglint.pipeline.render import Sequence, prepare_sequence
-from seaglint.render.bodies.draw import Drawer, Stage
-from seaglint.render.bodies.shadow import shadowed
 from seaglint.scenario.load import parse_scenario
+from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 
 SIZE = (20.0, 8.0, 12.0)
 DRAUGHT = 3.0

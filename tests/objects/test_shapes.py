@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.objects import primitives
 from seaglint.objects.attitude import rotation
 from seaglint.objects.checks import inside, oriented, require_materials, waterline

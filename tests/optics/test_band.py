@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 
-from seaglint.errors import DataError, DomainError
+from seaglint.base.errors import DataError, DomainError
 from seaglint.optics.band import ARTICLE_UNIT, ApparentTemperature, Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from scipy import constants
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
 
 

@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.optics import sea_water
 from seaglint.optics.fresnel import ReflectanceSeries, reflectance
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.optics import sea_water
 from seaglint.optics.fresnel import reflectance
 

@@ -15,9 +15,10 @@ import scipy.stats
 
 from seaglint.analysis import Analysis, Options, analyze
 from seaglint.analysis.recording import Recording
+from seaglint.base.errors import DataError, StorageError
 from seaglint.clutter.segmentation import segment
-from seaglint.detection.base import UserDetector
-from seaglint.errors import DataError, StorageError
+from seaglint.detection.interface import UserDetector
+from seaglint.plot.analysis_report import number, report, write_report
 from seaglint.plot.clutter import (
     PICTURES,
     draw_exceedances,
@@ -30,7 +31,6 @@ from seaglint.plot.clutter import (
     png,
     unit_of,
 )
-from seaglint.plot.report import number, report, write_report
 
 pytestmark = pytest.mark.filterwarnings("error")
 FRAMES, SIDE, RATE = 40, 64, 20.0
@@ -291,7 +291,7 @@ def test_equal_numbers_give_equal_pictures(single, name):
 
 
 def test_report_has_notes_on_top_and_equal_bytes(single, tmp_path, monkeypatch):
-    monkeypatch.setattr("seaglint.plot.report.png", lambda figure: b"")
+    monkeypatch.setattr("seaglint.plot.analysis_report.png", lambda figure: b"")
     paths = [write_report(single, tmp_path / name) for name in ("a.html", "b.html")]
     first, second = (path.read_bytes() for path in paths)
     assert first == second
@@ -303,7 +303,7 @@ def test_report_has_notes_on_top_and_equal_bytes(single, tmp_path, monkeypatch):
 
 
 def test_report_refuses_what_exists_and_replaces_when_told(constant, tmp_path, monkeypatch):
-    monkeypatch.setattr("seaglint.plot.report.png", lambda figure: b"")
+    monkeypatch.setattr("seaglint.plot.analysis_report.png", lambda figure: b"")
     path = tmp_path / "out.html"
     path.write_text("mine")
     with pytest.raises(DataError, match="exists already"):
@@ -314,7 +314,7 @@ def test_report_refuses_what_exists_and_replaces_when_told(constant, tmp_path, m
 
 
 def test_report_leaves_nothing_behind_on_a_full_disk(constant, tmp_path, monkeypatch):
-    from seaglint.plot import report as module
+    from seaglint.plot import analysis_report as module
 
     monkeypatch.setattr(module, "report", lambda *_: "text")
 

@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from seaglint.errors import BackendError, StorageError
-from seaglint.io.layout import Layout
-from seaglint.io.provenance import band_attributes
-from seaglint.io.store import open_sequence, write_sequence
+from seaglint.base.errors import BackendError, StorageError
+from seaglint.files.provenance import band_attributes
+from seaglint.files.store.layout import Layout
+from seaglint.files.store.store import open_sequence, write_sequence
 from seaglint.optics.band import Band
 from seaglint.plot import preview, video
 from seaglint.plot.preview import draw, write_picture
 from seaglint.plot.scale import Scale, scale_limits, scale_of, sea_pixels
-from seaglint.plot.summary import GLINT_FACTOR, grid_of, summarise, to_temperature
+from seaglint.plot.sequence_summary import GLINT_FACTOR, grid_of, summarise, to_temperature
 from seaglint.plot.video import captioned, grey, video_available, write_video
 
 BAND = Band.rectangular(3.5, 5.0)

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from seaglint.errors import BackendError, DataError
-from seaglint.io.layout import Layout
-from seaglint.io.store import open_sequence, write_sequence
+from seaglint.base.errors import BackendError, DataError
+from seaglint.files.store.layout import Layout
+from seaglint.files.store.store import open_sequence, write_sequence
 from seaglint.optics.band import Band
 from seaglint.plot import video
-from seaglint.plot.export import export_run
+from seaglint.plot.run_export import export_run
 from seaglint.plot.video import palette
 
 ROWS, COLUMNS, FRAMES = 16, 128, 6

@@ -3,16 +3,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seaglint.atmosphere.isothermal import IsothermalAtmosphere
-from seaglint.atmosphere.table import TableAtmosphere
-from seaglint.atmosphere.vacuum import VacuumAtmosphere
+from seaglint.air.isothermal import IsothermalAtmosphere
+from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.air.vacuum import VacuumAtmosphere
+from seaglint.facet.legs import VIEWER
+from seaglint.facet.sea_view import SeaView
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
-from seaglint.radiance.legs import VIEWER
 from seaglint.radiance.mean import mean_radiance
-from seaglint.radiance.view import SeaView
-from seaglint.sea.cox_munk import cox_munk_isotropic
+from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 
 BAND = Band.rectangular(3.5, 5.0)
 

@@ -3,22 +3,22 @@
 import numpy as np
 import pytest
 
-from seaglint.atmosphere.vacuum import VacuumAtmosphere
-from seaglint.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
-from seaglint.conventions import surface_range, view_zenith
-from seaglint.errors import DomainError
+from seaglint.air.vacuum import VacuumAtmosphere
+from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.conventions import surface_range, view_zenith
+from seaglint.base.errors import DomainError
+from seaglint.facet.glint import glint
+from seaglint.facet.legs import VIEWER, Shadowing
+from seaglint.facet.local_sun import solar_zenith_at
+from seaglint.facet.sea_view import SeaView
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.article import article_radiance
-from seaglint.radiance.glint import glint
-from seaglint.radiance.legs import VIEWER, Shadowing
-from seaglint.radiance.local_sun import solar_zenith_at
 from seaglint.radiance.mean import mean_radiance
-from seaglint.radiance.view import SeaView
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
-from seaglint.sea.shadowing import saunders
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.sea.shadowing.smith import saunders
+from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 LINE = 2500.0
 WATER = sea_water.hale_querry_sea()

@@ -1,24 +1,24 @@
 import numpy as np
 import pytest
 
-from seaglint.atmosphere.isothermal import IsothermalAtmosphere
-from seaglint.atmosphere.vacuum import VacuumAtmosphere
-from seaglint.constants import SOLAR_ANGULAR_RADIUS
-from seaglint.conventions import horizon_depression, surface_range, view_zenith
-from seaglint.errors import DomainError
+from seaglint.air.isothermal import IsothermalAtmosphere
+from seaglint.air.vacuum import VacuumAtmosphere
+from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.base.conventions import horizon_depression, surface_range, view_zenith
+from seaglint.base.errors import DomainError
+from seaglint.facet.emissivity import facet_nodes
+from seaglint.facet.glint import glint
+from seaglint.facet.legs import Shadowing
+from seaglint.facet.local_sun import turn_at
+from seaglint.facet.sea_view import SeaView
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band, apparent_temperature
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import reflectance
-from seaglint.radiance.glint import glint
-from seaglint.radiance.legs import Shadowing
-from seaglint.radiance.local_sun import turn_at
 from seaglint.radiance.mean import MeanModel, mean_radiance
-from seaglint.radiance.view import SeaView
-from seaglint.sea.breon_henriot import breon_henriot
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
-from seaglint.sea.emissivity import facet_nodes
-from seaglint.sea.slopes import flat
+from seaglint.sea.slopes.breon_henriot import breon_henriot
+from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
+from seaglint.sea.slopes.slope_statistics import flat
 
 BAND = Band.rectangular(3.0, 5.0)
 SEAS = {

@@ -6,17 +6,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from seaglint.atmosphere.scattered import scattered_path, scattered_shares, scattered_sky_at
-from seaglint.atmosphere.table import TableAtmosphere
-from seaglint.conventions import surface_range, view_zenith
+from seaglint.air.scattering.scattered_light import scattered_path, scattered_shares, scattered_sky_at
+from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.base.conventions import surface_range, view_zenith
+from seaglint.facet.legs import BOTH
+from seaglint.facet.local_sun import solar_zenith_at
+from seaglint.facet.sea_view import SeaView
 from seaglint.optics import sea_water
 from seaglint.optics.band import Band
 from seaglint.optics.fresnel import reflectance
-from seaglint.radiance.legs import BOTH
-from seaglint.radiance.local_sun import solar_zenith_at
 from seaglint.radiance.mean import MeanModel, mean_radiance
-from seaglint.radiance.view import SeaView
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
+from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
 
 AZIMUTHS = np.radians([0.0, 12.0, -40.0, 180.0])
 

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seaglint.errors import DomainError
-from seaglint.radiance.glint import glint
-from seaglint.radiance.legs import VIEWER
+from seaglint.base.errors import DomainError
+from seaglint.facet.glint import glint
+from seaglint.facet.legs import VIEWER
 from seaglint.radiance.variance import glint_variance, patches, point_variance
-from seaglint.sea.cox_munk import cox_munk_isotropic
+from seaglint.sea.slopes.cox_munk import cox_munk_isotropic
 
 CELL = 0.0026  # m
 

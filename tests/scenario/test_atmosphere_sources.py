@@ -2,7 +2,7 @@
 
 import pytest
 
-from seaglint.errors import ScenarioError
+from seaglint.base.errors import ScenarioError
 from seaglint.scenario.load import parse_scenario
 
 

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from seaglint.errors import ScenarioError
+from seaglint.base.errors import ScenarioError
 from seaglint.scenario.ensemble import load_ensemble, parse_ensemble
-from seaglint.scenario.laws import Choice, LogUniform, Normal, Uniform
-from seaglint.scenario.quantity import Quantity
-from seaglint.scenario.toml_text import document
+from seaglint.scenario.records.laws import Choice, LogUniform, Normal, Uniform
+from seaglint.scenario.records.quantity import Quantity
+from seaglint.scenario.text.toml_text import document
 
 SPEED = Quantity("m/s", ge=0, le=50)
 KELVIN = Quantity("K", ge=0)

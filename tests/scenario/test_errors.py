@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from seaglint.errors import ScenarioError
+from seaglint.base.errors import ScenarioError
 from seaglint.scenario.load import load_scenario, parse_scenario
 
 MISTAKES = {

@@ -7,13 +7,13 @@ import tomllib
 
 import pytest
 
-from seaglint.errors import ScenarioError
-from seaglint.io.provenance import differences
+from seaglint.base.errors import ScenarioError
+from seaglint.base.schema import LAYERS, VARIABLES
+from seaglint.files.provenance import differences
 from seaglint.scenario.keys import choices_at
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.template import json_schema, template
-from seaglint.schema import LAYERS, VARIABLES
+from seaglint.scenario.text.template import json_schema, template
 
 
 def test_layers_are_variables_that_leave_the_program():

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 import trimesh
 
-from seaglint.errors import ScenarioError
+from seaglint.base.errors import ScenarioError
 from seaglint.objects import primitives
 from seaglint.objects.body import Plume, Point, Solid
 from seaglint.objects.geodesic import east_north
-from seaglint.pipeline import prepare
-from seaglint.pipeline.objects import bodies
 from seaglint.scenario.load import load_scenario, parse_scenario
-from seaglint.scenario.object_presets import OBJECTS
+from seaglint.scenario.presets.object_presets import OBJECTS
+from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.bodies import bodies
 
 BALL = {"name": "ball", "shape": {"kind": "sphere", "radius_m": 2.0}, "temperature_k": 300, "north_m": -500, "height_m": 5}
 EXAMPLES = Path(__file__).resolve().parents[2] / "examples"

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy import constants
 
-from seaglint.errors import ScenarioError
-from seaglint.pipeline.sensor import sensor_model
+from seaglint.base.errors import ScenarioError
+from seaglint.instrument.detector import Detector
+from seaglint.instrument.figures_of_merit import figures
 from seaglint.scenario.load import load_scenario, parse_scenario
-from seaglint.scenario.sensor_presets import SENSORS, with_sensor
-from seaglint.sensor.detector import Detector
-from seaglint.sensor.figures import figures
+from seaglint.scenario.presets.sensor_presets import SENSORS, with_sensor
+from seaglint.studies.prepare.sensor_model import sensor_model
 
 OPTICS = {"aperture_m": 0.05, "f_number": 4.0}
 PIXELS = {"pitch_um": 15.0}

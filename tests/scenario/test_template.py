@@ -8,10 +8,10 @@ import tomllib
 
 import pytest
 
-from seaglint.errors import DataError, ScenarioError
+from seaglint.base.errors import DataError, ScenarioError
 from seaglint.scenario.keys import key_paths
 from seaglint.scenario.load import parse_scenario
-from seaglint.scenario.template import PRESETS, json_schema, template, write_template
+from seaglint.scenario.text.template import PRESETS, json_schema, template, write_template
 
 
 @pytest.mark.parametrize("name", PRESETS)

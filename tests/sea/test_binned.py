@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from seaglint.errors import DataError, DomainError
+from seaglint.base.errors import DataError, DomainError
 from seaglint.sea.dispersion import wavenumber
 from seaglint.sea.field import WaveField
 from seaglint.sea.spectra import BinnedSpectrum

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.sea.dispersion import angular_frequency, group_velocity, wavenumber
 
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.errors import BackendError, DataError
-from seaglint.io.waves import WaveChoice, read_waves
-from seaglint.io.waves.ndbc import SUFFIXES as NDBC_SUFFIXES
+from seaglint.base.errors import BackendError, DataError
+from seaglint.files.waves import WaveChoice, read_waves
+from seaglint.files.waves.ndbc_waves import SUFFIXES as NDBC_SUFFIXES
 from seaglint.sea.field import WaveField
 from seaglint.sea.spectra import MeasuredSpectrum
 from seaglint.sea.spectra.measured import possible_moments

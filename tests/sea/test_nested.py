@@ -3,15 +3,15 @@ import pytest
 from scipy.integrate import quad
 from scipy.stats import norm
 
-from seaglint.errors import DomainError
-from seaglint.radiance.glint import glint
-from seaglint.radiance.legs import NESTED_VIEWER, VIEWER, Shadowing
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
-from seaglint.sea.emissivity import facet_nodes
-from seaglint.sea.nested import BANDS, nested_area, nested_exponent_kernel, nested_ratio, ratio_table
-from seaglint.sea.seen_and_lit import coupling_table, lit_exponent_kernel, lit_table
-from seaglint.sea.shadowing import projected_area, smith_lambda, smith_nu
-from seaglint.sea.slopes import SlopeStatistics, flat
+from seaglint.base.errors import DomainError
+from seaglint.facet.emissivity import facet_nodes
+from seaglint.facet.glint import glint
+from seaglint.facet.legs import NESTED_VIEWER, VIEWER, Shadowing
+from seaglint.sea.shadowing.nested import BANDS, nested_area, nested_exponent_kernel, nested_ratio, ratio_table
+from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel, lit_table
+from seaglint.sea.shadowing.smith import projected_area, smith_lambda, smith_nu
+from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
 
 DEPRESSIONS = (1.0, 2.0, 3.0, 4.0, 6.0, 10.0, 15.0)
 # Brute-force visibility on an isotropic Gaussian surface of k^-4 elevation density, 256 m to 5 cm, slope variance 0.0542, no shading of

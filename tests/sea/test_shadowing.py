@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from seaglint.errors import DomainError
-from seaglint.sea.shadowing import (
+from seaglint.base.errors import DomainError
+from seaglint.sea.shadowing.smith import (
     bistatic,
     bistatic_kernel,
     projected_area,

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from seaglint.errors import DomainError
-from seaglint.sea.breon_henriot import breon_henriot
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_slick
-from seaglint.sea.shadowing import clipped_mass
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.base.errors import DomainError
+from seaglint.sea.shadowing.smith import clipped_mass
+from seaglint.sea.slopes.breon_henriot import breon_henriot
+from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_slick
+from seaglint.sea.slopes.from_spectrum import spectrum_slopes
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
-from seaglint.sea.spectra.slopes import spectrum_slopes
-from seaglint.sea.wind import wind_at_height
+from seaglint.sea.wind_profile import wind_at_height
 
 SERIES = [cox_munk_gram_charlier, cox_munk_slick, breon_henriot]
 

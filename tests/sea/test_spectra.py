@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.sea.dispersion import angular_frequency
 from seaglint.sea.spectra import ElfouhailySpectrum, PiersonMoskowitzSpectrum
 from seaglint.sea.spectra.elfouhaily import inverse_wave_age_of_fetch

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
+from seaglint.facet.emissivity import emissivity, facet_nodes
 from seaglint.optics.fresnel import reflectance
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.sea.breon_henriot import breon_henriot
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
-from seaglint.sea.emissivity import emissivity, facet_nodes
-from seaglint.sea.shadowing import bistatic, projected_area, slope_lambda, smith_lambda, smith_nu, visible_area
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.sea.shadowing.smith import bistatic, projected_area, slope_lambda, smith_lambda, smith_nu, visible_area
+from seaglint.sea.slopes.breon_henriot import breon_henriot
+from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic, cox_munk_slick
+from seaglint.sea.slopes.from_spectrum import spectrum_slopes
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
-from seaglint.sea.spectra.slopes import spectrum_slopes
 
 WIND_TO = np.radians(70.0)
 MODELS = {

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from seaglint.constants import GRAVITY
-from seaglint.errors import DomainError
-from seaglint.render.tables import facet_slopes
+from seaglint.base.constants import GRAVITY
+from seaglint.base.errors import DomainError
+from seaglint.facet.facet_tables import facet_slopes
 from seaglint.sea.dispersion import angular_frequency
 from seaglint.sea.field import WaveField
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra import ElfouhailySpectrum, JonswapSpectrum, PiersonMoskowitzSpectrum, WaveSystems
 from seaglint.sea.tiles import plan_tiles, resolve_limit
 

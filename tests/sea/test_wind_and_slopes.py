@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from seaglint.errors import DomainError
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
-from seaglint.sea.slopes import SlopeStatistics, flat
-from seaglint.sea.wind import friction_velocity, roughness_length, u10_of_wind, wind_at_height
+from seaglint.base.errors import DomainError
+from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics, flat
+from seaglint.sea.wind_profile import friction_velocity, roughness_length, u10_of_wind, wind_at_height
 
 
 def slope_plane(half_width=2.5, n=1001):

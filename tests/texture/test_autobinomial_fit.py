@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
-from seaglint.errors import DataError, DomainError
+from seaglint.base.errors import DataError, DomainError
 from seaglint.texture.autobinomial import Autobinomial
 from seaglint.texture.autobinomial_fit import fit
 from seaglint.texture.autobinomial_sampler import exchange, sample
-from seaglint.texture.levels import GreyLevels
 from seaglint.texture.neighbourhood import classes
 from seaglint.texture.pseudo_likelihood import conditional_log_likelihood
+from seaglint.texture.quantisation import GreyLevels
 from seaglint.texture.regime import mean_field, regime
 
 KNOWN = Autobinomial.of(8, 2, -1.4, (0.09, 0.05, -0.02, 0.03), isotropic=False)

@@ -9,8 +9,8 @@ import pytest
 from scipy import stats
 from scipy.special import comb, expit
 
-from seaglint._jit import njit
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import njit
 from seaglint.texture import autobinomial_kernels as kernels
 from seaglint.texture import autobinomial_sampler as sampler
 from seaglint.texture.autobinomial import Autobinomial

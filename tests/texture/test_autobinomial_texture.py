@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
 from seaglint.texture import autobinomial_texture as textures
 from seaglint.texture.autobinomial import Autobinomial
 from seaglint.texture.autobinomial_sampler import exchange, sample

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from seaglint.errors import DataError, DomainError
+from seaglint.base.errors import DataError, DomainError
 from seaglint.texture.gauss_markov import (
     GaussMarkov,
     covariance,

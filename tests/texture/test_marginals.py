@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from seaglint.errors import DataError, DomainError
+from seaglint.base.errors import DataError, DomainError
 from seaglint.texture.marginals import TAILS, Marginal, fit_marginal
 
 ONE_OF_EACH = [

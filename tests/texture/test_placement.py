@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from seaglint.conventions import horizon_depression, horizon_range
-from seaglint.errors import DomainError
+from seaglint.base.conventions import horizon_depression, horizon_range
+from seaglint.base.errors import DomainError
 from seaglint.texture.placement import Footprints, Plane, fluctuation
 
 HEIGHT = 30.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
 from seaglint.texture.gauss_markov import GaussMarkov
 from seaglint.texture.gaussian_texture import GaussianTexture
 from seaglint.texture.marginals import Marginal

@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
 from seaglint.texture.gauss_markov import GaussMarkov
 from seaglint.texture.marginals import Marginal
 from seaglint.texture.suitability import REFUSED, Region, examine, parse_region, require_stationary, require_values

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.fft import irfftn, rfftn
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.texture.gauss_markov import GaussMarkov, covariance
 from seaglint.texture.gaussian_texture import GaussianTexture
 from seaglint.texture.marginals import Marginal

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.io.layout import Layout
-from seaglint.io.provenance import provenance
-from seaglint.io.store import write_sequence
-from seaglint.io.truth import NUMBERS, Truth
+from seaglint.files.provenance import provenance
+from seaglint.files.store.layout import Layout
+from seaglint.files.store.store import write_sequence
+from seaglint.files.store.stored_truth import NUMBERS, Truth
 from seaglint.optics.band import Band
 
 ROWS, COLUMNS, FRAMES = 48, 64, 12

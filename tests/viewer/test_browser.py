@@ -19,8 +19,8 @@ import pytest
 from seaglint.analysis import Options, analyze
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
-from seaglint.io.store import write_sequence
-from seaglint.viewer.frames import open_source
+from seaglint.files.store.store import write_sequence
+from seaglint.viewer.frame_source import open_source
 
 from .conftest import COLUMNS, ROWS, images, layout, radiance
 
@@ -321,8 +321,8 @@ def test_screenshots(chromium, tmp_path):
 
 def _demo(folder: Path) -> Path:
     """The demo's first frames."""
-    from seaglint.pipeline.render import render
     from seaglint.scenario.load import load_scenario
+    from seaglint.studies.sequence.render_sequence import render
 
     scenario = load_scenario(Path(__file__).parents[2] / "examples" / "demo.toml")
     return render(scenario, folder / "demo.zarr", frames=range(8))

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.errors import BackendError, DataError
+from seaglint.base.errors import BackendError, DataError
 
 pytest.importorskip("starlette", reason="the viewer's extra is not installed")
 httpx = pytest.importorskip("httpx", reason="httpx is not installed")

@@ -11,17 +11,17 @@ import xarray as xr
 import zarr
 
 from seaglint.analysis import Options, analyze
-from seaglint.errors import DataError
-from seaglint.io.place import partial_path, place_of
-from seaglint.io.recording import open_recording
-from seaglint.io.shards import Shards
-from seaglint.io.store import write_sequence
+from seaglint.base.errors import DataError
+from seaglint.files.recording import open_recording
+from seaglint.files.store.location import partial_path, place_of
+from seaglint.files.store.shards import Shards
+from seaglint.files.store.store import write_sequence
 from seaglint.optics.band import apparent_temperature
-from seaglint.plot.summary import grid_of, stored_band
-from seaglint.viewer.frames import MOST_CACHED, MOST_TRACED, GoneError, open_source
+from seaglint.plot.sequence_summary import grid_of, stored_band
+from seaglint.viewer.dragged_region import Rectangle, exceedances, quick, whole
+from seaglint.viewer.frame_source import MOST_CACHED, MOST_TRACED, GoneError, open_source
 from seaglint.viewer.picture import Scales, Show, tag
 from seaglint.viewer.probe import probe, trace
-from seaglint.viewer.region import Rectangle, exceedances, quick, whole
 from seaglint.viewer.scaling import scaling_of
 
 from .conftest import COLUMNS, FRAMES, ROWS, images, layout, radiance

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from seaglint.atmosphere.table import TableAtmosphere
+from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.facet.legs import NESTED
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.radiance.legs import NESTED
-from seaglint.sea.cox_munk import cox_munk_gram_charlier
+from seaglint.sea.slopes.cox_munk import cox_munk_gram_charlier
 from seaglint.weather.azimuths import azimuth_shares
 from seaglint.weather.looks import looks
+from seaglint.weather.mirrored_sunlight import mirrored_light
 from seaglint.weather.seas import seas
-from seaglint.weather.sunlight import mirrored_light
 
 BAND = (3.5, 5.0)
 DEPRESSION = (0.02, 0.11)

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.sun import sun_position
 from seaglint.weather.ephemeris import Ephemeris

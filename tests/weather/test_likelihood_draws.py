@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.weather.clouds import clear_line, illuminated
 from seaglint.weather.conditions import Region, Times, conditions, draw_pairs, months_of
 from seaglint.weather.draws import Plan, estimate
 from seaglint.weather.strata import strata
-from seaglint.weather.table import WeatherTable
+from seaglint.weather.weather_table import WeatherTable
 
 
 @pytest.mark.parametrize("samples", [256, 1000, 65_536, 100_000, 1_000_000])

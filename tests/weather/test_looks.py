@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from seaglint.atmosphere.table import TableAtmosphere
-from seaglint.atmosphere.table_file import BandTable
+from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.air.table.table_file import BandTable
+from seaglint.facet.legs import NESTED
+from seaglint.facet.sea_view import SeaView
 from seaglint.optics.band import Band
 from seaglint.optics.sea_water import hale_querry_sea
-from seaglint.radiance.legs import NESTED
 from seaglint.radiance.mean import mean_radiance
 from seaglint.radiance.variance import sea_variance
-from seaglint.radiance.view import SeaView
-from seaglint.sea.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
+from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
 from seaglint.weather.draws import Plan
 from seaglint.weather.looks import Search, looks
 from seaglint.weather.measures import DetectionCurve, detected, deviation, exceeded_by, passes
+from seaglint.weather.mirrored_sunlight import mirrored_light
 from seaglint.weather.seas import seas
-from seaglint.weather.sunlight import mirrored_light
 
 BAND = (3.5, 5.0)
 DEPRESSION = (0.02, 0.11)

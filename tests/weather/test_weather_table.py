@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy.stats import chisquare, qmc
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.weather.derived import model_atmosphere, relative_humidity, significant_height, wind_from_components
 from seaglint.weather.select import Box, Polygon, Selection, select
 from seaglint.weather.smooth import bandwidths, smoothed
-from seaglint.weather.summary import correlation, joint_density, month_means, wind_rose
-from seaglint.weather.table import WeatherTable
+from seaglint.weather.table_summary import correlation, joint_density, month_means, wind_rose
+from seaglint.weather.weather_table import WeatherTable
 
 
 def _linked(rows: int = 400, seed: int = 5) -> WeatherTable:

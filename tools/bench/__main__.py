@@ -40,7 +40,7 @@ MEMORY = (
     measure_performance.PEAK
     + """
 import json, sys
-from seaglint.pipeline.render import prepare_sequence
+from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.scenario.load import parse_scenario
 run = prepare_sequence(parse_scenario(json.loads(sys.argv[1])))
 for frame in range(2):
@@ -57,9 +57,9 @@ def merged(base: dict[str, Any], **changes: dict[str, Any]) -> dict[str, Any]:
 
 def frame_seconds(scenario: dict[str, Any], threads: int | None = None, frames: int = 3) -> tuple[float, float]:
     """Shortest warm frame, and the time from scenario to the first one's beginning [s]."""
-    from seaglint.pipeline.render import prepare_sequence
+    from seaglint.base.threads import thread_limit
     from seaglint.scenario.load import parse_scenario
-    from seaglint.threads import thread_limit
+    from seaglint.studies.sequence.render_sequence import prepare_sequence
 
     with thread_limit(threads):
         start = time.perf_counter()
@@ -132,9 +132,9 @@ def memory() -> list[str]:
 
 def profile() -> list[str]:
     """Where the time of a frame goes, and that of the preparation."""
-    from seaglint.pipeline.render import prepare_sequence
-    from seaglint.render.swept import SweptScene
+    from seaglint.imaging.swept import SweptScene
     from seaglint.scenario.load import parse_scenario
+    from seaglint.studies.sequence.render_sequence import prepare_sequence
 
     scenario = parse_scenario(FIG12)
     prepare_sequence(scenario).at(0.0)

@@ -20,11 +20,11 @@ import numpy as np
 
 from bench.mitsuba_sea import MitsubaSea
 from bench.scene import SUN_ZENITHS, compared_rows, facet_bands, renderer, rms_over_mean, scene
-from seaglint.conventions import FloatArray
-from seaglint.radiance.view import SeaView
-from seaglint.render.camera import Camera
-from seaglint.render.scene import image
-from seaglint.render.swept import SweptScene
+from seaglint.base.conventions import FloatArray
+from seaglint.facet.sea_view import SeaView
+from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.scene import image
+from seaglint.imaging.swept import SweptScene
 from seaglint.sea.field import WaveField
 
 WANTED = 0.015

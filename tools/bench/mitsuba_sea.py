@@ -24,14 +24,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.scene import RANGE
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.facet.sea_view import SeaView
+from seaglint.imaging.camera.image_grid import Camera
 from seaglint.optics.fresnel import reflectance
-from seaglint.radiance.view import SeaView
-from seaglint.render.camera import Camera
 from seaglint.sea.field import WaveField
-from seaglint.sea.nested import HIGHEST, between_bands, nested_ratio
-from seaglint.sea.seen_and_lit import lit_table
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.sea.shadowing.nested import HIGHEST, between_bands, nested_ratio
+from seaglint.sea.shadowing.seen_and_lit import lit_table
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 INCIDENCE_NODES = 1025
 LIFT = 3e-4

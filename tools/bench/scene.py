@@ -11,15 +11,15 @@ import math
 
 import numpy as np
 
-from seaglint.conventions import FloatArray, horizon_depression
-from seaglint.pipeline import prepare
-from seaglint.radiance.view import SeaView
-from seaglint.render.accuracy import Accuracy
-from seaglint.render.camera import Camera
-from seaglint.render.swept import SweptScene
+from seaglint.base.conventions import FloatArray, horizon_depression
+from seaglint.facet.sea_view import SeaView
+from seaglint.imaging.accuracy import Accuracy
+from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.swept import SweptScene
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.field import WaveField
 from seaglint.sea.tiles import Tile
+from seaglint.studies.prepare import prepare
 
 LENGTH = 1024.0
 POINTS = 1024

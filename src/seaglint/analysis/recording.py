@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
 
 FrameArray = NDArray[np.float32]
 
 
 @dataclass(frozen=True)
 class Recording:
-    """Sequence of images that is read on demand: from a file by ``seaglint.io.recording.open_recording``, or by a user's function.
+    """Sequence of images that is read on demand: from a file by ``seaglint.files.recording.open_recording``, or by a user's function.
 
     Attributes
     ----------

@@ -9,7 +9,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint import random
+from seaglint.base import random
+from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import (
     SpatialCorrelation,
     TemporalCorrelation,
@@ -26,7 +27,6 @@ from seaglint.clutter.goodness import FEWEST_JUDGED, Goodness, goodness
 from seaglint.clutter.moments import Moments
 from seaglint.clutter.spectrum import Spectrum, power_spectrum
 from seaglint.clutter.stationarity import Stationarity, stationarity
-from seaglint.errors import DataError
 
 BoolArray = NDArray[np.bool_]
 FrameArray = NDArray[np.float32]

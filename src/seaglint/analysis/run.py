@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 from seaglint.analysis.recording import Recording
 from seaglint.analysis.region import Gatherer, Region, region
 from seaglint.analysis.survey import Passes, Progress, Survey, ahead, survey
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.representation import card, notes, table
+from seaglint.base.threads import single_threaded_algebra
 from seaglint.clutter.false_alarms import FalseAlarms, lone_lines
 from seaglint.clutter.filters import Filter, Laplacian
 from seaglint.clutter.segmentation import Segmentation, segment
 from seaglint.clutter.thresholds import Scope, frame_scale, standardise
-from seaglint.detection.base import Detector, statistics
-from seaglint.errors import DataError, DomainError
-from seaglint.representation import card, notes, table
-from seaglint.threads import single_threaded_algebra
+from seaglint.detection.interface import Detector, statistics
 
 BoolArray = NDArray[np.bool_]
 FrameArray = NDArray[np.float32]
@@ -156,7 +156,7 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
     Parameters
     ----------
     recording : Recording
-        Recording from a file by ``seaglint.io.recording.open_recording``, or a user's own.
+        Recording from a file by ``seaglint.files.recording.open_recording``, or a user's own.
     options : Options, optional
         Filter, thresholds, mask, detectors.
     progress : callable

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
+from seaglint.base.errors import DataError
 from seaglint.clutter.moments import PixelMoments
-from seaglint.errors import DataError
 
 BoolArray = NDArray[np.bool_]
 FrameArray = NDArray[np.float32]

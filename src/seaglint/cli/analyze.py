@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from seaglint.cli.progress import ProgressMode
+from seaglint.cli.terminal.progress import ProgressMode
 
 if TYPE_CHECKING:
     import numpy as np
@@ -71,10 +71,10 @@ def analyze(
 ) -> None:
     """Clutter statistics and false alarms of a recording, by region."""
     from seaglint.analysis import analyze as run
-    from seaglint.cli.progress import patient_progress
-    from seaglint.errors import DataError
-    from seaglint.io.outputs import refuse_existing
-    from seaglint.io.recording import open_recording
+    from seaglint.base.errors import DataError
+    from seaglint.cli.terminal.progress import patient_progress
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.recording import open_recording
 
     if report is not None:
         if report.suffix.lower() not in (".html", ".htm"):
@@ -99,7 +99,7 @@ def analyze(
         with patient_progress(show, "frames") as progress:
             found = run(opened, options, progress)
         if report is not None:
-            from seaglint.plot.report import write_report
+            from seaglint.plot.analysis_report import write_report
 
             write_report(found, report, overwrite=overwrite)
     if report is not None:
@@ -125,8 +125,8 @@ def _options(
     border: str,
 ) -> Options:
     from seaglint.analysis import Options
-    from seaglint.detection.choice import named
-    from seaglint.errors import DataError
+    from seaglint.base.errors import DataError
+    from seaglint.detection.named_detectors import named
 
     for value in thresholds:
         if not 0.0 < value < 100.0:
@@ -149,8 +149,8 @@ def _options(
 
 def filter_of(name: str, kernel: Path | None, signature: Path | None) -> Filter:
     """Filter by name, or of the user's own weights or target."""
+    from seaglint.base.errors import DataError
     from seaglint.clutter.filters import Kernel, MatchedFilter, named
-    from seaglint.errors import DataError
 
     if kernel is not None:
         return Kernel(weights(kernel), name=kernel.stem)
@@ -165,7 +165,7 @@ def weights(path: Path) -> NDArray[np.float64]:
     """Numbers of a small CSV or NumPy file."""
     import numpy as np
 
-    from seaglint.errors import DataError
+    from seaglint.base.errors import DataError
 
     try:
         if path.suffix == ".npy":
@@ -180,8 +180,8 @@ def read_mask(path: Path) -> NDArray[np.bool_]:
     """Mask from an image or a NumPy file: true where it is not zero."""
     import numpy as np
 
-    from seaglint.errors import DataError
-    from seaglint.io.recording import open_recording
+    from seaglint.base.errors import DataError
+    from seaglint.files.recording import open_recording
 
     opened = open_recording(path, channel=None)
     if opened.frames != 1:
@@ -190,7 +190,7 @@ def read_mask(path: Path) -> NDArray[np.bool_]:
 
 
 def _part(text: str) -> tuple[float, float]:
-    from seaglint.errors import DataError
+    from seaglint.base.errors import DataError
 
     first, colon, last = text.partition(":")
     try:
@@ -205,8 +205,8 @@ def raw_layout(text: str | None) -> Any:
     """Layout of a raw file from ``name=value`` pairs; None where nothing is said."""
     if text is None:
         return None
-    from seaglint.errors import DataError
-    from seaglint.io.recording import RawLayout
+    from seaglint.base.errors import DataError
+    from seaglint.files.recording import RawLayout
 
     table: dict[str, Any] = {}
     for pair in text.split(","):

@@ -19,32 +19,32 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from seaglint.base.errors import DataError, SeaglintError
 from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
-from seaglint.cli.completion import InstallCompletion, ShowCompletion
 from seaglint.cli.dataset import dataset
 from seaglint.cli.detect import detect
 from seaglint.cli.ensemble import ensemble
 from seaglint.cli.evaluate import evaluate
-from seaglint.cli.examples import add_examples
 from seaglint.cli.export import export, export_sea
-from seaglint.cli.groups import write_groups
 from seaglint.cli.labels import labels
 from seaglint.cli.likelihood import likelihood
-from seaglint.cli.messages import files_read, log, naming_file, print_json
-from seaglint.cli.options import Overwrite, PreviewScale, Progress, ShardOption, place_given
-from seaglint.cli.progress import ProgressMode
 from seaglint.cli.reproduce import reproduce
 from seaglint.cli.sensor import SensorPreset, sense, sensor
 from seaglint.cli.sensor import line as counts_line
+from seaglint.cli.terminal.completion import InstallCompletion, ShowCompletion
+from seaglint.cli.terminal.examples import add_examples
+from seaglint.cli.terminal.groups import write_groups
+from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
+from seaglint.cli.terminal.options import Overwrite, PreviewScale, Progress, ShardOption, place_given
+from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen
 from seaglint.cli.texture import texture
 from seaglint.cli.view import view
 from seaglint.cli.weather import weather
-from seaglint.cli.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen
-from seaglint.errors import DataError, SeaglintError
 
 if TYPE_CHECKING:
-    from seaglint.io.share import Share
+    from seaglint.files.store.share import Share
 
 
 class _Terminated(BaseException):
@@ -104,7 +104,7 @@ app = typer.Typer(
     help="Infrared ocean clutter: mean radiance, glint and calibrated image sequences of a moving sea.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    add_completion=False,  # seaglint.cli.completion has its own
+    add_completion=False,  # seaglint.cli.terminal.completion has its own
 )
 app.add_typer(reproduce, name="reproduce")
 app.add_typer(evaluate, name="evaluate")
@@ -155,7 +155,7 @@ def _seaglint(
 
 def _list_presets(wanted: bool) -> None:
     if wanted:
-        from seaglint.scenario.presets import PRESETS
+        from seaglint.scenario.presets.scene_presets import PRESETS
 
         for name, found in PRESETS.items():
             typer.echo(f"{name:16} {found.title}")
@@ -170,8 +170,8 @@ def init(
     presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list the presets and leave")] = False,
 ) -> None:
     """Write a commented scenario file."""
-    from seaglint.io.outputs import refuse_existing
-    from seaglint.scenario.template import write_template
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.scenario.text.template import write_template
 
     refuse_existing(output, overwrite=overwrite)
     write_template(output, preset, overwrite=overwrite)
@@ -181,7 +181,7 @@ def init(
 @app.command()
 def schema() -> None:
     """Print the JSON Schema of scenario files."""
-    from seaglint.scenario.template import json_schema
+    from seaglint.scenario.text.template import json_schema
 
     print_json(json_schema())
 
@@ -195,9 +195,9 @@ def mean(
     scale: ScaleOption = PreviewScale.AUTO,
 ) -> None:
     """Map mean radiance and apparent temperature over the view."""
-    from seaglint.cli.logs import show_logs
-    from seaglint.io.netcdf import write_netcdf
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.files.netcdf import write_netcdf
+    from seaglint.files.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
 
     show_logs()
@@ -209,7 +209,7 @@ def mean(
     refuse_existing(output, overwrite=overwrite, inputs=inputs)
     if preview:
         _refuse_preview(picture, overwrite, inputs)
-    from seaglint.pipeline.mean import mean as mean_map
+    from seaglint.studies.mean.mean_map import mean as mean_map
 
     with naming_file(scenario, loaded):
         dataset = mean_map(loaded)
@@ -250,12 +250,12 @@ def render(
 
     Radiance is at the aperture; where the scenario has a detector, frames are its counts. Any frame alone is the same as in the sequence.
     """
-    from seaglint.cli.finish import finish_store, require_one_way, tell_share
-    from seaglint.cli.frames import parse_frames
-    from seaglint.cli.logs import show_logs
-    from seaglint.cli.progress import progress
-    from seaglint.io.share import Share
-    from seaglint.io.store import check_output
+    from seaglint.cli.terminal.finish import finish_store, require_one_way, tell_share
+    from seaglint.cli.terminal.frame_numbers import parse_frames
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.progress import progress
+    from seaglint.files.store.share import Share
+    from seaglint.files.store.store import check_output
     from seaglint.scenario.load import load_scenario
 
     show_logs(quiet=show is ProgressMode.NONE)
@@ -279,11 +279,11 @@ def render(
     pictures = _Pictures(_beside(store, share), inputs, replace=overwrite or resume) if preview else None
     render_sequence: Callable[..., Path | str]
     if loaded.sensor.senses or electrons or radiance:
-        from seaglint.pipeline.sensed import render as render_counts
+        from seaglint.studies.sequence.sensed import render as render_counts
 
         render_sequence = partial(render_counts, electrons=electrons, radiance=radiance)
     else:
-        from seaglint.pipeline.render import render as render_radiance
+        from seaglint.studies.sequence.render_sequence import render as render_radiance
 
         render_sequence = render_radiance
     with naming_file(file, loaded), chosen(workers, dask, dask_slurm, threads=threads) as others, progress(show, "frames") as report:
@@ -294,8 +294,8 @@ def render(
     if share is not None:
         tell_share(store, share)
         return
-    from seaglint.io.store import open_sequence
-    from seaglint.plot.summary import summarise
+    from seaglint.files.store.store import open_sequence
+    from seaglint.plot.sequence_summary import summarise
 
     with open_sequence(store) as dataset:
         if pictures is not None:
@@ -307,7 +307,7 @@ def render(
 
 def _preview(store: Path | str, scale: PreviewScale) -> None:
     """Write pictures of a finished store; older ones are replaced, as by --resume."""
-    from seaglint.io.store import open_sequence
+    from seaglint.files.store.store import open_sequence
 
     with open_sequence(store) as dataset:
         _Pictures(_beside(store, None), [], replace=True).write(dataset, scale)
@@ -324,7 +324,7 @@ def _beside(store: Path | str, share: Share | None) -> Path:
 
 def _refuse_preview(path: Path, replace: bool, inputs: list[Path]) -> None:
     """Refuse to write a preview over what may be somebody's, and say why a name is taken that was not given."""
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.files.outputs import refuse_existing
 
     if path.exists() and not replace:
         raise DataError(

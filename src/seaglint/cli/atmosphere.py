@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.messages import files_read, log, naming_file
+from seaglint.cli.terminal.messages import files_read, log, naming_file
 
 atmosphere = typer.Typer(help="The air of a scenario as a file, and MODTRAN's files.", no_args_is_help=True)
 
@@ -36,14 +36,14 @@ def export(
 
     Transmittance, radiance and sunlight: a start for an atmosphere file of your own.
     """
-    from seaglint.io.atmosphere_file import require_kind, write_atmosphere
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.files.air.air_file import require_kind, write_atmosphere
+    from seaglint.files.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
 
     require_kind(output)
     loaded = load_scenario(scenario)
     refuse_existing(output, overwrite=overwrite, inputs=files_read(scenario, loaded))
-    from seaglint.pipeline.air import export_air
+    from seaglint.studies.prepare.air_export import export_air
 
     with naming_file(scenario, loaded):
         air = export_air(loaded)
@@ -68,7 +68,7 @@ def write(
     from seaglint.scenario.load import load_scenario
 
     loaded = load_scenario(scenario)
-    from seaglint.pipeline.modtran import write_decks
+    from seaglint.studies.prepare.modtran_decks import write_decks
 
     with naming_file(scenario, loaded):
         decks = write_decks(loaded, output, form.value, scattered=scattered, overwrite=overwrite)
@@ -93,12 +93,12 @@ def read(
 
     For atmosphere.source = "file" of a scenario; path, sky, Sun and scattered sunlight apart.
     """
-    from seaglint.io.atmosphere_file import require_kind, write_atmosphere
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.files.air.air_file import require_kind, write_atmosphere
+    from seaglint.files.outputs import refuse_existing
 
     require_kind(output)
     refuse_existing(output, overwrite=overwrite, inputs=[path for path in files if path.is_file()])
-    from seaglint.io.modtran.reading import read_air
+    from seaglint.files.modtran.reading import read_air
 
     air = read_air(files)
     write_atmosphere(air, output, overwrite=overwrite)

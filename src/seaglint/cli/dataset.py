@@ -7,11 +7,11 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.messages import log
-from seaglint.cli.options import Overwrite, Progress
-from seaglint.cli.progress import ProgressMode
-from seaglint.cli.workers import DaskOption, DaskSlurmOption, WorkersOption
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
+from seaglint.cli.terminal.messages import log
+from seaglint.cli.terminal.options import Overwrite, Progress
+from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption
 
 MOST_TOLD = 20
 """Lines of what is wrong with a data set, of which more are only counted."""
@@ -45,12 +45,12 @@ def dataset(
         return
     if output is None:
         raise DataError("-o is missing: the folder of the data set; give one, e.g. -o data")
-    from seaglint.cli.logs import show_logs
-    from seaglint.cli.progress import progress
-    from seaglint.cli.workers import chosen
-    from seaglint.io.dataset.check import read_about
-    from seaglint.pipeline.dataset import Options, require_output
-    from seaglint.pipeline.ensemble_dataset import ensemble_dataset, read_source
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.progress import progress
+    from seaglint.cli.terminal.workers import chosen
+    from seaglint.files.dataset.check import read_about
+    from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source
+    from seaglint.studies.ensemble.scenes_to_dataset import Options, require_output
 
     show_logs(quiet=show is ProgressMode.NONE)
     options = Options.of(form, bits, image)
@@ -75,7 +75,7 @@ def dataset(
 
 def _check(folder: Path) -> None:
     """Say what is wrong with a data set, and leave with 2 where something is."""
-    from seaglint.io.dataset.check import problems
+    from seaglint.files.dataset.check import problems
 
     found = list(problems(folder))
     for line in found[:MOST_TOLD]:

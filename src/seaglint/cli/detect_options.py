@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, get_type_hints
 import typer
 
 from seaglint.cli.analyze import RAW_HELP, filter_of, weights
-from seaglint.cli.numbers import contrasts_of
-from seaglint.cli.options import Overwrite, Progress
-from seaglint.cli.progress import ProgressMode
 from seaglint.cli.sensor import SensorPreset
-from seaglint.cli.workers import DaskOption, DaskSlurmOption, WorkersOption
+from seaglint.cli.terminal.numbers import contrasts_of
+from seaglint.cli.terminal.options import Overwrite, Progress
+from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption
 
 if TYPE_CHECKING:
     from seaglint.detection.spot import Shape
     from seaglint.detection.trials import Objects
-    from seaglint.pipeline.detect import Options
+    from seaglint.studies.detect.performance import Options
 
 Law = Literal["sigma", "frame", "fixed", "design"]
 Placement = Literal["random", "centre"]
@@ -171,8 +171,8 @@ class DetectOptions:
         DataError
             Two of them.
         """
+        from seaglint.base.errors import DataError
         from seaglint.detection.spot import GaussianSpot, SampledSpot
-        from seaglint.errors import DataError
 
         if self.psf is None:
             return GaussianSpot(0.8 if self.object_sigma_px is None else self.object_sigma_px)
@@ -208,7 +208,7 @@ class DetectOptions:
 
     def judged(self, objects: Objects, frame_rate: float | None = None, pixel_deg: tuple[float, float] | None = None) -> Options:
         """Detector, filter and threshold; of frames at that rate [Hz] with pixels of that angle [deg]."""
-        from seaglint.pipeline.detect import Options
+        from seaglint.studies.detect.performance import Options
 
         chosen = filter_of(self.filter_name, self.kernel, self.signature)
         law, level, limit = self.threshold_law, self.level, self.time_limit
@@ -217,7 +217,7 @@ class DetectOptions:
 
 def _velocity(text: str) -> tuple[float, float]:
     """Rows and columns a frame, of X,Y."""
-    from seaglint.errors import DataError
+    from seaglint.base.errors import DataError
 
     try:
         right, down = (float(part) for part in text.split(","))

@@ -9,10 +9,10 @@ import typer
 
 from seaglint.cli.analyze import raw_layout
 from seaglint.cli.detect_options import OF_SCENARIOS, DetectOptions
-from seaglint.cli.numbers import between
+from seaglint.cli.terminal.numbers import between
 
 if TYPE_CHECKING:
-    from seaglint.pipeline.detect_study import Study
+    from seaglint.studies.detect.study import Study
 
 
 def detect_recording(options: DetectOptions) -> None:
@@ -25,14 +25,14 @@ def detect_recording(options: DetectOptions) -> None:
     """
     import warnings
 
-    from seaglint.cli.messages import log, print_json
-    from seaglint.cli.progress import patient_progress
-    from seaglint.cli.workers import done_here
-    from seaglint.errors import DataError
-    from seaglint.io.detection_files import DetectionFiles
-    from seaglint.io.outputs import refuse_existing
-    from seaglint.io.recording import open_recording
-    from seaglint.pipeline.detect_recording import run_recording, settings_of
+    from seaglint.base.errors import DataError
+    from seaglint.cli.terminal.messages import log, print_json
+    from seaglint.cli.terminal.progress import patient_progress
+    from seaglint.cli.terminal.workers import done_here
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.recording import open_recording
+    from seaglint.files.tables.detection_tables import DetectionFiles
+    from seaglint.studies.detect.recordings import run_recording, settings_of
 
     o = options
     wrong = o.given(OF_SCENARIOS)
@@ -67,7 +67,7 @@ def detect_recording(options: DetectOptions) -> None:
         _write(study, result, files, single=not o.vary)
         log(f"{', '.join(str(path) for path in files.paths)} written")
     if o.report is not None:
-        from seaglint.io.text_file import write_text
+        from seaglint.files.text_file import write_text
         from seaglint.plot.detection_report import study_report
 
         write_text(study_report(f"Detection: {o.recording}", study.cases, None), o.report)
@@ -87,7 +87,7 @@ def _write(study: Study, result: dict[str, Any], files: Any, *, single: bool) ->
     """All files; the picture is that of the first case."""
     import numpy as np
 
-    from seaglint.io.outputs import moved_when_whole
+    from seaglint.files.outputs import moved_when_whole
     from seaglint.plot.detection_study import draw_characteristic
 
     first = study.good[0]
@@ -107,8 +107,8 @@ def _pixel(recording: str, pixel_mrad: float | None) -> tuple[float, float] | No
     """Angle between rows and between columns [deg], as far as it is known."""
     from math import degrees
 
-    from seaglint.errors import DataError
-    from seaglint.io.recording.source import source_of
+    from seaglint.base.errors import DataError
+    from seaglint.files.recording.image_attributes import source_of
 
     if pixel_mrad is not None:
         if not 0 < pixel_mrad < 1000:

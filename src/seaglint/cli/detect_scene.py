@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from seaglint.cli.detect_options import OF_RECORDINGS, DetectOptions
-from seaglint.cli.numbers import between, contrasts_of
-from seaglint.cli.progress import ProgressMode
+from seaglint.cli.terminal.numbers import between, contrasts_of
+from seaglint.cli.terminal.progress import ProgressMode
 
 if TYPE_CHECKING:
-    from seaglint.pipeline.detect_cases import Case
-    from seaglint.pipeline.detect_scene import SceneOptions
-    from seaglint.pipeline.detect_study import Study
-    from seaglint.pipeline.injected import Strength
+    from seaglint.studies.detect.injected import Strength
+    from seaglint.studies.detect.rendered_seas import SceneOptions
+    from seaglint.studies.detect.study import Study
+    from seaglint.studies.detect.varied_cases import Case
 
 
 def detect_scene(options: DetectOptions) -> None:
@@ -28,16 +28,16 @@ def detect_scene(options: DetectOptions) -> None:
     """
     import warnings
 
-    from seaglint.cli.logs import show_logs
-    from seaglint.cli.messages import files_read, log, print_json
-    from seaglint.cli.progress import patient_progress
-    from seaglint.cli.workers import chosen, done_here
-    from seaglint.errors import DataError
-    from seaglint.io.detection_files import DetectionFiles
-    from seaglint.io.detection_parts import parts_folder
-    from seaglint.io.outputs import refuse_existing
-    from seaglint.pipeline.detect_cases import cases_of
-    from seaglint.pipeline.detect_study import run_study
+    from seaglint.base.errors import DataError
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.messages import files_read, log, print_json
+    from seaglint.cli.terminal.progress import patient_progress
+    from seaglint.cli.terminal.workers import chosen, done_here
+    from seaglint.files.detection_parts import parts_folder
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.tables.detection_tables import DetectionFiles
+    from seaglint.studies.detect.study import run_study
+    from seaglint.studies.detect.varied_cases import cases_of
 
     o, path = options, Path(options.recording)
     wrong = o.given(OF_RECORDINGS)
@@ -78,7 +78,7 @@ def detect_scene(options: DetectOptions) -> None:
             _write(study, result, files)
             log(f"{', '.join(str(p) for p in files.paths)} written")
         if o.report is not None:
-            from seaglint.io.text_file import write_text
+            from seaglint.files.text_file import write_text
             from seaglint.plot.detection_report import study_report
 
             text = study_report(f"Detection: {path}", study.cases, study.stopped)
@@ -101,8 +101,8 @@ def _silent(text: str) -> None:
 
 
 def _wanted(o: DetectOptions) -> SceneOptions:
-    from seaglint.pipeline.detect_design import Design
-    from seaglint.pipeline.detect_scene import SceneOptions
+    from seaglint.studies.detect.designer import Design
+    from seaglint.studies.detect.rendered_seas import SceneOptions
 
     named = o.p_fa is not None or o.alarms_per_hour is not None or o.wanted_p_d is not None
     design = Design(o.wanted_p_d or 0.9, o.p_fa, o.alarms_per_hour or 1.0) if o.design or named else None
@@ -112,8 +112,8 @@ def _wanted(o: DetectOptions) -> SceneOptions:
 
 
 def _strength(o: DetectOptions) -> Strength | None:
-    from seaglint.errors import DataError
-    from seaglint.pipeline.injected import Strength, Unit
+    from seaglint.base.errors import DataError
+    from seaglint.studies.detect.injected import Strength, Unit
 
     contrasts = o.contrasts
     given: dict[Unit, tuple[str, str | None]] = {
@@ -136,7 +136,7 @@ def _write(study: Study, result: dict[str, Any], files: Any) -> None:
     """All files of a study; pictures are those of the first case."""
     import numpy as np
 
-    from seaglint.io.outputs import moved_when_whole
+    from seaglint.files.outputs import moved_when_whole
     from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map
 
     first = study.good[0]
@@ -156,15 +156,15 @@ def _write(study: Study, result: dict[str, Any], files: Any) -> None:
 
 
 def _ranges(cases: list[Case], wanted: SceneOptions, o: DetectOptions, parts: Any, files: Any, *, say: Any) -> None:
-    from seaglint.cli.messages import log, print_json
-    from seaglint.errors import DataError
-    from seaglint.io.outputs import moved_when_whole
-    from seaglint.io.rows import write_rows
-    from seaglint.io.text_file import write_json
-    from seaglint.pipeline.detect_design import Design
-    from seaglint.pipeline.detect_range import RangeOptions, detection_range
-    from seaglint.pipeline.detect_study import with_case
+    from seaglint.base.errors import DataError
+    from seaglint.cli.terminal.messages import log, print_json
+    from seaglint.files.outputs import moved_when_whole
+    from seaglint.files.tables.rows import write_rows
+    from seaglint.files.text_file import write_json
     from seaglint.plot.detection_study import draw_ranges
+    from seaglint.studies.detect.designer import Design
+    from seaglint.studies.detect.range_search import RangeOptions, detection_range
+    from seaglint.studies.detect.study import with_case
 
     names = [item.name for item in cases[0].scenario.objects or ()]
     name = o.object_name or (names[0] if len(names) == 1 else None)
@@ -211,7 +211,7 @@ def _ranges(cases: list[Case], wanted: SceneOptions, o: DetectOptions, parts: An
 
 
 def _limits(text: str) -> tuple[float, float]:
-    from seaglint.errors import DataError
+    from seaglint.base.errors import DataError
 
     try:
         near, far = (float(part) for part in text.split(":"))

@@ -14,7 +14,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from seaglint.io.provenance import package_version
+from seaglint.files.provenance import package_version
 from seaglint.version import __version__
 
 CORE = ("numpy", "scipy", "numba", "xarray", "zarr", "h5netcdf", "pydantic", "pint", "typer", "rich", "matplotlib", "pvlib")
@@ -67,9 +67,9 @@ def examine() -> Report:
 
 def _lowtran() -> dict[str, str]:
     """Whether ``atmosphere.source = "lowtran"`` can work here; nothing is compiled."""
-    from seaglint.errors import SeaglintError
-    from seaglint.io.lowtran import engine
-    from seaglint.user_cache import cache_folder
+    from seaglint.base.errors import SeaglintError
+    from seaglint.base.user_cache import cache_folder
+    from seaglint.files.lowtran import engine
 
     compiler = shutil.which("gfortran")
     found = {"gfortran": compiler or "not installed: needed by atmosphere.source = 'lowtran' only", "cache": str(cache_folder())}
@@ -109,7 +109,7 @@ def _numba_threads() -> str:
 
 
 def _kernel_folder() -> str:
-    from seaglint._kernel_cache import kernel_folder
+    from seaglint.base.kernel_cache import kernel_folder
 
     folder = kernel_folder(os.environ.get("NUMBA_CACHE_DIR", ""))
     return str(folder) if folder is not None else "not kept: no folder can be written; set SEAGLINT_CACHE to one that can"

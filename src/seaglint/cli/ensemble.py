@@ -7,10 +7,10 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.messages import log
-from seaglint.cli.options import Overwrite, Progress
-from seaglint.cli.progress import ProgressMode
-from seaglint.cli.workers import DaskOption, DaskSlurmOption, WorkersOption
+from seaglint.cli.terminal.messages import log
+from seaglint.cli.terminal.options import Overwrite, Progress
+from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption
 
 
 def ensemble(
@@ -28,11 +28,11 @@ def ensemble(
     show: Progress = ProgressMode.AUTO,
 ) -> None:
     """Draw scenes from laws of a scenario's keys and render each."""
-    from seaglint.cli.logs import show_logs
-    from seaglint.cli.progress import progress
-    from seaglint.cli.workers import chosen
-    from seaglint.pipeline.ensemble import render_ensemble
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.progress import progress
+    from seaglint.cli.terminal.workers import chosen
     from seaglint.scenario.ensemble import load_ensemble
+    from seaglint.studies.ensemble.render_ensemble import render_ensemble
 
     show_logs(quiet=show is ProgressMode.NONE)
     loaded = load_ensemble(source)

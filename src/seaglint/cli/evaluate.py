@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from seaglint.cli.progress import ProgressMode, patient_progress
+from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 
 if TYPE_CHECKING:
-    from seaglint.io.cases import Cases
-    from seaglint.pipeline.evaluate import Columns, Report
+    from seaglint.files.tables.cases import Cases
+    from seaglint.studies.mean.evaluate_cases import Columns, Report
 
 evaluate = typer.Typer(
     help="Results for many cases: each row of a CSV file gets columns.\n\nFurther columns pass through.", no_args_is_help=True
@@ -41,8 +41,8 @@ def _one_thread() -> None:
 
 def _run(path: Path, output: Path, overwrite: bool, show: ProgressMode, compute: Callable[[Cases, Report], Columns]) -> None:
     """Read, compute, write; what can be refused before the work is."""
-    from seaglint.io.cases import read_cases, write_cases
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.tables.cases import read_cases, write_cases
 
     # The cases themselves may be the output: all their rows and columns are in it.
     refuse_existing(output, overwrite=overwrite)
@@ -71,7 +71,7 @@ def atmosphere(
     path_radiance_W_m2_sr, sun_normal_irradiance_W_m2 (at the sea, Sun at 1 au), sun_times_tau_W_m2, sky_radiance_W_m2_sr (from the sea).
     """
     _one_thread()
-    from seaglint.pipeline.evaluate import evaluate_atmosphere, parse_bands
+    from seaglint.studies.mean.evaluate_cases import evaluate_atmosphere, parse_bands
 
     bands = parse_bands(band or [])
     _run(cases, output, overwrite, show, lambda rows, report: evaluate_atmosphere(rows, bands, extrapolate=extrapolate, progress=report))
@@ -88,7 +88,7 @@ def emissivity(
     Columns needed: wavelength_um, wind_speed_m_s (at 12.5 m, as the slope fit has it), zenith_deg. Column made: emissivity.
     """
     _one_thread()
-    from seaglint.pipeline.evaluate import evaluate_emissivity
+    from seaglint.studies.mean.evaluate_cases import evaluate_emissivity
 
     _run(cases, output, overwrite, show, lambda rows, report: evaluate_emissivity(rows, extrapolate=extrapolate, progress=report))
 
@@ -111,7 +111,7 @@ def mean(
     says (cox-munk-isotropic, cox-munk-anisotropic, cox-munk-gram-charlier); salt water; Sun at 1 au; glint forgotten after 0.07 s.
     """
     _one_thread()
-    from seaglint.pipeline.evaluate import evaluate_mean, parse_bands
+    from seaglint.studies.mean.evaluate_cases import evaluate_mean, parse_bands
 
     bands = parse_bands(band or [])
     _run(cases, output, overwrite, show, lambda rows, report: evaluate_mean(rows, bands, extrapolate=extrapolate, progress=report))
@@ -134,7 +134,7 @@ def scattered(
     as LOWTRAN7's, Sun at 1 au; a Sun below the horizon scatters nothing.
     """
     _one_thread()
-    from seaglint.pipeline.evaluate import evaluate_scattered, parse_bands
+    from seaglint.studies.mean.evaluate_cases import evaluate_scattered, parse_bands
 
     bands = parse_bands(band or [])
     _run(cases, output, overwrite, show, lambda rows, report: evaluate_scattered(rows, bands, extrapolate=extrapolate, progress=report))

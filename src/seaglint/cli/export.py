@@ -8,10 +8,10 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.messages import files_read, log, naming_file
-from seaglint.cli.options import Overwrite, PreviewScale, Progress
-from seaglint.cli.progress import ProgressMode
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
+from seaglint.cli.terminal.messages import files_read, log, naming_file
+from seaglint.cli.terminal.options import Overwrite, PreviewScale, Progress
+from seaglint.cli.terminal.progress import ProgressMode
 
 KINDS = (".ply", ".nc")
 
@@ -55,11 +55,11 @@ def export(
     show: Progress = ProgressMode.AUTO,
 ) -> None:
     """Write frames of a run for another program."""
-    from seaglint.cli.frames import parse_frames
-    from seaglint.cli.progress import patient_progress
-    from seaglint.io.export.stack import held_frames
-    from seaglint.io.store import open_sequence
-    from seaglint.plot.export import export_run
+    from seaglint.cli.terminal.frame_numbers import parse_frames
+    from seaglint.cli.terminal.progress import patient_progress
+    from seaglint.files.export.stack import held_frames
+    from seaglint.files.store.store import open_sequence
+    from seaglint.plot.run_export import export_run
 
     with open_sequence(run) as dataset:
         wanted = parse_frames(frames, held_frames(dataset), steps=True)
@@ -99,7 +99,7 @@ def export_sea(
     overwrite: Overwrite = False,
 ) -> None:
     """Write heights, slopes and roughness of the sea at one time."""
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.files.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
 
     kind = output.suffix.lower()
@@ -107,17 +107,17 @@ def export_sea(
         raise DataError(f"{output}: is neither {' nor '.join(KINDS)}; the ending says what is written")
     loaded = load_scenario(scenario)
     refuse_existing(output, overwrite=overwrite, inputs=files_read(scenario, loaded))
-    from seaglint.pipeline.export import export_sea as export
+    from seaglint.studies.prepare.sea_export import export_sea as export
 
     with naming_file(scenario, loaded):
         sea = export(loaded, time, centre=centre, extent=extent, spacing=spacing)
     rows, columns = sea.patch.shape
     if kind == ".ply":
-        from seaglint.io.ply import write_ply
+        from seaglint.files.ply import write_ply
 
         write_ply(output, *sea.patch.axes, sea.patch_surface, comments=sea.comments, overwrite=overwrite)
     else:
-        from seaglint.io.netcdf import write_netcdf
+        from seaglint.files.netcdf import write_netcdf
 
         write_netcdf(sea.dataset(lattices=lattices), output, overwrite=overwrite)
     log(f"{output} written: {columns} x {rows} points every {sea.patch.spacing:.4g} m")

@@ -6,13 +6,13 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from seaglint.errors import DataError, SeaglintError
-from seaglint.io.counts import pictures
-from seaglint.io.directions import directions
-from seaglint.io.netcdf import open_netcdf
-from seaglint.io.place import place_of
-from seaglint.io.store import open_sequence
-from seaglint.plot.summary import images, summarise
+from seaglint.base.errors import DataError, SeaglintError
+from seaglint.files.counts import pictures
+from seaglint.files.directions import directions
+from seaglint.files.netcdf import open_netcdf
+from seaglint.files.store.location import place_of
+from seaglint.files.store.store import open_sequence
+from seaglint.plot.sequence_summary import images, summarise
 
 if TYPE_CHECKING:
     import xarray as xr

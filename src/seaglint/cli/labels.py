@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.messages import log
-from seaglint.cli.options import Overwrite
+from seaglint.cli.terminal.messages import log
+from seaglint.cli.terminal.options import Overwrite
 
 
 def labels(
@@ -21,8 +21,8 @@ def labels(
     'seaglint labels run.zarr -o labels.csv' writes a row for each object and frame, 'seaglint labels run.zarr -o labels.json' COCO's
     annotations with masks, boxes and track numbers.
     """
-    from seaglint.io.labels import Labels, require_labels_name, write_labels
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.store.object_labels import Labels, require_labels_name, write_labels
 
     refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[run])
     found = Labels.of(run)

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from seaglint.cli.messages import files_read, log, naming_file, print_json
-from seaglint.cli.options import Overwrite, Progress
-from seaglint.cli.progress import ProgressMode
-from seaglint.cli.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen, done_here
+from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
+from seaglint.cli.terminal.options import Overwrite, Progress
+from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen, done_here
 
 if TYPE_CHECKING:
     from seaglint.cluster import Workers
@@ -42,7 +42,7 @@ def likelihood(
 
     Over weather, Sun and geometry, as the scenario's table [likelihood] says.
     """
-    from seaglint.cli.progress import progress
+    from seaglint.cli.terminal.progress import progress
     from seaglint.scenario.load import load_scenario
 
     loaded = load_scenario(scenario)
@@ -56,7 +56,7 @@ def likelihood(
         _along(scenario, loaded, track, output, as_json, overwrite, [*inputs, track])
         return
     files = _files(output, overwrite, inputs)
-    from seaglint.pipeline.likelihood import likelihood as compute
+    from seaglint.studies.likelihood.glint_chance import likelihood as compute
 
     with naming_file(scenario, loaded), progress(show, "steps") as report:
         result = compute(loaded, progress=report)
@@ -88,8 +88,8 @@ def lines(found: dict[str, Any]) -> list[str]:
 
 def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Path]:
     """Files to write, refused before the work where they exist."""
-    from seaglint.errors import DataError
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.base.errors import DataError
+    from seaglint.files.outputs import refuse_existing
 
     if output is None:
         return []
@@ -102,15 +102,15 @@ def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Pat
 
 
 def _make(folder: Path) -> None:
-    from seaglint.io.failures import storage_errors
+    from seaglint.files.failures import storage_errors
 
     with storage_errors(folder, "choose another folder with -o"):
         folder.mkdir(parents=True, exist_ok=True)
 
 
 def _write(result: Any, found: dict[str, Any], files: list[Path], overwrite: bool) -> None:
-    from seaglint.io.likelihood import write_table
-    from seaglint.io.text_file import write_json
+    from seaglint.files.tables.likelihood_tables import write_table
+    from seaglint.files.text_file import write_json
 
     for path in files:
         match path.suffix:
@@ -119,7 +119,7 @@ def _write(result: Any, found: dict[str, Any], files: list[Path], overwrite: boo
             case ".csv":
                 write_table(found["strata" if path.name == "strata.csv" else "results"], path)
             case _:
-                from seaglint.plot.likelihood import write_charts
+                from seaglint.plot.likelihood_charts import write_charts
 
                 write_charts(found, result.month_by_hour(), path)
         log(f"{path} written")
@@ -136,12 +136,12 @@ def _mapped(
     workers: Workers | None,
 ) -> None:
     """The map by month: NetCDF and a picture."""
-    from seaglint.cli.progress import progress
-    from seaglint.errors import DataError
-    from seaglint.io.netcdf import write_netcdf
-    from seaglint.io.outputs import refuse_existing
-    from seaglint.pipeline.likelihood_map import likelihood_map
-    from seaglint.plot.likelihood import write_map
+    from seaglint.base.errors import DataError
+    from seaglint.cli.terminal.progress import progress
+    from seaglint.files.netcdf import write_netcdf
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.plot.likelihood_charts import write_map
+    from seaglint.studies.likelihood.chance_map import likelihood_map
 
     if output is None or output.suffix not in ("", ".nc"):
         raise DataError("--map writes a NetCDF file and a picture; give -o OUT.nc, or a folder")
@@ -161,11 +161,11 @@ def _mapped(
 
 def _along(path: Path, loaded: Scenario, track: Path, output: Path | None, as_json: bool, overwrite: bool, inputs: list[Path]) -> None:
     """Chances along a ship's way."""
-    from seaglint.errors import DataError
-    from seaglint.io.likelihood import write_table
-    from seaglint.io.outputs import refuse_existing
-    from seaglint.io.text_file import write_json
-    from seaglint.pipeline.likelihood_track import along_track
+    from seaglint.base.errors import DataError
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.tables.likelihood_tables import write_table
+    from seaglint.files.text_file import write_json
+    from seaglint.studies.likelihood.ship_track import along_track
 
     if output is not None and output.suffix not in (".csv", ".json"):
         raise DataError(f"{output}: --track writes one file; give a name that ends in .csv (the way) or .json (all)")

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from seaglint.cli.messages import log, print_json
-from seaglint.cli.progress import ProgressMode
+from seaglint.cli.terminal.messages import log, print_json
+from seaglint.cli.terminal.progress import ProgressMode
 
 reproduce = typer.Typer(help="Results of the source article, computed anew.", no_args_is_help=True)
 
@@ -20,13 +20,13 @@ Progress = Annotated[ProgressMode, typer.Option("--progress", help="bar on a ter
 @reproduce.command()
 def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False) -> None:
     """Print the article's headline numbers beside ours."""
-    from seaglint.pipeline.headline import headline as rows
+    from seaglint.studies.article.headline import headline as rows
 
     found = rows()
     if as_json:
         print_json(found)
         return
-    from seaglint.cli.table import table
+    from seaglint.cli.terminal.text_table import table
 
     typer.echo("\n".join(table(found)))
 
@@ -70,20 +70,20 @@ def fig5(
 
     Writes DIR/fig5.png and fig5.csv (a minute).
     """
-    from seaglint.cli.progress import progress
-    from seaglint.io.columns import write_columns
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.cli.terminal.progress import progress
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.tables.columns import write_columns
 
     _made(output)
     inputs = [] if weather is None else [weather]
     picture, numbers = (refuse_existing(output / f"fig5.{kind}", overwrite=overwrite, inputs=inputs) for kind in ("png", "csv"))
-    from seaglint.pipeline.fig5 import PRINTED, figure_5
+    from seaglint.studies.article.fig5 import PRINTED, figure_5
 
     with progress(show, "azimuths") as report:
         found = figure_5(weather, mode="spectral" if spectral else "article", report=report)
     write_columns(found.columns, numbers, overwrite=overwrite)
     log(f"{numbers} written")
-    from seaglint.plot.likelihood import write_fig5
+    from seaglint.plot.likelihood_charts import write_fig5
 
     write_fig5(found.columns, picture)
     log(f"{picture} written")
@@ -120,13 +120,13 @@ def fig12(
     The picture shows a frame in colours and in grey, and the geometry from the side; fig12.csv has the labels of both bodies in every
     frame, fig12.mp4 the sequence (with the extra 'video'). A quick look: seaglint reproduce fig12 --frames 60:80 --pixels 128
     """
-    from seaglint.cli.frames import parse_frames
-    from seaglint.cli.logs import show_logs
-    from seaglint.cli.progress import progress
-    from seaglint.io.outputs import refuse_existing
-    from seaglint.io.store import check_output
-    from seaglint.pipeline import fig12 as engagement
+    from seaglint.cli.terminal.frame_numbers import parse_frames
+    from seaglint.cli.terminal.logs import show_logs
+    from seaglint.cli.terminal.progress import progress
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.store.store import check_output
     from seaglint.plot.video import video_available
+    from seaglint.studies.article import fig12 as engagement
 
     show_logs(quiet=show is ProgressMode.NONE)
     wanted = parse_frames(frames, engagement.FRAMES)
@@ -139,8 +139,8 @@ def fig12(
     with progress(show, "frames") as report:
         scenario = engagement.sequence(store, wanted, pixels or engagement.PIXELS, resume=resume, overwrite=overwrite, progress=report)
     log(f"{store} written")
-    from seaglint.io.labels import Labels, write_labels
-    from seaglint.io.store import open_sequence
+    from seaglint.files.store.object_labels import Labels, write_labels
+    from seaglint.files.store.store import open_sequence
     from seaglint.plot.engagement import write
     from seaglint.plot.video import write_video
 
@@ -166,12 +166,12 @@ def table1(
 
     Renders two seconds of glint for it: some five minutes on two cores.
     """
-    from seaglint.cli.progress import progress
-    from seaglint.io.columns import write_columns
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.cli.terminal.progress import progress
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.tables.columns import write_columns
 
     numbers = None if output is None else refuse_existing(_made(output) / "table1.csv", overwrite=overwrite)
-    from seaglint.pipeline.table1 import table1 as compute
+    from seaglint.studies.article.table1 import table1 as compute
 
     with progress(show, "frames") as report:
         found = compute(report)
@@ -181,7 +181,7 @@ def table1(
     if as_json:
         print_json({"rows": found.rows(), "settings": found.settings(), "notes": list(found.analysis.notes)})
         return
-    from seaglint.cli.table import table
+    from seaglint.cli.terminal.text_table import table
 
     typer.echo("\n".join(table(found.rows())))
     typer.echo("; ".join(f"{key} = {value}" for key, value in found.settings().items()))
@@ -189,7 +189,7 @@ def table1(
 
 def _made(folder: Path) -> Path:
     """The folder, made where it is missing."""
-    from seaglint.io.failures import storage_errors
+    from seaglint.files.failures import storage_errors
 
     with storage_errors(folder, "choose another folder with -o"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -198,19 +198,19 @@ def _made(folder: Path) -> Path:
 
 def _figure(name: str, folder: Path, overwrite: bool, show: ProgressMode) -> None:
     """Compute a figure, write its numbers and draw it; existing files are refused before the work."""
-    from seaglint.cli.progress import progress
-    from seaglint.io.columns import write_columns
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.cli.terminal.progress import progress
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.tables.columns import write_columns
 
     _made(folder)
     picture, numbers = (refuse_existing(folder / f"{name}.{kind}", overwrite=overwrite) for kind in ("png", "csv"))
-    from seaglint.pipeline import figures
+    from seaglint.studies.article import figures
 
     with progress(show, "textures" if name == "fig10" else "winds") as report:
         dataset = figures.FIGURES[name](report)
     write_columns(figures.table(name, dataset), numbers, overwrite=overwrite)
     log(f"{numbers} written")
-    from seaglint.plot.article import write_figure
+    from seaglint.plot.article_figures import write_figure
 
     write_figure(name, dataset, picture)
     log(f"{picture} written")

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from seaglint.cli.messages import files_read, log, naming_file, print_json
-from seaglint.cli.options import ShardOption, StoreOption, place_given
-from seaglint.cli.progress import ProgressMode
-from seaglint.cli.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen
+from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
+from seaglint.cli.terminal.options import ShardOption, StoreOption, place_given
+from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +25,7 @@ SensorPreset = Annotated[
 
 def _list_presets(wanted: bool) -> None:
     if wanted:
-        from seaglint.scenario.sensor_presets import SENSORS
+        from seaglint.scenario.presets.sensor_presets import SENSORS
 
         for name, found in SENSORS.items():
             typer.echo(f"{name:24} {found.title}")
@@ -57,15 +57,15 @@ def sense(
     shard: ShardOption = None,
 ) -> None:
     """Put a sensor on recorded radiance: counts of its detector."""
-    from seaglint.cli.finish import tell_share
-    from seaglint.cli.progress import patient_progress
-    from seaglint.io.recording import open_recording
-    from seaglint.io.recording.source import source_of
-    from seaglint.io.share import Share
-    from seaglint.io.store import check_output, open_sequence
-    from seaglint.pipeline.sense import Reopen
-    from seaglint.pipeline.sense import sense as sensed
+    from seaglint.cli.terminal.finish import tell_share
+    from seaglint.cli.terminal.progress import patient_progress
+    from seaglint.files.recording import open_recording
+    from seaglint.files.recording.image_attributes import source_of
+    from seaglint.files.store.share import Share
+    from seaglint.files.store.store import check_output, open_sequence
     from seaglint.scenario.load import load_scenario
+    from seaglint.studies.sequence.sense import Reopen
+    from seaglint.studies.sequence.sense import sense as sensed
 
     loaded = load_scenario(scenario, sensor=sensor_preset)
     store, share = place_given(output), None if shard is None else Share.parse(shard)
@@ -121,10 +121,10 @@ def sensor(
     presets: Annotated[bool, typer.Option("--presets", callback=_list_presets, is_eager=True, help="list sensors and leave")] = False,
 ) -> None:
     """Figures of merit of a sensor: NETD, MTF, noise budget."""
-    from seaglint.errors import DataError
-    from seaglint.io.outputs import refuse_existing
-    from seaglint.pipeline.sensor import describe_sensor
+    from seaglint.base.errors import DataError
+    from seaglint.files.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
+    from seaglint.studies.prepare.sensor_model import describe_sensor
 
     loaded = load_scenario(scenario, sensor=sensor_preset)
     if plot is not None:
@@ -134,7 +134,7 @@ def sensor(
     with naming_file(scenario, loaded):
         found = describe_sensor(loaded, frequency or ())
     if plot is not None:
-        from seaglint.plot.sensor import write_sensor_plot
+        from seaglint.plot.sensor_figure import write_sensor_plot
 
         write_sensor_plot(found, plot)
         log(f"{plot} written")
@@ -146,7 +146,7 @@ def sensor(
 
 def lines(found: dict[str, Any]) -> list[str]:
     """The same for people."""
-    from seaglint.sensor.figures import MTF_POINTS
+    from seaglint.instrument.figures_of_merit import MTF_POINTS
 
     unit = "electrons" if found["detector"] == "photon" else "nW"
     key = "electrons" if found["detector"] == "photon" else "nw"

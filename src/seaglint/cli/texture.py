@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from seaglint.cli.messages import files_read, log, naming_file, print_json
-from seaglint.cli.options import Overwrite, Progress
-from seaglint.cli.progress import ProgressMode
+from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
+from seaglint.cli.terminal.options import Overwrite, Progress
+from seaglint.cli.terminal.progress import ProgressMode
 
 if TYPE_CHECKING:
     from seaglint.analysis.recording import Recording
@@ -105,11 +105,11 @@ def fit(
     overwrite: Overwrite = False,
 ) -> None:
     """Fit a texture to a recording, and say how good it is."""
-    from seaglint.errors import DataError
-    from seaglint.io.outputs import refuse_existing
-    from seaglint.io.texture_file import check_name, write_texture
-    from seaglint.pipeline.texture import FitOptions
-    from seaglint.pipeline.texture import fit as fitted
+    from seaglint.base.errors import DataError
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.files.texture_file import check_name, write_texture
+    from seaglint.studies.texture.texture_sequences import FitOptions
+    from seaglint.studies.texture.texture_sequences import fit as fitted
 
     refuse_existing(check_name(output), overwrite=overwrite, inputs=[recording])
     if report is not None:
@@ -135,7 +135,7 @@ def fit(
     write_texture(found.stored, output, overwrite=overwrite)
     log(f"{output} written")
     if report is not None:
-        from seaglint.plot.texture import write_comparison
+        from seaglint.plot.texture_report import write_comparison
 
         about = [*model_lines(found.stored.to_dict()), *found.stored.notes]
         write_comparison(found.comparison, found.data, found.sample, report, gaussian=found.gaussian, about=about, overwrite=overwrite)
@@ -157,16 +157,16 @@ def sample(
     show: Progress = ProgressMode.AUTO,
 ) -> None:
     """Draw a sample, periodic in rows, columns and time."""
-    from seaglint.cli.progress import patient_progress
-    from seaglint.io.texture_file import read_texture
-    from seaglint.pipeline import texture as pipeline
+    from seaglint.cli.terminal.progress import patient_progress
+    from seaglint.files.texture_file import read_texture
+    from seaglint.studies.texture import texture_sequences as pipeline
 
     columns, rows = _size(size)
     stored = read_texture(model)
     with patient_progress(show, "frames") as report:
         if output.suffix.lower() in (".mp4", ".gif"):
-            from seaglint.io.outputs import refuse_existing
-            from seaglint.plot.export import export_run
+            from seaglint.files.outputs import refuse_existing
+            from seaglint.plot.run_export import export_run
 
             refuse_existing(output, overwrite=overwrite, inputs=[model])
             dataset = pipeline.loop(stored, size=(columns, rows), frames=frames, seed=seed)
@@ -200,8 +200,8 @@ def compare(
 
     Filtered false alarms, values, spectra, correlations and co-occurrence.
     """
-    from seaglint.errors import DataError
-    from seaglint.pipeline.texture import compare_files
+    from seaglint.base.errors import DataError
+    from seaglint.studies.texture.texture_sequences import compare_files
 
     parts: list[str | None] = list(region or [])
     if len(parts) > 2:
@@ -216,7 +216,7 @@ def compare(
     found, one, other, likelihood = compare_files(first, second, opened, regions=parts, seed=seed)
     result = {**found.as_dict(), "likelihood": likelihood}
     if report is not None:
-        from seaglint.plot.texture import write_comparison
+        from seaglint.plot.texture_report import write_comparison
 
         write_comparison(found, one, other, report, overwrite=overwrite)
         log(f"{report} written")
@@ -246,13 +246,13 @@ def place(
     show: Progress = ProgressMode.AUTO,
 ) -> None:
     """Lay a texture on the sea of a scenario, instead of rendering."""
-    from seaglint.cli.frames import parse_frames
-    from seaglint.cli.progress import patient_progress
-    from seaglint.io.store import check_output, open_sequence
-    from seaglint.io.texture_file import read_texture
-    from seaglint.pipeline.texture_place import place as placed
-    from seaglint.plot.summary import summarise
+    from seaglint.cli.terminal.frame_numbers import parse_frames
+    from seaglint.cli.terminal.progress import patient_progress
+    from seaglint.files.store.store import check_output, open_sequence
+    from seaglint.files.texture_file import read_texture
+    from seaglint.plot.sequence_summary import summarise
     from seaglint.scenario.load import load_scenario
+    from seaglint.studies.texture.perspective import place as placed
 
     columns, rows = _size(size)
     stored, loaded = read_texture(model), load_scenario(scenario)
@@ -281,14 +281,14 @@ def _opened(
     path: str, frame_rate: float | None, units: str | None, variable: str | None, channel: str | None, axes: str | None, raw: str | None
 ) -> Recording:
     from seaglint.cli.analyze import raw_layout
-    from seaglint.io.recording import open_recording
+    from seaglint.files.recording import open_recording
 
     return open_recording(path, frame_rate=frame_rate, units=units, raw=raw_layout(raw), variable=variable, channel=channel, axes=axes)
 
 
 def _refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:
-    from seaglint.errors import DataError
-    from seaglint.io.outputs import refuse_existing
+    from seaglint.base.errors import DataError
+    from seaglint.files.outputs import refuse_existing
 
     if report.suffix.lower() not in (".html", ".htm"):
         raise DataError(f"--report {report}: a report is an HTML file; give a name that ends in .html")
@@ -297,7 +297,7 @@ def _refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:
 
 def _size(text: str) -> tuple[int, int]:
     """Columns and rows of ``512x512``."""
-    from seaglint.errors import DataError
+    from seaglint.base.errors import DataError
 
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(part.strip().isdecimal() and int(part) > 0 for part in parts):

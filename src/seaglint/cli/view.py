@@ -29,7 +29,7 @@ def view(
     difference; histograms of regions, thresholds and false alarms. A scenario opens the workbench, which begins with a preset where
     nothing is given. The address is printed; Ctrl-C ends it.
     """
-    from seaglint.errors import DataError
+    from seaglint.base.errors import DataError
     from seaglint.viewer.server import require_installed
 
     require_installed()

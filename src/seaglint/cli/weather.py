@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from seaglint.cli.messages import log, print_json
+from seaglint.cli.terminal.messages import log, print_json
 
 weather = typer.Typer(help="Tables of weather: how often which conditions come.", no_args_is_help=True)
 
@@ -45,11 +45,11 @@ def build(
 
     What is left out or assumed is told with counts.
     """
-    from seaglint.io.weather.area import parse_box, parse_cycle, read_polygon
-    from seaglint.io.weather.own import check_output, write_weather
-    from seaglint.io.weather.read import Reading
-    from seaglint.pipeline.weather import build as build_table
-    from seaglint.scenario.weather_map import parse_fill, parse_map, parse_place
+    from seaglint.files.weather.area import parse_box, parse_cycle, read_polygon
+    from seaglint.files.weather.read_weather import Reading
+    from seaglint.files.weather.weather_file import check_output, write_weather
+    from seaglint.scenario.text.weather_map import parse_fill, parse_map, parse_place
+    from seaglint.studies.likelihood.weather_files import build as build_table
     from seaglint.weather.select import Selection
 
     check_output(output, overwrite=overwrite, inputs=sources)
@@ -79,9 +79,9 @@ def info(
 
     Means, months, wind rose, wind and cloud together, share of missing values.
     """
-    from seaglint.errors import DataError
-    from seaglint.io.outputs import refuse_existing
-    from seaglint.pipeline.weather import describe
+    from seaglint.base.errors import DataError
+    from seaglint.files.outputs import refuse_existing
+    from seaglint.studies.likelihood.weather_files import describe
 
     if plot is not None:
         if plot.suffix.lower() not in (".png", ".pdf", ".svg"):
@@ -93,7 +93,7 @@ def info(
     else:
         typer.echo("\n".join(lines(facts)))
     if plot is not None:
-        from seaglint.plot.weather import write_weather_plot
+        from seaglint.plot.weather_figure import write_weather_plot
 
         write_weather_plot(facts, plot)
         log(f"{plot} written")

@@ -1,11 +1,11 @@
 """Work units over workers: this process, local processes, a Dask cluster.
 
-Work is a :class:`~seaglint.cluster.base.Job` that each worker starts once and then calls for one unit after the other. Workers write their
+Work is a :class:`~seaglint.cluster.job.Job` that each worker starts once and then calls for one unit after the other. Workers write their
 results to files themselves; what comes back is a small record.
 """
 
-from seaglint.cluster.base import Done, Failed, Job, Workers
 from seaglint.cluster.here import Here
+from seaglint.cluster.job import Done, Failed, Job, Workers
 from seaglint.cluster.local import LocalProcesses
 
 __all__ = ["Done", "Failed", "Here", "Job", "LocalProcesses", "Workers"]

@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
+from seaglint.base.errors import BackendError, DataError, one_line
 from seaglint.cluster.dask import DaskWorkers, Say, client_of, quiet, require_dask
-from seaglint.errors import BackendError, DataError, one_line
 
 KINDS: Final = {
     "slurm": "SLURMCluster",

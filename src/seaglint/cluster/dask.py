@@ -14,10 +14,10 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from typing import Any, Final
 
-from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
+from seaglint.base.errors import BackendError, DataError, SeaglintError, one_line
+from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
 from seaglint.cluster.machine import Machine, this_machine
 from seaglint.cluster.remote import describe, do, packed
-from seaglint.errors import BackendError, DataError, SeaglintError, one_line
 
 CONNECT: Final = 5.0
 """Time within which a scheduler must answer [s]."""
@@ -105,7 +105,7 @@ class DaskWorkers:
 
     @contextmanager
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
-        """Outcomes of all units as they finish; see :class:`seaglint.cluster.base.Workers`.
+        """Outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
 
         Leaving the context takes back what was not begun. A unit that is at work on another machine ends there, and nobody hears of it.
 

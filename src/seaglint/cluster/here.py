@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 
-from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, attempt
+from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, attempt
 
 
 class Here:
@@ -15,7 +15,7 @@ class Here:
 
     @contextmanager
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
-        """Outcomes of all units in their order; see :class:`seaglint.cluster.base.Workers`."""
+        """Outcomes of all units in their order; see :class:`seaglint.cluster.job.Workers`."""
         work = job.start(job.settings)
 
         def outcomes() -> Iterator[Done[Unit, Record] | Failed[Unit]]:

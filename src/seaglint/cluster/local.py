@@ -21,8 +21,8 @@ from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from typing import Any, Final
 
-from seaglint.cluster.base import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
-from seaglint.errors import BackendError, DomainError, SeaglintError
+from seaglint.base.errors import BackendError, DomainError, SeaglintError
+from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
 
 MOST: Final = 1024
 """Processes that may be asked for."""
@@ -151,7 +151,7 @@ class LocalProcesses:
 
     @contextmanager
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
-        """Outcomes of all units as they finish; see :class:`seaglint.cluster.base.Workers`.
+        """Outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
 
         Units are taken from their iterable when a process is free for them: where it ends early, those that were taken are finished.
         Leaving the context lets units at work end within :data:`GRACE` seconds.

@@ -24,8 +24,8 @@ class Machine(NamedTuple):
 @cache
 def this_machine() -> Machine:
     """What this process is."""
-    from seaglint._kernel_cache import sources_digest
-    from seaglint.processor import processor
+    from seaglint.base.kernel_cache import sources_digest
+    from seaglint.base.processor import processor
     from seaglint.version import __version__
 
     return Machine(__version__, sources_digest(), processor(), socket.gethostname(), os.getpid())

@@ -17,8 +17,8 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
-from seaglint.cluster.base import Failed, attempt
-from seaglint.errors import one_line
+from seaglint.base.errors import one_line
+from seaglint.cluster.job import Failed, attempt
 
 
 def serve(number: int) -> None:

@@ -10,8 +10,8 @@ import zlib
 from collections.abc import Callable
 from typing import Any, Final
 
-from seaglint.cluster.base import Done, Failed, Job, attempt, outgoing
-from seaglint.errors import one_line
+from seaglint.base.errors import one_line
+from seaglint.cluster.job import Done, Failed, Job, attempt, outgoing
 
 _one_at_a_time: Final = threading.Lock()
 """Threads of one worker share the kernels' threads and the limits of linear algebra."""
@@ -42,7 +42,7 @@ def do(unit: bytes, content: bytes) -> bytes:
 
     Errors of a unit are values: what Dask itself reports of a task is a lost worker or one without the package.
     """
-    from seaglint.threads import thread_limit
+    from seaglint.base.threads import thread_limit
 
     name, threads = _here()
     with _one_at_a_time:

@@ -13,9 +13,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint._jit import njit
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.jit import njit
 from seaglint.clutter.filters import as_frames
-from seaglint.errors import DataError, DomainError
 
 MAX_LAG: Final = 255
 """Default number of lags [frames]: with the present frame four words of 64 bits per pixel."""

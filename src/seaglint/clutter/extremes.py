@@ -23,10 +23,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.base.errors import DomainError
+from seaglint.base.random import stream
 from seaglint.clutter.exceedances import Events
 from seaglint.clutter.false_alarms import BIN, RateCurve
-from seaglint.errors import DomainError
-from seaglint.random import stream
 
 FloatArray = NDArray[np.float64]
 

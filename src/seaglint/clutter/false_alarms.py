@@ -20,12 +20,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint._jit import njit
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.jit import njit
 from seaglint.clutter.cluster_variance import ClusterVariance, rate_variance, score_interval
 from seaglint.clutter.exceedances import MAX_LAG, Events, EventTracker, JointExceedances, JointProbability
 from seaglint.clutter.filters import as_frames
 from seaglint.clutter.thresholds import gaussian_rate
-from seaglint.errors import DataError, DomainError
 
 BIN: Final = 0.02
 """Width of a bin of the histogram of z [standard deviations]."""

@@ -13,8 +13,8 @@ from typing import Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint._jit import njit
-from seaglint.errors import DataError, DomainError
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.jit import njit
 
 Frames = NDArray[np.float32]
 

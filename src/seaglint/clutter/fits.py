@@ -24,7 +24,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
 
 FloatArray = NDArray[np.float64]
 Family = Literal["gamma", "lognormal", "weibull", "k", "gaussian"]

@@ -16,9 +16,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint import random
+from seaglint.base import random
+from seaglint.base.errors import DataError
 from seaglint.clutter.fits import Fit, cdf, draw, scores
-from seaglint.errors import DataError
 
 FloatArray = NDArray[np.float64]
 

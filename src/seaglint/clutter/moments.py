@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint._jit import in_threads, njit
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
+from seaglint.base.jit import in_threads, njit
 
 FloatArray = NDArray[np.float64]
 Sums = tuple[float, float, float, float, float]

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint import random
-from seaglint.errors import DataError
+from seaglint.base import random
+from seaglint.base.errors import DataError
 
 FloatArray = NDArray[np.float64]
 

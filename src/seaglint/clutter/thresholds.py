@@ -10,9 +10,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint._jit import njit
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.jit import njit
 from seaglint.clutter.filters import Frames, as_frames
-from seaglint.errors import DataError, DomainError
 
 Scope = Literal["frame", "sequence", "local"]
 

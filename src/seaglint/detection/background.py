@@ -10,12 +10,12 @@ from typing import Any, Final, Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.false_alarms import HIGHEST, FalseAlarms
 from seaglint.clutter.thresholds import frame_scale
-from seaglint.detection.base import Detector, Frames, statistics
+from seaglint.detection.interface import Detector, Frames, statistics
+from seaglint.detection.rare_alarms import LOWEST_THRESHOLD
 from seaglint.detection.scoring import Cells, Interval, interval
-from seaglint.detection.tails import LOWEST_THRESHOLD
-from seaglint.errors import DataError, DomainError
 
 Law = Literal["sigma", "frame", "fixed", "design"]
 Report = Callable[[int, int], None]

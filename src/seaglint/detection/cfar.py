@@ -20,9 +20,9 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint._jit import njit
-from seaglint.detection.base import GAUSSIAN_TAIL, Frames
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import njit
+from seaglint.detection.interface import GAUSSIAN_TAIL, Frames
 
 Clutter = Literal["exponential", "gaussian"]
 FloatArray = NDArray[np.float64]

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtri, pdtrik
 
-from seaglint.detection.base import Frames
-from seaglint.random import stream
+from seaglint.base.random import stream
+from seaglint.detection.interface import Frames
 
 FloatArray = NDArray[np.float64]
 

@@ -10,13 +10,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.errors import DataError
+from seaglint.base.random import stream
 from seaglint.detection.background import Background, FalseAlarmCount, FrameSource, Law, Threshold
-from seaglint.detection.base import Frames
+from seaglint.detection.interface import Frames
+from seaglint.detection.rare_alarms import RareTail
 from seaglint.detection.scoring import Interval, Scores, interval_of_sequences
-from seaglint.detection.tails import RareTail
 from seaglint.detection.trials import Objects, run_trials
-from seaglint.errors import DataError
-from seaglint.random import stream
 
 COUNTED: Final = 30
 """Least number of false alarms at a threshold whose rate is counted rather than extrapolated."""

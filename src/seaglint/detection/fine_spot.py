@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 
 FloatArray = NDArray[np.float64]
 

@@ -13,11 +13,11 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint._jit import njit
-from seaglint.detection.base import Detector
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.jit import njit
+from seaglint.base.random import stream
+from seaglint.detection.interface import Detector
 from seaglint.detection.spot import Shape
-from seaglint.errors import DataError, DomainError
-from seaglint.random import stream
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

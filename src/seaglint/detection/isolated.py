@@ -15,8 +15,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from seaglint.detection.base import GAUSSIAN_TAIL, Frames
-from seaglint.errors import DataError, DomainError
+from seaglint.base.errors import DataError, DomainError
+from seaglint.detection.interface import GAUSSIAN_TAIL, Frames
 
 TIME_LIMIT: Final = 60.0
 """Default time limit of a call [s]."""
@@ -31,14 +31,14 @@ class IsolatedDetector:
     Parameters
     ----------
     path : str
-        Path as for :func:`seaglint.detection.base.load`.
+        Path as for :func:`seaglint.detection.interface.load`.
     time_limit : float
         Longest time of a call [s].
 
     Raises
     ------
     DataError
-        A path that :func:`seaglint.detection.base.load` refuses, or a module that ends the process or takes too long to import.
+        A path that :func:`seaglint.detection.interface.load` refuses, or a module that ends the process or takes too long to import.
     DomainError
         A time limit that is not above 0.
     """

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from seaglint.detection.background import FrameSource
-from seaglint.detection.base import Detector, Frames
 from seaglint.detection.counting import Counting
+from seaglint.detection.interface import Detector, Frames
 
 
 @dataclass(frozen=True)

@@ -19,9 +19,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.base.errors import DomainError
 from seaglint.clutter.filters import Kernel, MatchedFilter, as_frames, autocovariance
-from seaglint.detection.base import Frames
-from seaglint.errors import DomainError
+from seaglint.detection.interface import Frames
 
 FloatArray = NDArray[np.float64]
 

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from seaglint.detection.base import Frames
+from seaglint.base.errors import DomainError
+from seaglint.detection.interface import Frames
 from seaglint.detection.registration import displacement, moved
-from seaglint.errors import DomainError
 
 _SPLINE_REACH = 12
 """Reach of the cubic spline of a moved frame [px]: its weights fall by 0.27 a pixel, here below 1e-6."""

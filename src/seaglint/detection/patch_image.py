@@ -14,9 +14,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.errors import DomainError
 from seaglint.clutter.filters import as_frames
-from seaglint.detection.base import Frames, filled
-from seaglint.errors import DomainError
+from seaglint.detection.interface import Frames, filled
 
 FloatArray = NDArray[np.float64]
 

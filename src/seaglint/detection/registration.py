@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.detection.base import Frames
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
+from seaglint.detection.interface import Frames
 
 FINENESS = 50
 """Number of parts of a pixel to which a shift is refined: far finer than the noise."""

@@ -12,10 +12,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint._jit import njit
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import njit
 from seaglint.clutter.cluster_variance import rate_variance, score_interval
 from seaglint.detection.injection import Batch
-from seaglint.errors import DomainError
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

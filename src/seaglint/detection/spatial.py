@@ -13,9 +13,9 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.errors import DomainError
 from seaglint.clutter.filters import DifferenceOfGaussians, Filter, Kernel, Laplacian, MatchedFilter, Unfiltered, as_frames
-from seaglint.detection.base import Detector, Frames
-from seaglint.errors import DomainError
+from seaglint.detection.interface import Detector, Frames
 
 _LINEAR: Final = (Unfiltered, Laplacian, DifferenceOfGaussians, Kernel, MatchedFilter)
 """Filters whose output for a sum of frames is the sum of their outputs."""

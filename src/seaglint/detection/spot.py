@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 
 FloatArray = NDArray[np.float64]
 

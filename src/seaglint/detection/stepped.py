@@ -14,12 +14,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.random import stream
 from seaglint.clutter.exceedances import Events
 from seaglint.clutter.extremes import FEWEST_EVENTS, ParetoFit, with_limits
 from seaglint.clutter.false_alarms import BIN, FalseAlarms, RateCurve
 from seaglint.detection.background import Background, Law
-from seaglint.detection.tails import LOWEST_THRESHOLD, MOST_EVENTS, QUANTILE, RareTail, rare_tail, survival
-from seaglint.random import stream
+from seaglint.detection.rare_alarms import LOWEST_THRESHOLD, MOST_EVENTS, QUANTILE, RareTail, rare_tail, survival
 
 FloatArray = NDArray[np.float64]
 

@@ -14,10 +14,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.errors import DomainError
 from seaglint.clutter.filters import as_frames
-from seaglint.detection.base import GAUSSIAN_TAIL, Frames
 from seaglint.detection.cfar import HIGHEST
-from seaglint.errors import DomainError
+from seaglint.detection.interface import GAUSSIAN_TAIL, Frames
 
 FloatArray = NDArray[np.float64]
 

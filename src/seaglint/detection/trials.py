@@ -14,13 +14,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.background import Background, FrameSource, Report, Threshold, Windows
-from seaglint.detection.base import Detector, Frames
 from seaglint.detection.injection import Batch, Placement, Plan, free, inject, most_batches, nothing_free, pitch_for
+from seaglint.detection.interface import Detector, Frames
 from seaglint.detection.pointing import Pointing, border_level, centroid, least_squares
 from seaglint.detection.scoring import Scores, around, best, match_offsets
 from seaglint.detection.spot import Shape
-from seaglint.errors import DataError, DomainError
 
 FloatArray = NDArray[np.float64]
 

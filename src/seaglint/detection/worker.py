@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from multiprocessing.connection import Connection
 
-from seaglint.detection.base import load
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
+from seaglint.detection.interface import load
 
 
 def serve(connection: Connection, path: str) -> None:

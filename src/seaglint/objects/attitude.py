@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from seaglint.conventions import FloatArray
+from seaglint.base.conventions import FloatArray
 
 
 def rotation(heading: float, pitch: float = 0.0, roll: float = 0.0) -> FloatArray:

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.conventions import FloatArray
+from seaglint.base.conventions import FloatArray
 
 
 @dataclass(frozen=True, eq=False)

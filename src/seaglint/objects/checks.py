@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint._jit import njit
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import njit
 from seaglint.objects.body import Solid
 from seaglint.objects.primitives import Mesh, volume
 from seaglint.objects.solids import merged

@@ -19,8 +19,8 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from seaglint._jit import njit
-from seaglint.conventions import FloatArray
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import njit
 from seaglint.objects.attitude import heading_of, rotation, tilt
 from seaglint.objects.body import Placement
 from seaglint.sea.field import WaveField

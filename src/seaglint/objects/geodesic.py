@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Final
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 
 SEMI_MAJOR_AXIS: Final = 6_378_137.0
 """Semi-major axis of the WGS 84 ellipsoid [m]."""

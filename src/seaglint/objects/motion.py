@@ -15,9 +15,9 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.spatial.transform import Rotation, Slerp
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
-from seaglint.limits import MOST_SPEED, MOST_TURN
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.base.limits import MOST_SPEED, MOST_TURN
 from seaglint.objects.attitude import rotation
 from seaglint.objects.body import Placement
 
@@ -101,7 +101,7 @@ class Keyframed:
         ------
         DomainError
             Fewer than two keyframes, values that are not finite, times that do not increase, and jumps
-            (:data:`~seaglint.limits.MOST_SPEED`, :data:`~seaglint.limits.MOST_TURN`, half a turn, which can go either way).
+            (:data:`~seaglint.base.limits.MOST_SPEED`, :data:`~seaglint.base.limits.MOST_TURN`, half a turn, which can go either way).
         """
         if len(time) < 2:
             raise DomainError(f"{len(time)} keyframe{'s' * (len(time) != 1)}; give two or more, or a position without keyframes")

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.conventions import FloatArray
+from seaglint.base.conventions import FloatArray
 
 # Corners (vertices, 3) [m] and triangles (triangles, 3), counterclockwise seen from outside.
 Mesh = tuple[FloatArray, NDArray[np.int32]]

@@ -8,8 +8,8 @@ from typing import Any, Literal, assert_never
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
 from seaglint.objects.body import Plume, Solid
 from seaglint.objects.primitives import Mesh
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DataError, DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
 from seaglint.optics.blackbody import planck_wavenumber
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import constants
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
 
 FIRST_RADIATION: Final = 2.0e8 * constants.h * constants.c**2
 """First radiation constant ``2 h c^2`` for wavenumbers in cm-1 [W m-2 sr-1 (cm-1)-4]."""

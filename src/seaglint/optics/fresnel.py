@@ -8,8 +8,8 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
 
 
 def reflectance(cos_incidence: ArrayLike, index: ArrayLike) -> FloatArray:

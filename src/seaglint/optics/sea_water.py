@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
 
 SEA_OFFSET: Final = 0.006
 """Difference of the real index of sea water of ordinary salinity and pure water [1] (Friedman 1969, Appl. Opt. 8, 2073)."""

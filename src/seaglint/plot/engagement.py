@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any, Final, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.conventions import FloatArray, horizon_depression
-from seaglint.io.directions import directions
-from seaglint.io.labels import Label
-from seaglint.io.outputs import moved_when_whole
-from seaglint.io.provenance import stored_band
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray, horizon_depression
+from seaglint.base.schema import VARIABLES
+from seaglint.files.directions import directions
+from seaglint.files.outputs import moved_when_whole
+from seaglint.files.provenance import stored_band
+from seaglint.files.store.object_labels import Label
 from seaglint.plot.scale import scale_of
-from seaglint.plot.summary import to_temperature
-from seaglint.schema import VARIABLES
+from seaglint.plot.sequence_summary import to_temperature
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,7 +34,7 @@ _SECOND_MARKS: Final = 1.0
 
 
 class Ways(Protocol):
-    """Where sensor and bodies are in the vertical plane of the line of sight, as :func:`seaglint.pipeline.fig12.ways` tells it."""
+    """Where sensor and bodies are in the vertical plane of the line of sight, as :func:`seaglint.studies.article.fig12.ways` tells it."""
 
     @property
     def time(self) -> FloatArray:

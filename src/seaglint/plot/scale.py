@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.conventions import FloatArray
-from seaglint.io.directions import directions
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray
+from seaglint.files.directions import directions
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.errors import BackendError
-from seaglint.io.counts import pictures
-from seaglint.io.outputs import moved_when_whole
-from seaglint.io.provenance import stored_band
-from seaglint.io.recording.arrays import stored_frame_rate
-from seaglint.io.store import Progress
+from seaglint.base.errors import BackendError
+from seaglint.base.schema import VARIABLES
+from seaglint.files.counts import pictures
+from seaglint.files.outputs import moved_when_whole
+from seaglint.files.provenance import stored_band
+from seaglint.files.recording.arrays import stored_frame_rate
+from seaglint.files.store.store import Progress
 from seaglint.plot.scale import Kind, Scale, scale_of, sea_pixels
-from seaglint.plot.summary import Images, images, to_temperature
-from seaglint.schema import VARIABLES
+from seaglint.plot.sequence_summary import Images, images, to_temperature
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -16,17 +16,17 @@ from numpy.polynomial.polynomial import polyval
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from seaglint.atmosphere.base import Atmosphere, slant_range
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
-from seaglint.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith
+from seaglint.air.protocol import Atmosphere, slant_range
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith
+from seaglint.facet.glint import glint
+from seaglint.facet.legs import VIEWER
+from seaglint.facet.local_sun import solar_zenith_at, turn_at, visible_sun
+from seaglint.facet.sea_view import BandSum, SeaView
 from seaglint.optics.band import Band
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
-from seaglint.radiance.glint import glint
-from seaglint.radiance.legs import VIEWER
-from seaglint.radiance.local_sun import solar_zenith_at, turn_at, visible_sun
 from seaglint.radiance.mean import SeaRadiance
-from seaglint.radiance.view import BandSum, SeaView
 
 _RANGES: Final = 40
 _ZENITHS: Final = np.radians([0, 10, 20, 30, 40, 45, 50, 55, 60, 65, 70, 74, 77, 80, 82, 84, 85, 86, 87, 88, 88.5, 89, 89.5, 90])

@@ -13,16 +13,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
-from seaglint.conventions import FloatArray, horizon_depression, view_zenith
-from seaglint.errors import DomainError
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.conventions import FloatArray, horizon_depression, view_zenith
+from seaglint.base.errors import DomainError
+from seaglint.facet.glint import GlintModel
+from seaglint.facet.local_sun import turn_at
+from seaglint.facet.scattered import Around, Rows, ScatteredMap, ScatteredSun
+from seaglint.facet.sea_view import SeaView, sea_arc
+from seaglint.facet.surface_spectra import SeaSurface, azimuth_weights, wind_azimuths
 from seaglint.optics.blackbody import planck_wavenumber
 from seaglint.optics.fresnel import ReflectanceSeries
-from seaglint.radiance.glint import GlintModel
-from seaglint.radiance.local_sun import turn_at
-from seaglint.radiance.scattered import Around, Rows, ScatteredMap, ScatteredSun
-from seaglint.radiance.surface import SeaSurface, azimuth_weights, wind_azimuths
-from seaglint.radiance.view import SeaView, sea_arc
 
 NODES: Final = 160
 """Number of elevations at which a view is tabulated."""
@@ -77,7 +77,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
 
         L_{sun} = \int R\,\tau\,\frac{\rho(\omega)\,E}{\pi\epsilon^2}\,P\;d\nu
 
-    with P of :func:`seaglint.radiance.glint.glint`; for slopes much wider than the Sun's image this is Eq. 8. The Sun's direction and its
+    with P of :func:`seaglint.facet.glint.glint`; for slopes much wider than the Sun's image this is Eq. 8. The Sun's direction and its
     irradiance E are those at the place looked at, E with the spectrum that it has at the sensor's foot.
 
     Parameters

@@ -23,13 +23,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.atmosphere.base import slant_range as slant_range_of
-from seaglint.conventions import FloatArray, surface_range
-from seaglint.conventions import view_zenith as view_zenith_of
-from seaglint.errors import DomainError
-from seaglint.radiance.local_sun import visible_sun
+from seaglint.air.protocol import slant_range as slant_range_of
+from seaglint.base.conventions import FloatArray, surface_range
+from seaglint.base.conventions import view_zenith as view_zenith_of
+from seaglint.base.errors import DomainError
+from seaglint.facet.local_sun import visible_sun
+from seaglint.facet.sea_view import SeaView
 from seaglint.radiance.mean import SeaRadiance
-from seaglint.radiance.view import SeaView
 
 
 def point_variance(sun_mean: ArrayLike, chance: ArrayLike) -> FloatArray:
@@ -85,7 +85,7 @@ def patches(
     solid_angle : array_like
         Solid angle of the detector's view [sr]: for a rectangular pixel the product of its two angular widths.
     correlation_length : float
-        l, side of a cell of the sea [m]; see :mod:`seaglint.radiance.correlation`.
+        l, side of a cell of the sea [m]; see :mod:`seaglint.radiance.glint_correlation`.
 
     Returns
     -------
@@ -154,7 +154,7 @@ def glint_variance(
     solid_angle : array_like
         Solid angle of the detector's view [sr]: for a rectangular pixel the product of its two angular widths.
     correlation_length : float
-        l, side of a cell of the sea [m]; see :mod:`seaglint.radiance.correlation`.
+        l, side of a cell of the sea [m]; see :mod:`seaglint.radiance.glint_correlation`.
 
     Returns
     -------

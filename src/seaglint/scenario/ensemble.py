@@ -11,15 +11,15 @@ from typing import Annotated, Any, Final, Literal, Self
 from pydantic import ConfigDict, Field, PrivateAttr, TypeAdapter, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
-from seaglint.errors import Mistake, ScenarioError
-from seaglint.scenario.dataset import Dataset
-from seaglint.scenario.laws import Choice, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
+from seaglint.base.errors import Mistake, ScenarioError
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets import PRESETS
-from seaglint.scenario.quantity import Quantity
-from seaglint.scenario.record import Record, rule
-from seaglint.scenario.sensor_presets import with_sensor
+from seaglint.scenario.presets.scene_presets import PRESETS
+from seaglint.scenario.presets.sensor_presets import with_sensor
+from seaglint.scenario.records.dataset import Dataset
+from seaglint.scenario.records.laws import Choice, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
+from seaglint.scenario.records.quantity import Quantity
+from seaglint.scenario.records.record import Record, rule
 
 Sampling = Literal["random", "latin_hypercube", "sobol"]
 

@@ -12,11 +12,11 @@ from typing import Any
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from seaglint.errors import Mistake, ScenarioError
-from seaglint.scenario import display  # noqa: F401 - scenarios show themselves in notebooks
+from seaglint.base.errors import Mistake, ScenarioError
 from seaglint.scenario.keys import choices_at, is_list, key_at, key_paths, table_keys, tag_name, tags
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.sensor_presets import with_sensor
+from seaglint.scenario.presets.sensor_presets import with_sensor
+from seaglint.scenario.text import display  # noqa: F401 - scenarios show themselves in notebooks
 
 
 def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:

@@ -13,21 +13,21 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from seaglint.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, TABLE_BANDS_UM, TABLE_HEIGHTS
-from seaglint.scenario.atmosphere import Atmosphere, LowtranAtmosphere, TableAtmosphere
-from seaglint.scenario.band import TABLE_BANDS_TEXT, Band
-from seaglint.scenario.likelihood import Likelihood
-from seaglint.scenario.mean import Mean
-from seaglint.scenario.objects import Object, in_degrees
-from seaglint.scenario.place import Place, Sun, Time
-from seaglint.scenario.platform import Platform
-from seaglint.scenario.quantity import Quantity
-from seaglint.scenario.record import YEARS, Record, rule
-from seaglint.scenario.render import Render
-from seaglint.scenario.sea import Sea
-from seaglint.scenario.sensor import HIGHEST_SENSOR, Sensor
-from seaglint.scenario.slopes import FlatSlopes, SpectrumSlopes
-from seaglint.scenario.wind import Wind
+from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, TABLE_BANDS_UM, TABLE_HEIGHTS
+from seaglint.scenario.records.atmosphere import Atmosphere, LowtranAtmosphere, TableAtmosphere
+from seaglint.scenario.records.band import TABLE_BANDS_TEXT, Band
+from seaglint.scenario.records.likelihood import Likelihood
+from seaglint.scenario.records.mean import Mean
+from seaglint.scenario.records.objects import Object, in_degrees
+from seaglint.scenario.records.place import Place, Sun, Time
+from seaglint.scenario.records.platform import Platform
+from seaglint.scenario.records.quantity import Quantity
+from seaglint.scenario.records.record import YEARS, Record, rule
+from seaglint.scenario.records.render import Render
+from seaglint.scenario.records.sea import Sea
+from seaglint.scenario.records.sea_slopes import FlatSlopes, SpectrumSlopes
+from seaglint.scenario.records.sensor import HIGHEST_SENSOR, Sensor
+from seaglint.scenario.records.wind import Wind
 
 
 class Scenario(Record):
@@ -51,7 +51,7 @@ class Scenario(Record):
     likelihood: Annotated[Likelihood | None, Field(description="how often glint matters, for the command likelihood")] = None
 
     html: ClassVar[Callable[[Any], str] | None] = None
-    """What notebooks show; :mod:`seaglint.scenario.display`, which reads this module, puts it here."""
+    """What notebooks show; :mod:`seaglint.scenario.text.display`, which reads this module, puts it here."""
 
     def _repr_html_(self) -> str | None:
         return None if Scenario.html is None else Scenario.html(self)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from seaglint.errors import ScenarioError
+from seaglint.base.errors import ScenarioError
 
 
 def set_key(raw: dict[str, Any], key: str, value: Any, name: str) -> None:

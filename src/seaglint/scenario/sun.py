@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 from typing import Final
 
-from seaglint.errors import ScenarioError
+from seaglint.base.errors import ScenarioError
 from seaglint.scenario.model import Scenario
 
 SUN_STEP: Final = math.radians(0.05)

@@ -1,6 +1,6 @@
 """Dispersion of gravity-capillary waves on deep water.
 
-``omega^2 = g k + (T/rho) k^3``, with the surface tension and density of :mod:`seaglint.constants` (Lamb, Hydrodynamics, section 267).
+``omega^2 = g k + (T/rho) k^3``, with the surface tension and density of :mod:`seaglint.base.constants` (Lamb, Hydrodynamics, section 267).
 The slowest wave is 1.7 cm long and travels at 0.231 m/s.
 """
 
@@ -11,8 +11,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.constants import GRAVITY, SEA_WATER_DENSITY, SURFACE_TENSION
-from seaglint.errors import DomainError
+from seaglint.base.constants import GRAVITY, SEA_WATER_DENSITY, SURFACE_TENSION
+from seaglint.base.errors import DomainError
 
 FloatArray = NDArray[np.float64]
 

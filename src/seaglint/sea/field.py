@@ -22,11 +22,11 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from seaglint._jit import njit
-from seaglint.errors import DomainError
-from seaglint.random import stream
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import njit
+from seaglint.base.random import stream
 from seaglint.sea.dispersion import angular_frequency
-from seaglint.sea.spectra.base import DirectionalSpectrum
+from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.tiles import Tile, require_bands
 from seaglint.sea.wander import Wander
 

@@ -11,9 +11,9 @@ from typing import Final
 import numpy as np
 from scipy.optimize import brentq
 
-from seaglint.errors import DomainError
-from seaglint.sea.slopes import SlopeStatistics
-from seaglint.sea.spectra.base import DirectionalSpectrum
+from seaglint.base.errors import DomainError
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.sea.spectra.directional import DirectionalSpectrum
 
 SAMPLES_PER_WAVE: Final = 4
 """Lattice points per shortest wave of a tile: bilinear interpolation keeps 75-100 % of such a wave's slope variance."""

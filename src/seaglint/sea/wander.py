@@ -15,8 +15,8 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from seaglint.conventions import FloatArray
-from seaglint.random import stream
+from seaglint.base.conventions import FloatArray
+from seaglint.base.random import stream
 from seaglint.sea.tiles import Tile
 
 _WAVES: Final = np.array(

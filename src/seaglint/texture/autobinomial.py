@@ -9,8 +9,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DataError, DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
 from seaglint.texture.neighbourhood import Classes, classes, reach
 
 IntArray = NDArray[np.integer[Any]]
@@ -165,7 +165,7 @@ def checked_field(field: IntArray, model: Autobinomial) -> NDArray[np.int16]:
         )
     if held.dtype.kind not in "iub":
         raise DomainError(
-            f"grey levels are whole numbers 0 to {model.most}, not {held.dtype}: quantise the picture (seaglint.texture.levels)",
+            f"grey levels are whole numbers 0 to {model.most}, not {held.dtype}: quantise the picture (seaglint.texture.quantisation)",
             name="image",
             value=str(held.dtype),
         )

@@ -8,14 +8,14 @@ from typing import Any, Final, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.base.threads import single_threaded_algebra
 from seaglint.texture.autobinomial import Autobinomial, IntArray, checked_field
 from seaglint.texture.monte_carlo import maximum_likelihood
 from seaglint.texture.neighbourhood import Classes, classes, reach
 from seaglint.texture.pseudo_likelihood import climb, conditional_log_likelihood, neighbour_sums
 from seaglint.texture.regime import Regime, regime
-from seaglint.threads import single_threaded_algebra
 
 Method = Literal["pseudo-likelihood", "monte-carlo", "monte-carlo-exchange"]
 
@@ -120,7 +120,7 @@ def fit(
     Parameters
     ----------
     image : array of int, (rows, columns)
-        Grey levels 0 to ``levels - 1`` (:class:`seaglint.texture.levels.GreyLevels` makes them of radiance).
+        Grey levels 0 to ``levels - 1`` (:class:`seaglint.texture.quantisation.GreyLevels` makes them of radiance).
     levels : int
         Grey levels of the field.
     order : int

@@ -12,9 +12,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint._jit import kernel, njit, njit_parallel
-from seaglint.conventions import FloatArray
-from seaglint.render.counter import WORD, bits, cell_key, uniform
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import kernel, njit, njit_parallel
+from seaglint.base.keyed_random import WORD, bits, cell_key, uniform
 
 PRECISION = 56
 """Number of bits of a probability that are used: the 53 of a double, and a multiple of :data:`UNROLLED`."""

@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
-from seaglint.random import stream
-from seaglint.render.counter import WORD
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.base.keyed_random import WORD
+from seaglint.base.random import stream
 from seaglint.texture import autobinomial_kernels as kernels
 from seaglint.texture.autobinomial import Autobinomial, IntArray, check_shape, checked_field
 from seaglint.texture.neighbourhood import colours

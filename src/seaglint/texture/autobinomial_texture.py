@@ -10,15 +10,15 @@ from typing import Any, Final, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint import random
-from seaglint.errors import DataError, DomainError
+from seaglint.base import random
+from seaglint.base.errors import DataError, DomainError
 from seaglint.texture.autobinomial import Autobinomial
 from seaglint.texture.autobinomial_fit import Fit, Method
 from seaglint.texture.autobinomial_fit import fit as fit_field
 from seaglint.texture.autobinomial_sampler import exchange
 from seaglint.texture.autobinomial_sampler import sample as gibbs
-from seaglint.texture.levels import GreyLevels
 from seaglint.texture.pseudo_likelihood import conditional_log_likelihood
+from seaglint.texture.quantisation import GreyLevels
 from seaglint.texture.regime import correlations
 
 Sampler = Literal["gibbs", "exchange"]
@@ -177,7 +177,7 @@ def fit_texture(
     Raises
     ------
     DataError, DomainError
-        Errors of the fit and of :class:`seaglint.texture.levels.GreyLevels`.
+        Errors of the fit and of :class:`seaglint.texture.quantisation.GreyLevels`.
     """
     grey = GreyLevels.of(image, levels)
     picture = grey.to_levels(image)

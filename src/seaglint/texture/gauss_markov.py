@@ -20,8 +20,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DataError, DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
 
 KIND: Final = "gauss-markov"
 

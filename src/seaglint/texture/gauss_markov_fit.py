@@ -20,8 +20,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DataError, DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
 from seaglint.texture.gauss_markov import GaussMarkov, Offset, canonical, half_weights, least_symbol
 
 PER_PARAMETER: Final = 50

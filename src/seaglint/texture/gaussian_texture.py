@@ -9,13 +9,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DataError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
 from seaglint.texture import gauss_markov_fit as estimation
 from seaglint.texture.gauss_markov import GaussMarkov, canonical, pseudo_log_likelihood
+from seaglint.texture.long_tails import find_modulation
 from seaglint.texture.marginals import Marginal, Tails, fit_marginal
 from seaglint.texture.synthesis import Modulation, latent
-from seaglint.texture.tails import find_modulation
 
 KIND: Final = "gauss-markov"
 

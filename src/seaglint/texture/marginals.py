@@ -17,9 +17,9 @@ from typing import Any, Final, Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint._jit import in_threads, njit
-from seaglint.conventions import FloatArray
-from seaglint.errors import DataError, DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.jit import in_threads, njit
 
 Tails = Literal["gaussian", "gamma", "lognormal", "k", "empirical"]
 TAILS: Final[tuple[Tails, ...]] = get_args(Tails)

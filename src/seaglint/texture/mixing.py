@@ -7,8 +7,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
 from seaglint.texture import autobinomial_sampler as sampler
 from seaglint.texture.autobinomial import Autobinomial
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 
 # Rows down and columns to the right from a pixel to its neighbour.
 Offset = tuple[int, int]

@@ -13,8 +13,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.conventions import FloatArray, horizon_range, surface_range
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray, horizon_range, surface_range
+from seaglint.base.errors import DomainError
 from seaglint.texture.marginals import Tails
 
 SAMPLED: Final = 12

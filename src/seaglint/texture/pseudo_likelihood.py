@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import expit, gammaln, log_expit
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
 from seaglint.texture.autobinomial import Autobinomial, IntArray, checked_field
 from seaglint.texture.neighbourhood import Classes, reach
 

@@ -14,12 +14,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import spatial_correlation, temporal_correlation
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms, RateCurve
 from seaglint.clutter.spectrum import Spectrum, power_spectrum
-from seaglint.conventions import FloatArray
-from seaglint.errors import DataError
-from seaglint.texture.tails import interior
+from seaglint.texture.long_tails import interior
 
 THRESHOLDS: Final = (3.0, 3.5)
 

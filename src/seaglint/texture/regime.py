@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.conventions import FloatArray
+from seaglint.base.conventions import FloatArray
 from seaglint.texture import autobinomial_sampler as sampler
 from seaglint.texture.autobinomial import Autobinomial
 from seaglint.texture.neighbourhood import Classes

@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.base.errors import DataError
 from seaglint.clutter.correlation import spatial_correlation, trend_surface
-from seaglint.errors import DataError
 
 SMALLEST_SIDE: Final = 24
 """Least number of rows and columns for fitting a texture [px]: six times the farthest neighbour."""

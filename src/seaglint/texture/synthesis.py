@@ -22,9 +22,9 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint import random
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base import random
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
 from seaglint.texture.gauss_markov import GaussMarkov, Offset, half_weights, require_torus
 from seaglint.texture.marginals import Marginal
 

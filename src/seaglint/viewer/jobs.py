@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from seaglint.errors import DataError, SeaglintError
+from seaglint.base.errors import DataError, SeaglintError
 
 PATIENCE: Final = 15.0
 """Seconds after which a job that nobody asks for is stopped: its browser is closed."""

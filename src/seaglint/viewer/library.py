@@ -8,9 +8,10 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, Final
 
-from seaglint.errors import DataError
-from seaglint.io.recording import images, video
-from seaglint.viewer.frames import Source, open_source
+from seaglint.base.errors import DataError
+from seaglint.files.recording import images
+from seaglint.files.recording import video_file as video
+from seaglint.viewer.frame_source import Source, open_source
 
 ENDINGS: Final = frozenset({
     ".zarr", ".partial", ".nc", ".nc4", ".npy", ".npz", ".h5", ".hdf5", ".he5", ".mat", ".fits", ".fit", ".fts",

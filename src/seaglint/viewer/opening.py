@@ -13,18 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis import Recording
-from seaglint.errors import DataError, SeaglintError
-from seaglint.io.counts import count_line
-from seaglint.io.directions import directions
-from seaglint.io.manifest import DONE
-from seaglint.io.netcdf import open_netcdf
-from seaglint.io.provenance import stored_band
-from seaglint.io.recording import open_recording
-from seaglint.io.recording.arrays import stored_frame_rate
-from seaglint.io.store import is_sequence
-from seaglint.io.truth import GROUP
-from seaglint.plot.summary import to_temperature
-from seaglint.schema import VARIABLES
+from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.schema import VARIABLES
+from seaglint.files.counts import count_line
+from seaglint.files.directions import directions
+from seaglint.files.netcdf import open_netcdf
+from seaglint.files.provenance import stored_band
+from seaglint.files.recording import open_recording
+from seaglint.files.recording.arrays import stored_frame_rate
+from seaglint.files.store.manifest import DONE
+from seaglint.files.store.store import is_sequence
+from seaglint.files.store.stored_truth import GROUP
+from seaglint.plot.sequence_summary import to_temperature
 
 MAIN: Final = ("radiance", "signal", "texture")
 """Layers that are shown first, where they are there."""
@@ -67,7 +67,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Opened:
-    """A file's frames; attributes as in :class:`~seaglint.viewer.frames.Source`."""
+    """A file's frames; attributes as in :class:`~seaglint.viewer.frame_source.Source`."""
 
     frames: int
     rows: int

@@ -11,8 +11,8 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.errors import DataError
-from seaglint.viewer.frames import Source
+from seaglint.base.errors import DataError
+from seaglint.viewer.frame_source import Source
 from seaglint.viewer.scaling import Scaling, scaling_of
 
 SAMPLED: Final = 12

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from seaglint.errors import DataError
-from seaglint.viewer.frames import Source
+from seaglint.base.errors import DataError
+from seaglint.viewer.frame_source import Source
 
 
 def probe(source: Source, index: int, row: int, column: int) -> dict[str, Any]:

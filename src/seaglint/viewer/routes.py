@@ -17,17 +17,17 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
+from seaglint.base.errors import DataError, SeaglintError
 from seaglint.clutter.filters import NAMES
-from seaglint.errors import DataError, SeaglintError
 from seaglint.plot.video import Colours, palette, video_available
 from seaglint.version import __version__
-from seaglint.viewer.export import TYPES, clip, frame_file, table
-from seaglint.viewer.frames import GoneError, Source
+from seaglint.viewer.downloads import TYPES, clip, frame_file, table
+from seaglint.viewer.dragged_region import Rectangle, exceedances, quick, whole
+from seaglint.viewer.frame_source import GoneError, Source
 from seaglint.viewer.jobs import Jobs
 from seaglint.viewer.library import Library
 from seaglint.viewer.picture import Scales, Show, tag
 from seaglint.viewer.probe import probe, trace
-from seaglint.viewer.region import Rectangle, exceedances, quick, whole
 from seaglint.viewer.scaling import KINDS
 
 STATIC: Final = Path(__file__).parent / "static"

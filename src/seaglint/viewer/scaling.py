@@ -12,7 +12,7 @@ from typing import Any, Final, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
 
 Kind = Literal["linear", "percentile", "plateau"]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-from seaglint.errors import BackendError, DataError
+from seaglint.base.errors import BackendError, DataError
 from seaglint.viewer.safety import MOST_BODY, Application, Guard, is_loopback, new_token
 
 if TYPE_CHECKING:

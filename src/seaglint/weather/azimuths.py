@@ -12,14 +12,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from seaglint._jit import in_threads, njit
-from seaglint.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.conventions import FloatArray
-from seaglint.radiance.local_sun import STEADY
-from seaglint.radiance.mirror import SunDisc, aim_disc, sun_disc
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import in_threads, njit
+from seaglint.facet.local_sun import STEADY
+from seaglint.facet.mirror import SunDisc, aim_disc, sun_disc
 from seaglint.weather.looks import DUSK, SeaState, Way, direction, sea_at
-from seaglint.weather.seas import Seas
-from seaglint.weather.sunlight import (
+from seaglint.weather.mirrored_sunlight import (
     MirroredLight,
     between_kernel,
     elevation_kernel,
@@ -27,6 +26,7 @@ from seaglint.weather.sunlight import (
     place_in_pieces,
     view_range_kernel,
 )
+from seaglint.weather.seas import Seas
 
 _BESIDE: Final = np.radians([2.0, 5.0, 10.0, 18.0, 30.0, 50.0, 90.0, 180.0])
 """Azimuths to each side of the Sun between which at most one border is searched [rad]."""

@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.conventions import FloatArray
+from seaglint.base.conventions import FloatArray
 
 CloudLaw = Literal["cover", "overcast", "line-of-sight"]
 """Law of the probability of a free Sun: 1 - cover; 1 unless the sky is overcast; or by :func:`clear_line`."""

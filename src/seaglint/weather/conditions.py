@@ -11,11 +11,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
 from seaglint.weather.daylight import arc, hours_of_light
 from seaglint.weather.ephemeris import year_span
-from seaglint.weather.table import MONTHS, IntArray, WeatherTable, month_used
+from seaglint.weather.weather_table import MONTHS, IntArray, WeatherTable, month_used
 
 _DAY: Final = 86_400.0
 _SMALL: Final = 16

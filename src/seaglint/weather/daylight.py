@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from seaglint.conventions import FloatArray
+from seaglint.base.conventions import FloatArray
 
 _BY_DAY: Final = 15.0 / 16.0
 """Share of the draws given to the arc; a dyadic one keeps Sobol points even on both sides."""

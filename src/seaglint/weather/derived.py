@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.conventions import FloatArray
+from seaglint.base.conventions import FloatArray
 
 ICE_POINT: Final = 273.15
 """Temperature of 0 degC [K]."""

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.special import gammainccinv, gammaincinv
 from scipy.stats import t as student
 
-from seaglint.conventions import FloatArray
-from seaglint.random import stream
+from seaglint.base.conventions import FloatArray
+from seaglint.base.random import stream
 
 SCRAMBLINGS: Final = 16
 """Least number of independent scramblings: Student's factor is 2.13 then, against 1.96 for infinitely many."""

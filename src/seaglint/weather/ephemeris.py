@@ -14,9 +14,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint._jit import in_threads, kernel, njit
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import in_threads, kernel, njit
 
 STANDARD_PRESSURE: Final = 1013.25
 STANDARD_TEMPERATURE: Final = 12.0

@@ -8,16 +8,15 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from seaglint._jit import in_threads, kernel, njit
-from seaglint.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
-from seaglint.conventions import FloatArray
-from seaglint.radiance.legs import Legs
-from seaglint.radiance.local_sun import STEADY, turn_kernel
-from seaglint.radiance.mirror import FacetDensity, SunDisc, aim_disc, chance_kernel, place_kernel, sun_disc
-from seaglint.sea.nested import HIGHEST
-from seaglint.sea.shadowing import visible_area_kernel
-from seaglint.weather.seas import Seas
-from seaglint.weather.sunlight import (
+from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import in_threads, kernel, njit
+from seaglint.facet.legs import Legs
+from seaglint.facet.local_sun import STEADY, turn_kernel
+from seaglint.facet.mirror import FacetDensity, SunDisc, aim_disc, chance_kernel, place_kernel, sun_disc
+from seaglint.sea.shadowing.nested import HIGHEST
+from seaglint.sea.shadowing.smith import visible_area_kernel
+from seaglint.weather.mirrored_sunlight import (
     MirroredLight,
     between_kernel,
     elevation_kernel,
@@ -28,6 +27,7 @@ from seaglint.weather.sunlight import (
     sun_coordinate_kernel,
     view_range_kernel,
 )
+from seaglint.weather.seas import Seas
 
 DUSK: Final = 0.3
 """Depression of the Sun from which it is above no horizon in view [rad]."""
@@ -94,7 +94,7 @@ def looks(draws: FloatArray, light: MirroredLight, sea: Seas, search: Search = S
 
     Notes
     -----
-    Shares of facets are those of :func:`seaglint.radiance.glint.glint`; winds beyond the tables count as the nearest.
+    Shares of facets are those of :func:`seaglint.facet.glint.glint`; winds beyond the tables count as the nearest.
     """
     rows, levels = np.ascontiguousarray(draws, dtype=np.float64), height_coordinate(draws[:, 3])
     out = np.zeros((rows.shape[0], 5))

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gammaincc
 
-from seaglint.atmosphere.base import slant_range
-from seaglint.conventions import FloatArray
+from seaglint.air.protocol import slant_range
+from seaglint.base.conventions import FloatArray
+from seaglint.facet.sea_view import sea_arc
 from seaglint.radiance.variance import patches_of_tilt, point_variance
-from seaglint.radiance.view import sea_arc
 from seaglint.weather.looks import Looks
 
 

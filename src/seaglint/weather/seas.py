@@ -7,13 +7,13 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from seaglint.conventions import FloatArray
-from seaglint.radiance.glint import floored
-from seaglint.radiance.legs import Shadowing
-from seaglint.sea.nested import HIGHEST, between_bands, ratio_table
-from seaglint.sea.seen_and_lit import coupling_table
-from seaglint.sea.shadowing import projected_area
-from seaglint.sea.slopes import SlopeStatistics
+from seaglint.base.conventions import FloatArray
+from seaglint.facet.glint import floored
+from seaglint.facet.legs import Shadowing
+from seaglint.sea.shadowing.nested import HIGHEST, between_bands, ratio_table
+from seaglint.sea.shadowing.seen_and_lit import coupling_table
+from seaglint.sea.shadowing.smith import projected_area
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 SlopesAt = Callable[[float], SlopeStatistics]
 """Function that returns the slopes of the sea at a wind [m/s] that blows towards azimuth 0."""

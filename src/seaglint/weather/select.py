@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
 from seaglint.weather.derived import west_east
-from seaglint.weather.table import MONTHS, WeatherTable
+from seaglint.weather.weather_table import MONTHS, WeatherTable
 
 BoolArray = NDArray[np.bool_]
 

@@ -21,9 +21,9 @@ from typing import Final
 import numpy as np
 from scipy.special import ndtri
 
-from seaglint.conventions import FloatArray
-from seaglint.errors import DomainError
-from seaglint.weather.table import IntArray, WeatherTable
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.weather.weather_table import IntArray, WeatherTable
 
 BOUNDS: Final[Mapping[str, tuple[float, float]]] = {
     "wind_speed_m_s": (0.0, np.inf),
@@ -76,7 +76,7 @@ def smoothed(table: WeatherTable, rows: IntArray, uniform: FloatArray, bandwidth
     table : WeatherTable
         The table drawn from.
     rows : (n,) array of int
-        Rows from :meth:`~seaglint.weather.table.WeatherTable.draw`.
+        Rows from :meth:`~seaglint.weather.weather_table.WeatherTable.draw`.
     uniform : (n, columns) array
         Numbers inside (0, 1), a column for each of ``bandwidth`` in its order.
     bandwidth : mapping

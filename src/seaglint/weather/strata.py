@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from seaglint.conventions import FloatArray
+from seaglint.base.conventions import FloatArray
 from seaglint.weather.draws import Plan, estimate
 
 BEARINGS: Final = np.arange(0.0, 361.0, 30.0)

@@ -1,7 +1,7 @@
 """Directional wavenumber spectra of the sea: one model per file, one interface."""
 
-from seaglint.sea.spectra.base import DirectionalSpectrum
 from seaglint.sea.spectra.binned import BinnedSpectrum
+from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.spectra.measured import MeasuredSpectrum

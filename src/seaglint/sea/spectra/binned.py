@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
 
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
 from seaglint.sea.spectra.measured import TAIL_BANDS, MeasuredSpectrum
 from seaglint.sea.spectra.spreading import cosine_power, power_of_width
 

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.constants import GRAVITY
-from seaglint.errors import DomainError
-from seaglint.sea.spectra.base import DirectionalSpectrum
+from seaglint.base.constants import GRAVITY
+from seaglint.base.errors import DomainError
+from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.spreading import cosine_power, power_of_width, second_moment
 
 FloatArray = NDArray[np.float64]

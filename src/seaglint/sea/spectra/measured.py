@@ -21,9 +21,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.errors import DataError
+from seaglint.base.errors import DataError
 from seaglint.sea.dispersion import angular_frequency, group_velocity, wavenumber
-from seaglint.sea.spectra.base import DirectionalSpectrum
+from seaglint.sea.spectra.directional import DirectionalSpectrum
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]

@@ -8,10 +8,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.constants import GRAVITY
-from seaglint.errors import DomainError
-from seaglint.sea.spectra.base import DirectionalSpectrum, downwind
-from seaglint.sea.wind import require_wind, wind_at_height
+from seaglint.base.constants import GRAVITY
+from seaglint.base.errors import DomainError
+from seaglint.sea.spectra.directional import DirectionalSpectrum, downwind
+from seaglint.sea.wind_profile import require_wind, wind_at_height
 
 FloatArray = NDArray[np.float64]
 

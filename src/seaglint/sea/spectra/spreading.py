@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import gammaln
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 
 FloatArray = NDArray[np.float64]
 

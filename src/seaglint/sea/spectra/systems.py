@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from seaglint.errors import DomainError
+from seaglint.base.errors import DomainError
 from seaglint.sea.dispersion import group_velocity
-from seaglint.sea.spectra.base import DirectionalSpectrum
+from seaglint.sea.spectra.directional import DirectionalSpectrum
 
 FloatArray = NDArray[np.float64]
 

@@ -11,19 +11,19 @@ from typing import Any, Final
 
 from nicegui import app, background_tasks, ui
 
-from seaglint.errors import Mistake, ScenarioError, SeaglintError
-from seaglint.scenario.compass import compass
+from seaglint.base.errors import Mistake, ScenarioError, SeaglintError
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets import PRESETS
-from seaglint.viewer.workbench.daylight import Daylight
+from seaglint.scenario.presets.scene_presets import PRESETS
+from seaglint.scenario.text.compass import compass
 from seaglint.viewer.workbench.draft import Draft
 from seaglint.viewer.workbench.fields import Path as Keys
 from seaglint.viewer.workbench.form import Form
 from seaglint.viewer.workbench.map import Quantity, map_svg
-from seaglint.viewer.workbench.pictures import Job, Painter, Picture
 from seaglint.viewer.workbench.plan import Plan, distance, plan, plan_svg
 from seaglint.viewer.workbench.redraw import Redraw
+from seaglint.viewer.workbench.small_pictures import Job, Painter, Picture
 from seaglint.viewer.workbench.style import CSS
+from seaglint.viewer.workbench.sun_card import Daylight
 
 DEBOUNCE: Final = 0.2
 """Seconds without a change after which the scenario is read."""

@@ -8,8 +8,8 @@ from typing import Final
 
 import numpy as np
 
-from seaglint.conventions import FloatArray
-from seaglint.scenario.compass import SUN
+from seaglint.base.conventions import FloatArray
+from seaglint.scenario.text.compass import SUN
 
 STEP: Final = 10
 """Minutes between two places of the course."""

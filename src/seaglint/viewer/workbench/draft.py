@@ -10,12 +10,12 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from seaglint.errors import DataError, Mistake, ScenarioError
-from seaglint.io.outputs import moved_when_whole
+from seaglint.base.errors import DataError, Mistake, ScenarioError
+from seaglint.files.outputs import moved_when_whole
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets import PRESETS
-from seaglint.scenario.write import differing, toml_text, toml_value
+from seaglint.scenario.presets.scene_presets import PRESETS
+from seaglint.scenario.text.write import differing, toml_text, toml_value
 from seaglint.viewer.workbench.fields import Field, file_keys
 from seaglint.viewer.workbench.fields import Path as Keys
 

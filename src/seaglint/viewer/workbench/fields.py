@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, Final, Literal
 
-from seaglint.scenario.template import json_schema
-from seaglint.scenario.write import toml_value
+from seaglint.scenario.text.template import json_schema
+from seaglint.scenario.text.write import toml_value
 
 Kind = Literal["number", "text", "list", "tables", "switch", "choice", "file"]
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from nicegui import ui
 
-from seaglint.errors import Mistake
+from seaglint.base.errors import Mistake
 from seaglint.viewer.workbench.draft import Draft, dotted, keys_of, text_of
 from seaglint.viewer.workbench.fields import Field, Group, form
 from seaglint.viewer.workbench.fields import Path as Keys

@@ -11,9 +11,9 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.schema import VARIABLES
 from seaglint.plot.scale import Scale, scale_of
-from seaglint.schema import VARIABLES
-from seaglint.viewer.workbench.pictures import Picture
+from seaglint.viewer.workbench.small_pictures import Picture
 
 Quantity = Literal["radiance", "apparent_temperature"]
 

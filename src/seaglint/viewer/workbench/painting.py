@@ -6,15 +6,16 @@ import os
 import pickle
 import sys
 
-from seaglint.errors import SeaglintError
-from seaglint.viewer.workbench.pictures import Picture, picture
+from seaglint.base.errors import SeaglintError
+from seaglint.viewer.workbench.small_pictures import Picture, picture
 
 
 def main() -> None:
     """Work until the input ends, with the server."""
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what libraries print must not get between the pictures
-    from seaglint.pipeline import image, mean  # noqa: F401 - loaded while nobody waits
+    from seaglint.studies.mean import mean_map as mean  # noqa: F401 - loaded while nobody waits
+    from seaglint.studies.sequence import image  # noqa: F401 - loaded while nobody waits
 
     while True:
         try:

@@ -10,12 +10,12 @@ from typing import Final
 
 import numpy as np
 
-from seaglint.conventions import FloatArray, horizon_range, surface_range
-from seaglint.pipeline import prepare
-from seaglint.pipeline.objects import bodies
-from seaglint.scenario.compass import SUN, VIEW
+from seaglint.base.conventions import FloatArray, horizon_range, surface_range
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SunPosition, sun_position
+from seaglint.scenario.text.compass import SUN, VIEW
+from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.bodies import bodies
 
 _TIMES: Final = 41
 """Places along a way."""

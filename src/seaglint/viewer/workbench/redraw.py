@@ -6,9 +6,9 @@ import asyncio
 from collections.abc import Callable, Coroutine
 from typing import Any, Final
 
-from seaglint.errors import SeaglintError
+from seaglint.base.errors import SeaglintError
 from seaglint.scenario.model import Scenario
-from seaglint.viewer.workbench.pictures import Job, Order, Overtaken, Painter, Picture
+from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Painter, Picture
 
 JOBS: Final[tuple[Job, ...]] = ("mean", "frame")
 

@@ -1,0 +1,162 @@
+"""Coordinates of the nodes of an atmosphere table: refraction, normalised path length and elevation, splines between kinks.
+
+The table builder and :mod:`seaglint.air.table.lowtran7` share this file, so that nodes and look-ups cannot drift apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+
+from seaglint.air.protocol import FloatArray
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+
+
+@dataclass(frozen=True)
+class Refraction:
+    """Refractivity profile of LOWTRAN7, exponential between its levels, over its own Earth radius.
+
+    Snell's law on a sphere, ``n r sin(zenith) = const``, ties the depression at the sensor to the zenith angle at the sea
+    without tracing the ray.
+    """
+
+    level_height: FloatArray
+    refractivity: FloatArray
+    earth_radius: float
+
+    def _offset(self, height: ArrayLike) -> FloatArray:
+        """Value of ``1 - n_0 R / (n_h (R + h))``, in a form that keeps its digits for low sensors."""
+        sea, h = self.refractivity[0], np.asarray(height, dtype=np.float64)
+        air = np.exp(np.interp(h, self.level_height, np.log(self.refractivity)))
+        return np.asarray((self.earth_radius * (air - sea) + (1.0 + air) * h) / ((1.0 + air) * (self.earth_radius + h)))
+
+    def depression(self, height: ArrayLike, sea_cosine: ArrayLike) -> FloatArray:
+        """Depression at the sensor of the ray that leaves the sea at zenith angle ``arccos(sea_cosine)`` [rad]."""
+        e = self._offset(height)
+        square = e * (2.0 - e) + ((1.0 - e) * np.asarray(sea_cosine, dtype=np.float64)) ** 2
+        sine = np.sqrt(np.maximum(square, 0.0))  # at the sea itself rounding may give a negative value
+        return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
+
+    def sea_cosine(self, height: ArrayLike, depression: ArrayLike) -> FloatArray:
+        """Cosine of the zenith angle at the sea of the ray seen at ``depression`` [1]; NaN where the ray misses the sea."""
+        e = self._offset(height)
+        squared = (np.sin(np.asarray(depression, dtype=np.float64)) ** 2 - e * (2.0 - e)) / (1.0 - e) ** 2
+        with np.errstate(invalid="ignore"):
+            return np.asarray(np.sqrt(squared))
+
+    def dip(self, height: float) -> float:
+        """Depression of the sea horizon [rad]."""
+        return float(self.depression(height, 0.0))
+
+
+def straight_slant(height: ArrayLike, sea_cosine: ArrayLike) -> FloatArray:
+    """Length of the straight path over the effective Earth that leaves the sea at ``sea_cosine`` and ends at ``height`` [m]."""
+    rc, h = EFFECTIVE_EARTH_RADIUS * np.asarray(sea_cosine, dtype=np.float64), np.asarray(height, dtype=np.float64)
+    rise = h * (2.0 * EFFECTIVE_EARTH_RADIUS + h)
+    return np.asarray(rise / (rc + np.sqrt(rc * rc + rise)))
+
+
+def straight_sea_cosine(height: float, slant: ArrayLike) -> FloatArray:
+    """Inverse of :func:`straight_slant`: cosine of the zenith angle at the sea [1]."""
+    s = np.asarray(slant, dtype=np.float64)
+    return np.asarray((height * (2.0 * EFFECTIVE_EARTH_RADIUS + height) - s * s) / (2.0 * EFFECTIVE_EARTH_RADIUS * s))
+
+
+def path_coordinate(slant: ArrayLike, height: ArrayLike, horizon_slant: ArrayLike) -> FloatArray:
+    """Path coordinate ``log(s/h) / log(s_horizon/h)`` [1]: 0 straight down, 1 at the sea horizon. Optical depth is nearly a power of it."""
+    h = np.asarray(height, dtype=np.float64)
+    return np.asarray(np.log(np.maximum(np.asarray(slant, dtype=np.float64) / h, 1.0)) / np.log(np.asarray(horizon_slant) / h))
+
+
+def height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> FloatArray:
+    """Coordinate of height for splines [1]: ``log(h)`` up to the first level, then ``j + sqrt(part of layer j)``.
+
+    Just above a level LOWTRAN7's path gains a thin layer of another temperature, and near the horizon that layer takes over
+    the emission within tens of metres: the square root spreads those out (95th percentile of path radiance 0.1 instead of 1 %).
+    """
+    h = np.asarray(height, dtype=np.float64)
+    edges = np.array(levels)
+    layer = np.clip(np.searchsorted(edges, h, side="right") - 1, 0, edges.size - 2)
+    part = np.maximum(h - edges[layer], 0.0) / (edges[layer + 1] - edges[layer])
+    low = np.log(np.minimum(h, edges[0]) / edges[0])
+    return np.asarray(np.where(h <= edges[0], low, layer + np.sqrt(part)))
+
+
+def sky_height_coordinate(height: ArrayLike, levels: tuple[float, ...]) -> FloatArray:
+    """Coordinate of height for splines of the sky [1]: 0 at the sea, ``j`` at the ``j``-th level.
+
+    Seen along the horizontal, a thin layer fills the view within metres of the level below it as well as of the level above:
+    the inverse sine spreads out both ends. Below the first level ``log(1 + h/20 m)`` makes the sea itself a node.
+    """
+    h = np.asarray(height, dtype=np.float64)
+    edges = np.array(levels)
+    layer = np.clip(np.searchsorted(edges, h, side="right") - 1, 0, edges.size - 2)
+    part = np.clip((h - edges[layer]) / (edges[layer + 1] - edges[layer]), 0.0, 1.0)
+    low = np.minimum(np.log1p(h / SKY_HEIGHT_SCALE) / np.log1p(edges[0] / SKY_HEIGHT_SCALE), 1.0)
+    return np.asarray(np.where(h <= edges[0], 1.0 - np.sqrt(1.0 - low), 1.0 + layer + np.arcsin(np.sqrt(part)) / (0.5 * np.pi)))
+
+
+SKY_HEIGHT_SCALE = 20.0
+"""Height at which the spacing of the sky's height nodes changes from even to geometric [m]."""
+
+ELEVATION_SCALE = 0.012
+"""Angle above the horizontal at which the spacing of elevation nodes changes from even to geometric [rad]."""
+
+
+def elevation_coordinate(elevation: ArrayLike, dip: ArrayLike) -> FloatArray:
+    """Coordinate of the angle above the horizontal, 0 (horizontal) ... 1 (straight up) [1]: ``asinh(e/e0) / asinh(pi/2 e0)``."""
+    scale = ELEVATION_SCALE + 0.5 * np.asarray(dip)
+    return np.asarray(np.arcsinh(np.asarray(elevation) / scale) / np.arcsinh(0.5 * np.pi / scale))
+
+
+def elevation_of_coordinate(y: ArrayLike, dip: float) -> FloatArray:
+    """Inverse of :func:`elevation_coordinate`: angle above the horizontal [rad]."""
+    scale = ELEVATION_SCALE + 0.5 * dip
+    return np.asarray(scale * np.sinh(np.asarray(y) * np.arcsinh(0.5 * np.pi / scale)))
+
+
+def dip_coordinate(depression: ArrayLike, dip: ArrayLike) -> FloatArray:
+    """Coordinate ``sqrt(depression / dip)`` [1] of sky seen below the horizontal: 0 horizontal, 1 at the sea horizon.
+
+    Such a ray dips to a tangent height and leaves through the same air again; within 0.1 dips of the horizontal the
+    air between sensor and tangent height takes over, as the root of the angle (1 K from 2.5 km).
+    """
+    return np.asarray(np.sqrt(np.maximum(np.asarray(depression, dtype=np.float64), 0.0) / dip))
+
+
+OPTICAL_DEPTH_FLOOR, OPTICAL_DEPTH_CEILING = 1e-4, 6.0
+"""Optical depths below which a channel is clear and far above which it is opaque; the encoding spends little precision on either."""
+
+
+def encode_optical_depth(optical_depth: ArrayLike) -> FloatArray:
+    """Encoded optical depth ``q = log(d/(1 + d/6) + 1e-4)`` [1]: a logarithm that levels off where transmittance is nearly 1 or nearly 0.
+
+    Splines and principal components of ``q`` then work for the optical depths that matter: 32 components leave 0.06 % of
+    the 3-5 um band transmittance (above 0.01), of the plain logarithm 0.1 %.
+    """
+    d = np.asarray(optical_depth, dtype=np.float64)
+    return np.asarray(np.log(d / (1.0 + d / OPTICAL_DEPTH_CEILING) + OPTICAL_DEPTH_FLOOR))
+
+
+def decode_optical_depth(q: FloatArray) -> FloatArray:
+    """Optical depth [1] from its encoding, not below 0; depths above 60 are not distinguished."""
+    share = np.exp(q)
+    share -= OPTICAL_DEPTH_FLOOR
+    np.maximum(share, 0.0, out=share)
+    return np.asarray(share / np.maximum(1.0 - share / OPTICAL_DEPTH_CEILING, 0.09))
+
+
+def spline_weights(nodes: FloatArray, kinks: tuple[float, ...], x: float) -> FloatArray:
+    """Weights [(nodes)] of node values for the value of a cubic spline at ``x``; the slope may jump at ``kinks``.
+
+    Kinks must be nodes. Between two kinks the spline is not-a-knot (three nodes: a parabola, two: a line).
+    """
+    edges = sorted({nodes[0], *kinks, nodes[-1]})
+    last = min(max(int(np.searchsorted(edges, x, side="right")), 1), len(edges) - 1)
+    inside = (nodes >= edges[last - 1]) & (nodes <= edges[last])
+    weights = np.zeros(nodes.size)
+    weights[inside] = CubicSpline(nodes[inside], np.eye(int(inside.sum())))(x)
+    return weights

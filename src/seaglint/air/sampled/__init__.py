@@ -1,0 +1,1 @@
+"""Air from spectra at nodes: somebody's own calculation or measurement."""

@@ -1,0 +1,1 @@
+"""Sunlight that the air scatters, once, into paths and sky."""

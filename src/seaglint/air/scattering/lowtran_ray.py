@@ -1,0 +1,441 @@
+"""Kernels of LOWTRAN7's rays and transmittances: refraction through its levels, absorber sums along the ray, band laws.
+
+Optical depth in a channel is ``sum_k c_k W_k`` over continua and aerosols plus ``sum_b (C_b W_b)^a_b`` over absorption bands, whose lines
+saturate: the transmittance of a bent way Sun - point - sensor is that of its whole amount, not a product of two.
+
+References
+----------
+LOWTRAN7's subroutines FILL, LAYER, RFPATH, DBLTX and TRANS; Kneizys, F. X., et al. (1988), Users Guide to LOWTRAN 7, AFGL-TR-88-0177.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import njit
+
+AEROSOLS: Final = 4
+"""Number of aerosol regions (boundary layer, troposphere, stratosphere, above), the first columns of the amounts."""
+
+MOLECULES: Final = 4
+"""Column of the scattering molecules."""
+
+SELF: Final = 6
+SELF_COLD: Final = 7
+"""Columns of the water continuum at 296 K and of its share that is colder."""
+
+MOST_POINTS: Final = 72
+"""Largest number of points of a line."""
+
+WORK_ROWS: Final = 6
+"""Rows [(columns,)] of scratch space that the kernels need."""
+
+_NODES, _WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(4)[0]), 0.5 * np.polynomial.legendre.leggauss(4)[1])
+"""Quadrature nodes and weights along the ray, down to its tangent height."""
+
+_HEIGHTS, _HEIGHT_WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(5)[0]), 0.5 * np.polynomial.legendre.leggauss(5)[1])
+"""Quadrature nodes and weights over the heights of a whole layer."""
+
+_FINE, _FINE_WEIGHTS = (0.5 * (1.0 + np.polynomial.legendre.leggauss(12)[0]), 0.5 * np.polynomial.legendre.leggauss(12)[1])
+"""Nodes and weights with which the densities of a whole layer are integrated, once."""
+
+_TO_HEIGHTS = np.linalg.solve(np.vander(_HEIGHTS, increasing=True).T, np.vander(_FINE, 5, increasing=True).T).T * _FINE_WEIGHTS[:, None]
+"""Matrix from densities at the fine nodes to weights of a function's values at the nodes of a whole layer."""
+
+_STRAIGHT: Final = 2.5
+"""Growth of the squared cosine of the zenith angle below which a layer is summed on its fixed heights."""
+
+_THIN: Final = 1e-4
+"""Least thickness of LOWTRAN7's layers [km]."""
+
+SHADE: Final = -1.0
+"""Value for a ray that the Earth blocks."""
+
+
+class LayerGrid(NamedTuple):
+    """Quadrature heights of every whole layer, for rays far from level there: the sums need no exponentials.
+
+    ``invariant[l, g]``: ``n r`` there [km], and at the levels ``at_level[l]``; ``amount[l, g, k]``: weights of ``1/cos(zenith)`` for the
+    amounts; ``bending[l, g]`` and ``turn[l, g]`` those of ``tan(zenith)`` for bending and for the angle at the Earth's centre.
+    """
+
+    at_level: np.ndarray
+    invariant: np.ndarray
+    amount: np.ndarray
+    bending: np.ndarray
+    turn: np.ndarray
+
+
+class Laws(NamedTuple):
+    """Data from which LOWTRAN7 computes transmittances, in its units: km, densities per km.
+
+    ``density[k, l]``: scaled densities at the levels of four aerosols, molecules, then absorbers; ``humidity`` relative [%] and ``tops``
+    the highest levels of the aerosol regions. ``linear[k, i]``: coefficients of the columns whose optical depth is proportional to the
+    amount; ``scattering[k, i]`` those of the aerosols' scattering. ``segments[s] = (column, first, end)``: bands with optical depth
+    ``exp(power ln W + log_coefficient)`` in channels first...end, listed one after another. ``grid`` follows from the levels.
+    """
+
+    earth_radius: float
+    height: np.ndarray
+    pressure: np.ndarray
+    temperature: np.ndarray
+    refractivity: np.ndarray
+    density: np.ndarray
+    humidity: np.ndarray
+    tops: np.ndarray
+    linear: np.ndarray
+    scattering: np.ndarray
+    segments: np.ndarray
+    power: np.ndarray
+    log_coefficient: np.ndarray
+    grid: LayerGrid
+
+
+@njit
+def _interpolated(a: float, b: float, part: float) -> float:
+    """Interpolation as LOWTRAN7's EXPINT: exponential, linear next to a zero."""
+    if a <= 0.0 or b <= 0.0:
+        return a + (b - a) * part
+    return float(a * (b / a) ** part)
+
+
+@njit
+def _layer_of(laws: Laws, z: float) -> int:
+    """Index of the layer whose lower level is at or below z, the upper above it."""
+    i = int(np.searchsorted(laws.height, z, side="right")) - 1
+    return min(max(i, 0), laws.height.size - 2)
+
+
+@njit
+def refractivity_at(laws: Laws, z: float) -> float:
+    """Refractivity ``n - 1`` at a height [km]."""
+    i = _layer_of(laws, z)
+    part = (z - laws.height[i]) / (laws.height[i + 1] - laws.height[i])
+    low, high = laws.refractivity[i] + 1e-20, laws.refractivity[i + 1] + 1e-20
+    return float(low * (high / low) ** part)
+
+
+@njit
+def invariant_of(laws: Laws, z: float, sine: float) -> float:
+    """Snell's invariant ``n r sin(zenith)`` [km]."""
+    return (1.0 + refractivity_at(laws, z)) * (laws.earth_radius + z) * sine
+
+
+@njit
+def tangent_height(laws: Laws, invariant: float, z: float) -> float:
+    """Tangent height [km] of a descending ray from z; below 0 where it meets the sea."""
+    if invariant < invariant_of(laws, 0.0, 1.0):
+        return SHADE
+    low, high = 0.0, z
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if invariant_of(laws, middle, 1.0) < invariant:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@njit
+def _level_values(laws: Laws, z: float, layer: int, out: np.ndarray) -> None:
+    part = (z - laws.height[layer]) / (laws.height[layer + 1] - laws.height[layer])
+    for k in range(out.size):
+        out[k] = _interpolated(laws.density[k, layer], laws.density[k, layer + 1], part)
+
+
+@njit
+def _clear(row: np.ndarray) -> None:
+    for k in range(row.size):  # written out: an assignment to the whole row takes seconds to compile
+        row[k] = 0.0
+
+
+@njit
+def _cold(p1: float, p2: float, kelvin1: float, kelvin2: float) -> float:
+    """Share of the water continuum that counts as cold (260 K: all, 296 K: none) between two points of a layer."""
+    kelvin = kelvin1
+    rho1, rho2 = p1 / kelvin1, p2 / kelvin2
+    if abs(rho2 / rho1 - 1.0) > 1e-9 and abs(p2 / p1 - 1.0) > 1e-9:
+        kelvin = (p1 - p2) / math.log(p1 / p2) / ((rho1 - rho2) / math.log(rho1 / rho2))
+    return min(max((296.0 - kelvin) / 36.0, 0.0), 1.0)
+
+
+@njit
+def layer_part(laws: Laws, z1: float, z2: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
+    """Add the amounts between two heights of one layer to ``out`` [(columns,)]; return angle at the Earth's centre and bending [rad].
+
+    With an ``out`` of no columns only the ray is followed.
+
+    Quadrature along the parabola that the ray nearly is: the integrand stays smooth down to the height where the ray runs level.
+    """
+    re = laws.earth_radius
+    layer = _layer_of(laws, 0.5 * (z1 + z2))
+    columns = out.size
+    low, high = work[0, :columns], work[1, :columns]
+    _level_values(laws, z1, layer, low)
+    _level_values(laws, z2, layer, high)
+    thick = laws.height[layer + 1] - laws.height[layer]
+    n_low, n_high = laws.refractivity[layer] + 1e-20, laws.refractivity[layer + 1] + 1e-20
+    fall = math.log(n_low / n_high) / thick
+    n1 = n_low * math.exp(-fall * (z1 - laws.height[layer]))
+    n2 = n_low * math.exp(-fall * (z2 - laws.height[layer]))
+    sine1 = min(invariant / ((1.0 + n1) * (re + z1)), 1.0)
+    sine2 = min(invariant / ((1.0 + n2) * (re + z2)), 1.0)
+    cos1 = math.sqrt((1.0 - sine1) * (1.0 + sine1))
+    curved = max(sine1 * sine1 - (re + z1) * fall * n1 / (1.0 + n1) * sine1 * sine1, 0.02) / (re + z1)
+    dz = z2 - z1
+    length = 2.0 * dz / (cos1 + math.sqrt(cos1 * cos1 + 2.0 * curved * dz))
+    kelvin1 = laws.temperature[layer] + (laws.temperature[layer + 1] - laws.temperature[layer]) * (z1 - laws.height[layer]) / thick
+    kelvin2 = laws.temperature[layer] + (laws.temperature[layer + 1] - laws.temperature[layer]) * (z2 - laws.height[layer]) / thick
+    bending = 0.0
+    sums = work[2]
+    _clear(sums)
+    for k in range(columns):
+        a, b = low[k], high[k]
+        work[3, k] = math.log(b / a) if a > 0.0 and b > 0.0 else 0.0
+    for g in range(_NODES.size):
+        s = length * _NODES[g]
+        z = min(z1 + cos1 * s + 0.5 * curved * s * s, z2)
+        n = n1 * math.exp(-fall * (z - z1))
+        sine = invariant / ((1.0 + n) * (re + z))
+        cosine = math.sqrt(max((1.0 - sine) * (1.0 + sine), 1e-300))
+        weight = _WEIGHTS[g] * length * (cos1 + curved * s) / cosine
+        part = (z - z1) / dz
+        bending += weight * sine * fall * n / (1.0 + n)
+        for k in range(columns):
+            a, b = low[k], high[k]
+            if a > 0.0 and b > 0.0:
+                sums[k] += weight * a * math.exp(part * work[3, k])
+            else:
+                sums[k] += weight * (a + (b - a) * part)
+    turned = math.asin(sine1) - math.asin(sine2) + bending
+    if columns == 0:
+        return turned, bending
+    # Temperature of the layer, weighted with the density of air, says how much of the continuum counts as cold.
+    p1 = _interpolated(laws.pressure[layer], laws.pressure[layer + 1], (z1 - laws.height[layer]) / thick)
+    p2 = _interpolated(laws.pressure[layer], laws.pressure[layer + 1], (z2 - laws.height[layer]) / thick)
+    for k in range(columns):
+        out[k] += sums[k]
+    out[SELF_COLD] += sums[SELF] * _cold(p1, p2, kelvin1, kelvin2)
+    return turned, bending
+
+
+@njit
+def _layers(laws: Laws, first: int, last: int, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
+    """Add :func:`layer_part` of the layers first...last - 1 from level to level."""
+    grid = laws.grid
+    columns, nodes = out.size, grid.invariant.shape[1]
+    turn, bending = 0.0, 0.0
+    for layer in range(first, last):
+        low, high = invariant / grid.at_level[layer], invariant / grid.at_level[layer + 1]
+        if (1.0 - high * high) > _STRAIGHT * (1.0 - low * low):
+            part = layer_part(laws, laws.height[layer], laws.height[layer + 1], invariant, work, out)
+            turn += part[0]
+            bending += part[1]
+            continue
+        for g in range(nodes):
+            sine = invariant / grid.invariant[layer, g]
+            secant = 1.0 / math.sqrt((1.0 - sine) * (1.0 + sine))
+            turn += grid.turn[layer, g] * sine * secant
+            bending += grid.bending[layer, g] * sine * secant
+            for k in range(columns):
+                out[k] += secant * grid.amount[layer, g, k]
+    return turn, bending
+
+
+@njit
+def rise(laws: Laws, low: float, high: float, invariant: float, work: np.ndarray, out: np.ndarray) -> tuple[float, float]:
+    """Add :func:`layer_part` of a ray between any two heights; parts of layers thinner than 0.1 m are omitted."""
+    turn, bending = 0.0, 0.0
+    first, last = _layer_of(laws, low), _layer_of(laws, high)
+    if laws.height[first] < low:
+        end = min(laws.height[first + 1], high)
+        if end - low > _THIN:
+            turn, bending = layer_part(laws, low, end, invariant, work, out)
+        first += 1
+    if high >= laws.height[last + 1]:
+        last += 1
+    if last > first:
+        part = _layers(laws, first, last, invariant, work, out)
+        turn += part[0]
+        bending += part[1]
+    start = max(laws.height[last], low)
+    if last >= first and high - start > _THIN:
+        part = layer_part(laws, start, high, invariant, work, out)
+        turn += part[0]
+        bending += part[1]
+    return turn, bending
+
+
+@njit
+def sun_amounts(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.ndarray) -> float:
+    """Compute amounts ``out`` [(columns,)] from a height [km] to the Sun at an apparent zenith angle [rad].
+
+    The result is the bending [rad], -1 in the shade.
+    """
+    _clear(out)
+    if z >= laws.height[-1]:
+        return 0.0
+    invariant = invariant_of(laws, z, math.sin(zenith))
+    bending = 0.0
+    if zenith > 0.5 * math.pi:
+        lowest = tangent_height(laws, invariant, z)
+        if lowest < 0.0:
+            return SHADE
+        bending = 2.0 * rise(laws, lowest, z, invariant, work, out)[1]
+        for k in range(out.size):
+            out[k] *= 2.0
+    return bending + rise(laws, z, laws.height[-1], invariant, work, out)[1]
+
+
+@njit
+def _copy(row: np.ndarray, out: np.ndarray) -> None:
+    for k in range(row.size):
+        out[k] = row[k]
+
+
+class Line(NamedTuple):
+    """Points at which a line of sight crosses levels.
+
+    ``height`` [km], ``zenith`` of the line's onward direction there, ``arc`` from the sensor [rad], ``level`` the index that LOWTRAN7
+    takes the humidity from, ``amount[j]`` from the sensor to point j.
+    """
+
+    height: np.ndarray
+    zenith: np.ndarray
+    arc: np.ndarray
+    level: np.ndarray
+    amount: np.ndarray
+
+
+@njit
+def _rung(line: Line, n: int, z: float, zenith: float, arc: float, level: int) -> None:
+    line.height[n], line.zenith[n], line.arc[n], line.level[n] = z, zenith, arc, level
+
+
+@njit
+def zenith_at(laws: Laws, invariant: float, z: float) -> float:
+    """Zenith angle of a rising ray at a height [rad]."""
+    return math.asin(min(invariant / invariant_of(laws, z, 1.0), 1.0))
+
+
+@njit
+def trace(laws: Laws, z: float, zenith: float, line: Line, work: np.ndarray) -> int:
+    """Trace the line of sight from a height [km] at a zenith angle [rad] to the sea or to space; return the number of points."""
+    invariant = invariant_of(laws, z, math.sin(zenith))
+    amount = work[4]
+    _clear(amount)
+    n, arc = 0, 0.0
+    start, first = z, 0
+    descending = zenith > 0.5 * math.pi + 1e-12
+    if descending:
+        lowest = max(tangent_height(laws, invariant, z), 0.0)
+        # Levels from the lowest point up, numbered as LOWTRAN7 does.
+        below = 0
+        for i in range(laws.height.size):
+            below += 1 if lowest < laws.height[i] < z - 1e-4 else 0
+        level = below + 1
+        _rung(line, 0, z, zenith, 0.0, level)
+        while start - lowest > 1e-9:
+            i = _layer_of(laws, start - 1e-9)
+            end = max(laws.height[i], lowest)
+            if line.height[n] - end < 1e-4 and end > lowest:  # as LOWTRAN7, no pieces of less than 0.1 m
+                start = end
+                continue
+            arc += rise(laws, end, start, invariant, work, amount)[0]
+            n += 1
+            level -= 1
+            _rung(line, n, end, math.pi - zenith_at(laws, invariant, end), arc, level)
+            _copy(amount, line.amount[n])
+            start = end
+        if invariant < invariant_of(laws, 0.0, 1.0):
+            return n + 1
+        line.zenith[n] = 0.5 * math.pi
+        first = 0
+    else:
+        _rung(line, 0, z, zenith, 0.0, 0)
+    level = first
+    top = laws.height[-1]
+    while top - start > 1e-4:
+        end = laws.height[_layer_of(laws, start) + 1]
+        if descending and start < z - 1e-4 and end > z:
+            end = z
+        if end - start < 1e-4:
+            start = end
+            continue
+        arc += rise(laws, start, end, invariant, work, amount)[0]
+        n += 1
+        level += 1
+        _rung(line, n, end, zenith_at(laws, invariant, end), arc, level)
+        _copy(amount, line.amount[n])
+        start = end
+    return n + 1
+
+
+@njit
+def transmittances(laws: Laws, amount: np.ndarray, out: np.ndarray) -> None:
+    """Transmittance [1, (n,)] of amounts [(columns,)]."""
+    channels = out.size
+    _clear(out)
+    for k in range(laws.linear.shape[0]):
+        w = amount[k]
+        if w > 0.0:
+            for i in range(channels):
+                out[i] += w * laws.linear[k, i]
+    at = 0
+    for s in range(laws.segments.shape[0]):
+        column, first, end = laws.segments[s]
+        w = amount[column]
+        if w > 1e-20:
+            log_w = math.log(w)
+            for i in range(first, end):
+                out[i] += math.exp(min(laws.power[at] * log_w + laws.log_coefficient[at], 6.0))
+                at += 1
+        else:
+            at += end - first
+    for i in range(channels):
+        out[i] = math.exp(-out[i]) if out[i] < 700.0 else 0.0
+
+
+def layer_grid(earth_radius: float, height: FloatArray, refractivity: FloatArray, cold: FloatArray, density: FloatArray) -> LayerGrid:
+    """Quadrature of whole layers.
+
+    Heights [km, (levels,)], ``n - 1``, share of the water continuum that counts as cold [(layers,)], densities [(columns, levels)].
+    """
+    thick = np.diff(height)
+    z = height[:-1, None] + thick[:, None] * _HEIGHTS
+    n = refractivity + 1e-20
+    fall = np.log(n[:-1] / n[1:]) / thick
+    at_node = n[:-1, None] * np.exp(-fall[:, None] * (z - height[:-1, None]))
+    amount = layer_amounts(thick, density)
+    amount[:, :, SELF_COLD] = amount[:, :, SELF] * cold[:, None]
+    return LayerGrid(
+        (1.0 + n) * (earth_radius + height),
+        (1.0 + at_node) * (earth_radius + z),
+        amount,
+        _HEIGHT_WEIGHTS * thick[:, None] * fall[:, None] * at_node / (1.0 + at_node),
+        _HEIGHT_WEIGHTS * thick[:, None] / (earth_radius + z),
+    )
+
+
+def layer_amounts(thick: FloatArray, density: FloatArray) -> FloatArray:
+    """Weights [(layers, nodes, columns)] of a smooth function's values at the quadrature heights in its integral times the density."""
+    a, b = density[:, :-1, None], density[:, 1:, None]
+    both = (a > 0.0) & (b > 0.0)
+    slope = np.log(np.where(both, b, 1.0) / np.where(both, a, 1.0))
+    there = np.where(both, a * np.exp(slope * _FINE), a + (b - a) * _FINE)
+    return np.ascontiguousarray(np.moveaxis(there @ _TO_HEIGHTS, 0, -1) * thick[:, None, None])
+
+
+def cold_share(height: FloatArray, pressure: FloatArray, temperature: FloatArray) -> FloatArray:
+    """Share of the water continuum of every layer that counts as cold [1, (layers,)], by its density-weighted temperature."""
+    return np.array(
+        [_cold(*(float(v) for v in (p[0], p[1], t[0], t[1]))) for p, t in zip(_pairs(pressure), _pairs(temperature), strict=True)]
+    )
+
+
+def _pairs(values: FloatArray) -> FloatArray:
+    return np.stack([values[:-1], values[1:]], axis=1)

@@ -1,0 +1,234 @@
+r"""Scattered sunlight of path and sky for one Sun, tabulated for millions of directions.
+
+.. math:: L(\nu) = \sum_r v_r(\nu) \sum_k \phi_k(\Theta)\, A_{kr}(\text{direction}, \text{Sun})
+
+The phase functions are narrow (the aureole is some ten degrees wide) but functions of the scattering angle alone; the amplitudes are
+smooth in elevation or range, in the cosine of the azimuth and in the Sun's zenith angle at the place. So each is tabulated for itself, the
+angle every quarter of a degree. ``k`` counts shapes of phase function (some four do for all kinds of scatterer and wavenumbers), ``r``
+spectral shapes.
+
+Use
+---
+:class:`seaglint.air.scattering.scattered_tables.ScatteredLight` makes three tables. A map or an image adds, in band,
+
+- ``path``: :func:`scattered_path_at` to the path radiance of every line of sight to the sea;
+- ``sky``: :func:`scattered_sky_at` to the sky seen from the sensor, above the horizon;
+- ``sea_sky``: the sky that a place on the sea sees, which facets mirror. Its elevation, azimuth and Sun are those against the vertical
+  of the place. It has spectral shapes: as with :class:`seaglint.facet.surface_spectra.SkyTable`, ``L = shares @ spectral``, so that sums
+  over the band with reflectance and transmittance are taken of ``spectral`` once, and facets only need their few ``shares``
+  (:func:`scattered_shares`). The shares depend on the azimuth from the Sun, unlike those of the thermal sky. In band, :func:`in_band`
+  with weights of quadrature (times reflectance and transmittance) makes of it a table for :func:`mirrored_sky_at`.
+
+Kernels make no arrays, so that those of the renderer can call them.
+
+All are for the Sun at 1 au; multiply by ``1/d^2``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seaglint.air.coordinates import ELEVATION_SCALE
+from seaglint.air.setting_sun import visible_part_kernel
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import in_threads, kernel, njit
+
+
+class ScatteredTable(NamedTuple):
+    """Scattered sunlight against direction and Sun.
+
+    ``angular[i, k]``: phase functions' shapes at even steps of the scattering angle, ``amplitude[t, e, a, k, r]`` over the Sun's zenith
+    angle, rows and even steps of the cosine of azimuth; ``spectral[r, n]``: spectral shapes [W m-2 sr-1 per cm-1], or a single 1 for
+    radiance in band. Rows are those of :func:`sky_row` (``dip_rows`` of them below the horizontal, down to ``dip`` [rad]) or
+    :func:`path_row` (``longest`` slant path [m]). ``solar_zenith`` [rad] is the Sun's apparent one at the sensor, or at its foot for sky
+    over the sea. Only there places have Suns of their own: ``suns`` is the first zenith angle and t per rad of it, and ``sets`` says that
+    the share of the disc above the place's horizon is still to be multiplied by.
+    """
+
+    angular: np.ndarray
+    amplitude: np.ndarray
+    spectral: np.ndarray
+    solar_zenith: float
+    suns: tuple[float, float]
+    sets: bool
+    height: float
+    longest: float
+    dip: float
+    dip_rows: int
+
+
+DARK: Final = ScatteredTable(np.zeros((2, 1)), np.zeros((1, 2, 2, 1, 1)), np.zeros((1, 1)), 0.0, (0.0, 0.0), False, 1.0, 2.0, 1.0, 0)
+"""Table of air that scatters nothing."""
+
+
+@kernel
+def sky_row(elevation: float, table: ScatteredTable) -> float:
+    """Row of an elevation [rad]: rows down to the horizon first, then up from the horizontal."""
+    if elevation >= 0.0:
+        above = table.amplitude.shape[1] - table.dip_rows
+        y = math.asinh(elevation / ELEVATION_SCALE) / math.asinh(0.5 * math.pi / ELEVATION_SCALE)
+        return float(table.dip_rows + min(y, 1.0) * (above - 1))
+    if table.dip_rows == 0:
+        return 0.0
+    # The last row below the horizontal is the one before the horizontal's own.
+    return float(max(table.dip_rows * (1.0 - math.sqrt(min(-elevation / table.dip, 1.0))), 0.0))
+
+
+@kernel
+def path_row(range_m: float, table: ScatteredTable) -> float:
+    """Row of an arc along the sea [m]; beyond the horizon the row of the horizon."""
+    half = math.sin(range_m / (2.0 * EFFECTIVE_EARTH_RADIUS))
+    h = table.height
+    slant = math.sqrt(h * h + 4.0 * EFFECTIVE_EARTH_RADIUS * (EFFECTIVE_EARTH_RADIUS + h) * half * half)
+    x = math.log(max(slant / h, 1.0)) / math.log(table.longest / h)
+    return float(min(x, 1.0) * (table.amplitude.shape[1] - 1))
+
+
+@kernel
+def angle_node(elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable) -> tuple[int, float]:
+    """Node of the scattering angle, and the fraction to the next one."""
+    half, lean = math.sin(0.5 * azimuth), math.sin(0.5 * (0.5 * math.pi - elevation - solar_zenith))
+    square = min(max(lean * lean + math.cos(elevation) * math.sin(solar_zenith) * half * half, 0.0), 1.0)
+    angle = 2.0 * math.asin(math.sqrt(square)) / math.pi * (table.angular.shape[0] - 1)
+    i = min(int(angle), table.angular.shape[0] - 2)
+    return i, angle - i
+
+
+@kernel
+def term_at(row: float, azimuth: float, solar_zenith: float, table: ScatteredTable, term: tuple[int, int]) -> float:
+    """Amplitude of one phase shape and spectral shape, interpolated between the nodes around a row, an azimuth and a Sun."""
+    k, r = term
+    suns, rows, columns = table.amplitude.shape[0], table.amplitude.shape[1], table.amplitude.shape[2]
+    half = math.sin(0.5 * azimuth)
+    column = half * half * (columns - 1)
+    e, a = min(int(row), rows - 2), min(int(column), columns - 2)
+    fe, fa = row - e, column - a
+    x = min(max((solar_zenith - table.suns[0]) * table.suns[1], 0.0), suns - 1.0)
+    t = min(int(x), max(suns - 2, 0))
+    ft = x - t
+    value = (1.0 - fe) * ((1.0 - fa) * table.amplitude[t, e, a, k, r] + fa * table.amplitude[t, e, a + 1, k, r])
+    value += fe * ((1.0 - fa) * table.amplitude[t, e + 1, a, k, r] + fa * table.amplitude[t, e + 1, a + 1, k, r])
+    if ft > 0.0:
+        t += 1
+        later = (1.0 - fe) * ((1.0 - fa) * table.amplitude[t, e, a, k, r] + fa * table.amplitude[t, e, a + 1, k, r])
+        later += fe * ((1.0 - fa) * table.amplitude[t, e + 1, a, k, r] + fa * table.amplitude[t, e + 1, a + 1, k, r])
+        value += ft * (later - value)
+    return float(value)
+
+
+@kernel
+def share_at(row: float, elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable, r: int) -> float:
+    """Share of one spectral shape at a row; azimuth is counted from the Sun, ``solar_zenith`` is the Sun's apparent one [rad]."""
+    i, f = angle_node(elevation, azimuth, solar_zenith, table)
+    up = visible_part_kernel(0.5 * math.pi - solar_zenith)[0] if table.sets else 1.0
+    total = 0.0
+    for k in range(table.angular.shape[1]):
+        phase = (1.0 - f) * table.angular[i, k] + f * table.angular[i + 1, k]
+        total += phase * term_at(row, azimuth, solar_zenith, table, (k, r))
+    return float(up * total)
+
+
+@kernel
+def scattered_sky_at(elevation: float, azimuth: float, table: ScatteredTable) -> float:
+    """Scattered sky radiance in band [W m-2 sr-1] at an elevation and an azimuth from the Sun [rad], under the Sun at the sensor."""
+    return max(share_at(sky_row(elevation, table), elevation, azimuth, table.solar_zenith, table, 0), 0.0)
+
+
+@kernel
+def mirrored_sky_at(elevation: float, azimuth: float, solar_zenith: float, table: ScatteredTable) -> float:
+    """Scattered sky radiance in band [W m-2 sr-1] over a place, ``sea_sky`` of :func:`in_band`.
+
+    The Sun stands there at an apparent zenith angle [rad].
+    """
+    return max(share_at(sky_row(elevation, table), elevation, azimuth, solar_zenith, table, 0), 0.0)
+
+
+@kernel
+def scattered_path_at(range_m: float, elevation: float, azimuth: float, table: ScatteredTable) -> float:
+    """Scattered path radiance in band [W m-2 sr-1] to the sea at an arc [m].
+
+    The path is seen at an elevation (below 0) and an azimuth from the Sun [rad].
+    """
+    return max(share_at(path_row(range_m, table), elevation, azimuth, table.solar_zenith, table, 0), 0.0)
+
+
+@njit
+def _fill_sky_map(rows: tuple[int, int], elevation: np.ndarray, azimuth: np.ndarray, table: ScatteredTable, out: np.ndarray) -> None:
+    for i in range(rows[0], rows[1]):
+        for j in range(azimuth.size):
+            out[i, j] = scattered_sky_at(elevation[i], azimuth[j], table)
+
+
+@njit
+def _fill_path_map(
+    rows: tuple[int, int], range_m: np.ndarray, elevation: np.ndarray, azimuth: np.ndarray, table: ScatteredTable, out: np.ndarray
+) -> None:
+    for i in range(rows[0], rows[1]):
+        for j in range(azimuth.size):
+            out[i, j] = scattered_path_at(range_m[i], elevation[i], azimuth[j], table)
+
+
+def sky_map(elevation: FloatArray, azimuth_from_sun: FloatArray, table: ScatteredTable) -> FloatArray:
+    """Scattered sky radiance in band at elevations (rows) and azimuths (columns) [rad]: [W m-2 sr-1, (rows, columns)], in threads."""
+    out = np.empty((elevation.size, azimuth_from_sun.size))
+    if elevation.size > 0:
+        in_threads(lambda rows: _fill_sky_map(rows, elevation, azimuth_from_sun, table, out), elevation.size)
+    return out
+
+
+def path_map(range_m: FloatArray, elevation: FloatArray, azimuth_from_sun: FloatArray, table: ScatteredTable) -> FloatArray:
+    """Scattered paths to the sea in band, by :func:`scattered_path_at` in threads.
+
+    Arcs [m] belong to elevations (rows); columns are azimuths [rad].
+    """
+    out = np.empty((range_m.size, azimuth_from_sun.size))
+    if range_m.size > 0:
+        in_threads(lambda rows: _fill_path_map(rows, range_m, elevation, azimuth_from_sun, table, out), range_m.size)
+    return out
+
+
+@njit
+def _fill(elevation: np.ndarray, azimuth: np.ndarray, solar_zenith: np.ndarray, table: ScatteredTable, out: np.ndarray) -> None:
+    for i in range(elevation.size):
+        row = sky_row(elevation[i], table)
+        for r in range(out.shape[1]):
+            out[i, r] = share_at(row, elevation[i], azimuth[i], solar_zenith[i], table, r)
+
+
+@njit
+def _fill_path(range_m: np.ndarray, elevation: np.ndarray, azimuth: np.ndarray, table: ScatteredTable, out: np.ndarray) -> None:
+    for i in range(elevation.size):
+        out[i, 0] = share_at(path_row(range_m[i], table), elevation[i], azimuth[i], table.solar_zenith, table, 0)
+
+
+def scattered_shares(
+    elevation: ArrayLike, azimuth_from_sun: ArrayLike, table: ScatteredTable, solar_zenith: ArrayLike | None = None
+) -> FloatArray:
+    """Shares of the spectral shapes of a sky [1, (..., r)]: ``L = shares @ table.spectral``.
+
+    ``solar_zenith`` [rad] is the Sun's at the place, without it that at the sensor; all broadcast.
+    """
+    zenith = table.solar_zenith if solar_zenith is None else solar_zenith
+    e, a, z = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (elevation, azimuth_from_sun, zenith)))
+    out = np.empty((e.size, table.amplitude.shape[4]))
+    _fill(e.ravel(), a.ravel(), z.ravel(), table, out)
+    return out.reshape(*e.shape, -1)
+
+
+def scattered_path(range_m: ArrayLike, elevation: ArrayLike, azimuth_from_sun: ArrayLike, table: ScatteredTable) -> FloatArray:
+    """Scattered path radiance to the sea in band [W m-2 sr-1, (...)]; see :func:`scattered_path_at`."""
+    s, e, a = np.broadcast_arrays(*(np.asarray(x, dtype=np.float64) for x in (range_m, elevation, azimuth_from_sun)))
+    out = np.empty((e.size, table.amplitude.shape[4]))
+    _fill_path(s.ravel(), e.ravel(), a.ravel(), table, out)
+    return np.maximum(out[:, 0], 0.0).reshape(e.shape)
+
+
+def in_band(table: ScatteredTable, weights: ArrayLike) -> ScatteredTable:
+    """Table of the same sky as radiance in band [W m-2 sr-1], for quadrature weights on the channels [cm-1, (n,)]."""
+    amplitude = table.amplitude @ (table.spectral @ np.asarray(weights, dtype=np.float64))
+    return table._replace(amplitude=np.ascontiguousarray(amplitude[..., None]), spectral=np.ones((1, 1)))

@@ -1,0 +1,179 @@
+r"""Single scattering of sunlight into a line of sight, summed over LOWTRAN7's layers with LOWTRAN7's own transmittances.
+
+.. math:: L(\nu) = E_0(\nu) \sum_c P_c(\Theta, \nu)\, J_c(\nu), \qquad
+   J_c = \sum_j \tfrac{1}{2} (\tau^s_{j-1} - \tau^s_j)
+   \left(\frac{w_{c,j-1} T_{j-1}}{\tau^s_{j-1}} + \frac{w_{c,j} T_j}{\tau^s_j}\right)
+
+over the points j where the line crosses a level: ``tau^s`` is the transmittance of the line up to there as far as its scatterers go,
+``T_j`` that of the whole way Sun - point - sensor, ``w`` the share of kind c among the scatterers of its group, aerosols or molecules.
+Azimuth enters through the Sun's zenith angle at each point alone.
+
+Two things are smooth here that are not in LOWTRAN7: it leaves out refraction of sunlight below 0.1 deg, and a point where the Earth
+hides the whole Sun without refraction lies in the dark; here all sunlight is refracted, and the disc sets behind the point's horizon.
+
+References
+----------
+LOWTRAN7's subroutines SSGEO and SSRAD; Kneizys, F. X., et al. (1988), Users Guide to LOWTRAN 7, AFGL-TR-88-0177.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final
+
+import numpy as np
+
+from seaglint.air.scattering.lowtran_ray import (
+    AEROSOLS,
+    MOLECULES,
+    MOST_POINTS,
+    WORK_ROWS,
+    Laws,
+    Line,
+    invariant_of,
+    sun_amounts,
+    trace,
+    transmittances,
+)
+from seaglint.air.setting_sun import visible_part_kernel
+from seaglint.base.jit import njit
+
+KINDS: Final = 8
+"""Scatterers: boundary layer at relative humidities of 0, 70, 80 and 99 %, troposphere, stratosphere, meteoric dust, molecules."""
+
+HUMIDITIES: Final = (0.0, 70.0, 80.0, 99.0)
+"""Relative humidities of the tabulated phase functions of the boundary layer [%]."""
+
+_GRAZING: Final = 1e-7
+"""Tolerance within which rays count as touching the sea [rad]."""
+
+
+@njit
+def horizon_zenith(laws: Laws, z: float) -> float:
+    """Zenith angle [rad] of the refracted sea horizon seen from a height [km]."""
+    return math.pi - math.asin(min(invariant_of(laws, 0.0, 1.0) / invariant_of(laws, z, 1.0), 1.0))
+
+
+@njit
+def apparent_zenith(laws: Laws, z: float, zenith: float, work: np.ndarray) -> float:
+    """Apparent zenith angle [rad] of the Sun at a height [km], from the angle without refraction [rad].
+
+    One step, as in LOWTRAN7: less by the bending of the ray with the angle without refraction; below the horizon by that of the horizon.
+    """
+    grazing = horizon_zenith(laws, z) - _GRAZING
+    return zenith - max(sun_amounts(laws, z, min(zenith, grazing), work, work[0, :0]), 0.0)
+
+
+@njit
+def sun_seen(laws: Laws, z: float, zenith: float, work: np.ndarray, out: np.ndarray) -> float:
+    """Share of the solar disc above the horizon at a point, and in ``out`` the amounts towards it; ``zenith`` without refraction [rad]."""
+    apparent = apparent_zenith(laws, z, zenith, work)
+    horizon = horizon_zenith(laws, z)
+    share = visible_part_kernel(horizon - apparent)[0]
+    if share > 0.0 and sun_amounts(laws, z, min(apparent, horizon - _GRAZING), work, out) < 0.0:
+        return 0.0
+    return float(share)
+
+
+@njit
+def local_zenith(zenith: float, azimuth: float, arc: float) -> float:
+    """Zenith angle [rad] of the Sun at an arc towards an azimuth from it [rad]."""
+    up = math.cos(zenith) * math.cos(arc) + math.sin(zenith) * math.sin(arc) * math.cos(azimuth)
+    return math.acos(min(max(up, -1.0), 1.0))
+
+
+@njit
+def _kinds(laws: Laws, z: float, level: int, out: np.ndarray) -> None:
+    """Shares of the kinds of aerosol at a point."""
+    for c in range(out.size):
+        out[c] = 0.0
+    if z > laws.tops[0]:
+        out[AEROSOLS + (0 if z <= laws.tops[1] else 1 if z <= laws.tops[2] else 2)] = 1.0
+        return
+    rh = laws.humidity[min(level, laws.humidity.size - 1)]
+    upper = 1
+    while upper < AEROSOLS - 1 and HUMIDITIES[upper] < rh:
+        upper += 1
+    share = (rh - HUMIDITIES[upper - 1]) / (HUMIDITIES[upper] - HUMIDITIES[upper - 1])
+    out[upper - 1], out[upper] = 1.0 - share, share
+
+
+@njit
+def _add(out: np.ndarray, fall: np.ndarray, share: np.ndarray, seen: np.ndarray) -> None:
+    """Add the trapezoid half of a point to the kinds of scatterers present there."""
+    for c in range(KINDS - 1):
+        if share[c] != 0.0:
+            for i in range(fall.size):
+                out[c, i] += share[c] * fall[i] * seen[i]
+
+
+@njit
+def _empty_line(columns: int) -> Line:
+    return Line(
+        np.zeros(MOST_POINTS),
+        np.zeros(MOST_POINTS),
+        np.zeros(MOST_POINTS),
+        np.zeros(MOST_POINTS, np.int64),
+        np.zeros((MOST_POINTS, columns)),
+    )
+
+
+@njit
+def line_arc(laws: Laws, z: float, zenith: float) -> float:
+    """Angle at the Earth's centre to the end of a line of sight from a height [km] at a zenith angle [rad]."""
+    columns = laws.density.shape[0]
+    line = _empty_line(columns)
+    points = trace(laws, z, zenith, line, np.zeros((WORK_ROWS, columns)))
+    return float(line.arc[points - 1])
+
+
+@njit
+def line_amplitudes(laws: Laws, z: float, zenith: float, sun: tuple[float, float], out: np.ndarray) -> float:
+    """Compute the amplitudes ``J_c`` of a line of sight into ``out`` [1, (KINDS, n)]; return the arc to its last point [rad].
+
+    The line starts at a height [km] at a zenith angle [rad]. ``sun``: its azimuth from the line of sight and its zenith angle without
+    refraction, both at the sensor [rad].
+    """
+    columns, channels = laws.density.shape[0], laws.linear.shape[1]
+    work = np.zeros((WORK_ROWS, columns))
+    line = _empty_line(columns)
+    points = trace(laws, z, zenith, line, work)
+    for c in range(KINDS):
+        for i in range(channels):
+            out[c, i] = 0.0
+    whole = work[WORK_ROWS - 1]
+    # Two rows each, the point before and this one, which change places.
+    haze, molecules = np.ones((2, channels)), np.ones((2, channels))
+    by_haze, by_molecules = np.zeros((2, channels)), np.zeros((2, channels))
+    share = np.zeros((2, KINDS))
+    seen, fall = np.zeros(channels), np.zeros(channels)
+    for j in range(points):
+        here, before = j % 2, 1 - j % 2
+        up = sun_seen(laws, line.height[j], local_zenith(sun[1], sun[0], line.arc[j]), work, whole)
+        if up > 0.0:
+            for k in range(columns):
+                whole[k] += line.amount[j, k]
+            transmittances(laws, whole, seen)
+        for i in range(channels):
+            depth = 0.0
+            for k in range(AEROSOLS):
+                depth += laws.scattering[k, i] * line.amount[j, k]
+            haze[here, i] = math.exp(-depth)
+            molecules[here, i] = math.exp(-laws.linear[MOLECULES, i] * line.amount[j, MOLECULES])
+            by_haze[here, i] = up * seen[i] / haze[here, i] if up > 0.0 and haze[here, i] > 0.0 else 0.0
+            by_molecules[here, i] = up * seen[i] / molecules[here, i] if up > 0.0 and molecules[here, i] > 0.0 else 0.0
+        _kinds(laws, line.height[j], line.level[j], share[here])
+        if j > 0:
+            for i in range(channels):
+                fall[i] = 0.5 * (haze[before, i] - haze[here, i])
+                out[KINDS - 1, i] += 0.5 * (molecules[before, i] - molecules[here, i]) * (by_molecules[before, i] + by_molecules[here, i])
+            _add(out, fall, share[before], by_haze[before])
+            _add(out, fall, share[here], by_haze[here])
+    return float(line.arc[points - 1])
+
+
+@njit
+def many_amplitudes(laws: Laws, z: float, lines: np.ndarray, part: tuple[int, int], out: np.ndarray, arc: np.ndarray) -> None:
+    """Amplitudes by :func:`line_amplitudes` of part of the lines ``(zenith, azimuth, solar zenith)`` [rad, (lines, 3)] from one height."""
+    for i in range(part[0], part[1]):
+        arc[i] = line_amplitudes(laws, z, lines[i, 0], (lines[i, 1], lines[i, 2]), out[i])

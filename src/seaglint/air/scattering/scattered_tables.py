@@ -1,0 +1,392 @@
+"""Tables of scattered sunlight for :mod:`seaglint.air.scattering.scattered_light`, from lines of sight computed one by one."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import math
+import pickle
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Final, Protocol, cast
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.interpolate import CubicSpline
+
+from seaglint.air.coordinates import elevation_of_coordinate, straight_sea_cosine, straight_slant
+from seaglint.air.protocol import slant_range
+from seaglint.air.scattering.lowtran_ray import invariant_of
+from seaglint.air.scattering.scattered_file import LOW, SampledLight
+from seaglint.air.scattering.scattered_light import DARK, ScatteredTable
+from seaglint.air.scattering.scattered_line import KINDS, horizon_zenith
+from seaglint.air.scattering.scattered_samples import ScatteredSamples
+from seaglint.air.scattering.scattering_laws import ScatteringAir, scattering_angle
+from seaglint.air.setting_sun import visible_part_kernel
+from seaglint.air.sky_spline import grazing_coordinate, grazing_share
+from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.base.conventions import FloatArray, horizon_depression
+
+ANGLES: Final = 721
+"""Scattering angles tabulated, 0-180 deg: between them the steepest phase function is within 0.1 %."""
+
+ELEVATION_NODES: Final = 26
+DIP_NODES: Final = 12
+DIP_PIECE_NODES: Final = 6
+PATH_NODES: Final = 26
+"""Numbers of computed lines from the horizontal up, down to the horizon (fewer between two grazed levels), and to the sea."""
+
+ROWS: Final = 257
+DIP_ROWS: Final = 128
+COLUMNS: Final = 17
+"""Rows and columns of the tables, splined from the computed lines."""
+
+SHAPE_ERROR: Final = 3e-4
+"""Root-mean-square relative error of the phase function expansion, weighted over kinds and wavenumbers."""
+
+SPECTRAL_ERROR: Final = 1e-3
+"""Largest root-mean-square relative error of a spectrum, a tenth of which remains in sums over the band."""
+
+MOST_SHAPES: Final = 10
+
+LEAST_COSINE: Final = 1e-5
+"""Cosine of the zenith angle at the sea of the last path, which almost grazes the sea."""
+
+_LEAST: Final = 1e-30
+
+_SUNS: Final = 7
+_SUN_ROWS: Final = 13
+"""Number of zenith angles of the Sun that are computed for the places in view (three if they differ little), and tabulated."""
+
+_SMALL_TURN: Final = np.radians(1.0)
+
+_ONE_SUN: Final = np.radians(0.1)
+"""Largest difference of zenith angles that is treated as one Sun [rad]."""
+
+_LOWEST_SUN: Final = 0.5 * math.pi - SOLAR_ANGULAR_RADIUS
+"""Apparent zenith angle of a Sun on the horizon [rad]; a setting Sun scatters like it, times the visible share of its disc."""
+
+_HIGH_SUN, _LOW_SUN = np.radians((60.0, 80.0))
+
+_MOST_KEPT: Final = 2
+_KEPT: Final[OrderedDict[bytes, ScatteredLight]] = OrderedDict()
+_LOCK: Final = threading.Lock()
+
+Resample = Callable[[FloatArray], FloatArray]
+"""Function that resamples node values along the second axis to rows."""
+
+
+class Scattering(Protocol):
+    """Interface of an atmosphere that describes its scatterers."""
+
+    def scattering(self, grid: slice) -> ScatteringAir | None:
+        """Scatterers on part of the spectral samples; None where there are none."""
+        ...
+
+
+def scattered_in(
+    atmosphere: object, grid: slice, weights: FloatArray, height: float, solar_zenith: float, farthest_turn: float = 0.0
+) -> ScatteredLight | SampledLight:
+    """Return the scattered sunlight of a band in any atmosphere.
+
+    Vacuum and isothermal air scatter nothing, nor does air in 7.5-14 um, nor a Sun below the horizon of all places in view. Air from a
+    file has what the file tells.
+
+    Parameters
+    ----------
+    atmosphere : Atmosphere
+        Asked for samples of its own, ``scattered``, and for ``scattering(grid)``, if it has them.
+    grid, weights : slice, ndarray
+        Samples in the band and its quadrature weights there [cm-1, (n,)], as :class:`seaglint.facet.sea_view.BandSum` has them.
+    height, solar_zenith, farthest_turn : float
+        As for :class:`ScatteredLight`; ``seaglint.facet.sea_view.SeaView`` has all three.
+    """
+    up = solar_zenith - farthest_turn < 0.5 * math.pi + SOLAR_ANGULAR_RADIUS
+    samples = getattr(atmosphere, "scattered", None)
+    if up and isinstance(samples, ScatteredSamples):
+        samples.require_sun(solar_zenith, "the file of air")
+        return SampledLight(samples, grid, np.asarray(weights, dtype=np.float64), height)
+    air = cast(Scattering, atmosphere).scattering(grid) if up and hasattr(atmosphere, "scattering") else None
+    made = ScatteredLight(air, np.asarray(weights, dtype=np.float64), height, solar_zenith, farthest_turn)
+    # Its tables take 0.4 s: a frame has those of the mean map, and a map those of the one before where air and Sun are the same.
+    key = hashlib.blake2b(pickle.dumps(made)).digest()
+    with _LOCK:
+        made = _KEPT.pop(key, made)
+        _KEPT[key] = made
+        while len(_KEPT) > _MOST_KEPT:
+            _KEPT.popitem(last=False)
+    return made
+
+
+@dataclass(frozen=True, eq=False)
+class ScatteredLight:
+    """Scattered sunlight of one band, wind, sensor height and Sun; its tables are computed on first use.
+
+    Attributes
+    ----------
+    air : ScatteringAir or None
+        On the band's channels; None where nothing scatters, the tables then hold nothing.
+    weights : ndarray
+        Quadrature weights of the band on them [cm-1, (n,)].
+    height : float
+        Sensor height [m].
+    solar_zenith : float
+        Apparent zenith angle of the Sun's centre at the sea at the sensor's foot [rad].
+    farthest_turn : float
+        Turn of the vertical to the farthest place in view [rad]: ``sea_sky`` then serves Suns that much higher and lower.
+
+    Notes
+    -----
+    A disc that the horizon at the sensor's foot (for ``sea_sky``: at the place) cuts counts by the share above it; a Sun below scatters
+    nothing, twilight is left out. Against line by line sums the tables are within 0.3 % from the horizontal up and along paths.
+    """
+
+    air: ScatteringAir | None
+    weights: FloatArray
+    height: float
+    solar_zenith: float
+    farthest_turn: float = 0.0
+
+    @property
+    def is_dark(self) -> bool:
+        """True if nothing is scattered."""
+        return self.air is None
+
+    @cached_property
+    def path(self) -> ScatteredTable:
+        """Table of scattered path radiance to the sea, in band [W m-2 sr-1]: one spectral shape, which is 1."""
+        if self.air is None:
+            return DARK
+        zenith, arcs, coordinate = _path_lines(self.air, self.height)
+        even = np.linspace(0.0, 1.0, ROWS)
+        table = self._in_band(zenith, lambda nodes: CubicSpline(coordinate, nodes, axis=1)(even))
+        return table._replace(longest=float(slant_range(self.height, arcs[-1])))
+
+    @cached_property
+    def sky(self) -> ScatteredTable:
+        """Table of the scattered sky seen from the sensor, in band [W m-2 sr-1]."""
+        if self.air is None:
+            return DARK
+        table = self._in_band(*_sky_lines(self.air, self.height))
+        if self.height <= LOW:
+            table.amplitude[:, :DIP_ROWS] = table.amplitude[:, DIP_ROWS : DIP_ROWS + 1]
+        return table._replace(dip=horizon_depression(self.height), dip_rows=DIP_ROWS)
+
+    @cached_property
+    def sea_sky(self) -> ScatteredTable:
+        """Table of the scattered sky seen from the sea, as spectra."""
+        return self.sea_sky_within(self.farthest_turn)
+
+    def sea_sky_within(self, turn: float) -> ScatteredTable:
+        """Table :attr:`sea_sky` for places whose vertical is turned by at most ``turn`` [rad]; a tenth of a degree counts as one Sun."""
+        if self.air is None:
+            return DARK._replace(spectral=np.zeros((1, self.weights.size)))
+        zenith, rows = _sky_lines(self.air, 0.0)
+        first, last = _sun_range(self.solar_zenith, turn)
+        if last - first <= _ONE_SUN:
+            azimuths = _azimuth_nodes(self.solar_zenith)
+            table = _table(self.air, None, 0.0, zenith, azimuths, [self._sun], rows)
+            return table._replace(solar_zenith=self.solar_zenith, sets=True)
+        suns = [self.air.unrefracted_zenith(z) for z in _sun_nodes(first, last)]
+        table = _table(self.air, None, 0.0, zenith, _azimuth_nodes(last), suns, rows)
+        return table._replace(suns=(first, (_SUN_ROWS - 1) / (last - first)), solar_zenith=self.solar_zenith, sets=True)
+
+    def paths(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
+        """Scattered paths to the sea in band [W m-2 sr-1], line by line: arcs [m] (rows), azimuths from the Sun [rad] (columns)."""
+        return self.path_spectra(arc, azimuth) @ self.weights
+
+    def path_spectra(self, arc: FloatArray, azimuth: FloatArray) -> FloatArray:
+        """Scattered path radiance in every channel [W m-2 sr-1 per cm-1, (rows, columns, n)], as :meth:`paths`."""
+        if self.air is None:
+            return np.zeros((arc.size, azimuth.size, self.weights.size))
+        horizon = slant_range(self.height, float(_path_lines(self.air, self.height)[1][-1]))
+        slant = np.clip(slant_range(self.height, arc), self.height, horizon)
+        for _ in range(3):  # refraction takes a straight line's end a little farther
+            zenith = _path_zenith(self.air, self.height, slant)
+            reached = 1e3 * self.air.laws.earth_radius * self.air.arcs(self.height, zenith)
+            slant = np.clip(slant * np.where(reached > 0.0, arc / np.maximum(reached, 1e-9), 1.0), self.height, horizon)
+        return self._spectra(zenith, azimuth, self.height, self._aloft)
+
+    def sky_spectra(self, zenith: FloatArray, azimuth: FloatArray, height: float) -> FloatArray:
+        """Scattered sky in every channel, seen from a height [m] at zenith angles (rows) and azimuths from the Sun (columns) [rad]."""
+        if self.air is None:
+            return np.zeros((zenith.size, azimuth.size, self.weights.size))
+        return self._spectra(zenith, azimuth, height, float(self.air.apparent_zenith(self._sun, height)))
+
+    def _spectra(self, zenith: FloatArray, azimuth: FloatArray, height: float, apparent: float) -> FloatArray:
+        air = cast(ScatteringAir, self.air)
+        lines = np.stack(np.broadcast_arrays(zenith[:, None], azimuth, self._sun), axis=-1).reshape(-1, 3)
+        amplitudes = air.amplitudes(height, lines)[0] * air.source
+        phase = air.phase(scattering_angle(lines[:, 0], lines[:, 1], apparent))
+        return np.asarray(self._share * (phase * amplitudes).sum(axis=1)).reshape(zenith.size, azimuth.size, air.source.size)
+
+    @property
+    def _apparent(self) -> float:
+        return min(self.solar_zenith, _LOWEST_SUN)
+
+    @cached_property
+    def _sun(self) -> float:
+        """Zenith angle of the Sun without refraction [rad]."""
+        return cast(ScatteringAir, self.air).unrefracted_zenith(self._apparent)
+
+    @cached_property
+    def _aloft(self) -> float:
+        """Apparent zenith angle of the Sun at the sensor [rad]."""
+        return float(cast(ScatteringAir, self.air).apparent_zenith(self._sun, self.height))
+
+    @property
+    def _share(self) -> float:
+        """Share of the solar disc above the horizon [1]."""
+        return float(visible_part_kernel(0.5 * math.pi - self.solar_zenith)[0])
+
+    def _in_band(self, zenith: FloatArray, rows: Resample) -> ScatteredTable:
+        """Table in band for lines of sight from the sensor."""
+        air = cast(ScatteringAir, self.air)
+        table = _table(air, self.weights[None], self.height, zenith, _azimuth_nodes(self.solar_zenith), [self._sun], rows, self._share)
+        return table._replace(solar_zenith=self._aloft, height=self.height)
+
+
+def _sun_range(solar_zenith: float, turn: float) -> tuple[float, float]:
+    """Range of apparent zenith angles of the Sun at the places in view where its whole disc is above the horizon [rad]."""
+    return min(max(solar_zenith - turn, 0.0), _LOWEST_SUN), min(solar_zenith + turn, _LOWEST_SUN)
+
+
+def _sun_nodes(first: float, last: float) -> FloatArray:
+    """Zenith angles of the Sun that are computed [rad], denser for a low Sun."""
+    t = np.linspace(0.0, 1.0, 3 if last - first < _SMALL_TURN else _SUNS)
+    return np.asarray(last - (last - first) * (1.0 - t) ** 2)
+
+
+def _azimuth_nodes(solar_zenith: float) -> FloatArray:
+    """Azimuths from the Sun [rad], denser near it for a low Sun."""
+    count = 3 if solar_zenith < _HIGH_SUN else 5 if solar_zenith < _LOW_SUN else 8
+    return np.linspace(0.0, math.pi, count)  # Chebyshev's extrema in the cosine
+
+
+def _path_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Zenith angles at the sensor [rad] of lines to the sea, arcs to their ends [m], their coordinates along the tables' rows."""
+    slant = height * (float(straight_slant(height, 0.0)) / height) ** np.linspace(0.0, 1.0, PATH_NODES)
+    zenith = _path_zenith(air, height, slant)
+    arcs = 1e3 * air.laws.earth_radius * air.arcs(height, zenith)
+    lengths = slant_range(height, arcs)
+    return zenith, arcs, np.asarray(np.log(np.maximum(lengths / height, 1.0)) / np.log(lengths[-1] / height))
+
+
+def _path_zenith(air: ScatteringAir, height: float, slant: FloatArray) -> FloatArray:
+    """Zenith angles at the sensor [rad] of lines with given straight lengths [m]."""
+    cosine = np.clip(straight_sea_cosine(height, slant), LEAST_COSINE, 1.0)
+    cosine[slant <= height] = 1.0
+    at_sea = np.sqrt((1.0 - cosine) * (1.0 + cosine))
+    ratio = invariant_of(air.laws, 0.0, 1.0) / invariant_of(air.laws, 1e-3 * height, 1.0)
+    return np.asarray(math.pi - np.arcsin(ratio * at_sea))
+
+
+def _sky_lines(air: ScatteringAir, height: float) -> tuple[FloatArray, Resample]:
+    """Zenith angles [rad] from the horizon up, and the function that resamples their values to rows."""
+    y = np.linspace(0.0, 1.0, ELEVATION_NODES)
+    above = np.maximum(0.5 * math.pi - elevation_of_coordinate(y, 0.0), 0.0)
+    even = np.linspace(0.0, 1.0, ROWS)
+    if height <= 0.0:
+        return above, lambda nodes: np.asarray(CubicSpline(y, nodes, axis=1)(even))
+    edges = _grazed(air, height)
+    pieces = len(edges) - 1
+    nodes_each = DIP_NODES if pieces == 1 else DIP_PIECE_NODES
+    share = np.linspace(0.0, 1.0, nodes_each)
+    below = [low + (high - low) * grazing_share(share)[:-1] for low, high in itertools.pairwise(edges)]
+    fine = edges[0] * (1.0 - np.arange(DIP_ROWS) / DIP_ROWS) ** 2
+    piece = np.clip(np.searchsorted(edges, fine, side="right") - 1, 0, pieces - 1)
+
+    def rows(nodes: FloatArray) -> FloatArray:
+        low = np.empty((nodes.shape[0], DIP_ROWS, *nodes.shape[2:]))
+        for i in range(pieces):
+            mine, first = piece == i, i * (nodes_each - 1)
+            where = grazing_coordinate((fine[mine] - edges[i]) / (edges[i + 1] - edges[i]))
+            low[:, mine] = CubicSpline(share, nodes[:, first : first + nodes_each], axis=1)(where)
+        return np.concatenate([low, CubicSpline(y, nodes[:, pieces * (nodes_each - 1) :], axis=1)(even)], axis=1)
+
+    return np.concatenate([0.5 * math.pi - np.concatenate(below), above]), rows
+
+
+def _grazed(air: ScatteringAir, height: float) -> FloatArray:
+    """Elevations, up to the horizontal, of the rays that touch the sea or a level [rad], at which the sky has corners."""
+    here = invariant_of(air.laws, 1e-3 * height, 1.0)
+    levels = air.laws.height[(air.laws.height > 0.0) & (1e3 * air.laws.height < height - 10.0)]
+    touching = [-math.acos(min(invariant_of(air.laws, float(z), 1.0) / here, 1.0)) for z in levels]
+    horizon = (0.5 * math.pi - horizon_zenith(air.laws, 1e-3 * height)) * (1.0 - 1e-3)
+    return np.array([horizon, *(e for e in touching if e > horizon), 0.0])
+
+
+def _table(
+    air: ScatteringAir,
+    weights: FloatArray | None,
+    height: float,
+    zenith: FloatArray,
+    azimuths: FloatArray,
+    suns: list[float],
+    rows: Resample,
+    share: float = 1.0,
+) -> ScatteredTable:
+    """Table of lines of sight under Suns without refraction [rad]: in band for ``weights`` [(1, n)], else as spectra."""
+    grid = np.stack(np.meshgrid(suns, zenith, azimuths, indexing="ij"), axis=-1).reshape(-1, 3)
+    amplitudes = air.amplitudes(height, grid[:, [1, 2, 0]])[0] * air.source
+    spectral = np.ones((1, 1)) if weights is not None else _spectral_shapes(air, amplitudes)
+    sums = weights if weights is not None else spectral
+    angular, kinds = _angular_shapes(air, amplitudes, sums)
+    by_shape = np.empty((len(amplitudes), kinds.shape[0], sums.shape[0]))
+    for r, weight in enumerate(sums):
+        by_shape[:, :, r] = amplitudes.reshape(len(amplitudes), -1) @ (kinds * weight).reshape(kinds.shape[0], -1).T
+    values = by_shape.reshape(len(suns), zenith.size, azimuths.size, *by_shape.shape[1:])
+    return ScatteredTable(angular, share * _fine(values, azimuths, rows), spectral, 0.0, (0.0, 0.0), False, height, 0.0, 0.0, 0)
+
+
+def _spectral_shapes(air: ScatteringAir, amplitudes: FloatArray) -> FloatArray:
+    """Orthonormal spectra [(r, n)] that span the spectra of all lines at any scattering angle."""
+    phase = air.phase(np.radians((1.0, 10.0, 30.0, 90.0, 150.0)))
+    spectra = np.einsum("acn,lcn->aln", phase, amplitudes).reshape(-1, amplitudes.shape[-1])
+    size = np.linalg.norm(spectra, axis=1, keepdims=True)
+    scaled = spectra[size[:, 0] > _LEAST] / size[size[:, 0] > _LEAST, None].reshape(-1, 1)
+    if scaled.shape[0] == 0:
+        return np.full((1, amplitudes.shape[-1]), amplitudes.shape[-1] ** -0.5)
+    _, vectors = np.linalg.eigh(scaled.T @ scaled)
+    shapes = vectors[:, ::-1].T
+    left = np.maximum(1.0 - np.cumsum((scaled @ shapes[:MOST_SHAPES].T) ** 2, axis=1), 0.0).max(axis=0)
+    good = np.flatnonzero(left < SPECTRAL_ERROR**2)
+    return np.ascontiguousarray(shapes[: int(good[0]) + 1 if good.size else MOST_SHAPES])
+
+
+def _angular_shapes(air: ScatteringAir, amplitudes: FloatArray, sums: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Shapes over scattering angle [(ANGLES, k)] and their share in each kind and channel [(k, KINDS, n)]."""
+    matter = np.sqrt((np.abs(sums).sum(axis=0) * amplitudes.mean(axis=0)).ravel() + _LEAST)
+    matter /= matter.max()
+    angles = np.linspace(0.0, math.pi, ANGLES)
+    coarse = air.phase(angles[::4]).reshape(-1, matter.size)
+    typical = (coarse @ matter**2) / np.sum(matter**2)
+    scaled = coarse / typical[:, None] * matter
+    energy, vectors = np.linalg.eigh(scaled @ scaled.T)
+    left = np.sqrt(np.maximum(np.cumsum(np.maximum(energy, 0.0)) / energy.sum(), 0.0))
+    count = min(max(int(np.sum(left > SHAPE_ERROR)), 1), MOST_SHAPES)
+    kinds = (vectors[:, ::-1][:, :count].T @ scaled) / matter  # of the scaled phase functions
+    # Least squares over kinds and channels, as they count, gives the shapes at all angles.
+    basis = kinds * matter
+    fine = air.phase(angles).reshape(ANGLES, -1) * matter
+    shapes = np.linalg.solve(basis @ basis.T, basis @ fine.T).T
+    return np.ascontiguousarray(shapes), kinds.reshape(count, KINDS, -1)
+
+
+def _fine(values: FloatArray, azimuths: FloatArray, rows: Resample) -> FloatArray:
+    """Node values [(suns, nodes, azimuths, k, r)] resampled to the tables' rows and columns: magnitude by its logarithm, rest linearly."""
+    size = np.sqrt(np.sum(values**2, axis=(3, 4), keepdims=True)) + _LEAST
+    both = np.concatenate([np.log(size).reshape(*values.shape[:3], 1), (values / size).reshape(*values.shape[:3], -1)], axis=-1)
+    columns = np.linspace(0.0, 1.0, COLUMNS)
+    nodes = np.sin(0.5 * azimuths) ** 2
+    order = azimuths.size - 1
+    to_columns = chebyshev.chebvander(1.0 - 2.0 * columns, order) @ np.linalg.inv(chebyshev.chebvander(1.0 - 2.0 * nodes, order))
+    both = np.moveaxis(np.tensordot(to_columns, both, axes=(1, 2)), 0, 2)
+    both = rows(both)
+    if both.shape[0] > 1:
+        both = CubicSpline(1.0 - (1.0 - np.linspace(0.0, 1.0, both.shape[0])) ** 2, both, axis=0)(np.linspace(0.0, 1.0, _SUN_ROWS))
+    whole = np.exp(both[..., :1]) * both[..., 1:]
+    return np.ascontiguousarray(whole.reshape(*whole.shape[:3], *values.shape[3:]))

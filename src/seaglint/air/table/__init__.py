@@ -1,0 +1,1 @@
+"""LOWTRAN7 tabulated: the air that ships with seaglint."""

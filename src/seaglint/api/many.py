@@ -1,0 +1,132 @@
+"""The functions of :mod:`seaglint.api` for many scenes at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from seaglint.cluster import Workers
+    from seaglint.files.store.store import Progress
+
+
+def ensemble(
+    source: str | Path | Mapping[str, Any],
+    output: str | Path,
+    *,
+    workers: int | Workers | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    draw_only: bool = False,
+    progress: Progress | None = None,
+) -> list[dict[str, Any]]:
+    """Draw scenes from laws of a scenario's keys, and render each as a sequence of its own.
+
+    Parameters
+    ----------
+    source : path or mapping
+        An ensemble's TOML file, or its content as tables in a mapping.
+    output : path
+        Folder to make: tables, ``scenes/0000.toml`` and ``scenes/0000.zarr`` for each scene.
+    workers : int or Workers, optional
+        Number of processes on this machine that share the scenes, or what :func:`seaglint.cluster.dask.connected` gives; this process
+        by default. The bytes do not depend on it.
+    threads : int, optional
+        Processor threads of each worker; all by default.
+    resume, overwrite : bool
+        Render the scenes that are missing, or begin anew.
+    draw_only : bool
+        Write scenario files and tables, and render nothing.
+    progress : callable, optional
+        ``progress(scenes done, scenes in all)``.
+
+    Returns
+    -------
+    list of dict
+        The rows of ``parameters.csv``: scene, seed, and what was drawn by key.
+
+    Raises
+    ------
+    SeaglintError
+        Mistakes in the file, output that may not be written, or scenes that failed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import seaglint as sg
+    >>> laws = [{"key": "wind.speed_m_s", "law": "choice", "values": [3.0]}]
+    >>> study = {"ensemble": {"scenes": 2}, "base": {"sensor": {"pixels": [8, 4]}}, "vary": laws}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     rows = sg.ensemble(study, f"{folder}/many", draw_only=True)
+    >>> [row["wind.speed_m_s"] for row in rows]
+    [3.0, 3.0]
+    """
+    from seaglint.cluster import LocalProcesses
+    from seaglint.scenario.ensemble import load_ensemble, parse_ensemble
+    from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
+
+    resolved = parse_ensemble(source) if isinstance(source, Mapping) else load_ensemble(source)
+    with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
+        render_ensemble(
+            resolved, output, workers=others, threads=threads, resume=resume, overwrite=overwrite, draw_only=draw_only, progress=progress
+        )
+    return [scene.row for scene in draw(resolved)]
+
+
+def dataset(
+    source: str | Path,
+    output: str | Path,
+    *,
+    format: str = "coco",
+    bits: int | None = None,
+    image: str | None = None,
+    workers: int | Workers | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> Path:
+    """Render an ensemble and write its pictures with masks, boxes, tables and a data card.
+
+    Parameters
+    ----------
+    source : path
+        An ensemble's TOML file, or the folder that :func:`ensemble` made.
+    output : path
+        Folder to make.
+    format : str
+        ``coco``, ``yolo``, ``sirst`` or ``zarr``.
+    bits : 8 or 16, optional
+        Bits of a pixel; 16 for ``coco``, 8 for ``yolo`` and ``sirst``.
+    image : str, optional
+        ``png`` (default) or ``tiff``.
+    workers, threads, resume, overwrite, progress
+        Settings of the run, as for :func:`ensemble`.
+
+    Returns
+    -------
+    Path
+        ``output``.
+
+    Raises
+    ------
+    SeaglintError
+        An error as for :func:`ensemble`, or an unknown format.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> sg.dataset("small-objects.toml", "small", workers=2)  # doctest: +SKIP
+    PosixPath('small')
+    """
+    from seaglint.cluster import LocalProcesses
+    from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source
+    from seaglint.studies.ensemble.scenes_to_dataset import Options
+
+    resolved, options = read_source(Path(source)), Options.of(format, bits, image)
+    with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
+        ensemble_dataset(resolved, output, options, workers=others, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
+    return Path(output)

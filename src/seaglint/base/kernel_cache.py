@@ -1,0 +1,176 @@
+"""Folder of compiled kernels, named by a digest of all their sources.
+
+Numba looks at the file of the function that it loads, not at those of the kernels that this one calls: after a change of these alone
+it would run old physics. Here any change of a kernel's file leads to another folder.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import tempfile
+import time
+import zlib
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from seaglint.base.user_cache import cache_folder
+
+try:
+    import fcntl
+except ImportError:  # Windows: processes that start at the same time compile separately
+    fcntl = None  # type: ignore[assignment]
+
+PACKAGE: Final = Path(__file__).parents[1]
+
+PREFIX: Final = "seaglint-kernels-"
+
+ROOMS: Final = ("optics", "sea", "air", "facet", "radiance", "imaging", "objects", "clutter", "detection")
+"""Packages of which every file enters the digest: their plain functions may become kernels elsewhere."""
+
+KEPT: Final = 5
+"""Number of folders of other source versions that are not removed, such as those of other branches."""
+
+IN_USE: Final = 86400.0
+"""Time from its start during which a program may still compile [s]; its folder is not removed meanwhile."""
+
+TURN: Final = 600.0
+"""Longest wait for another process that compiles the same function [s]; after it this process compiles the function too."""
+
+
+def sources_digest(package: Path = PACKAGE) -> str:
+    """Digest of all files that enter compiled kernels: physics, other files that import ``base.jit`` or define tuples, and constants."""
+    # Without pathlib, whose walk through some hundred files takes longer than reading them.
+    root, paths = str(package), []
+    for folder, folders, names in os.walk(root):
+        folders[:] = [name for name in folders if name != "__pycache__"]
+        paths += [os.path.join(folder, name) for name in names if name.endswith(".py")]
+    digest = hashlib.blake2b(digest_size=10)
+    for path in sorted(paths):
+        with open(path, "rb") as file:
+            content = file.read()
+        name = path[len(root) + 1 :].replace(os.sep, "/")
+        if (
+            name.split("/")[0] in ROOMS
+            or b"base.jit import" in content
+            or b"(NamedTuple)" in content
+            or name in ("base/jit.py", "base/constants.py")
+        ):
+            digest.update(f"{name}\n{len(content)}\n".encode())
+            digest.update(content)
+    return digest.hexdigest()
+
+
+@cache
+def kernel_folder(requested: str = "") -> Path | None:
+    """Folder of compiled kernels, created if necessary; None where no folder is writable.
+
+    It lies in the folder ``requested`` (``NUMBA_CACHE_DIR``), else in the package's own ``__pycache__``, else in the user's cache, else
+    among temporary files. Several processes may call this at once: nothing is locked, and a folder is only created or moved as a whole.
+    """
+    name = PREFIX + sources_digest()
+    for parent in _parents(requested):
+        folder = parent / name
+        try:
+            parent.mkdir(parents=True, exist_ok=True)
+            new = not folder.is_dir()
+            folder.mkdir(exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+            os.utime(folder)  # in use from now on
+        except OSError:
+            continue
+        if new:
+            remove_old(folder)
+        return folder
+    return None
+
+
+def _parents(requested: str) -> Iterator[Path]:
+    """Candidate parent folders, in order of preference."""
+    if requested:
+        yield Path(requested).absolute()
+    yield PACKAGE / "__pycache__"
+    with suppress(RuntimeError):  # an account without a home
+        yield cache_folder() / "kernels"
+    with suppress(OSError):
+        yield _own_temporary()
+
+
+def _own_temporary() -> Path:
+    """Temporary folder that no other user can write to, because the files loaded from it are executed.
+
+    Raises
+    ------
+    PermissionError
+        Another account owns it.
+    """
+    if not hasattr(os, "getuid"):
+        return Path(tempfile.gettempdir()) / "seaglint"  # of this account alone on Windows
+    folder = Path(tempfile.gettempdir()) / f"seaglint-{os.getuid()}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    status = folder.lstat()
+    if status.st_uid != os.getuid() or status.st_mode & 0o077 or folder.is_symlink():
+        raise PermissionError(f"{folder} is open to other accounts")
+    return folder
+
+
+def remove_old(present: Path) -> None:
+    """Remove folders of other source versions, except the last :data:`KEPT` and those used within a day."""
+    used: list[tuple[float, Path]] = []
+    for folder in present.parent.glob(f"{PREFIX}*"):
+        with suppress(OSError):  # another process was quicker
+            if folder != present:
+                used.append((folder.stat().st_mtime, folder))
+    for when, folder in sorted(used, reverse=True)[KEPT:]:
+        if time.time() - when > IN_USE:
+            gone = folder.with_name(f"{folder.name[: len(PREFIX) + 20]}.{os.urandom(4).hex()}")
+            with suppress(OSError):
+                folder.rename(gone)  # at once for everybody; a process that comes now makes a new one
+                shutil.rmtree(gone)
+
+
+@cache
+def _turns(folder: Path) -> int | None:
+    """Lock file with one byte for each function, locked while a process compiles it; it stays open while this process lives.
+
+    It has the ending of Numba's index files: who removes these removes it too.
+    """
+    try:
+        return os.open(folder / "compiling.nbi", os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError:
+        return None
+
+
+def _byte(function: str) -> int:
+    return zlib.crc32(function.encode()) >> 1
+
+
+def take_turn(folder: Path, function: str) -> None:
+    """Wait until no other process compiles a function.
+
+    The system gives the lock back when its process ends, however it ends. Where files cannot be locked nobody waits: each process then
+    compiles for itself, which only takes longer.
+    """
+    file, until, pause = _turns(folder), time.monotonic() + TURN, 0.01
+    while fcntl is not None and file is not None and time.monotonic() < until:
+        try:
+            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, _byte(function))
+        except (BlockingIOError, PermissionError):
+            time.sleep(pause)
+            pause = min(1.5 * pause, 0.25)
+        except OSError:
+            return
+        else:
+            return
+
+
+def end_turn(folder: Path, function: str) -> None:
+    """Release the lock of a function, so that the next process may compile or load it."""
+    file = _turns(folder)
+    if fcntl is not None and file is not None:
+        with suppress(OSError):
+            fcntl.lockf(file, fcntl.LOCK_UN, 1, _byte(function))

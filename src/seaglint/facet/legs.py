@@ -1,0 +1,162 @@
+"""Shadowing of the two legs of light, to the viewer and from the Sun, and the law that describes it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Final, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import kernel
+from seaglint.sea.shadowing.nested import HIGHEST, bands_of, between_bands, nested_area, nested_ratio_kernel, ratio_table
+from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel
+from seaglint.sea.shadowing.smith import leg_passage_kernel, visible_area_kernel
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+
+Law = Literal["smith", "nested"]
+"""Shadowing law: Smith's (Saunders' for the viewer alone), or the same wave band by wave band (:mod:`seaglint.sea.shadowing.nested`)."""
+
+
+@dataclass(frozen=True)
+class Shadowing:
+    """Legs that waves shadow, and the shadowing law. The constants of this module and :meth:`of` name the usual combinations.
+
+    Attributes
+    ----------
+    law : {"smith", "nested"}
+        Law of both legs.
+    sun : bool
+        Whether the Sun's leg is shadowed too; the source article shadows the viewer's alone.
+    bands : float, optional
+        Bands of equal slope variance of the nested law; 1 is Smith's. :func:`seaglint.sea.shadowing.nested.bands_of` the slopes where
+        nothing is said. Facets of images have them whatever the law of mean maps.
+    """
+
+    law: Law = "nested"
+    sun: bool = True
+    bands: float | None = None
+
+    @classmethod
+    def of(cls, word: str, bands: float | None = None) -> Shadowing:
+        """Shadowing from its name in scenario files.
+
+        Raises
+        ------
+        DomainError
+            For an unknown word.
+
+        >>> Shadowing.of("viewer").sun
+        False
+        """
+        if word not in _WORDS:
+            raise DomainError(f"shadowing = {word!r} is unknown; choose {', '.join(map(repr, _WORDS))}")
+        return replace(_WORDS[word], bands=bands)
+
+    @property
+    def word(self) -> str:
+        """Name in scenario files, as in :meth:`of`."""
+        return next(word for word, known in _WORDS.items() if (known.law, known.sun) == (self.law, self.sun))
+
+    def bands_for(self, slopes: SlopeStatistics) -> float:
+        """Number of bands of the nested law for a sea [1]."""
+        return bands_of(slopes.mss) if self.bands is None else self.bands
+
+    def law_bands(self, slopes: SlopeStatistics) -> float:
+        """Number of bands of the law for a sea [1]: 1 for Smith's."""
+        return self.bands_for(slopes) if self.law == "nested" else 1.0
+
+    def area(self, zenith: ArrayLike, azimuth: ArrayLike, slopes: SlopeStatistics) -> FloatArray:
+        """Area that normalises the density of the slopes seen from a direction [rad], per unit area of sea [1]."""
+        return nested_area(zenith, azimuth, slopes, self.law_bands(slopes))
+
+
+NESTED: Final = Shadowing()
+NESTED_VIEWER: Final = Shadowing(sun=False)
+BOTH: Final = Shadowing("smith")
+VIEWER: Final = Shadowing("smith", sun=False)
+
+_WORDS: Final = {"nested": NESTED, "nested-viewer": NESTED_VIEWER, "both": BOTH, "viewer": VIEWER}
+
+
+class Legs(NamedTuple):
+    """Shadowing under one Sun, as kernels read it. Made by :func:`legs_of`."""
+
+    sun: bool
+    hidden: float
+    """Smith's Lambda of the Sun's leg."""
+    azimuth: float
+    sine: float
+    cosine: float
+    edge: float
+    """Cotangent of the Sun's zenith angle over the rms slope along its azimuth."""
+    deviation: float
+    series: float
+    """Ratio of ``1 + hidden`` to that of Gaussian slopes."""
+    ratio: FloatArray
+    """Table of the nested law; empty for Smith's."""
+    coupling: FloatArray
+    """Table of facets seen and lit; empty for independent legs."""
+
+
+def legs_of(shadowing: Shadowing, slopes: SlopeStatistics, zenith: float, azimuth: float, *, shining: bool) -> Legs:
+    """Return the legs for a sea with slopes, and the centroid of the Sun's visible part [rad]."""
+    bands = shadowing.law_bands(slopes)
+    with_sun = shadowing.sun and shining
+    hidden = float(shadowing.area(zenith, azimuth, slopes)) / math.cos(zenith) - 1.0 if with_sun else 0.0
+    deviation = math.sqrt(float(slopes.mss_along(azimuth)))
+    gaussian = visible_area_kernel(math.cos(zenith), math.sin(zenith) * deviation) / math.cos(zenith)
+    return Legs(
+        with_sun,
+        max(hidden, 0.0),
+        float(azimuth),
+        math.sin(azimuth),
+        math.cos(azimuth),
+        math.cos(zenith) / max(math.sin(zenith), 1e-12) / deviation,
+        deviation,
+        (1.0 + hidden) / gaussian if with_sun else 1.0,
+        between_bands(ratio_table, bands),
+        coupling_table(bands) if with_sun else np.zeros((0, 0, 0)),
+    )
+
+
+@kernel
+def local_leg(legs: Legs, up: float) -> tuple[float, float]:
+    """Return ``hidden`` and ``edge`` where the centroid of the Sun's visible part has another sine of elevation than at the sensor's foot.
+
+    The area of skewed slopes changes as that of Gaussian ones. The Sun's azimuth stays the foot's: it moves by ``psi cot(zenith)`` at most,
+    little for the low Suns that shadows count for.
+    """
+    if not legs.sun:
+        return legs.hidden, legs.edge
+    deviation = math.sqrt(max(1.0 - up * up, 1e-24)) * legs.deviation
+    edge = up / deviation
+    # the area over the mean is 1 within 1e-9 from 6 deviations up
+    hidden = legs.series - 1.0 if edge > 6.0 else legs.series * visible_area_kernel(up, deviation) / up - 1.0
+    return max(hidden, 0.0), edge
+
+
+@kernel
+def seen_and_lit_kernel(upright: float, view: tuple[float, float], sunward: float, azimuth: float, legs: Legs) -> float:
+    """Share of mirroring facets that is seen and lit, over ``1/(1 + Lambda_v)``, the share seen by Smith's law in one band.
+
+    ``upright``: that share, ``cos(theta_v)/A+``. ``view``: slope towards the viewer, and cotangent of the view zenith, in rms slopes along
+    the view. ``sunward``: slope towards the Sun in rms slopes along its azimuth. ``azimuth`` is the viewer's [rad].
+
+    The share P is interpolated over the azimuth between both legs as Smith's law for two legs is: 1/P of legs on one side, where the
+    lower one decides, and of opposite legs, by the weight of :func:`~seaglint.sea.shadowing.smith.leg_passage_kernel`. One band is
+    :func:`~seaglint.sea.shadowing.smith.bistatic`.
+    """
+    seen = nested_ratio_kernel(view[0], view[1], 1.0, legs.ratio)
+    if not legs.sun:
+        return seen
+    lit = nested_ratio_kernel(sunward, legs.edge, 1.0, legs.ratio)
+    both = seen * lit
+    if legs.coupling.size > 0 and view[1] < HIGHEST and legs.edge < HIGHEST:
+        both *= math.exp(lit_exponent_kernel(0.5 * (view[0] - sunward), view[1], legs.edge, legs.coupling))
+    same = max(1.0 / seen, upright * (1.0 + legs.hidden) / lit)
+    opposite = max((1.0 + upright * legs.hidden) / max(both, 1e-300), same)
+    return 1.0 / (same + leg_passage_kernel(azimuth - legs.azimuth) * (opposite - same))

@@ -1,0 +1,72 @@
+"""Unresolved slopes of a facet, and the line of sight along which they are seen."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from seaglint.base.jit import kernel
+from seaglint.facet.sunlight import Sunlight
+from seaglint.sea.shadowing.nested import between_bands, ratio_table
+from seaglint.sea.shadowing.seen_and_lit import coupling_table
+from seaglint.sea.shadowing.smith import leg_passage_kernel
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+
+
+class Roughness(NamedTuple):
+    """Unresolved slopes of a facet: covariance towards east and north (zero means mirror facets), and shadowing tables.
+
+    Further fields are the deviation along the Sun's azimuth, and the tables of their nested shadowing: of either leg
+    (:func:`seaglint.sea.shadowing.nested.ratio_table`) and of both together (:func:`seaglint.sea.shadowing.seen_and_lit.coupling_table`);
+    empty for Smith's.
+    """
+
+    east_east: float
+    east_north: float
+    north_north: float
+    towards_sun: float
+    nested: np.ndarray
+    coupling: np.ndarray
+
+
+class Sight(NamedTuple):
+    """Line of sight, as seen from the sea.
+
+    The fields are the horizontal unit vector to the sensor, azimuth node of the tables, weight of the Sun's leg in the shadows of both
+    (:func:`~seaglint.sea.shadowing.smith.leg_passage_kernel`), and the deviation of unresolved slopes along it.
+    """
+
+    east: float
+    north: float
+    chi: float
+    passage: float
+    deviation: float
+
+
+@kernel
+def along(roughness: Roughness, east: float, north: float) -> float:
+    """Slope variance along a horizontal unit vector."""
+    return roughness.east_east * east * east + 2.0 * roughness.east_north * east * north + roughness.north_north * north * north
+
+
+@kernel
+def line_of_sight(sun: Sunlight, rough: Roughness, azimuth: float) -> Sight:
+    """Return the :class:`Sight` of a line that leaves the sensor at an azimuth."""
+    east, north = -math.sin(azimuth), -math.cos(azimuth)
+    deviation = math.sqrt(max(along(rough, east, north), 0.0))
+    return Sight(east, north, azimuth, leg_passage_kernel(azimuth + math.pi - sun.azimuth), deviation)
+
+
+def roughness_of(slopes: SlopeStatistics, solar_azimuth: float, bands: float, *, shade_sun: bool = True) -> Roughness:
+    """Facet slopes as kernels read them, with nested shadowing in so many wave bands (1: Smith's), of both legs or of the viewer's alone.
+
+    Between whole numbers of bands the laws are interpolated, so that facets change evenly with their share of the slopes. Less than one
+    band is Smith's law with as much less deviation in the Sun's way (:func:`seaglint.sea.shadowing.nested.bands_of_facets`).
+    """
+    whole = max(bands, 1.0)
+    nested, coupling = between_bands(ratio_table, whole), coupling_table(whole) if shade_sun else np.zeros((0, 0, 0))
+    # without a deviation towards the Sun nothing shades
+    towards = min(bands, 1.0) * float(np.sqrt(slopes.mss_along(solar_azimuth))) if shade_sun else 0.0
+    return Roughness(*slopes.covariance(), towards, nested.astype(np.float32), coupling.astype(np.float32))

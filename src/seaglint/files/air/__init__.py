@@ -1,0 +1,1 @@
+"""Files of transmittance and radiance as an atmosphere."""

@@ -1,0 +1,59 @@
+"""Radiance from the counts of a detector: the straight line in the attributes of ``signal``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from seaglint.base.errors import DataError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def pictures(dataset: xr.Dataset) -> xr.DataArray:
+    """The variable that pictures are made of: ``radiance``, or ``signal`` where there is none.
+
+    Raises
+    ------
+    DataError
+        A dataset that has neither.
+    """
+    for name in ("radiance", "signal"):
+        if name in dataset:
+            return dataset[name]
+    found = ", ".join(map(str, dataset.data_vars)) or "none"
+    raise DataError(
+        f"the dataset has no variable 'radiance' (it has: {found}); give the variable itself, e.g. dataset['path_radiance'], or counts "
+        "as 'signal'"
+    )
+
+
+def count_line(variable: xr.DataArray) -> tuple[float, float]:
+    """Radiance of a count and of zero counts [W m-2 sr-1]; (1, 0) of what is radiance already.
+
+    Raises
+    ------
+    DataError
+        Counts without their line.
+    """
+    if variable.name != "signal":
+        return 1.0, 0.0
+    try:
+        return float(variable.attrs["radiance_scale"]), float(variable.attrs["radiance_offset"])
+    except (KeyError, TypeError, ValueError):
+        raise DataError(
+            "signal lacks its attributes radiance_scale and radiance_offset, which make radiance of counts; give a file that "
+            "'seaglint render' or 'seaglint sense' wrote"
+        ) from None
+
+
+def radiance_of(dataset: xr.Dataset) -> xr.DataArray:
+    """Radiance of a dataset [W m-2 sr-1]: its own, or that of its counts."""
+    found = pictures(dataset)
+    if found.name == "radiance":
+        return found
+    scale, offset = count_line(found)
+    from seaglint.base.schema import VARIABLES
+
+    radiance = (found.astype("float64") * scale + offset).rename("radiance")
+    return radiance.assign_attrs(VARIABLES["radiance"].attributes)

@@ -1,0 +1,150 @@
+"""Whether a data set is whole: files and checksums, pictures, boxes and masks, and splits that share nothing."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from seaglint.base.errors import DataError
+from seaglint.files.dataset import coco, sirst, yolo
+from seaglint.files.dataset.convert import image_path
+from seaglint.files.dataset.grey_picture import read_picture
+from seaglint.files.store.store import open_sequence
+from seaglint.files.text_file import write_text
+
+SUMS: Final = "SHA256SUMS"
+ABOUT: Final = "dataset.json"
+KIND: Final = "seaglint-dataset-1"
+"""What ``kind`` of ``dataset.json`` says of our data sets."""
+
+
+def files(folder: Path) -> list[str]:
+    """All files of a data set but the checksums themselves, with slashes, in order."""
+    found = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+    return sorted(path.as_posix() for path in found if path.as_posix() != SUMS and not path.parts[0].startswith("."))
+
+
+def write_sums(folder: Path) -> None:
+    """Write the checksums of all files, as ``sha256sum`` does."""
+    write_text("".join(f"{_digest(folder / name)}  {name}\n" for name in files(folder)), folder / SUMS)
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def read_about(folder: Path) -> dict[str, Any]:
+    """``dataset.json``.
+
+    Raises
+    ------
+    DataError
+        No data set of ours.
+    """
+    try:
+        about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
+        if about["kind"] == KIND:
+            return dict(about)
+    except (OSError, ValueError, KeyError, TypeError):
+        pass
+    raise DataError(f"{folder}: is no data set of seaglint: it has no readable {ABOUT}; give a folder that 'seaglint dataset' made")
+
+
+def problems(folder: Path) -> Iterator[str]:
+    """What is wrong with a data set, a line each; nothing where it is whole.
+
+    Raises
+    ------
+    DataError
+        No data set of ours.
+    """
+    about = read_about(folder)
+    try:
+        lines = (folder / SUMS).read_text(encoding="utf-8").splitlines()
+        sums = {name: digest for digest, name in (line.split("  ", 1) for line in lines)}
+    except (OSError, ValueError):
+        yield f"{SUMS}: is missing or cut"
+        return
+    here = files(folder)
+    missing = sorted(set(sums) - set(here))
+    yield from (f"{name}: is missing" for name in missing)
+    yield from (f"{name}: is not in {SUMS}" for name in sorted(set(here) - set(sums)))
+    yield from (f"{name}: its checksum is another than in {SUMS}" for name in here if name in sums and _digest(folder / name) != sums[name])
+    if missing:
+        return
+    yield from _split_problems(folder, about)
+    if about["format"] == "zarr":
+        yield from _store_problems(folder, about)
+        return
+    yield from _picture_problems(folder, about)
+    match about["format"]:
+        case "coco":
+            yield from coco.problems(folder)
+        case "yolo":
+            yield from yolo.problems(folder, about["image"])
+        case "sirst":
+            yield from sirst.problems(folder, about["image"])
+    if about["format"] == "sirst":
+        yield from _box_problems(folder)
+
+
+def _split_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+    """No scene in two splits, whichever file is asked."""
+    for name in ("parameters.csv", "truth.csv"):
+        with (folder / name).open(newline="", encoding="utf-8") as file:
+            for row in csv.DictReader(file):
+                told = about["scenes"].get(row["scene"], {}).get("split")
+                if told != row["split"]:
+                    yield f"{name}: scene {row['scene']} is in '{row['split']}' and in '{told}' of {ABOUT}"
+
+
+def _picture_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+    for one in about["scenes"].values():
+        for picture in one["images"]:
+            path = image_path(folder, about["format"], one["split"], picture, about["image"])
+            try:
+                levels = read_picture(path)
+            except DataError as error:
+                yield str(error)
+                continue
+            if levels.shape != (one["height"], one["width"]) or 8 * levels.dtype.itemsize != about["bits"]:
+                size = f"{levels.shape[1]} x {levels.shape[0]} pixels of {8 * levels.dtype.itemsize} bits"
+                yield f"{path.name}: has {size}, not {one['width']} x {one['height']} of {about['bits']}"
+
+
+def _box_problems(folder: Path) -> Iterator[str]:
+    """Masks have something of every annotated object's box, and nothing outside of them."""
+    boxes: dict[str, list[tuple[int, int, int, int]]] = {}
+    with (folder / "truth.csv").open(newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            found = boxes.setdefault(row["image"], [])
+            if row["annotated"] == "True":
+                left, top, width, height = (int(float(row[f"bbox_{side}_px"])) for side in ("left", "top", "width", "height"))
+                found.append((left, top, width, height))
+    for path in sorted((folder / "masks").glob("*.png")):
+        mask = read_picture(path) > 0
+        left_over = mask.copy()
+        for left, top, width, height in boxes.get(path.stem, ()):
+            # a box over the seam of a panorama goes on at the left
+            columns = [column % mask.shape[1] for column in range(left, left + width)]
+            if not mask[top : top + height, columns].any():
+                yield f"masks/{path.name}: has nothing in the box of an object of truth.csv"
+            left_over[top : top + height, columns] = False
+        if left_over.any():
+            yield f"masks/{path.name}: has pixels outside of the boxes of truth.csv"
+
+
+def _store_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+    for scene, one in about["scenes"].items():
+        path = folder / "scenes" / f"{scene}.zarr"
+        try:
+            with open_sequence(path) as dataset:
+                if dataset.sizes["time"] != len(one["images"]) or (dataset.sizes["y"], dataset.sizes["x"]) != (one["height"], one["width"]):
+                    yield f"{path.name}: has not the frames and pixels that {ABOUT} tells"
+        except DataError as error:
+            yield str(error)

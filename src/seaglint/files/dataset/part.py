@@ -1,0 +1,210 @@
+"""What a scene leaves in a data set beside its pictures: a record from which all formats and tables are written."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from seaglint.base.errors import DataError
+from seaglint.files.dataset.grey_levels import Levels
+from seaglint.files.text_file import write_json
+from seaglint.objects.drawing.truth_names import NUMBERS
+
+FOLDER: Final = ".parts"
+"""Folder of the records while a data set is made."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A finished scene store that goes into a data set."""
+
+    name: str
+    store: str
+    """Path of the store."""
+    split: str
+    parameters: Mapping[str, Any]
+    """What was drawn for it, by column."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """What is seen of an object in a picture; one that spans the seam of a panorama has two pieces."""
+
+    box: tuple[int, int, int, int]
+    """First column and row, columns and rows."""
+    area: int
+    """Pixels of the mask."""
+    counts: str
+    """Run lengths of the mask."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """An object in a frame, in view or not."""
+
+    frame: int
+    """Place in the record's pictures."""
+    number: int
+    """Of the object in its scene, from 0."""
+    values: Mapping[str, float | None]
+    """Numbers of the truth by name; None where not known."""
+    local_contrast: float | None
+    """Mean over its mask above the mean around it, in the delivered picture [W m-2 sr-1]."""
+    snr: float | None
+    """The same over the standard deviation around it."""
+    pieces: tuple[Piece, ...]
+    """Empty where nothing is seen of it."""
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A frame."""
+
+    name: str
+    frame: int
+    time_s: float
+
+
+@dataclass(frozen=True)
+class Part:
+    """A scene."""
+
+    scene: str
+    split: str
+    seed: int
+    shape: tuple[int, int]
+    """Rows and columns."""
+    frame_rate_hz: float
+    levels: Levels | None
+    """None where the store itself is what is given."""
+    names: tuple[str, ...]
+    """Of the objects."""
+    categories: tuple[str, ...]
+    """Of the objects."""
+    pictures: tuple[Picture, ...]
+    rows: tuple[Row, ...]
+    parameters: Mapping[str, Any]
+
+    def write(self, folder: Path) -> None:
+        """Write the record; its presence says that the scene's pictures are whole."""
+        write_json(asdict(self), part_path(folder, self.scene), indent=None)
+
+    @classmethod
+    def read(cls, folder: Path, scene: str) -> Part:
+        """Read a scene's record.
+
+        Raises
+        ------
+        DataError
+            It is not one.
+        """
+        path = part_path(folder, scene)
+        try:
+            raw = json.loads(path.read_text(encoding="utf-8"))
+            rows = tuple(
+                Row(
+                    r["frame"],
+                    r["number"],
+                    r["values"],
+                    r["local_contrast"],
+                    r["snr"],
+                    tuple(Piece(tuple(p["box"]), p["area"], p["counts"]) for p in r["pieces"]),
+                )
+                for r in raw["rows"]
+            )
+            changed = {
+                "shape": tuple(raw["shape"]),
+                "levels": None if raw["levels"] is None else Levels(**raw["levels"]),
+                "names": tuple(raw["names"]),
+                "categories": tuple(raw["categories"]),
+                "pictures": tuple(Picture(**picture) for picture in raw["pictures"]),
+                "rows": rows,
+            }
+            return cls(**{**raw, **changed})
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise DataError(f"{path}: is not readable ({error}); remove it and go on with --resume") from error
+
+
+def part_path(folder: Path, scene: str) -> Path:
+    """File of a scene's record."""
+    return folder / FOLDER / f"{scene}.json"
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """All scenes of a data set, in their order."""
+
+    title: str
+    seed: int
+    image: str
+    """Ending of pictures."""
+    parts: Sequence[Part]
+
+    @property
+    def categories(self) -> tuple[str, ...]:
+        """Names of what is labelled, in the order of the alphabet."""
+        return tuple(sorted({name for part in self.parts for name in part.categories}))
+
+    def of_split(self, split: str) -> list[Part]:
+        """Scenes of a split."""
+        return [part for part in self.parts if part.split == split]
+
+    def tracks(self) -> dict[str, int]:
+        """Number of each scene's first object, counted from 1 over all scenes."""
+        out, count = {}, 1
+        for part in self.parts:
+            out[part.scene] = count
+            count += len(part.names)
+        return out
+
+    def truth(self) -> list[dict[str, Any]]:
+        """One row for each object and frame."""
+        tracks = self.tracks()
+        return [
+            {
+                "scene": part.scene,
+                "split": part.split,
+                "image": part.pictures[row.frame].name,
+                "frame": part.pictures[row.frame].frame,
+                "time_s": part.pictures[row.frame].time_s,
+                "object": part.names[row.number],
+                "object_id": row.number + 1,
+                "track_id": tracks[part.scene] + row.number,
+                "category": part.categories[row.number],
+                "annotated": bool(row.pieces),
+                "local_contrast_W_m2_sr": row.local_contrast,
+                "snr": row.snr,
+                **row.values,
+            }
+            for part in self.parts
+            for row in part.rows
+        ]
+
+    def parameters(self) -> list[dict[str, Any]]:
+        """One row for each scene: what was drawn, and the lines of its levels."""
+        columns = list(dict.fromkeys(name for part in self.parts for name in part.parameters))
+        rows: list[dict[str, Any]] = []
+        for part in self.parts:
+            about = {"scene": part.scene, "split": part.split, "frames": len(part.pictures), "frame_rate_hz": part.frame_rate_hz}
+            drawn = {name: part.parameters.get(name) for name in columns if name not in about}
+            lines = part.levels.attributes if part.levels is not None else {}
+            rows.append({**about, **drawn, **lines})
+        names = list(dict.fromkeys(name for row in rows for name in row))
+        return [{name: row.get(name) for name in names} for row in rows]
+
+
+TRUTH_COLUMNS: Final = (
+    *("scene", "split", "image", "frame", "time_s", "object", "object_id", "track_id", "category", "annotated"),
+    *("local_contrast_W_m2_sr", "snr"),
+    *NUMBERS,
+)
+"""Columns of the truth table."""
+
+
+def known(value: float) -> float | None:
+    """A number, or None for NaN, which JSON does not have."""
+    return None if math.isnan(value) else float(value)

@@ -1,0 +1,143 @@
+"""Which writer an ending needs, and what the user wants of the numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, Final, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.errors import DataError
+from seaglint.files.export.encoding import Counts, Kind, Numbers, check_limits
+from seaglint.files.export.fits_cube import require_fits, write_fits
+from seaglint.files.export.hdf5 import write_hdf5
+from seaglint.files.export.plain import header_path, write_header, write_npy, write_raw
+from seaglint.files.export.stack import Exported, Stack
+from seaglint.files.export.tiff import write_tiff
+from seaglint.files.outputs import moved_when_whole, refuse_existing
+from seaglint.files.recording.raw import TYPES
+from seaglint.files.store.store import Progress
+
+Writer = Callable[[Path, Stack, Numbers, Iterable[NDArray[Any]]], None]
+
+WRITERS: Final[dict[str, Writer]] = {
+    ".nc": write_hdf5,
+    ".h5": write_hdf5,
+    ".hdf5": write_hdf5,
+    ".tif": write_tiff,
+    ".tiff": write_tiff,
+    ".fits": write_fits,
+    ".npy": write_npy,
+    ".raw": write_raw,
+}
+"""Writer of an ending."""
+
+_WITH_HEADER: Final = (".npy", ".raw")
+
+
+def output_files(output: Path) -> tuple[Path, ...]:
+    """Files that an export makes: the one asked for, and its header where the format has none of its own."""
+    return (output, header_path(output)) if output.suffix.lower() in _WITH_HEADER else (output,)
+
+
+def write_stack(
+    stack: Stack,
+    output: str | Path,
+    *,
+    dtype: Kind | None = None,
+    limits: tuple[float, float] | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> Exported:
+    """Write images in the format of the output's ending, one frame in memory at a time.
+
+    Parameters
+    ----------
+    stack : Stack
+        The images.
+    output : path
+        File to write, with one of the endings of :data:`WRITERS`.
+    dtype : {"uint16", "float32"}, optional
+        Type of the numbers; that of the run by default. Counts of 16 bits stay as they are, other values become
+        :class:`~seaglint.files.export.encoding.Counts`.
+    limits : (float, float), optional
+        Range of those counts; that of the values by default, for which all frames are read once more.
+    overwrite : bool
+        Replace what is there.
+    progress : callable, optional
+        ``progress(done, total)``.
+
+    Raises
+    ------
+    DataError
+        An ending, a type or a range that cannot be, an output that exists.
+    BackendError
+        A library that is not installed.
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    output = Path(output)
+    ending = output.suffix.lower()
+    if ending not in WRITERS:
+        raise DataError(f"{output}: the ending says what is written; allowed are {', '.join(WRITERS)}")
+    if dtype is not None and dtype not in get_args(Kind):
+        raise DataError(f"dtype = {dtype!r}; allowed are {', '.join(get_args(Kind))}")
+    scaled = dtype == "uint16" and stack.dtype != np.uint16
+    if limits is not None:
+        limits = check_limits(limits)
+        if not scaled:
+            raise DataError("--range is that of counts made of other values; give it with --dtype uint16 and values of another type")
+    if dtype is None and stack.dtype.name not in TYPES:
+        raise DataError(f"{stack.variable} is {stack.dtype}, which not all formats hold; give --dtype float32 or uint16")
+    if ending == ".fits":
+        require_fits()
+    files = output_files(output)
+    for file in files:
+        refuse_existing(file, overwrite=overwrite)
+    total = stack.shape[0]
+    passes = 2 if scaled and limits is None else 1
+    done = 0
+
+    def images() -> Iterator[NDArray[Any]]:
+        nonlocal done
+        for position in range(total):
+            yield stack[position]
+            done += 1
+            if progress is not None:
+                progress(done, passes * total)
+
+    if progress is not None:
+        progress(0, passes * total)
+    counts = Counts.over(*(limits or _range(images()))) if scaled else None
+    numbers = Numbers(np.dtype(dtype) if dtype is not None else stack.dtype, counts)
+    cut = 0
+
+    def encoded() -> Iterator[NDArray[Any]]:
+        nonlocal cut
+        for image in images():
+            cut += counts.beyond(image) if counts is not None else 0
+            yield numbers.of(image)
+
+    with ExitStack() as held:
+        # The header gets its name last of all: what has one is whole.
+        partials = [held.enter_context(moved_when_whole(file)) for file in reversed(files)][::-1]
+        for partial in partials:
+            partial.unlink(missing_ok=True)  # left by a process that was killed
+        if len(partials) > 1:
+            write_header(partials[1], stack, numbers)
+        WRITERS[ending](partials[0], stack, numbers, encoded())
+    scale, offset = (None, None) if counts is None else (counts.scale, counts.offset)
+    return Exported(files, stack.variable, stack.units, stack.shape, numbers.dtype.name, scale, offset, cut)
+
+
+def _range(images: Iterable[NDArray[Any]]) -> tuple[float, float]:
+    """Smallest and largest finite value; 0 and 0 where there is none."""
+    low, high = np.inf, -np.inf
+    for image in images:
+        finite = image[np.isfinite(image)]
+        if finite.size:
+            low, high = min(low, float(finite.min())), max(high, float(finite.max()))
+    return (low, high) if low <= high else (0.0, 0.0)

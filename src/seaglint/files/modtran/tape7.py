@@ -1,0 +1,236 @@
+"""Readers of tape7 (``.tp7``, ``.7sc``, ``tape7.scn``) of MODTRAN 4 and 5 and of LOWTRAN7's tape7.
+
+Layouts, as the programs write them (LOWTRAN7: FORMATs 907-937 of ``lowtran7.f``; MODTRAN: subroutine TRANS and T7HEAD, in public
+copies of its source):
+
+=============  ====  ==========================================================================
+program        mode  Fortran format of a row
+=============  ====  ==========================================================================
+LOWTRAN7       1     ``F7.0,F8.4,1PE9.2,T96,E10.3``
+LOWTRAN7       2     ``F7.0,F8.4,1P6E9.2,0P2F8.4,T96,1PE10.3``
+LOWTRAN7       3     ``F7.0,F8.4,1P2E9.2,T96,E10.3``
+MODTRAN 4      1     ``F8.2,1P,4E11.4,11X,2(11X,E11.4),18X,0P,F8.3``
+MODTRAN 4      2     ``F8.2,F11.8,1P,8E11.4,2E9.2,0P,F8.3``
+MODTRAN 4, 5   3     ``F8.2,F8.4,1P,2E9.2,T96,E10.3``
+MODTRAN 5      2     the same and ``DIR_EM``, ``TOA_SUN``, ``BBODY_T[K]``
+=============  ====  ==========================================================================
+
+Columns touch, some are blank, and Fortran drops the E of exponents of three digits (``6.53-144``). So numbers are told by Fortran's
+grammar, and each belongs to the column whose name ends nearest to where it ends. Several cases stand one after the other, each with
+the cards of its deck before it and ``-9999.`` behind it.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from seaglint.base.errors import DataError
+from seaglint.files.modtran.modtran_spectrum import Column, Sight, Spectrum, Table, column_of, spectrum_of
+
+ENDINGS: Final = (".tp7", ".7sc", ".7sr", ".scn")
+
+_HEADER = re.compile(r"^\s*(FREQ|WAVLEN)\b")
+
+_LABEL = re.compile(
+    r"(?:FREQ|WAVLEN) ?\((?:CM-1|MCRN|uM|NM)\)|WAVLEN MCRN|(?:TOT|PTH|THRML|SURF|SOL|SING|SNGL|GRND|DRCT|TOTAL|REF|TOA|BBODY)[ _]"
+    r"(?:TRANS|THRML|SCT|EMIS|SCAT|RFLT|RAD|SOL|SUN|TR|T\[K\])(?![A-Z])|\S+"
+)
+
+_NUMBER = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+|\d+(?=\s|$))(?:[EDed][-+]?\d{2}|[-+]\d{3}(?!\d|\.))?")
+
+_END = re.compile(r"^\s*-9999\.?")
+
+FARTHEST: Final = 4
+"""Columns by which the end of a number may miss that of its column's name: names of mode 3 stand up to 2 aside."""
+
+UNNAMED_DEPTH: Final = 105
+"""Column in which the optical depth ends (T96, E10.3) where the header does not name it: LOWTRAN7, and mode 3."""
+
+
+@dataclass(frozen=True)
+class _Label:
+    text: str
+    end: int
+    column: Column | None
+
+
+def is_tape7(path: Path, head: str) -> bool:
+    """Whether a text file looks like one, by its name or the names of its columns."""
+    name = path.name.lower()
+    return path.suffix.lower() in ENDINGS or name.startswith("tape7") or any(map(_is_header, head.splitlines()))
+
+
+def _is_header(line: str) -> bool:
+    return bool(_HEADER.match(line)) and "," not in line
+
+
+def read_tape7(path: Path, text: str) -> list[Spectrum]:
+    """All cases of a file, in its order.
+
+    Raises
+    ------
+    DataError
+        Naming file, case and line of what cannot be used.
+    """
+    lines = text.splitlines()
+    heads = [i for i, line in enumerate(lines) if _is_header(line)]
+    if not heads:
+        raise DataError(f"{path}: has no line of column names (FREQ TOT_TRANS ...); give a tape7 of LOWTRAN7 or MODTRAN 4-5")
+    found, last = [], -1
+    for number, head in enumerate(heads, 1):
+        stop = heads[number] if number < len(heads) else len(lines)
+        end = next((i for i in range(head + 1, stop) if _END.match(lines[i])), None)
+        if end is None:
+            raise DataError(
+                f"{path}: case {number}: ends at line {stop} without -9999., so it is cut short; run it to its end and give the whole file"
+            )
+        if any(_END.match(line) for line in lines[last + 1 : head]):
+            raise DataError(f"{path}: line {head + 1}: a case before case {number} has no spectrum; its run failed: mend its deck")
+        cards = [line for line in lines[last + 1 : head] if line.strip()]
+        found.append(spectrum_of(_table(path, number, lines, (head, end), cards)))
+        last = end
+    if any(line.strip() for line in lines[last + 1 :]):
+        raise DataError(
+            f"{path}: line {last + 2}: something follows case {len(found)} that has no spectrum; the last run failed or the file is cut"
+        )
+    return found
+
+
+def _table(path: Path, number: int, lines: list[str], span: tuple[int, int], cards: list[str]) -> Table:
+    head, end = span
+    case, labels = f"case {number}", _labels(lines[head])
+    first = head + 1
+    names = tuple(label.text for label in labels)
+    if "H2O" in names:
+        raise DataError(
+            f"{path}: {case}: is of transmittance mode (IEMSCT = 0), which has no radiance; run it again with IEMSCT = 1, 2 or 3"
+        )
+    if "LOS" in names:
+        raise DataError(f"{path}: {case}: holds several lines of sight side by side (LOS); run them one after the other (IRPT = 1)")
+    if first >= end:
+        raise DataError(f"{path}: {case}: has no spectral samples; the run failed, so see tape6 and run it again")
+    columns: dict[Column, list[float]] = {}
+    fields = _Fields()
+    for i in range(first, end):
+        row = fields.values(lines[i])
+        if row is None:
+            row = _row(path, case, i, lines[i], labels)
+            fields = _Fields.of(lines[i], row)
+        columns = columns or {name: [] for name in row}
+        if row.keys() != columns.keys():
+            odd = sorted(row.keys() ^ columns.keys())
+            raise DataError(
+                f"{path}: {case}: line {i + 1}: columns differ from the line before ({', '.join(odd)}); "
+                "it was cut or edited, so give the file as the program wrote it"
+            )
+        for name, (value, _) in row.items():
+            columns[name].append(value)
+    return Table(
+        path,
+        case,
+        {name: np.array(values) for name, values in columns.items()},
+        names,
+        _sight(cards),
+        first + 1,
+        labels[-1].end == UNNAMED_DEPTH,
+    )
+
+
+@dataclass(frozen=True)
+class _Fields:
+    """Where the numbers of a line stood: most lines have theirs in the same places, and are then cut there."""
+
+    length: int = -1
+    ends: tuple[tuple[int, Column | None], ...] = ()
+
+    @classmethod
+    def of(cls, line: str, row: dict[Column, tuple[float, int]]) -> _Fields:
+        """Places of a line that was told apart by grammar."""
+        by_end: dict[int, Column | None] = {end: name for name, (_, end) in row.items()}
+        return cls(len(line), tuple((match.end(), by_end.get(match.end())) for match in _NUMBER.finditer(line)))
+
+    def values(self, line: str) -> dict[Column, tuple[float, int]] | None:
+        """Values and ends of another line; None where it is not alike."""
+        if len(line) != self.length or "_" in line or not line.isascii():
+            return None
+        found: dict[Column, tuple[float, int]] = {}
+        start = 0
+        try:
+            for end, column in self.ends:
+                value = float(line[start:end])
+                if column is not None:
+                    found[column] = (value, end)
+                start = end
+        except ValueError:
+            return None
+        return found if not line[start:].strip() else None
+
+
+def _labels(header: str) -> list[_Label]:
+    found: list[_Label] = []
+    for match in _LABEL.finditer(header):
+        column = column_of(match.group())
+        if column == "transmittance" and any(label.column == column for label in found):
+            column = None
+        found.append(_Label(match.group(), match.end(), column))
+    if {"ATMOS", "SOLAR"} & {label.text for label in found}:
+        found.append(_Label("DEPTH", UNNAMED_DEPTH, "depth"))
+    return found
+
+
+def _row(path: Path, case: str, index: int, line: str, labels: list[_Label]) -> dict[Column, tuple[float, int]]:
+    """Values of a line by column and where they end; what is blank is left out."""
+    where = f"{path}: {case}: line {index + 1}"
+    rest = _NUMBER.sub(lambda match: " " * len(match.group()), line)
+    if rest.strip():
+        at = len(rest) - len(rest.lstrip())
+        what = "a number that did not fit its column" if "*" in rest else "no number"
+        raise DataError(f"{where}: '{rest.strip()[:20]}' at column {at + 1} is {what}; run the case again, or give the file as written")
+    values: dict[Column, tuple[float, int]] = {}
+    taken: dict[int, str] = {}
+    for position, match in enumerate(_NUMBER.finditer(line)):
+        if position == 0:
+            nearest = 0  # the spectral column is the first, and its name may stand anywhere above it
+        else:
+            nearest = min(range(1, len(labels)), key=lambda k: abs(labels[k].end - match.end()), default=0)
+            if nearest == 0 or abs(labels[nearest].end - match.end()) > FARTHEST:
+                continue  # LOWTRAN7's transmittances to the Sun have no name
+        if nearest in taken:
+            raise DataError(
+                f"{where}: {taken[nearest]} and {match.group()} both stand in the column {labels[nearest].text}; "
+                "blanks were changed, so give the file as the program wrote it"
+            )
+        taken[nearest] = match.group()
+        column = labels[nearest].column
+        if column is not None:
+            values[column] = (fortran_number(match.group()), match.end())
+    return values
+
+
+def fortran_number(text: str) -> float:
+    """Number as Fortran prints it.
+
+    >>> fortran_number("6.53-144"), fortran_number("1.5D-03"), fortran_number("2400.")
+    (6.53e-144, 0.0015, 2400.0)
+    """
+    return float(re.sub(r"(?<=[\d.])([-+]\d{3})$", r"E\1", text).replace("D", "E").replace("d", "E"))
+
+
+def _sight(cards: list[str]) -> Sight | None:
+    """Geometry from the cards above the column names: mode and kind on card 1, card 3 five lines above the end, 3A1 and 3A2 below it."""
+    try:
+        kind, mode = int(cards[0][5:10]), int(cards[0][10:15])
+        card3, card3a2 = cards[-5].ljust(60), cards[-3].ljust(20)
+        height, end, zenith = (float(card3[k : k + 10]) for k in (0, 10, 20))
+        azimuth, solar = (float(card3a2[k : k + 10]) for k in (0, 10))
+    except (IndexError, ValueError):
+        return None
+    if not (mode in (0, 1, 2, 3) and kind in (1, 2, 3) and 0.0 <= height < 1e3 and 0.0 <= zenith <= 180.0):
+        return None
+    azimuth, solar = (azimuth, solar) if mode == 2 and cards[-4][:5].strip() in ("2", "12") else (np.nan, np.nan)
+    return Sight(mode, kind, height, zenith, end, azimuth, solar)

@@ -1,0 +1,95 @@
+"""Maps as one NetCDF 4 file, written beside its place and moved there when whole.
+
+The file is made in memory and its bytes are written by Python: HDF5 that meets a full disk can take the process with it.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import traceback
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from seaglint.base.errors import DataError
+from seaglint.base.schema import VARIABLES
+from seaglint.files.outputs import moved_when_whole, refuse_existing
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
+    """Open a NetCDF 4 file; keywords go to :func:`xarray.open_dataset`.
+
+    Raises
+    ------
+    DataError
+        Nothing there, another kind of file, or a damaged one.
+    """
+    import xarray as xr
+
+    try:
+        return xr.open_dataset(path, engine="h5netcdf", **how)
+    except FileNotFoundError:
+        raise DataError(f"{path}: no such file; give a NetCDF 4 file") from None
+    except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
+        told = " ".join(str(error).split())[:200] or type(error).__name__
+        drop_quietly(error)
+        raise DataError(f"{path}: cannot be read as NetCDF 4, or is cut ({told}); give a whole NetCDF 4 file") from None
+
+
+def drop_quietly(error: BaseException | None) -> None:
+    """Let go of what failed half-way: an h5netcdf file that was never opened complains on the standard error when it is collected."""
+    before, sys.unraisablehook = sys.unraisablehook, lambda _: None
+    try:
+        while error is not None:
+            traceback.clear_frames(error.__traceback__)
+            error = error.__cause__ or error.__context__
+    finally:
+        sys.unraisablehook = before
+
+
+def labelled(dataset: xr.Dataset) -> xr.Dataset:
+    """The same with units, names and CF names at the variables that :mod:`seaglint.base.schema` knows; what they have already stays."""
+    out = dataset.copy()
+    for name in map(str, out.variables):
+        if name in VARIABLES:
+            out[name].attrs = {**VARIABLES[name].attributes, **out[name].attrs}
+    return out
+
+
+def plain_attributes(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+    """Attributes that any file can hold: tables as JSON text, truth values as 0 and 1, nothing that is empty.
+
+    >>> plain_attributes({"table": {"winds": [0, 20]}, "step": None, "whole": True})
+    {'table': '{"winds": [0, 20]}', 'whole': 1}
+    """
+    out: dict[str, Any] = {}
+    for name, value in attributes.items():
+        if isinstance(value, bool):
+            out[str(name)] = int(value)
+        elif isinstance(value, Mapping) or (isinstance(value, list | tuple) and any(isinstance(part, Mapping | list) for part in value)):
+            out[str(name)] = json.dumps(value)
+        elif value is not None and not (isinstance(value, list | tuple) and len(value) == 0):
+            out[str(name)] = value
+    return out
+
+
+def write_netcdf(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = False) -> Path:
+    """Write a dataset; variables named in :mod:`seaglint.base.schema` get their CF attributes.
+
+    Raises
+    ------
+    DataError
+        The output exists.
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    output = refuse_existing(output, overwrite=overwrite)
+    encoding = {name: {"zlib": True, "complevel": 3} for name, variable in dataset.data_vars.items() if variable.ndim >= 2}
+    content = labelled(dataset).to_netcdf(engine="h5netcdf", encoding=encoding)
+    with moved_when_whole(output) as partial:
+        partial.write_bytes(content)
+    return output

@@ -1,0 +1,80 @@
+"""What a file or dataset says of its images beside their numbers: the band, and where the pixels look."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.files.netcdf import open_netcdf
+from seaglint.files.provenance import stored_band
+from seaglint.optics.band import Band
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Source:
+    """What a recording says of itself beside its numbers."""
+
+    band: Band | None = None
+    step: tuple[float, float] | None = None
+    """Angle between columns and between rows [rad]."""
+    azimuth_deg: FloatArray | None = None
+    elevation_deg: FloatArray | None = None
+    frames: range | None = None
+    """Numbers of the frames in the sequence that they are of."""
+
+    @classmethod
+    def of(cls, dataset: xr.Dataset) -> Source:
+        """Of a labelled dataset, as far as it says."""
+        try:
+            band = stored_band(dataset.attrs)
+        except (KeyError, TypeError, ValueError):
+            band = None
+        axes = [dataset[name].to_numpy().astype(np.float64) if name in dataset.variables else None for name in ("azimuth", "elevation")]
+        azimuth, elevation = (a if a is not None and a.ndim == 1 and a.size > 1 else None for a in axes)
+        if azimuth is None or elevation is None:
+            return cls(band, frames=_numbers(dataset))
+        step = tuple(float(np.radians(abs(a[-1] - a[0]) / (a.size - 1))) for a in (azimuth, elevation))
+        return cls(band, (step[0], step[1]), azimuth, elevation, _numbers(dataset))
+
+
+def _numbers(dataset: xr.Dataset) -> range | None:
+    """Of frames that follow one another."""
+    if "frame" not in dataset.variables:
+        return None
+    numbers = np.atleast_1d(dataset["frame"].to_numpy())
+    if numbers.ndim != 1 or numbers.size == 0 or numbers.dtype.kind not in "iu" or np.any(np.diff(numbers) != 1) or numbers[0] < 0:
+        return None
+    return range(int(numbers[0]), int(numbers[-1]) + 1)
+
+
+def source_of(path: Path) -> Source | None:
+    """Of a Zarr store or NetCDF file; None of files that say nothing of the kind.
+
+    Raises
+    ------
+    DataError
+        A file that cannot be read.
+    """
+    import xarray as xr
+
+    try:
+        if path.is_dir() and ((path / "zarr.json").exists() or (path / ".zgroup").exists()):
+            with xr.open_dataset(str(path), engine="zarr", chunks=None, decode_times=False, consolidated=False) as dataset:
+                return Source.of(dataset)
+        if path.suffix.lower() in (".nc", ".nc4"):
+            with open_netcdf(path, decode_times=False) as dataset:
+                return Source.of(dataset)
+    except DataError:
+        raise
+    except Exception as error:
+        told = " ".join(str(error).split())[:200] or type(error).__name__
+        raise DataError(f"{path}: cannot be read ({told}); is the file whole?") from error
+    return None

@@ -1,0 +1,77 @@
+"""Video files, decoded forward; a lossy codec is noted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.analysis.recording import Recording
+from seaglint.base.errors import BackendError, DataError
+from seaglint.files.recording.stored import grey
+
+ENDINGS = (".mp4", ".avi", ".mkv", ".mov")
+LOSSLESS = ("ffv1", "rawvideo", "huffyuv", "ffvhuff", "utvideo", "png")
+
+
+def open_video(path: Path, channel: str | None) -> Recording:
+    """Grey frames of the first video stream; luma where colours are stored as luma and chroma."""
+    try:
+        import av
+    except ImportError as error:
+        raise BackendError(f"{path}: video needs PyAV, which is not installed; pip install 'seaglint[video]'") from error
+    try:
+        with av.open(str(path)) as container:
+            stream = container.streams.video[0]
+            codec, rate = stream.codec_context.name, stream.average_rate
+            pixel = stream.codec_context.format
+            bits = max(component.bits for component in pixel.components) if pixel is not None else 8
+            rows, columns = stream.codec_context.height, stream.codec_context.width
+            # Counted, not trusted: headers of cut files tell the length that was planned.
+            frames = sum(1 for packet in container.demux(stream) if packet.size)
+    except Exception as error:
+        raise DataError(f"{path}: cannot be read as video ({str(error).splitlines()[0]})") from error
+    if frames == 0:
+        raise DataError(f"{path}: holds no frames")
+    decoder = _Decoder(path, deep=bits > 8, channel=channel)
+    notes = () if codec in LOSSLESS else (f"codec {codec} is lossy: tails and correlations of the noise are changed",)
+    saturation = 65535.0 if bits > 8 else 255.0  # what is deeper than 8 bits is widened to 16
+    return Recording(f"{path} ({codec})", frames, rows, columns, decoder.read, float(rate) if rate else None, None, saturation, notes)
+
+
+class _Decoder:
+    """Frames in order; asking for earlier ones starts again."""
+
+    def __init__(self, path: Path, *, deep: bool, channel: str | None) -> None:
+        self._path, self._format, self._channel = path, "gray16le" if deep else "rgb24", channel
+        self._next = 0
+        self._frames: Iterator[Any] = iter(())
+
+    def _restart(self) -> None:
+        import av
+
+        container = av.open(str(self._path))
+        self._next, self._frames = 0, container.decode(video=0)
+
+    def read(self, start: int, stop: int) -> NDArray[Any]:
+        """Frames ``start`` to ``stop``."""
+        if start < self._next or self._next == 0:
+            self._restart()
+        block: list[NDArray[Any]] = []
+        try:
+            while self._next < stop:
+                frame = next(self._frames)
+                if self._next >= start:
+                    image = np.asarray(frame.to_ndarray(format=self._format))
+                    block.append(grey(image, str(self._path), self._channel) if image.ndim == 3 else image)
+                self._next += 1
+        except StopIteration:
+            raise DataError(f"{self._path}: ends after frame {self._next}, {stop} were announced; the file is cut") from None
+        except DataError:
+            raise
+        except Exception as error:
+            raise DataError(f"{self._path}: frame {self._next} cannot be decoded ({str(error).splitlines()[0]})") from error
+        return np.stack(block)

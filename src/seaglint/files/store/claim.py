@@ -1,0 +1,195 @@
+"""One writer at a time: a claim on a folder that ends with the process, however that ends.
+
+The claim is a lock of the operating system on a file beside the folder. It is not inside: the folder may be emptied, is renamed
+when whole, and everything in it is taken for part of the store. A killed process leaves the file but not the lock. Where a file
+system has no locks, the random token in the file still tells the earlier writer that another one has come.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from seaglint.base.errors import DataError
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What a writer holds while it writes into a folder."""
+
+    folder: Path
+    """The folder claimed."""
+    token: str
+    """Random text that no other claim has."""
+
+    def holds(self) -> bool:
+        """Whether the file beside the folder still carries our token."""
+        try:
+            return lock_path(self.folder).read_text(encoding="ascii").split()[1:] == [self.token]
+        except (FileNotFoundError, ValueError):  # removed, or overwritten with what is not text
+            return False
+
+    def require(self) -> None:
+        """Refuse to go on in a folder that another process has taken.
+
+        Raises
+        ------
+        DataError
+            The claim is gone.
+        """
+        if not self.holds():
+            raise DataError(
+                f"{self.folder}: another process has taken it, or {lock_path(self.folder).name} was removed; "
+                "see that one process only writes there and go on with --resume"
+            )
+
+
+def lock_path(folder: Path) -> Path:
+    """File that carries the claim on a folder."""
+    return folder.with_name(folder.name + ".lock")
+
+
+@contextmanager
+def exclusive(folder: Path, patience: float = 0.0) -> Iterator[Claim]:
+    """Claim a folder, which need not exist yet, for as long as the context lasts.
+
+    Parameters
+    ----------
+    folder : Path
+    patience : float
+        How long another's claim is waited for [s].
+
+    Raises
+    ------
+    DataError
+        Another process holds it.
+    OSError
+        The file beside the folder cannot be written.
+    """
+    path = lock_path(folder)
+    descriptor = _open_locked(folder, path, _lock, patience)
+    claim = Claim(folder, secrets.token_hex(16))
+    try:
+        try:
+            os.ftruncate(descriptor, 0)
+            os.write(descriptor, f"{os.getpid()} {claim.token}\n".encode("ascii"))
+        except OSError:
+            with suppress(OSError):  # a full disk: the file is ours, and empty
+                path.unlink()
+            raise
+        yield claim
+    finally:
+        _release(descriptor, claim)
+
+
+@contextmanager
+def shared(folder: Path, patience: float = 5.0) -> Iterator[None]:
+    """Hold a folder together with others who do the same; who wants it alone is refused, and refuses us.
+
+    Raises
+    ------
+    DataError
+        Another process has held it alone for ``patience`` seconds.
+    OSError
+        The file beside the folder cannot be made.
+    """
+    path = lock_path(folder)
+    descriptor = _open_locked(folder, path, _lock_shared, patience)
+    try:
+        yield
+    finally:
+        # The last one takes the file away. Who cannot have it alone is not the last.
+        try:
+            if _lock(descriptor) and _has_name(descriptor, path):
+                with suppress(OSError):
+                    path.unlink()
+        finally:
+            os.close(descriptor)
+
+
+def _open_locked(folder: Path, path: Path, lock: Callable[[int], bool], patience: float) -> int:
+    """Open and lock the file; the one locked must be the one that has the name, not one that its last owner just removed."""
+    until = time.monotonic() + patience
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            free = lock(descriptor)
+            owner = b"" if free else os.read(descriptor, 100)
+            current = free and _has_name(descriptor, path)
+        except BaseException:
+            os.close(descriptor)
+            raise
+        if current:
+            return descriptor
+        os.close(descriptor)
+        if not free and time.monotonic() < until:
+            time.sleep(0.02)
+        elif not free:
+            pid = owner.split(maxsplit=1)[:1]
+            known = f" (pid {pid[0].decode('ascii', 'replace')})" if pid else ""
+            raise DataError(f"{folder}: is being written by another process{known}; wait for it or choose another name")
+
+
+def _has_name(descriptor: int, path: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(descriptor), path.stat())
+    except FileNotFoundError:
+        return False
+
+
+if sys.platform == "win32":
+    import msvcrt
+
+    def _lock(descriptor: int) -> bool:
+        """Lock a byte far behind the text, which others must be able to read; false when another process holds it."""
+        os.lseek(descriptor, 1 << 30, os.SEEK_SET)
+        try:
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        finally:
+            os.lseek(descriptor, 0, os.SEEK_SET)
+        return True
+
+    def _lock_shared(descriptor: int) -> bool:
+        """There are no shared locks here: parts are written one after the other."""
+        return _lock(descriptor)
+
+    def _release(descriptor: int, claim: Claim) -> None:
+        os.close(descriptor)
+        with suppress(OSError):  # an open file cannot be removed here: the next owner has it already
+            lock_path(claim.folder).unlink()
+
+else:
+    import fcntl
+
+    def _lock(descriptor: int) -> bool:
+        """Lock the file; false when another process holds it. Where there are no locks, the token alone has to do."""
+        return _flock(descriptor, fcntl.LOCK_EX)
+
+    def _lock_shared(descriptor: int) -> bool:
+        return _flock(descriptor, fcntl.LOCK_SH)
+
+    def _flock(descriptor: int, kind: int) -> bool:
+        try:
+            fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        except OSError:
+            return True  # some network file systems
+        return True
+
+    def _release(descriptor: int, claim: Claim) -> None:
+        # Removed while locked. Where locks are missing, a later owner may have put its token into the same file, which then stays.
+        try:
+            with suppress(OSError):  # what is left behind blocks nobody
+                if claim.holds():
+                    lock_path(claim.folder).unlink()
+        finally:
+            os.close(descriptor)

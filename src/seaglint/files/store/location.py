@@ -1,0 +1,296 @@
+"""Where a sequence lies: a folder, or an object store behind a URL.
+
+A folder is written under another name and renamed when whole, and locks say who writes there. An object store has neither: its sequence
+has its name from the start, an attribute says until the end that it is unfinished, and nobody watches over its writers.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from seaglint.base.errors import BackendError, DataError, SeaglintError, StorageError
+from seaglint.files.failures import storage_errors
+from seaglint.files.outputs import ELSEWHERE, refuse_inputs, require_folder
+from seaglint.files.store.claim import Claim, exclusive, shared
+from seaglint.files.store.empty_store import make_arrays
+from seaglint.files.store.layout import FORMAT, UNFINISHED, Layout
+from seaglint.files.store.share import Share
+
+PATIENCE: Final = 60.0
+"""How long a share waits for another one that is making the empty store [s]."""
+
+
+def partial_path(output: Path) -> Path:
+    """Folder in which an unfinished sequence lies."""
+    return output.with_name(output.name + ".partial")
+
+
+def attributes(store: Path | str) -> dict[str, Any]:
+    """Attributes of a store; none where there is none that can be read."""
+    import zarr
+
+    try:
+        return dict(zarr.open_group(store, mode="r", zarr_format=3).attrs)
+    except Exception:  # whatever is wrong with it, it is no sequence of ours
+        return {}
+
+
+@dataclass(frozen=True)
+class Local:
+    """A folder on a disk that this machine has, or shares with others."""
+
+    output: Path
+
+    def __str__(self) -> str:
+        return str(self.output)
+
+    @property
+    def name(self) -> str:
+        """Where other processes find it."""
+        return str(self.output.absolute())
+
+    @property
+    def work(self) -> Path:
+        """Where the unfinished sequence is."""
+        return partial_path(self.output)
+
+    @property
+    def errors(self) -> Path:
+        """Folder of tracebacks."""
+        return self.work.with_name(self.work.name + ".errors")
+
+    def check(self, inputs: Iterable[str | Path] = ()) -> None:
+        """Refuse what can never be written."""
+        with storage_errors(self.output, ELSEWHERE):
+            refuse_inputs(self.output, inputs)
+            require_folder(self.output)
+
+    def taken(self) -> bool:
+        """Whether something has the final name."""
+        return self.output.exists()
+
+    def begun(self) -> bool:
+        """Whether something has the name of the unfinished sequence."""
+        return self.work.exists()
+
+    def resumable(self) -> bool:
+        """Whether what is done can be gone on with."""
+        return (self.work / "zarr.json").exists()
+
+    def require_there(self) -> None:
+        """Without this, frames written into a folder that was moved away would make an unreadable one in its place."""
+        if not (self.work / "zarr.json").exists():
+            raise DataError(f"{self.work}: was moved or removed while it was written; put it back and go on with --resume, or begin anew")
+
+    @contextmanager
+    def claim(self, share: Share | None = None) -> Iterator[Claim]:
+        """Hold the unfinished sequence alone; a share of it together with other shares."""
+        if share is None:
+            with exclusive(self.work) as claim:
+                yield claim
+        else:
+            part = self.work.with_name(f"{self.work.name}.share-{share.index}-of-{share.count}")
+            with shared(self.work), exclusive(part) as claim:
+                yield claim
+
+    @contextmanager
+    def settling(self) -> Iterator[None]:
+        """Alone among shares, for the time in which the empty store is made or its attributes change."""
+        with exclusive(self.work.with_name(self.work.name + ".new"), PATIENCE):
+            yield
+
+    def create(self, layout: Layout, *, replace: bool = True) -> None:
+        """Make the empty store, in the place of what is there."""
+        if self.work.exists():
+            shutil.rmtree(self.work)
+        # Metadata that stands is complete: the group is made under another name first, so that an interrupted start leaves no half.
+        fresh = self.work.with_name(self.work.name + ".new")
+        if fresh.exists():
+            shutil.rmtree(fresh)
+        try:
+            make_arrays(fresh, layout)
+            fresh.rename(self.work)
+        except BaseException:
+            shutil.rmtree(fresh, ignore_errors=True)
+            raise
+
+    def keep_traceback(self, name: str, text: str) -> None:
+        """Write a traceback beside the sequence."""
+        self.errors.mkdir(exist_ok=True)
+        (self.errors / name).write_text(text, encoding="utf-8")
+
+    def sweep(self) -> None:
+        """Remove chunks that a killed process left half-written (Zarr writes them beside their place), and tracebacks."""
+        for path in filter(Path.is_file, self.work.rglob("*.partial")):
+            path.unlink()
+        shutil.rmtree(self.errors, ignore_errors=True)
+
+    def give_name(self) -> None:
+        """Put the whole sequence in the place of the old one, which is deleted last."""
+        old = self.output.with_name(self.output.name + ".old")
+        if self.output.exists():
+            if old.exists():
+                shutil.rmtree(old)
+            self.output.rename(old)
+        self.work.rename(self.output)
+        if old.exists():
+            shutil.rmtree(old)
+
+    @property
+    def bytes(self) -> int:
+        """Size of all files."""
+        return sum(file.stat().st_size for file in self.output.rglob("*") if file.is_file())
+
+
+@dataclass(frozen=True)
+class Remote:
+    """A store behind a URL that fsspec opens."""
+
+    output: str
+
+    def __str__(self) -> str:
+        return self.output
+
+    @property
+    def name(self) -> str:
+        """Where other processes find it."""
+        return self.output
+
+    @property
+    def work(self) -> str:
+        """Where the unfinished sequence is."""
+        return self.output
+
+    @property
+    def errors(self) -> str:
+        """Where tracebacks go."""
+        return f"{self.output}.errors"
+
+    @property
+    def _files(self) -> Any:
+        import fsspec
+
+        files: Any = fsspec.url_to_fs(self.output)[0]
+        files.invalidate_cache()  # others write there too
+        return files
+
+    def check(self, inputs: Iterable[str | Path] = ()) -> None:
+        """Refuse what can never be reached."""
+        with _reached(self.output):
+            self._files.exists(self.output)
+
+    def taken(self) -> bool:
+        """Whether something other than an unfinished sequence is there."""
+        with _reached(self.output):
+            return bool(self._files.exists(self.output)) and not self.begun()
+
+    def begun(self) -> bool:
+        """Whether an unfinished sequence is there."""
+        return UNFINISHED in attributes(self.output)
+
+    def resumable(self) -> bool:
+        """Whether what is done can be gone on with."""
+        return self.begun()
+
+    def require_there(self) -> None:
+        """Nobody moves what lies in an object store; asking costs a journey."""
+
+    @contextmanager
+    def claim(self, share: Share | None = None) -> Iterator[_Unwatched]:
+        """There are no locks."""
+        yield _Unwatched()
+
+    def settling(self) -> Any:
+        """There are no locks."""
+        return nullcontext()
+
+    def create(self, layout: Layout, *, replace: bool = True) -> None:
+        """Make the empty store; ``replace`` what is there."""
+        with _reached(self.output):
+            if replace and self._files.exists(self.output):
+                self._files.rm(self.output, recursive=True)
+                type(self._files).clear_instance_cache()  # Zarr's own client remembers what was there
+            make_arrays(self.output, layout)
+
+    def keep_traceback(self, name: str, text: str) -> None:
+        """Write a traceback beside the sequence."""
+        self._files.pipe_file(f"{self.errors}/{name}", text.encode())
+
+    def sweep(self) -> None:
+        """Objects are whole or absent; tracebacks go."""
+        if self._files.exists(self.errors):
+            self._files.rm(self.errors, recursive=True)
+
+    def give_name(self) -> None:
+        """It has its name already."""
+
+    @property
+    def bytes(self) -> int:
+        """Size of all objects."""
+        return int(self._files.du(self.output))
+
+
+@dataclass(frozen=True)
+class _Unwatched:
+    """Stands for a claim where there are no locks."""
+
+    folder: None = None
+    token: str = ""
+
+    def require(self) -> None:
+        """Nothing to require."""
+
+
+Place = Local | Remote
+
+
+def place_of(output: str | Path) -> Place:
+    """Where an output lies: a URL with ``://`` is remote, unless it is one of files.
+
+    Raises
+    ------
+    DataError
+        A URL of a kind that fsspec does not know.
+    BackendError
+        One whose package is not installed.
+    """
+    text = str(output)
+    if isinstance(output, Path) or "://" not in text:
+        return Local(Path(output))
+    import fsspec
+
+    protocol = text.split("://", 1)[0]
+    if protocol in ("file", "local"):
+        return Local(Path(text.split("://", 1)[1]))
+    try:
+        fsspec.get_filesystem_class(protocol)
+    except ImportError as error:
+        remedy = "pip install 'seaglint[cloud]'" if protocol in ("s3", "s3a") else f"install the package that fsspec names: {error}"
+        raise BackendError(f"{text}: {protocol}:// needs a package that is not installed; {remedy}") from error
+    except ValueError as error:
+        raise DataError(
+            f"{text}: {protocol}:// is no kind of place that is known; give a folder, or a URL like s3://bucket/run.zarr"
+        ) from error
+    return Remote(text.rstrip("/"))
+
+
+@contextmanager
+def _reached(url: str) -> Iterator[None]:
+    """What clients of object stores raise, which is of their own types, in a line."""
+    try:
+        yield
+    except SeaglintError:
+        raise
+    except Exception as error:
+        told = " ".join(str(error).split())[:200] or type(error).__name__
+        raise StorageError(f"{url}: cannot be reached ({told}); check address, name and rights") from error
+
+
+def is_ours(store: Path | str) -> bool:
+    """Whether a store is a sequence of ours."""
+    return attributes(store).get("seaglint_format") == FORMAT

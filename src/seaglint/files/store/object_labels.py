@@ -1,0 +1,146 @@
+"""Labels of a sequence's objects, read from its truth, as CSV and as COCO's JSON with masks as run lengths."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.errors import DataError
+from seaglint.files.outputs import moved_when_whole, refuse_existing
+from seaglint.files.store.store import open_sequence
+from seaglint.files.store.stored_truth import BITS, GROUP
+from seaglint.files.text_file import write_json
+from seaglint.objects.drawing.truth_names import NUMBERS
+
+
+@dataclass(frozen=True, eq=False)
+class Label:
+    """One object in one frame: its number from 0, name, numbers by variable, and mask (rows, columns)."""
+
+    frame: int
+    number: int
+    name: str
+    values: Mapping[str, float]
+    mask: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Labels:
+    """Labels of a finished sequence, read frame by frame. Make them with :meth:`of`."""
+
+    path: Path
+    names: tuple[str, ...]
+    frames: tuple[int, ...]
+    shape: tuple[int, int]
+    _group: Any
+
+    @classmethod
+    def of(cls, path: str | Path) -> Labels:
+        """Of a store.
+
+        Raises
+        ------
+        DataError
+            No finished sequence, or one without objects.
+        """
+        import zarr
+
+        path = Path(path)
+        with open_sequence(path) as dataset:
+            frames = tuple(int(n) for n in dataset["frame"].to_numpy())
+        root: Any = zarr.open_group(path, mode="r", zarr_format=3)
+        if GROUP not in root:
+            raise DataError(f"{path}: holds no objects; labels are of sequences whose scenario has [[objects]]: add some and render again")
+        group = root[GROUP]
+        names = tuple(str(name) for name in group.attrs["objects"])
+        return cls(path, names, frames, tuple(group["object_id"].shape[1:]), group)
+
+    def __iter__(self) -> Iterator[Label]:
+        """One label for each object of each frame."""
+        for index, frame in enumerate(self.frames):
+            numbers = {name: self._group[name][index] for name in NUMBERS}
+            planes = self._group["object_mask"][index]
+            for n, name in enumerate(self.names):
+                mask = (planes[n // BITS] >> np.uint64(n % BITS)) & np.uint64(1) > 0
+                yield Label(frame, n, name, {key: float(values[n]) for key, values in numbers.items()}, mask)
+
+
+def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
+    """Lengths of runs of a mask, column by column from its upper left corner, the first of pixels outside (COCO's counts)."""
+    flat = mask.T.ravel()
+    edges = np.flatnonzero(np.diff(flat)) + 1
+    runs = np.diff(np.concatenate([[0], edges, [flat.size]])).tolist()
+    return [0, *runs] if flat.size and flat[0] else runs
+
+
+def write_labels(labels: Labels, output: str | Path, *, overwrite: bool = False) -> Path:
+    """Write labels as CSV or COCO JSON, told by the ending.
+
+    Raises
+    ------
+    DataError
+        Another ending, or the output exists.
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    output = require_labels_name(output)
+    refuse_existing(output, overwrite=overwrite, inputs=[labels.path])
+    if output.suffix.lower() != ".csv":
+        write_json(_coco(labels), output, indent=None)
+        return output
+    with moved_when_whole(output) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("frame", "object", *NUMBERS))
+        for label in labels:
+            writer.writerow((label.frame, label.name, *(_cell(label.values[name]) for name in NUMBERS)))
+    return output
+
+
+def require_labels_name(output: str | Path) -> Path:
+    """A name that says in which form labels are written."""
+    output = Path(output)
+    if output.suffix.lower() not in (".csv", ".json"):
+        raise DataError(f"{output}: labels are written as .csv or .json (COCO); give a name that ends in one of them")
+    return output
+
+
+def _cell(value: float) -> str:
+    return "" if math.isnan(value) else f"{value:.9g}"
+
+
+def _coco(labels: Labels) -> dict[str, Any]:
+    """COCO's dictionary: an image for each frame, a category for each name, an annotation for each object in view."""
+    rows, columns = labels.shape
+    categories = {name: number for number, name in enumerate(dict.fromkeys(labels.names), 1)}
+    annotations: list[dict[str, Any]] = []
+    for label in labels:
+        values = label.values
+        if not label.mask.any():
+            continue
+        box = [values[f"bbox_{side}_px"] for side in ("left", "top", "width", "height")]
+        annotations.append(
+            {
+                "id": len(annotations) + 1,
+                "image_id": label.frame,
+                "category_id": categories[label.name],
+                "track_id": label.number,
+                "bbox": box,
+                "area": int(label.mask.sum()),
+                "iscrowd": 0,
+                "segmentation": {"size": [rows, columns], "counts": run_lengths(label.mask)},
+                "attributes": {name: None if math.isnan(values[name]) else values[name] for name in NUMBERS},
+            }
+        )
+    return {
+        "info": {"description": f"Objects of {labels.path.name}", "version": "1"},
+        "images": [{"id": n, "file_name": f"{labels.path.name}/frame/{n}", "width": columns, "height": rows} for n in labels.frames],
+        "categories": [{"id": number, "name": name, "supercategory": "object"} for name, number in categories.items()],
+        "annotations": annotations,
+    }

@@ -1,0 +1,211 @@
+"""Units of work of a sequence: whole shards, each written by one process at once."""
+
+from __future__ import annotations
+
+import logging
+import time
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import AbstractContextManager, suppress
+from dataclasses import dataclass
+from traceback import format_exception
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.files.store.manifest import CHECKSUM, DONE, OVER, frame_checksum, listed
+
+log = logging.getLogger(__name__)
+
+Frame = Callable[[int], Mapping[str, NDArray[Any]]]
+"""Images of one frame by variable (ny, nx), and its truth, given its number in the whole sequence."""
+
+# A comment and no docstring: Sphinx cannot draw up a signature of an alias.
+Block = dict[str, NDArray[Any]]  # arrays of a shard's frames, by path in the store
+
+
+@dataclass(frozen=True)
+class UnitRecord:
+    """What comes back of a unit: small, the frames themselves are in the store."""
+
+    unit: int
+    frames: tuple[int, ...] = ()
+    """Numbers of the frames made."""
+    checksums: tuple[int, ...] = ()
+    """Of these frames."""
+    seconds: float = 0.0
+    """What it took [s]."""
+    processor: str = ""
+    """Type of the processor that made it."""
+    no_room: str = ""
+    """Why nothing can be written any more."""
+
+
+@dataclass(frozen=True)
+class UnitFailure:
+    """A unit that was not made, although it was tried several times."""
+
+    unit: int
+    error: str
+    traceback: str
+
+
+class FramesRaisedError(Exception):
+    """Frames of a unit raised; the others are written."""
+
+    def __init__(self, first: Exception) -> None:
+        super().__init__(str(first))
+        self.first = first
+        """The first error; notes of it name its frame, and hold the tracebacks of others."""
+
+
+class Shards:
+    """Arrays that frames are written to, of an open store."""
+
+    def __init__(self, group: Any) -> None:
+        self.done, self.checksums = group[DONE], group[CHECKSUM]
+        self.arrays = {path: group[path] for path in self.checksums.attrs[OVER].split()}
+        self.frames, self.frames_per_unit = int(self.done.shape[0]), int(self.done.chunks[0])
+
+    @property
+    def count(self) -> int:
+        """How many units there are."""
+        return -(-self.frames // self.frames_per_unit)
+
+    def span(self, unit: int) -> slice:
+        """Places of a unit's frames in the sequence."""
+        return slice(unit * self.frames_per_unit, min((unit + 1) * self.frames_per_unit, self.frames))
+
+    def missing(self, units: range | list[int]) -> list[int]:
+        """Places of the frames of some units that are not there."""
+        absent = ~np.asarray(self.done[:], dtype=bool)
+        return [int(place) for unit in units for place in np.flatnonzero(absent[self.span(unit)]) + self.span(unit).start]
+
+    def read(self, span: slice) -> Block:
+        """What is stored of some frames."""
+        return {path: array[span] for path, array in self.arrays.items()}
+
+    def blank(self, span: slice) -> Block:
+        """Room for some frames."""
+        size = span.stop - span.start
+        return {path: np.full((size, *array.shape[1:]), array.fill_value, array.dtype) for path, array in self.arrays.items()}
+
+    def write(self, unit: int, block: Block, there: NDArray[np.bool_], sums: NDArray[np.uint64]) -> None:
+        """Write a unit at once; that its frames are there is said last."""
+        span = self.span(unit)
+        for path, array in self.arrays.items():
+            array[span] = block[path]
+        self.checksums[span] = sums
+        self.done[span] = there.astype(np.uint8)
+
+    def erase(self, unit: int) -> None:
+        """Remove the files of a unit: Zarr reads what it writes over, and fails where that is damaged."""
+        from zarr.core.sync import sync
+
+        for array in (self.done, self.checksums, *self.arrays.values()):
+            place = array.store_path / array.metadata.encode_chunk_key((unit,) + (0,) * (array.ndim - 1))
+            with suppress(FileNotFoundError):
+                sync(place.delete())
+
+
+def make_unit(
+    shards: Shards,
+    unit: int,
+    numbers: range,
+    frame: Frame,
+    writing: Callable[[], AbstractContextManager[None]],
+    *,
+    stopped: Callable[[], bool] = lambda: False,
+    report: Callable[[int], None] = lambda made: None,
+    patient: bool = False,
+) -> UnitRecord:
+    """Make the frames of a unit that are missing and write them.
+
+    Parameters
+    ----------
+    shards : Shards
+    unit : int
+    numbers : range
+        Numbers of all frames of the store.
+    frame : callable
+    writing : callable
+        Context in which the store is touched: who may write there, and how refusals are told.
+    stopped : callable
+        Asked after each frame; what is done of the unit is then written.
+    report : callable
+        Called with the number of frames made so far.
+    patient : bool
+        Try the other frames too where one raises.
+
+    Raises
+    ------
+    FramesRaisedError
+        A frame raised; what is done is written.
+    """
+    began, span = time.perf_counter(), shards.span(unit)
+    with writing():
+        there, sums = shards.done[span].astype(bool), np.asarray(shards.checksums[span])
+        block = shards.read(span) if there.any() else shards.blank(span)
+    absent, made = np.flatnonzero(~there), []
+    failed: Exception | None = None
+    for index in absent:
+        number = numbers[span.start + int(index)]
+        try:
+            images = frame(number)
+            for path, values in block.items():
+                values[index] = images[path.rpartition("/")[2]]
+        except Exception as error:
+            error.add_note(f"in frame {number}")
+            if failed is None:
+                failed = error
+            else:
+                failed.add_note("".join(format_exception(error)))
+            if not patient or stopped():
+                break
+            continue
+        sums[index] = frame_checksum(values[index] for values in block.values())
+        made.append(int(index))
+        if stopped():
+            break
+        if len(made) < absent.size:
+            report(len(made))
+    if made:
+        there[made] = True
+        with writing():
+            shards.write(unit, block, there, sums)
+        report(len(made))
+    if failed is not None:
+        raise FramesRaisedError(failed) from failed
+    frames = tuple(numbers[span.start + index] for index in made)
+    return UnitRecord(unit, frames, tuple(int(sums[index]) for index in made), time.perf_counter() - began)
+
+
+def forget_damaged(shards: Shards, units: Iterable[int], numbers: NDArray[np.int64]) -> list[int]:
+    """Take frames that cannot be read, or do not fit their checksums, off the manifest; ``numbers`` are those of all frames.
+
+    Returns
+    -------
+    list of int
+        Places of these frames in the sequence.
+    """
+    found: list[int] = []
+    for unit in units:
+        span = shards.span(unit)
+        places = np.arange(span.start, span.stop)
+        try:
+            there = shards.done[span].astype(bool)
+            if not there.any():
+                continue
+            block, sums = shards.read(span), shards.checksums[span]
+        except Exception:  # codecs raise nearly anything for what is cut
+            log.warning("seaglint: frames %s cannot be read; they are made again", listed(numbers[places]))
+            shards.erase(unit)
+            found += places.tolist()
+            continue
+        wrong = [i for i in np.flatnonzero(there) if frame_checksum(block[path][i] for path in block) != int(sums[i])]
+        if wrong:
+            log.warning("seaglint: frames %s do not fit their checksums; they are made again", listed(numbers[places[wrong]]))
+            there[wrong] = False
+            shards.done[span] = there.astype(np.uint8)
+            found += places[wrong].tolist()
+    return found

@@ -1,0 +1,254 @@
+"""Cases from a spreadsheet: a CSV file whose columns are checked and read as numbers, and written again with results beside them.
+
+UTF-8 (with or without its mark), columns parted by comma, semicolon or tab, quoted text and either line ending are read; the output
+keeps separator and line ending. What is not asked for passes through as text, so nothing of it is rounded or lost.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.files.outputs import moved_when_whole, refuse_existing
+from seaglint.files.tables.table_text import plain_number
+
+_SEPARATORS: Final = (",", ";", "\t")
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of numbers that a file of cases must have.
+
+    Attributes
+    ----------
+    name : str
+        Its heading, unit included.
+    low, high : float
+        Closed range allowed.
+    above : bool
+        Whether ``low`` itself is refused.
+    what : str
+        What the range belongs to, for messages: "of the table".
+    """
+
+    name: str
+    low: float
+    high: float
+    above: bool = False
+    what: str = ""
+
+    @property
+    def covered(self) -> str:
+        """The range in words."""
+        if self.high == np.inf:
+            text = f"{'above' if self.above else 'at least'} {self.low:g}"
+        else:
+            text = f"{'above ' if self.above else ''}{self.low:g} to {self.high:g}"
+        return f"{text} {self.what}".rstrip()
+
+
+@dataclass(frozen=True)
+class Cases:
+    """Rows of a CSV file, as text.
+
+    Attributes
+    ----------
+    path : Path
+        The file, for messages.
+    header : list of str
+        Headings in their order, without blanks around them.
+    rows : list of list of str
+        One list of cells per case, in order.
+    lines : list of int
+        Line of the file that each case ends on, counted from 1.
+    separator, line_end : str
+        As found, used again for the output.
+    """
+
+    path: Path
+    header: list[str]
+    rows: list[list[str]]
+    lines: list[int]
+    separator: str = ","
+    line_end: str = "\n"
+
+    def __len__(self) -> int:
+        """Number of cases."""
+        return len(self.rows)
+
+    def require(self, names: Sequence[str]) -> None:
+        """Refuse a file that lacks any of these columns."""
+        missing = [name for name in names if name not in self.header]
+        if missing:
+            raise DataError(
+                f"{self.path}, line 1: column{'s' if len(missing) > 1 else ''} {', '.join(missing)} missing; "
+                f"needed: {', '.join(names)}; found: {', '.join(self.header)}"
+            )
+
+    def text(self, name: str) -> list[str]:
+        """Cells of a column without blanks around them."""
+        at = self.header.index(name)
+        return [row[at].strip() for row in self.rows]
+
+    def numbers(self, name: str) -> FloatArray:
+        """Cells of a column as finite numbers [(cases,)]."""
+        cells = self.text(name)
+        written = "".join(cells)
+        try:
+            if not written.isascii() or "_" in written:
+                raise ValueError
+            values = np.array(cells, dtype=np.float64)
+        except ValueError:
+            values = np.array([_number(cell) for cell in cells])
+        self.check(np.isfinite(values), name, lambda i: _not_a_number(cells[i]))
+        return values
+
+    def within(self, column: Column) -> FloatArray:
+        """Cells of a column as numbers inside its range [(cases,)]."""
+        values = self.numbers(column.name)
+        low = values > column.low if column.above else values >= column.low
+        self.check(low & (values <= column.high), column.name, lambda i: f"{values[i]:g} is outside the range allowed: {column.covered}")
+        return values
+
+    def choice(self, name: str, allowed: Sequence[str]) -> list[str]:
+        """Cells of a column that each are one of ``allowed``."""
+        cells = self.text(name)
+        known = set(allowed)
+        self.check(np.array([cell in known for cell in cells]), name, lambda i: f"'{cells[i]}' is not one of {', '.join(allowed)}")
+        return cells
+
+    def check(self, good: NDArray[np.bool_], name: str, say: Callable[[int], str]) -> None:
+        """Refuse the first case that is not good, with row, line and column, and say how many more there are."""
+        bad = np.flatnonzero(~good)
+        if bad.size == 0:
+            return
+        first = int(bad[0])
+        more = f" ({bad.size - 1} more row{'s' if bad.size > 2 else ''} like it)" if bad.size > 1 else ""
+        raise DataError(f"{self.where(first)}, column {name}: {say(first)}{more}")
+
+    def where(self, case: int) -> str:
+        """File, row and line of a case, for messages."""
+        return f"{self.path}, row {case + 1} (line {self.lines[case]})"
+
+
+def _number(cell: str) -> float:
+    try:
+        return plain_number(cell)
+    except ValueError:
+        return float("nan")
+
+
+def _not_a_number(cell: str) -> str:
+    if not cell:
+        return "is empty; give a number"
+    advice = "write a decimal point, not a comma" if "," in cell else "give a finite number, the unit stands in the heading alone"
+    return f"'{cell}' is not a number; {advice}"
+
+
+def read_cases(path: str | Path) -> Cases:
+    """Read a file of cases.
+
+    Raises
+    ------
+    DataError
+        A file that is missing, empty, not UTF-8 text, without cases, with headings twice, or with rows of another length.
+    """
+    path = Path(path)
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise DataError(f"{path}: is not UTF-8 text (byte {error.start}); save it as 'CSV UTF-8'") from error
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror}); give a CSV file") from error
+    if not text.strip():
+        raise DataError(f"{path}: line 1: the file is empty; the first line must name the columns")
+    if "\0" in text:
+        raise DataError(f"{path}: is not text; save it as 'CSV UTF-8'")
+    first, _, _ = text.lstrip().partition("\n")
+    separator = max(_SEPARATORS, key=first.count)
+    header, rows, lines = _rows(path, text, separator)
+    if not rows:
+        raise DataError(f"{path}: holds no cases: nothing follows the headings in line 1")
+    return Cases(path, header, rows, lines, separator, "\r\n" if first.endswith("\r") else "\n")
+
+
+def _rows(path: Path, text: str, separator: str) -> tuple[list[str], list[list[str]], list[int]]:
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
+    header: list[str] = []
+    rows, lines = [], []
+    try:
+        for row in reader:
+            if not row or (len(row) == 1 and not row[0].strip()):
+                continue  # spreadsheets leave blank lines at the end
+            if not header:
+                header = [name.strip() for name in row]
+                continue
+            if len(row) != len(header):
+                raise DataError(
+                    f"{path}, line {reader.line_num}: {len(row)} cells under {len(header)} headings; a text with '{separator}' needs quotes"
+                )
+            rows.append(row)
+            lines.append(reader.line_num)
+    except csv.Error as error:
+        raise DataError(f"{path}, line {reader.line_num}: {error}; repair the quotes of that line") from error
+    twice = sorted({name for name in header if name and header.count(name) > 1})
+    if twice:
+        raise DataError(f"{path}, line 1: column {', '.join(twice)} is there twice; rename or remove one")
+    return header, rows, lines
+
+
+def write_cases(
+    cases: Cases, results: Mapping[str, Sequence[object] | FloatArray], output: str | Path, *, overwrite: bool = False
+) -> list[str]:
+    """Write the cases with results, beside its place and moved there when whole.
+
+    Parameters
+    ----------
+    cases : Cases
+        What was read.
+    results : mapping
+        Columns by name; numbers get six digits. A column of that name in ``cases`` is replaced in its place, others follow.
+    output : path
+        File to write.
+    overwrite : bool
+        Replace a file that is there.
+
+    Returns
+    -------
+    list of str
+        Columns of the input that were replaced.
+
+    Raises
+    ------
+    DataError
+        The output exists.
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    output = refuse_existing(output, overwrite=overwrite)
+    replaced = [name for name in results if name in cases.header]
+    header = [*cases.header, *(name for name in results if name not in cases.header)]
+    columns = {name: _cells(values) for name, values in results.items()}
+    parts = [columns.get(name) or [row[at] for row in cases.rows] for at, name in enumerate(header)]
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, delimiter=cases.separator, lineterminator=cases.line_end)
+    writer.writerow(header)
+    writer.writerows(zip(*parts, strict=True))
+    with moved_when_whole(output) as partial:
+        partial.write_bytes(text.getvalue().encode())
+    return replaced
+
+
+def _cells(values: Sequence[object] | FloatArray) -> list[str]:
+    if isinstance(values, np.ndarray):
+        return [f"{value:.6g}" for value in values.tolist()]
+    return [str(value) for value in values]

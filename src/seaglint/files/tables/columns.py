@@ -1,0 +1,29 @@
+"""Columns of numbers as a CSV file, written beside its place and moved there when whole."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.files.outputs import moved_when_whole, refuse_existing
+
+
+def write_columns(columns: Mapping[str, FloatArray], output: str | Path, *, overwrite: bool = False) -> Path:
+    """Write columns of equal length, six digits each; NaN is an empty cell.
+
+    Raises
+    ------
+    DataError
+        The output exists.
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    output = refuse_existing(output, overwrite=overwrite)
+    cells = [["" if np.isnan(value) else f"{value:.6g}" for value in values.tolist()] for values in columns.values()]
+    lines = [",".join(columns), *(",".join(row) for row in zip(*cells, strict=True))]
+    with moved_when_whole(output) as partial:
+        partial.write_bytes(("\n".join(lines) + "\n").encode())
+    return output

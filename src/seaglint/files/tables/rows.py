@@ -1,0 +1,71 @@
+"""Rows of results as tables: CSV or Parquet, written beside their place and moved there when whole."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from seaglint.base.errors import BackendError
+from seaglint.files.outputs import moved_when_whole
+
+
+def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
+    """Write one or more rows of equal columns as CSV or, by the path's ending, Parquet; what is not known is an empty cell.
+
+    Raises
+    ------
+    StorageError
+        No room or no rights.
+    """
+    if path.suffix == ".parquet":
+        columns = {name: [row[name] for row in rows] for name in rows[0]}
+        # a column of numbers and text, as some cases have it, is text
+        mixed = {
+            name: len({type(v) for v in values if v is not None} - {int, float}) > 1 or _both(values) for name, values in columns.items()
+        }
+        write_parquet({n: [None if v is None else str(v) for v in c] if mixed[n] else c for n, c in columns.items()}, path)
+        return
+    with moved_when_whole(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({k: "" if v is None else v for k, v in row.items()} for row in rows)
+
+
+def _both(values: Sequence[Any]) -> bool:
+    kinds = {isinstance(v, int | float) and not isinstance(v, bool) for v in values if v is not None}
+    return len(kinds) > 1
+
+
+def require_parquet() -> Any:
+    """PyArrow.
+
+    Raises
+    ------
+    BackendError
+        It is not installed.
+    """
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError as error:
+        raise BackendError(
+            "Parquet files need PyArrow, which is not installed; pip install pyarrow, or give a name that ends in .csv"
+        ) from error
+    return pyarrow
+
+
+def write_parquet(columns: Mapping[str, Sequence[Any]], path: Path) -> None:
+    """Write columns of equal length as Parquet.
+
+    Raises
+    ------
+    BackendError
+        PyArrow is not installed.
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    arrow = require_parquet()
+    with moved_when_whole(path) as partial:
+        arrow.parquet.write_table(arrow.table(dict(columns)), str(partial))

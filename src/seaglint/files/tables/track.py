@@ -1,0 +1,73 @@
+"""Keyframes of a moving sensor or object from a CSV file."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.files.tables.table_text import plain_number, rows_of_cells
+
+COLUMNS: Final = ("time_s", "east_m", "north_m", "height_m", "azimuth_deg", "elevation_deg", "roll_deg")
+"""Columns a file may have; the time is needed, and one more."""
+
+OBJECT_COLUMNS: Final = (*COLUMNS[:4], "latitude_deg", "longitude_deg", "heading_deg", "pitch_deg", "roll_deg")
+"""The same of an object."""
+
+
+def read_track(path: str | Path, allowed: Sequence[str] = COLUMNS) -> tuple[dict[str, FloatArray], list[str]]:
+    """Read keyframes of the columns ``allowed``; lines that begin with ``#`` are comments.
+
+    Returns
+    -------
+    (dict, list)
+        Values by column, in the units of their names, and what to call each keyframe (``"line 7"``).
+
+    Raises
+    ------
+    DataError
+        Naming the file and the line that cannot be used: another column, a cell that is no finite number.
+    """
+    path = Path(path)
+    wanted = f"needed are {allowed[0]} and one or more of {', '.join(allowed[1:])}"
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except FileNotFoundError:
+        raise DataError(f"{path}: no such file; give a CSV file, {wanted}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise DataError(f"{path}: cannot be read as text: {error}") from None
+    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
+    rows = rows_of_cells(path, lines)
+    if not rows:
+        raise DataError(f"{path}: is empty; {wanted}")
+    header = [name.strip() for name in rows[0]]
+    _check_header(path, lines[0][0], header, allowed, wanted)
+    table = np.empty((len(rows) - 1, len(header)))
+    for i, ((number, line), row) in enumerate(zip(lines[1:], rows[1:], strict=True)):
+        if len(row) != len(header):
+            raise DataError(f"{path}: line {number}: '{line.strip()}' has {len(row)} cells, the header {len(header)}; is the file whole?")
+        for j, cell in enumerate(row):
+            try:
+                table[i, j] = plain_number(cell)
+            except ValueError:
+                raise DataError(f"{path}: line {number}: {header[j]} = '{cell.strip()}' is not a number; correct it") from None
+            if not np.isfinite(table[i, j]):
+                raise DataError(f"{path}: line {number}: {header[j]} = {cell.strip()} is not finite; correct or remove the line")
+    return dict(zip(header, table.T, strict=True)), [f"line {number}" for number, _ in lines[1:]]
+
+
+def _check_header(path: Path, number: int, header: list[str], allowed: Sequence[str], wanted: str) -> None:
+    for name in header:
+        if name not in allowed:
+            near = difflib.get_close_matches(name, allowed, n=1, cutoff=0.5)
+            meant = f"did you mean {near[0]}?" if near else wanted
+            raise DataError(f"{path}: line {number}: '{name}' is an unknown column; {meant}")
+    if len(set(header)) != len(header):
+        raise DataError(f"{path}: line {number}: a column is named twice; {wanted}")
+    if "time_s" not in header or len(header) < 2:
+        raise DataError(f"{path}: line {number}: columns are {', '.join(header)}; {wanted}")

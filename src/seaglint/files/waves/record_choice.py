@@ -1,0 +1,130 @@
+"""Which of a file's records is wanted, and how far from it the one taken may be."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
+
+_EARTH_RADIUS_KM = 6371.0
+_LISTED = 8  # sites that an error lists by name
+
+
+@dataclass(frozen=True)
+class WaveChoice:
+    """Time and place wanted, and what a file without directions lacks.
+
+    Attributes
+    ----------
+    time : str, datetime, datetime64 or None
+        Time wanted, UTC where no zone is said; None where the file has one record.
+    latitude_deg, longitude_deg : float or None
+        Place wanted, both or none [deg].
+    site : str or None
+        Name or number of a site, as the file calls it.
+    time_tolerance : float
+        Farthest the record may be from the time wanted [s].
+    distance_tolerance_km : float
+        Farthest it may be from the place wanted [km].
+    from_deg, spreading_deg : float or None
+        Mean direction FROM and circular width, for files that have energy over frequency alone [deg].
+    """
+
+    time: str | datetime | np.datetime64 | None = None
+    latitude_deg: float | None = None
+    longitude_deg: float | None = None
+    site: str | None = None
+    time_tolerance: float = 3600.0
+    distance_tolerance_km: float = 50.0
+    from_deg: float | None = None
+    spreading_deg: float | None = None
+
+    def require_time(self, what: str) -> np.datetime64:
+        """The time wanted, where a file can only be read with one."""
+        if self.time is None:
+            raise DomainError(f"is missing: give the UTC time of the record wanted of {what}, or [time] utc", name="time")
+        return as_utc(self.time)
+
+    def nearest_time(self, times: NDArray[np.datetime64], what: str) -> tuple[int, float | None]:
+        """Index of the record nearest in time, and how far it is from the time wanted [s]."""
+        if times.size == 0:
+            raise DataError(f"{what} holds no record")
+        if self.time is None and times.size == 1:
+            return 0, None
+        wanted = self.require_time(f"{what}, which has {times.size} from {_text(times.min())} to {_text(times.max())}")
+        index = int(np.argmin(np.abs(times - wanted)))
+        off = float((times[index] - wanted) / np.timedelta64(1, "s"))
+        if abs(off) > self.time_tolerance:
+            raise DataError(
+                f"{what} has no record within {self.time_tolerance:g} s of {_text(wanted)}; it covers {_text(times.min())} to "
+                f"{_text(times.max())}, nearest is {_text(times[index])}: give one of its times or a larger time_tolerance_s"
+            )
+        return index, off
+
+    def nearest_site(
+        self, names: tuple[str, ...], latitude_deg: FloatArray | None, longitude_deg: FloatArray | None, what: str
+    ) -> tuple[int, float | None]:
+        """Index of the site wanted, and how far it is from the place wanted [km]."""
+        if self.site is not None:
+            if self.site not in names:
+                shown = f"{', '.join(names[:_LISTED])}{', ...' if len(names) > _LISTED else ''}"
+                raise DomainError(
+                    f"= '{self.site}' is not a site of {what}; allowed: {shown}", name="site", value=self.site, allowed=", ".join(names)
+                )
+            return names.index(self.site), None
+        if self.latitude_deg is None or self.longitude_deg is None or latitude_deg is None or longitude_deg is None:
+            if len(names) > 1:
+                raise DomainError(
+                    f"is missing: {what} has {len(names)} sites ({', '.join(names[:_LISTED])}{', ...' if len(names) > _LISTED else ''}); "
+                    "give the name of one" + ("" if latitude_deg is None else ", or latitude_deg and longitude_deg"),
+                    name="site",
+                    allowed=", ".join(names),
+                )
+            return 0, None
+        away = distance_km(self.latitude_deg, self.longitude_deg, latitude_deg, longitude_deg)
+        index = int(np.argmin(np.where(np.isfinite(away), away, np.inf)))
+        if not away[index] <= self.distance_tolerance_km:
+            raise DataError(
+                f"{what} has no site within {self.distance_tolerance_km:g} km of {self.latitude_deg:g}, {self.longitude_deg:g}; nearest is "
+                f"{names[index]} at {latitude_deg[index]:g}, {longitude_deg[index]:g}, {away[index]:.0f} km away: give another place or a "
+                "larger distance_tolerance_km"
+            )
+        return index, float(away[index])
+
+
+def as_utc(time: str | datetime | np.datetime64) -> np.datetime64:
+    """Time as datetime64 in UTC; text and datetimes without a zone are UTC."""
+    if isinstance(time, np.datetime64):
+        return time
+    try:
+        moment = datetime.fromisoformat(time) if isinstance(time, str) else time
+    except ValueError as error:
+        raise DataError(f"time {time!r} is not an ISO date and time such as 2020-06-08T03:50Z") from error
+    if moment.tzinfo is not None:
+        moment = moment.astimezone(UTC).replace(tzinfo=None)
+    return np.datetime64(moment)
+
+
+def distance_km(latitude: float, longitude: float, latitudes: FloatArray, longitudes: FloatArray) -> FloatArray:
+    """Distance along the Earth from one place to others, all in degrees [km] (haversine).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> distance_km(0.0, 359.5, np.array([0.0]), np.array([0.5])).round(1)
+    array([111.2])
+    """
+    here, there = np.radians(latitude), np.radians(latitudes)
+    turn = np.radians(np.asarray(longitudes) - longitude)
+    h = np.sin(0.5 * (there - here)) ** 2 + np.cos(here) * np.cos(there) * np.sin(0.5 * turn) ** 2
+    return np.asarray(2.0 * _EARTH_RADIUS_KM * np.arcsin(np.sqrt(np.clip(h, 0.0, 1.0))))
+
+
+def _text(time: Any) -> str:
+    return str(np.datetime_as_string(np.datetime64(time), unit="s")) + "Z"

@@ -1,0 +1,71 @@
+"""Sofar Spotter: JSON of the programming interface, CSV of the dashboard; read by themselves.
+
+Both give the moments of every band, a1, b1, a2, b2, about the direction waves travel TO, counter-clockwise from east:
+``direction = 270 deg - atan2(b1, a1)``, where they come FROM. wavespectra would rebuild them from mean direction and width alone, and
+takes the times of the wave heights for those of the spectra, which lie an hour apart in older files.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from seaglint.base.errors import DataError
+from seaglint.files.waves.bands import Bands, Moments
+from seaglint.files.waves.record_choice import as_utc
+from seaglint.files.waves.wave_file import Held, parsed
+
+_COLUMNS: Final = ("frequency", "varianceDensity", "a1", "b1", "a2", "b2")
+
+Record = Mapping[str, Any]
+
+
+def read_json(path: Path) -> Held:
+    """Records of ``data.frequencyData``."""
+    records = parsed(path, "a Spotter's JSON", lambda: json.loads(path.read_text(encoding="utf-8"))["data"]["frequencyData"])
+    return _held(path, "a Spotter's JSON", records)
+
+
+def read_csv(path: Path) -> Held:
+    """Records of a table with a column a band and quantity, ``f_0``, ``a1_0``, ``varianceDensity_0`` and so on."""
+
+    def parse() -> list[Record]:
+        rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
+        header = [name.split("(")[0].strip() for name in rows[0]]
+        return [_record(dict(zip(header, (cell.strip() for cell in row), strict=True))) for row in rows[1:] if row]
+
+    return _held(path, "a Spotter's CSV", parsed(path, "a Spotter's CSV", parse))
+
+
+def _record(row: Mapping[str, str]) -> Record:
+    """One row of the table, laid out as the JSON's records are."""
+    count = sum(name.startswith("f_") for name in row)
+    found: dict[str, Any] = {name: [float(row[f"{'f' if name == 'frequency' else name}_{i}"]) for i in range(count)] for name in _COLUMNS}
+    moment = datetime.fromtimestamp(float(row["Epoch Time"]), UTC)
+    return found | {"timestamp": moment.isoformat(), "latitude": row.get("Latitude"), "longitude": row.get("Longitude")}
+
+
+def _held(path: Path, kind: str, records: Sequence[Record]) -> Held:
+    def parse() -> Held:
+        times = np.array([as_utc(record["timestamp"]) for record in records], dtype="datetime64[ns]")
+        places = [np.array([[float(record[name])] for record in records]) for name in ("latitude", "longitude")]
+        return Held(lambda moment, _: _bands(path, records[moment]), times, ("1",), *places)
+
+    held: Held = parsed(path, kind, parse)
+    return held
+
+
+def _bands(path: Path, record: Record) -> Bands:
+    frequency, energy, a1, b1, a2, b2 = (np.asarray(record.get(name, ()), dtype=np.float64) for name in _COLUMNS)
+    if len({values.shape for values in (frequency, energy, a1, b1, a2, b2)}) > 1:
+        raise DataError(
+            f"{path}: the record of {record['timestamp']} lacks one of {', '.join(_COLUMNS)} in some bands; ask for all of them"
+        )
+    # From counter-clockwise of east to clockwise of north: exp(i phi) = i conj(exp(i theta)).
+    return Moments(frequency, energy, 1j * np.conj(a1 + 1j * b1), -np.conj(a2 + 1j * b2))

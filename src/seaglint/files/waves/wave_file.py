@@ -1,0 +1,67 @@
+"""What a file holds: when, where, and the bands of each record, read when asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import BackendError, DataError, SeaglintError
+from seaglint.files.netcdf import drop_quietly
+from seaglint.files.waves.bands import Bands
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """Records of one file.
+
+    Attributes
+    ----------
+    bands : callable
+        ``bands(time, site)`` by index.
+    times : ndarray of datetime64 or None
+        Time of every record, UTC; None where the file has none.
+    sites : tuple of str
+        Names of the sites.
+    latitude_deg, longitude_deg : ndarray or None
+        Place of every record and site [deg, (times, sites)]; None where the file does not say.
+    """
+
+    bands: Callable[[int, int], Bands]
+    times: NDArray[np.datetime64] | None = None
+    sites: tuple[str, ...] = ("1",)
+    latitude_deg: FloatArray | None = None
+    longitude_deg: FloatArray | None = None
+
+
+def reader(name: str) -> Callable[..., Any]:
+    """A function of wavespectra.
+
+    Raises
+    ------
+    BackendError
+        If wavespectra is not installed.
+    """
+    try:
+        import wavespectra
+    except ImportError as error:
+        raise BackendError("measured spectra are read by wavespectra, which is not installed; pip install 'seaglint[waves]'") from error
+    function: Callable[..., Any] = getattr(wavespectra, name)
+    return function
+
+
+def parsed(path: Path, kind: str, parse: Callable[[], Any]) -> Any:
+    """What a parser makes of a file; its errors, which are of any kind, become one line."""
+    try:
+        return parse()
+    except SeaglintError:
+        raise
+    except Exception as error:
+        text = " ".join(str(error).split())[:200] or type(error).__name__
+        drop_quietly(error)
+        raise DataError(f"{path} cannot be read as {kind} ({text}); it may be cut or of another kind: see sea.spectrum.format") from error

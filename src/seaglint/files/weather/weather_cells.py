@@ -1,0 +1,118 @@
+"""Cells of a CSV file of weather by column: numbers with gaps, texts, and where each stands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.files.tables.table_text import plain_number, rows_of_cells
+from seaglint.weather.weather_table import RANGES
+
+_SEPARATORS: Final = (",", ";", "\t")
+_MISSING: Final = frozenset({"", "nan", "NaN", "NA", "null", "None"})
+
+
+@dataclass(frozen=True)
+class Cells:
+    """A CSV file as text, column by column.
+
+    Attributes
+    ----------
+    path : Path
+        The file, for messages.
+    header : tuple of str
+        Headings in their order.
+    rows : list of list of str
+        Cells without blanks around them.
+    lines : list of int
+        Line of the file that each row stands on, counted from 1.
+    comments : list of str
+        Texts behind ``#`` before the headings.
+    """
+
+    path: Path
+    header: tuple[str, ...]
+    rows: list[list[str]]
+    lines: list[int]
+    comments: list[str]
+
+    def text(self, name: str) -> list[str]:
+        """Cells of a column."""
+        at = self.header.index(name)
+        return [row[at] for row in self.rows]
+
+    def numbers(self, name: str) -> FloatArray:
+        """Cells of a column as numbers [(rows,)]; empty ones and NaN are missing.
+
+        Raises
+        ------
+        DataError
+            A cell that is no number.
+        """
+        cells = ["nan" if cell in _MISSING else cell for cell in self.text(name)]
+        out = np.empty(len(cells))
+        for i, cell in enumerate(cells):
+            try:
+                out[i] = plain_number(cell)
+            except ValueError:
+                comma = "; write a decimal point" if "," in cell else "; give a number in the unit of the heading, or leave it empty"
+                raise DataError(f"{self.where(i)}, column {name}: '{cell}' is not a number{comma}") from None
+        return out
+
+    def where(self, row: int) -> str:
+        """File, row and line, for messages."""
+        return f"{self.path}, row {row + 1} (line {self.lines[row]})"
+
+    def within(self, name: str, values: FloatArray, column: str = "", advice: str = "") -> FloatArray:
+        """Values of a weather column, refused with row and line where one is outside its range."""
+        low, high = RANGES[name]
+        bad = np.flatnonzero(~(np.isnan(values) | (np.isfinite(values) & (values >= low) & (values <= high))))
+        if bad.size:
+            allowed = f"{low:g} to {high:g}" if np.isfinite(high) else f"{low:g} or more"
+            more = f" ({bad.size - 1} more row{'s' if bad.size > 2 else ''} like it)" if bad.size > 1 else ""
+            raise DataError(
+                f"{self.where(int(bad[0]))}, column {column or name}: {name} = {values[bad[0]]:g} is outside the range allowed: {allowed}; "
+                f"{advice or 'correct it, or leave it empty'}{more}"
+            )
+        return values
+
+
+def read_cells(path: str | Path) -> Cells:
+    """Read a CSV file with a line of headings; lines that begin with ``#`` and empty ones are passed over.
+
+    Commas, semicolons or tabs part the cells.
+
+    Raises
+    ------
+    DataError
+        A file that is missing, empty or no text, headings twice, or a row of another length.
+    """
+    path = Path(path)
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+    except FileNotFoundError:
+        raise DataError(f"{path}: no such file; give a CSV file of weather") from None
+    except UnicodeDecodeError as error:
+        raise DataError(f"{path}: is not UTF-8 text (byte {error.start}); save it as 'CSV UTF-8'") from None
+    except OSError as error:
+        raise DataError(f"{path}: cannot be read ({error.strerror}); give a CSV file of weather") from None
+    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
+    comments = [line.lstrip()[1:].strip() for _, line in lines if line.lstrip().startswith("#")]
+    lines = [(number, line) for number, line in lines if not line.lstrip().startswith("#")]
+    if len(lines) < 2:
+        raise DataError(f"{path}: holds no rows; the first line names the columns, each further one is a row")
+    separator = max(_SEPARATORS, key=lines[0][1].count)
+    cells = [[cell.strip() for cell in row] for row in rows_of_cells(path, lines, separator)]
+    header = tuple(cells[0])
+    twice = sorted({name for name in header if name and header.count(name) > 1})
+    if twice:
+        raise DataError(f"{path}, line {lines[0][0]}: column {', '.join(twice)} is there twice; rename or remove one")
+    for (number, _), row in zip(lines[1:], cells[1:], strict=True):
+        if len(row) != len(header):
+            raise DataError(f"{path}, line {number}: {len(row)} cells under {len(header)} headings; is the file whole?")
+    return Cells(path, header, cells[1:], [number for number, _ in lines[1:]], comments)

@@ -1,0 +1,201 @@
+"""Weather tables as seaglint writes them: CSV, or Parquet with the extra ``weather``."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from seaglint.base.errors import BackendError, DataError, DomainError
+from seaglint.files.outputs import moved_when_whole, refuse_existing
+from seaglint.files.weather.weather_cells import Cells, read_cells
+from seaglint.weather.weather_table import NEEDED, RANGES, TEXTS, WeatherTable
+
+SUFFIXES: Final = (".csv", ".parquet")
+"""Endings of the files that are written."""
+
+SHIPPED: Final = ("north-atlantic",)
+"""Names of the tables in the package."""
+
+_NOTES: Final = b"seaglint_weather_notes"
+
+
+@dataclass(frozen=True)
+class WeatherFile:
+    """A table and what its file says about it.
+
+    Attributes
+    ----------
+    table : WeatherTable
+        The rows.
+    notes : tuple of str
+        Source, selections and counts, as the file's comments have them.
+    told : tuple of str
+        What reading it had to decide: columns passed over, weights that do not sum to 1.
+    """
+
+    table: WeatherTable
+    notes: tuple[str, ...] = ()
+    told: tuple[str, ...] = ()
+
+
+def read_weather(path: str | Path) -> WeatherFile:
+    """Read a weather table, CSV or Parquet, or one of the package by its name (:data:`SHIPPED`).
+
+    Raises
+    ------
+    DataError
+        A file that cannot be read, lacks a column, or holds a value outside its range; with row and line.
+    BackendError
+        A Parquet file without the extra ``weather``.
+    """
+    path = shipped(str(path)) if str(path) in SHIPPED and not Path(path).exists() else Path(path)
+    return _read_parquet(path) if path.suffix.lower() == ".parquet" else _read_csv(path)
+
+
+def shipped(name: str) -> Path:
+    """File of a table in the package."""
+    return Path(str(files("seaglint.weather"))) / "data" / f"{name}.csv"
+
+
+def _read_csv(path: Path) -> WeatherFile:
+    cells = read_cells(path)
+    _require(path, cells.header, f", line {cells.lines[0] - 1}" if cells.lines else "")
+    columns = {name: cells.within(name, cells.numbers(name), advice=_advice(name)) for name in cells.header if name in RANGES}
+    _check_weights(cells, columns)
+    table = _table(path, columns, {name: cells.text(name) for name in cells.header if name in TEXTS})
+    return WeatherFile(table, tuple(cells.comments), _told(cells.header, table))
+
+
+def _check_weights(cells: Cells, columns: dict[str, Any]) -> None:
+    missing = np.flatnonzero(np.isnan(columns.get("weight", np.zeros(0))))
+    if missing.size:
+        raise DataError(f"{cells.where(int(missing[0]))}, column weight: is empty; give a number of 0 or more, or remove the column")
+
+
+def _advice(name: str) -> str:
+    if name == "cloud_cover":
+        return "cloud cover is a share of 1; convert oktas or percent: 'seaglint weather build FILE --map cloud_cover=NAME:okta -o w.csv'"
+    if name == "weight":
+        return "weights are 0 or more; any positive sum is normalised"
+    if name.endswith("_k"):
+        return f"temperatures are in kelvin; convert with 'seaglint weather build FILE --map {name}=NAME:degC -o w.csv'"
+    return ""
+
+
+def _require(path: Path, header: Sequence[str], where: str) -> None:
+    for name in NEEDED:
+        if name not in header:
+            near = difflib.get_close_matches(name, header, n=1, cutoff=0.5)
+            other = near[0] if near else "NAME"
+            raise DataError(
+                f"{path}{where}: column {name} missing; found: {', '.join(header)}; needed are {', '.join(NEEDED)}; make such a table with "
+                f"'seaglint weather build {path} --map {name}={other}:UNIT -o w.csv'"
+            )
+
+
+def _table(path: Path, columns: dict[str, Any], texts: dict[str, Any]) -> WeatherTable:
+    try:
+        return WeatherTable(columns, {name: np.asarray(values, dtype=np.str_) for name, values in texts.items()})
+    except DomainError as error:
+        raise DataError(f"{path}: {error}") from None
+
+
+def _told(header: Sequence[str], table: WeatherTable) -> tuple[str, ...]:
+    told = []
+    unknown = [name for name in header if name not in RANGES and name not in TEXTS]
+    if unknown:
+        told.append(f"columns passed over, not of a weather table: {', '.join(unknown)}")
+    if "weight" not in header:
+        told.append("no column weight: all rows weigh the same")
+    elif abs(table.weight_sum - 1.0) > 1e-6:
+        told.append(f"weights sum to {table.weight_sum:.6g} and are divided by it")
+    return tuple(told)
+
+
+def _read_parquet(path: Path) -> WeatherFile:
+    pyarrow, parquet = _arrow()
+    try:
+        found = parquet.read_table(path)
+    except FileNotFoundError:
+        raise DataError(f"{path}: no such file; give a weather table") from None
+    except (pyarrow.ArrowException, OSError) as error:
+        raise DataError(f"{path}: cannot be read as Parquet ({' '.join(str(error).split())[:200]}); make it again") from None
+    header = tuple(found.column_names)
+    _require(path, header, "")
+    try:
+        columns = {name: _numbers(found[name]) for name in header if name in RANGES}
+    except (pyarrow.ArrowException, ValueError, TypeError) as error:
+        raise DataError(f"{path}: a column of numbers holds something else ({error}); write numbers or nulls") from None
+    texts = {name: ["" if value is None else str(value) for value in found[name].to_pylist()] for name in header if name in TEXTS}
+    table = _table(path, columns, texts)
+    notes = (found.schema.metadata or {}).get(_NOTES, b"").decode().splitlines()
+    return WeatherFile(table, tuple(notes), _told(header, table))
+
+
+def _numbers(column: Any) -> Any:
+    return column.cast("float64").combine_chunks().to_numpy(zero_copy_only=False)
+
+
+def _arrow() -> tuple[Any, Any]:
+    try:
+        import pyarrow
+        import pyarrow.parquet
+    except ImportError:
+        raise BackendError("Parquet needs pyarrow, which is not installed; pip install 'seaglint[weather]', or use .csv") from None
+    return pyarrow, pyarrow.parquet
+
+
+def check_output(output: str | Path, *, overwrite: bool = False, inputs: Sequence[str | Path] = ()) -> Path:
+    """Path of a table to write, checked before the work.
+
+    Raises
+    ------
+    DataError
+        Another ending than .csv or .parquet, a file that is there, or one of the inputs.
+    BackendError
+        Parquet without the extra ``weather``.
+    """
+    output = Path(output)
+    if output.suffix.lower() not in SUFFIXES:
+        raise DataError(f"{output}: a weather table is a CSV or Parquet file; give a name that ends in .csv or .parquet")
+    if output.suffix.lower() == ".parquet":
+        _arrow()
+    return refuse_existing(output, overwrite=overwrite, inputs=inputs)
+
+
+def write_weather(table: WeatherTable, output: str | Path, *, notes: Sequence[str] = (), overwrite: bool = False) -> Path:
+    """Write a table, with notes on where it comes from; missing values are empty cells or nulls.
+
+    Raises
+    ------
+    DataError
+        The output exists, or has another ending.
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    output = check_output(output, overwrite=overwrite)
+    if output.suffix.lower() == ".parquet":
+        pyarrow, parquet = _arrow()
+        arrays = {name: pyarrow.array(values, mask=np.isnan(values)) for name, values in table.columns.items()}
+        arrays |= {name: pyarrow.array(values.tolist()) for name, values in table.texts.items()}
+        made = pyarrow.table(arrays).replace_schema_metadata({_NOTES: "\n".join(notes).encode()})
+        with moved_when_whole(output) as partial:
+            parquet.write_table(made, partial)
+        return output
+    cells = [["" if np.isnan(v) else f"{v:.9g}" for v in values.tolist()] for values in table.columns.values()]
+    cells += [[_quoted(v) for v in values.tolist()] for values in table.texts.values()]
+    lines = [*(f"# {' '.join(note.split())}" for note in notes), ",".join([*table.columns, *table.texts])]
+    lines += [",".join(row) for row in zip(*cells, strict=True)]
+    with moved_when_whole(output) as partial:
+        partial.write_bytes(("\n".join(lines) + "\n").encode())
+    return output
+
+
+def _quoted(text: str) -> str:
+    return '"' + text.replace('"', '""') + '"' if any(sign in text for sign in ',;\t"#') else text

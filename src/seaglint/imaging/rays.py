@@ -1,0 +1,309 @@
+"""Single rays followed to the sea, where the sweep over azimuths does not serve (near nadir).
+
+A ray at height ``f`` above the sea below it cannot meet the sea before ``f / (fall + L run)``, with ``fall`` and ``run`` what it goes down
+and outwards per metre and ``L`` the steepest slope of the sea: steps of that length never pass through a crest, and get the closer the
+shorter they are. Steep rays arrive in a few steps, a vertical one in two. They read the sea as the sweep does, in full detail; the
+displacement of its tiles is that of the place where a ray meets the mean sea.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith_of_range
+from seaglint.base.jit import in_threads, kernel, njit
+from seaglint.facet.facet_sunlight import FacetLevels, FacetOptics, facet_sunlight, level_optics
+from seaglint.facet.facet_tables import FacetDomain, PathTerms, facet_tables
+from seaglint.facet.haze import Haze, haze_between, haze_column, sky_haze
+from seaglint.facet.local_sun import SunTable, strength_kernel
+from seaglint.facet.path_basis import path_basis
+from seaglint.facet.roughness import Sight, line_of_sight
+from seaglint.facet.sea_view import SeaView
+from seaglint.facet.solar_disc import DiscLine, no_disc_line
+from seaglint.facet.sunlight import Sunlight, sunlight_at
+from seaglint.facet.thermal import azimuth_node, facet_thermal, thermal_line
+from seaglint.imaging.layers import CHANNELS, COVERAGE, DISTANCE, EMITTED, PATH, SLOPE, SUN, TOTAL
+from seaglint.imaging.wave_shadow import sun_share
+from seaglint.imaging.wave_surface import Bounds, Course, Surface, course, height, lay_course, slopes
+from seaglint.sea.shadowing.nested import bands_of_facets
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+
+PATH_NODES = 2048
+"""Number of arcs at which the path is tabulated, uniform in log(1 + arc/height): a step changes the transmittance by less than 1e-3."""
+
+SKY_ROWS = 1025
+"""Number of elevations of the sky table, uniform in the square root of the elevation above the horizon."""
+
+SAMPLES = (2, 8)
+"""Least and largest number of rays along each side of a pixel; between them, as many as put four on the shortest wave."""
+
+CALM_SAMPLES = 4
+"""Number of rays along each side of a pixel where no waves are resolved."""
+
+CLOSE = 1e-3
+"""Height above the sea at which a ray has arrived [lattice spacings]."""
+
+MOST_STEPS = 200_000
+"""Largest number of steps of a ray; only rays that skim the sea for tens of kilometres need thousands."""
+
+
+class Air(NamedTuple):
+    """Path by arc and sky by elevation, from one height.
+
+    The fields are ``path`` at the arcs ``scale (e^(i/parts) - 1)``, and ``sky`` and its scattered sunlight at the elevations
+    ``i^2/sky_parts^2 - dip``.
+    """
+
+    scale: float
+    parts: float
+    path: PathTerms
+    sky: np.ndarray
+    dip: float
+    sky_parts: float
+    haze: Haze
+
+
+class RayTables(NamedTuple):
+    """Tables that rays read; ``thermal`` and ``emitted`` are the facets' tables, azimuth first."""
+
+    sunlight: Sunlight
+    strength: SunTable
+    levels: FacetLevels
+    thermal: np.ndarray
+    emitted: np.ndarray
+    air: Air
+
+
+class Room(NamedTuple):
+    """Buffers of a ray: the lines over the sea towards its azimuth and towards the Sun, without a table of the disc."""
+
+    line: Course
+    sunward: Course
+    disc: DiscLine
+
+
+@kernel
+def above_sphere(height: float, run: float, rise: float, s: float) -> tuple[float, float, float]:
+    """Height over the mean sea, arc [m] and rise per metre of a ray at a distance ``s``; ``run`` and ``rise`` make its unit vector."""
+    up, out = height + s * rise, s * run
+    rho = math.sqrt((EFFECTIVE_EARTH_RADIUS + up) ** 2 + out * out)
+    z = (2.0 * EFFECTIVE_EARTH_RADIUS * up + up * up + out * out) / (rho + EFFECTIVE_EARTH_RADIUS)
+    return (
+        z,
+        EFFECTIVE_EARTH_RADIUS * math.atan2(out, EFFECTIVE_EARTH_RADIUS + up),
+        (rise * (EFFECTIVE_EARTH_RADIUS + up) + run * out) / rho,
+    )
+
+
+@kernel
+def mean_arc(eye: float, run: float, rise: float) -> float:
+    """Arc [m] at which a ray meets the mean sea, or is nearest to it; ``run`` and ``rise`` make its unit vector."""
+    nearest = max(-rise * (EFFECTIVE_EARTH_RADIUS + eye), 0.0)
+    power = eye * (2.0 * EFFECTIVE_EARTH_RADIUS + eye)
+    s = power / (nearest + math.sqrt(nearest * nearest - power)) if nearest * nearest > power else nearest
+    return above_sphere(eye, run, rise, s)[1]
+
+
+@kernel
+def meet(surface: Surface, line: Course, bounds: Bounds, eye: float, run: float, rise: float) -> float:
+    """Distance at which a ray from ``eye`` [m] above the line's beginning meets the sea [m], -1 where it does not.
+
+    ``run`` and ``rise`` make its unit vector.
+    """
+    s = 0.0
+    if eye > bounds.crest:
+        if rise >= 0.0:
+            return -1.0
+        s = (eye - bounds.crest) / -rise  # above the round sea by more than a crest until here
+    before, gap_before = s, 0.0
+    for step in range(MOST_STEPS):
+        z, arc, climb = above_sphere(eye, run, rise, s)
+        if climb >= 0.0 and z > bounds.crest:
+            return -1.0
+        gap = z - height(surface, line, 0, line.part.shape[0], arc)
+        if gap < 0.0:
+            return before + (s - before) * gap_before / (gap_before - gap) if step > 0 else s
+        if gap <= CLOSE * bounds.spacing:
+            return s
+        before, gap_before = s, gap
+        s += max(gap / max(bounds.steepest * run - climb, 1e-9), 0.02 * bounds.spacing)
+    return -1.0
+
+
+@kernel
+def sky_at(air: Air, elevation: float, azimuth: float) -> float:
+    """Radiance of the sky at an elevation and an azimuth [rad], without the Sun."""
+    at = math.sqrt(max(elevation + air.dip, 0.0)) * air.sky_parts
+    i = min(int(at), air.sky.shape[0] - 2)
+    f = min(at - i, 1.0)
+    sky = (1.0 - f) * air.sky[i] + f * air.sky[i + 1]
+    if air.haze.values.shape[0] > 0:
+        sky += haze_between(air.haze, haze_column(air.haze, azimuth), i + f)
+    return float(sky)
+
+
+@njit
+def warm_light(
+    table: np.ndarray, axes: np.ndarray, path: np.ndarray, i: int, sight: Sight, sine: float, slope: tuple[float, float]
+) -> float:
+    """Thermal table, azimuth first, interpolated between the two azimuths next to a line of sight; 0 without terms."""
+    if table.shape[4] == 0:
+        return 0.0
+    ix, fx = azimuth_node(axes, table.shape[0], sight.chi)
+    warm = facet_thermal(axes, thermal_line(table[ix]), path, (i, 0.0), sight, sine, slope)
+    if fx > 1e-9:
+        warm += fx * (facet_thermal(axes, thermal_line(table[ix + 1]), path, (i, 0.0), sight, sine, slope) - warm)
+    return warm
+
+
+@njit
+def ray(
+    surface: Surface, bounds: Bounds, eye: float, tables: RayTables, optics: FacetOptics, room: Room, direction: np.ndarray, out: np.ndarray
+) -> None:
+    """Compute the channels of one ray along a unit vector (east, north, up) into ``out`` (channels,)."""
+    air, sun = tables.air, tables.sunlight
+    rise = direction[2]
+    run = math.sqrt(direction[0] * direction[0] + direction[1] * direction[1])
+    azimuth = math.atan2(direction[0], direction[1])
+    foot = mean_arc(eye, run, rise)
+    lay_course(surface, 0, (math.sin(azimuth), math.cos(azimuth)), (foot, foot), room.line)
+    s = meet(surface, room.line, bounds, eye, run, rise)
+    out[:] = 0.0
+    if s < 0.0:
+        out[TOTAL] = sky_at(air, math.atan2(rise, run), azimuth)
+        return
+    _, arc, climb = above_sphere(eye, run, rise, s)
+    axes = optics.tables.axes
+    sight = line_of_sight(sun, optics.roughness, azimuth)
+    slope = slopes(surface, room.line, arc)
+    sine = min(max(-climb, 0.0), 1.0)
+    i = min(int(math.log(1.0 + arc / air.scale) * air.parts + 0.5), air.path.radiance.shape[0] - 1)
+    warm = warm_light(tables.thermal, axes, air.path.thermal, i, sight, sine, slope)
+    there = sunlight_at(sun, -sight.east, -sight.north, arc)
+    lit = FacetOptics(there, optics.roughness, optics.tables)
+    solar, _ = facet_sunlight(lit, room.disc, air.path.sun, (i, 0.0), sight, (sine, math.sqrt(1.0 - sine * sine)), slope)
+    if solar > 0.0:
+        solar *= there.share * strength_kernel(tables.strength, there.up)
+    if solar > 0.0 and bounds.steepest > there.lower_tangent:
+        lay_course(surface, 0, (sun.horizontal_east, sun.horizontal_north), (0.0, 0.0), room.sunward)
+        solar *= sun_share(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), there)
+    path = air.path.radiance[i]
+    if air.path.sunlit.haze.values.shape[0] > 0:
+        path += haze_between(air.path.sunlit.haze, haze_column(air.path.sunlit.haze, azimuth), air.path.sunlit.row[i])
+    out[TOTAL], out[SUN] = warm + path + solar, solar
+    out[EMITTED] = warm_light(tables.emitted, axes, air.path.emitted, i, sight, sine, slope)
+    out[PATH], out[DISTANCE], out[COVERAGE] = path, s, 1.0
+    out[SLOPE] = -(slope[0] * sight.east + slope[1] * sight.north)
+
+
+@njit
+def walk_pixels(
+    surface: Surface,
+    bounds: Bounds,
+    eye: float,
+    tables: RayTables,
+    corner: np.ndarray,
+    pixels: np.ndarray,
+    samples: np.ndarray,
+    channels: np.ndarray,
+    part: tuple[int, int],
+) -> None:
+    """Mean channels (pixels, channels) of the pixels ``part = (first, end)`` of ``pixels`` (flat indices), from ``samples`` rays along each
+    side.
+    """
+    columns = corner.shape[1] - 1
+    optics = level_optics(tables.sunlight, tables.levels, 0)
+    room = Room(course(surface, 0, 1.0, 0.0), course(surface, 0, 1.0, 0.0), no_disc_line())
+    direction, one = np.empty(3), np.empty(channels.shape[1])
+    for p in range(part[0], part[1]):
+        row, column = pixels[p] // columns, pixels[p] % columns
+        n = samples[p]
+        channels[p] = 0.0
+        for part_of in range(n * n):
+            f, g = (part_of // n + 0.5) / n, (part_of % n + 0.5) / n
+            norm = 0.0
+            for k in range(3):
+                upper = (1.0 - g) * corner[row, column, k] + g * corner[row, column + 1, k]
+                lower = (1.0 - g) * corner[row + 1, column, k] + g * corner[row + 1, column + 1, k]
+                direction[k] = (1.0 - f) * upper + f * lower
+                norm += direction[k] * direction[k]
+            direction /= math.sqrt(norm)
+            ray(surface, bounds, eye, tables, optics, room, direction, one)
+            channels[p] += one
+        channels[p] /= n * n
+
+
+@dataclass(frozen=True, eq=False)
+class WalkedRays:
+    """Tables of rays from one height; make it with :meth:`prepare`."""
+
+    tables: RayTables
+
+    @classmethod
+    def prepare(
+        cls,
+        view: SeaView,
+        facets: SlopeStatistics,
+        resolved: tuple[float, float],
+        crest: float,
+        elevation: float,
+        azimuths: tuple[float, float],
+        *,
+        emitted: bool = False,
+    ) -> WalkedRays:
+        """Tables for rays that look down at least as steeply as ``elevation`` and between two azimuths [rad].
+
+        ``facets``: slopes left to the facets; ``resolved``: slope variances of the waves, along and across the wind; ``crest``: height of
+        the highest [m]; ``emitted``: whether emission is separate from the sky.
+        """
+        eye = view.sensor_height
+        dip = horizon_depression(eye)
+        farthest = horizon_range(eye) + horizon_range(max(crest, 1e-6))
+        if -elevation > 1.05 * dip:
+            # the ray meets crests nearer, and troughs as deep farther out, than the mean sea
+            farthest = min(float(surface_range(eye + 2.0 * crest, -elevation)), farthest)
+        scale = eye
+        log = np.linspace(0.0, np.log1p(farthest / scale), PATH_NODES)
+        arcs = scale * np.expm1(log)
+        places = np.maximum(arcs, 1e-3 * eye)
+        basis = path_basis(view.atmosphere, view.band, eye, places)
+        lowest = max(float(np.cos(view_zenith_of_range(eye, farthest))), 0.0) if -elevation > 1.05 * dip else 0.0
+        bands = bands_of_facets(facets.mss / max(view.slopes.mss, 1e-12), view.shadowing.law_bands(view.slopes))
+        domain = FacetDomain(facets, resolved, bands, (lowest, 1.0))
+        sun, levels, path = facet_tables(view, basis, places, [domain], azimuths, emitted=emitted)
+        shape = levels.shape[0, 1:]
+
+        def by_azimuth(table: NDArray[np.float32]) -> NDArray[np.float32]:
+            return np.ascontiguousarray(table.reshape(*shape, table.shape[1]).transpose(1, 0, 2, 3, 4))
+
+        above = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_ROWS)
+        sky = view.in_band(view.atmosphere.sky_radiance(np.maximum(0.5 * np.pi + dip - above**2, 0.0), eye))
+        haze = sky_haze(view, above**2 - dip)
+        air = Air(scale, (PATH_NODES - 1) / float(log[-1]), path, sky, dip, 1.0 / float(above[1]), haze)
+        return cls(RayTables(sun, view.sun_table, levels, by_azimuth(levels.thermal), by_azimuth(levels.emitted), air))
+
+    def __call__(
+        self, surface: Surface, bounds: Bounds, eye: float, corner: FloatArray, pixels: NDArray[np.int64], samples: NDArray[np.int64]
+    ) -> FloatArray:
+        """Mean channels of some pixels (pixels, channels); see :func:`walk_pixels`."""
+        channels = np.zeros((pixels.size, CHANNELS))
+        in_threads(lambda some: walk_pixels(surface, bounds, eye, self.tables, corner, pixels, samples, channels, some), pixels.size)
+        return channels
+
+
+def rays_per_side(corner: FloatArray, pixels: NDArray[np.int64], height: float, shortest_wave: float) -> NDArray[np.int64]:
+    """Number of rays along each side of a pixel [1]: enough to put four on the shortest wave in its footprint, within :data:`SAMPLES`."""
+    if not np.isfinite(shortest_wave):
+        return np.full(pixels.size, CALM_SAMPLES, np.int64)
+    row, column = np.divmod(pixels, corner.shape[1] - 1)
+    a, b, c = corner[row, column], corner[row, column + 1], corner[row + 1, column]
+    angle = np.maximum(np.linalg.norm(b - a, axis=1), np.linalg.norm(c - a, axis=1))
+    footprint = angle * height / np.maximum(-a[:, 2], 1e-2) ** 2
+    sky = np.minimum(np.minimum(a[:, 2], b[:, 2]), np.minimum(c[:, 2], corner[row + 1, column + 1, 2])) >= 0.0
+    return np.where(sky, CALM_SAMPLES, np.clip(np.ceil(4.0 * footprint / shortest_wave), *SAMPLES)).astype(np.int64)

@@ -1,0 +1,456 @@
+r"""Sparkles: fluctuation of the sunlight of a pixel about the mean of its facets, from cells smaller than the pixel.
+
+The sea is a field of independent cells of length ``l`` (:mod:`seaglint.radiance.variance`). A cell mirrors the Sun or does not; to a
+detector that sees many, the sum is gamma-like. So a cell's light is a gamma deviate of mean 1 and variance ``1/P - 1``, a pixel's the
+average over what it sees, and its relative variance
+
+.. math:: v = \frac{1/P - 1}{M}, \qquad M = \frac{\Omega r^2\cos\beta}{l^2\cos\omega}
+
+where it sees many cells, ``1/P - 1`` where it sees part of one, and that of a box laid at random over square cells between.
+
+A cell seen by a detector is ``l`` across the line of sight and ``c l`` along it on the ground, ``c = cos(omega)/(cos(beta)
+cos(theta_v))`` with the mean sea's zenith angle: a tilted mirror hides the water behind it. Pixels of up to :data:`MOST_CELLS` cells in
+a direction are averages over these cells, which they share with their neighbours; in larger ones a cell of the size of the pixel stands
+for all, with their shape. Cells lie on lattices fixed to the water's mean position, turned to the line of sight in :data:`SECTORS`
+steps. In time a cell keeps its value between the events of a Poisson process, which makes its correlation ``exp(-|t|/T_c)`` and lets
+any instant be found alone. Nothing has a state: a factor is a function of (seed, place, time).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Literal, NamedTuple
+
+import numba
+import numpy as np
+
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.conventions import FloatArray, horizon_depression, horizon_range, surface_range
+from seaglint.base.jit import kernel, njit_parallel
+from seaglint.base.keyed_random import cell_key, gamma_deviate, last_event
+from seaglint.base.random import stream
+from seaglint.facet.glint import glint
+from seaglint.facet.local_sun import turn_at
+from seaglint.facet.roughness import Sight
+from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sunlight import Sunlight, sunlight_at
+from seaglint.imaging.camera.image_grid import Camera
+from seaglint.imaging.layers import FEWEST, SPREAD, SUN, TOTAL
+from seaglint.radiance.variance import patches
+
+MOST_CELLS = 10.0
+"""Number of cells in one direction up to which a pixel is their average.
+
+Beyond, pixels are independent, and a box of 10 x 10 cells has 7 % less variance than independent cells: half of that is left to the pixel
+and half to the average of many.
+"""
+
+BORDER = 1.0 / 6.0
+"""Half of the extra cells of a random box: over n cells in a row it has the variance of n + 1/3 independent ones (1/n - 1/(3 n^2))."""
+
+COMPONENTS = 2
+"""Number of independent parts of a pixel of many cells, on lattices shifted against each other.
+
+It changes in steps of half its fluctuation.
+"""
+
+SECTORS = 64
+"""Number of lattice directions in a full circle; a pixel is then at most 2.8 deg from one."""
+
+FILLED = 0.7
+"""Largest share of a standing cell in the pixel's width in either direction, so that neighbours do not share one."""
+
+NEGLIGIBLE = 1e-4
+"""Relative variance of the mirrored Sun, weighted by its square, below which sparkles are omitted: 1 % of the glint."""
+
+SURVEYED = 24
+"""Number of rows and columns at which this variance is evaluated."""
+
+
+class Sparkle(NamedTuple):
+    """Sparkle parameters of an image: two words of the seed, the cell's length [m] (0: no sparkles) and the correlation time [s]."""
+
+    seed_low: int
+    seed_high: int
+    cell: float
+    correlation_time: float
+
+
+NO_SPARKLE = Sparkle(0, 0, 0.0, 1.0)
+"""Parameters of images that hold the mean over the facets of a pixel."""
+
+
+class SparkleRows(NamedTuple):
+    """Mean sea in each row of an image.
+
+    ``range_m, along, reach``: arc from the sensor's foot to the row's middle, length of the row on the ground, distance from the axis
+    through the sensor and the Earth's centre [m]. ``grazing``: sine of the mean grazing angle. ``column_step``: width of a pixel [rad].
+    """
+
+    range_m: np.ndarray
+    along: np.ndarray
+    reach: np.ndarray
+    grazing: np.ndarray
+    column_step: float
+
+
+def sparkle_of(seed: int, cell: float, correlation_time: float) -> Sparkle:
+    """Sparkle parameters of a sea [m, s].
+
+    Examples
+    --------
+    >>> sparkle_of(1, 0.0026, 0.07).cell
+    0.0026
+    """
+    low, high = stream(seed, "sparkle").integers(0, 2**32, size=2)
+    return Sparkle(int(low), int(high), float(cell), float(correlation_time))
+
+
+def relative_variance(view: SeaView, camera: Camera, cell: float) -> float:
+    """Relative variance of the mirrored Sun in a camera's pixels by the mean model, weighted by the square of its mean [1].
+
+    Parameters
+    ----------
+    view : SeaView
+        Sea and Sun.
+    camera : Camera
+        Its pixels.
+    cell : float
+        Length of a cell of the sea [m].
+
+    Returns
+    -------
+    float
+        0 where no Sun is mirrored.
+    """
+    rows, columns = (np.unique(np.linspace(0, n - 1, SURVEYED).astype(int)) for n in (camera.rows, camera.columns))
+    rows = rows[-camera.elevations[rows] > horizon_depression(camera.height)]
+    ground = sparkle_rows(camera)
+    slant = (ground.along * ground.grazing / camera.row_step)[rows][:, None]
+    solid = (ground.reach * camera.column_step * camera.row_step)[rows][:, None] / slant
+    theta = np.arccos(ground.grazing[rows])[:, None]
+    turn = turn_at(ground.range_m[rows])[:, None]
+    mirrored = glint(theta, camera.azimuths[columns] + np.pi, view.solar_zenith, view.solar_azimuth, view.slopes, view.shadowing, turn)
+    shown = mirrored.chance > 0.0
+    if not shown.any():
+        return 0.0
+    many = patches(np.where(shown, mirrored.cos_incidence, 1.0), theta, view.solar_zenith, slant, solid, cell)
+    return float(np.sum(mirrored.chance * (1.0 - mirrored.chance) / np.maximum(many, 1.0)) / np.sum(mirrored.chance**2))
+
+
+@dataclass(frozen=True)
+class Sparkles:
+    """Sparkle settings of a scene; ``use = "auto"`` omits them where they are negligible.
+
+    Parameters
+    ----------
+    seed : int
+        The sea's seed.
+    cell : float
+        Length of its cells [m].
+    correlation_time : float
+        Time after which glint at a point is forgotten [s].
+    use : {"auto", "on", "off"}
+        Whether images have them.
+    """
+
+    seed: int
+    cell: float
+    correlation_time: float
+    use: Literal["auto", "on", "off"] = "auto"
+
+    def reseeded(self, seed: int) -> Sparkles:
+        """Return the sparkles of another realisation of the sea."""
+        return replace(self, seed=seed)
+
+    def of(self, view: SeaView, camera: Camera) -> tuple[Sparkle, dict[str, Any]]:
+        """Parameters for the kernels, :data:`NO_SPARKLE` where images have none, and a note for the provenance."""
+        if self.use == "off":
+            return NO_SPARKLE, {"subpixel_glint": "off: the mean over the facets of a pixel"}
+        variance = relative_variance(view, camera, self.cell)
+        if variance == 0.0:
+            return NO_SPARKLE, {"subpixel_glint": "none: no mirrored Sun in the image"}
+        if self.use == "auto" and variance < NEGLIGIBLE:
+            return NO_SPARKLE, {"subpixel_glint": f"left out: its relative variance, {variance:.1e}, is below {NEGLIGIBLE:g}"}
+        return sparkle_of(self.seed, self.cell, self.correlation_time), {
+            "subpixel_glint": "gamma field on the water's mean position",
+            "subpixel_glint_relative_variance": float(f"{variance:.3g}"),
+            "subpixel_glint_cell_m": self.cell,
+            "subpixel_glint_correlation_time_s": self.correlation_time,
+        }
+
+
+NO_SPARKLES = Sparkles(0, 1.0, 1.0, "off")
+"""Settings of scenes that hold the mean over the facets of a pixel."""
+
+
+def sparkle_rows(camera: Camera) -> SparkleRows:
+    """Footprints of a camera's pixels on the mean sea; rows above its horizon see crests there and take the horizon's."""
+    horizon = horizon_depression(camera.height)
+    far = horizon_range(camera.height)
+    edges = camera.top - np.arange(camera.rows + 1) * camera.row_step
+
+    def arc(elevation: np.ndarray) -> np.ndarray:
+        arcs = np.asarray(surface_range(camera.height, np.clip(-elevation, horizon, 0.5 * np.pi)))
+        return np.where((-elevation <= horizon) | ~np.isfinite(arcs), far, arcs)
+
+    middle = arc(camera.elevations)
+    upper, lower = arc(edges[:-1]), arc(edges[1:])
+    psi = middle / EFFECTIVE_EARTH_RADIUS
+    reach = EFFECTIVE_EARTH_RADIUS * np.sin(psi)
+    slant = np.hypot(reach, camera.height + 2.0 * EFFECTIVE_EARTH_RADIUS * np.sin(0.5 * psi) ** 2)
+    # the horizon's row is seen under half a row at least: what lies above it shows crests
+    floor = slant * camera.row_step
+    along = np.maximum(upper - lower, floor)
+    return SparkleRows(middle, along, reach, np.clip(floor / along, 1e-6, 1.0), camera.column_step)
+
+
+class Heading(NamedTuple):
+    """Lattice direction nearest to a line of sight: its number and its sine and cosine of azimuth."""
+
+    sector: int
+    sine: float
+    cosine: float
+
+
+@kernel
+def heading(azimuth: float) -> Heading:
+    """Return the :class:`Heading` of a line that leaves the sensor at an azimuth [rad]."""
+    turn = 2.0 * math.pi / SECTORS
+    sector = math.floor(azimuth / turn + 0.5) % SECTORS
+    return Heading(sector, math.sin(sector * turn), math.cos(sector * turn))
+
+
+@kernel
+def cell_light(sparkle: Sparkle, i: int, j: int, lattice: int, shape: float, time: float) -> float:
+    """Gamma deviate of mean 1 of a cell since its last change."""
+    key = cell_key((sparkle.seed_low, sparkle.seed_high), i, j, lattice)
+    return gamma_deviate(shape, (key[1], key[0]), last_event(key, time / sparkle.correlation_time))
+
+
+@kernel
+def average(
+    sparkle: Sparkle, lattice: int, along: tuple[float, float, float], across: tuple[float, float, float], shape: float, time: float
+) -> float:
+    """Mean over a box of the cells of one lattice, gamma deviates of mean 1; ``along`` and ``across`` are its ends and the cells' side."""
+    first_i, last_i = math.floor(along[0] / along[2]), math.floor(along[1] / along[2])
+    first_j, last_j = math.floor(across[0] / across[2]), math.floor(across[1] / across[2])
+    total, whole = 0.0, 0.0
+    for i in range(first_i, last_i + 1):
+        wide = min(along[1], (i + 1) * along[2]) - max(along[0], i * along[2]) if last_i > first_i else 1.0
+        for j in range(first_j, last_j + 1):
+            share = min(across[1], (j + 1) * across[2]) - max(across[0], j * across[2]) if last_j > first_j else 1.0
+            total += wide * share * cell_light(sparkle, i, j, lattice, shape, time)
+            whole += wide * share
+    return total / whole
+
+
+@kernel
+def box(middle: float, length: float, side: float) -> tuple[float, float, float]:
+    """Ends of a box and the side of the cells under it."""
+    return middle - 0.5 * length, middle + 0.5 * length, side
+
+
+@kernel
+def power_below(x: float) -> tuple[int, float]:
+    """Largest power of two up to ``x``: its exponent and itself."""
+    fraction, exponent = math.frexp(x)
+    return exponent - 1, 0.5 * x / fraction
+
+
+@kernel
+def sparkle_factor(
+    sparkle: Sparkle,
+    place: tuple[float, float],
+    along_sight: Heading,
+    footprint: tuple[float, float],
+    stretch: float,
+    variance: float,
+    time: float,
+) -> float:
+    """Factor of mean 1 on the mirrored Sun of a pixel.
+
+    Parameters
+    ----------
+    sparkle : Sparkle
+        The sea's parameters.
+    place : tuple of float
+        Middle of the footprint, east and north [m]: the water's mean position.
+    along_sight : Heading
+        Direction of the line of sight, from :func:`heading`.
+    footprint : tuple of float
+        Its length along the line of sight and its width [m], on the mean sea.
+    stretch : float
+        Length along the line of sight of a cell that is seen, over ``l`` [1].
+    variance : float
+        ``(1/P - 1)/M``, the relative variance if the pixel saw many cells [1].
+    time : float
+        Instant [s].
+
+    Returns
+    -------
+    float
+        Factor, 0 or more [1].
+    """
+    if not variance > 0.0:
+        return 1.0
+    x = place[0] * along_sight.sine + place[1] * along_sight.cosine
+    y = place[0] * along_sight.cosine - place[1] * along_sight.sine
+    length, width = footprint
+    cell = sparkle.cell
+    cells_along, cells_across = length / (cell * stretch), width / cell
+    shape = 1.0 / (variance * cells_along * cells_across)  # of one cell
+    # effect of a direction of many cells on the shape
+    many_along, many_across = cells_along > MOST_CELLS, cells_across > MOST_CELLS
+    doublings_across, side_across = 0, cell
+    if many_across:
+        shape *= cells_across + BORDER
+        doublings_across, power = power_below(FILLED * cells_across)
+        side_across = cell * power
+    if many_along:
+        shape *= cells_along + BORDER
+        doublings_along, power = power_below(FILLED * length / cell)
+    else:
+        doublings_along, power = power_below(stretch)
+    lattice = ((along_sight.sector * 256 + doublings_along + 128) * 256 + doublings_across + 128) * 4
+    side_along = cell * power
+    across = box(y, 0.0 if many_across else width, side_across)
+    if many_along:
+        along = box(x, 0.0, side_along)
+        if not many_across:
+            return average(sparkle, lattice, along, across, shape, time)
+        total = 0.0
+        for part in range(COMPONENTS):
+            shift = part / COMPONENTS
+            i, j = math.floor(x / side_along + shift), math.floor(y / side_across + shift)
+            total += cell_light(sparkle, i, j, lattice + part, shape / COMPONENTS, time)
+        return total / COMPONENTS
+    # two lattices share the shape so that it is the cell's in a point and the integral over the cell is its area
+    near = min(max(2.0 - stretch / power, 1e-6), 1.0)
+    total = near * average(sparkle, lattice, box(x, length, side_along), across, near * shape, time)
+    if near < 1.0:
+        far = 1.0 - near
+        total += far * average(sparkle, lattice + 256 * 256 * 256, box(x, length, 2.0 * side_along), across, far * shape, time)
+    return total
+
+
+@kernel
+def piece_variance(sparkle: Sparkle, solar: float, chance: float, cos_incidence: float, up: float, across: float) -> float:
+    """Variance of the mirrored Sun of one piece in a pixel of many cells, ``L^2 (1/P - 1)/M`` [W2 m-4 sr-2], to be averaged.
+
+    ``chance`` is P of the facet, ``up`` the sum of the vertical components of the directions to the sensor and to the Sun,
+    ``2 cos(omega) cos(beta)``, and ``across`` the pixel's area across the line of sight [m2]. Weighted by the share of the pixel that
+    each piece fills and divided by the square of its mean sunlight, it is the ``variance`` of :func:`sparkle_factor`.
+    """
+    if chance <= 0.0 or chance >= 1.0:
+        return 0.0
+    patches = across * up / (2.0 * cos_incidence * cos_incidence * sparkle.cell * sparkle.cell)
+    return solar * solar * (1.0 / chance - 1.0) / patches
+
+
+@kernel
+def facet_spread(
+    sparkle: Sparkle, sun: Sunlight, sight: Sight, grazing: tuple[float, float], solar: float, factor: float, across: float
+) -> float:
+    """Variance :func:`piece_variance` of a facet; 0 without sparkles.
+
+    ``factor`` [1/sr] is :func:`~seaglint.facet.facet_sunlight.sun_factor`, times the share of the Sun that waves leave; times the solid
+    angle of the Sun it is P. ``grazing``: sine and cosine of the grazing angle.
+    """
+    if sparkle.cell <= 0.0 or factor <= 0.0:
+        return 0.0
+    chance = factor * math.pi * SOLAR_ANGULAR_RADIUS * SOLAR_ANGULAR_RADIUS
+    sine, cosine = grazing
+    twice = 1.0 + cosine * (sight.east * sun.east + sight.north * sun.north) + sine * sun.up
+    return piece_variance(sparkle, solar, chance, math.sqrt(max(0.5 * twice, 1e-12)), sine + sun.up, across)
+
+
+@kernel
+def sparkle_column(
+    sparkle: Sparkle, rows: SparkleRows, sun: Sunlight, azimuth: float, origin: tuple[float, float], time: float, images: np.ndarray
+) -> None:
+    """Apply sparkles to the mirrored Sun of a column, from its whole image ``images[0]`` (channels, rows). Those of intervals follow it.
+
+    ``origin`` is the sensor's foot in the sea's coordinates, east and north [m].
+    """
+    if sparkle.cell <= 0.0:
+        return
+    east, north = math.sin(azimuth), math.cos(azimuth)
+    along_sight = heading(azimuth)
+    for row in range(images.shape[2]):
+        solar = images[0, SUN, row]
+        if solar > 0.0 and images[0, SPREAD, row] > 0.0:
+            sine = rows.grazing[row]
+            cosine = math.sqrt(1.0 - sine * sine)
+            there = sunlight_at(sun, east, north, rows.range_m[row])
+            twice = 1.0 - cosine * (east * there.east + north * there.north) + sine * there.up
+            # cos(omega)/cos(beta) over the sine of the grazing angle
+            stretch = twice / ((sine + there.up) * sine)
+            place = (origin[0] + rows.range_m[row] * east, origin[1] + rows.range_m[row] * north)
+            footprint = (rows.along[row], rows.reach[row] * rows.column_step)
+            factor = sparkle_factor(sparkle, place, along_sight, footprint, stretch, images[0, SPREAD, row] / (solar * solar), time)
+            for part in range(images.shape[0]):
+                solar = images[part, SUN, row]
+                images[part, TOTAL, row] += solar * (factor - 1.0)
+                images[part, SUN, row] = solar * factor
+
+
+@njit_parallel
+def sparkle_columns(
+    sparkle: Sparkle,
+    rows: SparkleRows,
+    sun: Sunlight,
+    azimuths: np.ndarray,
+    origin: tuple[float, float],
+    time: float,
+    images: np.ndarray,
+) -> None:
+    """Apply :func:`sparkle_column` to every column of ``images`` (columns, intervals, channels, rows)."""
+    for column in numba.prange(azimuths.shape[0]):
+        sparkle_column(sparkle, rows, sun, azimuths[column], origin, time, images[column])
+
+
+def sparkle_image(
+    sparkle: Sparkle,
+    camera: Camera,
+    sun: Sunlight,
+    variance: FloatArray,
+    time: float,
+    origin: tuple[float, float] = (0.0, 0.0),
+) -> FloatArray:
+    """Factors of mean 1 on the mirrored Sun of an image.
+
+    Parameters
+    ----------
+    sparkle : Sparkle
+        The sea's parameters, from :func:`sparkle_of`.
+    camera : Camera
+        The image's grid.
+    sun : Sunlight
+        The Sun at the sensor's foot.
+    variance : ndarray
+        Relative variance ``(1/P - 1)/M`` of pixels that see many cells [1, (rows, columns)]; see :func:`piece_variance`.
+    time : float
+        Instant [s].
+    origin : tuple of float
+        Sensor's foot, east and north [m].
+
+    Returns
+    -------
+    ndarray
+        Factors [1, (rows, columns)].
+
+    Examples
+    --------
+    >>> from seaglint.facet.sunlight import sunlight
+    >>> camera = Camera(20.0, 0.0, -0.1, 0.002, 0.001, 4, 2)
+    >>> factors = sparkle_image(sparkle_of(1, 0.0026, 0.07), camera, sunlight(1.0, 0.0, True), np.full((2, 4), 0.01), 3.2)
+    >>> factors.shape, bool(abs(factors.mean() - 1.0) < 0.3)
+    ((2, 4), True)
+    """
+    images = np.ones((camera.columns, 1, FEWEST, camera.rows))
+    images[:, 0, SPREAD] = np.asarray(variance, dtype=np.float64).T
+    place = (float(origin[0]), float(origin[1]))
+    sparkle_columns(sparkle, sparkle_rows(camera), sun, camera.azimuths, place, float(time), images)
+    return np.ascontiguousarray(images[:, 0, SUN].T)

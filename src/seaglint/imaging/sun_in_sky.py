@@ -1,0 +1,168 @@
+r"""Solar disc in the sky part of an image: a uniform disc with a sharp limb, cut by the skyline of the sea.
+
+At an azimuth ``a`` from the Sun the disc reaches over the elevations ``phi - delta`` to ``phi + delta`` with
+
+.. math:: \tan\phi = \tan e_s / \cos a, \qquad \cos\delta = \cos\epsilon / \sqrt{1 - \cos^2 e_s \sin^2 a}
+
+Chords are added to the rows that they pass, in solid angle, so that the picture holds the whole disc wherever it stands among the pixels.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.base.conventions import FloatArray, horizon_depression
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import kernel
+from seaglint.facet.haze import is_dark
+from seaglint.facet.local_sun import visible_sun
+from seaglint.facet.sea_view import SeaView
+
+CHORDS: Final = 32
+"""Number of chords of the disc in a column, at even steps of the arc sine of their distance from the middle: within 1e-5 of its area."""
+
+_LARGE: Final = 1.5
+"""Angle from the Sun of all corners beyond which a pixel does not contain it [rad]."""
+
+
+class SunInSky(NamedTuple):
+    """Radiance of the disc [W m-2 sr-1], 0 without one; azimuth and apparent elevation of its centre at the sensor [rad]."""
+
+    radiance: float
+    azimuth: float
+    elevation: float
+
+
+NO_SUN: Final = SunInSky(0.0, 0.0, 0.0)
+
+
+def sun_in_sky(view: SeaView) -> SunInSky:
+    """Solar disc that a sensor sees, with the radiance ``E / (pi eps^2)`` for the sunlight E at the sea.
+
+    Its elevation is the apparent one at the sensor's height, about which its aureole stands too. A disc below the horizon at the sensor's
+    foot has the light of one on the horizon. None where no part of it stands above the sensor's horizon.
+    """
+    table, elevation = view.scattered.sky, 0.5 * math.pi - view.solar_zenith
+    if not is_dark(table):
+        # refraction between the sea and the sensor
+        elevation += min(view.solar_zenith, 0.5 * math.pi - SOLAR_ANGULAR_RADIUS) - table.solar_zenith
+    if elevation + SOLAR_ANGULAR_RADIUS <= -horizon_depression(view.sensor_height):
+        return NO_SUN
+    spectrum = view.irradiance
+    if visible_sun(view.solar_zenith)[0] == 0.0:
+        try:
+            spectrum = view.sun_distance_factor * view.atmosphere.solar_irradiance(0.5 * math.pi)[view.in_band.grid]
+        except DomainError as refused:
+            if refused.name != "solar_zenith":
+                raise
+    radiance = float(spectrum @ view.in_band.weights) / (math.pi * SOLAR_ANGULAR_RADIUS**2)
+    return SunInSky(radiance, float(view.solar_azimuth), float(elevation))
+
+
+@kernel
+def reach(sun: SunInSky) -> float:
+    """Largest azimuth of the disc from its centre [rad]; pi for one that contains the zenith."""
+    ratio = math.sin(SOLAR_ANGULAR_RADIUS) / max(math.cos(sun.elevation), 1e-9)
+    return math.asin(ratio) if ratio < 1.0 else math.pi
+
+
+@kernel
+def chord(sun: SunInSky, azimuth: float) -> tuple[float, float]:
+    """Elevations of the disc's lower and upper limb at an azimuth from its centre [rad]; twice the same value where there is none."""
+    across = math.cos(sun.elevation) * math.sin(azimuth)
+    radius = math.sin(SOLAR_ANGULAR_RADIUS)
+    middle = math.atan2(math.sin(sun.elevation), math.cos(sun.elevation) * math.cos(azimuth))
+    square = radius * radius - across * across
+    half = math.asin(min(math.sqrt(square / (1.0 - across * across)), 1.0)) if square > 0.0 else 0.0
+    return middle - half, min(middle + half, 0.5 * math.pi)
+
+
+@kernel
+def add_disc(sun: SunInSky, top: float, per_radian: float, column: tuple[float, float], skyline: np.ndarray, image: np.ndarray) -> None:
+    """Add the disc to the rows ``image`` (rows,) of a column, ``column = (azimuth, width)`` [rad].
+
+    ``skyline``: tangents of the elevations that the sea reaches, at even steps across the column; ``top`` and ``per_radian`` as in
+    :class:`~seaglint.imaging.sweep.sweep.Rows`.
+    """
+    azimuth, width = column
+    limit = reach(sun)
+    off = azimuth - sun.azimuth
+    off -= 2.0 * math.pi * math.floor(off / (2.0 * math.pi) + 0.5)
+    for turn in range(-1, 2):  # a column as wide as the circle sees the disc on both sides
+        left, right = off + 2.0 * math.pi * turn - 0.5 * width, off + 2.0 * math.pi * turn + 0.5 * width
+        first, last = max(left, -limit), min(right, limit)
+        if sun.radiance <= 0.0 or first >= last:
+            continue
+        begin, end = math.asin(max(first / limit, -1.0)), math.asin(min(last / limit, 1.0))
+        for n in range(CHORDS):
+            t = begin + (n + 0.5) / CHORDS * (end - begin)
+            a = limit * math.sin(t)
+            share = sun.radiance * limit * math.cos(t) * (end - begin) / CHORDS / width
+            low, high = chord(sun, a)
+            j = min(max(int((a - left) / width * skyline.shape[0]), 0), skyline.shape[0] - 1)
+            low = max(low, math.atan(skyline[j]))
+            row = int(max((top - high) * per_radian, 0.0))
+            while row < image.shape[0] and top - row / per_radian > low:
+                upper, lower = top - row / per_radian, top - (row + 1) / per_radian
+                inside = math.sin(min(high, upper)) - math.sin(max(low, lower))
+                if inside > 0.0:
+                    image[row] += share * inside / (math.sin(upper) - math.sin(lower))
+                row += 1
+
+
+def disc_in_pixels(sun: SunInSky, corner: FloatArray, pixels: NDArray[np.int64]) -> FloatArray:
+    """Mean radiance of the disc in pixels [W m-2 sr-1, (pixels,)], given as flat indices between ``corner`` (rows + 1, columns + 1, 3).
+
+    Nothing hides it. Great circles through the corners are the pixels' sides; in the plane that touches the sphere at the Sun they are
+    straight, and the disc is a circle.
+    """
+    out = np.zeros(pixels.size)
+    if sun.radiance <= 0.0 or pixels.size == 0:
+        return out
+    se, ce, sa, ca = math.sin(sun.elevation), math.cos(sun.elevation), math.sin(sun.azimuth), math.cos(sun.azimuth)
+    axes = np.array([[ca, -sa, 0.0], [-se * sa, -se * ca, ce], [ce * sa, ce * ca, se]])
+    row, column = np.divmod(pixels, corner.shape[1] - 1)
+    at = np.stack([corner[row + i, column + j] for i, j in ((0, 0), (0, 1), (1, 1), (1, 0))], axis=1)
+    seen = at @ axes.T
+    near = (seen[..., 2] > math.cos(_LARGE)).all(axis=1)
+    plane = seen[near, :, :2] / seen[near, :, 2:]
+    radius = math.tan(SOLAR_ANGULAR_RADIUS)
+    area = np.abs(sum(_sector(plane[:, k], plane[:, (k + 1) % 4], radius) for k in range(4)))
+    # of the disc in the plane to that on the sphere
+    scale = 2.0 * (1.0 - math.cos(SOLAR_ANGULAR_RADIUS)) / radius**2
+    out[near] = sun.radiance * area * scale / _solid_angle(at[near])
+    return out
+
+
+def _sector(p: FloatArray, q: FloatArray, radius: float) -> FloatArray:
+    """Signed area between the circle's middle, at the origin, and the sides p-q (n, 2), inside the circle [same unit squared, (n,)]."""
+    d = q - p
+    a, b, c = np.sum(d * d, axis=1), np.sum(p * d, axis=1), np.sum(p * p, axis=1) - radius**2
+    root = np.sqrt(np.maximum(b * b - a * c, 0.0))
+    size = np.maximum(a, 1e-300)
+    first, last = np.clip((-b - root) / size, 0.0, 1.0)[:, None], np.clip((-b + root) / size, 0.0, 1.0)[:, None]
+    into, out = p + first * d, p + last * d
+
+    def cross(u: FloatArray, v: FloatArray) -> FloatArray:
+        return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+
+    def arc(u: FloatArray, v: FloatArray) -> FloatArray:
+        return np.asarray(0.5 * radius**2 * np.arctan2(cross(u, v), np.sum(u * v, axis=1)))
+
+    return arc(p, into) + 0.5 * cross(into, out) + arc(out, q)
+
+
+def _solid_angle(at: FloatArray) -> FloatArray:
+    """Solid angle of quadrilaterals of unit vectors [sr, (n, 4, 3) to (n,)], as two triangles (Van Oosterom and Strackee 1983)."""
+
+    def triangle(a: FloatArray, b: FloatArray, c: FloatArray) -> FloatArray:
+        volume = np.abs(np.sum(a * np.cross(b, c), axis=1))
+        below = 1.0 + np.sum(a * b, axis=1) + np.sum(b * c, axis=1) + np.sum(c * a, axis=1)
+        return np.asarray(2.0 * np.arctan2(volume, below))
+
+    return np.asarray(triangle(at[:, 0], at[:, 1], at[:, 2]) + triangle(at[:, 0], at[:, 2], at[:, 3]))

@@ -1,0 +1,338 @@
+"""Sweep: walk outward along each azimuth, track the highest elevation so far, and shade what rises above it.
+
+Every surface piece above the running horizon is visible and covers a known interval of elevation; its radiance, found at the middle and
+linear towards its neighbours, is added to the pixels in proportion to the overlap. So a column has no sampling noise in elevation, its
+own horizon, and any width of panorama.
+
+Across a column, lines part as the column widens: one line near the sensor, two where the column is wider than a quarter of a shortest
+wave, and so on up to a limit. From there on the sea is sampled, not averaged, across a column.
+
+Cuts divide a column's image by distance from the sensor: every piece goes to the whole image and to that of its interval.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS
+from seaglint.base.jit import kernel, njit
+from seaglint.facet.facet_sunlight import FacetLevels, FacetOptics, facet_sunlight, level_optics
+from seaglint.facet.haze import NO_HAZE, Haze, haze_between, haze_column, path_along
+from seaglint.facet.local_sun import SunTable, strength_kernel
+from seaglint.facet.roughness import Sight, line_of_sight
+from seaglint.facet.solar_disc import DISC_ROWS, DiscLine, disc_line
+from seaglint.facet.sunlight import Sunlight, sunlight_at
+from seaglint.facet.thermal import ThermalLine, facet_thermal, thermal_along
+from seaglint.imaging.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, PATH, SLOPE, SPREAD, SUN, TOTAL
+from seaglint.imaging.sparkle import Sparkle, facet_spread
+from seaglint.imaging.sun_in_sky import NO_SUN, SunInSky, add_disc
+from seaglint.imaging.sweep.pieces import Merging, Pieces, merge, new_pieces, read_slopes
+from seaglint.imaging.sweep.walk import Walk, bend, elevation, walk_line
+from seaglint.imaging.wave_shadow import sun_share
+from seaglint.imaging.wave_surface import Course, Surface, course, height, new_strip
+
+NEGLIGIBLE_SUN = 3e-4
+"""Share of a facet's thermal radiance below which its sunlight is not tested for shadows."""
+
+
+WIDE_COLUMN = math.radians(0.5)
+"""Least width of a column [rad] whose lines have tables of their own: the aureole is ten degrees wide."""
+
+
+class Rows(NamedTuple):
+    """Rows of the image: geometry, sky and Sun.
+
+    The fields are elevation of the upper edge, 1/row step, their number, tangents of the lower and upper edges, the thermal sky in each,
+    its scattered sunlight in those that touch it, and the Sun.
+    """
+
+    top: float
+    per_radian: float
+    number: int
+    bottom_tangent: float
+    top_tangent: float
+    sky: np.ndarray
+    haze: Haze = NO_HAZE
+    sun: SunInSky = NO_SUN
+
+
+class Swept(NamedTuple):
+    """Data that columns read; no length depends on the instant.
+
+    The fields are samples, rows, the Sun at the sensor's foot and the change of its light with its elevation, facets, sparkles, and the
+    limits for merging pieces.
+    """
+
+    walk: Walk
+    rows: Rows
+    sunlight: Sunlight
+    strength: SunTable
+    levels: FacetLevels
+    sparkle: Sparkle
+    merging: Merging
+
+
+class Line(NamedTuple):
+    """Line of sight of a column in one stage: its level of detail, its course and the course to the Sun over the sea, and its tables.
+
+    These are the tables of its facets (:func:`~seaglint.facet.thermal.thermal_along`, :func:`~seaglint.facet.solar_disc.disc_line`), the
+    radiance of its path (:func:`~seaglint.facet.haze.path_along`), and its share and the width of the column [rad].
+    """
+
+    level: int
+    course: Course
+    sunward: Course
+    sight: Sight
+    thermal: ThermalLine
+    emitted: ThermalLine
+    disc: DiscLine
+    path: np.ndarray
+    weight: float
+    width: float
+
+
+@kernel
+def add_rows(
+    image: np.ndarray,
+    rows: Rows,
+    edges: tuple[float, float],
+    weight: float,
+    light: np.ndarray,
+    lean: tuple[float, float, float, float],
+) -> None:
+    """Add a piece to the rows between the elevations ``edges = (low, high)``, in proportion to the overlap.
+
+    ``image`` (channels, rows); ``light`` (channels,): the piece's mean; ``lean``: how total, Sun, emission and path change per radian.
+    """
+    low, high = edges
+    upper = max((rows.top - high) * rows.per_radian, 0.0)
+    lower = min((rows.top - low) * rows.per_radian, float(rows.number))
+    centre = (rows.top - 0.5 * (low + high)) * rows.per_radian
+    total, solar = -lean[0] / rows.per_radian, -lean[1] / rows.per_radian
+    row = int(upper)
+    while row < lower:
+        first, last = max(upper, float(row)), min(lower, row + 1.0)
+        overlap = weight * (last - first)
+        off = 0.5 * (first + last) - centre
+        image[TOTAL, row] += (light[TOTAL] + total * off) * overlap
+        image[SUN, row] += (light[SUN] + solar * off) * overlap
+        image[SPREAD, row] += light[SPREAD] * overlap
+        if image.shape[0] > FEWEST:
+            image[EMITTED, row] += (light[EMITTED] - lean[2] / rows.per_radian * off) * overlap
+            image[PATH, row] += (light[PATH] - lean[3] / rows.per_radian * off) * overlap
+            image[DISTANCE, row] += light[DISTANCE] * overlap
+            image[COVERAGE, row] += overlap
+            image[SLOPE, row] += light[SLOPE] * overlap
+        row += 1
+
+
+@kernel
+def leaning(light: np.ndarray, j: int, k: int, before: float, here: float, after: float, width: float) -> float:
+    """Derivative of a radiance over elevation [per rad] at piece ``j``, from its neighbours.
+
+    The centres are ``before, here, after``; a missing neighbour's is its own.
+
+    Its ends stay within what separates it from its neighbours, and above 0.
+    """
+    fall, rise = light[j, k] - light[j - 1 if before != here else j, k], light[j + 1 if after != here else j, k] - light[j, k]
+    if before == after:
+        return 0.0
+    most = 2.0 * min(max(abs(fall), abs(rise)), light[j, k]) / width
+    return float(min(max((fall + rise) / (after - before), -most), most))
+
+
+@kernel
+def distance(eye: float, z: float, r: float) -> float:
+    """Slant distance from the sensor, ``eye`` [m] above the mean sea, to a point ``z`` [m] above it at an arc ``r`` [m]."""
+    half = math.sin(0.5 * r / EFFECTIVE_EARTH_RADIUS)
+    across = 4.0 * (EFFECTIVE_EARTH_RADIUS + eye) * (EFFECTIVE_EARTH_RADIUS + z) * half * half
+    return math.sqrt((eye - z) * (eye - z) + across)
+
+
+@kernel
+def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pieces: Pieces, j: int, below: float) -> None:
+    """Compute the light of a piece, from its upper edge down to the tangent ``below``, into ``pieces.light[j]``.
+
+    ``lit`` has the Sun there.
+    """
+    walk, light, sun = swept.walk, pieces.light, lit.sunlight
+    i, above, r = (pieces.begin[j] + pieces.sample[j]) >> 1, pieces.extent[j, 1], pieces.arc[j]
+    if i == 0:
+        for k in range(light.shape[1]):
+            light[j, k] = 0.0
+        return
+    p, f = i // walk.every, (i % walk.every) / walk.every
+    slope, spread = (pieces.slope[j, 0], pieces.slope[j, 1]), (pieces.spread[j, 0], pieces.spread[j, 1], pieces.spread[j, 2])
+    # the grazing angle is the depression less the arc's angle
+    tangent = 0.5 * (max(below, -1e3) + above)
+    cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
+    cosine_arc, reach, _ = bend(r)
+    sine_arc = reach * (1.0 / EFFECTIVE_EARTH_RADIUS)
+    grazing = (-cosine * (tangent * cosine_arc + sine_arc), cosine * (cosine_arc - tangent * sine_arc))
+    warm = facet_thermal(lit.tables.axes, line.thermal, walk.path.thermal, (p, f), line.sight, grazing[0], slope)
+    solar, factor = facet_sunlight(lit, line.disc, walk.path.sun, (p, f), line.sight, grazing, slope, spread)
+    if solar > 0.0:
+        solar *= sun.share * strength_kernel(swept.strength, sun.up)
+    march = (walk.shadow[line.level, 0], walk.shadow[line.level, 1])
+    if march[0] > 0.0 and solar > NEGLIGIBLE_SUN * warm:
+        share = sun_share(surface, line.level, line.course, line.sunward, r, march, sun)
+        solar *= share
+        factor *= share
+    across = line.width / swept.rows.per_radian * reach * reach / cosine
+    path = line.path[p] + f * (line.path[p + 1] - line.path[p])
+    light[j, TOTAL], light[j, SUN] = warm + path + solar, solar
+    light[j, SPREAD] = facet_spread(swept.sparkle, sun, line.sight, grazing, solar, factor, across)
+    if light.shape[1] > FEWEST:
+        light[j, EMITTED] = facet_thermal(lit.tables.axes, line.emitted, walk.path.emitted, (p, f), line.sight, grazing[0], slope)
+        light[j, PATH] = path
+        light[j, DISTANCE] = distance(walk.eye, height(surface, line.course, 0, line.course.part.shape[0], r), r)
+        light[j, SLOPE] = -(slope[0] * line.sight.east + slope[1] * line.sight.north)
+
+
+@kernel
+def shade_line(
+    swept: Swept,
+    surface: Surface,
+    optics: FacetOptics,
+    line: Line,
+    pieces: Pieces,
+    count: int,
+    lowest: float,
+    cuts: np.ndarray,
+    images: np.ndarray,
+) -> None:
+    """Add the radiance of a line's ``count`` visible pieces, times its weight, to the rows of ``images[0]`` (channels, rows).
+
+    ``lowest``: tangent at the lower edge of the first piece. With ``images[1:]`` every piece is added to that of its interval too: piece
+    by piece as many as there are ``cuts`` [m] nearer than it.
+    """
+    sample, begin, extent, light = pieces.sample, pieces.begin, pieces.extent, pieces.light
+    below, known = lowest, -1
+    sun = optics.sunlight
+    for j in range(count):
+        # over the samples between two nodes of the path the Sun stands still: the vertical turns by some 1e-6 rad
+        if sample[j] // swept.walk.every != known:
+            known = sample[j] // swept.walk.every
+            sun = sunlight_at(optics.sunlight, -line.sight.east, -line.sight.north, pieces.arc[j])
+        shade_piece(swept, surface, FacetOptics(sun, optics.roughness, optics.tables), line, pieces, j, below)
+        below = extent[j, 1]
+    # Radiance changes linearly over a piece; beside a gap it is that of the neighbour on the other side.
+    low = elevation(lowest)
+    high = elevation(extent[0, 1]) if count > 0 else low
+    before = here = 0.5 * (low + high)
+    emitted = path = 0.0
+    for j in range(count):
+        beyond = elevation(extent[j + 1, 1]) if j + 1 < count else high
+        after = 0.5 * (high + beyond) if j + 1 < count and begin[j + 1] == sample[j] + 1 else here
+        width = max(high - low, 1e-15)
+        if light.shape[1] > FEWEST:
+            emitted = leaning(light, j, EMITTED, before, here, after, width)
+            path = leaning(light, j, PATH, before, here, after, width)
+        lean = (leaning(light, j, TOTAL, before, here, after, width), leaning(light, j, SUN, before, here, after, width), emitted, path)
+        add_rows(images[0], swept.rows, (low, high), line.weight, light[j], lean)
+        if images.shape[0] > 1:
+            interval = 0
+            while interval < cuts.shape[0] and light[j, DISTANCE] >= cuts[interval]:
+                interval += 1
+            add_rows(images[1 + interval], swept.rows, (low, high), line.weight, light[j], lean)
+        low, high = high, beyond
+        before, here = (here, after) if after != here else (0.5 * (low + high), 0.5 * (low + high))
+
+
+@kernel
+def add_sky(rows: Rows, azimuth: float, tangent: float, weight: float, image: np.ndarray) -> None:
+    """Fill the rows above the horizon of a line at an azimuth [rad]."""
+    upper = (rows.top - elevation(tangent)) * rows.per_radian
+    for row in range(min(rows.number, math.ceil(max(upper, 0.0)))):
+        image[TOTAL, row] += weight * rows.sky[row] * (min(upper, row + 1.0) - row)
+    if rows.haze.values.shape[0] > 0:
+        column = haze_column(rows.haze, azimuth)
+        for row in range(min(rows.haze.values.shape[1] - 1, math.ceil(max(upper, 0.0)))):
+            image[TOTAL, row] += weight * haze_between(rows.haze, column, row) * (min(upper, row + 1.0) - row)
+
+
+@kernel
+def add_skies(rows: Rows, azimuth: float, width: float, tangents: np.ndarray, image: np.ndarray) -> None:
+    """Add sky and Sun of a column above the horizons of its lines."""
+    lines = tangents.shape[0]
+    for j in range(lines):
+        add_sky(rows, azimuth + width * ((j + 0.5) / lines - 0.5), tangents[j], 1.0 / lines, image)
+    if rows.sun.radiance > 0.0:
+        add_disc(rows.sun, rows.top, rows.per_radian, (azimuth, width), tangents, image[TOTAL])
+
+
+@njit
+def skies_alone(rows: Rows, azimuths: np.ndarray, width: float, images: np.ndarray) -> None:
+    """Fill columns without sea; as :func:`sweep_columns`."""
+    below = np.full(1, rows.bottom_tangent)
+    for column in range(azimuths.shape[0]):
+        images[column] = 0.0
+        add_skies(rows, azimuths[column], width, below, images[column, 0])
+        if images.shape[1] > 1:
+            add_skies(rows, azimuths[column], width, below, images[column, images.shape[1] - 1])
+
+
+@njit
+def sweep_columns(
+    swept: Swept, surface: Surface, azimuths: np.ndarray, width: float, cuts: np.ndarray, images: np.ndarray, part: tuple[int, int]
+) -> None:
+    """Fill ``images[first:end]`` for ``part = (first, end)``: columns at ``azimuths`` of a ``width`` [rad].
+
+    ``images`` (columns, 1 or 2 + cuts, channels, rows): the whole, and the interval before each of the ``cuts`` (columns, cuts) [m] and
+    beyond the last. Columns do not depend on each other; :func:`seaglint.base.jit.in_threads` shares them out.
+    """
+    walk, rows = swept.walk, swept.rows
+    farthest = walk.range_m[walk.range_m.shape[0] - 1] / EARTH_RADIUS
+    pieces, strip, disc_rows = new_pieces(images.shape[2]), new_strip(), np.empty(DISC_ROWS)
+    for column in range(part[0], part[1]):
+        image = images[column]
+        image[:] = 0.0
+        tangents = np.full(1, rows.bottom_tangent)
+        for stage in range(walk.stage.shape[0] - 1):
+            tangents = np.repeat(tangents, 1 << walk.stage[stage, 2])
+            first, end, level = walk.stage[stage, 0], walk.stage[stage + 1, 0], walk.stage[stage, 1]
+            optics = level_optics(swept.sunlight, swept.levels, level)
+            axes, tables = optics.tables.axes, optics.tables
+            sines = (max(axes[0, 0], 0.0), min(axes[0, 0] + (tables.thermal.shape[0] - 1) / axes[0, 1], 1.0))
+            sunward = course(surface, level, swept.sunlight.horizontal_east, swept.sunlight.horizontal_north)
+            arcs = (walk.range_m[first], walk.range_m[end - 1])
+            limits = (swept.merging.spread, swept.merging.cells, swept.merging.highest[level], rows.top)
+            # lines of a narrow column share the tables of its middle: their azimuths differ by less than its width
+            middle = line_of_sight(optics.sunlight, optics.roughness, azimuths[column])
+            thermal, emitted = thermal_along(tables.thermal, axes, middle), thermal_along(tables.emitted, axes, middle)
+            disc = disc_line(optics.sunlight, optics.roughness, middle, sines, disc_rows, farthest)
+            path = path_along(walk.path.radiance, walk.path.sunlit, middle.chi, (first // walk.every, (end - 1) // walk.every + 2))
+            lines = tangents.shape[0]
+            for j in range(lines):
+                sight = line_of_sight(optics.sunlight, optics.roughness, azimuths[column] + width * ((j + 0.5) / lines - 0.5))
+                if lines > 1 and width > WIDE_COLUMN:
+                    thermal, emitted = thermal_along(tables.thermal, axes, sight), thermal_along(tables.emitted, axes, sight)
+                    disc = disc_line(optics.sunlight, optics.roughness, sight, sines, disc_rows, farthest)
+                    path = path_along(walk.path.radiance, walk.path.sunlit, sight.chi, (first // walk.every, (end - 1) // walk.every + 2))
+                line = Line(
+                    level,
+                    course(surface, level, -sight.east, -sight.north, arcs),
+                    sunward,
+                    sight,
+                    thermal,
+                    emitted,
+                    disc,
+                    path,
+                    1.0 / lines,
+                    width,
+                )
+                i = first
+                while i < end:
+                    horizon = (tangents[j], rows.top_tangent)
+                    count, i, tangent = walk_line(walk, surface, level, line.course, (i, end), horizon, strip, pieces.sample, pieces.extent)
+                    # apart from the walk, so that the look-ups of one piece can overlap with those of the next
+                    read_slopes(surface, line.course, walk.range_m, pieces, count, strip)
+                    count = merge(pieces, count, tangents[j], optics.roughness, limits)
+                    shade_line(swept, surface, optics, line, pieces, count, tangents[j], cuts[column], image)
+                    tangents[j] = tangent
+        add_skies(rows, azimuths[column], width, tangents, image[0])
+        if image.shape[0] > 1:
+            add_skies(rows, azimuths[column], width, tangents, image[image.shape[0] - 1])

@@ -1,0 +1,450 @@
+"""Reading of the synthesised sea: bilinear interpolation on periodic lattices, at any level of detail, and bounds of its height.
+
+A level of detail (:mod:`seaglint.sea.detail`) is a choice of lattices whose heights add up. A kernel that follows a horizontal line makes a
+:func:`course` of it once: where it starts on every lattice of the level and how it moves over it.
+
+Most samples of a grazing line are hidden. A line is read in strips, lattice by lattice, longest waves first, and a strip is left as soon as
+the largest heights that the other lattices hold cannot bring it into view.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import kernel, njit
+from seaglint.sea.wander import Wander
+
+STRIP = 64
+"""Number of samples of a line that are read together."""
+
+SUBCELL_BITS = 16
+"""Number of bits of positions within a cell: steps of ``2**-16`` of it, a fiftieth of a millimetre for cells of a metre."""
+
+SUBCELLS = 1 << SUBCELL_BITS
+
+LONGEST_STRIP = 1 << 14
+"""Largest number of cells along a strip, and of points a side of a lattice: with their parts they fill 31 bits."""
+
+WHOLE_TURNS = LONGEST_STRIP * SUBCELLS
+"""Offset that keeps positions positive; a whole number of periods of any lattice."""
+
+READS_PER_CELL = 2.5
+"""Least number of lattice readings in a cell where samples lie closer.
+
+Heights are linear between them: within 3.3 % of the amplitude of the lattice's shortest waves, which are four cells long. Slopes are read
+wherever they are needed.
+"""
+
+KNOTS_PER_PERIOD = 8
+"""Number of knots of a line in a period of a wandering tile: between them its displacement is linear, within 0.02 % of the period."""
+
+
+class Surface(NamedTuple):
+    """Sea of one instant as kernels read it.
+
+    ``height`` [m] and ``slope[:, (east, north)]`` are all lattices one after another: ``part[i] = (first address, points along a side,
+    their binary logarithm)``. Within a lattice squares of 4 x 4 points lie together in memory, because lines cross it in any direction; see
+    :func:`bilinear`. ``grid[i] = (1/spacing, cos, sin of the lattice's turn, u, v under the sensor)``. ``level[l]``: parts of the level, -1
+    where there are no more; ``crest[l, j]``: largest height that its parts from ``j`` on add [m]. ``wander[i, w] = (u, v, east, north,
+    phase)``: amplitude [cells], wave vector [cycles/m] and phase under the sensor [cycles] of the waves that make up a part's displacement
+    (:mod:`seaglint.sea.wander`); none where tiles lie still.
+    """
+
+    height: np.ndarray
+    slope: np.ndarray
+    part: np.ndarray
+    grid: np.ndarray
+    level: np.ndarray
+    crest: np.ndarray
+    wander: np.ndarray
+
+
+class Bounds(NamedTuple):
+    """Bounds for the steps of rays: of the sea's height [m] and slope [1], and the finest spacing of its lattices [m]."""
+
+    crest: float
+    steepest: float
+    spacing: float
+
+
+class Course(NamedTuple):
+    """Horizontal line over the lattices of one level, straight between the knots at which the displacement of a part is known.
+
+    ``start[j, m] + r step[j, m]``: position (u, v) [cells] at ``r`` metres, between the knots ``m`` and ``m + 1``; ``part[j]`` as in
+    :class:`Surface`, and the last ``m``; ``knot[j] = (arc of the first knot [m], knots per metre)``.
+    """
+
+    start: np.ndarray
+    step: np.ndarray
+    part: np.ndarray
+    knot: np.ndarray
+
+
+class Strip(NamedTuple):
+    """Buffers of up to :data:`STRIP` samples: their heights [m], and positions of those that are read.
+
+    These are arcs from the strip's beginning and heights [m], fractions (v, u) and addresses of the points around them.
+    """
+
+    height: np.ndarray
+    arc: np.ndarray
+    read: np.ndarray
+    fraction: tuple[np.ndarray, np.ndarray]
+    corner: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
+
+
+@njit
+def new_strip() -> Strip:
+    """Empty strip."""
+    room = (np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32), np.empty(STRIP, np.uint32))
+    fraction = (np.empty(STRIP, np.float32), np.empty(STRIP, np.float32))
+    return Strip(np.empty(STRIP, np.float32), np.empty(STRIP, np.float32), np.empty(STRIP, np.float32), fraction, room)
+
+
+@kernel
+def sine(cycles: float) -> float:
+    """Sine of an angle in cycles, within 3e-7: a minimax polynomial times its zeros, which vectorises."""
+    x = cycles - math.floor(cycles + 0.5)
+    q = x * x
+    return x * (1.0 - 4.0 * q) * (6.2831842 + q * (-16.2087243 + q * (16.7611333 + q * (-9.5276694 + q * 3.0445527))))
+
+
+@kernel
+def knots(surface: Surface, i: int, arcs: tuple[float, float]) -> tuple[int, float]:
+    """Number of straight pieces of a line between two arcs [m] over a part, and pieces per metre; one where the part does not wander."""
+    if surface.wander.shape[1] == 0 or arcs[1] <= arcs[0]:
+        return 1, 0.0
+    per_metre = KNOTS_PER_PERIOD * surface.grid[i, 0] / surface.part[i, 1]
+    return int((arcs[1] - arcs[0]) * per_metre) + 1, per_metre
+
+
+@kernel
+def displace(surface: Surface, i: int, direction: tuple[float, float], arcs: tuple[float, float], at: np.ndarray) -> None:
+    """Displacement of a part [cells] at the knots ``at[m]``, ``arcs = (first, distance of knots)`` [m], of a line under the sensor."""
+    at[:] = 0.0
+    for w in range(surface.wander.shape[1]):
+        wave = surface.wander[i, w]
+        along = wave[2] * direction[0] + wave[3] * direction[1]
+        phase, turn, u, v = wave[4] + along * arcs[0], along * arcs[1], wave[0], wave[1]
+        for m in range(at.shape[0]):
+            height = sine(phase + m * turn)
+            at[m, 0] += u * height
+            at[m, 1] += v * height
+
+
+@kernel
+def lay_course(surface: Surface, level: int, direction: tuple[float, float], arcs: tuple[float, float], line: Course) -> None:
+    """Set ``line`` to the line from under the sensor along a horizontal unit vector (east, north), to be read between two arcs [m].
+
+    With one arc, twice, it is straight, and displaced all along as it is there.
+    """
+    east, north = direction
+    for j in range(line.part.shape[0]):
+        i = surface.level[level, j]
+        scale, c, s = surface.grid[i, 0], surface.grid[i, 1], surface.grid[i, 2]
+        step_u, step_v = (c * east + s * north) * scale, (c * north - s * east) * scale
+        line.part[j, 0], line.part[j, 1], line.part[j, 2] = surface.part[i, 0], surface.part[i, 1], surface.part[i, 2]
+        pieces, per_metre = knots(surface, i, arcs)
+        line.part[j, 3] = pieces - 1
+        line.knot[j, 0], line.knot[j, 1] = arcs[0], per_metre
+        start, step = line.start[j], line.step[j]
+        between = 1.0 / per_metre if per_metre > 0.0 else 0.0
+        displace(surface, i, direction, (arcs[0], between), start[: pieces + 1])
+        for m in range(pieces):
+            bend_u, bend_v = (start[m + 1, 0] - start[m, 0]) * per_metre, (start[m + 1, 1] - start[m, 1]) * per_metre
+            r = arcs[0] + m * between
+            start[m, 0] += surface.grid[i, 3] - r * bend_u
+            start[m, 1] += surface.grid[i, 4] - r * bend_v
+            step[m, 0], step[m, 1] = step_u + bend_u, step_v + bend_v
+
+
+@njit
+def course(surface: Surface, level: int, east: float, north: float, arcs: tuple[float, float] = (0.0, 0.0)) -> Course:
+    """Line from under the sensor along a horizontal unit vector; see :func:`lay_course`."""
+    count, most = 0, 1
+    while count < surface.level.shape[1] and surface.level[level, count] >= 0:
+        most = max(most, knots(surface, surface.level[level, count], arcs)[0])
+        count += 1
+    positions = np.empty((2, count, most + 1, 2))
+    line = Course(positions[0], positions[1], np.empty((count, 4), np.int64), np.empty((count, 2)))
+    lay_course(surface, level, (east, north), arcs, line)
+    return line
+
+
+@kernel
+def piece(line: Course, j: int, r: float) -> int:
+    """Straight piece of a line over a level's part ``j``, ``r`` metres along; the first and the last continue beyond their ends."""
+    return int(min(max(int((r - line.knot[j, 0]) * line.knot[j, 1]), 0), line.part[j, 3]))
+
+
+@kernel
+def position(line: Course, j: int, r: float) -> tuple[float, float]:
+    """Position (u, v) [cells] over a level's part ``j``, ``r`` metres along a line."""
+    m = piece(line, j, r)
+    return line.start[j, m, 0] + r * line.step[j, m, 0], line.start[j, m, 1] + r * line.step[j, m, 1]
+
+
+@kernel
+def corners(size: int, u: float, v: float) -> tuple[int, int, int, int, float, float]:
+    """Address parts of the rows and columns around a lattice position (row, next row, column, next column), and its fractions (v, u).
+
+    A row part plus a column part is the address of a lattice point. The lattice ``size`` is a power of two.
+    """
+    lower_u, lower_v = math.floor(u), math.floor(v)
+    x0, y0 = int(lower_u) & (size - 1), int(lower_v) & (size - 1)
+    x1, y1 = (x0 + 1) & (size - 1), (y0 + 1) & (size - 1)
+    row0, row1 = (y0 >> 2) * 4 * size + (y0 & 3) * 4, (y1 >> 2) * 4 * size + (y1 & 3) * 4
+    return row0, row1, (x0 >> 2) * 16 + (x0 & 3), (x1 >> 2) * 16 + (x1 & 3), v - lower_v, u - lower_u
+
+
+@kernel
+def bilinear(surface: Surface, first: int, size: int, u: float, v: float) -> float:
+    """Height of one lattice [m] between the four points around a position."""
+    y0, y1, x0, x1, fy, fx = corners(size, u, v)
+    y0, y1 = y0 + first, y1 + first
+    a, b = surface.height[y0 + x0], surface.height[y0 + x1]
+    c, d = surface.height[y1 + x0], surface.height[y1 + x1]
+    low, high = a + fx * (b - a), c + fx * (d - c)
+    return float(low + fy * (high - low))
+
+
+@kernel
+def height(surface: Surface, line: Course, first: int, last: int, r: float) -> float:
+    """Height of a level's parts ``first`` to ``last`` (not included) together [m], ``r`` metres along a line."""
+    total = 0.0
+    for j in range(first, last):
+        u, v = position(line, j, r)
+        total += bilinear(surface, line.part[j, 0], line.part[j, 1], u, v)
+    return total
+
+
+@kernel
+def slopes(surface: Surface, line: Course, r: float) -> tuple[float, float]:
+    """Slopes of a level towards east and north [1], ``r`` metres along a line."""
+    east, north = 0.0, 0.0
+    for j in range(line.part.shape[0]):
+        u, v = position(line, j, r)
+        y0, y1, x0, x1, fy, fx = corners(line.part[j, 1], u, v)
+        y0, y1 = y0 + line.part[j, 0], y1 + line.part[j, 0]
+        a, b = (1.0 - fy) * (1.0 - fx), (1.0 - fy) * fx
+        c, d = fy * (1.0 - fx), fy * fx
+        east += a * surface.slope[y0 + x0, 0] + b * surface.slope[y0 + x1, 0]
+        east += c * surface.slope[y1 + x0, 0] + d * surface.slope[y1 + x1, 0]
+        north += a * surface.slope[y0 + x0, 1] + b * surface.slope[y0 + x1, 1]
+        north += c * surface.slope[y1 + x0, 1] + d * surface.slope[y1 + x1, 1]
+    return east, north
+
+
+@kernel
+def address(line: Course, j: int, first: float, some: tuple[int, int], strip: Strip) -> int:
+    """Fractions and corners over a level's part ``j`` of the readings ``some = (begin, end)`` of a strip, as far as the line is straight.
+
+    ``first`` [m]: where ``strip.arc`` counts from. Returns the reading to go on with. Apart from the reading, in numbers of 32 bits, which
+    the processor takes several at a time.
+    """
+    v, u = strip.fraction
+    p00, p01, p10, p11 = strip.corner
+    begin, end = some
+    r = first + strip.arc[begin]
+    m = piece(line, j, r)
+    knot = line.knot[j, 0] + (m + 1) / line.knot[j, 1] - first if m < line.part[j, 3] else math.inf
+    if strip.arc[end - 1] >= knot:
+        # the readings before the next knot: a guess from their mean distance, put right
+        span = max(float(strip.arc[end - 1] - strip.arc[begin]), 1e-9)
+        end = begin + 1 + int(max(knot - strip.arc[begin], 0.0) / span * (end - 1 - begin))
+        while end > begin + 1 and strip.arc[end - 1] >= knot:
+            end -= 1
+        while strip.arc[end] < knot:
+            end += 1
+    start_u, start_v = line.start[j, m, 0] + first * line.step[j, m, 0], line.start[j, m, 1] + first * line.step[j, m, 1]
+    cell_u, cell_v = math.floor(start_u), math.floor(start_v)
+    size = line.part[j, 1]
+    x, y = np.uint32(int(cell_u) & (size - 1)), np.uint32(int(cell_v) & (size - 1))
+    offset_u, offset_v = np.int32((start_u - cell_u) * SUBCELLS + WHOLE_TURNS), np.int32((start_v - cell_v) * SUBCELLS + WHOLE_TURNS)
+    move_u, move_v = np.float32(line.step[j, m, 0] * SUBCELLS), np.float32(line.step[j, m, 1] * SUBCELLS)
+    last, row = np.uint32(size - 1), np.uint32(line.part[j, 2] + 2)
+    one, two, three, four, bits, low = (
+        np.uint32(1),
+        np.uint32(2),
+        np.uint32(3),
+        np.uint32(4),
+        np.uint32(SUBCELL_BITS),
+        np.uint32(SUBCELLS - 1),
+    )
+    part = np.float32(1.0 / SUBCELLS)
+    # unsigned, as an address that could be negative is looked at once more
+    room = np.uint64(begin)
+    for n in range(end - begin):
+        k = room + np.uint64(n)
+        along = strip.arc[k]
+        at_u, at_v = np.uint32(offset_u + np.int32(along * move_u)), np.uint32(offset_v + np.int32(along * move_v))
+        u[k], v[k] = np.float32(np.int32(at_u & low)) * part, np.float32(np.int32(at_v & low)) * part
+        x0, y0 = np.uint32(x + np.uint32(at_u >> bits)) & last, np.uint32(y + np.uint32(at_v >> bits)) & last
+        x1, y1 = np.uint32(x0 + one) & last, np.uint32(y0 + one) & last
+        column0, column1 = np.uint32((x0 >> two) << four) | (x0 & three), np.uint32((x1 >> two) << four) | (x1 & three)
+        row0, row1 = (
+            np.uint32((y0 >> two) << row) | np.uint32((y0 & three) << two),
+            np.uint32((y1 >> two) << row) | np.uint32((y1 & three) << two),
+        )
+        p00[k], p01[k], p10[k], p11[k] = row0 | column0, row0 | column1, row1 | column0, row1 | column1
+    return end
+
+
+@kernel
+def stride(line: Course, j: int, span: float, count: int) -> int:
+    """Binary logarithm of the distance, in samples, of readings of a level's part ``j``: 0, 2 or 4.
+
+    ``span``: length of the strip's ``count`` samples [m]; a strip that is not full is read at every sample.
+    """
+    u, v = line.step[j, 0, 0], line.step[j, 0, 1]
+    moved = span * math.sqrt(u * u + v * v) * READS_PER_CELL
+    if count < STRIP or 4.0 * moved > STRIP:
+        return 0
+    return 2 if 16.0 * moved > STRIP else 4
+
+
+@kernel
+def add_between(strip: Strip, bits: int) -> None:
+    """Add heights known at every ``2**bits``-th sample to the strip's, linear between; fast where ``bits`` is a constant."""
+    apart = 1 << bits
+    part = np.float32(1.0 / apart)
+    for m in range(STRIP >> bits):
+        low = strip.read[np.uint64(m)]
+        rise = (strip.read[np.uint64(m + 1)] - low) * part
+        for k in range(apart):
+            strip.height[np.uint64(m * apart + k)] += low + np.float32(k) * rise
+
+
+@kernel
+def add_heights(surface: Surface, line: Course, j: int, range_m: np.ndarray, first: int, count: int, strip: Strip) -> None:
+    """Add the heights of a level's part ``j`` at ``count`` samples of a line, those from ``range_m[first]`` on, to the strip's.
+
+    As :func:`height`, to a ``SUBCELLS``-th of a cell, for strips of up to :data:`LONGEST_STRIP` cells; linear between the samples that are
+    read (:func:`stride`).
+    """
+    at, begin = np.uint64(first), range_m[first]
+    last = range_m[first + count - 1] - begin
+    bits = stride(line, j, last, count)
+    if bits == 0:
+        for k in range(count):
+            strip.arc[np.uint64(k)] = range_m[at + np.uint64(k)] - begin
+        read_heights(surface, line, j, begin, count, strip)
+        for k in range(count):
+            strip.height[np.uint64(k)] += strip.read[np.uint64(k)]
+        return
+    readings = (STRIP >> bits) + 1
+    for m in range(readings - 1):
+        strip.arc[np.uint64(m)] = range_m[at + (np.uint64(m) << np.uint64(bits))] - begin
+    strip.arc[readings - 1] = 2.0 * last - (range_m[first + count - 2] - begin)
+    read_heights(surface, line, j, begin, readings, strip)
+    if bits == 2:
+        add_between(strip, 2)
+    else:
+        add_between(strip, 4)
+
+
+@kernel
+def read_heights(surface: Surface, line: Course, j: int, first: float, count: int, strip: Strip) -> None:
+    """Heights of a level's part ``j`` at ``count`` arcs of ``strip.arc``, counted from ``first`` [m], into ``strip.read``."""
+    v, u = strip.fraction
+    p00, p01, p10, p11 = strip.corner
+    done = 0
+    while done < count:
+        done = address(line, j, first, (done, count), strip)
+    origin = np.uint64(line.part[j, 0])
+    for n in range(count):
+        k = np.uint64(n)
+        a, b = surface.height[origin + np.uint64(p00[k])], surface.height[origin + np.uint64(p01[k])]
+        c, d = surface.height[origin + np.uint64(p10[k])], surface.height[origin + np.uint64(p11[k])]
+        near, far = a + u[k] * (b - a), c + u[k] * (d - c)
+        strip.read[k] = near + v[k] * (far - near)
+
+
+@kernel
+def lay_squares(lattice: np.ndarray, height: np.ndarray, slope: np.ndarray) -> None:
+    """Reorder a lattice (n, n, 3) in squares of 4 x 4 points, as :class:`Surface` has them."""
+    size = lattice.shape[0]
+    for y in range(size):
+        for x in range(size):
+            row, _, column, _, _, _ = corners(size, float(x), float(y))
+            at = row + column
+            height[at], slope[at, 0], slope[at, 1] = lattice[y, x, 0], lattice[y, x, 1], lattice[y, x, 2]
+
+
+def steepest_rise(lattices: tuple[NDArray[np.float32], ...], spacing: FloatArray) -> float:
+    """Bound of the slope [1] of a sea whose heights are read bilinearly from lattices, ``spacing`` [m] apart, that add up."""
+    rise = 0.0
+    for lattice, d in zip(lattices, spacing, strict=True):
+        z = lattice[..., 0]
+        rise += math.hypot(*(float(np.abs(z - np.roll(z, 1, axis)).max()) / float(d) for axis in (0, 1)))
+    return rise
+
+
+def surface_of(
+    lattices: tuple[NDArray[np.float32], ...],
+    spacing: FloatArray,
+    turn: FloatArray,
+    levels: tuple[tuple[int, ...], ...] | None = None,
+    origin: tuple[float, float] = (0.0, 0.0),
+    wander: tuple[Wander, ...] = (),
+) -> Surface:
+    """Bundle the lattices of one instant; without lattices the sea has no resolved waves.
+
+    Parameters
+    ----------
+    lattices : tuple of ndarray
+        Each (n, n, 3): height [m], slopes towards east and north; n a power of two, 4 or more.
+    spacing, turn : ndarray
+        Distance of lattice points [m] and turn from east [rad] of each.
+    levels : tuple of tuples of int, optional
+        Lattices of every level of detail, longest waves first; one of all by default.
+    origin : (float, float)
+        Point under the sensor, east and north [m].
+    wander : tuple of Wander
+        Displacement of each lattice; none where all lie still.
+    """
+    sizes = np.array([z.shape[0] for z in lattices], dtype=np.int64)
+    for n in sizes:
+        if n < 4 or n & (n - 1) or n > LONGEST_STRIP:
+            raise DomainError(f"tiles of {n} points a side cannot be rendered; give a power of two from 4 to {LONGEST_STRIP}")
+    chosen = levels if levels is not None else (tuple(range(len(lattices))),)
+    first = np.concatenate([[0], np.cumsum(sizes**2)]).astype(np.int64)
+    bits = np.array([int(n).bit_length() - 1 for n in sizes], dtype=np.int64)
+    heights, both_slopes = np.empty(first[-1], np.float32), np.empty((first[-1], 2), np.float32)
+    for lattice, begin, end in zip(lattices, first[:-1], first[1:], strict=True):
+        lay_squares(lattice, heights[begin:end], both_slopes[begin:end])
+    c, s = np.cos(turn), np.sin(turn)
+    # positions are periodic: small numbers have more digits
+    u, v = (np.mod(p / spacing, sizes) for p in (c * origin[0] + s * origin[1], c * origin[1] - s * origin[0]))
+    highest = [float(z[..., 0].max()) for z in lattices]
+    most = max(*map(len, chosen), 1)
+    level, crest = np.full((len(chosen), most), -1, np.int64), np.zeros((len(chosen), most))
+    for i, parts in enumerate(chosen):
+        level[i, : len(parts)] = parts
+        crest[i, : len(parts)] = np.cumsum([highest[p] for p in reversed(parts)])[::-1]
+    return Surface(
+        heights,
+        both_slopes,
+        np.stack([first[:-1], sizes, bits], axis=1),
+        np.stack([1.0 / spacing, c, s, u, v], axis=1),
+        level,
+        crest,
+        _wander_rows(wander, spacing, turn, origin),
+    )
+
+
+def _wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
+    """Rows :attr:`Surface.wander` for a sensor above ``origin``."""
+    out = np.zeros((len(wander), max((w.phase.size for w in wander), default=0), 5))
+    for row, one, d, angle in zip(out, wander, spacing, turn, strict=False):
+        c, s = np.cos(angle), np.sin(angle)
+        row[:, :2] = one.amplitude @ np.array([[c, -s], [s, c]]) / d
+        row[:, 2:4] = one.wave_vector / (2.0 * np.pi)
+        row[:, 4] = np.mod(row[:, 2:4] @ np.array(origin) + one.phase / (2.0 * np.pi), 1.0)
+    return out

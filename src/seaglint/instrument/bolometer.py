@@ -1,0 +1,93 @@
+r"""Thermal detectors: the response of a microbolometer to absorbed power, with a lag and without shot noise.
+
+Noise is what a data sheet states: the NETD against a blackbody of a temperature, seen through optics of an f-number. In absorbed power
+
+.. math:: \sigma_P = \mathrm{NETD}\; A_d\, \Omega(F_0)\, \alpha\, \frac{dL}{dT}(T_0)
+
+is a property of the pixel, whatever optics it gets. The signal follows the power with :math:`1 - e^{-t/\tau}`; frames ``dt`` apart keep the
+share :math:`e^{-dt/\tau}` of the frame before.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.instrument.detector import MOST_BITS, Pixels
+
+FORGOTTEN: Final = 1e-4
+"""Share of an old frame below which it is omitted from the lag: less than a count of most converters."""
+
+MOST_REMEMBERED: Final = 64
+"""Largest number of frames in the lag."""
+
+NANO: Final = 1e9
+"""Number of nanowatts, the units of the signal, in a watt."""
+
+
+@dataclass(frozen=True)
+class ThermalDetector(Pixels):
+    """Pixels of a thermal detector.
+
+    Attributes
+    ----------
+    pitch : float
+        Distance of the pixels' centres [m].
+    netd : float
+        Noise-equivalent temperature difference of the data sheet [K].
+    netd_f_number, netd_temperature : float
+        Optics (transmission 1) and blackbody [K] for which it is stated.
+    time_constant : float
+        Time constant of the exponential lag [s]; 0 has none.
+    fill_factor : float
+        Share of a pixel's area that absorbs [1].
+    absorptance : float
+        Share of the power on it that is absorbed [1].
+    full_scale_temperature : float
+        Blackbody that fills the converter [K].
+    bit_depth : int
+        Bit depth of the converter.
+    offset : float
+        Counts without power.
+    """
+
+    pitch: float
+    netd: float
+    netd_f_number: float = 1.0
+    netd_temperature: float = 300.0
+    time_constant: float = 0.0
+    fill_factor: float = 1.0
+    absorptance: float = 1.0
+    full_scale_temperature: float = 433.15
+    bit_depth: int = MOST_BITS
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        self.require_bits()
+
+
+def lag_weights(time_constant: float, interval: float) -> FloatArray:
+    """Weights of this frame, the one before and so on in the signal, which add to 1.
+
+    Parameters
+    ----------
+    time_constant, interval : float
+        Time constant of the detector, and interval between frames [s].
+
+    Examples
+    --------
+    >>> lag_weights(0.0, 0.04)
+    array([1.])
+    >>> [round(float(w), 4) for w in lag_weights(0.01, 0.02)]
+    [0.8647, 0.117, 0.0158, 0.0021, 0.0003]
+    """
+    if time_constant <= 0.0:
+        return np.ones(1)
+    decay = math.exp(-interval / time_constant)
+    count = 1 + min(math.floor(math.log(FORGOTTEN) / math.log(decay)) if decay > 0.0 else 0, MOST_REMEMBERED - 1)
+    weights = (1.0 - decay) * decay ** np.arange(count)
+    return np.asarray(weights / weights.sum())

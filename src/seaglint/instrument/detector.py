@@ -1,0 +1,201 @@
+"""Photon detectors: from in-band radiance on the focal plane to electrons and counts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+
+MOST_BITS: Final = 16
+"""Largest bit depth of the signal."""
+
+FULL_SCALE_TEMPERATURE: Final = 400.0
+"""Blackbody temperature that fills the converter without a given well or gain [K]: hotter than any sea, cooler than a mirrored Sun."""
+
+
+class Pixels:
+    """Common interface of the pixels of all detectors: a pitch [m], a fill factor and a bit depth."""
+
+    pitch: float
+    fill_factor: float
+    bit_depth: int
+
+    def require_bits(self) -> None:
+        """Refuse a bit depth above :data:`MOST_BITS`."""
+        if not 1 <= self.bit_depth <= MOST_BITS:
+            raise DomainError(
+                f"bit depth = {self.bit_depth} is not one of a signal of 16 bits; give 1 to {MOST_BITS}",
+                name="bit_depth",
+                value=self.bit_depth,
+                allowed=(1, MOST_BITS),
+            )
+
+    @property
+    def active_width(self) -> float:
+        """Side of the sensitive square [m]."""
+        return self.pitch * math.sqrt(self.fill_factor)
+
+    @property
+    def active_area(self) -> float:
+        """Area of the sensitive square [m2]."""
+        return self.pitch**2 * self.fill_factor
+
+    @property
+    def top_count(self) -> int:
+        """Largest count."""
+        return (1 << self.bit_depth) - 1
+
+
+@dataclass(frozen=True)
+class Detector(Pixels):
+    """Pixels of a photon detector.
+
+    Attributes
+    ----------
+    pitch : float
+        Distance of the pixels' centres [m].
+    fill_factor : float
+        Share of a pixel's area that is sensitive, a square in its middle [1].
+    integration_time : float
+        [s].
+    quantum_efficiency : float
+        Electrons for each photon, where the response of the efficiency's curve is 1 [1].
+    well_capacity : float or None
+        Electrons that a pixel holds; None does not saturate.
+    read_noise : float
+        Rms of a reading [electrons].
+    dark_current : float
+        [electrons s-1].
+    bit_depth : int
+        Bit depth of the converter.
+    gain : float or None
+        Electrons for each count; where None a full well, or the electrons of a hot blackbody, fill the converter.
+    offset : float
+        Counts without electrons.
+    crosstalk : float
+        Share of a pixel's electrons that is collected by its four neighbours [1].
+    short_time : float or None
+        Second, shorter integration, taken where the long one saturates [s].
+    """
+
+    pitch: float
+    fill_factor: float = 1.0
+    integration_time: float = 0.01
+    quantum_efficiency: float = 1.0
+    well_capacity: float | None = None
+    read_noise: float = 0.0
+    dark_current: float = 0.0
+    bit_depth: int = MOST_BITS
+    gain: float | None = None
+    offset: float = 0.0
+    crosstalk: float = 0.0
+    short_time: float | None = None
+
+    def __post_init__(self) -> None:
+        self.require_bits()
+        if self.well_capacity is not None and self.well_capacity <= self.read_noise:
+            raise DomainError(
+                f"well capacity = {self.well_capacity:g} electrons is not above the read noise of {self.read_noise:g}; correct one of them",
+                name="well_capacity",
+                value=self.well_capacity,
+                allowed=f"above {self.read_noise:g}",
+            )
+        if self.short_time is not None and not 0.0 < self.short_time < self.integration_time:
+            raise DomainError(
+                f"short integration time = {self.short_time:g} s is not below the long one of {self.integration_time:g} s; shorten it",
+                name="short_time",
+                value=self.short_time,
+                allowed=f"0 to {self.integration_time:g} s",
+            )
+
+    @property
+    def range_factor(self) -> float:
+        """Factor by which the second integration time widens the range of electrons."""
+        return 1.0 if self.short_time is None else self.integration_time / self.short_time
+
+
+@dataclass(frozen=True)
+class Readout:
+    """Straight line from radiance to counts, for photon and thermal detectors.
+
+    ``units`` are electrons of a photon detector, nanowatts absorbed by a thermal one.
+
+    Attributes
+    ----------
+    per_radiance : float
+        Units for each unit of in-band radiance at the aperture [units (W m-2 sr-1)-1].
+    background : float
+        Units without any scene: dark current, warm optics and housing.
+    dark : float
+        The part of them that is no light.
+    capacity : float
+        Units at which a pixel saturates; infinite where it does not.
+    gain : float
+        Units for each count.
+    offset : float
+        Counts without units.
+    top_count : int
+        Largest count.
+    """
+
+    per_radiance: float
+    background: float
+    dark: float
+    capacity: float
+    gain: float
+    offset: float
+    top_count: int
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.offset < self.top_count:
+            raise DomainError(
+                f"offset = {self.offset:g} counts leaves nothing of {self.top_count} counts; give a lower offset or more bits",
+                name="offset",
+                value=self.offset,
+                allowed=f"0 to below {self.top_count}",
+            )
+
+    @property
+    def full_scale(self) -> float:
+        """Largest signal of the pixel or of the converter [units]."""
+        return min(self.capacity, (self.top_count - self.offset) * self.gain)
+
+    def units(self, radiance: ArrayLike) -> FloatArray:
+        """Mean signal of radiances at the aperture [W m-2 sr-1], unlimited [units]."""
+        return self.per_radiance * np.asarray(radiance, np.float64) + self.background
+
+    def counts(self, units: ArrayLike) -> FloatArray:
+        """Counts, whole numbers as floats, within the converter's range."""
+        raw = np.rint(np.asarray(units, np.float64) / self.gain + self.offset)
+        return np.clip(raw, 0.0, float(self.top_count))
+
+    @property
+    def radiance_scale(self) -> float:
+        """Radiance of a count [W m-2 sr-1]."""
+        return self.gain / self.per_radiance
+
+    @property
+    def radiance_offset(self) -> float:
+        """Radiance of zero counts [W m-2 sr-1]; negative where there is a background."""
+        return -(self.offset * self.gain + self.background) / self.per_radiance
+
+    def radiance(self, counts: ArrayLike) -> FloatArray:
+        """Radiance at the aperture from counts [W m-2 sr-1]."""
+        return np.asarray(counts, np.float64) * self.radiance_scale + self.radiance_offset
+
+
+def square_mtf(frequency: ArrayLike, width: float) -> FloatArray:
+    """Transfer of a detector of an angular width [rad], at frequencies across it [cycles rad-1]."""
+    return np.asarray(np.sinc(np.asarray(frequency, np.float64) * width))
+
+
+def crosstalk_mtf(along: ArrayLike, across: ArrayLike, share: float, step: float) -> FloatArray:
+    """Transfer of pixels ``step`` [rad] apart that lose a share to their four neighbours."""
+    x, y = np.asarray(along, np.float64), np.asarray(across, np.float64)
+    return np.asarray(1.0 - share + 0.5 * share * (np.cos(2.0 * np.pi * x * step) + np.cos(2.0 * np.pi * y * step)))

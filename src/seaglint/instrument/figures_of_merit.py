@@ -1,0 +1,220 @@
+r"""Figures of merit of a sensor, as in a data sheet.
+
+With the electrons ``N`` of a blackbody that fills the field and their noise ``sigma``
+
+.. math:: \mathrm{NETD} = \frac{\sigma(T)}{dN/dT} \qquad \mathrm{SiTF} = \frac{1}{g}\frac{dN}{dT} \qquad
+    \mathrm{NEI} = \frac{\sigma}{A_{pupil}\,\tau\,t\,K\,s}
+
+``s`` is the share of a point's light that falls on its pixel. All are those of the sensor's own noise, whatever the switches ``temporal``
+and ``fixed_pattern`` of a scenario leave out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seaglint.base.conventions import FloatArray
+from seaglint.instrument.chain import SensorModel
+from seaglint.instrument.detector import Detector, crosstalk_mtf, square_mtf
+from seaglint.instrument.optics import motion_mtf
+
+BACKGROUND: Final = 300.0
+"""Temperature of the blackbody against which NETD, SiTF and the like are stated [K]."""
+
+MTF_POINTS: Final = 41
+"""Number of frequencies of a printed MTF, from 0 to twice the Nyquist frequency."""
+
+
+@dataclass(frozen=True)
+class Budget:
+    """Temporal noise of a pixel by its causes, rms in units of the signal, with the mean signal."""
+
+    signal: float
+    parts: dict[str, float]
+
+    @property
+    def total(self) -> float:
+        """Total noise: root of the sum of squares."""
+        return math.sqrt(sum(value**2 for value in self.parts.values()))
+
+
+def mtf(model: SensorModel, frequency: ArrayLike, rates: tuple[float, float] = (0.0, 0.0)) -> dict[str, dict[str, FloatArray]]:
+    """Transfer along rows and across them, by cause, at frequencies [cycles rad-1]; ``total`` is their product.
+
+    >>> from seaglint.optics.band import Band
+    >>> from seaglint.instrument.optics import Optics
+    >>> from seaglint.instrument.photons import Photons
+    >>> eye = SensorModel(Photons(Band.rectangular(3.5, 5.0)), Optics(0.05, 0.2), Detector(15e-6))
+    >>> round(float(mtf(eye, [0.5 / eye.ifov])["along"]["detector"][0]), 4)
+    0.6366
+    """
+    f = np.atleast_1d(np.asarray(frequency, np.float64))
+    width, smear = model.detector.active_width / model.optics.focal_length, model.smear(rates)
+    out = {}
+    for number, name in enumerate(("along", "across")):
+        parts = {**model.blur.parts(f), "detector": square_mtf(f, width)}
+        if isinstance(model.detector, Detector) and model.detector.crosstalk:
+            parts["crosstalk"] = crosstalk_mtf(f, np.zeros(f.size), model.detector.crosstalk, model.ifov)
+        if smear[number]:
+            parts["motion"] = motion_mtf(f, smear[number])
+        total = np.ones(f.size)
+        for part in parts.values():
+            total = total * part
+        out[name] = {**parts, "total": total}
+    return out
+
+
+def budget(model: SensorModel, radiance: float) -> Budget:
+    """Noise budget of a pixel at a radiance at the aperture [W m-2 sr-1]."""
+    line, noise, detector = model.readout, model.noise, model.detector
+    signal = float(line.units(radiance))
+    parts: dict[str, float] = {}
+    if isinstance(detector, Detector):
+        parts["scene"] = math.sqrt(line.per_radiance * radiance)
+        parts["optics"] = math.sqrt(max(line.background - line.dark, 0.0))
+        parts["dark"] = math.sqrt(line.dark)
+        parts["read"] = detector.read_noise
+    else:
+        parts["detector"] = model.read_rms
+    parts |= {"one_over_f": noise.one_over_f, "quantisation": line.gain / math.sqrt(12.0)}
+    parts |= {name: getattr(noise, name) for name in ("frame", "row_temporal", "column_temporal")}
+    return Budget(signal, parts)
+
+
+def fixed_pattern(model: SensorModel, radiance: float) -> float:
+    """Rms of fixed differences between pixels [units]."""
+    noise, line = model.noise, model.readout
+    light = float(line.units(radiance)) - line.dark
+    if noise.corrected_at is None:
+        gain, offset, (first, second) = noise.gain_spread * light, noise.offset_spread, (0.0, 0.0)
+    else:
+        gain, offset, (first, second) = 0.0, 0.0, noise.corrected_at
+    curved = noise.curvature_spread * (light - first) * (light - second) / min(line.full_scale, 1e15)
+    return math.sqrt(gain**2 + offset**2 + curved**2)
+
+
+def three_d(model: SensorModel, radiance: float) -> dict[str, float]:
+    """Seven components of 3-D noise at a radiance [units]; differences between pixels of a scanner are differences between rows."""
+    temporal, noise = budget(model, radiance), model.noise
+    common = ("frame", "row_temporal", "column_temporal")
+    pattern, scanning = fixed_pattern(model, radiance), model.scanning
+    pixel = math.sqrt(sum(value**2 for name, value in temporal.parts.items() if name not in common))
+    return {
+        "T": noise.frame,
+        "V": math.hypot(noise.row, pattern) if scanning else noise.row,
+        "H": noise.column,
+        "TV": noise.row_temporal,
+        "TH": noise.column_temporal,
+        "VH": 0.0 if scanning else pattern,
+        "TVH": pixel,
+    }
+
+
+def signal_slope(model: SensorModel, temperature: float) -> float:
+    """Signal for each kelvin of a blackbody [units K-1], with the conversion of the chain."""
+    return model.readout.per_radiance * model.photons.radiance_slope(temperature)
+
+
+def point_share(model: SensorModel) -> float:
+    """Share of a point's light on the pixel at whose centre it stands [1]."""
+    f = (np.arange(-512, 512) + 0.5) * (4.0 * model.optics.cutoff(1e-6 * model.photons.band.min_um) / 1024)
+    frequency, table = model.blur.table()
+    width = model.detector.active_width / model.optics.focal_length
+    along = square_mtf(f, width)
+    total = np.interp(np.hypot(f[:, None], f[None, :]), frequency, table, right=0.0)
+    return float(np.sum(total * along[:, None] * along[None, :]) * (f[1] - f[0]) ** 2 * width**2)
+
+
+def figures(
+    model: SensorModel,
+    scene_radiance: float | None = None,
+    rates: tuple[float, float] = (0.0, 0.0),
+    frequencies: Sequence[float] = (),
+) -> dict[str, Any]:
+    """All figures of merit of a sensor, as plain numbers under names with their units.
+
+    Parameters
+    ----------
+    model : SensorModel
+        The sensor.
+    scene_radiance : float, optional
+        Mean radiance for which the noise budget is made [W m-2 sr-1]; that of a blackbody at 300 K by default.
+    rates : (float, float)
+        Movement of the line of sight by the platform [rad s-1].
+    frequencies : sequence of float
+        Frequencies of the MTF [cycles rad-1]; by default from 0 to twice the Nyquist frequency.
+    """
+    line, detector, optics, photons = model.readout, model.detector, model.optics, model.photons
+    photon = isinstance(detector, Detector)
+    background = float(photons.radiance(BACKGROUND))
+    mean = background if scene_radiance is None else scene_radiance
+    noise, slope = budget(model, background), signal_slope(model, BACKGROUND)
+    units = "electrons" if photon else "nw"
+    nyquist = 0.5 / model.ifov
+    frequency = np.asarray(frequencies, np.float64) if frequencies else np.linspace(0.0, 2.0 * nyquist, MTF_POINTS)
+    transfer = mtf(model, frequency, rates)
+    here = budget(model, mean)
+    floor = budget(model, 0.0).total
+    time = detector.integration_time if isinstance(detector, Detector) else model.frame_interval
+    per_watt = line.per_radiance / (detector.active_area * optics.solid_angle * optics.transmission)
+    ceiling = (line.full_scale - line.background) / line.per_radiance
+    share = point_share(model)
+    out: dict[str, Any] = {
+        "detector": "photon" if photon else "thermal",
+        "band_um": [photons.band.min_um, photons.band.max_um],
+        "mean_wavelength_um": 1e6 * photons.wavelength,
+        "aperture_m": optics.aperture,
+        "focal_length_m": optics.focal_length,
+        "f_number": optics.f_number,
+        "solid_angle_sr": optics.solid_angle,
+        "ifov_mrad": 1e3 * model.ifov,
+        "oversampling": model.oversampling,
+        "background_k": BACKGROUND,
+        "netd_k": noise.total / slope,
+        "sitf_counts_per_k": slope / line.gain,
+        "nei_w_m2": noise.total / (per_watt * optics.pupil_area * optics.transmission * share),
+        "nep_w": noise.total / per_watt,
+        "point_share": share,
+        "electrons_per_count": line.gain if photon else None,
+        "nw_per_count": None if photon else line.gain,
+        "offset_counts": line.offset,
+        "radiance_per_count": line.radiance_scale,
+        "radiance_at_zero_counts": line.radiance_offset,
+        "dynamic_range_db": 20.0 * math.log10(max((line.full_scale - line.background) / floor, 1e-9)) if floor > 0.0 else None,
+        "saturation_temperature_k": _finite(float(photons.apparent_temperature(ceiling))),
+        "saturation_radiance": ceiling,
+        "mtf": {
+            "frequency_cycles_per_mrad": (1e-3 * frequency).tolist(),
+            "along": transfer["along"]["total"].tolist(),
+            "across": transfer["across"]["total"].tolist(),
+            "nyquist_cycles_per_mrad": 1e-3 * nyquist,
+            "parts": {way: {name: part.tolist() for name, part in parts.items() if name != "total"} for way, parts in transfer.items()},
+        },
+        f"noise_budget_{units}": {
+            "scene_radiance": mean,
+            "scene_apparent_temperature_k": _finite(float(photons.apparent_temperature(mean))),
+            "signal": here.signal,
+            **here.parts,
+            "total_temporal": here.total,
+            "fixed_pattern": fixed_pattern(model, mean),
+        },
+        f"three_d_noise_{units}": three_d(model, mean),
+        "conversion_error": {
+            "reference_k": photons.temperature,
+            "280_k": photons.error(280.0) if photon else 0.0,
+            "320_k": photons.error(320.0) if photon else 0.0,
+            "sunlight": photons.sunlight_error if photon else 0.0,
+        },
+        "time_s": time,
+    }
+    return out
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None

@@ -1,0 +1,214 @@
+r"""Noise of a detector: temporal noise, fixed pattern, and defective pixels.
+
+Every number is a function of (seed, frame, pixel): a frame drawn alone has the noise that it has in its sequence, whatever the threads.
+The seven components of three-dimensional noise (NVESD) can all be put in: frame (T), row (V), column (H), row in time (TV), column in time
+(TH), pixel (VH: gain and offset) and pixel in time (TVH: shot, read, 1/f).
+
+1/f noise is a sum of octaves: the values of the k-th are held for :math:`2^k` frames (Voss's method), so that any frame is found alone and
+the density falls like 1/f over the octaves.
+
+Two-point correction makes the response of all pixels equal at two signals, ``x1`` and ``x2``. Spreads of gain and offset are then gone and
+a spread ``c`` of the curvature leaves :math:`c\,(x - x_1)(x - x_2)/x_{full}`; the drift since then comes on top.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.random import stream
+
+OCTAVES: Final = 10
+"""Number of octaves of 1/f noise: down to a thousandth of the frame rate."""
+
+BLINK_SHARE: Final = 0.5
+"""Share of the time that a blinking pixel is in its upper state."""
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise settings of a detector, in units of the signal (electrons; nanowatts of a thermal detector).
+
+    Attributes
+    ----------
+    temporal, fixed_pattern : bool
+        Whether noise that changes in time, and whatever stays (defect pixels with it), is there at all.
+    one_over_f : float
+        Rms of the 1/f noise of a pixel over its octaves.
+    frame, row, column, row_temporal, column_temporal : float
+        Rms of what all pixels of a frame, a row or a column have in common: T, V, H, TV, TH.
+    gain_spread : float
+        Rms relative spread of the pixels' gain [1].
+    offset_spread : float
+        Rms spread of their offset.
+    curvature_spread : float
+        Rms spread of the relative deviation from a straight line at full scale [1].
+    corrected_at : (float, float) or None
+        Signals of a two-point correction.
+    drift : float
+        Rms of the offsets' change in an hour.
+    dead_share, hot_share, blinking_share : float
+        Shares of the pixels that see nothing, that have a high dark signal, or that jump between two levels [1].
+    hot_signal, blinking_signal : float
+        Dark signal of hot pixels, and the height of the jumps.
+    blinking_time : float
+        Mean time between them [s].
+    """
+
+    temporal: bool = True
+    fixed_pattern: bool = True
+    one_over_f: float = 0.0
+    frame: float = 0.0
+    row: float = 0.0
+    column: float = 0.0
+    row_temporal: float = 0.0
+    column_temporal: float = 0.0
+    gain_spread: float = 0.0
+    offset_spread: float = 0.0
+    curvature_spread: float = 0.0
+    corrected_at: tuple[float, float] | None = None
+    drift: float = 0.0
+    dead_share: float = 0.0
+    hot_share: float = 0.0
+    blinking_share: float = 0.0
+    hot_signal: float = 0.0
+    blinking_signal: float = 0.0
+    blinking_time: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Fixed pattern of one detector, a function of its seed and size; make it with :meth:`of`."""
+
+    noise: Noise
+    full_scale: float
+    gain: FloatArray | None
+    offset: FloatArray | None
+    curvature: FloatArray | None
+    drift: FloatArray | None
+    dead: NDArray[np.bool_] | None
+    hot: NDArray[np.bool_] | None
+    blinking: NDArray[np.int64] | None
+    """Flat indices of the blinking pixels."""
+    cells: tuple[int, int]
+    """Rows and columns of the detector's own pixels: those of the picture, or one column of a scanner."""
+    seed: int = field(default=0)
+
+    @classmethod
+    def of(cls, noise: Noise, seed: int, shape: tuple[int, int], full_scale: float, *, scanning: bool = False) -> Pattern:
+        """Draw the pattern of a detector whose pictures are of ``shape`` (rows, columns); a scanner has one pixel for each row."""
+        cells = (shape[0], 1) if scanning else shape
+        if not noise.fixed_pattern:
+            return cls(noise, full_scale, None, None, None, None, None, None, None, cells, seed)
+
+        def spread(rms: float, purpose: str) -> FloatArray | None:
+            return rms * stream(seed, purpose).standard_normal(cells) if rms > 0.0 else None
+
+        corrected = noise.corrected_at is not None
+        offset = None if corrected else spread(noise.offset_spread, "sensor offset")
+        lines = np.zeros(shape)
+        if noise.row > 0.0:
+            lines += noise.row * stream(seed, "sensor rows").standard_normal((shape[0], 1))
+        if noise.column > 0.0:
+            lines += noise.column * stream(seed, "sensor columns").standard_normal((1, shape[1]))
+        if noise.row > 0.0 or noise.column > 0.0:
+            offset = lines if offset is None else offset + lines
+        place = stream(seed, "sensor defects").random(cells)
+        dead, hot = noise.dead_share, noise.dead_share + noise.hot_share
+        blinks = np.flatnonzero((place >= hot) & (place < hot + noise.blinking_share))
+        return cls(
+            noise,
+            full_scale,
+            None if corrected else spread(noise.gain_spread, "sensor gain"),
+            offset,
+            spread(noise.curvature_spread, "sensor curvature"),
+            spread(noise.drift / 3600.0, "sensor drift"),
+            place < dead if dead > 0.0 else None,
+            (place >= dead) & (place < hot) if noise.hot_share > 0.0 else None,
+            blinks if blinks.size else None,
+            cells,
+            seed,
+        )
+
+    def response(self, light: FloatArray) -> FloatArray:
+        """Mean signal of every pixel from that of an ideal one: gain, curvature, dead pixels."""
+        if self.gain is not None:
+            light = light * (1.0 + self.gain)
+        if self.curvature is not None:
+            first, second = self.noise.corrected_at or (0.0, 0.0)
+            light = light + self.curvature * (light - first) * (light - second) / self.full_scale
+        if self.dead is not None:
+            light = np.where(self.dead, 0.0, light)
+        return light
+
+    def dark(self, shape: tuple[int, int]) -> FloatArray | float:
+        """Additional dark signal of hot pixels."""
+        if self.hot is None:
+            return 0.0
+        return np.broadcast_to(np.where(self.hot, self.noise.hot_signal, 0.0), shape)
+
+    def added(self, time: float, signal: FloatArray) -> FloatArray:
+        """Signal with offsets, drift and blinking, which are added after the exposure."""
+        if self.offset is not None:
+            signal = signal + self.offset
+        if self.drift is not None:
+            signal = signal + self.drift * time
+        if self.blinking is not None:
+            jumps = np.zeros(self.cells)
+            jumps.reshape(-1)[self.blinking] = self.noise.blinking_signal * self._states(time)
+            signal = signal + jumps
+        return signal
+
+    def _states(self, time: float) -> FloatArray:
+        """State of each blinking pixel, True for the upper one: drawn anew in spans that begin at a phase of its own."""
+        assert self.blinking is not None
+        count = self.blinking.size
+        # half of the new states are the old ones
+        span = self.noise.blinking_time * BLINK_SHARE
+        phase = stream(self.seed, "sensor blinking phase").random(count)
+        number = np.floor(time / span + phase).astype(np.int64)
+        up = np.zeros(count)
+        for value in np.unique(number):
+            draws = stream(self.seed, "sensor blinking", int(value) & 0xFFFFFFFF).random(count)
+            here = number == value
+            up[here] = draws[here] < BLINK_SHARE
+        return up
+
+
+def temporal_noise(noise: Noise, seed: int, frame: int, shape: tuple[int, int], rms: float) -> FloatArray | None:
+    """Temporal noise of a frame: a reading's ``rms`` and components of :class:`Noise`; None where there is none."""
+    if not noise.temporal:
+        return None
+    out: FloatArray | None = None
+
+    def add(part: FloatArray) -> None:
+        nonlocal out
+        out = part if out is None else out + part
+
+    if rms > 0.0:
+        add(rms * stream(seed, "sensor read", frame).standard_normal(shape))
+    if noise.one_over_f > 0.0:
+        add(noise.one_over_f * pink(seed, frame, shape))
+    if noise.frame > 0.0:
+        add(np.full(shape, noise.frame * stream(seed, "sensor frame", frame).standard_normal()))
+    if noise.row_temporal > 0.0:
+        lines = noise.row_temporal * stream(seed, "sensor rows in time", frame).standard_normal((shape[0], 1))
+        add(np.broadcast_to(lines, shape))
+    if noise.column_temporal > 0.0:
+        lines = noise.column_temporal * stream(seed, "sensor columns in time", frame).standard_normal((1, shape[1]))
+        add(np.broadcast_to(lines, shape))
+    return out
+
+
+def pink(seed: int, frame: int, shape: tuple[int, int]) -> FloatArray:
+    """1/f noise of unit variance of all pixels in one frame."""
+    total = np.zeros(shape)
+    for octave in range(OCTAVES):
+        # spans of different octaves do not all begin together
+        number = (frame + (0x9E37 >> octave)) >> octave
+        total += stream(seed, "sensor 1/f", octave, number).standard_normal(shape)
+    return np.asarray(total / np.sqrt(OCTAVES))

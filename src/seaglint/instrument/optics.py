@@ -1,0 +1,298 @@
+r"""Optics: transmitted light on the focal plane, and sharpness.
+
+Spatial frequencies ``f`` are cycles per radian at the aperture. Each cause of blur is a transfer function (MTF) of its own and the
+whole is their product:
+
+.. math::
+
+    \text{diffraction} &= \langle \text{overlap of two pupils shifted by } f\lambda/D \rangle_\lambda
+    \quad\Bigl(\tfrac{2}{\pi}(\arccos v - v\sqrt{1-v^2})\text{ for a clear circle, } v = f\lambda/D\Bigr) \\
+    \text{wavefront} &= 1 - (W/0.18)^2\,(1 - 4(v-\tfrac12)^2) \\
+    \text{jitter} &= \exp(-2\pi^2 s^2 f^2) \qquad \text{motion} = \mathrm{sinc}(f\,\omega t)
+
+References
+----------
+J. W. Goodman, Introduction to Fourier Optics, 3rd ed., 6.3-6.4 (pupils and their autocorrelation, defocus); R. R. Shannon, The Art and
+Science of Optical Design (1997), 4.8 (wavefront error); G. C. Holst, Electro-Optical Imaging System Performance (jitter, motion).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Final, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+
+SHANNON_LIMIT: Final = 0.18
+"""Rms wavefront error [waves] at which Shannon's fit reaches 0 at half the cut-off; it holds below."""
+
+PUPIL_POINTS: Final = 512
+"""Number of points across the overlap of two pupils: MTFs within 1e-5."""
+
+NODES: Final = 512
+"""Number of nodes of a tabulated MTF between 0 and the cut-off; linear between them it is within 1e-5."""
+
+SolidAngle = Literal["sine", "thin-lens"]
+
+
+@dataclass(frozen=True)
+class Optics:
+    r"""Optics of a sensor: pupil, transmittance, blur, distortion.
+
+    Attributes
+    ----------
+    aperture, focal_length : float
+        Diameter of the entrance pupil and focal length [m].
+    transmission : float
+        Transmittance of the optics, in the band [1].
+    obscuration : float
+        Diameter of the central obscuration over that of the pupil [1].
+    wavefront_error : float
+        Rms error of the wavefront at the mean wavelength [waves].
+    defocus : float
+        Peak error of the wavefront by defocus, at the pupil's edge, at the mean wavelength [waves].
+    jitter : float
+        Rms movement of the line of sight during an exposure, in each direction [rad].
+    drift : (float, float)
+        Steady movement of the line of sight, along and across rows [rad s-1].
+    temperature, emissivity : float
+        Temperature and emissivity of warm optics, which radiate into the detector themselves [K, 1].
+    shield_f_number : float or None
+        F-number of the cold shield; where it is lower than that of the optics, the housing (black, at ``temperature``) is seen around
+        them. None is a shield that fits.
+    stray_share : float
+        Share of the light that is scattered evenly over the picture [1].
+    cos4 : bool
+        Illumination falls with the fourth power of the field angle's cosine.
+    distortion : float
+        Relative radial shift of the picture's corners, with the square of the distance from the axis; positive is pincushion [1].
+    solid_angle_law : "sine" or "thin-lens"
+        :math:`\pi/(4F^2)` of optics that obey the sine condition (point and extended sources then agree), or :math:`\pi/(4F^2+1)`.
+    """
+
+    aperture: float
+    focal_length: float
+    transmission: float = 1.0
+    obscuration: float = 0.0
+    wavefront_error: float = 0.0
+    defocus: float = 0.0
+    jitter: float = 0.0
+    drift: tuple[float, float] = (0.0, 0.0)
+    temperature: float = 293.15
+    emissivity: float = 0.0
+    shield_f_number: float | None = None
+    stray_share: float = 0.0
+    cos4: bool = False
+    distortion: float = 0.0
+    solid_angle_law: SolidAngle = "sine"
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.obscuration < 1.0:
+            raise DomainError(
+                f"obscuration = {self.obscuration:g} leaves no pupil; give a share of the diameter from 0 to below 1",
+                name="obscuration",
+                value=self.obscuration,
+                allowed="0 to below 1",
+            )
+        if not 0.0 <= self.wavefront_error <= SHANNON_LIMIT:
+            raise DomainError(
+                f"wavefront error = {self.wavefront_error:g} waves is beyond Shannon's fit; give 0 to {SHANNON_LIMIT:g} waves rms",
+                name="wavefront_error",
+                value=self.wavefront_error,
+                allowed=(0.0, SHANNON_LIMIT),
+            )
+
+    @property
+    def f_number(self) -> float:
+        """Focal length over aperture."""
+        return self.focal_length / self.aperture
+
+    @property
+    def open_share(self) -> float:
+        """Open share of the pupil's area, without the obscuration."""
+        return 1.0 - self.obscuration**2
+
+    @property
+    def solid_angle(self) -> float:
+        """Projected solid angle of light on a detector on the axis, without the obscuration [sr], by the sine condition."""
+        return cone(self.f_number, self.solid_angle_law) * self.open_share
+
+    @property
+    def pupil_area(self) -> float:
+        """Open area of the pupil [m2]."""
+        return 0.25 * math.pi * self.aperture**2 * self.open_share
+
+    @property
+    def housing_solid_angle(self) -> float:
+        """Solid angle of warm housing seen through an oversized cold shield [sr]."""
+        if self.shield_f_number is None or self.shield_f_number >= self.f_number:
+            return 0.0
+        return cone(self.shield_f_number, self.solid_angle_law) - cone(self.f_number, self.solid_angle_law)
+
+    def cutoff(self, wavelength: float) -> float:
+        """Cut-off frequency of the optics [cycles rad-1]."""
+        return self.aperture / wavelength
+
+
+def cone(f_number: float, law: SolidAngle = "sine") -> float:
+    r"""Solid angle of a cone of light [sr].
+
+    >>> round(cone(2.0), 4), round(cone(2.0, "thin-lens"), 4)
+    (0.1963, 0.1848)
+    """
+    return math.pi / (4.0 * f_number**2 + (1.0 if law == "thin-lens" else 0.0))
+
+
+def pupil_mtf(v: ArrayLike, obscuration: float = 0.0, defocus: float = 0.0) -> FloatArray:
+    r"""Transfer function of an annular pupil: the overlap of two, shifted by ``v`` diameters, with the phase of defocus.
+
+    Parameters
+    ----------
+    v : array_like
+        Frequency over the cut-off, ``f lambda / D`` [1].
+    obscuration : float
+        Inner over outer diameter [1].
+    defocus : float
+        Path error at the pupil's edge [waves]; beyond half a wave contrast reverses and values are negative.
+
+    Returns
+    -------
+    ndarray
+        Transfer [1, shape of ``v``]; 0 from ``v = 1`` on.
+
+    Notes
+    -----
+    The chord of the overlap at each place along the shift is exact, the integral along it a sum of :data:`PUPIL_POINTS` midpoints in the
+    angle whose sine is the place, which takes up the square roots at the ends.
+
+    Examples
+    --------
+    >>> v = 0.5
+    >>> closed = 2 / np.pi * (np.arccos(v) - v * np.sqrt(1 - v * v))
+    >>> bool(abs(pupil_mtf(v) - closed) < 1e-5)
+    True
+    """
+    given = np.minimum(np.abs(np.asarray(v, np.float64)), 1.0)
+    angle = (np.arange(PUPIL_POINTS) + 0.5) / PUPIL_POINTS * 0.5 * np.pi
+    s, end = given[..., None], (1.0 - given)[..., None]
+    x, dx = end * np.sin(angle), end * np.cos(angle) * (0.5 * np.pi / PUPIL_POINTS)
+    upper = np.sqrt(np.maximum(1.0 - (x + s) ** 2, 0.0))
+    # of the two inner circles the nearer one is the wider gap; where both are crossed they do not overlap for themselves
+    lower = np.sqrt(np.maximum(obscuration**2 - (x - s) ** 2, 0.0))
+    chord = np.maximum(upper - lower, 0.0)
+    wave = np.cos(8.0 * np.pi * defocus * s * x) if defocus else 1.0
+    return np.asarray(np.sum(4.0 * chord * wave * dx, axis=-1) / (np.pi * (1.0 - obscuration**2)))
+
+
+def wavefront_mtf(v: ArrayLike, rms: float) -> FloatArray:
+    """Shannon's factor for an rms wavefront error [waves] at a frequency over the cut-off, 1 beyond it.
+
+    >>> round(float(wavefront_mtf(0.5, 0.09)), 2)
+    0.75
+    """
+    part = np.clip(np.abs(np.asarray(v, np.float64)), 0.0, 1.0)
+    return np.asarray(1.0 - (rms / SHANNON_LIMIT) ** 2 * (1.0 - 4.0 * (part - 0.5) ** 2))
+
+
+def jitter_mtf(frequency: ArrayLike, rms: float) -> FloatArray:
+    """Transfer of random movement, rms [rad] in each direction."""
+    return np.asarray(np.exp(-2.0 * (np.pi * rms * np.asarray(frequency, np.float64)) ** 2))
+
+
+def motion_mtf(frequency: ArrayLike, angle: float) -> FloatArray:
+    """Transfer of steady movement through an angle [rad]; it reverses contrast beyond its first zero."""
+    return np.asarray(np.sinc(np.asarray(frequency, np.float64) * angle))
+
+
+@dataclass(frozen=True, eq=False)
+class Blur:
+    """Transfer of the optics for the spectrum of a detector; make it with :meth:`of`.
+
+    Attributes
+    ----------
+    optics : Optics
+        Whose it is.
+    wavelength : float
+        Mean wavelength [m].
+    frequency, diffraction, defocused : ndarray
+        Table of the band's mean transfer, without and with defocus [cycles rad-1, 1, 1].
+    """
+
+    optics: Optics
+    wavelength: float
+    frequency: FloatArray = field(repr=False)
+    diffraction: FloatArray = field(repr=False)
+    defocused: FloatArray = field(repr=False)
+
+    @classmethod
+    def of(cls, optics: Optics, wavelength: FloatArray, share: FloatArray) -> Blur:
+        """Average over wavelengths [m], weighted with the share of the electrons at each."""
+        mean = float(wavelength @ share)
+        nodes = np.linspace(0.0, 1.0, NODES + 1)
+        frequency = nodes * optics.cutoff(float(wavelength.min()))
+        v = frequency[:, None] * wavelength / optics.aperture
+        clear = pupil_mtf(nodes, optics.obscuration)
+        # Optical path, not waves, is the same at all wavelengths; a few of them carry a defocused band.
+        diffraction = np.interp(v, nodes, clear) @ share
+        if optics.defocus == 0.0:
+            return cls(optics, mean, frequency, diffraction, diffraction)
+        bins = np.array_split(np.argsort(wavelength), 16)
+        weight = np.array([share[b].sum() for b in bins])
+        middle = np.array([(wavelength[b] @ share[b]) / max(w, 1e-300) for b, w in zip(bins, weight, strict=True)])
+        soft = np.stack(
+            [
+                np.interp(frequency * w / optics.aperture, nodes, pupil_mtf(nodes, optics.obscuration, optics.defocus * mean / w))
+                for w in middle
+            ],
+            axis=1,
+        )
+        return cls(optics, mean, frequency, diffraction, soft @ weight)
+
+    def parts(self, frequency: ArrayLike) -> dict[str, FloatArray]:
+        """Transfer of every cause of blur that is equal in all directions, at frequencies [cycles rad-1]."""
+        f = np.abs(np.asarray(frequency, np.float64))
+        optics = self.optics
+        sharp = np.interp(f, self.frequency, self.diffraction, right=0.0)
+        out = {"diffraction": sharp}
+        if optics.defocus:
+            soft = np.interp(f, self.frequency, self.defocused, right=0.0)
+            out["defocus"] = np.where(sharp > 1e-9, soft / np.maximum(sharp, 1e-9), 1.0)
+        if optics.wavefront_error:
+            out["wavefront"] = wavefront_mtf(f * self.wavelength / optics.aperture, optics.wavefront_error)
+        if optics.jitter:
+            out["jitter"] = jitter_mtf(f, optics.jitter)
+        return out
+
+    def table(self) -> tuple[FloatArray, FloatArray]:
+        """Product of these parts from 0 to the cut-off [cycles rad-1, 1]."""
+        total = np.ones(self.frequency.size)
+        for part in self.parts(self.frequency).values():
+            total = total * part
+        return self.frequency, total
+
+
+def cos4_falloff(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Relative illumination of points of the focal plane, given by tangents of the field angle [1, (columns,)], [1, (rows,)]."""
+    return 1.0 / (1.0 + x[None, :] ** 2 + y[:, None] ** 2) ** 2
+
+
+def distorted_places(shape: tuple[int, int], share: float) -> tuple[FloatArray, FloatArray]:
+    """Rows and columns of the sharp picture at each pixel of a distorted one [(rows, columns)].
+
+    A point at the radius ``r`` (1 at the corners) is drawn at ``r (1 + share r^2)``.
+    """
+    rows, columns = shape
+    y, x = np.mgrid[0:rows, 0:columns].astype(np.float64)
+    cy, cx = 0.5 * (rows - 1), 0.5 * (columns - 1)
+    corner = math.hypot(0.5 * rows, 0.5 * columns)
+    drawn = np.hypot(y - cy, x - cx) / corner
+    r = drawn.copy()
+    for _ in range(30):  # Newton's steps for r (1 + share r^2) = drawn
+        r = r - (r * (1.0 + share * r * r) - drawn) / (1.0 + 3.0 * share * r * r)
+    scale = np.where(drawn > 0.0, r / np.where(drawn > 0.0, drawn, 1.0), 1.0)
+    return cy + (y - cy) * scale, cx + (x - cx) * scale

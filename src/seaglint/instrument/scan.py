@@ -1,0 +1,60 @@
+"""Timing of a picture: the instant at which each column or row is taken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+
+ScanKind = Literal["staring", "line", "panoramic"]
+
+
+@dataclass(frozen=True)
+class Scan:
+    """Timing of the columns and rows of a picture.
+
+    Attributes
+    ----------
+    kind : "staring", "line" or "panoramic"
+        All columns at once; one after the other across the field of view; or round and round, where the next picture goes on where the
+        last one ended.
+    period : float
+        Time from the first column to the one behind the last [s]; of a panoramic scanner a turn. 0 takes all at once.
+    leftwards : bool
+        Whether the scanner goes from right to left (counter-clockwise).
+    row_time : float
+        Time from row to row of a rolling shutter, from the top [s]; 0 is a global one.
+    """
+
+    kind: ScanKind = "staring"
+    period: float = 0.0
+    leftwards: bool = False
+    row_time: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.period < 0.0 or self.row_time < 0.0:
+            raise DomainError(f"scan period = {self.period:g} s, row time = {self.row_time:g} s; give times of 0 or more")
+
+    @property
+    def instantaneous(self) -> bool:
+        """True if all pixels have one instant."""
+        return (self.kind == "staring" or self.period == 0.0) and self.row_time == 0.0
+
+    def column_delays(self, columns: int) -> FloatArray:
+        """Time of each column after the frame's [s, (columns,)].
+
+        >>> Scan("line", 0.4).column_delays(4)
+        array([0. , 0.1, 0.2, 0.3])
+        """
+        if self.kind == "staring":
+            return np.zeros(columns)
+        order = np.arange(columns, dtype=np.float64)
+        return (order[::-1] if self.leftwards else order) * (self.period / columns)
+
+    def row_delays(self, rows: int) -> FloatArray:
+        """Time of each row after the frame's [s, (rows,)]."""
+        return np.arange(rows, dtype=np.float64) * self.row_time

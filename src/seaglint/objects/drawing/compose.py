@@ -1,0 +1,248 @@
+"""Composition of bodies with the image of the sea, by coverage; pixels without a body keep their bytes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
+from seaglint.objects.body import Point
+from seaglint.objects.drawing.draw import Patch, Picture, Stage, solid_angle
+from seaglint.objects.drawing.eye import Stand
+from seaglint.objects.drawing.light import Surroundings
+from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DISTANCE, DOWN, EMITTED, MIRRORED, PATH, SEEN, SUN
+from seaglint.optics.band import Band
+
+LEAST_COVER: Final = 1e-12
+"""Least share of a pixel that a visible body covers."""
+
+_ADDED: Final = {
+    "radiance": (PATH, EMITTED, MIRRORED, SUN),
+    "path_radiance": (PATH,),
+    "emitted_radiance": (EMITTED,),
+    "sky_radiance": (MIRRORED,),
+    "glint_radiance": (SUN,),
+    "coverage": (),
+}
+"""Planes of a body that enter each layer, beside the sea's plane times the share that it leaves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Share:
+    """Coverage and radiance of one body in some pixels, radiance times coverage, both over the sea's image there.
+
+    ``image``: radiance of the sea's image in these pixels; ``pixel``: their solid angle [sr].
+    """
+
+    rows: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    cover: FloatArray
+    radiance: FloatArray
+    image: FloatArray
+    pixel: FloatArray
+
+    def rows_between(self, first: int, end: int) -> Share:
+        """Return the share in some rows alone."""
+        keep = (self.rows >= first) & (self.rows < end)
+        return Share(self.rows[keep], self.columns, self.cover[keep], self.radiance[keep], self.image[keep], self.pixel[keep])
+
+
+@dataclass(frozen=True, eq=False)
+class Sight:
+    """One body in the image of an instant, summed over its parts and over parts of the image.
+
+    Attributes
+    ----------
+    name : str
+        Name of the body.
+    distance, azimuth, elevation : float
+        To its origin [m], [rad].
+    whole : float
+        Solid angle in all [sr].
+    seen, across, down : float
+        Solid angle in view [sr]; the same times the place in the image [sr pixels].
+    shares : tuple of Share
+        Its pixels.
+    """
+
+    name: str
+    distance: float
+    azimuth: float
+    elevation: float
+    whole: float = 0.0
+    seen: float = 0.0
+    across: float = 0.0
+    down: float = 0.0
+    shares: tuple[Share, ...] = field(default=())
+
+    def joined(self, other: Sight) -> Sight:
+        """Return the sum with the sight of another part of the image."""
+        return replace(
+            self,
+            seen=self.seen + other.seen,
+            across=self.across + other.across,
+            down=self.down + other.down,
+            shares=self.shares + other.shares,
+        )
+
+    def between(self, first: int, end: int) -> Sight:
+        """Return the sight in some rows of the image alone, its centre from whole pixels where it lies partly in them."""
+        shares = tuple(share.rows_between(first, end) for share in self.shares)
+        before = sum(int(share.cover.size) for share in self.shares)
+        if sum(share.cover.size for share in shares) == before:
+            return self
+        cover = [share.cover * share.pixel for share in shares]
+        seen = float(sum(c.sum() for c in cover))
+        across = float(sum((c * (s.columns + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
+        down = float(sum((c * (s.rows[:, None] + 0.5)).sum() for c, s in zip(cover, shares, strict=True)))
+        if self.seen == 0.0:  # of a point it is there or not
+            visible = any(share.cover.size for share in shares)
+            across, down = (self.across, self.down) if visible else (0.0, 0.0)
+        return replace(self, seen=seen, across=across, down=down, shares=shares)
+
+
+def composed(layers: Layers, stage: Stage, picture: Picture, light: Surroundings) -> tuple[Layers, tuple[Sight, ...]]:
+    """Return the image of the sea with bodies over it, and the sight of each body.
+
+    Parameters
+    ----------
+    layers : Layers
+        Image of the sea alone: the pixels that ``stage`` draws.
+    stage : Stage
+        Camera, pose and pixels.
+    picture : Picture
+        Contributions of the bodies to the image.
+    light : Surroundings
+        The view's.
+
+    Returns
+    -------
+    Layers, tuple of Sight
+        Image, and one for every body.
+    """
+    if not picture.patches:
+        return layers, _sights(stage, picture, [], [])
+    sea = np.asarray(layers.radiance, np.float64)
+    out = {name: layers[name].copy() for name in layers}
+    pixel = _pixels(stage)
+    shares = [_share(patch, stage, sea, pixel, light) for patch in picture.patches]
+    for patch, share in zip(picture.patches, shares, strict=True):
+        if share.cover.size == 0:
+            continue
+        where = np.ix_(share.rows - stage.rows[0], share.columns - stage.columns[0])
+        for name, planes in _ADDED.items():
+            if name not in out:
+                continue
+            own = patch.planes[list(planes)].sum(axis=0) if planes else np.zeros(share.cover.shape)
+            if patch.clear > 0.0 and EMITTED in planes:
+                own = own + share.radiance
+            was = np.asarray(layers[name][where], np.float64)
+            touched = (share.cover > LEAST_COVER) | (own != 0.0)
+            new = np.asarray(out[name][where], np.float64) + own - share.cover * was
+            out[name][where] = np.where(touched, np.maximum(new, 0.0), out[name][where]).astype(np.float32)
+    _distances(layers, stage, picture.patches, out)
+    if {"slope", "glint_share"} & set(out):
+        _derived(layers, stage, picture.patches, out)
+    return Layers(out), _sights(stage, picture, list(picture.patches), shares)
+
+
+def _pixels(stage: Stage) -> FloatArray:
+    """Solid angles of the pixels to draw [sr, (rows, columns)]."""
+    across, down = np.arange(*stage.columns) + 0.5, np.arange(*stage.rows)[:, None] + 0.5
+    return stage.imager.solid_angle(stage.pose.attitude, across, down)
+
+
+def _share(patch: Patch, stage: Stage, sea: FloatArray, pixel: FloatArray, light: Surroundings) -> Share:
+    where = np.ix_(patch.rows - stage.rows[0], patch.columns - stage.columns[0])
+    image, solid = sea[where], pixel[where]
+    radiance = patch.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0)
+    if patch.clear > 0.0:
+        intensity = _intensity(patch, float(image[0, 0]), light)
+        radiance = radiance + patch.clear * intensity / (patch.placed.distance**2 * solid)
+    return Share(patch.rows, patch.columns, patch.planes[COVER], radiance, image, solid)
+
+
+def _intensity(patch: Patch, behind: float, light: Surroundings) -> float:
+    """Radiant intensity of a point above its background, before the path [W sr-1]."""
+    point = patch.placed.part.kind
+    assert isinstance(point, Point)  # only points have no extent
+    if point.intensity is not None:
+        return point.intensity
+    assert point.temperature_difference is not None  # one of the two is given
+    assert point.area is not None
+    kelvin = light.kelvin(behind)
+    kelvin = kelvin if math.isfinite(kelvin) else light.view.sea_temperature
+    warmer = _blackbody(light, kelvin + point.temperature_difference) - _blackbody(light, kelvin)
+    return point.area * warmer
+
+
+def _blackbody(light: Surroundings, kelvin: float) -> float:
+    band: Band = light.view.band
+    return float(band.radiance(np.array([max(kelvin, 1.0)]), light.view.atmosphere.wavenumber_cm)[0])
+
+
+def _distances(layers: Layers, stage: Stage, patches: Sequence[Patch], out: dict[str, NDArray[np.float32]]) -> None:
+    """Mean distance over the sea and bodies that a pixel sees [m]."""
+    if "range" not in out:
+        return
+    for patch in patches:
+        where = np.ix_(patch.rows - stage.rows[0], patch.columns - stage.columns[0])
+        was = np.asarray(out["range"][where], np.float64)
+        there = np.asarray(layers["coverage"][where], np.float64) if "coverage" in layers else np.isfinite(was).astype(np.float64)
+        cover = patch.planes[COVER]
+        share = np.where(np.isfinite(was), there * (1.0 - cover), 0.0)
+        total = share + cover
+        new = (share * np.nan_to_num(was) + patch.planes[DISTANCE]) / np.maximum(total, LEAST_SEEN)
+        out["range"][where] = np.where(cover > LEAST_COVER, new, was).astype(np.float32)
+
+
+def _derived(layers: Layers, stage: Stage, patches: Sequence[Patch], out: dict[str, NDArray[np.float32]]) -> None:
+    """Layers derived from the others: share of glint with bodies; slope is NaN where bodies hide the sea."""
+    left = np.ones(layers.radiance.shape)
+    for patch in patches:
+        where = np.ix_(patch.rows - stage.rows[0], patch.columns - stage.columns[0])
+        touched = np.asarray(out["radiance"][where] != layers["radiance"][where])
+        if "glint_share" in out:
+            share = share_of_glint(out["glint_radiance"][where], out["radiance"][where])
+            out["glint_share"][where] = np.where(touched, share, out["glint_share"][where])
+        left[where] -= patch.planes[COVER]
+    if "slope" in out:
+        out["slope"][left <= LEAST_SEEN] = np.nan
+
+
+def _sights(stage: Stage, picture: Picture, patches: list[Patch], shares: list[Share]) -> tuple[Sight, ...]:
+    out, circle = [], stage.window.circle
+    for number, (body, place) in enumerate(zip(picture.bodies, picture.stands, strict=True)):
+        own = [(patch, share) for patch, share in zip(patches, shares, strict=True) if patch.placed.part.body == number]
+        sums = sum((_beside(patch.sums, own[0][0].sums, circle) for patch, _ in own), np.zeros(4))
+        points = [patch for patch, _ in own if patch.clear > 0.0]
+        drawn = {id(patch.placed): float(patch.sums[0]) for patch, _ in own}
+        whole = sum(drawn.get(id(one)) or solid_angle(one) for one in picture.placed if one.part.body == number)
+        seen, across, down = float(sums[SEEN]), float(sums[ACROSS]), float(sums[DOWN])
+        if points and seen == 0.0:  # points alone: their mean place, of no solid angle
+            across, down = (float(np.mean([p.sums[k] for p in points])) for k in (ACROSS, DOWN))
+        elif points:
+            across, down = (float(sums[k] - sum(p.sums[k] for p in points)) for k in (ACROSS, DOWN))
+        out.append(Sight(body.name, *_direction(place), float(whole), seen, across, down, tuple(share for _, share in own)))
+    return tuple(out)
+
+
+def _beside(sums: FloatArray, first: FloatArray, circle: int) -> FloatArray:
+    """Sums of a part with its columns counted from those of the first part; on a panorama they may differ by full circles."""
+    if circle == 0 or sums[SEEN] == 0.0 or first[SEEN] == 0.0:
+        return sums
+    turns = round((sums[ACROSS] / sums[SEEN] - first[ACROSS] / first[SEEN]) / circle)
+    out = sums.copy()
+    out[ACROSS] -= turns * circle * sums[SEEN]
+    return out
+
+
+def _direction(place: Stand) -> tuple[float, float, float]:
+    east, north, up = (float(x) for x in place.place)
+    return math.sqrt(east * east + north * north + up * up), math.atan2(east, north), math.atan2(up, math.hypot(east, north))

@@ -1,0 +1,397 @@
+"""Drawing of objects over the image of the sea: each sampled on its own grid, hidden by what is in front, composed by coverage."""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Final
+
+import numba
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.facet.sea_view import SeaView
+from seaglint.imaging.camera.pose import Pose
+from seaglint.imaging.camera.view import Imager
+from seaglint.imaging.detail_levels import Levels
+from seaglint.imaging.wave_surface import Surface
+from seaglint.objects.body import Body, Plume, Point
+from seaglint.objects.drawing.crests import Crests, calm, crests
+from seaglint.objects.drawing.eye import Grid, Lens, Plane, Stand, grid_over, image_point, lens, project, stand, strips
+from seaglint.objects.drawing.light import Arriving, Corners, Surroundings
+from seaglint.objects.drawing.parts import Mesh, Part, Placed, parts_of, placed
+from seaglint.objects.drawing.raster import Faces, Samples, lay_samples, meet, outline, whole_solid_angle
+from seaglint.objects.drawing.sample_sums import (
+    LIFT,
+    PLANES,
+    SUMS,
+    WHOLE,
+    Scene,
+    Shape,
+    SunMap,
+    Window,
+    clear_to,
+    shade_gas,
+    shade_solid,
+    sun_map,
+)
+
+SHADOW_CELLS: Final = (128, 256)
+"""Cells along a side of a body's shadow map: for one with at most :data:`_FEW` samples along a side, and for larger ones."""
+
+_FEW: Final = 192
+
+_FACES_SUN: Final = 1e-3
+"""Least reflectance of a surface for which its shadow map is computed."""
+
+_WHOLE_CELLS: Final = 128
+_OWN_PLANE: Final = Lens(np.eye(3), True, (0.0, 1.0), (0.0, 1.0), 1.0)
+_POLE: Final = math.radians(88.0)
+_KEPT: Final = 4
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """Contribution of a part to some pixels.
+
+    Attributes
+    ----------
+    placed : Placed
+        The part where it stands.
+    rows, columns : ndarray of int
+        Pixels of the image.
+    planes : ndarray
+        :data:`~seaglint.objects.drawing.sample_sums.PLANES` of them [(planes, rows, columns)].
+    sums : ndarray
+        :data:`~seaglint.objects.drawing.sample_sums.SUMS`.
+    clear : float
+        Transmittance of the path to a point that is in view [1]; 0 for all else.
+    """
+
+    placed: Placed
+    rows: np.ndarray
+    columns: np.ndarray
+    planes: FloatArray
+    sums: FloatArray
+    clear: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """Contributions of all bodies to the image of an instant, and their positions."""
+
+    bodies: tuple[Body, ...]
+    stands: tuple[Stand, ...]
+    patches: tuple[Patch, ...]
+    placed: tuple[Placed, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """Surroundings of the drawing: a camera's pixels at an instant, the sea in front of the bodies, and the light.
+
+    Attributes
+    ----------
+    imager : Imager
+        The camera's pixels.
+    pose : Pose
+        Place and attitude of the sensor.
+    view : SeaView
+        Sea, air and Sun.
+    sea : (Levels, Surface), optional
+        The resolved waves of the instant; without them the sea is flat.
+    columns, rows : (int, int)
+        Pixels that are drawn, first and end.
+    """
+
+    imager: Imager
+    pose: Pose
+    view: SeaView
+    sea: tuple[Levels, Surface] | None
+    columns: tuple[int, int]
+    rows: tuple[int, int]
+
+    @cached_property
+    def lens(self) -> Lens:
+        """Conversion of the camera's image points to directions."""
+        return lens(self.imager, self.pose.attitude)
+
+    @cached_property
+    def window(self) -> Window:
+        """Pixels to draw."""
+        return Window(self.columns, self.rows, self.imager.columns if self.imager.goes_round else 0)
+
+    def crests(self, one: Placed) -> Crests:
+        """Sea in front of a part."""
+        if self.sea is None:
+            return calm(self.pose.height)
+        return crests(*self.sea, self.pose.height, one.span[0])
+
+    def faces(self, one: Placed, plane: Plane, about: Placed) -> Faces:
+        """Triangles or points of a part on a plane and in the image, with continuous columns about those of another."""
+        middle = float(image_point(self.lens, tuple(about.place), 0.5 * self.imager.columns)[0])
+        point, image = project(one.surface, plane.axes, self.lens, middle)
+        return faces_of(one.part.kind, point, image, self._bend(one))
+
+    def _bend(self, one: Placed) -> float:
+        """Largest curvature of the sides of a part in the image, as a share of their size."""
+        if self.lens.plane:
+            return 1e-9
+        level = one.place @ self.lens.turn
+        steepest = abs(math.atan2(level[2], math.hypot(level[0], level[1]))) + one.angle
+        if steepest >= _POLE:
+            return 1e3
+        return 1e-9 + 2.0 * one.angle * (0.25 * math.tan(steepest) + 0.5 * one.angle)
+
+    def box(self, faces: Faces) -> tuple[float, float, float, float] | None:
+        """Left, right, top and bottom of a part in the image [pixels]; None where none of it is in front of the camera."""
+        seen = faces.point[:, 2] > 0.0
+        if not seen.any():
+            return None
+        across, down = (faces.image[:, k] if seen.all() else faces.image[seen, k] for k in (0, 1))
+        low, high = np.array([across.min(), down.min()]), np.array([across.max(), down.max()])
+        if faces.bend >= 1.0:  # over the pole of the image's own angles
+            return 0.0, float(self.imager.columns), 0.0, float(self.imager.rows)
+        margin = faces.bend * (high - low).max() + 1e-9
+        return float(low[0] - margin), float(high[0] + margin), float(low[1] - margin), float(high[1] + margin)
+
+
+@dataclass(frozen=True, eq=False)
+class Drawer:
+    """Drawer of bodies from any pose at any time. Make it with :meth:`of`."""
+
+    bodies: tuple[Body, ...]
+    _parts: tuple[Part, ...]
+    _light: OrderedDict[SeaView, Surroundings] = field(default_factory=OrderedDict)
+
+    @classmethod
+    def of(cls, bodies: tuple[Body, ...]) -> Drawer:
+        """Prepare everything that does not change in time."""
+        return cls(bodies, parts_of(bodies))
+
+    def moved(self, bodies: tuple[Body, ...]) -> Drawer:
+        """Return the drawer of the same bodies at other places, in the light that is already computed."""
+        return replace(self, bodies=bodies, _parts=parts_of(bodies))
+
+    def light(self, view: SeaView) -> Surroundings:
+        """Light about bodies in a view; the latest ones are cached."""
+        if view not in self._light:
+            self._light[view] = Surroundings.of(view)
+        self._light.move_to_end(view)
+        cached = self._light[view]
+        while len(self._light) > _KEPT:
+            self._light.popitem(last=False)
+        return cached
+
+    def picture(self, stage: Stage, time: float) -> Picture:
+        """Contributions of the bodies to the image at a time [s].
+
+        Raises
+        ------
+        DomainError
+            The sensor is inside a body, or a body is where the air is not known.
+        """
+        stands = tuple(stand(body.motion.at(time), stage.pose) for body in self.bodies)
+        every = tuple(placed(part, stands[part.body], stage.pose.height) for part in self._parts)
+        selected = [one for one in every if self._near(stage, one)]
+        light = self.light(stage.view)
+        corners = [_corners(one) for one in selected]
+        try:
+            arriving = light.arriving(corners, [_temperatures(one) for one in selected])
+        except DomainError as error:
+            raise DomainError(f"objects: {error}") from error
+
+        def draw(n: int) -> Patch | None:
+            return _drawn(stage, selected[n], every, arriving[n], light)
+
+        with ThreadPoolExecutor(int(numba.get_num_threads())) as pool:
+            # the first alone: it compiles, if need be, in one thread
+            first = [draw(0)] if selected else []
+            patches = first + list(pool.map(draw, range(1, len(selected))))
+        return Picture(self.bodies, stands, tuple(patch for patch in patches if patch is not None), every)
+
+    def _near(self, stage: Stage, one: Placed) -> bool:
+        """True if a part may be in the pixels to draw: its sphere meets the cone about them."""
+        imager, attitude = stage.imager, stage.pose.attitude
+        (left, right), (top, bottom) = stage.columns, stage.rows
+        border = np.linspace(0.0, 1.0, 17)
+        across = np.concatenate([left + (right - left) * border] * 2 + [np.full(17, float(left)), np.full(17, float(right))])
+        down = np.concatenate([np.full(17, float(top)), np.full(17, float(bottom))] + [top + (bottom - top) * border] * 2)
+        middle = imager.directions(attitude, 0.5 * (left + right), 0.5 * (top + bottom))
+        cosine = float((imager.directions(attitude, across, down) @ middle).min())
+        half = 1.1 * math.acos(min(max(cosine, -1.0), 1.0)) + 1e-6
+        away = math.acos(min(max(float(one.place @ middle) / max(one.distance, 1e-9), -1.0), 1.0))
+        return half > 1.2 or away <= half + one.angle
+
+
+def faces_of(kind: Mesh | Plume | Point, point: FloatArray, image: FloatArray, bend: float) -> Faces:
+    """Faces of a part on a plane; the points alone where it is no mesh."""
+    if isinstance(kind, Mesh):
+        return Faces(point, image, kind.corners, kind.ends, kind.sides, bend)
+    none = np.zeros((0, 3), np.int32)
+    return Faces(point, image, none, none[:, :2], none, bend)
+
+
+def _temperatures(one: Placed) -> FloatArray:
+    kind = one.part.kind
+    if isinstance(kind, Mesh):
+        return kind.temperatures
+    return np.array([kind.temperature]) if isinstance(kind, Plume) else np.array([300.0])
+
+
+def _corners(one: Placed) -> Corners:
+    span, heights = one.span
+    return Corners(span.arc, heights, one.azimuth, one.elevation)
+
+
+def _overlapping(one: Placed, every: tuple[Placed, ...]) -> list[Placed]:
+    """Parts whose spheres meet the line of sight to a part and are not wholly behind it."""
+    out = []
+    for other in every:
+        if other is one or other.radius == 0.0 or other.distance - other.radius > one.distance + one.radius:
+            continue
+        cosine = float(one.place @ other.place) / max(one.distance * other.distance, 1e-9)
+        if math.acos(min(max(cosine, -1.0), 1.0)) < one.angle + other.angle:
+            out.append(other)
+    return out
+
+
+def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriving, light: Surroundings) -> Patch | None:
+    """Draw one part on its own grid of samples; None where it contributes nothing."""
+    plane = Plane.to(one.place)
+    faces = stage.faces(one, plane, one)
+    box = stage.box(faces)
+    if box is None:
+        return None
+    inside = _clipped(box, stage.window)
+    if inside is None:
+        return None
+    others = _overlapping(one, every)
+    gases = np.array([other.gas for other in others if other.gas.size]).reshape(-1, 13)
+    solids = [stage.faces(other, plane, one) for other in others if isinstance(other.part.kind, Mesh)]
+    sea = stage.crests(one)
+    if one.radius == 0.0:
+        return _point(stage, one, (plane, sea, solids, gases), box, arriving)
+    grid = grid_over(inside)
+    planes, sums = np.zeros((PLANES, grid.pixels[1], grid.pixels[0])), np.zeros(SUMS)
+    shadow = _sun_map(one, light, SHADOW_CELLS[max(grid.size) > _FEW])
+    for some in strips(grid):
+        samples = lay_samples(some, stage.lens, plane.axes)
+        meet(faces, some, samples)
+        outline(faces, stage.lens, plane.axes, some, samples)
+        behind = _others(samples, some, solids)
+        scene = Scene(stage.pose.height, sea, behind, gases, plane.axes, one.heading)
+        rows = some.first[1] - grid.first[1]
+        out = (planes[:, rows : rows + some.pixels[1]], sums)
+        if isinstance(one.part.kind, Mesh):
+            kind = one.part.kind
+            shape = Shape(one.surface, kind.corners, kind.code, kind.emissivity)
+            shade_solid(some, stage.lens, stage.window, samples, shape, scene, arriving, shadow, out)
+        else:
+            shade_gas(some, stage.lens, stage.window, samples, one.gas, scene, arriving, out)
+    if inside != box:
+        sums[WHOLE] = solid_angle(one)
+    return _patch(stage, one, grid, planes, sums)
+
+
+def _clipped(box: tuple[float, float, float, float], window: Window) -> tuple[float, float, float, float] | None:
+    """Part of a box inside the window; of a panorama all columns, so that a body across its seam stays whole."""
+    left, right, top, bottom = box
+    if window.circle == 0:
+        left, right = max(left, float(window.columns[0])), min(right, float(window.columns[1]))
+    elif right - left > window.circle:
+        left, right = 0.0, float(window.circle)
+    top, bottom = max(top, float(window.rows[0])), min(bottom, float(window.rows[1]))
+    return (left, right, top, bottom) if left < right and top < bottom else None
+
+
+def _others(samples: Samples, grid: Grid, solids: list[Faces]) -> FloatArray:
+    """Inverse depths of other bodies at the samples."""
+    near = np.zeros_like(samples.near)
+    if solids:
+        triangle = np.full(near.shape, -1, np.int32)
+        for faces in solids:
+            meet(faces, grid, samples._replace(near=near, triangle=triangle))
+    return near
+
+
+def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: FloatArray) -> Patch | None:
+    """Patch of the pixels to draw, from the pixels of the grid."""
+    rows, columns = grid.first[1] + np.arange(grid.pixels[1]), grid.first[0] + np.arange(grid.pixels[0])
+    if stage.window.circle:
+        columns = columns % stage.window.circle
+    keep = (rows >= stage.rows[0]) & (rows < stage.rows[1])
+    also = (columns >= stage.columns[0]) & (columns < stage.columns[1])
+    return Patch(one, rows[keep], columns[also], planes[:, keep][:, :, also], sums)
+
+
+def _point(
+    stage: Stage,
+    one: Placed,
+    around: tuple[Plane, Crests, list[Faces], FloatArray],
+    box: tuple[float, float, float, float],
+    arriving: Arriving,
+) -> Patch | None:
+    """Draw a point source: its visibility and the transmittance of its path."""
+    plane, sea, solids, gases = around
+    grid = Grid((0, 0), (1, 1), (1, 1), (0, 0), (1, 1))
+    x, y, near = np.zeros((3, 1, 1))
+    samples = Samples(x, y, near, np.full((1, 1), -1, np.int32), np.ones((1, 1)))
+    # every triangle is tested in the one direction
+    near = _others(samples, grid, [faces._replace(image=np.zeros_like(faces.image)) for faces in solids])
+    scene = Scene(stage.pose.height, sea, near, gases, plane.axes, one.heading)
+    column, row = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
+    clear = float(clear_to(scene, one.distance)) * float(arriving.clear[0])
+    at = math.floor(column) % stage.window.circle if stage.window.circle else math.floor(column)
+    if clear == 0.0 or not (stage.columns[0] <= at < stage.columns[1] and stage.rows[0] <= math.floor(row) < stage.rows[1]):
+        return None
+    sums = np.array([0.0, 0.0, column, row])
+    return Patch(one, np.array([math.floor(row)]), np.array([at]), np.zeros((PLANES, 1, 1)), sums, clear)
+
+
+def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
+    """Shadow map of a body on itself; without cells where nothing would be lit."""
+    sun = light.sun
+    kind = one.part.kind
+    none = SunMap(sun, np.zeros((2, 3)), np.zeros(4), np.zeros((0, 0)), 0.0)
+    if not isinstance(kind, Mesh) or not light.shines or float(kind.emissivity.min()) > 1.0 - _FACES_SUN:
+        return none
+    right = np.array([sun[1], -sun[0], 0.0])
+    right = right / np.linalg.norm(right) if np.linalg.norm(right) > 1e-9 else np.array([1.0, 0.0, 0.0])
+    across = np.stack([right, np.cross(sun, right)])
+    result: SunMap = sun_map(one.surface, kind.corners, (sun, across), cells, LIFT * one.radius)
+    return result
+
+
+def solid_angle(one: Placed) -> float:
+    """Solid angle of a part [sr] without occlusion; for a plume that of its absorption of the light behind it."""
+    if one.radius == 0.0:
+        return 0.0
+    plane = Plane.to(one.place)
+    seen = one.surface @ plane.axes.T
+    ahead = seen[:, 2] > 1e-3 * np.sqrt((seen**2).sum(axis=1))
+    depth = np.where(ahead, seen[:, 2], 1.0)
+    point = np.stack([seen[:, 0] / depth, seen[:, 1] / depth, np.where(ahead, 1.0 / depth, 0.0)], axis=1)
+    if not ahead.any():
+        return 0.0
+    low, high = point[ahead, :2].min(axis=0), point[ahead, :2].max(axis=0)
+    step = np.maximum(high - low, 1e-12) / _WHOLE_CELLS
+    i = np.arange(_WHOLE_CELLS)
+    x = low[0] + step[0] * (i[None] + np.mod(0.5 + 0.6180339887498949 * i[:, None], 1.0))
+    y = high[1] - step[1] * (i[:, None] + np.mod(0.5 + 0.7548776662466927 * i[None], 1.0))
+    if isinstance(one.part.kind, Mesh):
+        samples = Samples(x, y, np.zeros(x.shape), np.full(x.shape, -1, np.int32), np.zeros(x.shape))
+        image = np.stack([point[:, 0] - low[0], high[1] - point[:, 1]], axis=1) / step  # rows count downwards
+        faces = faces_of(one.part.kind, point, image, 1e-9)
+        return float(whole_solid_angle(faces, _OWN_PLANE, samples, (float(step[0]), float(step[1]))))
+    u = np.stack([x, y, np.ones_like(x)], axis=-1)
+    w = (u**2).sum(axis=-1) ** -1.5 * step[0] * step[1]
+    d = (u @ plane.axes) @ one.gas[3:12].reshape(3, 3).T
+    d /= np.linalg.norm(d, axis=-1, keepdims=True)
+    off = one.gas[:3] - (d @ one.gas[:3])[..., None] * d
+    half = np.sqrt(np.maximum(1.0 - (off**2).sum(axis=-1), 0.0))
+    return float((w * -np.expm1(-one.gas[12] * half)).sum())

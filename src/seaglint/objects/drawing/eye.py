@@ -1,0 +1,182 @@
+r"""Position of a body for a sensor: axes at the sensor, and the plane on which its picture is sampled.
+
+The sea is a sphere of the effective Earth radius :math:`R'`. A body whose origin stands ``z`` above the mean sea at an arc ``r`` from the
+sensor's foot is, in the sensor's axes (east, north, up),
+
+.. math:: p = ((R'+z)\sin\psi\;a,\;(R'+z)\cos\psi - R' - h), \qquad \psi = r/R'
+
+with the horizontal unit vector ``a`` of its azimuth; its own up leans by :math:`\psi`, so that ships go hull down as the sea does.
+A body is rigid: its axes are those at its origin.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import kernel, njit
+from seaglint.imaging.camera.pose import Pose
+from seaglint.imaging.camera.view import Attitude, Imager
+from seaglint.objects.body import Placement
+
+
+class Stand(NamedTuple):
+    """Body at an instant in the sensor's axes: place of its origin [m] and rotation from its axes to these."""
+
+    place: FloatArray
+    turn: FloatArray
+
+
+def stand(placement: Placement, pose: Pose) -> Stand:
+    """Place and rotation of a body in the axes (east, north, up) of a sensor."""
+    east, north = placement.position[0] - pose.east, placement.position[1] - pose.north
+    height, arc = float(placement.position[2]), math.hypot(east, north)
+    s, c = (east / arc, north / arc) if arc > 0.0 else (0.0, 1.0)
+    psi = arc / EFFECTIVE_EARTH_RADIUS
+    sine, drop = math.sin(psi), 2.0 * math.sin(0.5 * psi) ** 2
+    radius = EFFECTIVE_EARTH_RADIUS + height
+    place = np.array([radius * sine * s, radius * sine * c, height - pose.height - radius * drop])
+    ahead, aside = np.array([(1.0 - drop) * s, (1.0 - drop) * c, -sine]), np.array([c, -s, 0.0])
+    axes = np.stack([s * ahead + c * aside, c * ahead - s * aside, np.array([sine * s, sine * c, 1.0 - drop])], axis=1)
+    return Stand(place, axes @ placement.rotation)
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """Plane across the line of sight to a body: points are their tangents to the right and up, and one over the depth [1/m].
+
+    Straight edges are straight there, whatever the camera.
+    """
+
+    axes: FloatArray
+    """Unit vectors to the right, up and to the body (rows), in the sensor's axes."""
+
+    @classmethod
+    def to(cls, place: FloatArray) -> Plane:
+        """Plane across the direction of a place [m]."""
+        ahead = place / np.linalg.norm(place)
+        level = math.hypot(ahead[0], ahead[1])
+        right = np.array([ahead[1], -ahead[0], 0.0]) / level if level > 1e-12 else np.array([1.0, 0.0, 0.0])
+        return cls(np.stack([right, np.cross(right, ahead), ahead]))
+
+
+class Lens(NamedTuple):
+    """Conversion of image points to directions: ``turn @ (a u, a v, b)`` with (u, v) of columns and (a, b) of rows (:func:`lens`)."""
+
+    turn: np.ndarray
+    plane: bool
+    across: tuple[float, float]
+    down: tuple[float, float]
+    pixel: float
+    """Solid angle of a pixel where its density is 1 [sr]; the density is ``a / |direction|^3``."""
+
+
+def lens(imager: Imager, attitude: Attitude) -> Lens:
+    """Lens of a camera: columns and rows become angles, or tangents of a plane image, as ``first + step x``."""
+    axes = attitude.axes
+    if imager.projection == "pinhole":
+        wide, high = 2.0 * math.tan(0.5 * imager.width), 2.0 * math.tan(0.5 * imager.height_angle)
+        turn = np.ascontiguousarray(axes[[0, 2, 1]].T)
+        steps = (wide / imager.columns, -high / imager.rows)
+        return Lens(turn, True, (-0.5 * wide, steps[0]), (0.5 * high, steps[1]), -steps[0] * steps[1])
+    turn = np.eye(3) if attitude.roll == 0.0 else (Attitude(attitude.azimuth, attitude.elevation).axes.T @ axes).T
+    steps = (imager.width / imager.columns, -imager.height_angle / imager.rows)
+    first = (attitude.azimuth - 0.5 * imager.width, attitude.elevation + 0.5 * imager.height_angle)
+    return Lens(np.ascontiguousarray(turn), False, (first[0], steps[0]), (first[1], steps[1]), -steps[0] * steps[1])
+
+
+@kernel
+def image_point(lens: Lens, direction: tuple[float, float, float], about: float) -> tuple[float, float, bool]:
+    """Column and row of a direction [pixels], the inverse of :class:`Lens`, and a flag for directions in front of the camera.
+
+    Of the columns that differ by a full circle it is the one nearest to ``about``.
+    """
+    t, (x, y, z) = lens.turn, direction
+    u, v, w = t[0, 0] * x + t[1, 0] * y + t[2, 0] * z, t[0, 1] * x + t[1, 1] * y + t[2, 1] * z, t[0, 2] * x + t[1, 2] * y + t[2, 2] * z
+    if lens.plane:
+        if v <= 0.0:
+            return 0.0, 0.0, False
+        return (u / v - lens.across[0]) / lens.across[1], (w / v - lens.down[0]) / lens.down[1], True
+    column = (math.atan2(u, v) - lens.across[0]) / lens.across[1]
+    circle = 2.0 * math.pi / lens.across[1]
+    column += circle * math.floor((about - column) / circle + 0.5)
+    return column, (math.atan2(w, math.sqrt(u * u + v * v)) - lens.down[0]) / lens.down[1], True
+
+
+@njit
+def project(surface: np.ndarray, axes: np.ndarray, lens: Lens, about: float) -> tuple[np.ndarray, np.ndarray]:
+    """Project points [m, (n, 3)] to a plane (tangents and one over the depth, 0 behind the sensor or the camera) and the image [pixels]."""
+    point, image = np.zeros((surface.shape[0], 3)), np.zeros((surface.shape[0], 2))
+    for n in range(surface.shape[0]):
+        x, y, z = surface[n, 0], surface[n, 1], surface[n, 2]
+        depth = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z
+        ahead = depth > 1e-3 * math.sqrt(x * x + y * y + z * z)
+        scale = 1.0 / depth if ahead else 1.0
+        point[n, 0] = (axes[0, 0] * x + axes[0, 1] * y + axes[0, 2] * z) * scale
+        point[n, 1] = (axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z) * scale
+        column, row, seen = image_point(lens, (x, y, z), about)
+        point[n, 2] = scale if ahead and seen else 0.0
+        image[n, 0], image[n, 1] = column, row
+    return point, image
+
+
+class Grid(NamedTuple):
+    """Cells over part of an image with one sample each: a whole number of cells to a pixel along either side.
+
+    ``first``: column and row of the first pixel; ``pixels``: how many each way; ``cells``: cells in a pixel, each way.
+    """
+
+    first: tuple[int, int]
+    pixels: tuple[int, int]
+    cells: tuple[int, int]
+    begin: tuple[int, int]
+    """First cell along each side, counted from the image's corner."""
+    size: tuple[int, int]
+    """Number of cells along each side."""
+
+
+FEWEST_CELLS = 8
+"""Least number of cells along a pixel's side."""
+
+CELLS_ACROSS = 96
+"""Number of cells across a small body's box, for a solid angle within some 0.1 %."""
+
+MOST_CELLS = 1 << 20
+"""Largest number of cells in memory; larger grids are drawn in strips of rows."""
+
+
+def grid_over(box: tuple[float, float, float, float]) -> Grid:
+    """Grid of cells over a box (left, right, top, bottom) [pixels]."""
+    cells, begin, size, first, pixels = [], [], [], [], []
+    for low, high in ((box[0], box[1]), (box[2], box[3])):
+        n = max(math.ceil(CELLS_ACROSS / max(high - low, 1e-9)), FEWEST_CELLS)
+        a, b = math.floor(low * n), math.ceil(high * n)
+        b = max(b, a + 1)
+        cells.append(n)
+        begin.append(a)
+        size.append(b - a)
+        first.append(a // n)
+        pixels.append((b - 1) // n - a // n + 1)
+    return Grid((first[0], first[1]), (pixels[0], pixels[1]), (cells[0], cells[1]), (begin[0], begin[1]), (size[0], size[1]))
+
+
+def strips(grid: Grid) -> list[Grid]:
+    """Parts of a grid of whole rows of pixels with at most :data:`MOST_CELLS` cells, or a row's."""
+    if grid.size[0] * grid.size[1] <= MOST_CELLS:
+        return [grid]
+    n = grid.cells[1]
+    rows = max(MOST_CELLS // (grid.size[0] * n), 1)
+    out, end = [], grid.begin[1] + grid.size[1]
+    row = grid.first[1]
+    while row * n < end:
+        a, b = max(row * n, grid.begin[1]), min((row + rows) * n, end)
+        out.append(
+            Grid((grid.first[0], row), (grid.pixels[0], (b - 1) // n - row + 1), grid.cells, (grid.begin[0], a), (grid.size[0], b - a))
+        )
+        row += rows
+    return out

@@ -1,0 +1,300 @@
+"""Rasterisation of bodies: samples of their picture, the nearest triangle at each, and the covered share of each cell.
+
+Samples are laid in image coordinates, so that pixels are covered exactly, and looked up on the plane across the line of sight
+(:class:`~seaglint.objects.drawing.eye.Plane`), where triangles have straight sides and one over the depth is linear. Each cell has its
+sample at a place of its own (a lattice of two irrational turns): thin bodies at any angle are met as often as they are wide.
+
+Shares of cells come from the outline instead, without sampling noise: edges between a triangle that faces the sensor and one that does not
+wind once around every layer of the body that faces it. Where layers lie one behind the other in a cell the share is their sum, at most 1.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from seaglint.base.jit import kernel, njit
+from seaglint.objects.drawing.eye import Grid, Lens, image_point
+
+TURN_OF_ROWS = 0.6180339887498949
+TURN_OF_COLUMNS = 0.7548776662466927
+"""Steps of the sample positions from row to row and from column to column."""
+
+LEAST_BEND = 0.02
+"""Curvature of an edge in the image above which it is cut into pieces [cells]."""
+
+MOST_PIECES = 64
+
+
+class Samples(NamedTuple):
+    """Samples of a grid (rows, columns): plane coordinates, and the nearest triangle at each.
+
+    The fields are tangents to the right and up of the plane, one over the depth of the hit [1/m], 0 without one, its triangle, and the
+    share of the cell that the body covers.
+    """
+
+    x: np.ndarray
+    y: np.ndarray
+    near: np.ndarray
+    triangle: np.ndarray
+    share: np.ndarray
+
+
+class Faces(NamedTuple):
+    """Triangles on a plane: vertices as tangents and one over the depth (n, 3), and their image points (n, 2) [pixels].
+
+    Further fields are corners (m, 3), edges' ends and triangles' sides (:class:`~seaglint.objects.drawing.parts.Mesh`), and the share of
+    its size by which a triangle's sides may bend in the image.
+    """
+
+    point: np.ndarray
+    image: np.ndarray
+    corner: np.ndarray
+    ends: np.ndarray
+    sides: np.ndarray
+    bend: float
+
+
+@kernel
+def sample_place(i: int, j: int) -> tuple[float, float]:
+    """Position of a cell's sample within it, each coordinate in 0..1."""
+    a, b = 0.5 + TURN_OF_ROWS * j, 0.5 + TURN_OF_COLUMNS * i
+    return a - math.floor(a), b - math.floor(b)
+
+
+@njit
+def lay_samples(grid: Grid, lens: Lens, axes: np.ndarray) -> Samples:
+    """Samples of a grid on the plane of ``axes``, without hits."""
+    wide, high = grid.size
+    x, y = np.empty((high, wide)), np.empty((high, wide))
+    turn = np.zeros((3, 3))
+    for k in range(3):
+        for m in range(3):
+            for n in range(3):
+                turn[k, m] += axes[k, n] * lens.turn[n, m]
+    step_x, step_y = lens.across[1] / grid.cells[0], lens.down[1] / grid.cells[1]
+    column = np.empty((wide, 2))
+    for i in range(wide):
+        at = lens.across[0] + step_x * (grid.begin[0] + i)
+        column[i, 0], column[i, 1] = (at, 1.0) if lens.plane else (math.sin(at), math.cos(at))
+    for j in range(high):
+        at = lens.down[0] + step_y * (grid.begin[1] + j)
+        a, b = (1.0, at) if lens.plane else (math.cos(at), math.sin(at))
+        for i in range(wide):
+            place = sample_place(grid.begin[0] + i, grid.begin[1] + j)
+            dx, dy = place[0] * step_x, place[1] * step_y
+            if lens.plane:
+                u, v, p, q = column[i, 0] + dx, 1.0, 1.0, b + dy
+            else:  # a cell is small: to second order in its own angle
+                u, v = column[i, 0] * (1.0 - 0.5 * dx * dx) + column[i, 1] * dx, column[i, 1] * (1.0 - 0.5 * dx * dx) - column[i, 0] * dx
+                p, q = a * (1.0 - 0.5 * dy * dy) - b * dy, b * (1.0 - 0.5 * dy * dy) + a * dy
+            u, v = p * u, p * v
+            depth = turn[2, 0] * u + turn[2, 1] * v + turn[2, 2] * q
+            if depth > 1e-3:
+                x[j, i] = (turn[0, 0] * u + turn[0, 1] * v + turn[0, 2] * q) / depth
+                y[j, i] = (turn[1, 0] * u + turn[1, 1] * v + turn[1, 2] * q) / depth
+            else:
+                x[j, i], y[j, i] = 1e9, 1e9
+    return Samples(x, y, np.zeros((high, wide)), np.full((high, wide), -1, np.int32), np.zeros((high, wide)))
+
+
+@kernel
+def cell_range(low: float, high: float, cells: int, begin: int, size: int) -> tuple[int, int]:
+    """Range of cells of a grid between two image points [pixels], as (first, end)."""
+    a, b = math.floor(low * cells) - begin, math.floor(high * cells) + 1 - begin
+    return int(max(a, 0)), int(min(b, size))
+
+
+@njit
+def meet(faces: Faces, grid: Grid, samples: Samples) -> None:
+    """Find the nearest triangle that faces the sensor at each sample."""
+    point, image = faces.point, faces.image
+    for t in range(faces.corner.shape[0]):
+        a, b, c = faces.corner[t, 0], faces.corner[t, 1], faces.corner[t, 2]
+        if not (point[a, 2] > 0.0 and point[b, 2] > 0.0 and point[c, 2] > 0.0):
+            continue
+        ax, ay, bx, by, cx, cy = point[a, 0], point[a, 1], point[b, 0], point[b, 1], point[c, 0], point[c, 1]
+        area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+        if area <= 0.0:
+            continue
+        left, right = min(image[a, 0], image[b, 0], image[c, 0]), max(image[a, 0], image[b, 0], image[c, 0])
+        top, bottom = min(image[a, 1], image[b, 1], image[c, 1]), max(image[a, 1], image[b, 1], image[c, 1])
+        margin = faces.bend * max(right - left, bottom - top)
+        i0, i1 = cell_range(left - margin, right + margin, grid.cells[0], grid.begin[0], grid.size[0])
+        j0, j1 = cell_range(top - margin, bottom + margin, grid.cells[1], grid.begin[1], grid.size[1])
+        if i0 >= i1 or j0 >= j1:
+            continue
+        scale = 1.0 / area
+        near, along_b, along_c = point[a, 2], (point[b, 2] - point[a, 2]) * scale, (point[c, 2] - point[a, 2]) * scale
+        for j in range(j0, j1):
+            for i in range(i0, i1):
+                dx, dy = samples.x[j, i] - ax, samples.y[j, i] - ay
+                # twice the areas opposite b and c
+                of_b = dx * (cy - ay) - dy * (cx - ax)
+                of_c = (bx - ax) * dy - (by - ay) * dx
+                if of_b >= 0.0 and of_c >= 0.0 and of_b + of_c <= area:
+                    depth = near + of_b * along_b + of_c * along_c
+                    if depth > samples.near[j, i]:
+                        samples.near[j, i] = depth
+                        samples.triangle[j, i] = t
+
+
+@njit
+def outline(faces: Faces, lens: Lens, axes: np.ndarray, grid: Grid, samples: Samples) -> None:
+    """Compute the shares of the cells that triangles cover, from their outline; after :func:`meet`.
+
+    What its own sample misses has the triangle and nearness of the edge that runs through. Where some of the triangles are not before the
+    camera, or over the pole of the image's angles, samples count in whole.
+    """
+    high, wide = samples.share.shape
+    count = np.zeros(faces.ends.shape[0], np.int32)
+    owner = np.zeros(faces.ends.shape[0], np.int32)
+    whole = faces.bend < 1.0
+    for t in range(faces.corner.shape[0]):
+        a, b, c = faces.corner[t, 0], faces.corner[t, 1], faces.corner[t, 2]
+        p = faces.point
+        if not (p[a, 2] > 0.0 and p[b, 2] > 0.0 and p[c, 2] > 0.0):
+            whole = False
+            break
+        if (p[b, 0] - p[a, 0]) * (p[c, 1] - p[a, 1]) - (p[b, 1] - p[a, 1]) * (p[c, 0] - p[a, 0]) > 0.0:
+            for k in range(3):
+                side = faces.sides[t, k]
+                edge = abs(side) - 1
+                count[edge] += 1 if side > 0 else -1
+                owner[edge] = t
+    if not whole:
+        for j in range(high):
+            for i in range(wide):
+                samples.share[j, i] = 1.0 if samples.near[j, i] > 0.0 else 0.0
+        return
+    border = np.zeros((high, wide + 2))
+    for e in range(faces.ends.shape[0]):
+        if count[e] == 0:
+            continue
+        a, b = faces.ends[e, 0], faces.ends[e, 1]
+        start, end = faces.point[a], faces.point[b]
+        column, row = faces.image[a, 0], faces.image[a, 1]
+        across, down = (faces.image[b, 0] - column) * grid.cells[0], (faces.image[b, 1] - row) * grid.cells[1]
+        bend = faces.bend * max(abs(across), abs(down))
+        pieces = int(min(math.ceil(math.sqrt(bend / LEAST_BEND)), MOST_PIECES)) if bend > LEAST_BEND else 1
+        x, y = column * grid.cells[0] - grid.begin[0], row * grid.cells[1] - grid.begin[1]
+        for n in range(1, pieces + 1):
+            f = n / pieces
+            if n == pieces:
+                column, row = faces.image[b, 0], faces.image[b, 1]
+            else:
+                u, v = start[0] + f * (end[0] - start[0]), start[1] + f * (end[1] - start[1])
+                along = (
+                    u * axes[0, 0] + v * axes[1, 0] + axes[2, 0],
+                    u * axes[0, 1] + v * axes[1, 1] + axes[2, 1],
+                    u * axes[0, 2] + v * axes[1, 2] + axes[2, 2],
+                )
+                column, row, _ = image_point(lens, along, column)
+            ahead, below = column * grid.cells[0] - grid.begin[0], row * grid.cells[1] - grid.begin[1]
+            near = start[2] + (f - 0.5 / pieces) * (end[2] - start[2])
+            _run(border, samples, (x, y, ahead, below), float(count[e]), (near, owner[e]))
+            x, y = ahead, below
+    for j in range(high):
+        total = 0.0
+        for i in range(wide):
+            total += border[j, i]
+            if samples.near[j, i] > 0.0:
+                samples.share[j, i] = min(max(total, 0.0), 1.0)
+
+
+@njit
+def _run(border: np.ndarray, samples: Samples, line: tuple[float, float, float, float], times: float, met: tuple[float, int]) -> None:
+    """Add the area to the right of a descending line (x, y to x, y) [cells] to the changes of shares along rows.
+
+    ``met``: nearness and triangle for the cells on it whose samples met nothing.
+    """
+    high, wide = samples.share.shape
+    x0, y0, x1, y1 = line
+    if y0 == y1:  # no cells to its right, but cells on it
+        j = math.floor(y0)
+        if 0 <= j < high:
+            _touch(samples, j, max(math.floor(min(x0, x1)), 0), min(math.ceil(max(x0, x1)), wide), met)
+        return
+    if y0 > y1:
+        times, x0, y0, x1, y1 = -times, x1, y1, x0, y0
+    slope = (x1 - x0) / (y1 - y0)
+    for j in range(max(math.floor(y0), 0), min(math.ceil(y1), high)):
+        top, bottom = max(float(j), y0), min(j + 1.0, y1)
+        d = times * (bottom - top)
+        a, b = x0 + slope * (top - y0), x0 + slope * (bottom - y0)
+        if a > b:
+            a, b = b, a
+        if a >= wide:
+            continue
+        if b <= 0.0:
+            border[j, 0] += d
+            continue
+        if a < 0.0:  # left of the grid the whole first cell is to the right
+            border[j, 0] += d * -a / (b - a)
+            d, a = d * b / (b - a), 0.0
+        if b > wide:
+            d, b = d * (wide - a) / (b - a), float(wide)
+        i, last = int(a), min(math.ceil(b), wide)
+        _touch(samples, j, i, max(last, min(i + 1, wide)), met)
+        # the mean share of cell k to the right of the line is the integral of what has been crossed
+        done = 0.0
+        for k in range(i, last + 1):
+            part = _crossed(k + 1.0, a, b) - _crossed(float(k), a, b)
+            border[j, k] += d * (part - done)
+            done = part
+
+
+@kernel
+def _touch(samples: Samples, j: int, first: int, end: int, met: tuple[float, int]) -> None:
+    """Give cells of a row without a hit an inverse depth and a triangle."""
+    for i in range(first, end):
+        if samples.near[j, i] <= 0.0:
+            samples.near[j, i], samples.triangle[j, i] = met
+
+
+@kernel
+def _crossed(x: float, a: float, b: float) -> float:
+    """Integral up to x of the share of a line from a to b that is to the left."""
+    if x <= a:
+        return 0.0
+    if x >= b:
+        return x - 0.5 * (a + b)
+    return 0.5 * (x - a) * (x - a) / (b - a)
+
+
+@kernel
+def chord(gas: np.ndarray, direction: tuple[float, float, float], first: float, last: float) -> float:
+    """Optical depth of a plume between two distances [m] along a direction (unit, sensor's axes).
+
+    ``gas``: its centre in units of its semi-axes, from the sensor (3), rows that turn a direction into these units (9), and the optical
+    depth of its middle.
+    """
+    ux = gas[3] * direction[0] + gas[4] * direction[1] + gas[5] * direction[2]
+    uy = gas[6] * direction[0] + gas[7] * direction[1] + gas[8] * direction[2]
+    uz = gas[9] * direction[0] + gas[10] * direction[1] + gas[11] * direction[2]
+    length = math.sqrt(ux * ux + uy * uy + uz * uz)
+    middle = (gas[0] * ux + gas[1] * uy + gas[2] * uz) / length
+    ox, oy, oz = gas[0] - middle * ux / length, gas[1] - middle * uy / length, gas[2] - middle * uz / length
+    half = 1.0 - (ox * ox + oy * oy + oz * oz)
+    if half <= 0.0:
+        return 0.0
+    half = math.sqrt(half)
+    begin, end = max(middle - half, first * length), min(middle + half, last * length)
+    return float(gas[12] * max(end - begin, 0.0) * 0.5)
+
+
+@njit
+def whole_solid_angle(faces: Faces, lens: Lens, samples: Samples, cell: tuple[float, float]) -> float:
+    """Solid angle [sr] of triangles from samples that lie ``cell`` apart on the plane itself, the image of ``lens``."""
+    total = 0.0
+    high, wide = samples.x.shape
+    grid = Grid((0, 0), (wide, high), (1, 1), (0, 0), (wide, high))
+    meet(faces, grid, samples)
+    outline(faces, lens, lens.turn, grid, samples)
+    for j in range(high):
+        for i in range(wide):
+            if samples.share[j, i] > 0.0:
+                total += samples.share[j, i] * (1.0 + samples.x[j, i] ** 2 + samples.y[j, i] ** 2) ** -1.5
+    return total * cell[0] * cell[1]

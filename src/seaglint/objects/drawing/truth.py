@@ -1,0 +1,195 @@
+"""Labels of bodies in an image: numbers and masks from their sights, in pixels of the image or of a coarser detector."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.objects.drawing.compose import LEAST_COVER, Sight
+from seaglint.objects.drawing.truth_names import NUMBERS
+
+SURROUND: Final = 10
+"""Width of the frame around a body's box in which its clutter is evaluated [pixels]."""
+
+LEAST_CLUTTER: Final = 8
+"""Least number of pixels of sea for a clutter value."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Pixels:
+    """Sums of a body in a box of pixels: coverage, radiance times coverage, the sea's share that it hides, and solid angles.
+
+    ``shape``: rows and columns of the image; with ``around`` it closes on itself, and columns of a box go on beyond its right edge.
+    """
+
+    top: int
+    left: int
+    shape: tuple[int, int]
+    around: bool
+    cover: FloatArray
+    added: FloatArray
+    hidden: FloatArray
+    solid: FloatArray
+    seen: NDArray[np.bool_]
+
+    def where(self, margin: int = 0) -> tuple[NDArray[Any], ...]:
+        """Box in the image, with some pixels around it."""
+        top, bottom = max(self.top - margin, 0), min(self.top + self.seen.shape[0] + margin, self.shape[0])
+        left, right = self.left - margin, self.left + self.seen.shape[1] + margin
+        if self.around:
+            return np.ix_(np.arange(top, bottom), np.arange(left, min(right, left + self.shape[1])) % self.shape[1])
+        return np.ix_(np.arange(top, bottom), np.arange(max(left, 0), min(right, self.shape[1])))
+
+
+def labels(
+    sights: tuple[Sight, ...],
+    sea: NDArray[Any],
+    kelvin: Callable[[float], float],
+    oversampling: int = 1,
+    *,
+    around: bool = False,
+) -> tuple[Mapping[str, FloatArray], list[NDArray[np.bool_]], NDArray[np.uint16]]:
+    """Numbers and masks of bodies in an image, and the number of the body in each pixel.
+
+    The numbers are :data:`~seaglint.objects.drawing.truth_names.NUMBERS`, the masks (rows, columns); a pixel has the number of the body
+    that covers most of it, from 1.
+
+    Parameters
+    ----------
+    sights : tuple of Sight
+        Sight of each body.
+    sea : ndarray
+        Image of the sea alone [W m-2 sr-1, (rows, columns)], in pixels as fine as they were drawn.
+    kelvin : callable
+        Apparent temperature [K] of a radiance.
+    oversampling : int
+        Pixels drawn along the side of one that is labelled.
+    around : bool
+        Whether the image closes on itself: columns of a box that spans the seam count on from its left.
+    """
+    n = oversampling
+    shape = (sea.shape[0] // n, sea.shape[1] // n)
+    coarse = np.asarray(sea, np.float64).reshape(shape[0], n, shape[1], n).mean(axis=(1, 3)) if n > 1 else np.asarray(sea, np.float64)
+    boxes = [_pixels(sight, n, shape, around) for sight in sights]
+    masks, number = _owners(boxes, shape)
+    rows = [_numbers(sight, box, coarse, number > 0, kelvin, n) for sight, box in zip(sights, boxes, strict=True)]
+    return {name: np.array([row[name] for row in rows], np.float64) for name in NUMBERS}, masks, number
+
+
+def numbers_of(sights: tuple[Sight, ...], shape: tuple[int, int], *, around: bool = False) -> NDArray[np.uint16]:
+    """Number [1], from 1, of the body that covers most of a pixel; 0 where there is none."""
+    return _owners([_pixels(sight, 1, shape, around) for sight in sights], shape)[1]
+
+
+def _owners(boxes: list[_Pixels | None], shape: tuple[int, int]) -> tuple[list[NDArray[np.bool_]], NDArray[np.uint16]]:
+    """Masks of bodies, and the number of the one that covers most."""
+    number, most, masks = np.zeros(shape, np.uint16), np.zeros(shape), []
+    for body, box in enumerate(boxes, 1):
+        mask = np.zeros(shape, bool)
+        if box is not None:
+            where = box.where()
+            mask[where] = box.seen
+            more = box.seen & (box.cover >= most[where]) & ((box.cover > 0.0) | (number[where] == 0))
+            number[where] = np.where(more, np.uint16(body), number[where])
+            most[where] = np.where(more, box.cover, most[where])
+        masks.append(mask)
+    return masks, number
+
+
+def _pixels(sight: Sight, n: int, shape: tuple[int, int], around: bool) -> _Pixels | None:
+    """Sums over a body's shares in the labelled pixels."""
+    shares = [share for share in sight.shares if share.cover.size]
+    if not shares:
+        return None
+    top, bottom = min(int(s.rows.min()) for s in shares) // n, max(int(s.rows.max()) for s in shares) // n + 1
+    left, right = _columns(np.concatenate([s.columns // n for s in shares]), shape[1], around)
+    top, bottom = max(top, 0), min(bottom, shape[0])
+    size = (bottom - top, right - left)
+    cover, added, hidden, solid = (np.zeros(size) for _ in range(4))
+    seen = np.zeros(size, bool)
+    for s in shares:
+        where = np.ix_(s.rows // n - top, (s.columns // n - left) % shape[1])
+        index = tuple(np.broadcast_arrays(*where))
+        np.add.at(cover, index, s.cover / n**2)
+        np.add.at(added, index, s.radiance * s.pixel)
+        np.add.at(hidden, index, s.cover * s.image * s.pixel)
+        np.maximum.at(solid, index, s.pixel * n**2)
+        np.logical_or.at(seen, index, (s.cover > LEAST_COVER) | (s.radiance > 0.0))
+    return _Pixels(top, left, shape, around, cover, added, hidden, solid, seen) if seen.any() else None
+
+
+def _columns(touched: NDArray[np.int64], width: int, around: bool) -> tuple[int, int]:
+    """First column and the one after the last; around a full circle from behind the widest gap, continuous over the seam."""
+    occupied = np.unique(touched)
+    first, last = int(occupied[0]), int(occupied[-1])
+    gaps = np.diff(occupied)
+    if not around or gaps.size == 0 or gaps.max() <= first + width - last:
+        return first, last + 1
+    k = int(gaps.argmax())
+    return int(occupied[k + 1]), int(occupied[k]) + width + 1
+
+
+def _numbers(
+    sight: Sight,
+    box: _Pixels | None,
+    sea: FloatArray,
+    covered: NDArray[np.bool_],
+    kelvin: Callable[[float], float],
+    n: int,
+) -> dict[str, float]:
+    """Ground-truth numbers of one body."""
+    row = dict.fromkeys(NUMBERS, math.nan)
+    row |= {
+        "range_m": sight.distance,
+        "solid_angle_sr": sight.whole,
+        "visible_share": 0.0,
+        "bearing_deg": math.degrees(sight.azimuth) % 360.0,
+        "elevation_deg": math.degrees(sight.elevation),
+        "pixels": 0.0,
+        "irradiance_W_m2": 0.0,
+    }
+    if box is None:
+        return row
+    difference = box.added - box.hidden
+    total = float(difference.sum())
+    point = sight.seen == 0.0
+    weight = 1.0 if point else sight.seen
+    row["visible_share"] = 1.0 if point else min(sight.seen / sight.whole, 1.0) if sight.whole > 0.0 else math.nan
+    row["column_px"] = _on_image(sight.across / weight / n - 0.5, box)
+    row["row_px"] = sight.down / weight / n - 0.5
+    rows, columns = np.nonzero(box.seen)
+    row["bbox_left_px"], row["bbox_top_px"] = float(box.left + columns.min()), float(box.top + rows.min())
+    row["bbox_width_px"], row["bbox_height_px"] = float(np.ptp(columns) + 1), float(np.ptp(rows) + 1)
+    row["pixels"] = float(box.cover.sum())
+    row["irradiance_W_m2"] = total
+    if abs(total) > 0.0:
+        j, i = np.mgrid[0 : difference.shape[0], 0 : difference.shape[1]]
+        row["signal_column_px"] = _on_image(box.left + float((difference * i).sum()) / total, box)
+        row["signal_row_px"] = box.top + float((difference * j).sum()) / total
+    if not point:
+        row["contrast_W_m2_sr"] = total / sight.seen
+        row["temperature_difference_K"] = kelvin(float(box.added.sum()) / sight.seen) - kelvin(float(box.hidden.sum()) / sight.seen)
+    spread = _clutter(box, sea, covered)
+    peak = difference / np.where(box.solid > 0.0, box.solid, 1.0)
+    if spread > 0.0:
+        row["signal_to_clutter"] = float(np.abs(peak).max()) / spread
+    return row
+
+
+def _on_image(column: float, box: _Pixels) -> float:
+    """Column in an image that closes on itself, from -0.5 on."""
+    return (column + 0.5) % box.shape[1] - 0.5 if box.around else column
+
+
+def _clutter(box: _Pixels, sea: FloatArray, covered: NDArray[np.bool_]) -> float:
+    """Standard deviation of the sea's image around a body [W m-2 sr-1]; NaN with too few pixels of sea."""
+    where = box.where(SURROUND)
+    around = sea[where][~covered[where]]
+    around = around[np.isfinite(around)]
+    return float(around.std()) if around.size >= LEAST_CLUTTER else math.nan

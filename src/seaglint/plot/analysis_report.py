@@ -1,0 +1,267 @@
+"""The report of an analysis: one HTML file with its tables and pictures inside, which asks nothing of the network."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from html import escape
+from pathlib import Path
+from typing import Any, Final
+
+from seaglint.analysis import Analysis
+from seaglint.files.outputs import refuse_existing
+from seaglint.files.text_file import write_text
+from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
+from seaglint.plot.page import ABSENT, figure, interval, number, page, section, table
+from seaglint.version import __version__
+
+Progress = Callable[[int, int], None]
+"""Called with pictures drawn and pictures in all."""
+
+_SIGMA: Final = {
+    "frame": "the mean and standard deviation of the region in the same frame",
+    "sequence": "the mean and standard deviation of the region over the whole sequence",
+    "local": "the mean and standard deviation around each pixel",
+}
+
+
+def write_report(analysis: Analysis, path: str | Path, *, overwrite: bool = False, progress: Progress = lambda done, total: None) -> Path:
+    """Write the report of an analysis; the same analysis gives the same bytes.
+
+    Parameters
+    ----------
+    analysis : Analysis
+        From :func:`seaglint.analysis.analyze`.
+    path : path
+        File to write, usually ``.html``.
+    overwrite : bool
+        Whether a file that is there may be replaced.
+    progress : callable
+        Called with (pictures drawn, pictures in all).
+
+    Returns
+    -------
+    Path
+        As given.
+
+    Raises
+    ------
+    DataError
+        The file exists, or its folder does not.
+    StorageError
+        No room or no rights; nothing is left behind.
+    """
+    output = refuse_existing(path, overwrite=overwrite)
+    text = report(analysis, progress)
+    write_text(text, output)
+    return output
+
+
+def report(analysis: Analysis, progress: Progress = lambda done, total: None) -> str:
+    """The report as text."""
+    results = analysis.as_dict()
+    images: dict[str, str] = {}
+    for done, (name, picture) in enumerate(PICTURES.items(), start=1):
+        images[name] = figure(png(picture.draw(analysis)), picture.title, picture.caption)
+        progress(done, len(PICTURES))
+    title = f"Clutter and false alarms: {results['source']}"
+    body = [
+        f"<h1>{escape(title)}</h1>",
+        f'<p class="facts">{escape(_facts(results))}</p>',
+        _notes(results),
+        section("False alarms", _summary(results), images["rates"]),
+        section("Regions", f"<p>{escape(_segmentation(results))}</p>", images["regions"], _moments(results)),
+        section("Exceedances and events", images["exceedances"], _events(results), images["slices"]),
+        section("Beyond the data", _tails(results)),
+        section("Distributions", images["histograms"], *_fits(analysis, results)),
+        section("Correlation, spectrum, stationarity", _memory(results), images["memory"]),
+        section("How it was done", *_methods(analysis, results)),
+        "<details><summary>All numbers as JSON</summary><pre>",
+        escape(json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False)),
+        "</pre></details>",
+    ]
+    return page(title, body)
+
+
+def _regions(results: dict[str, Any]) -> list[tuple[str, dict[str, Any]]]:
+    return [(name, region) for name, region in results["regions"].items() if region is not None]
+
+
+def _facts(results: dict[str, Any]) -> str:
+    rate = results["frame_rate_hz"]
+    frames = results["frames"]
+    facts = [
+        "1 frame" if frames == 1 else f"{frames} frames",
+        f"{results['columns']} × {results['rows']} pixels",
+        f"{rate:g} Hz" if rate is not None else "frame rate not known",
+        f"units {unit_of(results['units'])}" if results["units"] else "units not known",
+        f"filter {results['filter']}",
+        f"seaglint {__version__}",
+    ]
+    return " · ".join(facts)
+
+
+def _notes(results: dict[str, Any]) -> str:
+    own = [f"{name}: {note}" for name, region in _regions(results) for note in region["notes"]]
+    notes = [*results["notes"], *own]
+    if not notes:
+        return '<div class="notes none">Nothing unusual was found in the data.</div>'
+    return '<ul class="notes">' + "".join(f"<li>{escape(note)}</li>" for note in notes) + "</ul>"
+
+
+def _summary(results: dict[str, Any]) -> str:
+    rows = []
+    for name, region in _regions(results):
+        for entry in region["false_alarms"]:
+            time = entry["correlation_time_s"]
+            frames = entry["correlation_time_frames"]
+            told = [text for text in (entry["note"], entry["correlation_note"]) if text]
+            rows.append(
+                [
+                    name,
+                    entry["filter"],
+                    number(entry["threshold_sigma"]),
+                    number(entry["exceedances"]),
+                    number(entry["rate"]),
+                    interval([entry["rate_low"], entry["rate_high"]]),
+                    number(entry["gaussian_rate"]),
+                    number(entry["ratio"]),
+                    number(entry["inflation"]),
+                    number(time) if time is not None or results["frame_rate_hz"] is not None else number(frames),
+                    "; ".join(dict.fromkeys(told)),
+                ]
+            )
+    seconds = "s" if results["frame_rate_hz"] is not None else "frames"
+    head = ["region", "filter or detector", "threshold [σ]", "false alarms", "rate per pixel", "95 % interval", "Gaussian tail"]
+    head += ["rate / Gaussian", "variance / independent", f"correlation time [{seconds}]", "remarks"]
+    return table(head, rows, words=(10,))
+
+
+def _segmentation(results: dict[str, Any]) -> str:
+    found = results["segmentation"]
+    text = f"Method: {found['method']}."
+    if found["separability"] is not None:
+        text += f" Separability {number(found['separability'])} (a corridor has at least 0.69), contrast {number(found['contrast'])}"
+        text += " standard deviations of the background (at least 2)"
+        text += "." if found["border_step"] is None else f", {100 * found['border_step']:.0f} % of the step at the border (at most 44 %)."
+    if found["reason"]:
+        text += f" No corridor: {found['reason']}."
+    if found["doubt"]:
+        text += f" The corridor is not sure: {found['doubt']}."
+    if found["sky_pixels"]:
+        text += f" {number(found['sky_pixels'])} pixels lie in smooth rows on top, sky or far sea, and belong to neither region."
+    return text
+
+
+def _moments(results: dict[str, Any]) -> str:
+    unit = unit_of(results["units"])
+    keys = ("pixels", 3), ("values", 3), ("mean", 5), ("std", 5), ("minimum", 5), ("maximum", 5), ("skewness", 3), ("excess_kurtosis", 3)
+    rows = [[name, *(number(r[key], digits) for key, digits in keys), number(100.0 * r["saturated"])] for name, r in _regions(results)]
+    head = ["region", "pixels", "values", f"mean [{unit}]", f"standard deviation [{unit}]", f"minimum [{unit}]", f"maximum [{unit}]"]
+    return table([*head, "skewness", "excess kurtosis", "saturated [%]"], rows)
+
+
+def _events(results: dict[str, Any]) -> str:
+    keys = "threshold_sigma", "events", "events_per_frame", "event_duration_s"
+    rows = [
+        [name, entry["filter"], *(number(entry[key]) for key in keys)]
+        for name, region in _regions(results)
+        for entry in region["false_alarms"]
+    ]
+    head = ["region", "filter or detector", "threshold [σ]", "events", "events per frame", "mean duration [s]"]
+    text = "<p>An event is a set of exceeding pixels that touch in a frame or from one frame to the next.</p>"
+    return text + table(head, rows)
+
+
+def _tails(results: dict[str, Any]) -> str:
+    rows = []
+    for name, region in _regions(results):
+        for entry in region["false_alarms"]:
+            tail = entry["tail"]
+            if tail is None:
+                continue
+            if tail["reason"] is not None:
+                rows.append([name, entry["filter"], *[ABSENT] * 8, tail["reason"]])
+                continue
+            values = [tail["from_sigma"], tail["events"], tail["shape"]]
+            more = [tail["scale_sigma"], tail["goodness_p"], tail["trusted_to_sigma"], tail["trusted_to_rate"]]
+            rows.append([name, entry["filter"], *map(number, values), interval(tail["shape_interval"]), *map(number, more), ""])
+    head = ["region", "filter or detector", "from [σ]", "events", "shape ξ", "95 % interval", "scale β [σ]", "goodness p"]
+    head += ["trusted to [σ]", "trusted to rate", "remarks"]
+    text = (
+        "<p>rate(m) = rate(u) (1 + ξ (m − u)/β)<sup>−1/ξ</sup> above u, each event counted as one observation. ξ above 0 is a power law, "
+        "0 an exponential, below 0 a tail that ends. The rate is trusted while its 95 % interval spans less than a factor of ten, "
+        "and not below one exceedance in ten such data sets; both given that the form of the tail holds.</p>"
+    )
+    return text + table(head, rows, words=(10,))
+
+
+def _fits(analysis: Analysis, results: dict[str, Any]) -> list[str]:
+    unit = unit_of(results["units"])
+    head = ["family", "shape", "95 % interval", f"scale [{unit}]", "95 % interval", f"loc [{unit}]", "KS", "level", "AD", "level"]
+    head += ["log likelihood per value", "independent values", "remarks"]
+    parts = []
+    for name, region in _regions(results):
+        rows = []
+        for family, f in region["fits"].items():
+            remark = f["reason"] or (f"{100 * f['excluded']:.2g} % of the values, not above loc, left out" if f["excluded"] else "")
+            good = analysis.regions[name].goodness.get(family)
+            least = None if good is None else 1.0 / (good.replicates + 1)
+            row = [FAMILY_NAMES.get(family, family), number(f["shape"], 4), interval(f["shape_interval"]), number(f["scale"], 4)]
+            row += [interval(f["scale_interval"]), number(f["loc"], 4), number(f["ks"]), _level(f["ks_p"], least), number(f["ad"])]
+            row += [_level(f["ad_p"], least), number(f["log_likelihood_per_value"], 5), number(f["effective_count"], 4), remark]
+            rows.append(row)
+        parts += [f"<h3>{escape(name)}</h3>", table(head, rows, words=(12,))]
+    return parts
+
+
+def _level(p: float | None, least: float | None) -> str:
+    """A level; the smallest that the bootstrap can give is an upper bound."""
+    return f"≤\u00a0{number(p, 2)}" if p is not None and least is not None and p <= 1.001 * least else number(p, 2)
+
+
+def _memory(results: dict[str, Any]) -> str:
+    rows = []
+    for name, r in _regions(results):
+        length, still = r["correlation_length_px"], r["stationarity"]
+        verdict = r["stationary"]
+        block = " × ".join(map(str, still["block_px"])) if min(still["block_px"]) > 0 else ABSENT
+        row = [name, number(length["x"]), number(length["y"]), number(r["correlation_time_s"]), number(r["correlation_time_frames"])]
+        row += ["not decidable" if verdict is None else number(verdict), number(still["p_mean"], 2), number(still["p_variance"], 2)]
+        rows.append([*row, block, still["reason"] or ""])
+    head = ["region", "length x [px]", "length y [px]", "time [s]", "time [frames]", "stationary", "p, means", "p, variances"]
+    return table([*head, "blocks, rows × columns [px]", "remarks"], rows, words=(9,))
+
+
+def _methods(analysis: Analysis, results: dict[str, Any]) -> list[str]:
+    options = analysis.options
+    first, last = options.rows
+    done = [
+        f"Filter: {options.filter.name}, applied to whole frames; the nearest pixel is repeated beyond the border, and the pixels that see "
+        f"it are {'counted' if results['border'] == 'kept' else 'left out of sigma and rates'}.",
+        f"Thresholds are on the bright side, in standard deviations of the filtered image above its mean: {_SIGMA[options.scope]}.",
+        "A rate is the number of pixels above the threshold over the number of pixels looked at. Its interval is Wilson's with an "
+        "effective number of pixels from the scatter of counts between tiles and times.",
+        "Correlation times of exceedances and of brightness are where the correlation falls to 1/e; lengths likewise.",
+        "Fits are by maximum likelihood with location 0 (Gaussian: fitted); intervals come from blocks some correlation lengths wide where "
+        "there are enough of them, else from the number of independent values. Levels of KS (Kolmogorov-Smirnov) and AD "
+        "(Anderson-Darling) come from a parametric bootstrap with that number, so that neither fitted parameters nor correlated pixels "
+        "make a fit look worse than it is. A small level speaks against the family; a large one does not prove it.",
+        f"Stationarity: {next((r['stationarity']['method'] for _, r in _regions(results)), '')}.",
+        f"Regions: {results['segmentation']['method']}.",
+    ]
+    if options.detectors:
+        names = ", ".join(d.name + (" (promises its own rate)" if d.calibrated else "") for d in options.detectors)
+        done.append(f"Detectors judged by the same counting: {names}.")
+    used = [
+        ["source", results["source"]],
+        ["filter", options.filter.name],
+        ["thresholds beside 3.0 and 3.5", ", ".join(f"{t:g}" for t in options.thresholds) or "none"],
+        ["sigma of", options.scope],
+        ["rows", "all" if (first, last) == (0.0, 1.0) else f"{first:g} to {last:g} of the height"],
+        ["mask", "none, segmented" if options.mask is None else "given"],
+        ["detectors", ", ".join(d.name for d in options.detectors) or "none"],
+        ["seed", str(options.seed)],
+        ["seaglint", __version__],
+    ]
+    return ["<ul>" + "".join(f"<li>{escape(text)}</li>" for text in done) + "</ul>", table(["option", "value"], used, words=(1,))]

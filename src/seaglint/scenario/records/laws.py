@@ -1,0 +1,237 @@
+"""Laws of varied keys: each turns a uniform number into a value, by the inverse of its distribution function."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from typing import Annotated, Any, Final, Literal, Self
+
+import numpy as np
+from pydantic import Field, StrictFloat, StrictInt, StrictStr, model_validator
+
+from seaglint.base.errors import ScenarioError
+from seaglint.scenario.records.quantity import Quantity, convert
+from seaglint.scenario.records.record import InputPath, Record, rule
+
+Number = StrictInt | StrictFloat | StrictStr
+"""A number in the unit of its key, or text with another unit."""
+
+_INSIDE: Final = 2.0**-53
+"""How near to 0 and 1 uniform numbers come for laws without ends."""
+
+WEATHER_KEYS: Final = {
+    "wind_speed_m_s": "wind.speed_m_s",
+    "wind_from_deg": "wind.from_deg",
+    "sea_temperature_k": "sea.temperature_k",
+    "significant_height_m": "sea.spectrum.significant_height_m",
+    "visibility_km": "atmosphere.visibility_km",
+    "atmosphere": "atmosphere.model",
+    "latitude_deg": "place.latitude_deg",
+    "longitude_deg": "place.longitude_deg",
+}
+"""Keys of a scenario that columns of a weather table can set."""
+
+
+class _OfKey(Record):
+    """What a law is of."""
+
+    law: str
+    key: Annotated[
+        str | None, Field(description="key of the scenario, e.g. wind.speed_m_s, objects.ferry.heading_deg, sensor.fov_deg.0")
+    ] = None
+
+
+class Uniform(_OfKey):
+    """All values between two alike; keys of whole numbers get whole numbers, both ends included."""
+
+    law: Literal["uniform"] = "uniform"
+    min: Annotated[Number, Field(description="least value")]
+    max: Annotated[Number, Field(description="greatest value")]
+
+    def at(self, uniform: float, quantity: Quantity | None) -> float | int:
+        """Value of a uniform number."""
+        low, high = _ends(self.min, self.max, quantity)
+        if quantity is not None and quantity.integer:
+            first, last = math.ceil(low), math.floor(high)
+            return min(first + int(uniform * (last - first + 1)), last)
+        return low + uniform * (high - low)
+
+
+class LogUniform(_OfKey):
+    """All ratios alike: the logarithm is uniform between two."""
+
+    law: Literal["log_uniform"] = "log_uniform"
+    min: Annotated[Number, Field(description="least value, above 0")]
+    max: Annotated[Number, Field(description="greatest value")]
+
+    def at(self, uniform: float, quantity: Quantity | None) -> float | int:
+        """Value of a uniform number."""
+        low, high = _ends(self.min, self.max, quantity)
+        if low <= 0.0:
+            raise ValueError(f"min = {low:g} has no logarithm; give a min above 0, or law = 'uniform'")
+        found = min(max(math.exp(math.log(low) + uniform * (math.log(high) - math.log(low))), low), high)
+        return round(found) if quantity is not None and quantity.integer else found
+
+
+class Normal(_OfKey):
+    """A normal law, cut off at ``min`` and ``max`` where they are given."""
+
+    law: Literal["normal"] = "normal"
+    mean: Annotated[Number, Field(description="mean before it is cut off")]
+    standard_deviation: Annotated[Number, Field(description="standard deviation before it is cut off")]
+    min: Annotated[Number | None, Field(description="least value")] = None
+    max: Annotated[Number | None, Field(description="greatest value")] = None
+
+    def at(self, uniform: float, quantity: Quantity | None) -> float | int:
+        """Value of a uniform number."""
+        from scipy.special import ndtr, ndtri
+
+        mean, width = in_unit(self.mean, quantity), _difference(self.standard_deviation, quantity)
+        if not math.isfinite(mean):
+            raise ValueError(f"mean = {mean:g} is not finite; give a number")
+        if not 0.0 < width < math.inf:
+            raise ValueError(f"standard_deviation = {width:g} is not above 0; give one that is, or law = 'choice' with a single value")
+        low = -math.inf if self.min is None else in_unit(self.min, quantity)
+        high = math.inf if self.max is None else in_unit(self.max, quantity)
+        _require_ascending(low, high)
+        below, above = float(ndtr((low - mean) / width)), float(ndtr((high - mean) / width))
+        if above - below < 1e-12:
+            raise ValueError(f"min = {low:g} and max = {high:g} leave nothing of the normal law; widen them")
+        share = below + min(max(uniform, _INSIDE), 1.0 - _INSIDE) * (above - below)
+        found = min(max(mean + width * float(ndtri(share)), low), high)
+        return round(found) if quantity is not None and quantity.integer else found
+
+
+class Choice(_OfKey):
+    """One of some values."""
+
+    law: Literal["choice"] = "choice"
+    values: Annotated[tuple[Any, ...], Field(min_length=1, description="what it may be: numbers, text, lists or tables")]
+    weights: Annotated[
+        tuple[Annotated[float, Quantity(ge=0)], ...] | None, Field(description="how often each comes; all alike where nothing is said")
+    ] = None
+
+    @model_validator(mode="after")
+    def _as_many(self) -> Self:
+        if self.weights is not None and len(self.weights) != len(self.values):
+            raise rule("weights", f"has {len(self.weights)} numbers for {len(self.values)} values; give each value one", value=self.weights)
+        if self.weights is not None and not sum(self.weights) > 0.0:
+            raise rule("weights", "are all 0; give at least one value a weight above 0", value=self.weights)
+        return self
+
+    def at(self, uniform: float, quantity: Quantity | None) -> Any:
+        """Value of a uniform number."""
+        found = self.values[chosen(self.weights or (1.0,) * len(self.values), uniform)]
+        return in_unit(found, quantity) if isinstance(found, str) and quantity is not None and quantity.unit else found
+
+
+class Weather(Record):
+    """A row of a weather table, drawn whole: its columns set the keys that they mean."""
+
+    law: Literal["weather"] = "weather"
+    table: Annotated[
+        InputPath | None,
+        Field(description="weather table, CSV or Parquet ('seaglint weather build' makes one); the packaged North Atlantic"),
+    ] = None
+    columns: Annotated[
+        tuple[
+            Literal[
+                "wind_speed_m_s",
+                "wind_from_deg",
+                "sea_temperature_k",
+                "significant_height_m",
+                "visibility_km",
+                "atmosphere",
+                "latitude_deg",
+                "longitude_deg",
+            ],
+            ...,
+        ],
+        Field(min_length=1, description="columns that are taken; a wind direction that is missing is drawn uniformly"),
+    ] = ("wind_speed_m_s", "wind_from_deg")
+    max_wind_m_s: Annotated[
+        Annotated[float, Quantity("m/s", gt=0, le=100)] | None, Field(description="rows with stronger winds are left out")
+    ] = None
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys that it sets."""
+        return tuple(WEATHER_KEYS[name] for name in self.columns)
+
+
+Law = Annotated[Uniform | LogUniform | Normal | Choice, Field(discriminator="law")]
+"""Laws of a single key."""
+
+Vary = Annotated[Uniform | LogUniform | Normal | Choice | Weather, Field(discriminator="law")]
+"""One of ``[[vary]]``."""
+
+
+def chosen(weights: Sequence[float], uniform: float) -> int:
+    """Place of a uniform number among weights, by the inverse of their cumulative sum; weights of 0 never come.
+
+    Examples
+    --------
+    >>> chosen([1.0, 0.0, 3.0], 0.2), chosen([1.0, 0.0, 3.0], 0.25), chosen([1.0, 0.0, 3.0], 0.999)
+    (0, 2, 2)
+    """
+    total = np.cumsum(weights)
+    at = int(np.searchsorted(total, uniform * total[-1], side="right"))
+    return min(at, int(np.flatnonzero(weights)[-1]))
+
+
+def in_unit(value: Number, quantity: Quantity | None) -> float:
+    """A number in the unit of its key.
+
+    Raises
+    ------
+    ValueError
+        Text for a key that has no unit, or with a unit of another kind.
+    """
+    if not isinstance(value, str):
+        return float(value)
+    if quantity is None or not quantity.unit:
+        raise ValueError(f"'{value}' is text, and the key has no unit; give a number")
+    try:
+        return convert(value, quantity.unit)
+    except ValueError as error:
+        raise ValueError(f"'{value}' {error}") from None
+
+
+def _difference(value: Number, quantity: Quantity | None) -> float:
+    """A difference in the unit of its key: of 2 degC it is 2 K."""
+    if not isinstance(value, str):
+        return float(value)
+    zero = re.sub(r"[0-9.]+(?:[eE][+-]?[0-9]+)?", "0", value, count=1)
+    return in_unit(value, quantity) - in_unit(zero, quantity)
+
+
+def _ends(low: Number, high: Number, quantity: Quantity | None) -> tuple[float, float]:
+    ends = in_unit(low, quantity), in_unit(high, quantity)
+    for name, end in zip(("min", "max"), ends, strict=True):
+        if math.isinf(end):
+            raise ValueError(f"{name} = {end:g} is not finite; give a number")
+    _require_ascending(*ends)
+    return ends
+
+
+def _require_ascending(low: float, high: float) -> None:
+    for name, end in (("min", low), ("max", high)):
+        if math.isnan(end):
+            raise ValueError(f"{name} = nan is no number; give one")
+    if not low <= high:
+        raise ValueError(f"min = {low:g} is above max = {high:g}; give the lower number as min")
+
+
+def value_of(law: Uniform | LogUniform | Normal | Choice, uniform: float, quantity: Quantity | None, name: str) -> Any:
+    """Value of a law at a uniform number, as a scenario file has it.
+
+    Raises
+    ------
+    ScenarioError
+        A law whose numbers do not go together; ``name`` says whose it is.
+    """
+    try:
+        return law.at(uniform, quantity)
+    except ValueError as error:
+        raise ScenarioError(f"{name}: {error}") from None

@@ -1,0 +1,154 @@
+"""Table ``[likelihood]``: how often glint matters, over weather, Sun and geometry."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, StrictBool, field_validator, model_validator
+
+from seaglint.scenario.records.quantity import Quantity
+from seaglint.scenario.records.record import InputFile, Record, rule
+
+Case = Literal["single-look", "trajectory", "field-of-view"]
+
+MOST_SAMPLES = 2**26
+"""Looks of one run [1]; some 5 GB."""
+
+_Degrees = Annotated[float, Quantity("deg", ge=-360, le=360)]
+_Latitude = Annotated[float, Quantity("deg", ge=-90, le=90)]
+
+
+class Likelihood(Record):
+    """How often the mirrored Sun is brighter than thresholds: for the command likelihood."""
+
+    weather: Annotated[
+        InputFile | None,
+        Field(description="weather table, CSV or Parquet ('seaglint weather build' makes one); the packaged North Atlantic"),
+    ] = None
+    threshold_w_m2_sr: Annotated[
+        tuple[Annotated[float, Quantity("W/m2/sr", ge=0)], ...],
+        Field(description="radiances at the sensor that glint is compared with", min_length=1),
+    ] = (0.25, 2.5)
+    case: Annotated[
+        Case,
+        Field(description="one look; any depression on the way of a target; the same with all of a field of view about it"),
+    ] = "single-look"
+    depression_deg: Annotated[
+        tuple[Annotated[float, Quantity("deg", ge=-10, le=90)], Annotated[float, Quantity("deg", ge=0, le=90)]],
+        Field(description="lowest and highest depression of looks, uniform between, or of the trajectory"),
+    ] = (1.5, 6.0)
+    azimuth_from_sun_deg: Annotated[tuple[_Degrees, _Degrees], Field(description="azimuths of looks, clockwise from the Sun's")] = (
+        0.0,
+        360.0,
+    )
+    field_deg: Annotated[
+        tuple[Annotated[float, Quantity("deg", ge=0, le=60)], Annotated[float, Quantity("deg", ge=0, le=60)]],
+        Field(description="width and height of the field of view that case = 'field-of-view' adds"),
+    ] = (4.0, 4.0)
+    height_m: Annotated[
+        tuple[Annotated[float, Quantity("m", ge=2, le=10_000)], Annotated[float, Quantity("m", ge=2, le=10_000)]] | None,
+        Field(description="lowest and highest sensor, uniform between; sensor.height_m where nothing is said"),
+    ] = None
+    looks: Annotated[
+        InputFile | None,
+        Field(description="CSV of looks drawn whole: any of depression_deg, azimuth_from_sun_deg, height_m, weight"),
+    ] = None
+    samples: Annotated[int, Quantity(ge=256, le=MOST_SAMPLES, integer=True), Field(description="draws, rounded up to powers of two")] = (
+        65_536
+    )
+    azimuths: Annotated[
+        Literal["auto", "integrated", "drawn"],
+        Field(
+            description="integrated: each draw brings the share of the azimuths above the threshold (mean of single looks); drawn: one "
+            "azimuth; auto: integrated where that goes, up to 131072 draws"
+        ),
+    ] = "auto"
+    latitudes_deg: Annotated[tuple[_Latitude, _Latitude] | None, Field(description="region: southern and northern border")] = None
+    longitudes_deg: Annotated[tuple[_Degrees, _Degrees] | None, Field(description="region: western and eastern border")] = None
+    place_from_weather: Annotated[StrictBool, Field(description="take place, month and hour from the rows of the weather table")] = False
+    year: Annotated[int, Quantity(ge=1800, le=2200, integer=True), Field(description="year of the ephemeris where [time] is not given")] = (
+        2025
+    )
+    months: Annotated[
+        tuple[Annotated[int, Quantity(ge=1, le=12, integer=True)], ...] | None, Field(description="months that count; all", min_length=1)
+    ] = None
+    hours_utc: Annotated[
+        tuple[Annotated[float, Quantity("h", ge=0, le=24)], Annotated[float, Quantity("h", ge=0, le=24)]],
+        Field(description="hours of the day that count, UTC"),
+    ] = (0.0, 24.0)
+    clouds: Annotated[
+        Literal["auto", "cover", "overcast", "line-of-sight"],
+        Field(
+            description="cover: the Sun is hidden with the chance of the cover; overcast: only when overcast; line-of-sight: by cover and "
+            "elevation; auto: cover for a single look, else overcast"
+        ),
+    ] = "auto"
+    overcast_cover: Annotated[float, Quantity(gt=0, le=1), Field(description="cover from which the sky is overcast")] = 0.99
+    cloud_aspect: Annotated[float, Quantity(ge=0, le=10), Field(description="height of clouds over their width, for line-of-sight")] = 0.5
+    smooth: Annotated[StrictBool, Field(description="smooth bootstrap: wind and cover of drawn rows vary about the table's")] = False
+    quantity: Annotated[
+        Literal["mean", "mean-plus-sigma", "false-alarms", "detection"],
+        Field(
+            description="mean of the mirrored Sun; the same plus sigmas standard deviations in a pixel; chance that a pixel passes the "
+            "threshold; chance of detection of a target whose contrast is the threshold"
+        ),
+    ] = "mean"
+    sigmas: Annotated[float, Quantity(ge=0, le=100), Field(description="k of mean plus k standard deviations")] = 3.0
+    detection_curve: Annotated[
+        InputFile | None, Field(description="CSV of contrast_w_m2_sr and pd, what is detected of a target by its contrast to the glint")
+    ] = None
+
+    @field_validator("weather", mode="before")
+    @classmethod
+    def _packaged(cls, raw: Any) -> Any:
+        return None if raw == "north-atlantic" else raw
+
+    @model_validator(mode="after")
+    def _ranges_ascend(self) -> Self:
+        for name in ("depression_deg", "azimuth_from_sun_deg", "height_m", "latitudes_deg", "hours_utc"):
+            pair = getattr(self, name)
+            if pair is not None and pair[0] > pair[1]:
+                text = f"= [{pair[0]:g}, {pair[1]:g}] goes down; give the lower number first"
+                raise rule(f"likelihood.{name}", text, value=pair)
+        if self.depression_deg[1] <= 0.0:
+            text = f"= [{self.depression_deg[0]:g}, {self.depression_deg[1]:g}] is above the horizontal; give depressions above 0 deg"
+            raise rule("likelihood.depression_deg", text, value=self.depression_deg)
+        if self.azimuth_from_sun_deg[1] - self.azimuth_from_sun_deg[0] > 360.0:
+            raise rule("likelihood.azimuth_from_sun_deg", "spans more than 360 deg; give [0, 360] for all", value=self.azimuth_from_sun_deg)
+        return self
+
+    @model_validator(mode="after")
+    def _region_has_both(self) -> Self:
+        if (self.latitudes_deg is None) != (self.longitudes_deg is None):
+            missing = "longitudes_deg" if self.longitudes_deg is None else "latitudes_deg"
+            raise rule(f"likelihood.{missing}", "is missing: a region needs likelihood.latitudes_deg and likelihood.longitudes_deg")
+        if self.place_from_weather and self.latitudes_deg is not None:
+            raise rule("likelihood.place_from_weather", "= true with a region; leave one of both out")
+        if self.hours_utc[0] == self.hours_utc[1]:
+            raise rule("likelihood.hours_utc", "is empty; give two different hours", value=self.hours_utc)
+        return self
+
+    @model_validator(mode="after")
+    def _detection_has_a_curve(self) -> Self:
+        if (self.quantity == "detection") != (self.detection_curve is not None):
+            text = "needs a curve: quantity = 'detection' and detection_curve go together"
+            raise rule("likelihood.detection_curve", text)
+        if self.azimuths == "integrated" and not self.integrates:
+            text = (
+                "= 'integrated' is for quantity = 'mean', case = 'single-look' and a range of azimuths; set likelihood.azimuths = 'drawn'"
+            )
+            raise rule("likelihood.azimuths", text)
+        if self.quantity == "false-alarms" and self.case != "single-look":
+            raise rule("likelihood.quantity", "= 'false-alarms' counts pixels of one look; set likelihood.case = 'single-look'")
+        return self
+
+    @property
+    def integrates(self) -> bool:
+        """Whether azimuths can be integrated instead of drawn."""
+        wide = self.azimuth_from_sun_deg[0] < self.azimuth_from_sun_deg[1]
+        return self.case == "single-look" and self.quantity == "mean" and wide
+
+    @property
+    def places_itself(self) -> bool:
+        """Whether the place is no single one of ``[place]``."""
+        return self.latitudes_deg is not None or self.place_from_weather

@@ -1,0 +1,144 @@
+"""Tables ``[[objects]]``: what is on and above the sea, where it is and how it moves."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, StrictBool, model_validator
+
+from seaglint.scenario.presets.object_presets import OBJECTS
+from seaglint.scenario.records.quantity import Quantity
+from seaglint.scenario.records.record import InputFile, Record, rule
+from seaglint.scenario.records.shapes import Emissivity, Part, Shape, Temperature
+
+_Place = Annotated[float, Quantity("m", ge=-1e6, le=1e6)]
+_Height = Annotated[float, Quantity("m", ge=-1000, le=100_000)]
+_Latitude = Annotated[float, Quantity("deg", ge=-90, le=90)]
+_Longitude = Annotated[float, Quantity("deg", ge=-180, le=360)]
+_Angle = Annotated[float, Quantity("deg", ge=-36_000, le=36_000)]
+
+
+class ObjectKeyframe(Record):
+    """Where an object is at one time; what is left out stays as the object's own keys say."""
+
+    time_s: Annotated[float, Quantity("s", ge=-1e7, le=1e7), Field(description="time from the first frame")]
+    east_m: Annotated[_Place | None, Field(description="position towards east")] = None
+    north_m: Annotated[_Place | None, Field(description="position towards north")] = None
+    height_m: Annotated[_Height | None, Field(description="height of its centre above the mean sea")] = None
+    latitude_deg: Annotated[_Latitude | None, Field(description="latitude, instead of metres")] = None
+    longitude_deg: Annotated[_Longitude | None, Field(description="longitude, instead of metres")] = None
+    heading_deg: Annotated[_Angle | None, Field(description="azimuth of its forward end; along its way where nothing is said")] = None
+    pitch_deg: Annotated[_Angle | None, Field(description="forward end up")] = None
+    roll_deg: Annotated[_Angle | None, Field(description="starboard side down")] = None
+
+
+class Object(Record):
+    """Something on or above the sea: a shape of a material, a place or a way."""
+
+    name: Annotated[str, Field(min_length=1, max_length=100, description="what labels and errors call it; each name once")]
+    preset: Annotated[
+        Literal[
+            "buoy",
+            "swimmer",
+            "small-boat",
+            "sailing-yacht",
+            "container-ship",
+            "fishing-vessel",
+            "drone",
+            "light-aircraft",
+            "bird-flock",
+        ]
+        | None,
+        Field(description="shape, material and draught of public dimensions; instead of shape"),
+    ] = None
+    shape: Annotated[Shape | None, Field(description="its shape")] = None
+    temperature_k: Annotated[
+        Temperature | None, Field(description="of its surface; needed unless all parts or the mesh have their own")
+    ] = None
+    emissivity: Annotated[Emissivity, Field(description="of its surface; the rest of 1 is reflected, in all directions alike")] = 0.95
+    east_m: Annotated[_Place | None, Field(description="position east of the sensor's start")] = None
+    north_m: Annotated[_Place | None, Field(description="position north of the sensor's start")] = None
+    latitude_deg: Annotated[_Latitude | None, Field(description="latitude, instead of metres; needs [place], where the sensor starts")] = (
+        None
+    )
+    longitude_deg: Annotated[_Longitude | None, Field(description="longitude, instead of metres")] = None
+    height_m: Annotated[
+        _Height | None, Field(description="height of its centre above the mean sea; 0 for what floats where nothing is said")
+    ] = None
+    draught_m: Annotated[
+        Annotated[float, Quantity("m", gt=0, le=100)] | None,
+        Field(description="depth of its lowest point under water, instead of height_m"),
+    ] = None
+    heading_deg: Annotated[
+        _Angle | None, Field(description="azimuth of its forward end, clockwise from north; along its way where nothing is said")
+    ] = None
+    pitch_deg: Annotated[_Angle, Field(description="forward end up")] = 0.0
+    roll_deg: Annotated[_Angle, Field(description="starboard side down")] = 0.0
+    course_deg: Annotated[_Angle | None, Field(description="azimuth of its motion; with speed_m_s")] = None
+    speed_m_s: Annotated[Annotated[float, Quantity("m/s", ge=0, le=1000)] | None, Field(description="speed on its course")] = None
+    track: Annotated[
+        InputFile | None,
+        Field(
+            description="CSV file with a column time_s and any of east_m, north_m, height_m, latitude_deg, longitude_deg, heading_deg, "
+            "pitch_deg, roll_deg"
+        ),
+    ] = None
+    keyframes: Annotated[tuple[ObjectKeyframe, ...] | None, Field(description="list of keyframes, the columns of the file as keys")] = None
+    path: Annotated[
+        Literal["spline", "straight"], Field(description="between keyframes: a smooth curve through them, or straight lines")
+    ] = "spline"
+    floats: Annotated[StrictBool, Field(description="true: it heaves, pitches and rolls with the waves at its place")] = False
+
+    @model_validator(mode="before")
+    @classmethod
+    def _from_preset(cls, raw: Any) -> Any:
+        if not isinstance(raw, dict) or not isinstance(raw.get("preset"), str) or raw["preset"] not in OBJECTS:
+            return raw
+        if raw.get("shape") is not None:
+            raise rule(f"objects ('{raw.get('name')}')", "has preset and shape; give one of them")
+        chosen = dict(OBJECTS[raw["preset"]].values)
+        if raw.get("draught_m") is not None:
+            chosen.pop("height_m", None)
+        return {**chosen, **{key: value for key, value in raw.items() if value is not None}}
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        where = f"objects ('{self.name}')"
+        if self.shape is None:
+            raise rule(f"{where}.shape", "is missing; give a shape = { kind = ... } or a preset")
+        moves = {"track": self.track, "keyframes": self.keyframes, "course_deg and speed_m_s": self.course_deg}
+        given = [name for name, value in moves.items() if value is not None]
+        if len(given) > 1:
+            raise rule(where, f"has {' and '.join(given)}; give one of them")
+        if (self.course_deg is None) != (self.speed_m_s is None):
+            missing = "speed_m_s" if self.speed_m_s is None else "course_deg"
+            raise rule(f"{where}.{missing}", "is missing; a course needs both course_deg and speed_m_s")
+        if self.height_m is not None and self.draught_m is not None:
+            raise rule(where, "has height_m and draught_m; give one of them")
+        _require_place(self, where)
+        for i, keyframe in enumerate(self.keyframes or ()):
+            _require_place(keyframe, f"{where}.keyframes[{i}]")
+            if keyframe.model_fields_set != (self.keyframes or ())[0].model_fields_set:
+                other = sorted(keyframe.model_fields_set ^ (self.keyframes or ())[0].model_fields_set)
+                raise rule(f"{where}.keyframes[{i}]", f"and keyframes[0] do not both have {', '.join(other)}; give them in all or in none")
+        return self
+
+
+def _require_place(place: Object | ObjectKeyframe, where: str) -> None:
+    """Metres or degrees, and of degrees both."""
+    degrees = (place.latitude_deg is not None, place.longitude_deg is not None)
+    if any(degrees) and (place.east_m is not None or place.north_m is not None):
+        raise rule(where, "has metres and degrees; give east_m and north_m, or latitude_deg and longitude_deg")
+    if any(degrees) and not all(degrees):
+        missing = "longitude_deg" if degrees[0] else "latitude_deg"
+        raise rule(f"{where}.{missing}", "is missing; give latitude_deg and longitude_deg, or east_m and north_m")
+
+
+def in_degrees(item: Object) -> bool:
+    """Whether any of an object's places is given by latitude and longitude in the scenario."""
+    return item.latitude_deg is not None or any(keyframe.latitude_deg is not None for keyframe in item.keyframes or ())
+
+
+def parts_of(shape: Shape) -> tuple[Shape, ...]:
+    """What a shape is made of; empty for one that is no combination."""
+    return tuple(getattr(shape, "parts", ())) if isinstance(shape, Part) else ()

@@ -1,0 +1,76 @@
+"""What all tables of a scenario file share: the frozen record, the error of a rule, times and paths."""
+
+from __future__ import annotations
+
+from datetime import UTC, date, datetime
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationInfo
+from pydantic_core import PydanticCustomError
+
+from seaglint.base.errors import Allowed
+
+
+class Record(BaseModel):
+    """Frozen; unknown keys are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
+
+
+def rule(key: str, text: str, *, value: Any = None, allowed: Allowed = None) -> PydanticCustomError:
+    """Error of a rule that ties several keys together; ``key`` is the full path it is reported under."""
+    return PydanticCustomError("rule", "{text}", {"text": text, "key": key, "value": value, "allowed": allowed})
+
+
+def default_tag(tag: str, value: str) -> BeforeValidator:
+    """Let a table of a union leave its tag out: ``[atmosphere] model = "..."`` is a table atmosphere."""
+
+    def fill(raw: Any) -> Any:
+        return {tag: value, **raw} if isinstance(raw, dict) and tag not in raw else raw
+
+    return BeforeValidator(fill)
+
+
+YEARS = (1800, 2200)
+"""Years for which the Sun's position is computed: the Earth's rotation is known well enough, and no calendar ends."""
+
+
+def _moment(raw: Any) -> Any:
+    """Dates and times as TOML or text have them; numbers, which would be seconds since 1970, are mistyped dates."""
+    if isinstance(raw, str) and raw.strip() and not raw.strip().lstrip("+-").replace(".", "").isdecimal():
+        return raw
+    if isinstance(raw, date):
+        return raw
+    raise PydanticCustomError("datetime_type", "is no date and time")
+
+
+def _as_utc(moment: datetime) -> datetime:
+    if not YEARS[0] <= moment.year <= YEARS[1]:
+        text = f"is outside the years {YEARS[0]} to {YEARS[1]}; give a date within them"
+        raise PydanticCustomError("quantity", "{text}", {"text": text, "allowed": f"{YEARS[0]} to {YEARS[1]}"})
+    return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
+
+
+def _from_scenario_folder(path: Path, info: ValidationInfo) -> Path:
+    """Relative paths count from the scenario file, wherever the program runs."""
+    base = (info.context or {}).get("base")
+    return path if base is None or path.is_absolute() else Path(base) / path
+
+
+def _must_exist(path: Path, info: ValidationInfo) -> Path:
+    # A preset is written before its files are there.
+    try:
+        there = path.is_file()
+    except OSError:  # a name that no file system takes
+        there = False
+    if (info.context or {}).get("files", True) and not there:
+        raise PydanticCustomError(
+            "missing_file", "{text}", {"text": "is not a file that exists; a relative path counts from the scenario file's folder"}
+        )
+    return path
+
+
+Utc = Annotated[datetime, BeforeValidator(_moment), AfterValidator(_as_utc)]
+InputPath = Annotated[Path, AfterValidator(_from_scenario_folder)]
+InputFile = Annotated[InputPath, AfterValidator(_must_exist)]

@@ -1,0 +1,258 @@
+"""Table ``[sensor]``: where the sensor stands and looks, and its pixels."""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, TypeAdapter, ValidationError, ValidationInfo, model_validator
+
+from seaglint.base.limits import WIDEST_PINHOLE_DEG
+from seaglint.scenario.records.quantity import Quantity
+from seaglint.scenario.records.record import Record, rule
+from seaglint.scenario.records.sensor_detector import Detector, PhotonDetector
+from seaglint.scenario.records.sensor_noise import Noise
+from seaglint.scenario.records.sensor_optics import Optics
+from seaglint.scenario.records.sensor_scan import Scan
+
+HIGHEST_SENSOR = 10_000.0
+"""Greatest height of a sensor [m]."""
+
+SQUARE_PIXEL_TOLERANCE = 0.01
+"""Relative difference of the pixel's two angular sides up to which it counts as square."""
+
+MOST_OBLONG = 3.0
+"""Ratio of a pixel's sides from which a mistyped number is likelier than a line scanner."""
+
+REVERSED_OBLONG = 1.5
+"""The same where the image is upright in pixels and flat in degrees, or the other way round: swapped numbers."""
+
+
+AGREEMENT = 0.005
+"""Relative difference up to which two ways of giving the same number agree: data sheets round."""
+
+_PIXELS = (512, 256)
+_DETECTOR: TypeAdapter[Detector] = TypeAdapter(Detector)
+
+
+class Sensor(Record):
+    """Where the sensor stands and looks, and its pixels."""
+
+    height_m: Annotated[
+        float, Quantity("m", gt=0, le=HIGHEST_SENSOR), Field(description="height above the mean sea; from 2 m with the table atmosphere")
+    ] = 30.0
+    azimuth_deg: Annotated[
+        float, Quantity("deg", ge=-360, le=360), Field(description="azimuth of the image centre, clockwise from north")
+    ] = 180.0
+    elevation_deg: Annotated[
+        float, Quantity("deg", ge=-90, le=90), Field(description="elevation of the image centre; horizontal 0, looking down negative")
+    ] = -3.5
+    roll_deg: Annotated[
+        float,
+        Quantity("deg", ge=-360, le=360),
+        Field(description="turn about the line of sight, clockwise as seen from behind the sensor (right side down)"),
+    ] = 0.0
+    projection: Annotated[
+        Literal["equal-angle", "pinhole"],
+        Field(description="equal steps of azimuth and elevation (a scanner, panoramas), or a plane image behind a lens"),
+    ] = "equal-angle"
+    fov_deg: Annotated[
+        tuple[Annotated[float, Quantity("deg", gt=0, le=360)], Annotated[float, Quantity("deg", gt=0, le=180)]],
+        Field(description="field of view [width, height]"),
+    ] = (16.0, 8.0)
+    pixels: Annotated[
+        tuple[Annotated[int, Quantity(ge=1, le=65_536, integer=True)], Annotated[int, Quantity(ge=1, le=65_536, integer=True)]],
+        Field(description="number of pixels [width, height]"),
+    ] = _PIXELS
+    pixel_shape: Annotated[
+        Literal["auto", "square", "any"],
+        Field(
+            description="auto refuses fields of view that disagree with the pixels (sides beyond 3:1, or 1.5:1 with width and height "
+            "reversed); square refuses pixels not square within 1 %; any refuses none"
+        ),
+    ] = "auto"
+    frame_rate_hz: Annotated[float, Quantity("Hz", ge=1e-5, le=100_000), Field(description="frames per second")] = 25.0
+    frames: Annotated[int, Quantity(ge=1, le=10_000_000, integer=True), Field(description="number of frames")] = 100
+    optics: Annotated[Optics | None, Field(description="optics; with the detector they make counts of radiance")] = None
+    detector: Annotated[Detector | None, Field(description="the detector's pixels")] = None
+    scan: Annotated[Scan | None, Field(description="when each column and row is taken; all at once without it")] = None
+    noise: Annotated[Noise | None, Field(description="what the detector adds beyond shot, dark and read noise")] = None
+
+    @property
+    def ifov_deg(self) -> tuple[float, float]:
+        """Angular size of a pixel (width, height) [deg]."""
+        return self.fov_deg[0] / self.pixels[0], self.fov_deg[1] / self.pixels[1]
+
+    @property
+    def senses(self) -> bool:
+        """Whether there is a detector, so that counts are made of radiance."""
+        return self.detector is not None
+
+    @property
+    def focal_length_m(self) -> float:
+        """Focal length [m], from whatever gives it; the ways that are given agree."""
+        assert self.optics is not None
+        assert self.detector is not None
+        return next(iter(_focal_lengths(self.optics, self.detector).values()), _from_view(self.fov_deg, self.pixels, self))
+
+    @property
+    def aperture_m(self) -> float:
+        """Aperture [m]."""
+        assert self.optics is not None
+        if self.optics.aperture_m is not None:
+            return self.optics.aperture_m
+        assert self.optics.f_number is not None
+        return self.focal_length_m / self.optics.f_number
+
+    @model_validator(mode="before")
+    @classmethod
+    def _field_of_view_of_the_optics(cls, raw: Any, info: ValidationInfo) -> Any:
+        """Where no field of view is given the pixels and the focal length make it."""
+        if not isinstance(raw, dict) or raw.get("fov_deg") is not None or raw.get("optics") is None or raw.get("detector") is None:
+            return raw
+        try:
+            optics = Optics.model_validate(raw["optics"], context=info.context)
+            detector = _DETECTOR.validate_python(raw["detector"], context=info.context)
+            columns, rows = (int(n) for n in raw.get("pixels", _PIXELS))
+        except (ValidationError, TypeError, ValueError):
+            return raw  # told where these are validated themselves
+        focal = next(iter(_focal_lengths(optics, detector).values()), None)
+        if focal is None or columns < 1 or rows < 1:
+            return raw
+        step = 1e-6 * detector.pitch_um / focal
+        if raw.get("projection") == "pinhole":
+            view = [2.0 * math.degrees(math.atan(0.5 * step * n)) for n in (columns, rows)]
+        else:
+            view = [math.degrees(step) * n for n in (columns, rows)]
+        scan = raw.get("scan")
+        if isinstance(scan, dict) and scan.get("kind") == "panoramic":
+            view[0] = 360.0
+        return {**raw, "fov_deg": view}
+
+    @model_validator(mode="after")
+    def _sensor_is_whole(self) -> Self:
+        if self.optics is None and self.detector is None:
+            for name in ("scan", "noise"):
+                if getattr(self, name) is not None:
+                    raise rule(f"sensor.{name}", "is given without [sensor.optics] and [sensor.detector]; add them or leave it out")
+            return self
+        if self.optics is None or self.detector is None:
+            missing = "optics" if self.optics is None else "detector"
+            needs = "aperture_m and f_number" if self.optics is None else "pitch_um"
+            raise rule(f"sensor.{missing}", f"is missing: a sensor has [sensor.optics] and [sensor.detector]; add it with {needs}")
+        if self.optics.distortion and self.scan is not None and self.scan.kind != "staring":
+            text = f"= {self.optics.distortion:g} is of pictures on a focal plane, and a scanner makes its columns one by one; leave it out"
+            raise rule("sensor.optics.distortion", text, value=self.optics.distortion)
+        _require_focal_length(self, self.optics, self.detector)
+        _require_times(self)
+        return self
+
+    @model_validator(mode="after")
+    def _image_is_possible(self) -> Self:
+        (width, height), (nx, ny) = self.fov_deg, self.pixels
+        dx, dy = self.ifov_deg
+        if self.projection == "pinhole" and max(width, height) > WIDEST_PINHOLE_DEG:
+            text = f"= [{width:g}, {height:g}] is too wide for sensor.projection = 'pinhole'; allowed: up to {WIDEST_PINHOLE_DEG:g} deg"
+            raise rule("sensor.fov_deg", f"{text}, or 'equal-angle'", value=self.fov_deg, allowed=f"up to {WIDEST_PINHOLE_DEG:g} deg")
+        reverse = (nx - ny) * (width - height) < 0
+        most = {"auto": REVERSED_OBLONG if reverse else MOST_OBLONG, "square": 1.0 + SQUARE_PIXEL_TOLERANCE, "any": float("inf")}
+        if max(dx, dy) > most[self.pixel_shape] * min(dx, dy):
+            text = (
+                f"= [{nx}, {ny}] disagrees with sensor.fov_deg = [{width:g}, {height:g}]: a pixel would be {dx:.4g} x {dy:.4g} deg; "
+                f"for square pixels use pixels = [{nx}, {max(round(nx * height / width), 1)}], or set sensor.pixel_shape = 'any'"
+            )
+            raise rule("sensor.pixels", text, value=self.pixels)
+        top, bottom = self.elevation_deg + 0.5 * height, self.elevation_deg - 0.5 * height
+        if self.projection == "equal-angle" and (top > 90.0 or bottom < -90.0):
+            reach = f"reaches from {bottom:g} to {top:g} deg; allowed is -90 to 90 deg, or sensor.projection = 'pinhole'"
+            text = f"= {self.elevation_deg:g} with a field of view {height:g} deg high {reach}"
+            raise rule("sensor.elevation_deg", text, value=self.elevation_deg)
+        return self
+
+
+def _focal_lengths(optics: Optics, detector: Detector) -> dict[str, float]:
+    """Focal lengths by the keys that give them [m]; ``focal_length_m`` first."""
+    out = {}
+    if optics.focal_length_m is not None:
+        out["sensor.optics.focal_length_m"] = optics.focal_length_m
+    if optics.f_number is not None and optics.aperture_m is not None:
+        out["sensor.optics.f_number"] = optics.f_number * optics.aperture_m
+    if optics.ifov_urad is not None:
+        out["sensor.optics.ifov_urad"] = detector.pitch_um / optics.ifov_urad
+    return out
+
+
+def _from_view(fov_deg: tuple[float, float], pixels: tuple[int, int], sensor: Sensor) -> float:
+    """Focal length that the field of view has with the detector's pixels [m]; its height, which no scan changes."""
+    assert sensor.detector is not None
+    height, size = math.radians(fov_deg[1]), 1e-6 * sensor.detector.pitch_um * pixels[1]
+    return 0.5 * size / math.tan(0.5 * height) if sensor.projection == "pinhole" else size / height
+
+
+def _require_focal_length(sensor: Sensor, optics: Optics, detector: Detector) -> None:
+    """Refuse optics that have no size, or several."""
+    found = _focal_lengths(optics, detector)
+    if not found and "fov_deg" not in sensor.model_fields_set:
+        text = "is missing: give it, or sensor.optics.f_number beside aperture_m, or ifov_urad, or sensor.fov_deg"
+        raise rule("sensor.optics.focal_length_m", text)
+    focal = sensor.focal_length_m
+    for key, value in found.items():
+        first = next(iter(found))
+        if abs(value / focal - 1.0) > AGREEMENT:
+            text = (
+                f"makes a focal length of {value:.5g} m (f-number times aperture, or pitch over IFOV), and {first} one of {focal:.5g} m; "
+                f"they may differ by {100 * AGREEMENT:g} %: correct one or leave it out"
+            )
+            raise rule(key, text, value=value, allowed=f"{focal:.5g} m")
+    if optics.aperture_m is None and optics.f_number is None:
+        text = "is missing: blur and light need the aperture; add it, or sensor.optics.f_number"
+        raise rule("sensor.optics.aperture_m", text)
+    if focal / sensor.aperture_m < 0.5 * (1.0 - AGREEMENT):
+        text = f"= {sensor.aperture_m:g} with a focal length of {focal:g} m is F/{focal / sensor.aperture_m:.2g}; no optics are below F/0.5"
+        raise rule("sensor.optics.aperture_m", text, value=sensor.aperture_m, allowed=f"up to {2 * focal:g} m")
+    step = math.degrees(1e-6 * detector.pitch_um / focal)
+    width, height = (
+        (2.0 * math.degrees(math.atan(0.5 * math.radians(step) * n)) for n in sensor.pixels)
+        if sensor.projection == "pinhole"
+        else (step * n for n in sensor.pixels)
+    )
+    for name, value, own in (("width", width, sensor.fov_deg[0]), ("height", height, sensor.fov_deg[1])):
+        if abs(value / own - 1.0) > AGREEMENT:
+            text = (
+                f"= [{sensor.fov_deg[0]:.6g}, {sensor.fov_deg[1]:.6g}] disagrees in {name} with {sensor.pixels[0]} x {sensor.pixels[1]} "
+                f"pixels of {detector.pitch_um:g} um at a focal length of {focal:.5g} m, which see {width:.6g} x {height:.6g} deg; "
+                f"they may differ by {100 * AGREEMENT:g} %: leave fov_deg out, or correct pixels, pitch_um or the focal length"
+            )
+            raise rule("sensor.fov_deg", text, value=sensor.fov_deg, allowed=f"[{width:.6g}, {height:.6g}]")
+    if sensor.scan is not None and sensor.scan.kind == "panoramic" and abs(sensor.fov_deg[0] - 360.0) > 1e-6:
+        text = f"= [{sensor.fov_deg[0]:g}, {sensor.fov_deg[1]:g}] is no turn, and sensor.scan.kind is 'panoramic'; give 360 deg, or 'line'"
+        raise rule("sensor.fov_deg", text, value=sensor.fov_deg)
+
+
+def _require_times(sensor: Sensor) -> None:
+    """Refuse exposures and scans that do not fit into a frame."""
+    frame, scan, detector = 1.0 / sensor.frame_rate_hz, sensor.scan, sensor.detector
+    longest = frame * (1.0 + 1e-9)
+    if isinstance(detector, PhotonDetector) and detector.integration_time_s is not None:
+        whole = detector.integration_time_s + (detector.short_integration_time_s or 0.0)
+        if whole > longest:
+            rate = f"sensor.frame_rate_hz = {sensor.frame_rate_hz:g}"
+            text = f"= {detector.integration_time_s:g} is longer than a frame of {frame:g} s ({rate})"
+            if detector.short_integration_time_s is not None:
+                text += f" with short_integration_time_s = {detector.short_integration_time_s:g}"
+            raise rule(
+                "sensor.detector.integration_time_s", f"{text}; shorten it or lower the rate", value=whole, allowed=f"up to {frame:g} s"
+            )
+        if detector.short_integration_time_s is not None and detector.short_integration_time_s >= detector.integration_time_s:
+            text = f"= {detector.short_integration_time_s:g} is not shorter than integration_time_s = {detector.integration_time_s:g}"
+            raise rule("sensor.detector.short_integration_time_s", f"{text}; swap them", value=detector.short_integration_time_s)
+    if isinstance(detector, PhotonDetector) and detector.integration_time_s is None and detector.short_integration_time_s is not None:
+        raise rule("sensor.detector.integration_time_s", "is missing beside short_integration_time_s; add it")
+    if scan is None:
+        return
+    if scan.period_s is not None and scan.period_s > longest:
+        text = f"= {scan.period_s:g} is longer than a frame of {frame:g} s; shorten it, or lower sensor.frame_rate_hz"
+        raise rule("sensor.scan.period_s", text, value=scan.period_s, allowed=f"up to {frame:g} s")
+    if scan.row_time_s * sensor.pixels[1] > longest:
+        text = f"= {scan.row_time_s:g} for {sensor.pixels[1]} rows is longer than a frame of {frame:g} s; shorten it"
+        raise rule("sensor.scan.row_time_s", text, value=scan.row_time_s, allowed=f"up to {frame / sensor.pixels[1]:.3g} s")

@@ -1,0 +1,196 @@
+"""What ``seaglint init`` and ``seaglint schema`` write: the commented scenario and its JSON Schema, both read off the models."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from seaglint.base.errors import DataError, ScenarioError, StorageError
+from seaglint.scenario.keys import Key, choices_of_kind, fields_of, is_list
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.presets.scene_presets import PRESETS, Preset
+from seaglint.scenario.text.toml_text import inline
+
+__all__ = ["PRESETS", "json_schema", "template", "write_template"]
+
+_HEADER = """\
+# Numbers are in the unit at the end of their key; text with another unit is taken too: "12 kn", "30 ft", "15 degC".
+# Azimuths are clockwise from north, winds come FROM their azimuth, elevations are above the horizontal (looking down is negative).
+# Every key may be left out. 'seaglint schema' prints all of them as JSON Schema.
+"""
+
+_EXAMPLES = {
+    "time": "2026-06-21T17:30:00Z",
+    "min_um": "3.5",
+    "max_um": "5.0",
+    "response": '"response.csv"',
+    "utc": "2026-06-21T17:30:00Z",
+    "latitude_deg": "36.8",
+    "longitude_deg": "-75.9",
+    "step_m": "0.5",
+    "sounding": '"sounding.csv"',
+    "site": '"1"',
+    "from_deg": "270",
+    "spreading_deg": "30",
+    "visibility_km": "20",
+    "wind_24h_m_s": "7.0",
+    "track": '"track.csv"',
+    "path": '"hull.stl"',
+    "aperture_m": "0.01375",
+    "f_number": "2.0",
+    "focal_length_m": "0.0275",
+    "ifov_urad": "545.4",
+    "pitch_um": "15.0",
+    "quantum_efficiency_file": '"qe.csv"',
+    "corrected_at_k": "[288, 308]",
+    "keyframes": "[{ time_s = 0, east_m = 0, north_m = 0, height_m = 30, azimuth_deg = 180, elevation_deg = -3.5, roll_deg = 5 }, "
+    "{ time_s = 4, east_m = 20, north_m = 0, height_m = 30, azimuth_deg = 180, elevation_deg = -3.5, roll_deg = -5 }]",
+}
+
+_IN_LISTS = {
+    "name": '"ferry"',
+    "preset": '"fishing-vessel"',
+    "temperature_k": "293",
+    "emissivity": "0.95",
+    "radius_m": "2.0",
+    "semi_axes_m": "[1, 4, 1]",
+    "size_m": "[4, 20, 3]",
+    "length_m": "10",
+    "parts": '[{ kind = "box", size_m = [2, 2, 2] }, { kind = "sphere", radius_m = 1.2 }]',
+    "intensity_w_sr": "50",
+    "temperature_difference_k": "5",
+    "area_m2": "1",
+    "east_m": "500",
+    "north_m": "-2000",
+    "height_m": "1.5",
+    "latitude_deg": "36.79",
+    "longitude_deg": "-75.89",
+    "draught_m": "1",
+    "heading_deg": "90",
+    "pitch_deg": "0",
+    "roll_deg": "0",
+    "course_deg": "90",
+    "speed_m_s": '"12 kn"',
+    "track": '"ferry.csv"',
+    "floats": "true",
+    "keyframes": "[{ time_s = 0, east_m = 0, north_m = -2000, height_m = 40, latitude_deg = ..., longitude_deg = ... }, "
+    "{ time_s = 4, east_m = 200, north_m = -2000, height_m = 50, heading_deg = 80, pitch_deg = 5, roll_deg = -10 }]",
+}
+"""What one of a list of tables may say."""
+
+
+def json_schema() -> dict[str, Any]:
+    """JSON Schema of scenario files, for editors and other programs."""
+    schema = Scenario.model_json_schema(mode="validation")
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "seaglint scenario"}
+
+
+def template(preset: str = "glint") -> str:
+    """Commented TOML text of a preset.
+
+    Raises
+    ------
+    ScenarioError
+        For a name that is no preset.
+    """
+    try:
+        chosen = PRESETS[preset]
+    except KeyError:
+        raise ScenarioError(f"--preset {preset}: is not one of {', '.join(PRESETS)}") from None
+    return "\n".join(_lines(chosen)) + "\n"
+
+
+def write_template(output: str | Path, preset: str = "glint", *, overwrite: bool = False) -> Path:
+    """Write the commented scenario of a preset.
+
+    Raises
+    ------
+    DataError
+        The file exists.
+    StorageError
+        It cannot be written.
+    """
+    output, text = Path(output), template(preset)
+    try:
+        if output.exists() and not overwrite:
+            raise DataError(f"{output}: exists already; choose another name, or replace it with --overwrite")
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise StorageError(f"{output}: cannot be written: {error.strerror}; choose another place") from error
+    return output
+
+
+def _lines(preset: Preset) -> Iterator[str]:
+    yield f"# seaglint scenario: {preset.title}"
+    yield from (f"# {line}" for line in preset.notes)
+    yield from _HEADER.splitlines()
+    yield ""
+    yield from _table(Scenario.model_validate(preset.values, context={"files": False}), ())
+
+
+def _table(record: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
+    """Plain keys first, then the tables inside, as TOML wants it."""
+    keys = list(fields_of(type(record), path))
+    plain = [key for key in keys if not key.records or isinstance(getattr(record, key.path[-1]), tuple)]
+    for key in plain:
+        yield _entry(key, getattr(record, key.path[-1]))
+    for key in keys:
+        if key not in plain:
+            yield ""
+            yield from _list(key) if is_list(key.info.annotation) and not path else _section(key, getattr(record, key.path[-1]))
+
+
+def _list(key: Key) -> Iterator[str]:
+    """A list of tables that the file may have: one of them, set off, as it is no table that a comment sign less makes valid."""
+    record = key.records[0]
+    yield f"#   [[{'.'.join(key.path)}]]  # {_first_line(record)}"
+    for inner in fields_of(record, key.path):
+        kinds = [kind for kind in inner.records if "kind" in kind.model_fields]
+        if kinds:
+            yield from (_kind(inner.path[-1], kind) for kind in kinds)
+        else:
+            default = None if inner.info.is_required() or inner.path[-1] in _IN_LISTS else inner.info.default
+            yield f"#   {_entry(inner, default, _IN_LISTS).removeprefix('# ')}"
+
+
+def _kind(name: str, record: type[BaseModel]) -> str:
+    """A table in one line, with all the keys of its kind."""
+    tag = next(iter(record.model_fields.values())).default
+    given = [f'kind = "{tag}"']
+    for key in fields_of(record):
+        default = key.info.default
+        if key.path[-1] != "kind":
+            shown = default is not None and not isinstance(default, BaseModel) and not key.info.is_required()
+            given.append(
+                f"{key.path[-1]} = {inline(default) if shown else _IN_LISTS.get(key.path[-1], _EXAMPLES.get(key.path[-1], '...'))}"
+            )
+    return f"#   {name} = {{ {', '.join(given)} }}  # {_first_line(record)}"
+
+
+def _section(key: Key, value: BaseModel | None) -> Iterator[str]:
+    name = ".".join(key.path)
+    if value is not None:
+        yield f"[{name}]  # {_first_line(type(value))}"
+        yield from _table(value, key.path)
+        return
+    yield f"# [{name}]  # {_first_line(key.records[0])}"
+    for inner in fields_of(key.records[0], key.path):
+        line = _entry(inner, None)
+        yield line if line.startswith("#") else f"# {line}"
+
+
+def _first_line(record: type[BaseModel]) -> str:
+    return (record.__doc__ or "").strip().splitlines()[0].rstrip(".").replace("``", "")
+
+
+def _entry(key: Key, value: Any, examples: Mapping[str, str] = _EXAMPLES) -> str:
+    name = key.path[-1]
+    allowed = choices_of_kind(key) or key.allowed
+    note = "; ".join(part for part in (key.info.description or "", allowed) if part)
+    comment = f"  # {note}" if note else ""
+    if value is None:
+        return f"# {name} = {examples.get(name, '...')}{comment}"
+    return f"{name} = {inline(value)}{comment}"

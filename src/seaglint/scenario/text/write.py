@@ -1,0 +1,109 @@
+"""A scenario becomes the text of a TOML file that says only what differs from the defaults."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic import BaseModel, ValidationError
+
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.text.toml_text import document, inline
+
+_HEADER: Final = "seaglint scenario: what differs from the defaults; 'seaglint init' writes every key with its comment."
+
+
+def differing(scenario: Scenario) -> dict[str, Any]:
+    """Tables and keys of a scenario that differ from the defaults, laid out as the TOML file.
+
+    A key is left out where the scenario reads the same without it: defaults that follow from other keys (a field of view from the optics,
+    an object's shape from its preset) are left out too.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> differing(parse_scenario({"wind": {"speed_m_s": 9, "from_deg": 230}}))
+    {'wind': {'speed_m_s': 9.0}}
+    """
+    whole: dict[str, Any] = scenario.model_dump(exclude_none=True)
+    for item in whole.get("objects", ()):
+        if "preset" in item:  # it brings the shape, and refuses another
+            del item["shape"]
+
+    def same() -> bool:
+        try:
+            return Scenario.model_validate(whole, context={"files": False}) == scenario
+        except ValidationError:
+            return False
+
+    _thin(whole, same)
+    return whole
+
+
+def _thin(table: dict[str, Any], same: Callable[[], bool]) -> None:
+    """Take out of a table every key without which the scenario is the same."""
+    order = list(table)
+    for key in order:
+        value = table.pop(key)
+        if same():
+            continue
+        table[key] = value
+        for inner in [value] if isinstance(value, dict) else value if isinstance(value, list | tuple) else []:
+            if isinstance(inner, dict):
+                _thin(inner, same)
+    kept = {key: table[key] for key in order if key in table}
+    table.clear()
+    table.update(kept)
+
+
+def scenario_toml(scenario: Scenario, base: str | Path | None = None) -> str:
+    """Text of a TOML file that reads as this scenario: only what differs from the defaults, in the units of the keys.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Any.
+    base : path, optional
+        Folder of the file: paths below it are written from there, others whole. Without it paths are written as they are.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> print(scenario_toml(parse_scenario({"wind": {"speed_m_s": 9}})).splitlines()[-1])
+    speed_m_s = 9.0
+    """
+    return toml_text(differing(scenario), base)
+
+
+def toml_text(tables: Mapping[str, Any], base: str | Path | None = None) -> str:
+    """TOML text of tables laid out as a scenario file."""
+    return document(_with_paths(tables, None if base is None else Path(base)), _HEADER)
+
+
+def toml_value(value: Any, base: Path | None = None) -> str:
+    """One value as TOML writes it; tables in one line."""
+    return inline(_with_paths(value, base))
+
+
+def _with_paths(value: Any, base: Path | None) -> Any:
+    """The same with paths as a file in ``base`` has to name them."""
+    match value:
+        case Path():
+            return _from(value, base)
+        case BaseModel():
+            return _with_paths(value.model_dump(exclude_none=True), base)
+        case Mapping():
+            return {key: _with_paths(item, base) for key, item in value.items()}
+        case list() | tuple():
+            return [_with_paths(item, base) for item in value]
+        case _:
+            return value
+
+
+def _from(path: Path, base: Path | None) -> str:
+    """A path as a file in ``base`` has to name it."""
+    if base is None:
+        return path.as_posix()
+    whole, folder = path.resolve(), base.resolve()
+    return (whole.relative_to(folder) if whole.is_relative_to(folder) else whole).as_posix()

@@ -1,0 +1,1 @@
+"""Which waves are hidden from a viewer or from the Sun by others."""

@@ -1,0 +1,324 @@
+r"""Shadowing of a sea whose waves are nested: Smith's law applied band by band, longest waves first.
+
+Smith's function takes heights and slopes for independent. On a sea of many scales the facets that are seen sit on the visible flanks of
+longer waves, so that visible slopes are steeper towards the viewer than Smith's. With the slope variance parted into N bands, and
+:math:`p_0` the level sea,
+
+.. math::
+
+    p_n(s) = \int p_{n-1}(s_0)\, q(s - s_0)\, \frac{\max(0, v_z - v_h \cdot s)}{A_{n+}(s_0)}\, ds_0, \qquad
+    A_{n+}(s_0) = \int q(s - s_0) \max(0, v_z - v_h \cdot s)\, ds
+
+is the density of the slopes on the visible projected area; its integral stays 1. One band is Smith's (Saunders') law exactly.
+
+Only the slope along the view decides what is hidden; across it the density is broadened as if nothing were. With bands of equal
+variance, the visible density over Smith's is therefore a function of two numbers, :math:`t = s/\sigma_1` and
+:math:`\mu = \cot\theta_v/\sigma_1`, :math:`\sigma_1` the rms slope along the view: one small table per number of bands, for any sea.
+
+Without end the bands make a Brownian motion that never meets the slope seen edge on, and the ratio becomes
+:math:`(1 + \Lambda)(1 - e^{-2\mu(\mu - t)})`: at most :math:`1 + \Lambda`. Real waves are not infinitely far apart in scale: their number
+of bands is fitted to brute force, :func:`bands_of`.
+
+Facets that are seen and lit have a law of the same kind, each band hiding facets from both legs
+(:func:`seaglint.sea.shadowing.seen_and_lit.coupling_table`). Over Smith's law
+for two legs, a Sun opposite to the viewer has
+
+.. math:: R(t) = R_v(t)\,R_s(-t)\,C(t), \qquad C = \frac{B}{R_v R_s}\Big|_{bands \times 0.55}
+
+with :math:`R_v` and :math:`R_s` the ratios of each leg alone and B that of the joint law. It is symmetric in viewer and Sun, and is
+:math:`R_v` under a high Sun. With as many bands as each leg alone the joint law is up to three times too dark where few facets are left:
+shadows of both legs fall on the same facets more often than bands that are independent allow.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import erf
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError
+from seaglint.base.jit import kernel, njit
+from seaglint.sea.shadowing.smith import projected_area, visible_area
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+
+BANDS: Final = 5
+"""Bands of equal slope variance of a sea of 7 to 8 m/s; see :func:`bands_of`."""
+
+_MOST_BANDS: Final = 64
+"""Largest number of bands: at 64 the ratio is within 10 % of the limit of infinitely many, and the quadrature still resolves one band."""
+
+_ONE: Final = np.uint64(1)
+_STEP: Final = 0.05
+REACH: Final = 6.5
+"""Largest slope that is integrated, in rms slopes."""
+
+HIGHEST: Final = 6.0
+"""Elevation of the view, in rms slopes, above which nothing is hidden (1e-9 of the sea)."""
+
+_ROWS: Final = round(HIGHEST / _STEP) + 4
+_COLUMNS: Final = round(2.0 * REACH / _STEP) + 3
+_GAUSS_X, _GAUSS_W = np.polynomial.legendre.leggauss(200)
+
+
+def _density(x: FloatArray) -> FloatArray:
+    return np.asarray(np.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi))
+
+
+def _area(x: FloatArray) -> FloatArray:
+    """Visible area A+ over the rms slope, ``x Phi(x) + phi(x)``, for an edge x rms slopes away."""
+    return np.asarray(0.5 * x * (1.0 + erf(x / math.sqrt(2.0))) + _density(x))
+
+
+def _log_ratio(t: FloatArray, mu: float, bands: int) -> FloatArray:
+    """Logarithm of visible density over Smith's, by quadrature, at slopes ``t`` and one view ``mu`` (both in rms slopes)."""
+    high = min(mu, REACH + 0.5)
+    half = 0.5 * (high + REACH + 0.5)
+    slope, weight = high - half * (1.0 - _GAUSS_X), half * _GAUSS_W
+    width = 1.0 / math.sqrt(bands)
+    projection = mu - slope
+    # Areas of one band over its rms slope; the widths cancel against that of the next factor but for the first.
+    seen = _density(slope / width) * projection / (width * width * _area(np.asarray(mu / width)))
+    onward = weight / (width * _area(projection / width))
+    step = _density((slope[:, None] - slope) / width) / width * onward
+    for _ in range(bands - 2):
+        seen = (step @ seen) * projection
+    last = (_density((t[:, None] - slope) / width) / width * onward) @ seen
+    # far beyond the edge, where nothing is visible, many narrow bands give 0
+    return np.asarray(np.log(np.maximum(last * _area(np.asarray(mu)), 1e-300)) - np.log(_density(t)))
+
+
+def bands_of(mss: float) -> float:
+    """Number of bands of equal slope variance for a sea of total slope variance ``mss`` [1]: ``0.55 + 110 mss``, from 2.6 to 5.3.
+
+    Fitted to brute force in the vertical plane of the Sun, on Gaussian seas with the shape of Elfouhaily's spectrum down to 3 mm and the
+    slope variances of Cox and Munk: depressions of 0.5-12 deg, Suns 30-85 deg from the zenith. Seen, and seen and lit, over Smith's law:
+    within 0.05 for winds of 3.5-10 m/s, 0.06 for 2 m/s, and for 14-20 m/s but for 0.1 with a Sun at 30 deg, whose facets are rare.
+    Rougher seas carry more of their slopes in ripples, apart in scale from the waves. ``tools/nested_bands.py`` makes the table anew.
+
+    >>> round(bands_of(0.0286), 1)
+    3.7
+    """
+    return min(max(0.55 + 110.0 * mss, 2.6), 5.3)
+
+
+def bands_of_facets(share: float, bands: float) -> float:
+    """Number of bands for facets with a share of the slope variance, longer waves being geometry: ``N [1 - 1.08 (1 - share)^0.55]``.
+
+    Geometry hides in more ways than its share of ``bands`` says, most of all the longest waves. Below 1 the facets hide less than Smith's
+    law has it: the waves that they ride on fall away from where they are seen. 0 where they hide nothing of each other.
+
+    Fitted in the vertical plane of the Sun: seas as for :func:`bands_of` with waves down to 0.25-32 m as geometry and facets on them,
+    against all waves as geometry. Seen and lit over Smith's law, Suns of 30-88.5 deg: within 0.02 rms for winds of 5-20 m/s, 0.03-0.04 for
+    2-3 m/s; with bands by their share it was up to 0.08. ``tools/facet_bands.py`` makes the table anew.
+
+    >>> round(bands_of_facets(0.66, 4.8), 1)
+    1.9
+    """
+    # fewer bands than any sea has approach Smith's law, whose facets stay Smith's
+    lost = 1.08 * min(max(bands - 1.0, 0.0) / 1.6, 1.0)
+    return float(max(bands * (1.0 - lost * (1.0 - min(share, 1.0)) ** 0.55), 0.0))
+
+
+@lru_cache(maxsize=8)
+def ratio_table(bands: int = BANDS) -> FloatArray:
+    """Table of logarithms for :func:`nested_ratio_kernel` [(rows, columns)]; empty for one band.
+
+    Raises
+    ------
+    DomainError
+        For less than one band or more than 64.
+    """
+    if not 1 <= bands <= _MOST_BANDS:
+        raise DomainError(
+            f"nested_bands = {bands} is outside 1-{_MOST_BANDS}; give 2 to 8 (1 is Saunders' law)",
+            name="nested_bands",
+            value=bands,
+            allowed=(1, _MOST_BANDS),
+        )
+    if bands == 1:
+        return np.zeros((0, 0))
+    t = np.asarray(_STEP * (np.arange(_COLUMNS, dtype=np.float64) - 1.0) - REACH, dtype=np.float64)
+    return np.stack([_log_ratio(t, _STEP * (row - 1.0), bands) for row in range(_ROWS)])
+
+
+@lru_cache(maxsize=16)
+def between_bands(table: Callable[[int], FloatArray], bands: float) -> FloatArray:
+    """Table of logarithms [1] (:func:`ratio_table`, :func:`lit_table`) for a non-integer number of bands; empty for one.
+
+    Ratios are mixed, not their logarithms, so that visible densities still add up to 1.
+    """
+    whole = max(int(bands), 1)
+    more = max(bands, 1.0) - whole
+    if more == 0.0:
+        return table(whole)
+    high = table(whole + 1)
+    low = table(whole) if whole > 1 else np.zeros_like(high)
+    return np.asarray(np.logaddexp(low + math.log1p(-more), high + math.log(more)))
+
+
+@kernel
+def _cubic(f: float, a: float, b: float, c: float, d: float) -> float:
+    """Cubic interpolation between four even points, at the fraction ``f`` between the middle two."""
+    return (
+        -f * (f - 1.0) * (f - 2.0) / 6.0 * a
+        + (f + 1.0) * (f - 1.0) * (f - 2.0) / 2.0 * b
+        - (f + 1.0) * f * (f - 2.0) / 2.0 * c
+        + (f + 1.0) * f * (f - 1.0) / 6.0 * d
+    )
+
+
+@kernel
+def nested_ratio_kernel(slope: float, edge: float, deviation: float, table: FloatArray) -> float:
+    """Ratio of the visible density of a nested sea to Smith's; see :func:`nested_ratio`.
+
+    ``slope`` along the view, ``edge`` the cotangent of the view zenith, at least 0, ``deviation`` the rms slope along the view.
+    """
+    if table.size == 0 or edge >= HIGHEST * deviation:
+        return 1.0
+    column = (min(max(slope / deviation, -REACH), REACH) + REACH) / _STEP + 1.0
+    row = max(edge, 0.0) / deviation / _STEP + 1.0
+    i, j = min(int(row), table.shape[0] - 3), min(int(column), table.shape[1] - 3)
+    f, g = row - i, column - j
+    a = _cubic(g, table[i - 1, j - 1], table[i - 1, j], table[i - 1, j + 1], table[i - 1, j + 2])
+    b = _cubic(g, table[i, j - 1], table[i, j], table[i, j + 1], table[i, j + 2])
+    c = _cubic(g, table[i + 1, j - 1], table[i + 1, j], table[i + 1, j + 1], table[i + 1, j + 2])
+    d = _cubic(g, table[i + 2, j - 1], table[i + 2, j], table[i + 2, j + 1], table[i + 2, j + 2])
+    return math.exp(_cubic(f, a, b, c, d))
+
+
+@kernel
+def nested_exponent_kernel(slope: float, edge: float, deviation: float, table: FloatArray) -> float:
+    """Logarithm of :func:`nested_ratio_kernel`, interpolated linearly: within 1e-3, for inner loops."""
+    if table.shape[0] == 0 or edge >= HIGHEST * deviation:
+        return 0.0
+    column = (min(max(slope / deviation, -REACH), REACH) + REACH) / _STEP + 1.0
+    row = max(edge, 0.0) / deviation / _STEP + 1.0
+    # unsigned addresses are spared the compiler's care for those that count from the end
+    i, j = np.uint64(min(int(row), table.shape[0] - 2)), np.uint64(min(int(column), table.shape[1] - 2))
+    i1, j1 = np.uint64(i + _ONE), np.uint64(j + _ONE)
+    f, g = row - float(i), column - float(j)
+    low = table[i, j] + g * (table[i, j1] - table[i, j])
+    high = table[i1, j] + g * (table[i1, j1] - table[i1, j])
+    return float(low + f * (high - low))
+
+
+@njit
+def _map_ratio(slope: FloatArray, edge: FloatArray, deviation: FloatArray, table: FloatArray, out: FloatArray) -> None:
+    for i in range(out.size):
+        out[i] = nested_ratio_kernel(slope[i], edge[i], deviation[i], table)
+
+
+def nested_ratio(slope_along: ArrayLike, view_zenith: ArrayLike, mss_along: ArrayLike, bands: float = BANDS) -> FloatArray:
+    """Ratio of the visible slope density of a nested sea to that of Smith's law.
+
+    ``p_N(s) = ratio * p(s) max(0, v_z - v_h . s) / A+``
+
+    Parameters
+    ----------
+    slope_along : array_like
+        Slope along the view azimuth, positive where the sea rises towards the viewer [1]; facets seen have ``v_z > |v_h| s``.
+    view_zenith : array_like
+        Zenith angle of the direction to the viewer [rad], 0..pi/2.
+    mss_along : array_like
+        Slope variance along the view azimuth [1]; broadcast with the others.
+    bands : float
+        Bands of equal variance, whole or not; 1 gives 1 everywhere.
+
+    Returns
+    -------
+    ndarray
+        Ratio [1], broadcast shape; between 0 and 1 + Lambda. 1 for a flat sea.
+
+    Raises
+    ------
+    DomainError
+        View zeniths outside 0..pi/2, negative variances, bands outside 1-64.
+
+    Notes
+    -----
+    For Gaussian slopes. Interpolated within 3e-4. Accuracy: :func:`bands_of`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> round(float(nested_ratio(-0.0788, np.radians(89.0), 0.0271)), 2)
+    0.58
+    """
+    theta, variance = np.asarray(view_zenith, dtype=np.float64), np.asarray(mss_along, dtype=np.float64)
+    if not np.all((theta >= 0.0) & (theta <= 0.5 * np.pi)):
+        raise DomainError(
+            "view_zenith must lie in 0..pi/2 rad: the direction from the sea to the sensor",
+            name="view_zenith",
+            value=float(theta[~((theta >= 0.0) & (theta <= 0.5 * np.pi))].ravel()[0]),
+            allowed=(0.0, 0.5 * np.pi),
+        )
+    if np.any(variance < 0.0):
+        raise DomainError(
+            f"slope variance = {float(np.min(variance)):g} is below 0; give variances of at least 0",
+            name="mss_along",
+            value=float(np.min(variance)),
+            allowed="0 or more",
+        )
+    with np.errstate(divide="ignore"):
+        edge = np.cos(theta) / np.sin(theta)
+    parts = np.broadcast_arrays(np.asarray(slope_along, dtype=np.float64), edge, np.sqrt(variance))
+    slope, edge, deviation = (np.array(part, order="C").ravel() for part in parts)
+    out = np.empty(slope.size)
+    _map_ratio(slope, edge, deviation, between_bands(ratio_table, bands), out)
+    return out.reshape(parts[0].shape)
+
+
+@lru_cache(maxsize=16)
+def _moments(bands: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Ratios to A+ of what skewness and excess along the view add to the visible area of a nested sea, against the edge in rms slopes."""
+    ratio = np.exp(between_bands(ratio_table, bands)) - 1.0
+    t: FloatArray = np.asarray(_STEP * (np.arange(_COLUMNS) - 1.0) - REACH, dtype=np.float64)
+    edge: FloatArray = np.asarray(_STEP * (np.arange(_ROWS) - 1.0), dtype=np.float64)
+    weight = ratio * np.maximum(edge[:, None] - t, 0.0) * _density(t) * _STEP / _area(edge)[:, None]
+    return edge, weight @ ((t**3 - 3.0 * t) / 6.0), weight @ ((t**4 - 6.0 * t * t + 3.0) / 24.0)
+
+
+def nested_area(view_zenith: ArrayLike, view_azimuth: ArrayLike, slopes: SlopeStatistics, bands: float) -> FloatArray:
+    r"""Area that normalises the visible density of a nested sea over any slope density, per unit area of sea.
+
+    .. math:: A = \int p(s)\, R(s)\, \max(0, v_z - v_h \cdot s)\, ds
+
+    with the ratio R of Gaussian slopes of the same variances (:func:`nested_ratio`): ``p R max(0, v_z - v_h . s)/A`` adds up to 1. For
+    Gaussian slopes A is A+; for a Gram-Charlier density skewness and excess along the view add to it. Its negative part, set to 0
+    in the density, counts without the ratio here: 1e-3 of the area at most.
+
+    Parameters
+    ----------
+    view_zenith, view_azimuth : array_like
+        Direction from the sea to the viewer [rad]; broadcast.
+    slopes : SlopeStatistics
+        Gaussian or not.
+    bands : float
+        Bands of the nested law; 1 gives :func:`seaglint.sea.shadowing.smith.visible_area`.
+
+    Returns
+    -------
+    ndarray
+        Area [1], broadcast shape.
+    """
+    area = visible_area(view_zenith, view_azimuth, slopes)
+    if slopes.is_gaussian or bands <= 1.0:
+        return area
+    zenith, azimuth = np.asarray(view_zenith, dtype=np.float64), np.asarray(view_azimuth, dtype=np.float64)
+    variance = slopes.mss_along(azimuth)
+    turn = azimuth - slopes.wind_to_azimuth
+    p, q2 = np.sqrt(slopes.mss_up / variance) * np.cos(turn), slopes.mss_cross / variance * np.sin(turn) ** 2
+    c21, c03, c40, c22, c04 = slopes.coefficients
+    skewness = p * (p * p * c03 + 3.0 * q2 * c21)
+    excess = p**4 * c04 + 6.0 * p * p * q2 * c22 + q2 * q2 * c40
+    with np.errstate(divide="ignore"):
+        x = np.cos(zenith) / (np.sin(zenith) * np.sqrt(variance))
+    edge, third, fourth = _moments(bands)
+    more = skewness * np.interp(x, edge, third, right=0.0) + excess * np.interp(x, edge, fourth, right=0.0)
+    return np.asarray(area + projected_area(zenith, variance) * more)

@@ -1,0 +1,172 @@
+"""Facets that are both seen and lit, wave band by wave band: ratio tables of the joint law to the two legs taken alone.
+
+The law stands in :mod:`seaglint.sea.shadowing.nested`.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.jit import kernel, njit
+from seaglint.sea.shadowing.nested import BANDS, HIGHEST, REACH, between_bands, nested_ratio_kernel, ratio_table
+
+_COUPLING: Final = 0.55
+"""Ratio of the number of bands of the coupling of both legs to that of each leg alone."""
+
+_ONE: Final = np.uint64(1)
+_PAIR_NODES: Final = 31
+_PAIR_TOP: Final = HIGHEST
+_PAIR_SHARES: Final = 33
+"""Sizes of tables of two legs: elevations of viewer and Sun in rms slopes, and position of the slope between the two edges."""
+
+
+@kernel
+def _area_kernel(x: float) -> float:
+    return float(0.5 * x * math.erfc(-x / math.sqrt(2.0)) + math.exp(-0.5 * x * x) / math.sqrt(2.0 * math.pi))
+
+
+@kernel
+def _onward(view: float, sun: float, width: float) -> float:
+    """Seen and lit share of a band's facets per projected area, ``1/[(1 + Lambda_v + Lambda_s) (v_z - v_h . s_0)]``, about a tilt from
+    which viewer and Sun stand ``view`` and ``sun`` above the facet (cotangents).
+    """
+    return float(1.0 / (width * _area_kernel(view / width) + view * (width * _area_kernel(sun / width) / sun - 1.0)))
+
+
+@kernel
+def _pair_elevation(node: int) -> float:
+    """Elevation at a node in rms slopes, at least 1e-3, as nothing is visible at an elevation of 0."""
+    return max(_PAIR_TOP * node / (_PAIR_NODES - 1), 1e-3)
+
+
+@njit
+def _pair_ratios(view: float, sun: float, bands: int, x: FloatArray, w: FloatArray, slopes: FloatArray, out: FloatArray) -> None:
+    """Logarithms of the joint density over Smith's at ``slopes``, for viewer and Sun ``view`` and ``sun`` rms slopes high, oppositely."""
+    width = 1.0 / math.sqrt(bands)
+    low, high = -min(sun, REACH), min(view, REACH)
+    half = 0.5 * (high - low)
+    n = x.size
+    s, onward, seen, other = np.empty(n), np.empty(n), np.empty(n), np.empty(n)
+    start = _onward(view, sun, width)
+    scale = 1.0 / (width * math.sqrt(2.0 * math.pi))
+    for i in range(n):
+        s[i] = low + half * (1.0 + x[i])
+        onward[i] = half * w[i] * (view - s[i]) * _onward(view - s[i], sun + s[i], width)
+        seen[i] = start * scale * math.exp(-0.5 * (s[i] / width) ** 2)
+    step = np.empty((n, n))
+    for i in range(n):
+        for j in range(n):
+            step[i, j] = scale * math.exp(-0.5 * ((s[i] - s[j]) / width) ** 2) * onward[j]
+    for _ in range(bands - 2):
+        for i in range(n):
+            total = 0.0
+            for j in range(n):
+                total += step[i, j] * seen[j]
+            other[i] = total
+        seen, other = other, seen
+    base = math.log(_onward(view, sun, 1.0) / math.sqrt(2.0 * math.pi))
+    for k in range(slopes.size):
+        total = 0.0
+        for j in range(n):
+            total += scale * math.exp(-0.5 * ((slopes[k] - s[j]) / width) ** 2) * onward[j] * seen[j]
+        out[k] = math.log(max(total, 1e-300)) - base + 0.5 * slopes[k] ** 2
+
+
+@njit
+def _fill_pairs(bands: int, x: FloatArray, w: FloatArray, alone: FloatArray, out: FloatArray) -> None:
+    nodes, shares = out.shape[0], out.shape[2]
+    slopes = np.empty(shares)
+    for i in range(nodes):
+        for j in range(nodes):
+            view, sun = _pair_elevation(i), _pair_elevation(j)
+            for k in range(shares):
+                slopes[k] = (view + sun) * k / (shares - 1) - sun
+            _pair_ratios(view, sun, bands, x, w, slopes, out[i, j])
+            for k in range(shares):
+                out[i, j, k] -= math.log(nested_ratio_kernel(slopes[k], view, 1.0, alone))
+                out[i, j, k] -= math.log(nested_ratio_kernel(-slopes[k], sun, 1.0, alone))
+
+
+@njit
+def _fill_lit(alone: FloatArray, out: FloatArray) -> None:
+    """Add the logarithms of the Sun's leg alone to a table of the coupling."""
+    shares = out.shape[2]
+    for i in range(out.shape[0]):
+        for j in range(out.shape[1]):
+            view, sun = _pair_elevation(i), _pair_elevation(j)
+            for k in range(shares):
+                out[i, j, k] += math.log(nested_ratio_kernel(sun - (view + sun) * k / (shares - 1), sun, 1.0, alone))
+
+
+@lru_cache(maxsize=8)
+def _pair_table(bands: int) -> FloatArray:
+    """Table of the coupling for a whole number of bands."""
+    if bands == 1:
+        return np.zeros((0, 0, 0))
+    x, w = np.polynomial.legendre.leggauss(48 + 16 * math.isqrt(bands))
+    out = np.empty((_PAIR_NODES, _PAIR_NODES, _PAIR_SHARES))
+    _fill_pairs(bands, x, w, ratio_table(bands), out)
+    return out
+
+
+def coupling_table(bands: float) -> FloatArray:
+    r"""Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: facets seen and lit over the product of the two legs alone.
+
+    .. math::
+
+        p_n(s) = \int p_{n-1}(s_0)\, q(s - s_0)\, \frac{\max(0, v_z - v_h \cdot s)}{A_{n+}(s_0)}\,
+        \frac{1 + \Lambda_v(s_0)}{1 + \Lambda_v(s_0) + \Lambda_s(s_0)}\, ds_0
+
+    for a Sun opposite to the viewer: every band hides facets from both, by Smith's law for two legs about the tilt of the longer waves.
+    The table holds the logarithm of the ratio of :math:`p_N` to Smith's law for two legs, over the product of the ratios of either leg
+    alone, N being 0.55 of ``bands``; 1 band has an empty table.
+    """
+    return between_bands(_pair_table, max(_COUPLING * bands, 1.0))
+
+
+@lru_cache(maxsize=8)
+def lit_table(bands: int = BANDS) -> FloatArray:
+    """Table for :func:`lit_exponent_kernel` [(view, Sun, slope)]: share of the seen facets that is lit too, band by band.
+
+    The Sun's leg alone and the coupling of both (:func:`coupling_table`): logarithms of the share of seen facets that are lit, over what
+    Smith's law in one band has for it; one band has an empty table.
+
+    Raises
+    ------
+    DomainError
+        As :func:`ratio_table`.
+    """
+    alone = ratio_table(bands)
+    if bands == 1:
+        return np.zeros((0, 0, 0))
+    coupling = coupling_table(bands)
+    out = coupling.copy() if coupling.size > 0 else np.zeros((_PAIR_NODES, _PAIR_NODES, _PAIR_SHARES))
+    _fill_lit(alone, out)
+    return out
+
+
+@kernel
+def lit_exponent_kernel(slope: float, view: float, sun: float, table: FloatArray) -> float:
+    """Logarithm from :func:`lit_table` or :func:`coupling_table`, interpolated linearly between its nodes.
+
+    ``slope`` along the view, ``view`` and ``sun`` the elevations of viewer and Sun over the facet (cotangents of their zenith angles), all
+    in rms slopes; both elevations at least 0, the Sun opposite to the viewer.
+    """
+    a, b = min(max(view, 0.0), _PAIR_TOP), min(max(sun, 0.0), _PAIR_TOP)
+    x, y = a * ((_PAIR_NODES - 1) / _PAIR_TOP), b * ((_PAIR_NODES - 1) / _PAIR_TOP)
+    z = min(max((slope + b) / max(a + b, 2e-3), 0.0), 1.0) * (_PAIR_SHARES - 1)
+    i, j = np.uint64(min(int(x), _PAIR_NODES - 2)), np.uint64(min(int(y), _PAIR_NODES - 2))
+    k = np.uint64(min(int(z), _PAIR_SHARES - 2))
+    i1, j1, k1 = np.uint64(i + _ONE), np.uint64(j + _ONE), np.uint64(k + _ONE)
+    f, g, h = x - float(i), y - float(j), z - float(k)
+    p = table[i, j, k] + h * (table[i, j, k1] - table[i, j, k])
+    q = table[i, j1, k] + h * (table[i, j1, k1] - table[i, j1, k])
+    r = table[i1, j, k] + h * (table[i1, j, k1] - table[i1, j, k])
+    t = table[i1, j1, k] + h * (table[i1, j1, k1] - table[i1, j1, k])
+    low, high = p + g * (q - p), r + g * (t - r)
+    return float(low + f * (high - low))

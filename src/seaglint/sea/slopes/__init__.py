@@ -1,0 +1,1 @@
+"""Slope statistics of the sea against wind speed: one model per file."""

@@ -1,0 +1,200 @@
+"""Record of sea slope statistics: variances along and across the wind, Gram-Charlier coefficients, and the density they define."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from seaglint.base.errors import DomainError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SlopeStatistics:
+    """Statistics of sea-surface slopes: Gaussian, or a Gram-Charlier series about the Gaussian of the same variances.
+
+    Attributes
+    ----------
+    mss_up : float
+        Mean square slope along the wind [1].
+    mss_cross : float
+        Mean square slope across the wind [1].
+    wind_to_azimuth : float
+        Azimuth the wind blows TO, clockwise from north [rad]; any value for an isotropic sea.
+    c21, c03 : float
+        Skewness coefficients of :meth:`density` [1]; negative where lee faces are the steeper ones.
+    c40, c22, c04 : float
+        Peakedness coefficients: crosswind, mixed, upwind [1].
+    """
+
+    mss_up: float
+    mss_cross: float
+    wind_to_azimuth: float = 0.0
+    c21: float = 0.0
+    c03: float = 0.0
+    c40: float = 0.0
+    c22: float = 0.0
+    c04: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Refuse variances that are negative or not finite, and a series about a Gaussian of zero width."""
+        values = (self.mss_up, self.mss_cross, self.wind_to_azimuth)
+        if not all(np.isfinite(values)) or self.mss_up < 0.0 or self.mss_cross < 0.0:
+            raise DomainError(
+                f"slope variances ({self.mss_up:g}, {self.mss_cross:g}) must be finite and at least 0",
+                name="mss",
+                value=(self.mss_up, self.mss_cross),
+                allowed="0 or more, finite",
+            )
+        if not all(np.isfinite(self.coefficients)):
+            raise DomainError(f"Gram-Charlier coefficients {self.coefficients} must be finite numbers")
+        if not self.is_gaussian and min(self.mss_up, self.mss_cross) == 0.0:
+            raise DomainError(
+                f"Gram-Charlier coefficients need slope variance along and across the wind, not ({self.mss_up:g}, {self.mss_cross:g}); "
+                "leave the coefficients at 0"
+            )
+
+    @property
+    def coefficients(self) -> tuple[float, float, float, float, float]:
+        """Gram-Charlier coefficients (c21, c03, c40, c22, c04) [1]."""
+        return self.c21, self.c03, self.c40, self.c22, self.c04
+
+    @property
+    def is_gaussian(self) -> bool:
+        """True if the density is the Gaussian of the two variances, without Gram-Charlier coefficients."""
+        return not any(self.coefficients)
+
+    def gaussian(self) -> SlopeStatistics:
+        """Gaussian statistics with the same variances and wind direction."""
+        return SlopeStatistics(self.mss_up, self.mss_cross, self.wind_to_azimuth)
+
+    @property
+    def mss(self) -> float:
+        """Total mean square slope, the sum over two orthogonal directions [1]."""
+        return self.mss_up + self.mss_cross
+
+    @property
+    def is_isotropic(self) -> bool:
+        """True if all directions are alike: the same variance both ways and no Gram-Charlier coefficient."""
+        return self.mss_up == self.mss_cross and self.is_gaussian
+
+    @property
+    def is_flat(self) -> bool:
+        """True if both slope variances are 0."""
+        return self.mss == 0.0
+
+    def mss_along(self, azimuth: ArrayLike) -> FloatArray:
+        """Variance of the slope along a horizontal direction [1].
+
+        ``sigma^2(phi) = mss_up cos^2(phi - phi_wind) + mss_cross sin^2(phi - phi_wind)``
+        """
+        angle = np.asarray(azimuth, dtype=np.float64) - self.wind_to_azimuth
+        return np.asarray(self.mss_up * np.cos(angle) ** 2 + self.mss_cross * np.sin(angle) ** 2)
+
+    def covariance(self) -> tuple[float, float, float]:
+        """Covariance of the slopes towards (east, north): (east-east, east-north, north-north) [1]."""
+        s, c = float(np.sin(self.wind_to_azimuth)), float(np.cos(self.wind_to_azimuth))
+        return (
+            self.mss_up * s * s + self.mss_cross * c * c,
+            (self.mss_up - self.mss_cross) * s * c,
+            self.mss_up * c * c + self.mss_cross * s * s,
+        )
+
+    def density(self, slope_east: ArrayLike, slope_north: ArrayLike) -> FloatArray:
+        r"""Probability density of the slope vector (dz/dx east, dz/dy north), per unit area of the sea [1/slope²].
+
+        With ``xi`` the slope across the wind over its rms value, and ``eta`` that towards where the wind comes FROM over its own,
+
+        .. math::
+
+            p = \frac{e^{-(\xi^2 + \eta^2)/2}}{2 \pi \sigma_u \sigma_c} \Bigl[1 - \frac{c_{21}}{2} (\xi^2 - 1) \eta
+                - \frac{c_{03}}{6} (\eta^3 - 3 \eta) + \frac{c_{40}}{24} (\xi^4 - 6 \xi^2 + 3)
+                + \frac{c_{22}}{4} (\xi^2 - 1)(\eta^2 - 1) + \frac{c_{04}}{24} (\eta^4 - 6 \eta^2 + 3)\Bigr]
+
+        and 0 where the bracket is negative. For an isotropic Gaussian sea of total variance ``sigma^2`` this is the article's
+        ``exp(-tan^2(beta)/sigma^2)/(pi sigma^2)``.
+
+        Raises
+        ------
+        DomainError
+            If a variance is zero: such a sea has no density, only mirror reflection.
+
+        Notes
+        -----
+        The series itself integrates to 1 and has the stated variances; setting its negative values to 0 adds the mass that
+        :func:`seaglint.sea.shadowing.smith.clipped_mass` tells. No factor makes up for it, so that the density is the printed one;
+        the areas of :mod:`seaglint.sea.shadowing.smith` are integrals over this same density, which is what conserves energy.
+
+        References
+        ----------
+        Cox and Munk 1954, J. Opt. Soc. Am. 44, 838, Eq. 18.
+        """
+        if self.mss_up <= 0.0 or self.mss_cross <= 0.0:
+            raise DomainError("a sea without slope variance has no slope density; treat it as a mirror or give a wind above 0 m/s")
+        east = np.asarray(slope_east, dtype=np.float64)
+        north = np.asarray(slope_north, dtype=np.float64)
+        s, c = np.sin(self.wind_to_azimuth), np.cos(self.wind_to_azimuth)
+        along, cross = east * s + north * c, east * c - north * s
+        exponent = -0.5 * (along * along / self.mss_up + cross * cross / self.mss_cross)
+        gaussian = np.exp(exponent) / (2.0 * np.pi * np.sqrt(self.mss_up * self.mss_cross))
+        if self.is_gaussian:
+            return np.asarray(gaussian)
+        return np.asarray(gaussian * self.shape(cross / np.sqrt(self.mss_cross), -along / np.sqrt(self.mss_up)))
+
+    def shape(self, xi: ArrayLike, eta: ArrayLike) -> FloatArray:
+        """Ratio of the density to the Gaussian of the same variances, at least 0 [1].
+
+        Parameters
+        ----------
+        xi, eta : array_like
+            Slopes across the wind, and towards where the wind comes FROM, over their rms values [1].
+        """
+        return np.asarray(np.maximum(gram_charlier(xi, eta, self.coefficients), 0.0))
+
+
+def gram_charlier(xi: ArrayLike, eta: ArrayLike, coefficients: tuple[float, float, float, float, float]) -> FloatArray:
+    """Series bracket of :meth:`SlopeStatistics.density`, negative values included [1]; ``coefficients`` are (c21, c03, c40, c22, c04)."""
+    return np.asarray(series_bracket(np.asarray(xi, dtype=np.float64), np.asarray(eta, dtype=np.float64), coefficients))
+
+
+def series_bracket(x: Any, y: Any, coefficients: tuple[float, float, float, float, float]) -> Any:
+    """Bracket of the Gram-Charlier series for arrays or floats [1], arithmetic alone, so that kernels can compile it."""
+    c21, c03, c40, c22, c04 = coefficients
+    xx, yy = x * x, y * y
+    skewness = -y * (0.5 * c21 * (xx - 1.0) + c03 / 6.0 * (yy - 3.0))
+    peakedness = c40 / 24.0 * (xx * xx - 6.0 * xx + 3.0) + 0.25 * c22 * (xx - 1.0) * (yy - 1.0) + c04 / 24.0 * (yy * yy - 6.0 * yy + 3.0)
+    return 1.0 + skewness + peakedness
+
+
+def gaussian_slopes(up: float, cross: float, covariance: float, wind_to_azimuth: float) -> SlopeStatistics:
+    """Gaussian slope statistics from a covariance, expressed along its principal axes.
+
+    Parameters
+    ----------
+    up, cross : float
+        Variances along the wind and to the right of it [1].
+    covariance : float
+        Covariance of the two [1]; without it the directions are those of the wind.
+    wind_to_azimuth : float
+        Azimuth the wind blows TO [rad].
+
+    Examples
+    --------
+    >>> slopes = gaussian_slopes(0.02, 0.01, 0.003, 0.5)
+    >>> [round(float(slopes.mss_along(0.5 + a)), 4) for a in (0.0, np.pi / 4, np.pi / 2)]
+    [0.02, 0.018, 0.01]
+    """
+    if covariance == 0.0:
+        return SlopeStatistics(up, cross, wind_to_azimuth)
+    middle, half = 0.5 * (up + cross), 0.5 * (up - cross)
+    away = float(np.hypot(half, covariance))
+    return SlopeStatistics(middle + away, middle - away, wind_to_azimuth + 0.5 * float(np.arctan2(covariance, half)))
+
+
+def flat() -> SlopeStatistics:
+    """Slope statistics of a flat sea, a mirror."""
+    return SlopeStatistics(0.0, 0.0)

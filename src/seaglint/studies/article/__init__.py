@@ -1,0 +1,1 @@
+"""Results of the source article, computed anew."""

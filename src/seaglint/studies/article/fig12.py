@@ -1,0 +1,175 @@
+"""The class of the source article's Fig. 12: two bodies that close over a glinting sea, seen by a third that follows one of them.
+
+The article shows one frame of 100, the view of a defending missile's seeker on a sea-skimming one in solar glint, over a sea 14 km long
+and 3.5 km wide on average; heights, speeds and shapes it does not tell. Ours are those of ``examples/approach.toml``, the same scene.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.files.store.store import Progress
+from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.model import Scenario
+from seaglint.studies.prepare import prepare
+from seaglint.studies.sequence.render_sequence import render
+from seaglint.studies.sequence.scene_objects import bodies_of
+
+FRAMES: Final = 100
+"""Frames of the article's sequence."""
+
+PIXELS: Final = 512
+"""Pixels along each side."""
+
+FRAME_RATE: Final = 10.0
+"""Frames per second [Hz]; the article does not tell its own."""
+
+SPEED: Final = 50.0
+"""Of the viewpoint [m/s]."""
+
+_ATTACKING: Final[dict[str, Any]] = {
+    "name": "attacking body",
+    "temperature_k": 320,
+    "emissivity": 0.9,
+    "keyframes": [
+        {"time_s": 0, "east_m": -330, "north_m": -5000, "height_m": 14},
+        {"time_s": 5, "east_m": -110, "north_m": -3150, "height_m": 10},
+        {"time_s": 10, "east_m": 20, "north_m": -1320, "height_m": 12},
+    ],
+    "shape": {
+        "kind": "union",
+        "parts": [
+            {"kind": "cylinder", "radius_m": 0.8, "length_m": 9, "pitch_deg": 90},
+            {"kind": "cone", "radius_m": 0.8, "length_m": 2.5, "at_m": [0, 5.74, 0], "pitch_deg": -90, "temperature_k": 350},
+            {"kind": "box", "size_m": [6, 1.6, 0.15], "at_m": [0, -0.5, 0]},
+            {"kind": "box", "size_m": [0.15, 1.2, 1.6], "at_m": [0, -3.8, 1.2]},
+            {"kind": "plume", "semi_axes_m": [0.7, 5, 0.7], "at_m": [0, -9.6, 0], "temperature_k": 650, "emissivity": 0.2},
+        ],
+    },
+}
+
+_DEFENDING: Final[dict[str, Any]] = {
+    "name": "defending body",
+    "temperature_k": 310,
+    "emissivity": 0.9,
+    "keyframes": [
+        {"time_s": 0, "east_m": 15, "north_m": -230, "height_m": 52},
+        {"time_s": 5, "east_m": 30, "north_m": -640, "height_m": 36},
+        {"time_s": 10, "east_m": 8, "north_m": -1240, "height_m": 16},
+    ],
+    "shape": {
+        "kind": "union",
+        "parts": [
+            {
+                "kind": "difference",
+                "parts": [
+                    {"kind": "cylinder", "radius_m": 0.25, "length_m": 4.5, "pitch_deg": 90},
+                    {"kind": "cylinder", "radius_m": 0.18, "length_m": 1, "at_m": [0, -2.25, 0], "pitch_deg": 90, "temperature_k": 600},
+                ],
+            },
+            {"kind": "cone", "radius_m": 0.25, "length_m": 0.8, "at_m": [0, 2.64, 0], "pitch_deg": -90},
+            {"kind": "box", "size_m": [1.5, 0.5, 0.04], "at_m": [0, -1.4, 0], "roll_deg": 45},
+            {"kind": "box", "size_m": [1.5, 0.5, 0.04], "at_m": [0, -1.4, 0], "roll_deg": -45},
+            {"kind": "plume", "semi_axes_m": [0.25, 2.5, 0.25], "at_m": [0, -4.6, 0], "temperature_k": 700, "emissivity": 0.1},
+        ],
+    },
+}
+
+
+def scene(pixels: int = PIXELS) -> Scenario:
+    """Scenario of the sequence, with as many ``pixels`` along each side.
+
+    Examples
+    --------
+    >>> found = scene()
+    >>> found.sensor.frames, found.sensor.pixels, [item.name for item in found.objects]
+    (100, (512, 512), ['attacking body', 'defending body'])
+    """
+    last = (FRAMES - 1) / FRAME_RATE
+    return parse_scenario(
+        {
+            "seed": 12,
+            "sun": {"zenith_deg": 66, "azimuth_deg": 180},
+            "sensor": {
+                "height_m": 60,
+                "azimuth_deg": 180,
+                "elevation_deg": -3.1,
+                "fov_deg": [14, 7],
+                "pixels": [pixels, pixels],
+                "pixel_shape": "any",
+                "frame_rate_hz": FRAME_RATE,
+                "frames": FRAMES,
+            },
+            "platform": {
+                "keyframes": [{"time_s": 0, "east_m": 0, "north_m": 0}, {"time_s": last, "east_m": 0, "north_m": -SPEED * last}],
+            },
+            "band": {"min_um": 3.5, "max_um": 5.0},
+            "wind": {"speed_m_s": 7, "from_deg": 215},
+            "sea": {"temperature_k": 290.15, "shortest_wave_m": 3},
+            "render": {"lines_per_column": 2, "variance_error": 0.1, "tile_size": 256},
+            "objects": [_ATTACKING, _DEFENDING],
+        }
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Ways:
+    """Where sensor and bodies are, in the vertical plane of the line of sight.
+
+    Attributes
+    ----------
+    time : ndarray
+        Of the frames [s].
+    ahead, height : dict of str to ndarray
+        Distance ahead of the sensor's start, along the sea, and height above the mean sea [m], by name; that of the sensor is
+        ``"sensor"``.
+    sight : (float, float)
+        Elevations of the image's lower and upper edge [rad].
+    """
+
+    time: FloatArray
+    ahead: dict[str, FloatArray]
+    height: dict[str, FloatArray]
+    sight: tuple[float, float]
+
+
+def ways(scenario: Scenario, frames: range) -> Ways:
+    """Ways of sensor and bodies over some frames."""
+    sensor, track = scenario.sensor, prepare.track(scenario)
+    time = np.asarray(frames) / sensor.frame_rate_hz
+    start = track.at(0.0)
+    azimuth = start.attitude.azimuth
+    look, origin = np.array([math.sin(azimuth), math.cos(azimuth)]), np.array([start.east, start.north])
+    poses = [track.at(float(t)) for t in time]
+    places = {"sensor": np.array([[p.east, p.north, p.height] for p in poses])}
+    for body in bodies_of(scenario)(None):
+        places[body.name] = np.array([body.motion.at(float(t)).position for t in time])
+    middle, half = start.attitude.elevation, 0.5 * math.radians(sensor.fov_deg[1])
+    ahead = {name: (place[:, :2] - origin) @ look for name, place in places.items()}
+    return Ways(time, ahead, {name: place[:, 2] for name, place in places.items()}, (middle - half, middle + half))
+
+
+def shown_frame(frames: range) -> int:
+    """Index of the frame that the figure shows: some way from the end, where both bodies are seen against the corridor."""
+    return (7 * (len(frames) - 1)) // 10
+
+
+def sequence(
+    output: str | Path,
+    frames: range | None = None,
+    pixels: int = PIXELS,
+    *,
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> Scenario:
+    """Render the sequence into a store, with its labels; see :func:`seaglint.studies.sequence.render_sequence.render`."""
+    scenario = scene(pixels)
+    render(scenario, output, frames=frames, resume=resume, overwrite=overwrite, progress=progress)
+    return scenario

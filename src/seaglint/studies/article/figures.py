@@ -1,0 +1,285 @@
+"""The source article's Figures 2, 3, 4 and 10, computed anew: each a labelled dataset that the plots draw and a CSV file holds.
+
+The first three have in common: LOWTRAN7's midlatitude summer with the Navy maritime aerosol at the wind, sea 288.15 K, the article's
+refractive index, Cox-Munk slopes with the wind taken as it is, the viewer's leg shadowed. What the article leaves open (the heights of
+Figs. 3 and 4, the winds of all three, the Sun of Fig. 4) is chosen here and told in the attributes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from seaglint.air.protocol import slant_range
+from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.base.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith
+from seaglint.facet.legs import VIEWER
+from seaglint.facet.sea_view import SeaView
+from seaglint.optics import sea_water
+from seaglint.optics.band import ApparentTemperature, Band
+from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.radiance.article import ArticleAtmosphere, article_radiance, wavelength_mean
+from seaglint.radiance.glint_correlation import capillary_length
+from seaglint.radiance.mean import SeaRadiance, mean_radiance
+from seaglint.radiance.variance import sea_variance
+from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic, cox_munk_isotropic
+from seaglint.studies.article.fig10 import figure_10
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MODEL: Final = "midlatitude-summer"
+SEA_TEMPERATURE: Final = 288.15
+
+PATH_BAND: Final = (3.0, 5.0)
+PATH_HEIGHT: Final = 130.0
+PATH_WINDS: Final = (1.0, 5.0, 10.0, 15.0, 20.0)
+PATH_BLACKBODY: Final = 292.4
+"""Temperature of the air that the article names beside Fig. 2 [K]."""
+
+GLINT_BAND: Final = (3.5, 5.0)
+GLINT_HEIGHT: Final = 100.0
+SURFACE_WINDS: Final = (0.5, 5.0, 10.0)
+"""Winds of Fig. 3: its calm, whose 526 K is the peak near 0.5 m/s; the 10 m/s of its text; and one between."""
+
+SURFACE_SUNS: Final = np.concatenate([np.arange(70.0, 80.0, 1.0), np.arange(80.0, 90.01, 0.5)])
+"""Zenith angles of the Sun in Fig. 3 [deg]."""
+
+SURFACE_DEPRESSIONS: Final = 140
+"""Depressions of the sensor in Fig. 3, from the horizon to 12 deg."""
+
+IMAGE_WINDS: Final = (2.0, 5.0, 10.0)
+IMAGE_WIND_DIRECTIONS: Final = (0.0, 45.0, 90.0)
+"""Where the wind of Fig. 4 comes from, clockwise from the Sun [deg]."""
+
+IMAGE_SUN: Final = 65.0
+"""Zenith angle of the Sun in Fig. 4 [deg]: the whole glint pattern lies in view."""
+
+IMAGE_IFOV: Final = 1e-3
+"""Side of the article's detector [rad]."""
+
+IMAGE_FIELD: Final = (50.0, 35.0)
+"""Azimuths, centred on the Sun's, and depressions from the horizontal down in Fig. 4 [deg]."""
+
+
+Report = Callable[[int, int], None]
+"""Told how many of how many winds are done."""
+
+
+def _silent(done: int, total: int) -> None:
+    pass
+
+
+def _view(band: Band, wind_speed: float, height: float) -> SeaView:
+    """The article's sea and air at a wind."""
+    return SeaView(
+        atmosphere=TableAtmosphere.load(MODEL, wind_speed, (band.min_um, band.max_um)),
+        band=band,
+        water=sea_water.article(),
+        slopes=cox_munk_isotropic(wind_speed, height=WIND_HEIGHT),
+        sea_temperature=SEA_TEMPERATURE,
+        sensor_height=height,
+        solar_zenith=0.0,
+        shadowing=VIEWER,
+        background="blackbody",
+    )
+
+
+def _attributes(title: str, band: tuple[float, float], height: float, **more: Any) -> dict[str, Any]:
+    from seaglint.version import __version__
+
+    common = {"title": title, "seaglint_version": __version__, "atmosphere": f"LOWTRAN7 {MODEL}, Navy maritime aerosol", "band_um": band}
+    return {**common, "sensor_height_m": height, "sea_temperature_k": SEA_TEMPERATURE, **more}
+
+
+def figure_2(report: Report = _silent) -> xr.Dataset:
+    """Path and boundary properties against range and zenith angle at several winds, 3-5 um, from 130 m down to the sea.
+
+    Returns
+    -------
+    Dataset
+        Over ``wind_speed_m_s`` and ``slant_range_m``: flat mean of the path's transmittance over wavelength, the article's fit to it
+        (Eq. 9), path radiance, and radiance of a blackbody sea behind the path; over ``wind_speed_m_s`` and ``zenith_deg``:
+        sunlight at the sea (normal to the beam, 1 au) and the sky seen from there.
+
+    Notes
+    -----
+    The article's paths end 2 m above the sea, these on it. At the sea horizon a path is 44 km long.
+    """
+    import xarray as xr
+
+    band = Band.rectangular(*PATH_BAND)
+    arc = np.concatenate([[0.0], np.geomspace(50.0, horizon_range(PATH_HEIGHT), 119)])
+    slant = slant_range(PATH_HEIGHT, arc)
+    zenith = np.concatenate([np.arange(0.0, 80.0, 2.0), np.arange(80.0, 90.01, 0.5)])
+    paths: dict[str, list[FloatArray]] = {name: [] for name in _ALONG_RANGE}
+    skies: dict[str, list[FloatArray]] = {name: [] for name in _ALONG_ZENITH}
+    for i, wind in enumerate(PATH_WINDS):
+        report(i, len(PATH_WINDS))
+        view = _view(band, wind, PATH_HEIGHT)
+        over = view.in_band
+        spectral = view.atmosphere.transmittance(PATH_HEIGHT, arc)[..., over.grid]
+        path = over(view.atmosphere.path_radiance(PATH_HEIGHT, arc))
+        paths["transmittance"].append(spectral @ wavelength_mean(over.weights, over.wavenumber_cm))
+        paths["transmittance_eq_9"].append(ArticleAtmosphere.fit(view.atmosphere, band, PATH_HEIGHT, SEA_TEMPERATURE).transmittance(slant))
+        paths["path_radiance_W_m2_sr"].append(path)
+        paths["boundary_radiance_W_m2_sr"].append(path + spectral @ (over.weights * planck_wavenumber(over.wavenumber_cm, SEA_TEMPERATURE)))
+        skies["solar_irradiance_W_m2"].append(over(view.atmosphere.solar_irradiance(np.radians(zenith))))
+        skies["sky_radiance_W_m2_sr"].append(over(view.atmosphere.sky_radiance(np.radians(zenith))))
+    report(len(PATH_WINDS), len(PATH_WINDS))
+    blackbody = float(band.radiance(PATH_BLACKBODY, view.atmosphere.wavenumber_cm))
+    return xr.Dataset(
+        {name: (("wind_speed_m_s", "slant_range_m"), np.array(rows)) for name, rows in paths.items()}
+        | {name: (("wind_speed_m_s", "zenith_deg"), np.array(rows)) for name, rows in skies.items()},
+        coords={"wind_speed_m_s": list(PATH_WINDS), "slant_range_m": slant, "zenith_deg": zenith},
+        attrs=_attributes(
+            "Path and boundary properties",
+            PATH_BAND,
+            PATH_HEIGHT,
+            blackbody_temperature_k=PATH_BLACKBODY,
+            blackbody_radiance_W_m2_sr=blackbody,
+        ),
+    )
+
+
+_ALONG_RANGE: Final = ("transmittance", "transmittance_eq_9", "path_radiance_W_m2_sr", "boundary_radiance_W_m2_sr")
+_ALONG_ZENITH: Final = ("solar_irradiance_W_m2", "sky_radiance_W_m2_sr")
+
+
+def figure_3(report: Report = _silent) -> xr.Dataset:
+    """Sunlight scattered by the sea and its apparent temperature against the zenith angles of Sun and sensor, at three winds.
+
+    Returns
+    -------
+    Dataset
+        Over ``wind_speed_m_s``, ``solar_zenith_deg`` and ``sensor_zenith_deg`` (from the sea to the sensor, looking towards the Sun):
+        mirrored Sun and apparent temperature of the whole sea, from products per wavenumber and, with ``_band_means``, from the
+        article's products of band means and its interpolators (Eqs. 3, 7-9); ``background_temperature_k`` is the sea without Sun.
+    """
+    import xarray as xr
+
+    band = Band.rectangular(*GLINT_BAND)
+    # Evenly spaced in the logarithm of depression: the brightest points of low Suns lie within a degree of the horizon.
+    depression = np.geomspace(1.01 * horizon_depression(GLINT_HEIGHT), np.radians(12.0), SURFACE_DEPRESSIONS)[::-1]
+    sun = SURFACE_SUNS
+    ways: tuple[tuple[str, Callable[[SeaView, FloatArray, FloatArray], SeaRadiance]], ...]
+    ways = (("", mean_radiance), ("_band_means", article_radiance))
+    shape = (len(SURFACE_WINDS), sun.size, depression.size)
+    found = {name + way: np.zeros(shape) for way, _ in ways for name in ("solar_radiance_W_m2_sr", "apparent_temperature_k")}
+    background = np.zeros((len(SURFACE_WINDS), depression.size))
+    for i, wind in enumerate(SURFACE_WINDS):
+        report(i, len(SURFACE_WINDS))
+        view = _view(band, wind, GLINT_HEIGHT)
+        inverse = ApparentTemperature.create(band, view.atmosphere.wavenumber_cm)
+        for j, zenith in enumerate(np.radians(sun)):
+            for way, radiance in ways:
+                seen = radiance(replace(view, solar_zenith=float(zenith)), -depression, np.zeros(1))
+                found["solar_radiance_W_m2_sr" + way][i, j] = seen.sun[:, 0]
+                found["apparent_temperature_k" + way][i, j] = inverse(seen.total[:, 0])
+                if way == "":
+                    background[i] = inverse((seen.path + seen.emission + seen.sky)[:, 0])
+    report(len(SURFACE_WINDS), len(SURFACE_WINDS))
+    return xr.Dataset(
+        {name: (("wind_speed_m_s", "solar_zenith_deg", "sensor_zenith_deg"), values) for name, values in found.items()}
+        | {"background_temperature_k": (("wind_speed_m_s", "sensor_zenith_deg"), background)},
+        coords={
+            "wind_speed_m_s": list(SURFACE_WINDS),
+            "solar_zenith_deg": sun,
+            "sensor_zenith_deg": np.degrees(view_zenith(GLINT_HEIGHT, depression)),
+            "depression_deg": ("sensor_zenith_deg", np.degrees(depression)),
+            "slant_range_m": ("sensor_zenith_deg", slant_range(GLINT_HEIGHT, surface_range(GLINT_HEIGHT, depression))),
+        },
+        attrs=_attributes("Solar radiation scattered from the sea", GLINT_BAND, GLINT_HEIGHT, slopes="isotropic Cox-Munk"),
+    )
+
+
+def figure_4(report: Report = _silent) -> xr.Dataset:
+    """Images of the mirrored Sun, mean and standard deviation in detectors of 1 mrad, for three winds from three directions.
+
+    Returns
+    -------
+    Dataset
+        Over ``wind_speed_m_s``, ``wind_from_sun_deg``, ``elevation_deg`` and ``azimuth_from_sun_deg``: mean radiance of the mirrored
+        Sun (Eq. 8, products per wavenumber, directional slopes), and its standard deviation in a detector (Eq. 18 with the share of
+        sea area) with the correlation length of Eq. 17 at 70 ms.
+    """
+    import xarray as xr
+
+    band = Band.rectangular(*GLINT_BAND)
+    step = np.degrees(IMAGE_IFOV)
+    columns, rows_down = (int(size / step) for size in IMAGE_FIELD)
+    azimuth = step * (np.arange(columns) - 0.5 * (columns - 1))
+    elevation = -step * (np.arange(rows_down) + 0.5)
+    rows = np.radians(elevation)
+    solid_angle = IMAGE_IFOV**2 * np.cos(rows)
+    length = capillary_length(0.07)
+    shape = (len(IMAGE_WINDS), len(IMAGE_WIND_DIRECTIONS), elevation.size, azimuth.size)
+    mean, deviation = (np.zeros(shape, dtype=np.float32) for _ in range(2))
+    for i, wind in enumerate(IMAGE_WINDS):
+        report(i, len(IMAGE_WINDS))
+        calm = replace(_view(band, wind, GLINT_HEIGHT), solar_zenith=float(np.radians(IMAGE_SUN)))
+        for j, wind_from in enumerate(IMAGE_WIND_DIRECTIONS):
+            view = replace(calm, slopes=cox_munk_anisotropic(wind, np.radians(wind_from + 180.0), height=WIND_HEIGHT))
+            found = mean_radiance(view, rows, np.radians(azimuth))
+            mean[i, j] = found.sun
+            deviation[i, j] = np.sqrt(sea_variance(view, found, rows, solid_angle, length))
+    report(len(IMAGE_WINDS), len(IMAGE_WINDS))
+    dims = ("wind_speed_m_s", "wind_from_sun_deg", "elevation_deg", "azimuth_from_sun_deg")
+    return xr.Dataset(
+        {"solar_radiance_W_m2_sr": (dims, mean), "glint_std_W_m2_sr": (dims, deviation)},
+        coords={
+            "wind_speed_m_s": list(IMAGE_WINDS),
+            "wind_from_sun_deg": list(IMAGE_WIND_DIRECTIONS),
+            "elevation_deg": elevation,
+            "azimuth_from_sun_deg": azimuth,
+        },
+        attrs=_attributes(
+            "Glint images",
+            GLINT_BAND,
+            GLINT_HEIGHT,
+            slopes="directional Cox-Munk",
+            solar_zenith_deg=IMAGE_SUN,
+            ifov_mrad=1e3 * IMAGE_IFOV,
+            correlation_length_m=length,
+        ),
+    )
+
+
+FIGURES: Final[dict[str, Callable[[Report], xr.Dataset]]] = {"fig2": figure_2, "fig3": figure_3, "fig4": figure_4, "fig10": figure_10}
+"""What ``seaglint reproduce`` computes, by name."""
+
+CSV_STEP: Final[dict[str, dict[str, int]]] = {"fig4": {"elevation_deg": 5, "azimuth_from_sun_deg": 10}}
+"""Every how many values of a coordinate the CSV file holds: the images are smooth, and whole would be 200 MB."""
+
+CSV_WITHOUT: Final[dict[str, tuple[str, ...]]] = {"fig10": ("grey_level",)}
+"""Variables that the CSV file does not hold: samples, which seeds give again."""
+
+
+def table(name: str, dataset: xr.Dataset) -> dict[str, FloatArray]:
+    """Columns of a figure's CSV file: coordinates first, a row for each point; a quantity that a row has not is NaN.
+
+    Variables over the same coordinates share their rows; figures with several kinds follow one another.
+    """
+    import xarray as xr
+
+    picked = dataset.drop_vars(CSV_WITHOUT.get(name, ())).isel(
+        {dim: slice(None, None, step) for dim, step in CSV_STEP.get(name, {}).items()}
+    )
+    coordinates, variables = list(map(str, picked.coords)), list(map(str, picked.data_vars))
+    kinds = {picked[v].dims for v in variables}
+    # What varies with fewer coordinates stands in the rows of what varies with more.
+    kinds = {dims for dims in kinds if not any(set(dims) < set(others) for others in kinds)}
+    blocks = []
+    for dims in sorted(kinds, key=lambda dims: next(i for i, v in enumerate(variables) if picked[v].dims == dims)):
+        shape = {dim: picked.sizes[dim] for dim in dims}
+        like = xr.DataArray(np.zeros(tuple(shape.values())), dims=dims)
+        block = {column: np.full(like.size, np.nan) for column in [*coordinates, *variables]}
+        for column in block:
+            if set(picked[column].dims) <= set(dims):
+                values = picked[column].reset_coords(drop=True).drop_indexes(list(picked[column].indexes), errors="ignore")
+                block[column] = values.broadcast_like(like).transpose(*dims).to_numpy().ravel().astype(np.float64)
+        blocks.append(block)
+    return {column: np.concatenate([block[column] for block in blocks]) for column in [*coordinates, *variables]}

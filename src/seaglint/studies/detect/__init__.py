@@ -1,0 +1,1 @@
+"""Probabilities of detection and false alarm, on recordings and in rendered scenes."""

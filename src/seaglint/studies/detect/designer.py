@@ -1,0 +1,200 @@
+"""Designer's figures of a judged detector: the contrast it needs, and what clutter costs against white noise."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+
+from seaglint.base.errors import DataError, DomainError, SeaglintError
+from seaglint.base.threads import single_threaded_algebra
+from seaglint.clutter.cluster_variance import score_interval
+from seaglint.clutter.false_alarms import FalseAlarms
+from seaglint.detection.background import Background, FalseAlarmCount, FrameSource, Threshold, count_false_alarms
+from seaglint.detection.design import (
+    RateThreshold,
+    WhiteFrames,
+    as_threshold,
+    contrast_for,
+    gaussian_threshold,
+    loss_db,
+    threshold_for,
+)
+from seaglint.detection.isolated import IsolatedDetector
+from seaglint.detection.rare_alarms import LOWEST_THRESHOLD, MOST_EVENTS, RareTail
+from seaglint.detection.stepped import tail_above
+from seaglint.studies.detect.performance import Options, Performance, detector_for
+
+TAIL_SHARE: Final = 0.02
+"""Share of the pixels that a tail holds at most [1]."""
+
+FEWEST_PIXELS: Final = 200
+"""Pixels that it holds at least, as far as that share allows."""
+
+
+@dataclass(frozen=True)
+class Design:
+    """What is asked.
+
+    Attributes
+    ----------
+    p_d : float
+        Share of objects to be found [1].
+    p_fa : float, optional
+        Rate of false alarms per pixel [1]; without it ``alarms_per_hour`` counts.
+    alarms_per_hour : float
+        False alarms an hour in the whole field: events, of which each frame is an independent look [1/h].
+    injections : int
+        Objects of each contrast tried.
+    white : bool
+        Whether white noise is judged as well.
+    """
+
+    p_d: float = 0.9
+    p_fa: float | None = None
+    alarms_per_hour: float = 1.0
+    injections: int = 400
+    white: bool = True
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.p_d < 1.0:
+            raise DomainError(f"P_d = {self.p_d:g} is not between 0 and 1; give e.g. 0.9")
+        if self.p_fa is not None and not 0.0 < self.p_fa < 0.5:
+            raise DomainError(f"P_fa = {self.p_fa:g} is not between 0 and 0.5; give e.g. 1e-6")
+        if not self.alarms_per_hour > 0.0:
+            raise DomainError(f"{self.alarms_per_hour:g} false alarms an hour; give a number above 0")
+
+
+def wanted_rate(found: Performance, wanted: Design) -> float:
+    """Rate per pixel that is asked for [1].
+
+    Raises
+    ------
+    DomainError
+        No frame rate.
+    """
+    if wanted.p_fa is not None:
+        return wanted.p_fa
+    rate = found.options.frame_rate
+    if rate is None:
+        raise DomainError("false alarms an hour need the frame rate; give --frame-rate, or --p-fa")
+    index = found.tail.extremal_index
+    events = index if index == index and 0.0 < index <= 1.0 else 1.0
+    pixels = found.alarms.cells.pixels / found.judged.windows
+    return min(wanted.alarms_per_hour / (3600.0 * rate * pixels * events), 0.4)
+
+
+def rate_threshold(found: Performance, wanted: Design) -> RateThreshold:
+    """Threshold of that rate.
+
+    Raises
+    ------
+    DataError
+        A rate that is neither counted nor to be extrapolated.
+    """
+    return told_threshold(found.alarms, tail_from(found.judged, found.threshold, found.alarms, found.tail), wanted_rate(found, wanted))
+
+
+def told_threshold(count: FalseAlarmCount, tail: RareTail, p_fa: float) -> RateThreshold:
+    """Threshold of a rate; where no tail can be fitted that of the few pixels above it, which is not to be believed.
+
+    Raises
+    ------
+    DataError
+        Less than one pixel above it is expected as well.
+    """
+    try:
+        return threshold_for(count, tail, p_fa)
+    except DataError:
+        curve = count.alarms.curve()
+        sigma = curve.threshold_for(p_fa)
+        if sigma is None or not sigma > 0.0:
+            raise
+        number = int(curve.exceedances[int(np.searchsorted(curve.threshold, sigma - 1e-9))])
+        low, high = score_interval(number, curve.pixels, max(float(np.nan_to_num(count.per_pixel.inflation)), 1.0), math.inf, 0.95)
+        return RateThreshold(sigma, number / curve.pixels, low, high, "counted", believed=False)
+
+
+def tail_from(judged: Background, threshold: Threshold, count: FalseAlarmCount, tail: RareTail) -> RareTail:
+    """The tail above three standard deviations or, where too little is there, above what leaves enough to fit.
+
+    A field with a horizon or a corridor in it has a broad statistic that never comes far above its mean.
+    """
+    curve = count.alarms.curve()
+    lower = curve.threshold_for(min(TAIL_SHARE, max(MOST_EVENTS / max(curve.pixels, 1), FEWEST_PIXELS / max(curve.pixels, 1))))
+    if tail.fit is not None or lower is None or not 0.0 < lower < LOWEST_THRESHOLD:
+        return tail
+    alarms = FalseAlarms((lower,))
+    nothing = np.full(judged.statistic.shape[1:], np.nan, np.float32)
+    for k in range(judged.windows):
+        if k and judged.place.sequences > 1 and k % judged.place.each == 0:
+            alarms.add(nothing)
+        alarms.add(judged.z(k, threshold.law))
+    return tail_above(judged, threshold.law, alarms.curve(), alarms.events(lower), lowest=lower)
+
+
+def design(found: Performance, source: FrameSource, options: Options, wanted: Design) -> dict[str, Any]:
+    """Contrast for a P_d at a rate of false alarms, and the loss against white Gaussian noise of the same variance.
+
+    Raises
+    ------
+    SeaglintError
+        A rate or a P_d that is not reached.
+    """
+    at = rate_threshold(found, wanted)
+    objects = replace(options.objects, injections=wanted.injections)
+    found.judged.detector = detector_for(source, options)
+    try:
+        with single_threaded_algebra():
+            needed = contrast_for(found.judged, source, objects, as_threshold(at, options.law), wanted.p_d)
+    finally:
+        _closed(found.judged)
+    out: dict[str, Any] = {
+        "p_d": wanted.p_d,
+        "p_fa": at.p_fa,
+        "p_fa_interval": [at.low, at.high],
+        "alarms_per_hour": None if wanted.p_fa is not None else wanted.alarms_per_hour,
+        "threshold_sigma": at.sigma,
+        "threshold_how": at.how,
+        "believed": at.believed,
+        "contrast": needed.contrast,
+        "contrast_interval": [needed.low, needed.high],
+        "white_contrast": None,
+        "white_sigma": None,
+        "loss_db": None,
+        "note": None,
+    }
+    if wanted.white:
+        try:
+            white, sigma = white_contrast(source, options, wanted, at.p_fa)
+            out |= {"white_contrast": white, "white_sigma": sigma, "loss_db": loss_db(needed.contrast, white)}
+        except SeaglintError as error:
+            out["note"] = f"white noise of the same variance: {error}"
+    return out
+
+
+def white_contrast(source: FrameSource, options: Options, wanted: Design, p_fa: float) -> tuple[float, float]:
+    """Contrast that the same detector needs in white Gaussian noise of the source's variance, and its standard deviation [u]."""
+    white = WhiteFrames.like(source, options.objects.seed)
+    detector = detector_for(white, options)
+    with single_threaded_algebra():
+        judged = Background(detector, white)
+        try:
+            if detector.linear:
+                at = gaussian_threshold(p_fa)
+            else:
+                four = judged.threshold(4.0, "sigma")
+                count = count_false_alarms(judged, four)
+                tail = tail_above(judged, four.law, count.alarms.curve(), count.alarms.events(LOWEST_THRESHOLD))
+                at = told_threshold(count, tail_from(judged, four, count, tail), p_fa)
+            objects = replace(options.objects, injections=wanted.injections)
+            return contrast_for(judged, white, objects, as_threshold(at), wanted.p_d).contrast, white.sigma
+        finally:
+            _closed(judged)
+
+
+def _closed(judged: Background) -> None:
+    if isinstance(judged.detector, IsolatedDetector):
+        judged.detector.close()

@@ -1,0 +1,274 @@
+"""What is injected into the frames of a scenario: its shape behind the sensor, and its contrast from what the user states."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
+from seaglint.detection.fine_spot import FineSpot
+from seaglint.detection.spot import GaussianSpot, Shape
+from seaglint.instrument.chain import SensorModel
+from seaglint.scenario.model import Scenario
+from seaglint.studies.detect.scene_frames import Seas, sea_seed
+from seaglint.studies.sequence.render_sequence import prepare_sequence
+from seaglint.studies.sequence.scene_objects import Drawn
+from seaglint.studies.sequence.sensed import prepare_sensed
+
+Unit = Literal["W m-2 sr-1", "K", "W/sr"]
+
+REACH: Final = 12
+"""Pixels from an object's brightest pixel beyond which its blur is cut [px]."""
+
+CUT: Final = 1e-3
+"""Share of its peak below which the edge of an object's picture is cut."""
+
+FINEST: Final = 5
+"""Steps to a pixel, at least, at which a point's response is known."""
+
+_AROUND = 20
+
+
+@dataclass(frozen=True)
+class Strength:
+    """Contrasts as they are stated.
+
+    Attributes
+    ----------
+    values : tuple of float
+        In ``unit``.
+    unit : {"W m-2 sr-1", "K", "W/sr"}
+        In-band radiance at the aperture, or apparent temperature, of an object that fills a pixel, against the field's mean; or the
+        in-band intensity of a point before the path.
+    range_m, height_m : float
+        Place of that point [m].
+    """
+
+    values: tuple[float, ...]
+    unit: Unit = "W m-2 sr-1"
+    range_m: float | None = None
+    height_m: float = 5.0
+
+    def __post_init__(self) -> None:
+        wrong = [v for v in self.values if v == 0 or not math.isfinite(v)]
+        if wrong or not self.values:
+            given = f"contrast = {wrong[0]:g}" if wrong else "no contrast given"
+            raise DomainError(f"{given}: an object must differ from what is behind it; give a finite number other than 0")
+        if self.unit == "W/sr" and (self.range_m is None or not self.range_m > 0):
+            raise DomainError("an intensity in W/sr is seen from a range; give --range-m, above 0")
+
+    def at_aperture(self, seas: Seas, mean: float) -> tuple[float, ...]:
+        """In-band contrast at the aperture, over the angle of a pixel [W m-2 sr-1]; ``mean``: the field's [W m-2 sr-1].
+
+        Raises
+        ------
+        DomainError
+            A temperature that nothing has, a range beyond the air that is known.
+        """
+        match self.unit:
+            case "W m-2 sr-1":
+                return self.values
+            case "K":
+                return tuple(_of_temperature(seas, mean, v) for v in self.values)
+            case "W/sr":
+                share = transmittance(seas, self.range_m or 0.0, self.height_m)
+                angle = seas.pixel_solid_angle
+                distance = math.hypot(self.range_m or 0.0, seas.sequence.scene.view.sensor_height - self.height_m)
+                return tuple(v * share / (distance**2 * angle) for v in self.values)
+
+
+def _of_temperature(seas: Seas, mean: float, difference: float) -> float:
+    from seaglint.optics.band import apparent_temperature
+    from seaglint.optics.blackbody import planck_wavenumber
+
+    view = seas.sequence.scene.view
+    around = float(apparent_temperature(np.array([mean]), view.band, view.atmosphere.wavenumber_cm)[0])
+    if not math.isfinite(around) or around + difference < 100.0:
+        raise DomainError(f"temperature difference = {difference:g} K from {around:.4g} K is no temperature above 100 K; give another")
+    hot, cold = (float(view.in_band(planck_wavenumber(view.atmosphere.wavenumber_cm, t))) for t in (around + difference, around))
+    return hot - cold
+
+
+def transmittance(seas: Seas, range_m: float, height_m: float) -> float:
+    """Mean over the band of the transmittance to a point, over the response alone, as points are drawn [1].
+
+    Raises
+    ------
+    DomainError
+        A range or a height beyond the air that is known.
+    """
+    view = seas.sequence.scene.view
+    tau = view.atmosphere.transmittance(view.sensor_height, np.array([range_m]), np.array([height_m]))[..., view.in_band.grid]
+    return float((np.clip(tau, 0.0, 1.0) @ view.in_band.weights / view.in_band.weights.sum())[0])
+
+
+def fine_response(picture: NDArray[np.float64], steps: int, blur: Callable[[NDArray[np.float32]], NDArray[Any]]) -> FloatArray:
+    """What pixels see, at every fine place, of a picture that has ``steps`` x ``steps`` values to a pixel; blur brings it to pixels.
+
+    Element (i, j) is the value of a pixel centred on the picture's element i, j; half a fine pixel beside it where ``steps`` is even.
+    """
+    rows, columns = picture.shape
+    out = np.zeros((rows, columns))
+    for down in range(steps):
+        for right in range(steps):
+            shifted = np.roll(picture, (-down, -right), axis=(0, 1)).astype(np.float32)
+            # pixel i of the shifted picture holds the fine pixels i steps + down ...; its centre is (steps - 1) / 2 further on
+            out[down::steps, right::steps] = blur(shifted)
+    return np.roll(out, ((steps - 1) // 2,) * 2, axis=(0, 1))
+
+
+def spot_of(response: FloatArray, steps: int) -> tuple[FineSpot, float]:
+    """Shape about the largest value of a response, and that value with its sign.
+
+    Raises
+    ------
+    DataError
+        A response of nothing.
+    """
+    row, column = np.unravel_index(int(np.abs(response).argmax()), response.shape)
+    peak = float(response[row, column])
+    if peak == 0.0:
+        raise DataError("the object leaves nothing in the picture: it is hidden, out of view, or as bright as what is behind it")
+    whole = response / peak
+    rim = [np.abs(whole) >= CUT]
+    far = max(int(np.abs(np.nonzero(rim[0])[axis] - at).max()) for axis, at in ((0, row), (1, column)))
+    half = min(max(-(-far // steps), 1), REACH) * steps
+    padded = np.pad(whole, half)
+    return FineSpot(padded[row : row + 2 * half + 1, column : column + 2 * half + 1], steps), peak
+
+
+def point_shape(model: SensorModel | None) -> tuple[Shape, float]:
+    """A point behind the sensor, and the share of its light in its pixel when it is centred there; without a sensor the pixel alone."""
+    if model is None:
+        return GaussianSpot(0.05), 1.0
+    steps = max(model.oversampling, FINEST)
+    steps += 1 - steps % 2  # an odd number has a fine pixel in the middle
+    size = 2 * _AROUND + 1
+    blur = _blur(model, size, steps)
+    picture = np.zeros((size * steps, size * steps))
+    middle = _AROUND * steps + steps // 2
+    picture[middle, middle] = float(steps * steps)
+    return spot_of(fine_response(picture, steps, blur), steps)
+
+
+def _blur(model: SensorModel, size: int, steps: int) -> Callable[[NDArray[np.float32]], NDArray[Any]]:
+    """Optics, detector and stray light of a sensor on a small square picture."""
+    small = replace(model, circle=False, _transfers=type(model._transfers)())
+    transfer = small.transfer((size * steps, size * steps), steps)
+    kept = 1.0 - model.optics.stray_share
+    return lambda picture: kept * transfer(picture)
+
+
+@dataclass(frozen=True)
+class Seen:
+    """An object of a scenario as it is seen over the mean sea.
+
+    Attributes
+    ----------
+    shape : Shape
+        Of it, behind the sensor where there is one.
+    contrast : float
+        Of its brightest pixel, when it is centred there [W m-2 sr-1].
+    row, column : float
+        That pixel in the whole picture [px].
+    columns : (int, int)
+        Columns that it is in, first and end [px].
+    whole : float
+        Solid angle of it that is in view over the mean sea [sr]; of a point 1.
+    among : Scenario, optional
+        The object alone among the scenario's waves; None where they are no geometry and hide nothing.
+    """
+
+    shape: Shape
+    contrast: float
+    row: float
+    column: float
+    columns: tuple[int, int] = (0, 0)
+    whole: float = 0.0
+    among: Scenario | None = None
+
+    def visible_shares(self, count: int, seas: Seas) -> FloatArray:
+        """What independent seas leave in view of the object, against the mean sea, which hides only what is under the horizon [1].
+
+        Parameters
+        ----------
+        count : int
+            How many are drawn.
+        seas : Seas
+            Of the same scenario: what was made ready for its frames serves here too.
+
+        Returns
+        -------
+        ndarray, shape (count,)
+            1 for each where no waves are geometry. A point is seen or not.
+        """
+        if self.among is None:
+            return np.ones(count)
+        sequence = seas.sequence.with_sea_of(self.among)
+        fine = sequence.scene.pixels.columns // self.among.sensor.pixels[0]
+        part = self.columns[0] * fine, self.columns[1] * fine
+        seen = [_in_view(sequence.reseeded(sea_seed(self.among.seed, k)).drawn(0.0, part)) for k in range(count)]
+        return np.minimum(np.array(seen) / self.whole, 1.0)
+
+
+def _in_view(drawn: Drawn) -> float:
+    """Solid angle of the one object that is seen [sr]; of a point 1 or 0."""
+    (sight,) = drawn.sights
+    if sight.whole > 0.0:
+        return sight.seen
+    return float(any((share.radiance > 0.0).any() for share in sight.shares))
+
+
+def seen_object(scenario: Scenario, name: str) -> Seen:
+    """Draw one object over the mean sea, through path and sensor.
+
+    Raises
+    ------
+    DataError
+        No object of that name, or nothing of it to be seen.
+    """
+    found = [item for item in scenario.objects or () if item.name == name]
+    if not found:
+        names = ", ".join(item.name for item in scenario.objects or ()) or "none"
+        raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
+    plain = scenario.render.model_copy(update={"layers": (), "apparent_temperature": False, "step_m": None})
+    alone = scenario.model_copy(update={"objects": tuple(found), "render": plain})
+    calm = alone.model_copy(update={"sea": scenario.sea.model_copy(update={"resolve_waves": False})})
+    if calm.sensor.senses:
+        sensed = prepare_sensed(calm)
+        sequence, steps, model = sensed.fine, sensed.sensed.oversampling, sensed.sensed.model
+        if steps < 3 and scenario.render.oversampling is None:
+            return seen_object(scenario.model_copy(update={"render": scenario.render.model_copy(update={"oversampling": 3})}), name)
+    else:
+        steps, model = 3, None
+        columns, rows = calm.sensor.pixels
+        finer = calm.sensor.model_copy(update={"pixels": (columns * steps, rows * steps)})
+        sequence = prepare_sequence(calm.model_copy(update={"sensor": finer}))
+    drawn = sequence.drawn(0.0)
+    difference = drawn.layers.radiance.astype(np.float64) - drawn.sea
+    if not np.abs(difference).any():
+        raise DataError(f"object '{name}' leaves nothing in the picture: it is hidden, out of view, or as bright as what is behind it")
+    rows_seen, columns_seen = (np.nonzero(np.abs(difference).max(axis=axis))[0] for axis in (1, 0))
+    row, column = (int(v.mean()) // steps for v in (rows_seen, columns_seen))
+    reach = max(int(np.ptp(v)) // steps for v in (rows_seen, columns_seen)) // 2 + _AROUND
+    size = 2 * reach + 1
+    padded = np.pad(difference, reach * steps)
+    picture = padded[row * steps : (row + size) * steps, column * steps : (column + size) * steps]
+    if model is None:
+        response = fine_response(picture, steps, lambda p: p.reshape(size, steps, size, steps).mean(axis=(1, 3)))
+    else:
+        response = fine_response(picture, steps, _blur(model, size, steps))
+    try:
+        shape, contrast = spot_of(response, steps)
+    except DomainError as error:
+        raise DataError(f"object '{name}': {error}") from error
+    peak = np.unravel_index(int(np.abs(response).argmax()), response.shape)
+    place = [(at - reach) + (float(p) + 0.5) / steps - 0.5 for at, p in zip((row, column), peak, strict=True)]
+    extent = int(columns_seen[0]) // steps, int(columns_seen[-1]) // steps + 1
+    return Seen(shape, contrast, place[0], place[1], extent, _in_view(drawn), alone if scenario.sea.resolve_waves else None)

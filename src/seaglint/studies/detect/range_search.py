@@ -1,0 +1,247 @@
+"""How far an object of a scenario is detected: bisection over the range, path, size and clutter changing together."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import pickle
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.errors import DataError, DomainError
+from seaglint.detection.design import by_windows
+from seaglint.detection.level import Rescaled
+from seaglint.files.detection_parts import Parts
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.sun import sun_position
+from seaglint.studies.detect.designer import Design, rate_threshold
+from seaglint.studies.detect.injected import seen_object
+from seaglint.studies.detect.performance import detect
+from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of
+from seaglint.studies.detect.scene_frames import SceneFrames, Seas, frames_key
+
+PRECISION: Final = 0.04
+"""Share of the range at which the bisection ends."""
+
+ROWS: Final = 1
+"""Rows above and below the object's own in which it is injected: the sea there is as far away."""
+
+
+@dataclass(frozen=True)
+class RangeOptions:
+    """What range is looked for.
+
+    Attributes
+    ----------
+    name : str
+        Of the object.
+    limits : (float, float)
+        Nearest and farthest range tried [m].
+    design : Design
+        P_d at which the object counts as detected, and at which rate of false alarms.
+    precision : float
+        Share of the range at which the bisection ends [1].
+    """
+
+    name: str
+    limits: tuple[float, float] = (500.0, 40_000.0)
+    design: Design = field(default_factory=Design)
+    precision: float = PRECISION
+
+    def __post_init__(self) -> None:
+        near, far = self.limits
+        if not 0.0 < near < far:
+            raise DomainError(f"ranges from {near:g} to {far:g} m; give two rising numbers above 0")
+        if not 0.0 < self.precision < 1.0:
+            raise DomainError(f"precision of the range = {self.precision:g} is not between 0 and 1; give e.g. 0.04")
+
+
+def placed_at(scenario: Scenario, name: str, range_m: float, bearing_deg: float | None) -> Scenario:
+    """The scenario with the object at a range along the line of sight, in the middle of the picture.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With a sensor that stands.
+    name : str
+        Of the object; it stays there, whatever its course.
+    range_m : float
+        Along the sea [m].
+    bearing_deg : float, optional
+        Of object and line of sight from the Sun's azimuth, clockwise [deg]; the sensor's own azimuth where nothing is said.
+
+    Raises
+    ------
+    DataError
+        No such object, or a sensor that moves.
+    """
+    if scenario.platform is not None:
+        raise DataError("the range of detection is that of a sensor that stands; leave [platform] out")
+    found = [item for item in scenario.objects or () if item.name == name]
+    if not found:
+        names = ", ".join(item.name for item in scenario.objects or ()) or "none"
+        raise DataError(f"object '{name}' is not in the scenario; its [[objects]] are {names}")
+    sensor = scenario.sensor
+    azimuth = sensor.azimuth_deg
+    if bearing_deg is not None:
+        azimuth = (math.degrees(sun_position(scenario).azimuth) + bearing_deg) % 360.0
+    towards = math.radians(azimuth)
+    item = found[0]
+    height = item.height_m if item.height_m is not None else 0.0
+    drop = range_m**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)
+    elevation = math.degrees(math.atan2(height - sensor.height_m - drop, range_m))
+    rest = {"track": None, "keyframes": None, "course_deg": None, "speed_m_s": None, "latitude_deg": None, "longitude_deg": None}
+    heading = item.heading_deg if item.heading_deg is not None else item.course_deg
+    place = {"east_m": range_m * math.sin(towards), "north_m": range_m * math.cos(towards), "heading_deg": heading}
+    moved = item.model_copy(update={**rest, **place})
+    looking = sensor.model_copy(update={"azimuth_deg": azimuth, "elevation_deg": elevation})
+    return scenario.model_copy(update={"objects": (moved,), "sensor": looking})
+
+
+def p_d_at(
+    scenario: Scenario, wanted: SceneOptions, asked: RangeOptions, range_m: float, bearing: float | None, parts: Parts
+) -> dict[str, Any]:
+    """P_d of the object at one range at the threshold of the wanted rate; 0 with a note where nothing of it is seen.
+
+    Waves that are geometry hide some of the object: as many seas as there are frames of say which share is seen, and P_d is the mean over
+    them of that at the share's part of the contrast.
+    """
+    scene = placed_at(scenario, asked.name, range_m, bearing)
+    key = hashlib.sha256(pickle.dumps((scene.model_dump_json(), wanted, asked.design), protocol=5)).hexdigest()[:16]
+    kept = parts.case(f"range-{key}")
+    if kept is not None:
+        return kept
+    out: dict[str, Any] = {
+        "range_m": range_m,
+        "p_d": 0.0,
+        "p_d_interval": None,
+        "visible_share": 0.0,
+        "contrast_pixel": 0.0,
+        "threshold_sigma": None,
+        "note": None,
+    }
+    try:
+        seen = seen_object(scene, asked.name)
+    except DataError as error:
+        out["note"] = str(error)
+    else:
+        seas = Seas.of(scene)
+        shares = seen.visible_shares(wanted.seas, seas)
+        if not shares.any():
+            out["note"] = f"object '{asked.name}' is hidden behind waves in all of {wanted.seas} seas"
+            parts.keep_case(f"range-{key}", out)
+            return out
+        length = lead_of(wanted.options, seen.shape) + 1
+        name = frames_key(scene, length)
+        source = SceneFrames(seas, parts.frames(name), length)
+        source.grow(wanted.seas)
+        row = round(seen.row)
+        levels, weights = levels_of(shares)
+        contrasts = tuple(float(abs(seen.contrast) * level) for level in levels)
+        objects = replace(wanted.options.objects, shape=seen.shape, contrasts=contrasts, only_rows=(row - ROWS, row + ROWS + 1))
+        options = replace(wanted.options, objects=objects, frame_rate=scene.sensor.frame_rate_hz, pixel_deg=seas.pixel_deg)
+        found = detect(Rescaled(source, -1.0) if seen.contrast < 0 else source, options, name=asked.name)
+        at = rate_threshold(found, asked.design)
+        rates = [by_windows(scores, at.sigma, options.level) for scores in found.trials.scores]
+        p_d, ends = _over_seas([rate.rate for rate in rates], [rate.ends for rate in rates], weights, shares.size)
+        out |= {
+            "p_d": p_d,
+            "p_d_interval": ends,
+            "visible_share": float(shares.mean()),
+            "contrast_pixel": seen.contrast,
+            "threshold_sigma": at.sigma,
+            "believed": at.believed,
+            "background_sigma": found.background[1],
+        }
+        if seen.contrast < 0:
+            out["note"] = "darker than what is behind it: the detector looks for dark objects"
+        parts.forget_frames(name)
+    parts.keep_case(f"range-{key}", out)
+    return out
+
+
+def levels_of(shares: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Visible shares in eighths, each the mean of those in it, and how many seas have them [1]; hidden ones are left out.
+
+    Examples
+    --------
+    >>> levels, weights = levels_of(np.array([0.0, 0.5, 1.0, 1.0]))
+    >>> levels.tolist(), weights.tolist()
+    ([0.5, 1.0], [0.25, 0.5])
+    """
+    seen = shares[shares > 0.0]
+    eighth = np.ceil(8.0 * seen)
+    kinds = np.unique(eighth)
+    levels = np.array([seen[eighth == kind].mean() for kind in kinds])
+    return levels, np.array([np.count_nonzero(eighth == kind) / shares.size for kind in kinds])
+
+
+def _over_seas(
+    rates: list[float], ends: list[list[float] | None], weights: NDArray[np.float64], seas: int
+) -> tuple[float, list[float] | None]:
+    """P_d over all visible shares, and its interval: that of each share, and the seas that happened to be drawn."""
+    p_d = float(weights @ np.array(rates))
+    if any(end is None for end in ends):
+        return p_d, None
+    low, high = (np.array([end[k] for end in ends if end is not None]) for k in (0, 1))
+    spread = float(weights @ np.array(rates) ** 2) - p_d**2
+    drawn = 1.96 * math.sqrt(max(spread, 0.0) / seas) if weights.sum() < 1.0 or weights.size > 1 else 0.0
+    below, above = math.hypot(p_d - float(weights @ low), drawn), math.hypot(float(weights @ high) - p_d, drawn)
+    return p_d, [max(p_d - below, 0.0), min(p_d + above, 1.0)]
+
+
+def detection_range(
+    scenario: Scenario,
+    wanted: SceneOptions,
+    asked: RangeOptions,
+    parts: Parts,
+    *,
+    bearing_deg: float | None = None,
+    say: Callable[[str], None] = lambda text: None,
+) -> dict[str, Any]:
+    """Range up to which an object is detected.
+
+    P_d is taken to fall with the range. The bisection is in the logarithm of the range; its ends are the interval told.
+
+    Returns
+    -------
+    dict
+        ``range_m`` with ``range_interval_m`` (last range with the wanted P_d, first without), the ``points`` tried, and ``note`` where the
+        range is beyond the limits.
+    """
+    near, far = asked.limits
+    points: list[dict[str, Any]] = []
+
+    def rate(at: float) -> float:
+        points.append(p_d_at(scenario, wanted, asked, at, bearing_deg, parts))
+        say(
+            f"{asked.name} at {at:.0f} m{'' if bearing_deg is None else f', {bearing_deg:g} deg from the Sun'}: P_d {points[-1]['p_d']:.3g}"
+        )
+        return float(points[-1]["p_d"])
+
+    goal = asked.design.p_d
+    out: dict[str, Any] = {"object": asked.name, "bearing_deg": bearing_deg, "p_d": goal, "range_m": None, "note": None}
+    try:
+        if rate(near) < goal:
+            out |= {"range_interval_m": [0.0, near], "note": f"P_d is below {goal:g} at the nearest range of {near:g} m"}
+        elif rate(far) >= goal:
+            out |= {"range_interval_m": [far, None], "note": f"P_d is still {goal:g} or more at the farthest range of {far:g} m"}
+        else:
+            while far / near - 1.0 > asked.precision:
+                middle = math.sqrt(near * far)
+                if rate(middle) >= goal:
+                    near = middle
+                else:
+                    far = middle
+            out |= {"range_m": math.sqrt(near * far), "range_interval_m": [near, far]}
+    except DataError as error:
+        # one range that cannot be judged ends its bisection, not the others'
+        if not points:
+            raise
+        out |= {"range_interval_m": [near, far], "note": f"between {near:.0f} and {far:.0f} m: {error}"}
+    return out | {"points": sorted(points, key=lambda p: p["range_m"])}

@@ -1,0 +1,258 @@
+"""Frames of independent seas of one scenario, rendered and sensed on demand and kept on disk: a source for detection."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.base.random import stream
+from seaglint.cluster import Job, Workers
+from seaglint.cluster.job import record_of
+from seaglint.detection.counting import Counting
+from seaglint.detection.interface import Frames
+from seaglint.files.detection_parts import keep_sea, sea_path, whole_sea
+from seaglint.instrument.chain import SensorModel
+from seaglint.instrument.detector import Detector
+from seaglint.scenario.model import Scenario
+from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
+from seaglint.studies.sequence.sense import SensedFrames
+from seaglint.studies.sequence.sensed import SensedSequence, drawn_in_time, prepare_sensed
+from seaglint.version import __version__
+
+
+def bare(scenario: Scenario) -> Scenario:
+    """The scenario without objects and without layers that nobody looks at."""
+    render = scenario.render.model_copy(update={"layers": (), "apparent_temperature": False})
+    return scenario.model_copy(update={"objects": None, "render": render})
+
+
+def frames_key(scenario: Scenario, length: int) -> str:
+    """What frames of a scenario depend on, as a short name."""
+    told = f"{__version__} {length} {bare(scenario).model_dump_json(exclude_none=True)}"
+    return hashlib.sha256(told.encode()).hexdigest()[:16]
+
+
+def sea_seed(seed: int, number: int) -> int:
+    """Seed of an independent sea."""
+    return int(stream(seed, "independent seas", number).integers(2**62))
+
+
+def counting_of(model: SensorModel) -> Counting:
+    """How a sensor counts the light of an object that is added to its frames, told as radiance at the aperture."""
+    line = model.readout
+    shot = isinstance(model.detector, Detector) and model.noise.temporal
+    return Counting(line.per_radiance if shot else None, line.radiance_scale)
+
+
+@dataclass(frozen=True, eq=False)
+class Seas:
+    """A scenario made ready, from which independent seas are drawn; make it with :meth:`of`.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        Without objects.
+    sequence : Sequence
+        The scene; with a sensor drawn finer than its pixels.
+    sensed : SensedSequence, optional
+        The sensor on it.
+    """
+
+    scenario: Scenario
+    sequence: Sequence
+    sensed: SensedSequence | None
+
+    @classmethod
+    def of(cls, scenario: Scenario) -> Seas:
+        """Prepare everything that no sea changes.
+
+        Raises
+        ------
+        SeaglintError
+            A scene that cannot be drawn.
+        """
+        scene = bare(scenario)
+        if scene.sensor.senses:
+            sensed = prepare_sensed(scene)
+            return cls(scene, sensed.fine, sensed)
+        return cls(scene, prepare_sequence(scene), None)
+
+    @property
+    def model(self) -> SensorModel | None:
+        """The sensor; None where radiance at the aperture is looked at."""
+        return None if self.sensed is None else self.sensed.sensed.model
+
+    @property
+    def directions(self) -> tuple[FloatArray, FloatArray]:
+        """Azimuth and elevation of the pixels [deg]: of columns and rows, or of all pixels."""
+        layout = (self.sensed or self.sequence).layout
+        return layout.azimuth_deg, layout.elevation_deg
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Rows and columns."""
+        columns, rows = self.scenario.sensor.pixels
+        return rows, columns
+
+    @property
+    def pixel_deg(self) -> tuple[float, float]:
+        """Angle between rows, and between columns on the sky [deg]."""
+        sensor = self.scenario.sensor
+        (width, height), (columns, rows) = sensor.fov_deg, sensor.pixels
+        across = width / columns
+        if sensor.projection == "equal-angle":
+            across *= math.cos(math.radians(sensor.elevation_deg))
+        return height / rows, across
+
+    @property
+    def pixel_solid_angle(self) -> float:
+        """Of a pixel in the middle of the picture [sr]."""
+        down, across = (math.radians(v) for v in self.pixel_deg)
+        return down * across
+
+    @property
+    def saturation(self) -> float | None:
+        """Radiance that no pixel goes beyond [W m-2 sr-1]; None without a sensor."""
+        if self.model is None:
+            return None
+        line = self.model.readout
+        return float(line.radiance(min(float(line.counts(line.full_scale)), float(line.top_count))))
+
+    def sea(self, number: int, length: int) -> Frames:
+        """Frames of one sea, the scenario's frame rate apart, shape (length, rows, columns) [W m-2 sr-1].
+
+        Counts of a sensor are told as the radiance at the aperture that would give them. The sensor stays the same from sea to sea: its
+        fixed pattern too, its noise not.
+        """
+        seed = sea_seed(self.scenario.seed, number)
+        sequence = self.sequence.reseeded(seed)
+        rate = sequence.layout.frame_rate
+        if self.sensed is None:
+            return np.stack([np.asarray(sequence.at(k / rate).radiance, np.float32) for k in range(length)])
+        sensed, first = self.sensed, number * length
+        model, n = sensed.sensed.model, sensed.sensed.oversampling
+
+        def fine(frame: int) -> NDArray[np.float32]:
+            return drawn_in_time(sequence, sensed.scan, n, (frame - first) / rate).layers.radiance
+
+        frames = SensedFrames(model, fine, n, first, lambda frame: sensed.sensed.rates(frame - first))
+        return np.stack([np.asarray(model.readout.radiance(frames.exposure(first + k).signal), np.float32) for k in range(length)])
+
+
+@dataclass(eq=False)
+class SceneFrames:
+    """Independent seas on disk as a :class:`seaglint.detection.background.FrameSource`.
+
+    Attributes
+    ----------
+    seas : Seas
+        What is drawn.
+    folder : Path
+        Where frames are kept, a file a sea.
+    sequence_length : int
+        Frames of each sea.
+    count : int
+        Seas that there are.
+    workers : Workers, optional
+        Who renders them; this process where nobody is named.
+    """
+
+    seas: Seas
+    folder: Path
+    sequence_length: int
+    count: int = 0
+    workers: Workers | None = None
+    _held: dict[int, Frames] = field(default_factory=dict, repr=False)
+
+    @property
+    def frames(self) -> int:
+        """Number of frames."""
+        return self.count * self.sequence_length
+
+    @property
+    def rows(self) -> int:
+        """Rows of a frame [px]."""
+        return self.seas.size[0]
+
+    @property
+    def columns(self) -> int:
+        """Columns of a frame [px]."""
+        return self.seas.size[1]
+
+    @cached_property
+    def saturation(self) -> float | None:
+        """Value beyond which no pixel goes [W m-2 sr-1]."""
+        return self.seas.saturation
+
+    @cached_property
+    def counting(self) -> Counting | None:
+        """How the light of an injected object is counted; None without a sensor."""
+        return None if self.seas.model is None else counting_of(self.seas.model)
+
+    def grow(self, count: int, go_on: Callable[[int], bool] = lambda done: True) -> int:
+        """Render seas until there are ``count``, or ``go_on`` says no; those that are there already are taken as they are.
+
+        Returns
+        -------
+        int
+            Seas that there are now.
+        """
+        shape = (self.sequence_length, self.rows, self.columns)
+        if self.workers is not None and count - self.count > 1:
+            self._share_out(self.workers, count, go_on)
+            while self.count < count and whole_sea(self.folder, self.count, shape):
+                self.count += 1
+            return self.count
+        while self.count < count:
+            if not whole_sea(self.folder, self.count, shape):
+                if self.count and not go_on(self.count):
+                    break
+                keep_sea(self.folder, self.count, self.seas.sea(self.count, self.sequence_length))
+            self.count += 1
+        return self.count
+
+    def _share_out(self, workers: Workers, count: int, go_on: Callable[[int], bool]) -> None:
+        """Have the seas that are missing rendered by workers."""
+        shape = (self.sequence_length, self.rows, self.columns)
+        missing = [number for number in range(self.count, count) if not whole_sea(self.folder, number, shape)]
+        there = count - len(missing)
+        job = Job(sea_writer, (self.seas.scenario, self.folder.absolute(), self.sequence_length))
+        with workers.map(job, missing) as outcomes:
+            for outcome in outcomes:
+                record_of(outcome)
+                there += 1
+                if there < count and not go_on(there):
+                    return
+
+    def read(self, start: int, stop: int) -> Frames:
+        """Frames ``start`` to ``stop`` (not included), the caller's own [W m-2 sr-1]."""
+        parts = []
+        length = self.sequence_length
+        for number in range(start // length, (stop - 1) // length + 1):
+            try:
+                sea: Any = np.load(sea_path(self.folder, number), mmap_mode="r")
+            except (OSError, ValueError) as error:
+                raise DataError(f"{sea_path(self.folder, number)}: frames that were kept cannot be read again: {error}") from error
+            parts.append(np.array(sea[max(start - number * length, 0) : stop - number * length], np.float32))
+        return np.concatenate(parts)
+
+
+def sea_writer(settings: tuple[Scenario, Path, int]) -> Callable[[int], None]:
+    """Function that renders a sea by its number into its file; of a scenario, a folder and the frames of a sea."""
+    scenario, folder, length = settings
+    seas = Seas.of(scenario)
+
+    def write(number: int) -> None:
+        keep_sea(folder, number, seas.sea(number, length))
+
+    return write

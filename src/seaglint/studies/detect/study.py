@@ -1,0 +1,216 @@
+"""Detection over many scenarios: case by case, kept as they are done, within a budget of time, none lost to another's fault."""
+
+from __future__ import annotations
+
+import hashlib
+import pickle
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.representation import card, notes, table
+from seaglint.cluster import Workers
+from seaglint.clutter.filters import named as named_filter
+from seaglint.files.detection_parts import Parts
+from seaglint.studies.detect.performance import Options
+from seaglint.studies.detect.rendered_seas import Clock, SceneOptions, run_scene
+from seaglint.studies.detect.scene_frames import bare, frames_key
+from seaglint.studies.detect.varied_cases import Case, flattened
+
+Progress = Callable[[int, int], None]
+
+
+@dataclass(frozen=True)
+class Study:
+    """What came of all cases.
+
+    Attributes
+    ----------
+    cases : list of dict
+        Of each case ``parameters`` and what :func:`seaglint.studies.detect.rendered_seas.run_scene` gives, or ``error``.
+    stopped : str or None
+        Why some cases were not begun.
+    unfinished : bool
+        Whether --resume has something to go on with.
+    """
+
+    cases: list[dict[str, Any]]
+    stopped: str | None
+    unfinished: bool
+
+    @property
+    def errors(self) -> list[str]:
+        """Of the cases that failed."""
+        return [case["error"] for case in self.cases if "error" in case]
+
+    @property
+    def good(self) -> list[dict[str, Any]]:
+        """Cases with a result."""
+        return [case for case in self.cases if "error" not in case]
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: what was varied, and what came of it."""
+        lines = self.rows()
+        varied = dict.fromkeys(key for case in self.cases for key in case["parameters"])
+        names = [*varied, *(name for name in ("contrast", "p_d", "p_fa", "error") if any(line.get(name) is not None for line in lines))]
+        told = [] if self.stopped is None else [self.stopped]
+        return card(f"Study of {len(self.cases)} cases", table(names, [[line.get(name) for name in names] for line in lines]) + notes(told))
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Tidy table: a row a contrast of each case, with what was varied first, then results, then the whole scenario."""
+        columns: dict[str, None] = {}
+        out = []
+        for number, case in enumerate(self.cases):
+            lines = case.get("rows") or [{}]
+            for line in lines:
+                row = {"case": number, **case["parameters"], **line, "stopped": case.get("stopped"), "error": case.get("error")}
+                row |= {key: value for key, value in case["scenario"].items() if key not in row}
+                out.append(row)
+                columns |= dict.fromkeys(row)
+        # what only cases with a result have stands before the scenario all the same
+        full = next((row for row in out if row["error"] is None), {})
+        order = list(dict.fromkeys([*full, *columns]))
+        return [{name: row.get(name) for name in order} for row in out]
+
+    def characteristic(self) -> dict[str, list[float]]:
+        """Columns of all operating characteristics."""
+        names = ("contrast", "threshold_sigma", "p_fa", "p_fa_low", "p_fa_high", "p_d", "p_d_low", "p_d_high")
+        numbered = [(k, case) for k, case in enumerate(self.cases) if "error" not in case]
+        out: dict[str, list[float]] = {"case": [float(k) for k, case in numbered for _ in case["roc"]["contrast"]]}
+        return out | {name: [v for _, case in numbered for v in case["roc"][name]] for name in names}
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain numbers and text; of a single case its own keys as well."""
+        told = [
+            {"parameters": case["parameters"], **(case["result"] if "result" in case else {"error": case["error"]})} for case in self.cases
+        ]
+        whole: dict[str, Any] = dict(told[0]) if len(told) == 1 else {}
+        return whole | {"cases": told, "study_stopped": self.stopped}
+
+
+def with_settings(options: Options, settings: Mapping[str, Any]) -> Options:
+    """The options with what a case says of detector, filter and threshold.
+
+    Raises
+    ------
+    DataError
+        A threshold that is no number, or a filter that there is not.
+    """
+    if "detector" in settings:
+        options = replace(options, detector=str(settings["detector"]))
+    if "filter" in settings:
+        options = replace(options, filter=named_filter(str(settings["filter"])))
+    if "threshold" in settings:
+        try:
+            options = replace(options, threshold=float(settings["threshold"]))
+        except (TypeError, ValueError):
+            raise DataError(f"threshold = {settings['threshold']} is no number; give e.g. 4") from None
+    return options
+
+
+def with_case(wanted: SceneOptions, case: Case) -> SceneOptions:
+    """What is wanted of a case, see :func:`with_settings`."""
+    return replace(wanted, options=with_settings(wanted.options, case.study))
+
+
+def case_key(case: Case, wanted: SceneOptions) -> str:
+    """What the result of a case depends on, as a short name."""
+    told = pickle.dumps((case.parameters, case.scenario.model_dump_json(), wanted), protocol=5)
+    return f"{frames_key(case.scenario, 0)}-{hashlib.sha256(told).hexdigest()[:16]}"
+
+
+def run_study(
+    cases: Sequence[Case],
+    wanted: SceneOptions,
+    parts: Parts,
+    *,
+    budget: float | None = None,
+    progress: Progress | None = None,
+    say: Callable[[str], None] = lambda text: None,
+    workers: Workers | None = None,
+) -> Study:
+    """Run all cases; those that ``parts`` has already are taken as they are.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+        Scenarios.
+    wanted : SceneOptions
+        Detector, objects, precision.
+    parts : Parts
+        Where frames and finished cases are kept.
+    budget : float, optional
+        Time for all of them [s], shared evenly by those that are left.
+    progress : callable, optional
+        Called with (seas done, seas at most, over all cases).
+    say : callable
+        Told of every case that ends.
+    workers : Workers, optional
+        Who renders the seas of each case; this process where nobody is named. Results do not depend on it.
+
+    Raises
+    ------
+    SeaglintError
+        What stops every case.
+    """
+    begin, unfinished, stopped = time.monotonic(), False, None
+    out: list[dict[str, Any]] = []
+    last_use = {_frames(case): k for k, case in enumerate(cases)}
+    for number, case in enumerate(cases):
+        told = {"parameters": case.parameters, "scenario": flattened(bare(case.scenario))}
+        left = None if budget is None else budget - (time.monotonic() - begin)
+        key = ""
+        try:
+            mine = with_case(wanted, case)
+            key = case_key(case, mine)
+            kept = parts.case(key)
+            if kept is None:
+                if left is not None and left <= 0 and out:
+                    stopped = f"stopped after {number} of {len(cases)} cases: the time budget of {budget:g} s is reached"
+                    unfinished = True
+                    break
+                clock = Clock(None if left is None else max(left, 0.0) / (len(cases) - number))
+                shown = None if progress is None else _shown(progress, number, wanted.seas, len(cases))
+                name = _name(case, number)
+                kept = told | run_scene(case.scenario, mine, parts, clock=clock, name=name, progress=shown, workers=workers)
+                if kept["stopped"] == "time budget":
+                    unfinished = True
+                else:
+                    parts.keep_case(key, kept)
+            out.append(kept)
+        except SeaglintError as error:
+            if len(cases) == 1:
+                raise
+            out.append(told | {"error": f"case {number}: {error}"})
+            unfinished = True
+        say(_line(number, len(cases), out[-1]))
+        if last_use[_frames(case)] == number and out[-1].get("stopped") != "time budget" and "error" not in out[-1]:
+            for length in {1, int(out[-1]["result"]["frames_needed"])}:
+                parts.forget_frames(frames_key(case.scenario, length))
+    if out and all("error" in case for case in out):
+        raise DataError("\n".join(case["error"] for case in out))
+    return Study(out, stopped, unfinished)
+
+
+def _frames(case: Case) -> str:
+    return frames_key(case.scenario, 0)
+
+
+def _name(case: Case, number: int) -> str:
+    return ", ".join(f"{key} = {value}" for key, value in case.parameters.items()) or f"case {number}"
+
+
+def _shown(progress: Progress, number: int, seas: int, cases: int) -> Progress:
+    return lambda done, _: progress(number * seas + done, cases * seas)
+
+
+def _line(number: int, cases: int, case: dict[str, Any]) -> str:
+    if "error" in case:
+        return str(case["error"])
+    named = ", ".join(f"{key} = {value}" for key, value in case["parameters"].items())
+    first, result = case["result"]["sweep"][0], case["result"]
+    rate = "none" if first["p_d"] is None else f"{first['p_d']:.3g}"
+    seas = result["seas"]
+    return f"case {number + 1} of {cases}{': ' + named if named else ''}: {seas} seas, P_d {rate} at contrast {first['contrast']:g}"

@@ -1,0 +1,176 @@
+"""Cases of a detection study: a scenario with keys set to every combination of some values, or to the rows of a table."""
+
+from __future__ import annotations
+
+import copy
+import itertools
+import json
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from seaglint.base.errors import DataError
+from seaglint.files.tables.cases import read_cases
+from seaglint.scenario.load import parse_scenario
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.presets.sensor_presets import with_sensor
+from seaglint.scenario.setting import set_key
+
+MOST_CASES: Final = 1000
+"""Cases of one study at most."""
+
+STUDY_KEYS: Final = ("detector", "filter", "threshold")
+"""What cases may set beside keys of the scenario."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """One scenario of a study.
+
+    Attributes
+    ----------
+    parameters : dict
+        Keys that were set, with their values.
+    scenario : Scenario
+        With them.
+    study : dict
+        Those of :data:`STUDY_KEYS` among them.
+    """
+
+    parameters: dict[str, Any]
+    scenario: Scenario
+    study: dict[str, Any]
+
+
+def parse_vary(texts: Sequence[str]) -> list[tuple[str, list[Any]]]:
+    """``key=a,b,c`` as keys and values.
+
+    Raises
+    ------
+    DataError
+        No key, no values, or a key twice.
+
+    Examples
+    --------
+    >>> parse_vary(["wind.speed_m_s=2,5", "detector=matched,log"])
+    [('wind.speed_m_s', [2, 5]), ('detector', ['matched', 'log'])]
+    """
+    out: list[tuple[str, list[Any]]] = []
+    for text in texts:
+        key, sign, values = text.partition("=")
+        key = key.strip()
+        if not sign or not key or not values.strip():
+            raise DataError(f"--vary {text}: give key=value,value,..., e.g. wind.speed_m_s=2,5,10")
+        if any(key == known for known, _ in out):
+            raise DataError(f"--vary {text}: {key} is varied twice; give all its values at once")
+        out.append((key, [plain_value(part) for part in _parts(values)]))
+    return out
+
+
+def _parts(text: str) -> list[str]:
+    """Split at commas that stand in no brackets or quotes."""
+    found, depth, quote, part = [], 0, "", ""
+    for letter in text:
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in "\"'":
+            quote = letter
+        depth += (letter in "[{") - (letter in "]}") if not quote else 0
+        if letter == "," and depth == 0 and not quote:
+            found.append(part)
+            part = ""
+        else:
+            part += letter
+    return [*found, part]
+
+
+def plain_value(text: str) -> Any:
+    """A value as a TOML file has it; text without quotes is text.
+
+    Examples
+    --------
+    >>> plain_value("2"), plain_value(" 14 kn"), plain_value("[4, 2]"), plain_value("true")
+    (2, '14 kn', [4, 2], True)
+    """
+    try:
+        return tomllib.loads(f"v = {text.strip()}")["v"]
+    except (tomllib.TOMLDecodeError, ValueError):
+        return text.strip()
+
+
+def cases_of(path: Path, *, vary: Sequence[str] = (), table: Path | None = None, sensor: str | None = None) -> list[Case]:
+    """All cases of a scenario file; the file alone is one.
+
+    Parameters
+    ----------
+    path : Path
+        TOML file.
+    vary : sequence of str
+        ``key=value,value``; several are combined.
+    table : Path, optional
+        CSV file with keys as headings and a case a row; empty cells leave the scenario as it is.
+    sensor : str, optional
+        Preset that stands in for its sensor.
+
+    Raises
+    ------
+    ScenarioError
+        A case that is no scenario, named with its values.
+    DataError
+        Too many, or a table that cannot be read.
+    """
+    from seaglint.scenario.load import load_scenario
+
+    load_scenario(path, sensor=sensor)  # its own mistakes, as the file has them
+    raw = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
+    raw = raw if sensor is None else with_sensor(raw, sensor)
+    rows = _rows(table) if table is not None else [({}, "")]
+    varied = parse_vary(vary)
+    combined = list(itertools.product(*[[(key, value) for value in values] for key, values in varied]))
+    if len(rows) * len(combined) > MOST_CASES:
+        raise DataError(f"{len(rows) * len(combined)} cases are more than {MOST_CASES}; vary less, or part the study")
+    out = []
+    for (row, where), chosen in itertools.product(rows, combined):
+        parameters = {**row, **dict(chosen)}
+        study = {key: parameters[key] for key in STUDY_KEYS if key in parameters}
+        changed = copy.deepcopy(raw)
+        named = ", ".join(f"{key} = {value}" for key, value in parameters.items())
+        name = f"{path}{where}" + (f" with {named}" if named else "")
+        for key, value in parameters.items():
+            if key not in STUDY_KEYS:
+                set_key(changed, key, value, name)
+        out.append(Case(parameters, parse_scenario(changed, name=name, base=path.parent), study))
+    return out
+
+
+def _rows(table: Path) -> list[tuple[dict[str, Any], str]]:
+    cases = read_cases(table)
+    cells = [cases.text(name) for name in cases.header]
+    out = []
+    for k in range(len(cases)):
+        row = {name: plain_value(cells[i][k]) for i, name in enumerate(cases.header) if cells[i][k]}
+        out.append((row, f" (row {k + 1} of {table})"))
+    return out
+
+
+def flattened(scenario: Scenario) -> dict[str, Any]:
+    """Every value of a scenario by its dotted key; lists as JSON.
+
+    Examples
+    --------
+    >>> flattened(parse_scenario({"wind": {"speed_m_s": 4.0}}))["wind.speed_m_s"]
+    4.0
+    """
+    out: dict[str, Any] = {}
+
+    def walk(value: Any, key: str) -> None:
+        if isinstance(value, dict):
+            for name, inner in value.items():
+                walk(inner, f"{key}.{name}" if key else name)
+        else:
+            out[key] = json.dumps(value) if isinstance(value, list) else value
+
+    walk(json.loads(scenario.model_dump_json(exclude_none=True)), "")
+    return out

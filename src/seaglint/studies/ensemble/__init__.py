@@ -1,0 +1,1 @@
+"""Many scenes drawn from laws, rendered, and made labelled data sets."""

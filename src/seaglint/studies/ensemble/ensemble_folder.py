@@ -1,0 +1,185 @@
+"""The folder of an ensemble: its file, tables of what was drawn, a scenario file and a store for every scene."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, Final
+
+from seaglint.base.errors import DataError
+from seaglint.files.failures import storage_errors
+from seaglint.files.tables.rows import write_rows
+from seaglint.files.text_file import write_text
+from seaglint.scenario.ensemble import Ensemble, read_toml
+from seaglint.scenario.text.toml_text import document
+from seaglint.studies.ensemble.law_draws import Scene
+
+_REMEDY: Final = "make room and run the same command with --resume"
+_TABLES: Final = ("parameters", "objects")
+_ENDINGS: Final = (".csv", ".parquet")
+_MOST_TOLD: Final = 5
+"""Keys that differ, of which more are only counted."""
+
+
+@dataclass(frozen=True)
+class Folder:
+    """Where an ensemble lies.
+
+    Attributes
+    ----------
+    path : Path
+        ``ensemble.toml``, ``parameters.csv``, ``objects.csv``, ``scenes/`` and, of scenes that failed, ``failures/``.
+    """
+
+    path: Path
+
+    @property
+    def file(self) -> Path:
+        """The ensemble itself, its base written out."""
+        return self.path / "ensemble.toml"
+
+    @property
+    def _begun(self) -> Path:
+        """What a process killed in its first moments leaves."""
+        return self.file.with_name(f"{self.file.name}.partial")
+
+    def scenario(self, label: str) -> Path:
+        """Scenario file of a scene."""
+        return self.path / "scenes" / f"{label}.toml"
+
+    def store(self, label: str) -> Path:
+        """Sequence of a scene."""
+        return self.path / "scenes" / f"{label}.zarr"
+
+    def failure(self, label: str) -> Path:
+        """Where the traceback of a scene that failed goes."""
+        return self.path / "failures" / f"{label}.txt"
+
+    def check(self, *, resume: bool, overwrite: bool) -> None:
+        """Refuse what stands there and may be neither gone on with nor replaced.
+
+        Raises
+        ------
+        DataError
+            Another ensemble, or something else.
+        """
+        if resume and overwrite:
+            raise DataError("--resume keeps what is there and --overwrite replaces it; give one of the two")
+        if not self.path.parent.is_dir():
+            raise DataError(f"{self.path}: the folder {self.path.parent} does not exist; make it first")
+        if not self.path.exists():
+            return
+        if not self.path.is_dir():
+            raise DataError(f"{self.path}: is a file; an ensemble needs a folder: give another name")
+        if self.file.is_file():
+            if not (resume or overwrite):
+                raise DataError(f"{self.path}: holds an ensemble already; go on with --resume, or begin anew with --overwrite")
+        elif any(path != self._begun for path in self.path.iterdir()):
+            raise DataError(f"{self.path}: is not empty and holds no ensemble; it is left alone: give another folder")
+
+    def write(self, ensemble: Ensemble, scenes: Sequence[Scene], *, resume: bool, overwrite: bool) -> None:
+        """Write everything but the sequences; what is there of the same ensemble stays.
+
+        Raises
+        ------
+        DataError
+            It is another ensemble's, told with the keys that differ.
+        StorageError
+            No room or no rights.
+        """
+        with storage_errors(self.path, _REMEDY):
+            if overwrite:
+                self._clear()
+            text = ensemble_text(ensemble)
+            if resume and self.file.exists():
+                self._require_same(text, scenes)
+            self.path.mkdir(exist_ok=True)
+            write_text(text, self.file)  # first: it says whose folder this is
+            (self.path / "scenes").mkdir(exist_ok=True)
+            for scene in scenes:
+                path = self.scenario(scene.label)
+                if not path.exists():
+                    write_text(scene.text, path)
+        self._write_table("parameters", [scene.row for scene in scenes])
+        self._write_table("objects", object_rows(scenes))
+
+    def _write_table(self, name: str, rows: list[dict[str, Any]]) -> None:
+        for ending in _ENDINGS:
+            if rows and (ending == ".csv" or find_spec("pyarrow") is not None):
+                write_rows(rows, self.path / f"{name}{ending}")
+
+    def _clear(self) -> None:
+        """Remove what an ensemble writes, and nothing else; the file that says whose folder it is goes last."""
+        for name in ("scenes", "failures"):
+            shutil.rmtree(self.path / name, ignore_errors=True)
+        for path in (*(self.path / f"{name}{ending}" for name in _TABLES for ending in _ENDINGS), self.file):
+            path.unlink(missing_ok=True)
+
+    def _require_same(self, text: str, scenes: Sequence[Scene]) -> None:
+        # what a data set of it is called changes no scene
+        there, here = ({**tables, "dataset": {}} for tables in (read_toml(self.file, "ensemble"), tomllib.loads(text)))
+        differ = differences(there, here)
+        if not differ:
+            for scene in scenes:
+                path = self.scenario(scene.label)
+                if path.exists() and (differ := differences(read_toml(path, "scene"), tomllib.loads(scene.text))):
+                    differ = [f"{key} of scene {scene.number}" for key in differ]
+                    break
+        if differ:
+            more = f" and {len(differ) - _MOST_TOLD} more" if len(differ) > _MOST_TOLD else ""
+            raise DataError(
+                f"{self.path}: was made with another {', '.join(differ[:_MOST_TOLD])}{more}; resume with the same ensemble, or begin anew "
+                "with --overwrite"
+            )
+
+
+def ensemble_text(ensemble: Ensemble) -> str:
+    """An ensemble as a file that stands by itself: the base written out, paths absolute."""
+    laws = [law.model_dump(exclude_none=True, mode="json") for law in ensemble.vary]
+    for law in laws:
+        if "table" in law:
+            law["table"] = str(Path(law["table"]).absolute())
+    tables: dict[str, Any] = {"ensemble": ensemble.ensemble.model_dump(exclude_none=True), "base": ensemble.base}
+    tables["vary"] = laws
+    tables["objects"] = [template.model_dump(exclude_unset=True) for template in ensemble.objects]
+    tables["dataset"] = ensemble.dataset.model_dump(exclude_unset=True)
+    return document({name: value for name, value in tables.items() if value or name == "base"}, "as it was drawn, its base written out")
+
+
+def object_rows(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
+    """Objects of all scenes, a row each, with every key that any of them has; lists as JSON."""
+    found = [{"scene": scene.number, **_flat(item)} for scene in scenes for item in scene.objects]
+    columns = dict.fromkeys(name for row in found for name in row)
+    return [{name: row.get(name) for name in columns} for row in found]
+
+
+def _flat(value: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+    """Values by dotted key."""
+    out: dict[str, Any] = {}
+    for name, inner in value.items():
+        key = f"{above}.{name}" if above else name
+        if isinstance(inner, Mapping):
+            out |= _flat(inner, key)
+        else:
+            out[key] = json.dumps(inner, default=str) if isinstance(inner, list | tuple) else inner
+    return out
+
+
+def differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
+    """Dotted keys that are not the same in both; of a list of tables, such as ``vary``, the tables by their place."""
+
+    def spread(tables: Mapping[str, Any]) -> dict[str, Any]:
+        lists = {name: value for name, value in tables.items() if isinstance(value, list) and all(isinstance(v, Mapping) for v in value)}
+        out = _flat({name: value for name, value in tables.items() if name not in lists})
+        for name, items in lists.items():
+            for i, item in enumerate(items):
+                out |= _flat(item, f"{name}[{i}]")
+        return out
+
+    one, other = spread(there), spread(here)
+    return [key for key in dict.fromkeys((*one, *other)) if one.get(key) != other.get(key)]

@@ -1,0 +1,266 @@
+"""Uniform numbers of an ensemble, and what its laws make of them, scene by scene."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from typing import Any, Final
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DomainError, ScenarioError
+from seaglint.base.random import stream
+from seaglint.files.weather.weather_file import SHIPPED, read_weather
+from seaglint.scenario.ensemble import COUNT, Ensemble, Template, law_of
+from seaglint.scenario.keys import key_at
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.records.laws import Choice, LogUniform, Normal, Uniform, Weather, in_unit, value_of
+from seaglint.scenario.records.quantity import Quantity
+from seaglint.scenario.text.toml_text import document
+from seaglint.studies.ensemble.object_places import Picture
+from seaglint.weather.weather_table import TEXTS, WeatherTable
+
+MOST_TRIES: Final = 200
+"""How often a place is drawn before objects count as too many to stand apart."""
+
+_SEED_BITS: Final = 53
+"""Of the seeds of seas: whole numbers that every reader of tables keeps."""
+
+SingleLaw = Uniform | LogUniform | Normal | Choice
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """One scene of an ensemble.
+
+    Attributes
+    ----------
+    number : int
+        Counted from 0.
+    label : str
+        The number with leading zeros, as its files are called.
+    scenario : Scenario
+        What is rendered.
+    tables : dict
+        The scenario as a file has it, paths absolute.
+    parameters : dict
+        What was drawn, by key: numbers in the key's unit.
+    objects : tuple of dict
+        Tables of the objects drawn for it.
+    """
+
+    number: int
+    label: str
+    scenario: Scenario
+    tables: dict[str, Any]
+    parameters: dict[str, Any]
+    objects: tuple[dict[str, Any], ...]
+
+    @property
+    def seed(self) -> int:
+        """Of its sea."""
+        return self.scenario.seed
+
+    @property
+    def text(self) -> str:
+        """Its scenario file."""
+        return document(self.tables, f"scene {self.number} of an ensemble; 'seaglint render' renders it alone to the same bytes")
+
+    @property
+    def row(self) -> dict[str, Any]:
+        """Its row of the table of parameters; lists and tables as JSON."""
+        drawn = {key: value for key, value in self.parameters.items() if key != "seed"}
+        found = {"scene": self.number, "seed": self.seed, **drawn}
+        return {key: json.dumps(value) if isinstance(value, list | tuple | Mapping) else value for key, value in found.items()}
+
+
+def sea_seed(seed: int, number: int) -> int:
+    """Seed of a scene's sea."""
+    return int(stream(seed, "ensemble sea", number).integers(2**_SEED_BITS))
+
+
+def quantity_of(key: str) -> Quantity | None:
+    """Unit and range of a key of the scenario; None where it is no number, or no key."""
+    parts = key.split(".")
+    if parts[0] == "objects" and len(parts) > 1:
+        parts.pop(1)
+    return _quantity_at(tuple(part for part in parts if not part.isdecimal()))
+
+
+@cache
+def _quantity_at(location: tuple[str, ...]) -> Quantity | None:
+    found = key_at(location)
+    return next(iter(found.quantities), None) if found is not None else None
+
+
+@dataclass(frozen=True, eq=False)
+class Numbers:
+    """Uniform numbers of all scenes, by key [(scenes,) each]; each a function of seed, scene and key.
+
+    Attributes
+    ----------
+    ensemble : Ensemble
+        Whose.
+    keys : tuple of str
+        Those whose draws are spread over the scenes as ``sampling`` says.
+    """
+
+    ensemble: Ensemble
+    keys: tuple[str, ...]
+
+    @cached_property
+    def _spread(self) -> Mapping[str, FloatArray]:
+        wanted, scenes = self.ensemble.ensemble, self.ensemble.ensemble.scenes
+        if wanted.sampling == "random" or not self.keys:
+            return {}
+        from scipy.stats import qmc
+
+        if wanted.sampling == "latin_hypercube":
+            # Columns of a Latin hypercube are independent: one by one, a further key leaves the others as they were.
+            return {
+                key: qmc.LatinHypercube(1, rng=stream(wanted.seed, f"ensemble hypercube {key}")).random(scenes)[:, 0] for key in self.keys
+            }
+        exponent = max(scenes - 1, 1).bit_length()
+        points = qmc.Sobol(len(self.keys), scramble=True, rng=stream(wanted.seed, "ensemble sobol")).random_base2(exponent)
+        return {key: points[:scenes, i] for i, key in enumerate(self.keys)}
+
+    def of(self, key: str, scene: int, *more: int) -> float:
+        """Number of a key in a scene; ``more`` counts tries."""
+        spread = self._spread.get(key)
+        return float(stream(self.ensemble.ensemble.seed, f"ensemble {key}", scene, *more).random() if spread is None else spread[scene])
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """A weather table from which rows are drawn whole."""
+
+    law: Weather
+    table: WeatherTable
+
+    @classmethod
+    def of(cls, law: Weather, name: str) -> Rows:
+        """Read it and leave out what cannot be drawn.
+
+        Raises
+        ------
+        SeaglintError
+            A file that cannot be read, or of which no row is left.
+        """
+        table = read_weather(law.table or SHIPPED[0]).table
+        try:
+            lacking = [column for column in law.columns if column not in table and column != "wind_from_deg"]
+            if lacking:
+                raise DomainError(f"it has no column {', '.join(lacking)}; leave that out of columns")
+            table, _ = table.complete([column for column in law.columns if column != "wind_from_deg"] or ["weight"])
+            if law.max_wind_m_s is not None:
+                calm = table["wind_speed_m_s"] <= law.max_wind_m_s
+                if not calm.any():
+                    raise DomainError(f"no row has a wind up to max_wind_m_s = {law.max_wind_m_s:g}; give a greater one")
+                table = table.take(calm)
+            # neighbouring numbers give neighbouring rows: so a Latin hypercube or Sobol points spread over the winds
+            return cls(law, table.ordered("wind_speed_m_s"))
+        except DomainError as error:
+            raise ScenarioError(f"{name}: {law.table or SHIPPED[0]}: {error}") from None
+
+    def at(self, uniform: float, direction: float) -> dict[str, Any]:
+        """Keys and values of a row; ``direction`` is a uniform number for a wind whose direction is missing."""
+        row = int(self.table.draw(np.array([min(uniform, 1.0 - 2.0**-53)]))[0])
+        out: dict[str, Any] = {}
+        for column, key in zip(self.law.columns, self.law.keys, strict=True):
+            if column in TEXTS:
+                out[key] = str(self.table.text(column)[row])
+                continue
+            value = float(self.table[column][row])
+            out[key] = 360.0 * direction if column == "wind_from_deg" and math.isnan(value) else value
+        return out
+
+
+@dataclass(eq=False)
+class Objects:
+    """What templates make of a scene: objects with names, places and values."""
+
+    ensemble: Ensemble
+    numbers: Numbers
+    _laws: dict[str, dict[str, Any]] = field(default_factory=dict)
+
+    def count(self, template: Template, scene: int) -> int:
+        """How many there are."""
+        law, where = template.count, f"{self.ensemble.name}: objects ('{template.name}').count"
+        if isinstance(law, int):
+            return law
+        found = value_of(law, self.numbers.of(count_key(template), scene), COUNT, where)
+        try:
+            return int(COUNT.parse(found))
+        except Exception as error:
+            raise ScenarioError(f"{where} = {found} {error} (scene {scene})") from None
+
+    def draw(self, template: Template, count: int, scene: int, picture: Picture, taken: list[tuple[float, float]]) -> list[dict[str, Any]]:
+        """Tables of a template's objects; ``taken`` are places in the picture, which grow."""
+        out = []
+        for i in range(1, count + 1):
+            name = f"{template.name}-{i}"
+            item = {"name": name, **self._drawn(template.others, f"objects.{name}", scene)}
+            if template.column is not None:
+                item |= self._placed(template, name, item, scene, picture, taken)
+            out.append(item)
+        return out
+
+    def _placed(
+        self, template: Template, name: str, item: Mapping[str, Any], scene: int, picture: Picture, taken: list[tuple[float, float]]
+    ) -> dict[str, Any]:
+        height = item.get("height_m")
+        height = None if height is None else in_unit(height, quantity_of("objects.0.height_m"))
+        for tried in range(MOST_TRIES):
+            column, row, arc = (
+                self._value(getattr(template, key), f"objects.{name}.{key}", scene, tried, _METRES if key == "range_m" else _PIXELS)
+                for key in ("column", "row", "range_m")
+            )
+            at = (float(column), float(row) if row is not None else math.inf)
+            if template.apart_px and any(math.dist(at, other) < template.apart_px for other in taken if math.isfinite(other[1])):
+                continue
+            try:
+                east, north, up = picture.place(column, row, range_m=arc, height=height)
+            except ScenarioError as error:
+                raise ScenarioError(f"{self.ensemble.name}, scene {scene}: objects ('{name}'): {error}") from None
+            taken.append(at)
+            told = {"east_m": east, "north_m": north}
+            return told if "height_m" in item or "draught_m" in item or item.get("floats") is True else {**told, "height_m": up}
+        raise ScenarioError(
+            f"{self.ensemble.name}, scene {scene}: objects ('{name}'): no place {template.apart_px:g} px from the others in {MOST_TRIES} "
+            "draws; draw fewer, or give a lesser apart_px"
+        )
+
+    def _drawn(self, raw: Any, key: str, scene: int) -> Any:
+        """The same tables with their laws drawn."""
+        law = self._law(raw, key)
+        if law is not None:
+            return self._value(law, key, scene, 0, quantity_of(key))
+        if isinstance(raw, Mapping):
+            return {name: self._drawn(value, f"{key}.{name}", scene) for name, value in raw.items()}
+        if isinstance(raw, list):
+            return [self._drawn(value, f"{key}.{i}", scene) for i, value in enumerate(raw)]
+        return raw
+
+    def _law(self, raw: Any, key: str) -> SingleLaw | None:
+        return law_of(raw, f"{self.ensemble.name}: {key}") if isinstance(raw, Mapping) else None
+
+    def _value(self, law: Any, key: str, scene: int, tried: int, quantity: Quantity | None) -> Any:
+        if isinstance(law, SingleLaw):
+            more = (tried,) if tried else ()
+            return value_of(law, self.numbers.of(key, scene, *more), quantity, f"{self.ensemble.name}: {key}")
+        if isinstance(law, str) and quantity is not None:
+            return in_unit(law, quantity)
+        return law
+
+
+_PIXELS: Final = Quantity()
+_METRES: Final = Quantity("m", ge=0)
+
+
+def count_key(template: Template) -> str:
+    """Column of a template's number of objects."""
+    return f"objects.{template.name}.count"

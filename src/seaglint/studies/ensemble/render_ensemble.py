@@ -1,0 +1,237 @@
+"""Ensembles: scenes drawn from the laws of a file, each a scenario of its own, rendered one by one."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from seaglint.base.errors import DataError, ScenarioError
+from seaglint.base.threads import thread_limit
+from seaglint.cluster import Failed, Here, Job, Workers
+from seaglint.files.failures import storage_errors
+from seaglint.files.stopping import stop_on_signal
+from seaglint.files.store.claim import exclusive
+from seaglint.files.store.store import Interrupted, Progress, check_output, write_sequence
+from seaglint.files.text_file import write_text
+from seaglint.scenario.ensemble import Ensemble, with_absolute_paths
+from seaglint.scenario.load import load_scenario, parse_scenario
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.records.laws import Weather, value_of
+from seaglint.scenario.setting import set_key
+from seaglint.studies.ensemble.ensemble_folder import Folder
+from seaglint.studies.ensemble.law_draws import Numbers, Objects, Rows, SingleLaw, count_key, quantity_of, sea_seed
+from seaglint.studies.ensemble.law_draws import Scene as Scene
+from seaglint.studies.ensemble.object_places import Picture
+from seaglint.studies.prepare.kept import Kept
+from seaglint.studies.prepare.memory import give_back
+from seaglint.studies.sequence.render_sequence import prepare_sequence
+from seaglint.studies.sequence.sensed import prepare_sensed
+
+_MOST_NAMED: Final = 3
+"""Scenes that failed, of which more are only counted."""
+
+
+def draw(ensemble: Ensemble) -> list[Scene]:
+    """All scenes of an ensemble, each checked as a scenario.
+
+    Raises
+    ------
+    SeaglintError
+        The first scene that is no scenario, with the key and what was drawn for it.
+    """
+    return list(scenes(ensemble))
+
+
+def scenes(ensemble: Ensemble) -> Iterator[Scene]:
+    """Scenes one after the other; see :func:`draw`."""
+    settings = ensemble.ensemble
+    sampled = ["weather" if isinstance(law, Weather) else law.key or "" for law in ensemble.vary]
+    sampled += [count_key(template) for template in ensemble.objects if not isinstance(template.count, int)]
+    numbers = Numbers(ensemble, tuple(sampled))
+    rows = {i: Rows.of(law, f"{ensemble.name}: vary[{i}]") for i, law in enumerate(ensemble.vary) if isinstance(law, Weather)}
+    objects, width = Objects(ensemble, numbers), max(4, len(str(settings.scenes - 1)))
+    for number in range(settings.scenes):
+        where, parameters = f"{ensemble.name}, scene {number}", dict[str, Any]()
+        for i, law in enumerate(ensemble.vary):
+            if isinstance(law, Weather):
+                parameters |= rows[i].at(numbers.of("weather", number), numbers.of("weather direction", number))
+            else:
+                parameters[law.key or ""] = _value(ensemble, i, law, numbers, number)
+        tables = copy.deepcopy(ensemble.base)
+        tables["seed"] = sea_seed(settings.seed, number)
+        if settings.frames is not None:
+            tables.setdefault("sensor", {})["frames"] = settings.frames
+        for key, value in parameters.items():
+            set_key(tables, key, list(value) if isinstance(value, tuple) else copy.deepcopy(value), where)
+        made: list[dict[str, Any]] = []
+        if ensemble.objects:
+            # Places in the picture need the sensor, as it is drawn, before there are objects.
+            picture = Picture(_checked(ensemble, {k: v for k, v in tables.items() if k != "objects"}, parameters, where))
+            taken: list[tuple[float, float]] = []
+            for template in ensemble.objects:
+                count = objects.count(template, number)
+                parameters[count_key(template)] = count
+                made += objects.draw(template, count, number, picture, taken)
+            if made or "objects" in tables:
+                tables["objects"] = [*tables.get("objects", []), *made]
+        scenario = _checked(ensemble, tables, parameters, where)
+        yield Scene(number, f"{number:0{width}d}", scenario, with_absolute_paths(tables, scenario), parameters, tuple(made))
+
+
+def _value(ensemble: Ensemble, place: int, law: SingleLaw, numbers: Numbers, scene: int) -> Any:
+    """What a law of ``[[vary]]`` makes of a scene."""
+    key = law.key or ""
+    quantity = quantity_of(key)
+    try:
+        return value_of(law, numbers.of(key, scene), quantity, f"{ensemble.name}: vary[{place}] ({key})")
+    except ScenarioError:
+        if quantity is None:  # text with a unit for a key that there is not: the key is what is wrong
+            tables = copy.deepcopy(ensemble.base)
+            set_key(tables, key, "", ensemble.name)
+            _checked(ensemble, tables, {}, f"{ensemble.name}: vary[{place}]")
+        raise
+
+
+def _checked(ensemble: Ensemble, tables: Mapping[str, Any], parameters: Mapping[str, Any], where: str) -> Scenario:
+    """The scenario of a scene; of its mistakes the first, with what was drawn."""
+    try:
+        return parse_scenario(tables, name=where, base=ensemble.folder)
+    except ScenarioError as error:
+        if not error.mistakes:
+            raise
+        first = error.mistakes[0]
+        drawn = parameters.get(first.key)
+        told = "" if drawn is None or f"{drawn}" in first.text else f" (drawn: {first.key} = {drawn})"
+        if first.key not in parameters and parameters:
+            told = f" (drawn: {', '.join(f'{key} = {value}' for key, value in parameters.items())})"
+        raise ScenarioError(f"{where}: {first.text}{told}", mistakes=(first,)) from None
+
+
+def render_ensemble(
+    ensemble: Ensemble,
+    output: str | Path,
+    *,
+    workers: Workers | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    draw_only: bool = False,
+    progress: Progress | None = None,
+) -> Path:
+    """Draw an ensemble, write its scenarios and tables, and render its scenes.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        See :func:`seaglint.scenario.ensemble.load_ensemble`.
+    output : path
+        Folder to make: ``ensemble.toml``, ``parameters.csv``, ``objects.csv`` (both also as Parquet where PyArrow is installed), and
+        ``scenes/0000.toml``, ``scenes/0000.zarr`` and so on.
+    workers : Workers, optional
+        Who renders; this process by default. The bytes do not depend on it.
+    threads : int, optional
+        Processor threads of each worker; all by default.
+    resume, overwrite : bool
+        Render the scenes that are missing, or begin anew.
+    draw_only : bool
+        Leave the scenes unrendered; with ``resume`` they are rendered later.
+    progress : callable, optional
+        Called with (scenes done, scenes in all).
+
+    Returns
+    -------
+    Path
+        ``output``.
+
+    Raises
+    ------
+    DataError
+        The folder holds another ensemble, or scenes failed: the others are there, and ``failures/`` has a traceback of each.
+    Interrupted
+        After SIGINT or SIGTERM; what is done stays and can be resumed.
+    SeaglintError
+        See :func:`draw`; nothing is written then.
+    """
+    folder = Folder(Path(output))
+    folder.check(resume=resume, overwrite=overwrite)
+    drawn = draw(ensemble)
+    with ExitStack() as held:
+        with storage_errors(folder.path, "choose another folder"):
+            held.enter_context(exclusive(folder.path))
+        folder.check(resume=resume, overwrite=overwrite)
+        folder.write(ensemble, drawn, resume=resume, overwrite=overwrite)
+        if not draw_only:
+            _render(folder, [scene.label for scene in drawn], workers, threads, progress)
+    return folder.path
+
+
+@dataclass(frozen=True)
+class Rendering:
+    """What a worker needs to know to render scenes."""
+
+    folder: Path
+    threads: int | None
+
+
+def scene_renderer(settings: Rendering) -> Callable[[str], int]:
+    """Function that renders the scene of a label, or the rest of it, and returns its number of frames."""
+    folder, kept = Folder(settings.folder), Kept()
+
+    def work(label: str) -> int:
+        scenario = load_scenario(folder.scenario(label))
+        try:
+            render_scene(scenario, folder.store(label), settings.threads, kept)
+        except Interrupted:
+            raise KeyboardInterrupt from None  # no failure of the scene
+        finally:
+            give_back()
+        return scenario.sensor.frames
+
+    return work
+
+
+def render_scene(scenario: Scenario, output: Path, threads: int | None, kept: Kept) -> None:
+    """Render a scene, or the rest of it: what 'seaglint render' writes of its scenario, with what it shares with the one before."""
+    check_output(output, resume=True)
+    with thread_limit(threads):
+        run = prepare_sensed(scenario, kept=kept) if scenario.sensor.senses else prepare_sequence(scenario, kept=kept)
+        write_sequence(output, run.layout, run.images, resume=True)
+
+
+def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, threads: int | None, progress: Progress | None) -> None:
+    """Render the scenes that have no store yet."""
+    missing = [label for label in labels if not folder.store(label).exists()]
+    done, failed = len(labels) - len(missing), dict[str, str]()
+    tell = progress or (lambda done, total: None)
+    tell(done, len(labels))
+    # Workers' own processes get no signals: leaving their context ends them, at once. Here a scene's frame at hand is finished.
+    with ExitStack() as held:
+        stopped = held.enter_context(stop_on_signal(at_once=workers is not None))
+        try:
+            outcomes = held.enter_context((workers or Here()).map(Job(scene_renderer, Rendering(folder.path.absolute(), threads)), missing))
+            for outcome in outcomes:
+                if isinstance(outcome, Failed):
+                    failed[outcome.unit] = outcome.error
+                    folder.failure(outcome.unit).parent.mkdir(exist_ok=True)
+                    write_text(outcome.traceback or f"{outcome.error}\n", folder.failure(outcome.unit))
+                else:
+                    done += 1
+                    folder.failure(outcome.unit).unlink(missing_ok=True)
+                    tell(done, len(labels))
+                if stopped:
+                    raise KeyboardInterrupt
+        except KeyboardInterrupt:
+            raise Interrupted(
+                f"stopped after {done} of {len(labels)} scenes, kept in {folder.path}; go on with the same command and --resume"
+            ) from None
+    if failed:
+        named = "; ".join(f"scene {label}: {error}" for label, error in list(failed.items())[:_MOST_NAMED])
+        more = f"; and {len(failed) - _MOST_NAMED} more" if len(failed) > _MOST_NAMED else ""
+        raise DataError(
+            f"{folder.path}: {len(failed)} of {len(labels)} scenes failed, the others are there; {named}{more}; tracebacks are in "
+            f"{folder.path / 'failures'}; --resume tries them again"
+        )

@@ -1,0 +1,351 @@
+"""Finished scenes of an ensemble become a labelled data set: written scene by scene, checked, and named when whole."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import tomllib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from seaglint.base.errors import DataError, StorageError
+from seaglint.cluster import Done, Here, Job, Workers
+from seaglint.files.dataset import check
+from seaglint.files.dataset.closing import finish
+from seaglint.files.dataset.convert import Format, Settings, convert
+from seaglint.files.dataset.grey_levels import Bits
+from seaglint.files.dataset.grey_picture import ImageKind
+from seaglint.files.dataset.part import FOLDER, Catalogue, Entry, Part, part_path
+from seaglint.files.failures import storage_errors
+from seaglint.files.outputs import ELSEWHERE, require_folder
+from seaglint.files.stopping import stop_on_signal
+from seaglint.files.store.claim import exclusive
+from seaglint.files.store.store import Interrupted, Progress, partial_path
+from seaglint.files.text_file import write_json, write_text
+from seaglint.scenario.ensemble import read_toml
+from seaglint.scenario.records.dataset import Dataset
+from seaglint.studies.ensemble.ensemble_folder import differences
+from seaglint.version import __version__
+
+FORMATS: Final[dict[str, Bits]] = {"coco": 16, "yolo": 8, "sirst": 8, "zarr": 16}
+"""Formats, and the bits of a pixel where nothing is said: what the programs that read them expect."""
+
+SCENES: Final = ".ensemble"
+"""Folder of the scenes' stores while a data set is made."""
+
+SOURCE: Final = "ensemble.toml"
+
+_SETTINGS: Final = "settings.json"
+_REPLACED: Final = ".replaced"
+_MOST_TOLD: Final = 5
+"""Keys that differ, of which more are only counted."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a data set is written.
+
+    Attributes
+    ----------
+    format : str
+        ``coco``, ``yolo``, ``sirst`` or ``zarr``.
+    bits : 8 or 16
+        Of a pixel.
+    image : str
+        ``png`` or ``tiff``.
+    """
+
+    format: Format
+    bits: Bits
+    image: ImageKind
+
+    @classmethod
+    def of(cls, form: str, bits: int | None = None, image: str | None = None) -> Options:
+        """Options as a command gives them.
+
+        Raises
+        ------
+        DataError
+            A format, number of bits or kind of picture that there is not.
+        """
+        if form not in FORMATS:
+            raise DataError(f"--format {form}: is not one of {', '.join(FORMATS)}; give one of them")
+        if form == "zarr" and (bits is not None or image is not None):
+            raise DataError("--bits and --image go with pictures, and --format zarr keeps the scenes' stores as they are; leave them out")
+        if bits not in (None, 8, 16):
+            raise DataError(f"--bits {bits}: is neither 8 nor 16; give one of them")
+        if image not in (None, "png", "tiff"):
+            raise DataError(f"--image {image}: is not one of png, tiff; give one of them")
+        return cls(form, bits or FORMATS[form], image or "png")  # type: ignore[arg-type]
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a data set is made of.
+
+    Attributes
+    ----------
+    title : str
+        Of the data card, where the table has none.
+    seed : int
+        Of the ensemble.
+    table : Dataset
+        The ensemble's table ``[dataset]``.
+    source : str
+        Text of the ensemble's file.
+    """
+
+    title: str
+    seed: int
+    table: Dataset
+    source: str
+
+
+def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
+    """Refuse a folder that may not be written, before anything is computed.
+
+    Raises
+    ------
+    DataError
+        Something is there that may not be replaced, or an unfinished data set that is not to be gone on with.
+    StorageError
+        Nothing can be written in the folder.
+    """
+    partial = partial_path(output)
+    if resume and overwrite:
+        raise DataError("--resume keeps what is there and --overwrite replaces it; give one of the two")
+    with storage_errors(output, ELSEWHERE):
+        require_folder(output)
+        if output.exists() and not output.is_dir():
+            raise DataError(f"{output}: is a file; a data set is a folder, give another name")
+        if output.exists() and any(output.iterdir()) and not resume:
+            if not overwrite:
+                raise DataError(f"{output}: is not empty; choose another name, or replace a data set with --overwrite")
+            check.read_about(output)
+        if partial.exists() and not resume:
+            if not overwrite:
+                raise DataError(f"{partial}: an unfinished data set is there; go on with --resume, or begin anew with --overwrite")
+            _require_ours(partial)
+    return partial
+
+
+def _require_ours(partial: Path) -> None:
+    # A process killed as it begins, or as it clears up, leaves a folder of records alone, or a data set that is whole.
+    ours = (partial / FOLDER / _SETTINGS).is_file() or (partial / check.SUMS).is_file()
+    if not ours and any(path.name != FOLDER for path in partial.iterdir()):
+        raise DataError(f"{partial}: is no unfinished data set of seaglint and is left alone; choose another name or remove it yourself")
+
+
+def make_dataset(
+    output: str | Path,
+    plan: Plan,
+    options: Options,
+    scenes: Callable[[Path], Sequence[Entry]],
+    *,
+    workers: Workers | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> Path:
+    """Make a data set of finished scenes, in ``output.partial`` until it is whole and checked.
+
+    Parameters
+    ----------
+    output : path
+        Folder to make.
+    plan : Plan
+        Title, seed, table and source.
+    options : Options
+        Format and pictures.
+    scenes : callable
+        ``scenes(folder)`` gives the finished scenes; it may make them in ``folder``, which is kept for ``resume`` and removed at the end.
+    workers : Workers, optional
+        Who writes the scenes' pictures; this process by default. The bytes do not depend on it.
+    resume : bool
+        Go on with an unfinished data set. One that is whole is left as it is.
+    overwrite : bool
+        Replace a data set once the new one is whole.
+    progress : callable, optional
+        ``progress(scenes done, scenes in all)``.
+
+    Raises
+    ------
+    DataError
+        The output may not be written, another process writes it, another ensemble is resumed, or scenes failed.
+    StorageError
+        No room or no rights; the scenes done stay.
+    Interrupted
+        After SIGINT or SIGTERM, between two scenes.
+    """
+    output = Path(output)
+    partial = require_output(output, resume=resume, overwrite=overwrite)
+    wanted = _settings(plan, options)
+    if resume and output.is_dir() and any(output.iterdir()):
+        _require_same(check.read_about(output)["made_from"], wanted, output, plan.source)
+        return output
+    remedy = f"what is done stays in {partial}: make room and run the same command with --resume"
+    with storage_errors(partial, remedy), exclusive(partial):
+        if partial.exists() and not resume:
+            _clear(partial)
+        if _is_whole(partial, wanted):
+            _give_name(partial, output)
+            return output
+        _begin(partial, wanted, plan.source)
+        entries = scenes(partial / SCENES)
+        settings = Settings(str(partial.absolute()), options.format, options.bits, options.image, dict(plan.table.classes))
+        _write_scenes(partial, entries, settings, workers, progress)
+        parts = [Part.read(partial, entry.name) for entry in entries]
+        catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.image, parts)
+        table = plan.table
+        about = {"description": table.description, "licence": table.licence, "split": table.split, "made_from": wanted}
+        finish(partial, catalogue, settings, about)
+        found = list(check.problems(partial))
+        if found:
+            raise DataError("\n".join(f"{partial}: {line}" for line in found[:20]))
+        _give_name(partial, output)
+    return output
+
+
+def _settings(plan: Plan, options: Options) -> dict[str, Any]:
+    """What two halves of a data set must have in common."""
+    digest = hashlib.sha256(plan.source.encode("utf-8")).hexdigest()
+    shown = {"bits": options.bits, "image": options.image} if options.format != "zarr" else {}
+    return {"format": options.format, **shown, "version": __version__, "ensemble": digest}
+
+
+def _require_same(old: Any, new: dict[str, Any], where: Path, source: str) -> None:
+    """Refuse what was made otherwise; of another ensemble with the keys that differ."""
+    differ = [name for name in {**old, **new} if old.get(name) != new.get(name)]
+    if "ensemble" in differ and (where / SOURCE).is_file():
+        keys = differences(read_toml(where / SOURCE, "ensemble"), tomllib.loads(source))
+        more = [f"{len(keys) - _MOST_TOLD} more"] if len(keys) > _MOST_TOLD else []
+        differ = [name for name in differ if name != "ensemble"] + (keys[:_MOST_TOLD] + more or ["ensemble"])
+    if differ:
+        raise DataError(
+            f"{where}: was made with another {', '.join(differ)}; resume with the same settings, or begin anew with --overwrite"
+        )
+
+
+def _clear(partial: Path) -> None:
+    """Remove an unfinished data set; the folder that tells it is one goes last."""
+    for path in partial.iterdir():
+        if path.name == FOLDER:
+            continue
+        if path.is_dir() and not path.is_symlink():
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+    shutil.rmtree(partial)
+
+
+def _is_whole(partial: Path, wanted: dict[str, Any]) -> bool:
+    """Whether all that is left is to give it its name; the checksums are written last."""
+    return (
+        (partial / check.SUMS).is_file()
+        and not (partial / FOLDER / _SETTINGS).is_file()
+        and check.read_about(partial)["made_from"] == wanted
+        and not any(check.problems(partial))
+    )
+
+
+def _begin(partial: Path, wanted: dict[str, Any], source: str) -> None:
+    """Make the folder, or see that an unfinished one is of the same settings."""
+    path = partial / FOLDER / _SETTINGS
+    if path.is_file():
+        try:
+            old = json.loads(path.read_text(encoding="utf-8"))
+        except ValueError as error:
+            raise DataError(f"{path}: is not readable ({error}); begin anew with --overwrite") from error
+        _require_same(old, wanted, partial, source)
+    else:
+        if partial.exists():
+            _require_ours(partial)
+        if (partial / check.SUMS).is_file():
+            _require_same(check.read_about(partial)["made_from"], wanted, partial, source)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_json(wanted, path)
+    write_text(source, partial / SOURCE)
+
+
+def _start(settings: Settings) -> Callable[[Entry], str]:
+    """What a worker does with a scene: write its pictures and its record; what comes back is its name."""
+
+    def work(entry: Entry) -> str:
+        folder = Path(settings.folder)
+        place = folder / "images" / entry.split if settings.format == "yolo" else folder / "images"
+        if settings.format == "zarr":
+            stored = folder / "scenes" / f"{entry.name}.zarr"
+            _keep(Path(entry.store), stored)
+            return convert(replace(entry, store=str(stored)), settings).scene
+        place.mkdir(parents=True, exist_ok=True)
+        return convert(entry, settings).scene
+
+    return work
+
+
+def _keep(store: Path, stored: Path) -> None:
+    """Copy a store to its place, whole or not at all."""
+    if stored.exists():
+        return
+    stored.parent.mkdir(parents=True, exist_ok=True)
+    fresh = stored.with_name(stored.name + ".partial")
+    if fresh.exists():
+        shutil.rmtree(fresh)
+    shutil.copytree(store, fresh)
+    fresh.rename(stored)
+
+
+def _write_scenes(partial: Path, entries: Sequence[Entry], settings: Settings, workers: Workers | None, progress: Progress | None) -> None:
+    """Write what is missing."""
+    for name in _folders(settings.format):
+        (partial / name).mkdir(parents=True, exist_ok=True)
+    missing = [entry for entry in entries if not part_path(partial, entry.name).is_file()]
+    done = len(entries) - len(missing)
+    failed: list[str] = []
+    if progress is not None:
+        progress(done, len(entries))
+    job: Job[Settings, Entry, str] = Job(_start, settings)
+    try:
+        with stop_on_signal(at_once=workers is not None) as stopped, (workers or Here()).map(job, missing) as outcomes:
+            for outcome in outcomes:
+                if isinstance(outcome, Done):
+                    done += 1
+                    if progress is not None:
+                        progress(done, len(entries))
+                else:
+                    failed.append(f"scene {outcome.unit.name}: {outcome.error}")
+                if stopped:
+                    raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        raise Interrupted(
+            f"stopped after {done} of {len(entries)} scenes, kept in {partial}; go on with the same command and --resume"
+        ) from None
+    if failed:
+        error = StorageError if any("StorageError" in line for line in failed) else DataError
+        raise error("\n".join([*failed[:20], f"{len(failed)} of {len(entries)} scenes failed; the others stay in {partial}, for --resume"]))
+
+
+def _folders(form: Format) -> tuple[str, ...]:
+    splits = ("train", "val", "test")
+    match form:
+        case "yolo":
+            return tuple(f"{kind}/{split}" for kind in ("images", "labels") for split in splits)
+        case "sirst":
+            return "images", "masks", "img_idx"
+        case "zarr":
+            return ("scenes",)
+        case "coco":
+            return ("images",)
+
+
+def _give_name(partial: Path, output: Path) -> None:
+    """Take away what was for resuming, and put the data set in the place of the old one, which is deleted last."""
+    for name in (FOLDER, SCENES, _REPLACED):
+        shutil.rmtree(partial / name, ignore_errors=True)
+    if output.exists():
+        output.rename(partial / _REPLACED)
+    partial.rename(output)
+    shutil.rmtree(output / _REPLACED, ignore_errors=True)

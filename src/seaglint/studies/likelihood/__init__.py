@@ -1,0 +1,1 @@
+"""How often glint matters, over weather, Sun and geometry."""

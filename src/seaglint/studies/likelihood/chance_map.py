@@ -1,0 +1,297 @@
+"""Maps of the likelihood of glint over a region, month by month."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import ScenarioError
+from seaglint.cluster import Job, Workers
+from seaglint.cluster.job import record_of
+from seaglint.files.provenance import provenance
+from seaglint.scenario.model import Scenario
+from seaglint.studies.likelihood.draw_model import Model
+from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
+from seaglint.weather.conditions import Conditions, Region, Times, conditions
+from seaglint.weather.draws import Plan
+from seaglint.weather.weather_table import WeatherTable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+SAMPLES: Final = 512
+"""Draws for each cell and month: chances within 0.02."""
+
+INTEGRATED: Final = 64
+"""The same where each draw brings the share of its azimuths: standard error a tenth of the chance."""
+
+_SHARED: Final = 2048
+"""Most draws for all cells of a latitude where longitude does not matter."""
+
+_MOST: Final = 100_000
+_TOGETHER: Final = 1_000_000
+"""Draws that are worked on together: some 300 MB."""
+
+Report = Callable[[int, int], None]
+
+
+def likelihood_map(
+    scenario: Scenario,
+    *,
+    step: float = 1.0,
+    samples: int | None = None,
+    weather: WeatherTable | None = None,
+    progress: Report | None = None,
+    workers: Workers | None = None,
+) -> xr.Dataset:
+    """Chance that glint exceeds each threshold, over cells of the region and months.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With a region in ``[likelihood]``.
+    step : float
+        Width and height of a cell [deg].
+    samples : int, optional
+        Draws for each cell and month; :data:`INTEGRATED` where azimuths can be integrated, else :data:`SAMPLES`.
+    weather : WeatherTable, optional
+        Instead of the scenario's.
+    progress : callable, optional
+        Told months done and all of them.
+    workers : Workers, optional
+        Who does the months and bands of latitude; this process where nobody is named. Results do not depend on it.
+
+    Returns
+    -------
+    Dataset
+        ``probability`` over ``threshold, month, latitude, longitude`` (middles of cells); ``rows``, how many rows of weather a cell has.
+
+    Raises
+    ------
+    ScenarioError
+        No region, or more than 100 000 cells.
+
+    Notes
+    -----
+    A weather table with places gives every cell the rows inside it, and where it has none, those of the nearest place; without places
+    all cells have all rows. All cells share their uniform numbers, so that neighbours differ by weather and Sun alone. Where neither the
+    weather nor the hours that count know the clock, all cells of a latitude are alike, and are drawn together.
+    """
+    import xarray as xr
+
+    settings = MapSettings(scenario, step, samples, weather)
+    cells = Cells.of(settings)
+    tell = progress or (lambda done, total: None)
+    latitude, longitude, months = cells.latitude, cells.longitude, cells.months
+    out = np.empty((len(cells.model.wanted.threshold_w_m2_sr), len(months), latitude.size, longitude.size))
+    pieces = [(m, first) for m in range(len(months)) for first in range(0, latitude.size, cells.together)]
+    left = Counter(m for m, _ in pieces)
+    tell(0, len(months))
+    with _outcomes(cells, settings, pieces, workers) as found:
+        for (m, first), values in found:
+            out[:, m, first : first + cells.together] = values
+            left[m] -= 1
+            if not left[m]:
+                tell(sum(not n for n in left.values()), len(months))
+    return xr.Dataset(
+        {
+            "probability": (("threshold", "month", "latitude", "longitude"), out, {"units": "1"}),
+            "rows": (("latitude", "longitude"), cells.row_counts, {"units": "1"}),
+        },
+        coords={
+            "threshold": ("threshold", list(cells.model.wanted.threshold_w_m2_sr), {"units": "W m-2 sr-1"}),
+            "month": list(months),
+            "latitude": ("latitude", latitude, {"units": "degrees_north"}),
+            "longitude": ("longitude", longitude, {"units": "degrees_east"}),
+        },
+        attrs=provenance(
+            "Likelihood of sea glint by month",
+            scenario.model_dump_json(exclude_none=True),
+            scenario.seed,
+            case=cells.model.wanted.case,
+            quantity=cells.model.wanted.quantity,
+            samples=cells.plan.total,
+            notes="; ".join(cells.model.notes),
+        ),
+    )
+
+
+class MapSettings(NamedTuple):
+    """What a map is computed of; see :func:`likelihood_map`."""
+
+    scenario: Scenario
+    step: float
+    samples: int | None
+    weather: WeatherTable | None
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """A map made ready, of which pieces are computed in any order.
+
+    Attributes
+    ----------
+    model : Model
+        Of the scenario.
+    latitude, longitude : ndarray
+        Middles of the cells [deg].
+    months : tuple of int
+        Months that count.
+    rows : list of ndarray or None
+        Rows of weather of each cell; None where all have all.
+    across : ndarray
+        Longitudes that are drawn [deg]: one where all are alike.
+    plan : Plan
+        Draws of a cell.
+    whole : bool
+        Whether azimuths are integrated.
+    step : float
+        Size of a cell [deg].
+    """
+
+    model: Model
+    latitude: FloatArray
+    longitude: FloatArray
+    months: tuple[int, ...]
+    rows: list[NDArray[np.intp]] | None
+    across: FloatArray
+    plan: Plan
+    whole: bool
+    step: float
+
+    @classmethod
+    def of(cls, settings: MapSettings) -> Cells:
+        """Read the weather and lay out the cells."""
+        step = settings.step
+        model = Model.of(settings.scenario, settings.weather)
+        wanted = model.wanted
+        if not isinstance(model.where, Region):
+            raise ScenarioError("likelihood.latitudes_deg and longitudes_deg are missing: a map needs the region's borders")
+        region = model.where
+        wide = region.east - region.west if region.east > region.west else region.east - region.west + 360.0
+        north, east = (np.arange(0.5 * step, size + 1e-9, step) for size in (region.north - region.south, wide))
+        if north.size == 0 or east.size == 0 or north.size * east.size > _MOST:
+            raise ScenarioError(
+                f"the map has {north.size} x {east.size} cells of {step:g} deg; choose --step so that there are 1 to {_MOST}"
+            )
+        latitude, longitude = region.south + north, (region.west + east + 180.0) % 360.0 - 180.0
+        rows = _cells(model.table, latitude, longitude)
+        whole = wanted.integrates and wanted.azimuths != "drawn" and "azimuth_from_sun_deg" not in model.looks
+        samples = settings.samples or (INTEGRATED if whole else SAMPLES)
+        known = isinstance(model.when, Times) and model.when.hours == (0.0, 24.0) and np.isnan(model.table["hour_utc"]).all()
+        alike = bool(rows is None and known)
+        each = min(samples * longitude.size, max(samples, _SHARED)) if alike else samples
+        plan = Plan(1, 2 ** round(math.log2(each)))
+        months = tuple(wanted.months or range(1, 13))
+        return cls(model, latitude, longitude, months, rows, longitude[:1] if alike else longitude, plan, whole, step)
+
+    @property
+    def together(self) -> int:
+        """Latitudes of a piece."""
+        return max(_TOGETHER // (self.plan.total * self.across.size), 1)
+
+    @property
+    def row_counts(self) -> NDArray[np.int64]:
+        """How many rows of weather each cell has [(latitudes, longitudes)]."""
+        shape = (self.latitude.size, self.longitude.size)
+        return np.full(shape, len(self.model.table)) if self.rows is None else np.array([c.size for c in self.rows]).reshape(shape)
+
+    def piece(self, month: int, first: int) -> FloatArray:
+        """Chances of a month, by its place among those that count, from a latitude on [(thresholds, latitudes, longitudes drawn)]."""
+        of_month, u = self._of_month(month)
+        band = slice(first, min(first + self.together, self.latitude.size))
+        count = (band.stop - first) * self.across.size
+        places = _inside(self.latitude[band], self.across, self.step, u)
+        tiled = {name: np.tile(values, count) for name, values in u.items()}
+        of_cells = None if self.rows is None else self.rows[first * self.across.size :][:count]
+        drawn = seen(of_month, tiled, _drawn(of_month, tiled, places, of_cells), self.plan, integrated=self.whole)
+        weight = drawn.weight.reshape(-1, self.across.size, self.plan.total)
+        out = np.empty((len(self.model.wanted.threshold_w_m2_sr), *weight.shape[:2]))
+        for t, threshold in enumerate(self.model.wanted.threshold_w_m2_sr):
+            values = measured(of_month, drawn, threshold).reshape(weight.shape)
+            out[t] = (values * weight).sum(axis=2) / weight.sum(axis=2)
+        return out
+
+    @cached_property
+    def _of_months(self) -> dict[int, tuple[Model, dict[str, FloatArray]]]:
+        return {}
+
+    def _of_month(self, month: int) -> tuple[Model, dict[str, FloatArray]]:
+        """Model and uniform numbers of a month; the latest is kept."""
+        if month not in self._of_months:
+            self._of_months.clear()
+            model = self.model.of_months((self.months[month],))
+            self._of_months[month] = (model, numbers(model, self.plan, self.model.scenario.seed))
+        return self._of_months[month]
+
+
+def mapper(settings: MapSettings) -> Callable[[tuple[int, int]], FloatArray]:
+    """Function of a piece of the map: a chance a cell is all that travels."""
+    cells = Cells.of(settings)
+    return lambda piece: cells.piece(*piece)
+
+
+@contextmanager
+def _outcomes(
+    cells: Cells, settings: MapSettings, pieces: list[tuple[int, int]], workers: Workers | None
+) -> Iterator[Iterator[tuple[tuple[int, int], FloatArray]]]:
+    """Pieces and their chances, in any order."""
+    if workers is None:
+        yield ((piece, cells.piece(*piece)) for piece in pieces)
+        return
+    with workers.map(Job(mapper, settings), pieces) as found:
+        yield ((outcome.unit, record_of(outcome)) for outcome in found)
+
+
+def _drawn(
+    model: Model, u: dict[str, FloatArray], places: tuple[FloatArray, FloatArray], cells: list[NDArray[np.intp]] | None
+) -> Conditions:
+    """Weather and times at places, cell by cell; ``cells`` are the rows of weather of each."""
+    if cells is None:
+        return replace(conditions(model.table, u, model.when, places, by_daylight=True), latitude=places[0], longitude=places[1])
+    size = places[0].size // len(cells)
+    parts = []
+    for k, rows in enumerate(cells):
+        here = slice(k * size, (k + 1) * size)
+        own = {name: values[here] for name, values in u.items()}
+        parts.append(conditions(model.table, own, model.when, (places[0][here], places[1][here]), rows, by_daylight=True))
+    weight = None if parts[0].weight is None else np.concatenate([p.weight for p in parts if p.weight is not None])
+    return Conditions(np.concatenate([p.rows for p in parts]), np.concatenate([p.time for p in parts]), *places, weight)
+
+
+def _inside(latitude: FloatArray, longitude: FloatArray, step: float, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Places of the draws in each cell, cell by cell [deg]."""
+    north = np.clip(latitude[:, None, None] + step * (u["across"] - 0.5), -90.0, 90.0)
+    east = (longitude[:, None] + step * (u["along"] - 0.5) + 180.0) % 360.0 - 180.0
+    shape = (latitude.size, longitude.size, u["across"].size)
+    return np.broadcast_to(north, shape).ravel(), np.broadcast_to(east, shape).ravel()
+
+
+def _cells(table: WeatherTable, latitude: FloatArray, longitude: FloatArray) -> list[NDArray[np.intp]] | None:
+    """Rows of each cell, row by row of the map; None where the table has no places."""
+    known = ~(np.isnan(table["latitude_deg"]) | np.isnan(table["longitude_deg"])) & (table["weight"] > 0.0)
+    if not known.any():
+        return None
+    rows = np.flatnonzero(known)
+    place = np.stack([table["latitude_deg"][rows], table["longitude_deg"][rows]], axis=1)
+    spots, spot = np.unique(place, axis=0, return_inverse=True)
+    by_spot = np.split(rows[np.argsort(spot, kind="stable")], np.cumsum(np.bincount(spot))[:-1])
+    step = float(latitude[1] - latitude[0]) if latitude.size > 1 else 1.0
+    out = []
+    for lat in latitude.tolist():
+        for lon in longitude.tolist():
+            north, east = spots[:, 0] - lat, (spots[:, 1] - lon + 180.0) % 360.0 - 180.0
+            inside = np.flatnonzero((np.abs(north) <= 0.5 * step) & (np.abs(east) <= 0.5 * step))
+            if inside.size == 0:
+                inside = np.array([np.argmin(north**2 + (east * np.cos(np.radians(lat))) ** 2)])
+            out.append(np.concatenate([by_spot[k] for k in inside]))
+    return out

@@ -1,0 +1,350 @@
+"""From a scenario with ``[likelihood]`` to what its draws need: weather, times, places, seas and sunlight at any wind."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.air.table.table_file import BandTable, table_models
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError, ScenarioError
+from seaglint.base.limits import NAVY_AEROSOL_WIND, WIND_PROFILE
+from seaglint.facet.legs import VIEWER, Shadowing
+from seaglint.files.weather.weather_cells import read_cells
+from seaglint.files.weather.weather_file import SHIPPED, read_weather
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.records import atmosphere as wanted_air
+from seaglint.scenario.records import sea_slopes as wanted_slopes
+from seaglint.scenario.records.likelihood import Likelihood
+from seaglint.scenario.sun import SunPosition, sun_position
+from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.studies.prepare import prepare
+from seaglint.weather.conditions import Region, Times, timestamp
+from seaglint.weather.ephemeris import Ephemeris
+from seaglint.weather.looks import Search
+from seaglint.weather.measures import DetectionCurve
+from seaglint.weather.mirrored_sunlight import MirroredLight, mirrored_light
+from seaglint.weather.seas import Seas, seas
+from seaglint.weather.select import Box
+from seaglint.weather.smooth import bandwidths
+from seaglint.weather.weather_table import MONTHS, WeatherTable
+
+_SHARED = ("light", "seas", "ephemeris", "bandwidth", "curve")
+"""Tables that scenarios with the same air, sea and year share."""
+
+LOOK_COLUMNS = ("depression_deg", "azimuth_from_sun_deg", "height_m", "weight")
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """What the draws of one scenario need. Make it with :meth:`of`.
+
+    Attributes
+    ----------
+    scenario : Scenario
+        With ``[likelihood]``.
+    table : WeatherTable
+        Rows with wind and cover, in the order of the wind.
+    models : tuple of str
+        Model atmospheres that rows name; the scenario's where they name none.
+    row_model : ndarray of int
+        Place of each row's model among them.
+    winds : (float, float)
+        Winds that seas and air cover [m/s].
+    looks : mapping
+        Columns of a table of looks, angles in radians; empty without one.
+    notes : tuple of str
+        What was decided about the data, with counts.
+    """
+
+    scenario: Scenario
+    table: WeatherTable
+    models: tuple[str, ...]
+    row_model: NDArray[np.int64]
+    winds: tuple[float, float]
+    looks: Mapping[str, FloatArray]
+    notes: tuple[str, ...]
+
+    @classmethod
+    def of(cls, scenario: Scenario, weather: WeatherTable | None = None) -> Model:
+        """Read the weather, or take it as given.
+
+        Raises
+        ------
+        ScenarioError, DataError, DomainError
+            What files and models refuse.
+        """
+        wanted = wanted_of(scenario)
+        notes: list[str] = []
+        if weather is None:
+            weather, told = _weather(wanted)
+            notes += told
+        table, dropped = _complete(weather, wanted)
+        if dropped:
+            notes.append(f"{dropped} of {len(weather)} rows of weather left out: wind speed or cloud cover missing")
+        table = _of_region(table, wanted, notes).ordered("wind_speed_m_s", "cloud_cover")
+        if table.missing_months and wanted.months != () and scenario.sun is None and not wanted.place_from_weather:
+            used = table.month_used
+            notes.append(
+                "no weather of " + ", ".join(f"{MONTHS[m - 1]} (rows of {MONTHS[used[m] - 1]} serve)" for m in table.missing_months)
+            )
+        if scenario.sun is not None and not scenario.sun.model_fields_set:
+            notes.append(
+                f"the Sun stands at zenith {scenario.sun.zenith_deg:g} deg: nothing else is said; give [sun], or [place] or a region "
+                "for all of the year"
+            )
+        models, row_model = _models(scenario, table)
+        winds = _winds(scenario, table, notes)
+        return cls(scenario, table, models, row_model, winds, _looks(wanted, notes), tuple(notes))
+
+    @property
+    def wanted(self) -> Likelihood:
+        """The scenario's table ``[likelihood]``."""
+        return wanted_of(self.scenario)
+
+    @cached_property
+    def sun(self) -> SunPosition | None:
+        """The Sun where it is given."""
+        return sun_position(self.scenario) if self.scenario.sun is not None else None
+
+    @cached_property
+    def when(self) -> Times | float | None:
+        """Law of the time."""
+        if self.scenario.sun is not None:
+            return None
+        if self.scenario.time is not None:
+            return timestamp(self.scenario.time.utc)
+        return Times(self.wanted.year, self.wanted.months or (), self.wanted.hours_utc)
+
+    @cached_property
+    def where(self) -> Region | tuple[float, float] | None:
+        """Law of the place."""
+        wanted, place = self.wanted, self.scenario.place
+        if wanted.latitudes_deg is not None and wanted.longitudes_deg is not None:
+            return Region(*wanted.latitudes_deg, *wanted.longitudes_deg)
+        return None if place is None else (place.latitude_deg, place.longitude_deg)
+
+    @cached_property
+    def ephemeris(self) -> Ephemeris:
+        """The Sun over all times that count."""
+        when = self.when
+        return Ephemeris.between(when, when) if isinstance(when, float) else Ephemeris.of_year(self.wanted.year)
+
+    @property
+    def heights(self) -> tuple[float, float]:
+        """Lowest and highest sensor [m]."""
+        if "height_m" in self.looks:
+            return float(self.looks["height_m"].min()), float(self.looks["height_m"].max())
+        height = self.scenario.sensor.height_m
+        return self.wanted.height_m or (height, height)
+
+    @property
+    def depression(self) -> tuple[float, float]:
+        """Lowest and highest depression that is looked at [rad], field of view included."""
+        low, high = np.radians(self.wanted.depression_deg)
+        if "depression_deg" in self.looks:
+            low, high = self.looks["depression_deg"].min(), self.looks["depression_deg"].max()
+        more = 0.5 * math.radians(self.wanted.field_deg[1]) if self.wanted.case == "field-of-view" else 0.0
+        return float(low) - more, min(float(high) + more, 0.5 * math.pi)
+
+    @property
+    def search(self) -> Search:
+        """Directions that count as one look."""
+        low, high = self.depression
+        depressions = 12 if high > low + 1e-9 else 1
+        match self.wanted.case:
+            case "single-look":
+                return Search()
+            case "trajectory":
+                return Search(depressions, 1, 4 if depressions > 1 else 0)
+            case "field-of-view":
+                half = 0.5 * math.radians(self.wanted.field_deg[0])
+                return Search(depressions, 5 if half > 0.0 else 1, 4, half)
+
+    @cached_property
+    def light(self) -> MirroredLight:
+        """Sunlight through the air of every model atmosphere."""
+        scenario, over = self.scenario, prepare.band(self.scenario)
+        of_table = isinstance(scenario.atmosphere, wanted_air.TableAtmosphere)
+        one = None if of_table else prepare.atmosphere(scenario, over)
+
+        def air_at(model: str, wind: float) -> Any:
+            return one if one is not None else TableAtmosphere.load(model, wind, (over.min_um, over.max_um))
+
+        top = min(self.winds[1], NAVY_AEROSOL_WIND[1])
+        article = scenario.mean.mode == "article"
+        winds = (0.0, top) if of_table else None
+        water = prepare.water(scenario)
+        kinks = [BandTable.read(model, (over.min_um, over.max_um)).wind_kinks for model in self.models] if of_table else ()
+        return mirrored_light(air_at, self.models, winds, self.heights, self.depression, over, water, kinks=kinks, article=article)
+
+    @cached_property
+    def seas(self) -> Seas:
+        """Slopes at any wind."""
+        scenario = self.scenario
+        article = scenario.mean.mode == "article"
+        shadowing = VIEWER if article else Shadowing.of(scenario.mean.shadowing or "nested")
+
+        def slopes_at(wind: float) -> SlopeStatistics:
+            if article:
+                return cox_munk_isotropic(wind, height=WIND_HEIGHT)
+            return prepare.slopes(
+                scenario.model_copy(update={"wind": scenario.wind.model_copy(update={"speed_m_s": wind, "from_deg": 180.0})})
+            )
+
+        return seas(slopes_at, self.winds, shadowing)
+
+    @cached_property
+    def bandwidth(self) -> dict[str, float]:
+        """Of the smooth bootstrap, by column; empty without."""
+        return bandwidths(self.table) if self.wanted.smooth else {}
+
+    @cached_property
+    def curve(self) -> DetectionCurve | None:
+        """Chance of detection against contrast, where one is handed in."""
+        path = self.wanted.detection_curve
+        if path is None:
+            return None
+        cells = read_cells(path)
+        for name in ("contrast_w_m2_sr", "pd"):
+            if name not in cells.header:
+                raise DataError(f"{path}: column {name} missing; found: {', '.join(cells.header)}; needed: contrast_w_m2_sr, pd")
+        contrast, pd = cells.numbers("contrast_w_m2_sr"), cells.numbers("pd")
+        if not (contrast.size > 1 and np.all(np.diff(contrast) > 0.0) and np.all((pd >= 0.0) & (pd <= 1.0))):
+            raise DataError(f"{path}: needs two rows or more of ascending contrast_w_m2_sr with pd of 0 to 1; sort and correct it")
+        return DetectionCurve(contrast, pd)
+
+    @property
+    def gives_wind_direction(self) -> bool:
+        """Whether the scenario says where the wind comes from."""
+        return "wind" in self.scenario.model_fields_set and "from_deg" in self.scenario.wind.model_fields_set
+
+    def share(self, other: Model) -> None:
+        """Take over the tables of a model with the same air, sea, geometry and year."""
+        self.__dict__.update({name: getattr(other, name) for name in _SHARED})
+
+    def of_months(self, months: tuple[int, ...]) -> Model:
+        """The same for other months; tables of air and sea are shared."""
+        wanted = self.wanted.model_copy(update={"months": months})
+        new = replace(self, scenario=self.scenario.model_copy(update={"likelihood": wanted}))
+        new.share(self)
+        return new
+
+
+def wanted_of(scenario: Scenario) -> Likelihood:
+    """The scenario's ``[likelihood]``; refused where there is none."""
+    if scenario.likelihood is None:
+        raise ScenarioError("likelihood is missing: add a table [likelihood] with weather, threshold_w_m2_sr and case")
+    return scenario.likelihood
+
+
+def _weather(wanted: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
+    """The table named, or the one of the package."""
+    if wanted.weather is None:
+        packaged = f"likelihood.weather is not given: the packaged table {SHIPPED[0]}, estimates that say little about any place"
+        return read_weather(SHIPPED[0]).table, (packaged,)
+    found = read_weather(wanted.weather)
+    return found.table, found.told
+
+
+def _complete(table: WeatherTable, wanted: Likelihood) -> tuple[WeatherTable, int]:
+    """Rows with wind and cover, and how many have not; an error names the file."""
+    try:
+        return table.complete()
+    except DomainError as error:
+        raise DataError(f"{wanted.weather or 'weather'}: {error}") from error
+
+
+def _of_region(table: WeatherTable, wanted: Likelihood, notes: list[str]) -> WeatherTable:
+    """Rows inside the region, where both are known."""
+    if wanted.latitudes_deg is None or wanted.longitudes_deg is None or "latitude_deg" not in table or "longitude_deg" not in table:
+        return table
+    box = Box(wanted.longitudes_deg[0], wanted.latitudes_deg[0], wanted.longitudes_deg[1], wanted.latitudes_deg[1])
+    unknown = np.isnan(table["latitude_deg"]) | np.isnan(table["longitude_deg"])
+    inside = unknown | box.holds(table["latitude_deg"], table["longitude_deg"])
+    if not np.any(inside & (table["weight"] > 0.0)):
+        raise DataError(
+            f"{wanted.weather}: no row lies in likelihood.latitudes_deg = {list(wanted.latitudes_deg)}, longitudes_deg = "
+            f"{list(wanted.longitudes_deg)}; choose another region or another weather table"
+        )
+    if not inside.all():
+        notes.append(f"{int((~inside).sum())} of {len(table)} rows of weather left out: outside the region")
+    return table.take(inside)
+
+
+def _models(scenario: Scenario, table: WeatherTable) -> tuple[tuple[str, ...], NDArray[np.int64]]:
+    """Model atmospheres, and which of them each row has."""
+    if not isinstance(scenario.atmosphere, wanted_air.TableAtmosphere):
+        return (scenario.atmosphere.source,), np.zeros(len(table), dtype=np.int64)
+    names = np.where(table.text("atmosphere") == "", scenario.atmosphere.model, table.text("atmosphere"))
+    known = sorted(table_models())
+    for row, name in enumerate(names.tolist()):
+        if name not in known:
+            raise DataError(
+                f"weather, row {row + 1} by wind: atmosphere = '{name}' is unknown; allowed: {', '.join(known)}, or leave it empty"
+            )
+    models, place = np.unique(names, return_inverse=True)
+    return tuple(models.tolist()), np.asarray(place, dtype=np.int64)
+
+
+def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[float, float]:
+    """Winds of seas and air; stronger ones of the weather count as the strongest, and how many is told."""
+    slopes = scenario.sea.slopes
+    if isinstance(slopes, wanted_slopes.SpectrumSlopes | wanted_slopes.FlatSlopes):
+        top = WIND_PROFILE[1] if isinstance(slopes, wanted_slopes.FlatSlopes) else NAVY_AEROSOL_WIND[1]
+        if isinstance(slopes, wanted_slopes.SpectrumSlopes) and scenario.sea.spectrum.kind not in (
+            "elfouhaily",
+            "pierson-moskowitz",
+            "jonswap",
+        ):
+            raise ScenarioError(
+                f"sea.slopes.kind = 'spectrum' with sea.spectrum.kind = '{scenario.sea.spectrum.kind}': its waves do not follow "
+                "the weather's wind; choose a spectrum that does ('elfouhaily'), or slopes by wind"
+            )
+    else:
+        top = WIND_PROFILE[1] if slopes.extrapolate else slopes.winds[1]
+    strong = table["wind_speed_m_s"] > top
+    if strong.any():
+        share = float(table.probability[strong].sum())
+        notes.append(
+            f"{int(strong.sum())} rows of weather ({100 * share:.2g} % of the weight) have winds above {top:g} m/s, which count as {top:g}"
+        )
+    if scenario.atmosphere.source == "table" and np.any(table["wind_speed_m_s"] > NAVY_AEROSOL_WIND[1]) and top > NAVY_AEROSOL_WIND[1]:
+        notes.append(f"the air of winds above {NAVY_AEROSOL_WIND[1]:g} m/s is that of {NAVY_AEROSOL_WIND[1]:g} m/s")
+    return 0.0, min(top, max(float(table["wind_speed_m_s"].max()) + 2.0, 4.0))
+
+
+def _looks(wanted: Likelihood, notes: list[str]) -> dict[str, FloatArray]:
+    """Columns of a table of looks."""
+    if wanted.looks is None:
+        return {}
+    cells = read_cells(wanted.looks)
+    columns = {name: cells.numbers(name) for name in LOOK_COLUMNS if name in cells.header}
+    unknown = [name for name in cells.header if name not in LOOK_COLUMNS]
+    if unknown or not set(columns) - {"weight"}:
+        raise DataError(
+            f"{wanted.looks}: columns are {', '.join(cells.header)}; allowed: {', '.join(LOOK_COLUMNS)}, one of the first three at least"
+        )
+    ranges = {
+        "depression_deg": (-10.0, 90.0),
+        "azimuth_from_sun_deg": (-360.0, 360.0),
+        "height_m": (2.0, 10_000.0),
+        "weight": (0.0, math.inf),
+    }
+    for name, values in columns.items():
+        low, high = ranges[name]
+        bad = np.flatnonzero(~((values >= low) & (values <= high) & np.isfinite(values)))
+        if bad.size:
+            raise DataError(f"{cells.where(int(bad[0]))}, column {name}: {values[bad[0]]:g} is outside {low:g} to {high:g}; correct it")
+    if "weight" in columns and not columns["weight"].sum() > 0.0:
+        raise DataError(f"{wanted.looks}: all weights are 0; give at least one look a weight above 0")
+    notes.append(f"looks drawn from {len(cells.rows)} rows of {wanted.looks}")
+    return {name: np.radians(values) if name.endswith("_deg") else values for name, values in columns.items()}

@@ -1,0 +1,153 @@
+"""Glint along a ship's way: its chance at every time, how long it lasts and when it comes back."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, ScenarioError
+from seaglint.files.weather.weather_cells import Cells, read_cells
+from seaglint.scenario.model import Scenario
+from seaglint.studies.likelihood.draw_model import Model
+from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
+from seaglint.weather.conditions import conditions
+from seaglint.weather.draws import Plan
+from seaglint.weather.ephemeris import Ephemeris
+from seaglint.weather.weather_table import WeatherTable
+
+SAMPLES: Final = 1024
+"""Draws at each time."""
+
+_NEEDED: Final = ("time_utc", "latitude_deg", "longitude_deg")
+_BEARING: Final = "bearing_deg"
+
+
+def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weather: WeatherTable | None = None) -> dict[str, Any]:
+    """Chances at the times of a way, with durations and returns of each threshold.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With ``[likelihood]``; its own Sun, time and place are not asked.
+    track : Path
+        CSV of ``time_utc``, ``latitude_deg``, ``longitude_deg`` and, for a sensor that looks one way, ``bearing_deg`` clockwise from north;
+        without it azimuths from the Sun are those of the scenario.
+    samples : int
+        Draws at each time.
+    weather : WeatherTable, optional
+        Instead of the scenario's.
+
+    Returns
+    -------
+    dict
+        ``way``: a row a time and threshold; ``results``: the expected hours with glint of each threshold, and the mean duration of glint
+        and time to its return along the way, the same draws of weather and geometry
+        followed from time to time.
+
+    Raises
+    ------
+    DataError
+        A file that lacks columns, or has times without a zone, unsorted or outside the years of the ephemeris.
+    """
+    cells = read_cells(track)
+    for name in _NEEDED:
+        if name not in cells.header:
+            raise DataError(f"{track}: column {name} missing; found: {', '.join(cells.header)}; needed: {', '.join(_NEEDED)}")
+    time = _times(cells)
+    latitude, longitude = _within(cells, "latitude_deg", 90.0), _within(cells, "longitude_deg", 360.0)
+    bearing = _within(cells, _BEARING, 360.0) if _BEARING in cells.header else None
+    if scenario.likelihood is None:
+        raise ScenarioError("likelihood is missing: add a table [likelihood] with weather, threshold_w_m2_sr and case")
+    fixed = scenario.model_copy(update={"sun": None, "time": None, "place": None})
+    model = Model.of(fixed, weather)
+    sky = Ephemeris.between(float(time[0]), float(time[-1]))
+    thresholds = model.wanted.threshold_w_m2_sr
+    chance = np.empty((time.size, len(thresholds)))
+    lit: list[list[FloatArray]] = [[] for _ in thresholds]
+    way: list[dict[str, Any]] = []
+    plan = Plan.of(samples)
+    model.__dict__.update(when=float(time[0]), where=(0.0, 0.0), ephemeris=sky)
+    u = numbers(model, plan, scenario.seed)
+    for i, moment in enumerate(time.tolist()):
+        model.__dict__.update(when=moment, where=(float(latitude[i]), float(longitude[i])))
+        sun = sky.at(moment, latitude[i], longitude[i])
+        look = None if bearing is None else float(np.radians(bearing[i]) - sun.azimuth[0])
+        drawn = seen(model, u, conditions(model.table, u, moment, model.where), plan, look)
+        for t, threshold in enumerate(thresholds):
+            values = measured(model, drawn, threshold)
+            chance[i, t] = values.mean()
+            lit[t].append(values)
+            way.append(
+                {
+                    "time_utc": datetime.fromtimestamp(moment, UTC).isoformat().replace("+00:00", "Z"),
+                    "latitude_deg": float(latitude[i]),
+                    "longitude_deg": float(longitude[i]),
+                    "sun_elevation_deg": 90.0 - float(np.degrees(sun.zenith[0])),
+                    "threshold_w_m2_sr": threshold,
+                    "probability": float(chance[i, t]),
+                }
+            )
+    step = _steps(time)
+    results = [
+        {"threshold_w_m2_sr": threshold, "hours": float(chance[:, t] @ step), **spells(np.stack(lit[t], axis=1) > 0.0, step)}
+        for t, threshold in enumerate(thresholds)
+    ]
+    return {"hours": float(step.sum()), "results": results, "way": way, "notes": list(model.notes)}
+
+
+def spells(glints: np.ndarray, hours: FloatArray) -> dict[str, float | None]:
+    """Mean duration of glint and mean time from its end to its return [h], over followed draws [(draws, times)]; None where there is none.
+
+    Spells cut by an end of the way count with what is seen of them; only gaps between two spells are returns.
+
+    >>> spells(np.array([[True, False, False, True]]), np.ones(4))
+    {'mean_duration_hours': 1.0, 'mean_return_hours': 2.0}
+    """
+    padded = np.pad(glints, ((0, 0), (1, 1)))
+    change = np.diff(padded.astype(np.int8), axis=1)
+    draws, begin = np.nonzero(change == 1)
+    end = np.nonzero(change == -1)[1]
+    if begin.size == 0:
+        return {"mean_duration_hours": None, "mean_return_hours": None}
+    clock = np.concatenate([[0.0], np.cumsum(hours)])
+    again = draws[1:] == draws[:-1]
+    gaps = clock[begin[1:]] - clock[end[:-1]]
+    return {
+        "mean_duration_hours": float(np.mean(clock[end] - clock[begin])),
+        "mean_return_hours": float(np.mean(gaps[again])) if again.any() else None,
+    }
+
+
+def _steps(time: FloatArray) -> FloatArray:
+    """Hours that each time stands for: half of the way to its neighbours."""
+    gaps = np.diff(time) / 3600.0
+    return np.asarray(0.5 * (np.concatenate([gaps[:1], gaps]) + np.concatenate([gaps, gaps[-1:]])))
+
+
+def _times(cells: Cells) -> FloatArray:
+    out = []
+    for row, text in enumerate(cells.text("time_utc")):
+        try:
+            moment = datetime.fromisoformat(text.replace("Z", "+00:00"))
+        except ValueError:
+            raise DataError(f"{cells.where(row)}: time_utc = '{text}' is no time; write it as 2026-06-21T17:30:00Z") from None
+        if moment.tzinfo is None:
+            raise DataError(f"{cells.where(row)}: time_utc = '{text}' names no zone; write UTC as 2026-06-21T17:30:00Z")
+        out.append(moment.timestamp())
+        if row and out[-1] <= out[-2]:
+            raise DataError(f"{cells.where(row)}: time_utc = '{text}' is not after the row before; sort the rows by time, each time once")
+    if len(out) < 2:
+        raise DataError(f"{cells.path}: a way needs two times or more")
+    return np.array(out)
+
+
+def _within(cells: Cells, name: str, most: float) -> FloatArray:
+    values = cells.numbers(name)
+    bad = np.flatnonzero(~(np.abs(values) <= most))
+    if bad.size:
+        raise DataError(f"{cells.where(int(bad[0]))}, column {name}: {values[bad[0]]:g} is outside -{most:g} to {most:g} deg; correct it")
+    return values

@@ -1,0 +1,270 @@
+"""Weather tables of files: read, select, derive, join; and what is told of a table."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
+from seaglint.files.weather import era5_weather as era5
+from seaglint.files.weather.columns_read import Source
+from seaglint.files.weather.read_weather import Reading, is_grid, read_source
+from seaglint.files.weather.weather_file import WeatherFile, read_weather
+from seaglint.version import __version__
+from seaglint.weather.derived import model_atmosphere
+from seaglint.weather.select import Selection, covered
+from seaglint.weather.table_summary import (
+    CLOUD_EDGES,
+    SECTORS,
+    SPEED_EDGES,
+    correlation,
+    joint_density,
+    missing_shares,
+    month_means,
+    wind_rose,
+)
+from seaglint.weather.weather_table import MONTHS, NEEDED, RANGES, TEXTS, TextArray, WeatherTable
+
+
+@dataclass(frozen=True)
+class Built:
+    """A table made of files.
+
+    Attributes
+    ----------
+    table : WeatherTable
+        The rows.
+    notes : tuple of str
+        What was read, left out, assumed and filled, one sentence each, with counts.
+    """
+
+    table: WeatherTable
+    notes: tuple[str, ...] = field(default_factory=tuple)
+
+
+def build(
+    paths: Sequence[Path],
+    selection: Selection | None = None,
+    reading: Reading | None = None,
+    *,
+    fill: Mapping[str, float] | None = None,
+) -> Built:
+    """Make one table of files of any kind.
+
+    Parameters
+    ----------
+    paths : sequence of Path
+        Files; grids without winds (waves, sea temperature) are joined to those with winds.
+    selection : Selection, optional
+        Places, times and region that are wanted. A region selects rows where a file has regions, and names the rows elsewhere.
+    reading : Reading, optional
+        What files do not say.
+    fill : mapping of str to float, optional
+        Values put where a column is missing; counted.
+
+    Raises
+    ------
+    DataError
+        A file that cannot be used, or nothing left of the selection.
+    BackendError
+        A part that is not installed.
+    """
+    selection, reading = selection or Selection(), reading or Reading()
+    notes = [f"made by seaglint {__version__} of {', '.join(path.name for path in paths)}"]
+    if words := selection.words:
+        notes.append("selected: " + "; ".join(words))
+    sources = [_of_region(source, selection.region) for source in _sources(paths, selection, reading)]
+    for source in sources:
+        notes += _told(source)
+    with_rows = [source for source in sources if source.rows]
+    if not with_rows:
+        raise DataError(_nothing(sources, selection))
+    columns, texts = _together(with_rows)
+    if len(with_rows) > 1:
+        notes.append("each row counts alike: the weights of each file are scaled to the mean 1")
+    notes += _filled(columns, fill or {})
+    if "atmosphere" not in texts:
+        known = model_atmosphere(columns.get("latitude_deg", np.nan), columns.get("month", np.full(columns["weight"].size, np.nan)))
+        if np.any(known != ""):
+            texts["atmosphere"] = known
+            notes.append("model atmospheres follow from latitude (tropical to 30 deg, subarctic from 52.5 deg) and month")
+    try:
+        table = WeatherTable(columns, texts)
+    except DomainError as error:
+        raise DataError(str(error)) from None
+    return Built(table, (*notes, *_lacking(table, selection)))
+
+
+def _sources(paths: Sequence[Path], selection: Selection, reading: Reading) -> list[Source]:
+    grids = [path for path in paths if is_grid(path)]
+    windless = tuple(path for path in grids if not era5.has_wind(path))
+    if windless and len(windless) == len(grids):
+        raise DataError(f"{windless[0]}: has no wind (u10, v10); give the file with the winds of the same times beside it")
+    out = [read_source(path, selection, reading, windless if path in grids else ()) for path in paths if path not in windless]
+    told = " ".join(note for source in out for note in source.notes)
+    for path in windless:
+        if f"from {path.name}," not in told:
+            raise DataError(
+                f"{path}: nothing of it is used: it has no times in common with the winds, or nothing that they lack; leave it out"
+            )
+    return out
+
+
+def _of_region(source: Source, region: str | None) -> Source:
+    """Rows of a region where the file has regions; rows named after it where it has none."""
+    from dataclasses import replace
+
+    if region is None or not source.rows:
+        return source
+    names = source.texts.get("region")
+    if names is None or not np.any(names != ""):
+        return replace(source, texts={**source.texts, "region": np.full(source.rows, region)})
+    good = names == region
+    if not good.any():
+        raise DataError(f"{source.path}: region '{region}' has no rows; the file has {', '.join(sorted(set(names.tolist()) - {''}))}")
+    return replace(
+        source,
+        columns={name: values[good] for name, values in source.columns.items()},
+        texts={name: values[good] for name, values in source.texts.items()},
+        left_out={**source.left_out, **({"of other regions": int(np.sum(~good))} if not good.all() else {})},
+    )
+
+
+def _told(source: Source) -> list[str]:
+    """What became of the records of one file."""
+    line = f"{source.path.name}: {source.kind}, {source.read} records, {source.rows} rows"
+    if source.left_out:
+        line += "; left out: " + ", ".join(f"{count} {reason}" for reason, count in source.left_out.items())
+    if source.set_missing:
+        line += "; set missing: " + ", ".join(f"{count} {reason}" for reason, count in source.set_missing.items())
+    return [line, *(f"{source.path.name}: {note}" for note in source.notes)]
+
+
+def _nothing(sources: Sequence[Source], selection: Selection) -> str:
+    wanted = " and ".join(selection.words) or "the files"
+    lost = "; ".join(_told(source)[0] for source in sources)
+    place = "; give a source without places its own with --place LAT,LON" if any("without a place" in s.left_out for s in sources) else ""
+    return f"no rows in {wanted} ({lost}){place}; choose inside what the files cover"
+
+
+def _together(sources: Sequence[Source]) -> tuple[dict[str, FloatArray], dict[str, TextArray]]:
+    """Columns of all files below each other; the mean weight of each file is 1, so that each row counts alike."""
+    names = [name for name in RANGES if name != "weight" and any(name in source.columns for source in sources)]
+    columns = {n: np.concatenate([s.columns.get(n, np.full(s.rows, np.nan)) for s in sources]) for n in {*names, *NEEDED}}
+    weights = []
+    for source in sources:
+        weight = np.asarray(source.columns.get("weight", np.ones(source.rows)))
+        if not weight.sum() > 0.0:
+            raise DataError(f"{source.path}: all rows selected have the weight 0; select others, or correct the column weight")
+        weights.append(weight / weight.mean() if len(sources) > 1 else weight)
+    ordered = {"weight": np.concatenate(weights)} | {n: columns[n] for n in RANGES if n in columns}
+    there = [n for n in TEXTS if any(n in source.texts for source in sources)]
+    return ordered, {n: np.concatenate([s.texts.get(n, np.full(s.rows, "")) for s in sources]) for n in there}
+
+
+def _filled(columns: dict[str, FloatArray], fill: Mapping[str, float]) -> list[str]:
+    notes = []
+    for name, value in fill.items():
+        if name not in RANGES or name == "weight":
+            raise DataError(
+                f"--fill {name}={value:g}: '{name}' cannot be filled; allowed are {', '.join(n for n in RANGES if n != 'weight')}"
+            )
+        low, high = RANGES[name]
+        if not low <= value <= high:
+            raise DataError(f"--fill {name}={value:g} is outside the range allowed: {low:g} to {high:g}")
+        values = columns.get(name, np.full(columns["weight"].size, np.nan))
+        lacks = np.isnan(values)
+        columns[name] = np.where(lacks, value, values)
+        notes.append(f"{name}: {int(lacks.sum())} missing values filled with {value:g}, as asked")
+    return notes
+
+
+def _lacking(table: WeatherTable, selection: Selection) -> list[str]:
+    """What a table cannot answer: rows without wind or cloud, months without rows."""
+    notes = []
+    for name in NEEDED:
+        count = int(np.sum(np.isnan(table[name])))
+        if count:
+            notes.append(f"{count} of {len(table)} rows have no {name}: kept here, left out by what needs it")
+    there = table.months
+    if not there:
+        notes.append("no months: every row serves all the year")
+        return notes
+    missing = [m for m in selection.months or range(1, 13) if m not in there]
+    if missing:
+        used = table.month_used
+        notes.append("no rows in " + ", ".join(f"{MONTHS[m - 1]} (a draw in it takes {MONTHS[used[m] - 1]})" for m in missing))
+    return notes
+
+
+def describe(path: str | Path) -> tuple[WeatherFile, dict[str, Any]]:
+    """A table and what is told of it, as plain values.
+
+    Raises
+    ------
+    DataError
+        A file that cannot be read.
+    """
+    found = read_weather(path)
+    table = found.table
+    rose, joint = wind_rose(table), joint_density(table)
+    facts: dict[str, Any] = {
+        "path": str(path),
+        "rows": len(table),
+        "effective_rows": table.effective_rows,
+        "weight_sum": table.weight_sum,
+        "covers": covered(table.columns),
+        "months": list(table.months),
+        "missing_months": {MONTHS[m - 1]: MONTHS[table.month_used[m] - 1] for m in table.missing_months},
+        "regions": sorted({str(name) for name in table.text("region")} - {""}),
+        "atmospheres": _shares(table, "atmosphere"),
+        "columns": {name: _numbers(table, name) for name in table.columns if name != "weight"},
+        "missing_share": missing_shares(table),
+        "wind_cloud_correlation": _plain(correlation(table)),
+        "by_month": [
+            {
+                "month": m.month,
+                "rows": m.rows,
+                "probability": m.probability,
+                "wind_speed_m_s": _plain(m.wind_speed_m_s),
+                "cloud_cover": _plain(m.cloud_cover),
+            }
+            for m in month_means(table)
+        ],
+        "wind_rose": {
+            "sector_centre_deg": [360.0 * k / SECTORS for k in range(SECTORS)],
+            "speed_edges_m_s": [_plain(edge) for edge in SPEED_EDGES],
+            "probability": rose.tolist(),
+        },
+        "wind_cloud": {
+            "speed_edges_m_s": [_plain(edge) for edge in SPEED_EDGES],
+            "cloud_edges": [float(edge) for edge in CLOUD_EDGES],
+            "probability": joint.tolist(),
+        },
+        "notes": [*found.notes, *found.told],
+    }
+    return found, facts
+
+
+def _plain(value: float) -> float | None:
+    """A number that JSON has; None for what it has not."""
+    return float(value) if np.isfinite(value) else None
+
+
+def _numbers(table: WeatherTable, name: str) -> dict[str, float | None]:
+    values = table[name]
+    known = values[~np.isnan(values)]
+    low, high = (float(known.min()), float(known.max())) if known.size else (float("nan"), float("nan"))
+    # The mean of directions, months and hours says nothing: they go around.
+    mean = float("nan") if name in ("wind_from_deg", "month", "hour_utc", "longitude_deg") else table.mean(name)
+    return {"mean": _plain(mean), "min": _plain(low), "max": _plain(high), "missing_share": table.missing_share(name)}
+
+
+def _shares(table: WeatherTable, name: str) -> dict[str, float]:
+    names = table.text(name)
+    return {str(n): float(table.probability[names == n].sum()) for n in np.unique(names) if n}

@@ -1,0 +1,1 @@
+"""Maps of mean radiance, and cases of spreadsheets."""

@@ -1,0 +1,45 @@
+"""Slope models that the rows of a spreadsheet of cases name."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.files.tables.cases import Cases
+from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier, cox_munk_isotropic
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+
+WIND_FROM: Final = "wind_from_deg"
+"""Column of the cases of the mean that may be missing: where the wind comes from, clockwise from the Sun's azimuth."""
+
+SLOPES: Final = "slopes"
+"""Another that may be missing: the slope model of each row, one of :data:`SLOPE_KINDS`."""
+
+SLOPE_KINDS: Final = ("cox-munk-isotropic", "cox-munk-anisotropic", "cox-munk-gram-charlier")
+
+
+def slope_kinds(cases: Cases, directed: bool) -> NDArray[np.str_]:
+    """Slope model of every row; those that have a direction need the wind's."""
+    if SLOPES not in cases.header:
+        return np.full(len(cases), SLOPE_KINDS[1 if directed else 0])
+    kinds = np.array(cases.choice(SLOPES, SLOPE_KINDS))
+    if not directed:
+        cases.check(
+            kinds == SLOPE_KINDS[0],
+            SLOPES,
+            lambda row: f"'{kinds[row]}' depends on the wind's direction; add a column {WIND_FROM}, or give '{SLOPE_KINDS[0]}'",
+        )
+    return kinds
+
+
+def slopes_of(kind: str, speed: float, towards: float, extrapolate: bool) -> SlopeStatistics:
+    """Slopes of a wind at 10 m towards an azimuth [rad]."""
+    match kind:
+        case "cox-munk-isotropic":
+            return cox_munk_isotropic(speed, extrapolate=extrapolate)
+        case "cox-munk-anisotropic":
+            return cox_munk_anisotropic(speed, towards, extrapolate=extrapolate)
+        case _:
+            return cox_munk_gram_charlier(speed, towards, extrapolate=extrapolate)

@@ -1,0 +1,435 @@
+"""Spreadsheets of cases become spreadsheets of results: the air, the emissivity and the mean radiance of the sea, row by row.
+
+Each function takes the cases of a CSV file (:mod:`seaglint.files.tables.cases`) and returns columns by name, in the order of the rows.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.air.table.batch import BatchAtmosphere
+from seaglint.air.table.table_file import table_models
+from seaglint.base.conventions import FloatArray, horizon_depression, travel_azimuth
+from seaglint.base.errors import DomainError
+from seaglint.base.limits import COX_MUNK_WIND, WIND_PROFILE
+from seaglint.files.tables.cases import Cases, Column
+from seaglint.optics.band import Band, apparent_temperature
+from seaglint.optics.blackbody import planck_wavenumber
+from seaglint.optics.sea_water import hale_querry_sea
+from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
+from seaglint.studies.mean.case_slopes import WIND_FROM, slope_kinds, slopes_of
+
+Columns = dict[str, FloatArray | list[str]]
+Report = Callable[[int, int], None]
+
+CORRELATION_TIME: Final = 0.07
+"""Time after which glint at a point is forgotten, as in the scenario's default [s]."""
+
+EXTRAPOLATED: Final = "extrapolated"
+"""Column that names what was extrapolated in each row, where that was asked for."""
+
+ATMOSPHERE_INPUTS: Final = (
+    "atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "sky_zenith_deg",
+)  # fmt: skip
+EMISSIVITY_INPUTS: Final = ("wavelength_um", "wind_speed_m_s", "zenith_deg")
+MEAN_INPUTS: Final = (
+    "atmosphere", "wind_speed_m_s", "sensor_height_m", "depression_deg", "solar_zenith_deg", "relative_azimuth_deg", "sea_temperature_k",
+    "ifov_mrad",
+)  # fmt: skip
+
+SCATTERED_INPUTS: Final = (
+    "kind", "atmosphere", "wind_speed_m_s", "sensor_height_m", "elevation_deg", "azimuth_from_sun_deg", "solar_zenith_deg",
+)  # fmt: skip
+
+_CHUNK: Final = 1024
+"""Rows at a time: their spectra (2 MB each) stay near the processor."""
+
+_THREADS: Final = min(os.cpu_count() or 1, 4)
+
+_HIGHEST: Final = 1e5
+"""Top of LOWTRAN7's air [m], beyond which not even extrapolation goes."""
+
+
+@dataclass(frozen=True)
+class NamedBand:
+    """A rectangular band and the text it was asked for with."""
+
+    label: str
+    band: Band
+
+    @property
+    def edges(self) -> tuple[float, float]:
+        """Wavelengths [um]."""
+        return self.band.min_um, self.band.max_um
+
+
+def parse_bands(texts: Sequence[str]) -> list[NamedBand]:
+    """Bands of ``a-b`` in micrometres, each under its own text.
+
+    Raises
+    ------
+    DomainError
+        No band, one twice, or one that is not two ascending wavelengths.
+
+    Examples
+    --------
+    >>> [(b.label, b.edges) for b in parse_bands(["3.0-5.0"])]
+    [('3.0-5.0', (3.0, 5.0))]
+    """
+    if not texts:
+        raise DomainError("no band given; say --band 3.0-5.0, and again for further bands")
+    bands = []
+    for text in texts:
+        found = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)-(\d+\.?\d*|\.\d+)\s*", text)
+        if not found or not 0.0 < float(found[1]) < float(found[2]):
+            raise DomainError(f"band '{text}' is not two ascending wavelengths in um; write it as 3.0-5.0")
+        bands.append(NamedBand(text.strip(), Band.rectangular(float(found[1]), float(found[2]))))
+    twice = {b.label for b in bands if sum(other.label == b.label for other in bands) > 1}
+    if twice:
+        raise DomainError(f"band {min(twice)} is asked for twice; name each band once")
+    return bands
+
+
+def evaluate_atmosphere(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Report | None = None) -> Columns:
+    """Band values of the air between sea and sensor, of sunlight and of the sky.
+
+    Parameters
+    ----------
+    cases : Cases
+        With the columns :data:`ATMOSPHERE_INPUTS`; depression is that of LOWTRAN7's own refracted ray at the sensor.
+    bands : sequence of NamedBand
+        Inside the tables.
+    extrapolate : bool
+        Take winds and heights outside the table and mark them in a column; elsewhere they are refused.
+    progress : callable, optional
+        Called with (done, total).
+
+    Returns
+    -------
+    dict
+        Per band ``tau_mean`` (flat over wavenumber), ``path_radiance_W_m2_sr`` and ``sky_radiance_W_m2_sr`` (thermal only, the sky
+        seen from the sea), ``sun_normal_irradiance_W_m2`` (at the sea, normal to the beam, Sun at 1 au) and ``sun_times_tau_W_m2`` (its
+        product with transmittance, per wavenumber).
+
+    Raises
+    ------
+    DataError
+        A column missing, or a value that cannot be used; names row and column.
+    DomainError
+        A band outside the tables.
+    """
+    cases.require(ATMOSPHERE_INPUTS)
+    airs = _airs(cases, bands, extrapolate)
+    wind, height, marks = _wind_and_height(cases, next(iter(airs[bands[0].label].values())), extrapolate)
+    depression = _angles(cases, "depression_deg", -90.0, 90.0)
+    sun, sky = _angles(cases, "solar_zenith_deg", 0.0, 180.0), _angles(cases, "sky_zenith_deg", 0.0, 90.0)
+    groups = groups_of(cases.text("atmosphere"))
+    dip = np.empty(len(cases))
+    for model, rows in groups:
+        dip[rows] = airs[bands[0].label][str(model)].dip(height[rows])
+    _hits_sea(cases, depression, dip)
+    parts = [(name, band, rows[i : i + _CHUNK]) for name, rows in groups for band in bands for i in range(0, rows.size, _CHUNK)]
+    quantities = ("tau_mean", "path_radiance_W_m2_sr", "sun_normal_irradiance_W_m2", "sun_times_tau_W_m2", "sky_radiance_W_m2_sr")
+    columns: dict[str, FloatArray] = {f"{quantity}[{band.label}]": np.empty(len(cases)) for band in bands for quantity in quantities}
+
+    def fill(part: tuple[Hashable, NamedBand, NDArray[np.intp]]) -> int:
+        model, band, rows = part
+        air = airs[band.label][str(model)]
+        weights = band.band.weights(air.wavenumber_cm)
+        tau, path = air.path(wind[rows], height[rows], depression[rows])
+        light = air.solar_irradiance(wind[rows], sun[rows])
+        values = (tau @ weights / weights.sum(), path @ weights, light @ weights, (light * tau) @ weights)
+        for quantity, value in zip(quantities, (*values, air.sky_radiance(wind[rows], sky[rows]) @ weights), strict=True):
+            columns[f"{quantity}[{band.label}]"][rows] = value
+        return int(rows.size)
+
+    done, total = 0, len(cases) * len(bands)
+    with ThreadPoolExecutor(_THREADS) as pool:  # NumPy lets go of the interpreter; each part has rows of its own
+        for count in pool.map(fill, parts):
+            done += count
+            _tell(progress, done, total)
+    return {**columns, **marks}
+
+
+def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Report | None = None) -> Columns:
+    """Emissivity of the wind-roughened sea: isotropic Cox-Munk slopes, salt water, first sea-to-sea reflection.
+
+    Parameters
+    ----------
+    cases : Cases
+        With the columns :data:`EMISSIVITY_INPUTS`; the wind is taken as the one at 12.5 m that the fit is made for.
+    extrapolate : bool
+        Take winds beyond the fit and mark them in a column.
+    progress : callable, optional
+        Called with (done, total).
+
+    Returns
+    -------
+    dict
+        Column ``emissivity`` [1].
+
+    Raises
+    ------
+    DataError
+        A column missing, or a value that cannot be used; names row and column.
+    """
+    # Numba comes with it: the command for the air starts without.
+    from seaglint.facet.emissivity import emissivity
+
+    cases.require(EMISSIVITY_INPUTS)
+    water = hale_querry_sea()
+    low, high = float(water.wavelength_um[0]), float(water.wavelength_um[-1])
+    wavelength = cases.within(Column("wavelength_um", low, high, what="um of the water's index"))
+    zenith = _angles(cases, "zenith_deg", 0.0, 90.0)
+    wind, beyond = _ranged(cases, "wind_speed_m_s", COX_MUNK_WIND, WIND_PROFILE, "m/s of the Cox-Munk fit", extrapolate)
+    found = np.empty(len(cases))
+    done = 0
+    for key, all_rows in groups_of(wind.tolist()):
+        slopes = cox_munk_isotropic(float(str(key)), height=WIND_HEIGHT, extrapolate=extrapolate)
+        # Rows of one wind share their facets: all wavelengths of a chunk are taken at all of its angles.
+        for rows in (all_rows[i : i + 128] for i in range(0, all_rows.size, 128)):
+            _tell(progress, done, len(cases))
+            angles, angle = np.unique(zenith[rows], return_inverse=True)
+            waves, wave = np.unique(wavelength[rows], return_inverse=True)
+            found[rows] = emissivity(angles, slopes, water, 1e4 / waves)[angle, wave]
+            done += rows.size
+    _tell(progress, done, len(cases))
+    return {"emissivity": found, **({EXTRAPOLATED: _marks({"wind_speed_m_s": beyond})} if extrapolate else {})}
+
+
+def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Report | None = None) -> Columns:
+    """Mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
+
+    Cox-Munk slopes of the wind at 10 m, isotropic where it has no direction, salt water, both legs shadowed, Sun at 1 au, cells of glint
+    by a correlation time of 0.07 s and the full dispersion relation; geometry of the command ``mean`` (straight rays over an effective
+    Earth).
+
+    Parameters
+    ----------
+    cases : Cases
+        With the columns :data:`MEAN_INPUTS`; a relative azimuth of 0 looks towards the Sun, the pixel is ``ifov_mrad`` square. With the
+        column :data:`WIND_FROM` as well, slopes are Cox and Munk's along and across that wind; 0 comes from the Sun's side. The column
+        :data:`SLOPES` chooses another of their models.
+    bands : sequence of NamedBand
+        Inside the tables.
+    extrapolate : bool
+        Take winds and heights outside the table, and winds outside the slope fit, and mark them in a column.
+    progress : callable, optional
+        Called with (done, total).
+
+    Returns
+    -------
+    dict
+        Per band ``radiance_W_m2_sr``, ``apparent_temperature_K``, ``std_W_m2_sr``.
+
+    Raises
+    ------
+    DataError
+        A column missing, or a value that cannot be used; names row and column.
+    DomainError
+        A band outside the tables.
+    """
+    # Numba comes with these, as above.
+    from seaglint.air.table.lowtran7 import TableAtmosphere
+    from seaglint.facet.sea_view import BandSum, SeaView
+    from seaglint.facet.surface_spectra import SeaSurface
+    from seaglint.radiance.glint_correlation import correlation_length
+    from seaglint.radiance.mean import mean_radiance
+    from seaglint.radiance.variance import sea_variance
+
+    cases.require(MEAN_INPUTS)
+    airs = _airs(cases, bands, extrapolate)
+    covered = next(iter(airs[bands[0].label].values()))
+    wind, height, marks = _wind_and_height(cases, covered, extrapolate)
+    depression = _angles(cases, "depression_deg", -90.0, 90.0)
+    sun, azimuth = _angles(cases, "solar_zenith_deg", 0.0, 180.0), _angles(cases, "relative_azimuth_deg", -360.0, 360.0)
+    temperature = cases.within(Column("sea_temperature_k", 260.0, 320.0, what="K"))
+    ifov = 1e-3 * cases.within(Column("ifov_mrad", 0.0, 1000.0, above=True, what="mrad"))
+    _hits_sea(cases, depression, np.array([horizon_depression(h) for h in height]))
+    directed = WIND_FROM in cases.header
+    wind_from = _angles(cases, WIND_FROM, -360.0, 360.0) if directed else np.zeros(len(cases))
+    kinds = slope_kinds(cases, directed)
+    length = correlation_length(CORRELATION_TIME)
+    water = hale_querry_sea()
+    columns = {
+        f"{quantity}[{band.label}]": np.empty(len(cases))
+        for band in bands
+        for quantity in ("radiance_W_m2_sr", "apparent_temperature_K", "std_W_m2_sr")
+    }
+    done, total = 0, len(cases) * len(bands)
+    for band in bands:
+        for key, same_air in groups_of(zip(cases.text("atmosphere"), wind.tolist(), strict=True)):
+            model, speed = key if isinstance(key, tuple) else ("", 0.0)
+            air = TableAtmosphere.load(model, speed, band.edges, extrapolate=extrapolate)
+            over = BandSum.of(band.band, air)
+            surface = SeaSurface.create(air, water, float(temperature[same_air[0]]), over.grid)
+            of_rows = (height, sun, temperature, azimuth, wind_from, kinds)
+            views = zip(*(values[same_air].tolist() for values in of_rows), strict=True)
+            for (at, solar_zenith, kelvin, towards, origin, kind), of_air in ((k, r) for k, r in groups_of(views) if isinstance(k, tuple)):
+                _tell(progress, done, total)
+                rows = same_air[of_air]
+                slopes = slopes_of(kind, speed, float(travel_azimuth(origin)), extrapolate)
+                view = SeaView(air, band.band, water, slopes, kelvin, at, solar_zenith)
+                # What costs most, the table of the sky, is that of the air alone.
+                of_kelvin = replace(surface, blackbody=planck_wavenumber(over.wavenumber_cm, kelvin))
+                seen = mean_radiance(view, -depression[rows], [towards], of_kelvin)
+                variance = sea_variance(view, seen, -depression[rows], ifov[rows] ** 2, length)
+                columns[f"radiance_W_m2_sr[{band.label}]"][rows] = seen.total[:, 0]
+                columns[f"apparent_temperature_K[{band.label}]"][rows] = apparent_temperature(
+                    seen.total[:, 0], band.band, air.wavenumber_cm
+                )
+                columns[f"std_W_m2_sr[{band.label}]"][rows] = np.sqrt(variance[:, 0])
+                done += rows.size
+    _tell(progress, done, total)
+    return {**columns, **marks}
+
+
+def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Report | None = None) -> Columns:
+    """Sunlight that the air scatters once into paths to the sea and into the clear sky, and their thermal radiance.
+
+    Parameters
+    ----------
+    cases : Cases
+        With the columns :data:`SCATTERED_INPUTS`; elevation is that of LOWTRAN7's own refracted ray at the sensor, below 0 for paths,
+        the Sun's zenith angle at the sensor that without refraction, as LOWTRAN7 takes it.
+    bands : sequence of NamedBand
+        Inside the tables; in 7.5-14 um, where the air scatters next to none, scattered radiance is 0.
+    extrapolate : bool
+        Take winds and heights outside the table and mark them in a column; elsewhere they are refused.
+    progress : callable, optional
+        Called with (done, total).
+
+    Returns
+    -------
+    dict
+        Per band ``scattered_W_m2_sr`` and ``thermal_W_m2_sr``, Sun at 1 au.
+
+    Raises
+    ------
+    DataError
+        A column missing, or a value that cannot be used; names row and column.
+    DomainError
+        A band outside the tables.
+    """
+    from seaglint.air.scattering.scattered_cases import scattered_cases
+    from seaglint.air.scattering.scattering_file import covers
+
+    cases.require(SCATTERED_INPUTS)
+    airs = _airs(cases, bands, extrapolate)
+    covered = next(iter(airs[bands[0].label].values()))
+    is_path = np.array([kind == "path" for kind in cases.choice("kind", ("path", "sky"))])
+    wind, windy = _ranged(cases, "wind_speed_m_s", covered.wind_range, WIND_PROFILE, "m/s of the atmosphere tables", extrapolate)
+    heights = (0.0, covered.height_range[1])
+    height, high = _ranged(cases, "sensor_height_m", heights, (0.0, _HIGHEST), "m of the atmosphere tables", extrapolate)
+    lowest = 1e-3 if extrapolate else covered.height_range[0]
+    cases.check(~is_path | (height >= lowest), "sensor_height_m", lambda i: f"{height[i]:g} m is below {lowest:g} m, the lowest of paths")
+    elevation = _angles(cases, "elevation_deg", -90.0, 90.0)
+    azimuth, sun = _angles(cases, "azimuth_from_sun_deg", -360.0, 360.0), _angles(cases, "solar_zenith_deg", 0.0, 180.0)
+    groups = groups_of(zip(cases.text("atmosphere"), is_path.tolist(), strict=True))
+    dip = np.empty(len(cases))
+    for key, rows in groups:
+        dip[rows] = airs[bands[0].label][_model_of(key)].dip(height[rows])
+    _hits_sea(cases, np.where(is_path, -elevation, np.inf), dip, "elevation_deg", -1.0)
+    cases.check(
+        is_path | (elevation >= -dip * (1.0 - 1e-9)),
+        "elevation_deg",
+        lambda i: f"{np.degrees(elevation[i]):.6g} deg sees the sea, whose horizon lies at {-np.degrees(dip[i]):.6g} deg; say kind = path",
+    )
+    columns = {f"{q}_W_m2_sr[{band.label}]": np.zeros(len(cases)) for band in bands for q in ("scattered", "thermal")}
+    parts = [(key, all_rows[i : i + _CHUNK]) for key, all_rows in groups for i in range(0, all_rows.size, _CHUNK)]
+    done, total = 0, len(cases) * len(bands)
+    seen = [band for band in bands if covers(band.edges)]
+    for key, rows in parts:
+        _tell(progress, done, total)
+        for band in bands:
+            air = airs[band.label][_model_of(key)]
+            thermal = (
+                air.path(wind[rows], height[rows], -elevation[rows])[1]
+                if is_path[rows[0]]
+                else air.sky_radiance(wind[rows], 0.5 * np.pi - elevation[rows], height[rows])
+            )
+            columns[f"thermal_W_m2_sr[{band.label}]"][rows] = thermal @ band.band.weights(air.wavenumber_cm)
+        lines = np.stack([wind, height, elevation, azimuth, sun], axis=1)[rows]
+        for band, found in zip(seen, scattered_cases(_model_of(key), lines, [band.band for band in seen]), strict=True):
+            columns[f"scattered_W_m2_sr[{band.label}]"][rows] = found
+        done += rows.size * len(bands)
+    _tell(progress, done, total)
+    return {**columns, **({EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {})}
+
+
+def _model_of(key: Hashable) -> str:
+    return str(key[0]) if isinstance(key, tuple) else str(key)
+
+
+def groups_of(keys: Iterable[Hashable]) -> list[tuple[Hashable, NDArray[np.intp]]]:
+    """Rows that share a key, in order of first appearance.
+
+    >>> [(key, rows.tolist()) for key, rows in groups_of("abca")]
+    [('a', [0, 3]), ('b', [1]), ('c', [2])]
+    """
+    found: dict[Hashable, list[int]] = {}
+    for row, key in enumerate(keys):
+        found.setdefault(key, []).append(row)
+    return [(key, np.array(rows)) for key, rows in found.items()]
+
+
+def _tell(progress: Report | None, done: int, total: int) -> None:
+    if progress is not None:
+        progress(done, total)
+
+
+def _airs(cases: Cases, bands: Sequence[NamedBand], extrapolate: bool) -> dict[str, dict[str, BatchAtmosphere]]:
+    """Tables by band and model; bands and names are refused here, before any work."""
+    names = sorted(set(cases.choice("atmosphere", table_models())))
+    found: dict[str, dict[str, BatchAtmosphere]] = {}
+    with ThreadPoolExecutor(_THREADS) as pool:  # unpacking takes most of it, several at a time
+        for band in bands:
+            loaded = pool.map(lambda name, band=band: BatchAtmosphere.load(name, band.edges, extrapolate=extrapolate), names)
+            found[band.label] = dict(zip(names, loaded, strict=True))
+    return found
+
+
+def _wind_and_height(cases: Cases, air: BatchAtmosphere, extrapolate: bool) -> tuple[FloatArray, FloatArray, Columns]:
+    """Winds [m s-1], heights [m], and the column that marks those outside the table where that is asked for."""
+    wind, windy = _ranged(cases, "wind_speed_m_s", air.wind_range, WIND_PROFILE, "m/s of the atmosphere tables", extrapolate)
+    height, high = _ranged(cases, "sensor_height_m", air.height_range, (1e-3, _HIGHEST), "m of the atmosphere tables", extrapolate)
+    return wind, height, {EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {}
+
+
+def _ranged(
+    cases: Cases, name: str, covered: tuple[float, float], possible: tuple[float, float], what: str, extrapolate: bool
+) -> tuple[FloatArray, NDArray[np.bool_]]:
+    """Values of a column, and which lie outside what is covered; those are refused unless ``extrapolate``."""
+    advice = "as far as extrapolation goes" if extrapolate else f"{what}; --extrapolate goes beyond and marks the row"
+    values = cases.within(Column(name, *(possible if extrapolate else covered), what=advice))
+    return values, (values < covered[0]) | (values > covered[1])
+
+
+def _marks(beyond: dict[str, NDArray[np.bool_]]) -> list[str]:
+    """Per row the names of the columns that lie beyond, parted by blanks; empty where none does."""
+    flags = zip(*(flags.tolist() for flags in beyond.values()), strict=True)
+    return [" ".join(name for name, flag in zip(beyond, row, strict=True) if flag) for row in flags]
+
+
+def _angles(cases: Cases, name: str, low: float, high: float) -> FloatArray:
+    """Angles of a column of degrees [rad]."""
+    return np.radians(cases.within(Column(name, low, high, what="deg")))
+
+
+def _hits_sea(cases: Cases, depression: FloatArray, dip: FloatArray, column: str = "depression_deg", sign: float = 1.0) -> None:
+    """Refuse lines of sight that end in the sky; ``sign`` is -1 for a column of elevations."""
+
+    def say(row: int) -> str:
+        seen, horizon = sign * np.degrees(depression[row]), sign * np.degrees(dip[row])
+        what = "a depression" if sign > 0.0 else "an elevation"
+        return f"{seen:.6g} deg misses the sea, whose horizon lies at {horizon:.6g} deg; give {what} between that and {sign * 90.0:g} deg"
+
+    cases.check(depression > dip, column, say)

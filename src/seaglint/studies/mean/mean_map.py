@@ -1,0 +1,188 @@
+"""A scenario becomes a map of mean radiance and apparent temperature."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final, assert_never
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray, horizon_depression
+from seaglint.base.threads import single_threaded_algebra
+from seaglint.facet.sea_view import SeaView
+from seaglint.files.provenance import band_attributes, provenance
+from seaglint.imaging.camera.image_grid import Camera
+from seaglint.optics.band import apparent_temperature
+from seaglint.radiance.article import article_radiance
+from seaglint.radiance.mean import MeanModel, SeaRadiance, mean_radiance
+from seaglint.radiance.variance import sea_variance
+from seaglint.scenario.model import Scenario
+from seaglint.studies.mean.mean_pixels import CUT_POINTS, MAPS, ROW_POINTS, ROW_SHARE, Sights, over_pixels
+from seaglint.studies.prepare import prepare
+from seaglint.studies.sequence.render_sequence import poses
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_WIDEST: Final = math.radians(5.0)
+"""Widest part of a column whose middle serves without a Sun [rad]: emission and sky change with the azimuth as its second harmonic."""
+
+
+@single_threaded_algebra()
+def mean(scenario: Scenario) -> xr.Dataset:
+    """Mean radiance over the field of view, with its components, as a labelled dataset.
+
+    Dimensions ``y, x``, the image's rows from the top and its columns; ``elevation`` and ``azimuth`` (clockwise) are those of rows and
+    columns where the image is a grid of them, else of every pixel (y, x). A moving sensor stands where it is at time 0. Variables
+    ``radiance``, ``apparent_temperature``, the four components of the radiance and ``glint_std``, the standard deviation of glint in a
+    pixel. In the mode ``article`` the emitted radiance is that of the one blackbody which stands for sea and mirrored sky, and the sky's
+    part is 0 below the horizon.
+
+    Raises
+    ------
+    SeaglintError
+        What the models do not cover.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> small = parse_scenario({"sensor": {"pixels": [8, 4]}})
+    >>> dict(mean(small).radiance.sizes)
+    {'y': 4, 'x': 8}
+    """
+    import xarray as xr
+
+    track, imager = prepare.track(scenario), prepare.imager(scenario)
+    pose = track.at(0.0)
+    view = prepare.view_at(scenario)(pose.height)
+    if scenario.mean.mode == "article":
+        view = prepare.article_view(scenario, view)
+    camera, length = imager.camera(pose.height, pose.attitude), prepare.glint_length(scenario)
+    if camera is not None:
+        azimuth, elevation = camera.azimuths, camera.elevations
+        maps = _of_rows(scenario, camera, view, length)
+    else:
+        azimuth, elevation = imager.centres(pose.attitude)
+        maps = over_pixels(imager, pose, _seen(scenario, view, length))
+    total = maps["path_radiance"] + maps["emitted_radiance"] + maps["sky_radiance"] + maps["glint_radiance"]
+    temperature = apparent_temperature(total, view.band, view.atmosphere.wavenumber_cm)
+    whole = azimuth.ndim == 2
+    place = {name: float(values[0]) for name, values in poses(track, np.zeros(1)).items()} if track.moves else {}
+    return xr.Dataset(
+        {
+            name: (("y", "x"), np.asarray(values, dtype=np.float32))
+            for name, values in ({"radiance": total, "apparent_temperature": temperature} | maps).items()
+        },
+        coords={
+            "azimuth": (("y", "x") if whole else "x", np.degrees(azimuth)),
+            "elevation": (("y", "x") if whole else "y", np.degrees(elevation)),
+            **place,
+        },
+        attrs=provenance(
+            "Mean infrared radiance of the sea",
+            scenario.model_dump_json(exclude_none=True),
+            scenario.seed,
+            mean_mode=scenario.mean.mode,
+            mean_shadowing=view.shadowing.word,
+            glint_correlation_length_m=length,
+            mss_up=view.slopes.mss_up,
+            mss_cross=view.slopes.mss_cross,
+            solar_zenith_deg=math.degrees(view.solar_zenith),
+            solar_azimuth_deg=math.degrees(view.solar_azimuth),
+            **band_attributes(view.band),
+        ),
+    )
+
+
+def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float) -> dict[str, FloatArray]:
+    """Components and the standard deviation of glint on a grid of elevation and azimuth [W m-2 sr-1, (rows, columns) each].
+
+    Cells of the sea are independent, so a row's variance is the mean of what its elevations would have with all of the pixel's solid angle.
+    """
+    rows, across = RowAverage.of(camera), azimuths_across(view, camera.column_step)
+    azimuths = (camera.azimuths[:, None] + camera.column_step * ((np.arange(across) + 0.5) / across - 0.5)).ravel()
+    match scenario.mean.mode:
+        case "spectral":
+            fine = mean_radiance(view, rows.elevations, azimuths)
+        case "article":
+            fine = article_radiance(view, rows.elevations, azimuths)
+        case other:
+            assert_never(other)
+    variance = sea_variance(view, fine, rows.elevations, np.repeat(pixel_solid_angle(camera), rows.points), length)
+    shape = (camera.rows, camera.columns)
+    maps = {}
+    for name, part in zip(MAPS, (fine.path, fine.emission, fine.sky, fine.sun, variance), strict=True):
+        found = rows(part)
+        maps[name] = np.broadcast_to(found if found.shape[1] == 1 else found.reshape(*shape, across).mean(axis=2), shape)
+    return maps | {MAPS[-1]: np.sqrt(maps[MAPS[-1]])}
+
+
+def azimuths_across(view: SeaView, step: float) -> int:
+    """Azimuths that are averaged across columns ``step`` wide [rad]: three for each standard deviation of the glint where it is narrowest.
+
+    The mean is then within 0.5 % of the brightest; columns narrower than that are taken in their middle.
+    """
+    return max(math.ceil(3.0 * step / view.glint_width), math.ceil(step / _WIDEST))
+
+
+def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:
+    """The same at lines of sight in no order, the variance of glint in place of its root."""
+    along: Callable[[FloatArray, FloatArray], SeaRadiance]
+    match scenario.mean.mode:
+        case "spectral":
+            along = MeanModel.prepare(view).along
+        case "article":
+
+            def along(elevation: FloatArray, azimuth: FloatArray) -> SeaRadiance:
+                return article_radiance(view, elevation, azimuth[:, None])
+
+        case other:
+            assert_never(other)
+
+    def seen(elevation: FloatArray, azimuth: FloatArray, solid_angle: FloatArray) -> FloatArray:
+        found = along(elevation, azimuth)
+        variance = sea_variance(view, found, elevation, solid_angle, length)
+        return np.concatenate([found.path, found.emission, found.sky, found.sun, variance], axis=1).T
+
+    return seen
+
+
+@dataclass(frozen=True, eq=False)
+class RowAverage:
+    """Elevations that stand for the height of each pixel row, and the mean over them, as an image has it. Make it with :meth:`of`.
+
+    Rows that are high against their distance from the horizon are the mean of :data:`ROW_POINTS` elevations, the row that the horizon cuts
+    of :data:`CUT_POINTS`; for others the middle serves.
+    """
+
+    elevations: FloatArray
+    starts: NDArray[np.intp]
+    points: NDArray[np.intp]
+
+    @classmethod
+    def of(cls, camera: Camera) -> RowAverage:
+        """Elevations for the rows of a camera, row by row from the top."""
+        below = np.abs(camera.elevations + horizon_depression(camera.height))
+        points = np.where(camera.row_step > ROW_SHARE * below, ROW_POINTS, 1)
+        points[below < 0.5 * camera.row_step] = CUT_POINTS
+        row = np.repeat(np.arange(camera.rows), points)
+        starts = np.cumsum(points) - points
+        part = (np.arange(row.size) - starts[row] + 0.5) / points[row] - 0.5
+        return cls(camera.elevations[row] - part * camera.row_step, starts, points)
+
+    def __call__(self, values: FloatArray) -> FloatArray:
+        """Mean of (elevations, columns) over the elevations of each row (rows, columns)."""
+        found = values[self.starts]
+        several = np.flatnonzero(self.points > 1)
+        for row in several:  # few: those next to the horizon
+            found[row] = values[self.starts[row] : self.starts[row] + self.points[row]].mean(axis=0)
+        return found
+
+
+def pixel_solid_angle(camera: Camera) -> FloatArray:
+    """Solid angle of a pixel of each row [sr, (rows,)]: azimuth step times the difference of the sines of its edges."""
+    edge = 0.5 * camera.row_step
+    return np.asarray(camera.column_step * (np.sin(camera.elevations + edge) - np.sin(camera.elevations - edge)))

@@ -1,0 +1,38 @@
+"""A sensor's track on the waves, where its platform floats, at heights that the air covers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from seaglint.base.errors import ScenarioError
+from seaglint.base.limits import LOWTRAN_HEIGHTS, TABLE_HEIGHTS
+from seaglint.imaging.camera.pose import Track
+from seaglint.objects.floating import Swell
+from seaglint.objects.floating_track import MOST_SAMPLES, FloatingTrack
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.records.sensor import HIGHEST_SENSOR
+from seaglint.sea.field import WaveField
+
+
+def afloat(scenario: Scenario, found: Track, waves: WaveField | None, where: str) -> Track:
+    """The track itself, or afloat.
+
+    Raises
+    ------
+    ScenarioError
+        Heights that leave the atmosphere's; ``where`` begins the text.
+    """
+    platform, sensor = scenario.platform, scenario.sensor
+    if platform is not None and platform.floats and waves is not None:
+        width, length = platform.waterline_m
+        heading = None if platform.heading_deg is None else float(np.radians(platform.heading_deg))
+        times = np.linspace(0.0, (sensor.frames - 1) / sensor.frame_rate_hz, min(sensor.frames, MOST_SAMPLES))
+        found = FloatingTrack.create(found, Swell.of(waves, (0.5 * width, 0.5 * length)), (width, length), heading, times)
+    covered = {"table": TABLE_HEIGHTS, "lowtran": (LOWTRAN_HEIGHTS[0], HIGHEST_SENSOR)}
+    lowest, highest = covered.get(scenario.atmosphere.source, (0.0, HIGHEST_SENSOR))
+    if found.lowest < lowest or found.highest > highest:
+        raise ScenarioError(
+            f"{where}heights of {found.lowest:g} to {found.highest:g} m leave those of atmosphere.source = '{scenario.atmosphere.source}'; "
+            f"allowed: {lowest:g} to {highest:g} m"
+        )
+    return found

@@ -1,0 +1,95 @@
+"""How much memory a scenario's images need and how much there is: refused before anything is made."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import sys
+from pathlib import Path
+
+from seaglint.base.errors import ScenarioError
+from seaglint.scenario.model import Scenario
+from seaglint.sea.tiles import TILES
+from seaglint.studies.prepare import prepare
+
+BYTES_PER_PIXEL = 80
+"""Images of one frame on the sweep's own grid: two of doubles by column, two of floats by row, and what is written."""
+
+BYTES_PER_RESAMPLED_PIXEL = 1000
+"""The same for a turned camera: corners (50), nine or more cells of the sweep (9 x 40), weights of about 25 cells (25 x 16)."""
+
+BYTES_PER_SENSED_PIXEL = 60
+"""Images that a detector sees: the picture, its spectrum and the transfer. 49 measured for staring arrays, 38 for scanners."""
+
+BYTES_PER_LATTICE_POINT = 200
+"""Amplitudes, transforms and surface of one wave tile."""
+
+BASE = 250 << 20
+"""Program, atmosphere and tables of facets."""
+
+
+def memory_needed(scenario: Scenario, oversampling: int = 1) -> int:
+    """Estimate of the largest memory that rendering a frame takes, ``oversampling`` times finer than the sensor's pixels [bytes]."""
+    columns, rows = (oversampling * size for size in scenario.sensor.pixels)
+    scan = scenario.sensor.scan
+    scanned = scan is not None and scan.kind != "staring" and scan.period_s != 0.0  # column after column, however it is turned
+    each = BYTES_PER_SENSED_PIXEL if scenario.sensor.senses else BYTES_PER_PIXEL
+    if not scanned and prepare.upright_camera(scenario) is None:
+        each = BYTES_PER_RESAMPLED_PIXEL
+    pixels = columns * rows * each * (2 if scenario.render.layers else 1)
+    waves = TILES * scenario.render.tile_size**2 * BYTES_PER_LATTICE_POINT if scenario.sea.resolve_waves else 0
+    return BASE + pixels + waves
+
+
+def memory_available() -> int | None:
+    """Memory that can be had now [bytes]: the system's, or a container's limit where that is less; None where it cannot be told."""
+    found = []
+    try:
+        for line in Path("/proc/meminfo").read_text().splitlines():
+            if line.startswith("MemAvailable:"):
+                found.append(1024 * int(line.split()[1]))
+    except (OSError, ValueError):
+        pass
+    try:
+        limit = Path("/sys/fs/cgroup/memory.max").read_text().strip()
+        if limit != "max":
+            found.append(int(limit) - int(Path("/sys/fs/cgroup/memory.current").read_text()))
+    except (OSError, ValueError):
+        pass
+    if not found and hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
+        found.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    return max(min(found), 0) if found else None
+
+
+def require_memory(scenario: Scenario, oversampling: int = 1) -> None:
+    """Refuse a scenario whose images cannot fit.
+
+    Raises
+    ------
+    ScenarioError
+        Saying how much is needed and how much there is.
+    """
+    need, there = memory_needed(scenario, oversampling), memory_available()
+    if there is None or need <= there:
+        return
+    (columns, rows), tile = scenario.sensor.pixels, scenario.render.tile_size
+    coarser = next((n for n in range(oversampling - 1, 0, -1) if memory_needed(scenario, n) <= there), None)
+    drawn = f" drawn {oversampling} x {oversampling} finer (render.oversampling)" if oversampling > 1 else ""
+    remedy = "fewer pixels or a smaller render.tile_size"
+    if coarser is not None:
+        remedy = f"render.oversampling = {coarser}, which folds finer detail into the picture, or {remedy}"
+    raise ScenarioError(
+        f"sensor.pixels = [{columns}, {rows}]{drawn} with render.tile_size = {tile} needs about {need / 1e9:.1f} GB of memory, and "
+        f"{there / 1e9:.1f} GB are free; give {remedy}"
+    )
+
+
+def give_back() -> None:
+    """Return freed memory to the system, where the C library keeps it for itself.
+
+    The threads of a scene leave what they freed in stores of their own (2 GB after a hundred scenes of 128 x 128 pixels).
+    """
+    if sys.platform == "linux":
+        trim = getattr(ctypes.CDLL(None), "malloc_trim", None)  # of glibc; other libraries give memory back by themselves
+        if trim is not None:
+            trim(0)

@@ -1,0 +1,124 @@
+"""Decks for MODTRAN or LOWTRAN7 of the lines of sight that a scenario needs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, Literal
+
+import numpy as np
+
+from seaglint.air.protocol import wavenumber_grid
+from seaglint.air.table.table_file import BandTable
+from seaglint.base.errors import DataError, DomainError, ScenarioError
+from seaglint.base.limits import LOWTRAN_HEIGHTS
+from seaglint.files.failures import storage_errors
+from seaglint.files.lowtran.deck import STEP_CM, Aerosol, Air, Level
+from seaglint.files.lowtran.sounding import read_sounding
+from seaglint.files.modtran.json_deck import json_deck
+from seaglint.files.modtran.lines import MANIFEST, Manifest, needed_lines
+from seaglint.files.modtran.tape5 import deck
+from seaglint.files.outputs import ELSEWHERE, moved_when_whole, refuse_existing
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.records import atmosphere as wanted_air
+from seaglint.scenario.sun import sun_position
+from seaglint.studies.prepare import prepare
+
+DeckFormat = Literal["tape5", "tape5-lowtran7", "modtran6-json"]
+
+NAME: Final = "lines"
+
+DECKS: Final[dict[DeckFormat, str]] = {"tape5": f"{NAME}.tp5", "tape5-lowtran7": "TAPE5", "modtran6-json": f"{NAME}-input.json"}
+"""Name of the deck of each format."""
+
+OUTPUTS: Final[dict[DeckFormat, tuple[str, ...]]] = {
+    "tape5": (f"{NAME}.tp7", "tape7", f"{NAME}.7sc", "tape7.scn"),
+    "tape5-lowtran7": ("TAPE7", "tape7"),
+    "modtran6-json": (f"{NAME}.json", f"{NAME}.csv"),
+}
+"""Names under which the results of each are looked for."""
+
+REFRACTION_BAND: Final = (3.5, 5.0)
+"""Any band of the tables [um]: refraction is the same in all."""
+
+
+@dataclass(frozen=True)
+class Decks:
+    """What was written."""
+
+    deck: Path
+    cases: int
+    solar_zenith_deg: float | None
+    """Of the Sun whose scattered light the cases ask for; None: for none."""
+
+
+def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered: bool = True, overwrite: bool = False) -> Decks:
+    """Write a deck with all lines of sight, and the manifest of its cases, into a folder, which is made.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Sensor height, band, wind, Sun and atmosphere.
+    folder : Path
+        Place of the files.
+    form : str
+        ``tape5`` (MODTRAN 4 and 5), ``tape5-lowtran7`` or ``modtran6-json``.
+    scattered : bool
+        Ask for scattered sunlight too, where the Sun is up.
+    overwrite : bool
+        Replace files that are there.
+
+    Raises
+    ------
+    ScenarioError
+        The air is none that a code could compute.
+    DataError, StorageError
+        The folder or the files cannot be written.
+    """
+    air, height = _air(scenario), scenario.sensor.height_m
+    low, high = LOWTRAN_HEIGHTS
+    if not low <= height <= high:
+        raise DomainError(
+            f"sensor height = {height:g} m is outside {low:g}-{high:g} m; choose a height inside it",
+            name="sensor_height",
+            value=height,
+            allowed=LOWTRAN_HEIGHTS,
+        )
+    zenith = sun_position(scenario).zenith
+    lit = zenith if scattered and zenith <= 0.5 * np.pi else None
+    lines = needed_lines(BandTable.read(air.model, REFRACTION_BAND).refraction, height, lit, to_horizon=form == "tape5-lowtran7")
+    solar_deg = None if lit is None else float(np.degrees(lit))
+    text = json_deck(lines, air, solar_deg, NAME) if form == "modtran6-json" else deck(lines, air, solar_deg, modtran=form == "tape5")
+    manifest = Manifest(tuple(lines), height, solar_deg, OUTPUTS[form])
+    with storage_errors(folder, ELSEWHERE):
+        if folder.exists() and not folder.is_dir():
+            raise DataError(f"{folder}: is a file; give the name of a folder")
+        folder.mkdir(parents=True, exist_ok=True)
+    contents = {DECKS[form]: text, MANIFEST: manifest.text()} | ({"mod5root.in": f"{NAME}\n"} if form == "tape5" else {})
+    for name in contents:
+        refuse_existing(folder / name, overwrite=overwrite)
+    for name, content in contents.items():
+        with moved_when_whole(folder / name) as partial:
+            partial.write_text(content, encoding="utf-8")
+    return Decks(folder / DECKS[form], len(lines), solar_deg)
+
+
+def _air(scenario: Scenario) -> Air:
+    """Air of the scenario as cards say it."""
+    levels: tuple[Level, ...] = ()
+    wind = scenario.wind.speed_m_s
+    match scenario.atmosphere:
+        case wanted_air.TableAtmosphere(model=model):
+            aerosol = Aerosol(wind=wind, wind_24h=wind)
+        case wanted_air.LowtranAtmosphere(model=model) as wanted:
+            longer = wanted.wind_24h_m_s
+            aerosol = Aerosol(wanted.haze, wanted.visibility_km, wanted.air_mass_character, wind, wind if longer is None else longer)
+            levels = () if wanted.sounding is None else read_sounding(wanted.sounding)
+        case other:
+            raise ScenarioError(
+                f"atmosphere.source = '{other.source}' is no air that MODTRAN could compute; "
+                "set it to 'table' or 'lowtran', whose model, aerosol and wind the decks take"
+            )
+    over = prepare.band(scenario)
+    grid = wavenumber_grid(over.min_um, over.max_um, step_cm=float(STEP_CM))
+    return Air(model, aerosol, round(grid[0]), round(grid[-1]), levels)

@@ -1,0 +1,280 @@
+"""From a scenario's sensor tables to the sensor of physics, and what is told of it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from seaglint.base.errors import DomainError, Mistake, ScenarioError
+from seaglint.files.tables.response import read_response
+from seaglint.imaging.camera.pose import Track
+from seaglint.instrument.bolometer import ThermalDetector
+from seaglint.instrument.chain import SensorModel
+from seaglint.instrument.detector import Detector
+from seaglint.instrument.figures_of_merit import figures
+from seaglint.instrument.noise import Noise
+from seaglint.instrument.optics import Optics
+from seaglint.instrument.photons import Photons
+from seaglint.instrument.scan import Scan
+from seaglint.optics.band import Band
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.presets.sensor_presets import TABLES
+from seaglint.scenario.records.sensor_detector import PhotonDetector
+from seaglint.studies.prepare import prepare
+
+MEAN_PIXELS = (24, 12)
+"""Grid of the mean map from which the scene's mean radiance is taken for a noise budget."""
+
+
+def require_sensor(scenario: Scenario) -> None:
+    """Refuse a scenario without a detector.
+
+    Raises
+    ------
+    ScenarioError
+        Naming the tables that are missing.
+    """
+    if not scenario.sensor.senses:
+        raise ScenarioError(
+            "sensor.optics and sensor.detector are missing: a sensor needs both; add the tables [sensor.optics] and [sensor.detector], or "
+            "take a preset with --sensor"
+        )
+
+
+def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None = None) -> SensorModel:
+    """The sensor of a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With ``[sensor.optics]`` and ``[sensor.detector]``.
+    seed : int, optional
+        Of its noise; the scenario's by default.
+    over : Band, optional
+        Band of the radiance; the scenario's by default.
+
+    Raises
+    ------
+    ScenarioError
+        No detector, or one whose response is not that of the scene's band.
+    """
+    require_sensor(scenario)
+    sensor, wanted = scenario.sensor, scenario.sensor.detector
+    assert sensor.optics is not None
+    assert wanted is not None
+    photons = _photons(prepare.band(scenario) if over is None else over, wanted)
+    frame = 1.0 / sensor.frame_rate_hz
+    pitch, given = 1e-6 * wanted.pitch_um, sensor.optics
+    optics = Optics(
+        aperture=sensor.aperture_m,
+        focal_length=sensor.focal_length_m,
+        transmission=given.transmission,
+        obscuration=given.obscuration,
+        wavefront_error=given.wavefront_error_waves,
+        defocus=given.defocus_waves,
+        jitter=1e-6 * given.jitter_urad,
+        drift=(1e-6 * given.drift_along_urad_s + scan_rate(scenario), 1e-6 * given.drift_across_urad_s),
+        temperature=given.temperature_k,
+        emissivity=given.emissivity,
+        shield_f_number=given.cold_shield_f_number,
+        stray_share=given.stray_share,
+        cos4=given.cos4,
+        distortion=given.distortion,
+        solid_angle_law=given.solid_angle,
+    )
+    detector: Detector | ThermalDetector
+    if isinstance(wanted, PhotonDetector):
+        detector = Detector(
+            pitch=pitch,
+            fill_factor=wanted.fill_factor,
+            integration_time=_dwell(scenario) if wanted.integration_time_s is None else wanted.integration_time_s,
+            quantum_efficiency=wanted.quantum_efficiency,
+            well_capacity=wanted.well_capacity_e,
+            read_noise=wanted.read_noise_e,
+            dark_current=wanted.dark_current_e_s,
+            bit_depth=wanted.bit_depth,
+            gain=wanted.gain_e_per_count,
+            offset=wanted.offset_counts,
+            crosstalk=wanted.crosstalk,
+            short_time=wanted.short_integration_time_s,
+        )
+    else:
+        detector = ThermalDetector(
+            pitch=pitch,
+            netd=wanted.netd_k,
+            netd_f_number=wanted.netd_f_number,
+            netd_temperature=wanted.netd_temperature_k,
+            time_constant=wanted.time_constant_s,
+            fill_factor=wanted.fill_factor,
+            absorptance=wanted.absorptance,
+            full_scale_temperature=wanted.full_scale_k,
+            bit_depth=wanted.bit_depth,
+            offset=wanted.offset_counts,
+        )
+    model = SensorModel(
+        photons,
+        optics,
+        detector,
+        Noise(),
+        scenario.seed if seed is None else seed,
+        frame,
+        scanning=scan_rate(scenario) != 0.0,
+        circle=sensor.fov_deg[0] >= 360.0 - 1e-9 and sensor.projection == "equal-angle",
+    )
+    return _with_noise(model, scenario)
+
+
+def _photons(over: Band, wanted: Any) -> Photons:
+    if not isinstance(wanted, PhotonDetector):
+        return Photons(over)
+    if wanted.quantum_efficiency_file is None:
+        return Photons(over, None, wanted.quantum_efficiency)
+    try:
+        return Photons(over, read_response(wanted.quantum_efficiency_file, whole=True), wanted.quantum_efficiency)
+    except DomainError as error:
+        key = "sensor.detector.quantum_efficiency_file"
+        mistake = Mistake(key, error.value, error.allowed, f"{key} = '{wanted.quantum_efficiency_file}': {error}")
+        raise ScenarioError(mistake.text, mistakes=(mistake,)) from error
+
+
+def _with_noise(model: SensorModel, scenario: Scenario) -> SensorModel:
+    wanted = scenario.sensor.noise
+    if wanted is None:
+        return model
+    line, corrected = model.readout, None
+    if wanted.corrected_at_k is not None:
+        first, second = (float(line.units(model.photons.radiance(t))) - line.dark for t in wanted.corrected_at_k)
+        corrected = (first, second)
+    noise = Noise(
+        temporal=wanted.temporal,
+        fixed_pattern=wanted.fixed_pattern,
+        one_over_f=wanted.one_over_f,
+        frame=wanted.frame,
+        row=wanted.row,
+        column=wanted.column,
+        row_temporal=wanted.row_temporal,
+        column_temporal=wanted.column_temporal,
+        gain_spread=wanted.gain_spread,
+        offset_spread=wanted.offset_spread,
+        curvature_spread=wanted.curvature_spread,
+        corrected_at=corrected,
+        drift=wanted.drift_per_hour,
+        dead_share=wanted.dead_share,
+        hot_share=wanted.hot_share,
+        blinking_share=wanted.blinking_share,
+        hot_signal=wanted.hot_signal,
+        blinking_signal=wanted.blinking_signal,
+        blinking_time=wanted.blinking_time_s,
+    )
+    return replace(model, noise=noise)
+
+
+def scan(scenario: Scenario) -> Scan:
+    """When columns and rows are taken."""
+    wanted = scenario.sensor.scan
+    if wanted is None:
+        return Scan()
+    period = 1.0 / scenario.sensor.frame_rate_hz if wanted.period_s is None else wanted.period_s
+    return Scan(wanted.kind, 0.0 if wanted.kind == "staring" else period, wanted.direction == "left", wanted.row_time_s)
+
+
+def scan_rate(scenario: Scenario) -> float:
+    """Movement of a scanner's line of sight along rows [rad s-1]; 0 where all columns have one instant."""
+    found = scan(scenario)
+    if found.kind == "staring" or found.period == 0.0:
+        return 0.0
+    rate = math.radians(scenario.sensor.fov_deg[0]) / found.period
+    return -rate if found.leftwards else rate
+
+
+def _dwell(scenario: Scenario) -> float:
+    """Integration time where none is given [s]: a whole frame, of a scanner the time in which it moves on by a pixel."""
+    found = scan(scenario)
+    if found.kind == "staring" or found.period == 0.0:
+        return 1.0 / scenario.sensor.frame_rate_hz
+    return found.period / scenario.sensor.pixels[0]
+
+
+def line_of_sight_rates(track: Track, time: float, exposure: float, projection: str) -> tuple[float, float]:
+    """Movement of the middle of the picture by the platform in an exposure, along rows and across them [rad s-1].
+
+    Places of things in the picture go the other way; blur is the same.
+    """
+    if not track.turns or exposure <= 0.0:
+        return (0.0, 0.0)
+    end = min(time + 0.5 * exposure, float(track.time[-1]))
+    begin = max(end - exposure, float(track.time[0]))
+    if end <= begin:
+        return (0.0, 0.0)
+    first, last = track.at(begin).attitude, track.at(end).attitude
+    azimuth, elevation = last.azimuth - first.azimuth, last.elevation - first.elevation
+    # Columns of an equal-angle picture are steps of azimuth; on a plane picture they are angles across the line of sight.
+    along = azimuth if projection == "equal-angle" else azimuth * math.cos(0.5 * (first.elevation + last.elevation))
+    roll = first.roll
+    right, up = along * math.cos(roll) - elevation * math.sin(roll), along * math.sin(roll) + elevation * math.cos(roll)
+    return right / (end - begin), -up / (end - begin)
+
+
+def sensor_attributes(model: SensorModel, oversampling: int) -> dict[str, Any]:
+    """What a file of counts says, so that radiance and temperature can be had from it."""
+    line, photon = model.readout, isinstance(model.detector, Detector)
+    unit = "electrons" if photon else "nanowatts absorbed"
+    return {
+        "gain": line.gain,
+        "offset": line.offset,
+        "gain_units": f"{unit} per count",
+        "background": line.background,
+        "units_per_radiance": line.per_radiance,
+        "radiance_scale": line.radiance_scale,
+        "radiance_offset": line.radiance_offset,
+        "counts_to_radiance": "radiance = signal * radiance_scale + radiance_offset [W m-2 sr-1]",
+        "oversampling": oversampling,
+        "oversampling_needed": model.oversampling,
+        "sensor_ifov_mrad": 1e3 * model.ifov,
+        "sensor_seed": model.seed,
+    }
+
+
+def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> dict[str, Any]:
+    """Figures of merit of a scenario's sensor, the noise budget for the mean of its scene, the MTF at some frequencies [cycles mrad-1].
+
+    Raises
+    ------
+    SeaglintError
+        No sensor, or a scene that cannot be computed.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> tables = {"optics": {"aperture_m": 0.05, "f_number": 4.0}, "detector": {"pitch_um": 15.0}}
+    >>> found = describe_sensor(parse_scenario({"sensor": tables}))
+    >>> round(found["ifov_mrad"], 6), found["oversampling"]
+    (0.075, 3)
+    """
+    model = sensor_model(scenario)
+    found = figures(model, mean_radiance(scenario), frequencies=[1e3 * frequency for frequency in frequencies])
+    return {"seed": model.seed, **found, "scenario": json.loads(scenario.model_dump_json(exclude_none=True))}
+
+
+def mean_radiance(scenario: Scenario) -> float:
+    """Mean radiance over the field of view [W m-2 sr-1], of a mean map of few pixels; of a moving sensor, where it begins."""
+    from seaglint.studies.mean.mean_map import mean
+
+    sensor = scenario.sensor
+    plain = sensor.model_copy(
+        update={
+            **dict.fromkeys(TABLES),
+            "projection": "equal-angle",
+            "roll_deg": 0.0,
+            "pixels": MEAN_PIXELS,
+            "elevation_deg": float(np.clip(sensor.elevation_deg, -90.0 + 0.5 * sensor.fov_deg[1], 90.0 - 0.5 * sensor.fov_deg[1])),
+        }
+    )
+    found = mean(scenario.model_copy(update={"sensor": plain, "platform": None}))
+    radiance = np.asarray(found["radiance"] if not hasattr(found, "radiance") else found.radiance, np.float64)
+    return float(np.nanmean(radiance))

@@ -1,0 +1,112 @@
+"""Wave spectra as a scenario wants them: models at its wind, files, and sums of both."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Final, assert_never
+
+import numpy as np
+
+from seaglint.base.conventions import travel_azimuth
+from seaglint.base.errors import DomainError, Mistake, ScenarioError
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.records import sea_spectrum as wanted
+from seaglint.sea.spectra.directional import DirectionalSpectrum
+from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
+from seaglint.sea.spectra.jonswap import JonswapSpectrum
+from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
+from seaglint.sea.spectra.systems import WaveSystems
+
+_ASKED: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a file's table that only the file can find wrong
+
+
+@dataclass(frozen=True)
+class Waves:
+    """A spectrum, None for a sea without waves, and where what was read is from."""
+
+    spectrum: DirectionalSpectrum | None
+    sources: tuple[dict[str, Any], ...] = ()
+    """For the provenance, one for every file: format, time, place, and how far they are from those wanted."""
+
+
+def waves(scenario: Scenario) -> Waves:
+    """Waves of a scenario.
+
+    Raises
+    ------
+    ScenarioError
+        Keys that a file or a model finds wrong or missing.
+    DataError
+        A file that cannot be read, or has nothing near the time and place wanted.
+    """
+    match scenario.sea.spectrum:
+        case wanted.FlatSea():
+            return Waves(None)
+        case wanted.WaveSystems(systems=systems):
+            parts = [_system(scenario, system, f"sea.spectrum.systems[{i}]") for i, system in enumerate(systems)]
+            spectra = tuple(part.spectrum for part in parts if part.spectrum is not None)
+            return Waves(WaveSystems(spectra) if spectra else None, tuple(source for part in parts for source in part.sources))
+        case single:
+            return _system(scenario, single, "sea.spectrum")
+
+
+def spectrum(scenario: Scenario) -> DirectionalSpectrum | None:
+    """Wave spectrum; None for a sea without waves."""
+    return waves(scenario).spectrum
+
+
+def _system(scenario: Scenario, system: wanted.System, key: str) -> Waves:
+    """One system; its table stands at ``key``."""
+    speed, to = scenario.wind.speed_m_s, travel_azimuth(np.radians(scenario.wind.from_deg))
+    match system:
+        case wanted.SpectrumFile():
+            return _file(scenario, system, to, key)
+        case wanted.Jonswap():
+            return Waves(_jonswap(system, to, key))
+        case _ if speed == 0.0:
+            return Waves(None)  # no wind, no wind sea
+        case wanted.Elfouhaily():
+            return Waves(ElfouhailySpectrum(speed, to))
+        case wanted.PiersonMoskowitz():
+            return Waves(PiersonMoskowitzSpectrum.of_u10(speed, to))
+        case other:
+            assert_never(other)
+
+
+def _jonswap(system: wanted.Jonswap, wind_to: float, key: str) -> JonswapSpectrum:
+    to = wind_to if system.from_deg is None else travel_azimuth(np.radians(system.from_deg))
+    try:
+        return JonswapSpectrum(
+            system.significant_height_m, system.peak_period_s, to, system.gamma, float(np.radians(system.spreading_deg)), wind_to
+        )
+    except DomainError as error:  # the ranges are the scenario's own: what is left is the steepness
+        name = f"{key}.significant_height_m"
+        raise _mistake(name, f"{name}: {error}", error) from error
+
+
+def _file(scenario: Scenario, system: wanted.SpectrumFile, wind_to: float, key: str) -> Waves:
+    from seaglint.files.waves import WaveChoice, read_waves
+
+    place = scenario.place if system.latitude_deg is None and system.site is None else None
+    choice = WaveChoice(
+        time=system.time if system.time is not None else (scenario.time.utc if scenario.time is not None else None),
+        latitude_deg=place.latitude_deg if place is not None else system.latitude_deg,
+        longitude_deg=place.longitude_deg if place is not None else system.longitude_deg,
+        site=system.site,
+        time_tolerance=system.time_tolerance_s,
+        distance_tolerance_km=system.distance_tolerance_km,
+        from_deg=system.from_deg,
+        spreading_deg=system.spreading_deg,
+    )
+    try:
+        read = read_waves(system.path, choice, wind_to, format=None if system.format == "auto" else system.format)
+    except DomainError as error:
+        if error.name not in _ASKED:
+            raise
+        name = f"{key}.{error.name}"
+        raise _mistake(name, f"{name} {error}", error) from error
+    return Waves(read.spectrum, (read.report,))
+
+
+def _mistake(key: str, text: str, error: DomainError) -> ScenarioError:
+    return ScenarioError(text, mistakes=(Mistake(key, error.value, error.allowed, text),))

@@ -1,0 +1,1 @@
+"""Sequences of images of a scenario: radiance, and counts of its sensor."""

@@ -1,0 +1,327 @@
+"""A scenario becomes a stored sequence of calibrated images."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.threads import single_threaded_algebra, thread_limit
+from seaglint.cluster import Workers
+from seaglint.cluster.job import ATTEMPTS
+from seaglint.facet.sea_view import SeaView
+from seaglint.files.provenance import provenance
+from seaglint.files.store.layout import Layout
+from seaglint.files.store.share import Share
+from seaglint.files.store.store import Frame, Progress, check_output, write_sequence
+from seaglint.imaging.camera.pose import Pose, Track
+from seaglint.imaging.layers import Layers
+from seaglint.imaging.scene import image
+from seaglint.imaging.swept import SweptScene
+from seaglint.imaging.turned import TurnedScene
+from seaglint.optics.band import apparent_temperature
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.sun import SunPosition, sun_position, sun_step
+from seaglint.sea.field import WaveField
+from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare.kept import Kept
+from seaglint.studies.prepare.memory import require_memory
+from seaglint.studies.sequence.scene_objects import Drawn, SceneObjects, bodies_of
+from seaglint.studies.sequence.spread import over
+
+NON_FINITE_SHARE = 1e-3
+"""Share of a frame's pixels that may be without a number; more are an error."""
+
+
+def render(
+    scenario: Scenario,
+    output: str | Path,
+    *,
+    frames: range | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+    share: Share | None = None,
+    workers: Workers | None = None,
+) -> Path | str:
+    """Render frames of a scenario into a Zarr store.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What to render; see :func:`seaglint.scenario.load.load_scenario`.
+    output : path
+        Store to make, customarily ``*.zarr``.
+    frames : range, optional
+        Frames wanted, counted from 0; all of the scenario's by default. A frame is the same alone as in its sequence.
+    threads : int, optional
+        Processor threads; all by default. The bytes do not depend on them.
+    resume, overwrite : bool
+        Go on with an unfinished store, or replace what is there.
+    progress : callable, optional
+        Called with (frames done, frames in all).
+    share : Share, optional
+        Render its units alone, into a store that other shares write too; :func:`seaglint.files.store.store.finish_sequence` names it.
+    workers : Workers, optional
+        Who renders; this process by default. The bytes do not depend on it.
+
+    Returns
+    -------
+    path
+        ``output``.
+
+    Raises
+    ------
+    SeaglintError
+        See :func:`seaglint.files.store.store.write_sequence` and :mod:`seaglint.studies.prepare.prepare`.
+    """
+    check_output(output, resume=resume, overwrite=overwrite, share=share)
+    with thread_limit(threads):
+        layout, images = prepared_frames((scenario, frames))
+        spread = over(workers, prepared_frames, (scenario, frames))
+        return write_sequence(
+            output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread, attempts=ATTEMPTS
+        )
+
+
+def prepared_frames(settings: tuple[Scenario, range | None]) -> tuple[Layout, Frame]:
+    """Layout and frames of a scenario, of some frames where asked."""
+    run = prepare_sequence(*settings)
+    return run.layout, run.images
+
+
+class MovingSun:
+    """Scenes of one sea under the Sun as it goes on, prepared when a frame wants them; the latest is kept.
+
+    A scene is a function of the time asked for, so that any frame alone is that of its sequence. Waves and seed are those of the start.
+    """
+
+    def __init__(self, scenario: Scenario, prepared: Callable[[SunPosition], SweptScene | TurnedScene]) -> None:
+        self._scenario, self._prepared = scenario, prepared
+        self._latest: tuple[int, SweptScene | TurnedScene] | None = None
+
+    def scene(self, first: SweptScene | TurnedScene, time: float) -> SweptScene | TurnedScene:
+        """The scene of a time from the start [s]; ``first`` is that of the start."""
+        step = sun_step(self._scenario, time)
+        if step == 0:
+            return first
+        latest = self._latest
+        if latest is None or latest[0] != step:
+            with single_threaded_algebra():  # as at the start: the bytes do not depend on threads
+                latest = self._latest = (step, self._prepared(sun_position(self._scenario, step)))
+        return latest[1]
+
+    def reseeded(self, seed: int) -> MovingSun:
+        """The same for another realisation of the sea."""
+        return MovingSun(self._scenario, lambda sun: self._prepared(sun).reseeded(seed))
+
+
+@dataclass(frozen=True, eq=False)
+class Sequence:
+    """Everything that is made before the first frame; make it with :func:`prepare_sequence`.
+
+    Attributes
+    ----------
+    scene : SweptScene or TurnedScene
+        Sea, air, Sun and camera, at the start.
+    track : Track
+        Where the sensor is and how it is turned.
+    layout : Layout
+        What the store holds.
+    sun : MovingSun, optional
+        Scenes for later positions of the Sun; None where it stands.
+    objects : SceneObjects, optional
+        What stands or flies in the scene.
+    """
+
+    scene: SweptScene | TurnedScene
+    track: Track
+    layout: Layout
+    sun: MovingSun | None = None
+    objects: SceneObjects | None = None
+
+    def at(self, time: float) -> Layers:
+        """The image at a time from the start [s]."""
+        return self.drawn(time).layers
+
+    def drawn(self, time: float, columns: tuple[int, int] | None = None) -> Drawn:
+        """The image at a time [s] and what is seen of objects in it; some ``columns`` alone, first and end, where asked."""
+        scene, pose = self.scene_at(time), self.track.at(time)
+        if self.objects is None:
+            layers = image(scene, pose, time) if columns is None else scene.columns(pose, time, columns)
+            return Drawn(layers, layers.radiance, ())
+        sea = scene.sea(pose, time)
+        layers = image(scene, pose, time, sea) if columns is None else scene.columns(pose, time, columns, sea)
+        window = (columns or (0, scene.pixels.columns), (0, scene.pixels.rows))
+        return self.objects.draw(scene, pose, time, (layers, sea), window)
+
+    def scene_at(self, time: float) -> SweptScene | TurnedScene:
+        """The scene under the Sun of a time from the start [s]."""
+        return self.scene if self.sun is None else self.sun.scene(self.scene, time)
+
+    def reseeded(self, seed: int) -> Sequence:
+        """Another realisation of the same sea, without preparing anything again; a store of it says its seed."""
+        layout = replace(self.layout, attributes={**self.layout.attributes, "seed": seed})
+        sun = None if self.sun is None else self.sun.reseeded(seed)
+        scene = self.scene.reseeded(seed)
+        objects = None if self.objects is None else self.objects.over(scene.waves)
+        return replace(self, scene=scene, layout=layout, sun=sun, objects=objects)
+
+    @single_threaded_algebra()
+    def with_sea_of(self, scenario: Scenario) -> Sequence:
+        """The same sea state, air, Sun and sensor with the seed and the objects of another scenario, which differs in nothing else."""
+        found = replace(self, objects=None).reseeded(scenario.seed)
+        objects = SceneObjects.of(bodies_of(scenario), found.scene.waves, shadows=scenario.render.object_shadows)
+        told = found.layout.attributes
+        attributes = {**told, **provenance(told["title"], scenario.model_dump_json(exclude_none=True), scenario.seed)}
+        layout = replace(found.layout, truth=None if objects is None else objects.layout(), attributes=attributes)
+        return replace(found, objects=objects, layout=layout)
+
+    def images(self, number: int) -> Mapping[str, NDArray[Any]]:
+        """What is stored of a frame, by variable.
+
+        Raises
+        ------
+        DataError
+            Pixels without a number.
+        """
+        time = number / self.layout.frame_rate
+        drawn = self.drawn(time)
+        found: dict[str, NDArray[Any]] = dict(drawn.layers)
+        radiance = drawn.layers.radiance
+        bad = int(radiance.size - np.isfinite(radiance).sum())
+        if bad > NON_FINITE_SHARE * radiance.size:
+            raise DataError(
+                f"frame {number}: {bad} of {radiance.size} pixels are not finite, more than {100 * NON_FINITE_SHARE:g} %; "
+                "nothing of it is written. This is a fault of the program: please report the scenario"
+            )
+        if self.objects is not None:
+            found |= self.objects.truth(drawn, self.scene_at(time))
+        if "apparent_temperature" in self.layout.variables:
+            view = self.scene.view
+            found["apparent_temperature"] = apparent_temperature(radiance, view.band, view.atmosphere.wavenumber_cm)
+        return found
+
+
+def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
+    step = scenario.render.step_m
+    if step is None or waves is None:
+        return
+    shortest = 2.0 * np.pi / waves.tiles[-1].k_max
+    if not shortest / 200.0 <= step <= 0.5 * shortest:
+        raise DomainError(
+            f"render.step_m = {step:g} m does not suit waves down to {shortest:.3g} m: "
+            f"give {shortest / 200.0:.2g} to {0.5 * shortest:.3g} m, or leave it out"
+        )
+
+
+def prepare_sequence(
+    scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False, kept: Kept | None = None
+) -> Sequence:
+    """Everything that is made before the first frame; also the way to single frames in Python.
+
+    ``scanned`` prepares for columns that have poses of their own (:func:`seaglint.studies.prepare.prepare.gliding_camera`); ``fits`` says
+    that the memory was seen to be enough; ``kept`` is what scenes prepared one after the other share.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> small = parse_scenario({"sensor": {"pixels": [8, 4]}, "sea": {"resolve_waves": False}})
+    >>> prepare_sequence(small).at(0.0).radiance.shape
+    (4, 8)
+    """
+    if not fits:
+        require_memory(scenario)
+    if kept is None:
+        return _prepared(scenario, frames, scanned)
+    return kept.sequence(scenario, f"{frames} {scanned}", lambda: _prepared(scenario, frames, scanned))
+
+
+@single_threaded_algebra()
+def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequence:
+    prepare.require_drawable(scenario, prepare.slopes(scenario))
+    sensor = scenario.sensor
+    numbers = frames if frames is not None else range(sensor.frames)
+    accuracy, layers, sparkles = prepare.accuracy(scenario), scenario.render.layers, prepare.sparkles(scenario)
+    camera = prepare.gliding_camera(scenario) if scanned else prepare.swept_camera(scenario)
+    if camera is not None:
+        first = prepare.view(scenario)
+        sea = prepare.sea(scenario, first.slopes)
+        track = prepare.track(scenario)
+
+        def prepared(sun: SunPosition) -> SweptScene | TurnedScene:
+            view = prepare.under(first, sun)
+            return SweptScene.prepare(view, camera, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
+    else:
+        sea, imager, at = prepare.sea(scenario, prepare.slopes(scenario)), prepare.imager(scenario), prepare.view_at(scenario)
+        track = prepare.track(scenario, sea.waves)
+
+        def prepared(sun: SunPosition) -> SweptScene | TurnedScene:
+            def view(height: float) -> SeaView:
+                return prepare.under(at(height), sun)
+
+            return TurnedScene.prepare(view, imager, track, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
+
+    scene = prepared(sun_position(scenario))
+    view = scene.view
+    objects = SceneObjects.of(bodies_of(scenario), sea.waves, shadows=scenario.render.object_shadows)
+    places = poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
+    azimuth, elevation = directions(scene, track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0))
+    _require_step(scenario, sea.waves)
+    derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()
+    layout = Layout(
+        azimuth_deg=np.degrees(azimuth),
+        elevation_deg=np.degrees(elevation),
+        frames=numbers,
+        frame_rate=sensor.frame_rate_hz,
+        band=view.band,
+        variables=("radiance", *derived, *scene.layers),
+        poses=places,
+        turning=track.turns,
+        start=None if scenario.time is None else scenario.time.utc,
+        truth=None if objects is None else objects.layout(),
+        attributes=provenance(
+            "Infrared image sequence of the sea",
+            scenario.model_dump_json(exclude_none=True),
+            scenario.seed,
+            **sea.report,
+            **scene.report,
+            **({"platform_track": hashlib.sha256(track.time.tobytes() + track.values.tobytes()).hexdigest()} if track.moves else {}),
+            solar_zenith_deg=math.degrees(view.solar_zenith),
+            solar_azimuth_deg=math.degrees(view.solar_azimuth),
+            atmosphere_table=prepare.atmosphere_provenance(view.atmosphere),
+        ),
+    )
+    layout = layout.in_units(sensor.frames)
+    return Sequence(scene, track, layout, None if scenario.time is None else MovingSun(scenario, prepared), objects)
+
+
+def directions(scene: SweptScene | TurnedScene, pose: Pose) -> tuple[FloatArray, FloatArray]:
+    """Azimuth and elevation of the pixel centres [rad]: of columns and rows of an upright camera, else of all pixels (rows, columns)."""
+    match scene:
+        case SweptScene(camera=camera):
+            return camera.azimuths, camera.elevations
+        case TurnedScene(imager=imager):
+            return imager.centres(pose.attitude)
+
+
+def poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
+    """Where the sensor is and how it is turned at some times [m, deg, (times,)], by the names of the store's variables."""
+    found = [track.at(float(t)) for t in times]
+    return {
+        "sensor_east": np.array([p.east for p in found]),
+        "sensor_north": np.array([p.north for p in found]),
+        "sensor_height": np.array([p.height for p in found]),
+        "sensor_azimuth": np.degrees([p.attitude.azimuth for p in found]),
+        "sensor_elevation": np.degrees([p.attitude.elevation for p in found]),
+        "sensor_roll": np.degrees([p.attitude.roll for p in found]),
+    }

@@ -1,0 +1,137 @@
+"""Objects of a scenario in its pictures: drawn over the sea, with what is true of them for the store."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.errors import DomainError, ScenarioError
+from seaglint.files.store.stored_truth import Truth, packed
+from seaglint.imaging.camera.pose import Pose
+from seaglint.imaging.layers import Layers
+from seaglint.imaging.scene import Instant, joined
+from seaglint.imaging.swept import SweptScene
+from seaglint.imaging.turned import TurnedScene
+from seaglint.objects.body import Body
+from seaglint.objects.drawing.compose import Sight, composed
+from seaglint.objects.drawing.draw import Drawer, Stage
+from seaglint.objects.drawing.object_shadow import shadowed
+from seaglint.objects.drawing.truth import labels, numbers_of
+from seaglint.scenario.model import Scenario
+from seaglint.sea.field import WaveField
+
+BodiesOf = Callable[[WaveField | None], tuple[Body, ...]]
+"""Bodies over a realisation of the sea: those that float follow it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """An image with objects, the sea's alone [W m-2 sr-1], and what is seen of each object."""
+
+    layers: Layers
+    sea: NDArray[np.float32]
+    sights: tuple[Sight, ...]
+
+    @classmethod
+    def beside(cls, parts: list[Drawn]) -> Drawn:
+        """Images side by side, from the left."""
+        return cls(joined([part.layers for part in parts]), np.concatenate([part.sea for part in parts], axis=1), _together(parts))
+
+    @classmethod
+    def below(cls, parts: list[Drawn]) -> Drawn:
+        """Images one below the other, from the top."""
+        layers = Layers({name: np.concatenate([part.layers[name] for part in parts], axis=0) for name in parts[0].layers})
+        return cls(layers, np.concatenate([part.sea for part in parts], axis=0), _together(parts))
+
+    def rows(self, first: int, end: int) -> Drawn:
+        """Some rows alone, and what is seen of objects in them."""
+        cut = slice(first, end)
+        layers = Layers({name: image[cut] for name, image in self.layers.items()})
+        return Drawn(layers, self.sea[cut], tuple(sight.between(first, end) for sight in self.sights))
+
+
+def _together(parts: list[Drawn]) -> tuple[Sight, ...]:
+    sights = parts[0].sights
+    for part in parts[1:]:
+        sights = tuple(one.joined(other) for one, other in zip(sights, part.sights, strict=True))
+    return sights
+
+
+@dataclass(frozen=True, eq=False)
+class SceneObjects:
+    """Objects of one realisation of the sea. Make them with :meth:`of`."""
+
+    drawer: Drawer
+    _bodies: BodiesOf
+    shadows: bool = False
+
+    @classmethod
+    def of(cls, bodies: BodiesOf, waves: WaveField | None, *, shadows: bool = False) -> SceneObjects | None:
+        """Objects over a sea, with ``shadows`` on its glint or without; None where there are none."""
+        found = bodies(waves)
+        return cls(Drawer.of(found), bodies, shadows) if found else None
+
+    def over(self, waves: WaveField | None) -> SceneObjects:
+        """The same over another realisation of the sea."""
+        return replace(self, drawer=self.drawer.moved(self._bodies(waves)))
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the objects."""
+        return tuple(body.name for body in self.drawer.bodies)
+
+    def draw(
+        self,
+        scene: SweptScene | TurnedScene,
+        pose: Pose,
+        time: float,
+        image: tuple[Layers, Instant],
+        window: tuple[tuple[int, int], tuple[int, int]],
+    ) -> Drawn:
+        """Objects over an image of the sea, the one of ``window = (columns, rows)``, first and end."""
+        layers, sea = image
+        waves = None if scene.waves is None else (sea.levels, sea.surface)
+        stage = Stage(scene.pixels, pose, scene.seen_from(pose), waves, *window)
+        picture = self.drawer.picture(stage, time)
+        if self.shadows:
+            layers = shadowed(layers, stage, picture.placed, self.drawer.light(stage.view))
+        out, sights = composed(layers, stage, picture, self.drawer.light(stage.view))
+        if "object_id" in out:
+            whole = numbers_of(sights, (stage.imager.rows, stage.imager.columns), around=stage.imager.goes_round)
+            out = Layers({**out, "object_id": whole[slice(*window[1]), slice(*window[0])].astype(np.float32)})
+        return Drawn(out, layers.radiance, sights)
+
+    def truth(self, drawn: Drawn, scene: SweptScene | TurnedScene, oversampling: int = 1) -> Mapping[str, NDArray[Any]]:
+        """What is stored of the objects of a frame, by variable of the group ``truth``."""
+        kelvin = self.drawer.light(scene.view).kelvin
+        numbers, masks, which = labels(drawn.sights, drawn.sea, kelvin, oversampling, around=scene.pixels.goes_round)
+        return {**numbers, "object_mask": packed(masks), "object_id": which}
+
+    def layout(self) -> Truth:
+        """What the group holds."""
+        return Truth(self.names)
+
+
+def bodies_of(scenario: Scenario) -> BodiesOf:
+    """Bodies of a scenario's ``[[objects]]``; none without.
+
+    Raises
+    ------
+    ScenarioError
+        When asked for: objects that do not fit the scene.
+    """
+    if not getattr(scenario, "objects", None):
+        return lambda waves: ()
+    from seaglint.studies.prepare.bodies import bodies
+
+    def made(waves: WaveField | None) -> tuple[Body, ...]:
+        try:
+            return tuple(bodies(scenario, waves))
+        except DomainError as error:
+            raise ScenarioError(str(error)) from error
+
+    return made

@@ -1,0 +1,357 @@
+"""A sensor put on frames of radiance: of a scenario that is rendered, or of anybody's recording."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.analysis.recording import Recording
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError, DomainError
+from seaglint.base.threads import single_threaded_algebra
+from seaglint.cluster import Workers
+from seaglint.cluster.job import ATTEMPTS
+from seaglint.files.provenance import provenance
+from seaglint.files.recording.image_attributes import Source
+from seaglint.files.store.layout import Layout
+from seaglint.files.store.share import Share
+from seaglint.files.store.store import Frame, Progress, check_output, write_sequence
+from seaglint.instrument.bolometer import ThermalDetector, lag_weights
+from seaglint.instrument.chain import Exposure, SensorModel, require_radiance
+from seaglint.instrument.detector import Detector
+from seaglint.instrument.transfer import require_divides
+from seaglint.optics.band import Band
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.records.sensor import AGREEMENT
+from seaglint.studies.prepare.sensor_model import sensor_attributes, sensor_model
+from seaglint.studies.sequence.spread import over
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Fine = Callable[[int], NDArray[np.float32]]
+"""Radiance of a frame, finer than the pixels [W m-2 sr-1, (rows, columns)]."""
+
+Rates = Callable[[int], tuple[float, float]]
+"""Movement of the line of sight in a frame, along and across rows [rad s-1]."""
+
+
+def still(number: int) -> tuple[float, float]:
+    """A platform that does not turn."""
+    return (0.0, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class SensedFrames:
+    """Frames of a sensor, each a function of its number.
+
+    Attributes
+    ----------
+    model : SensorModel
+        The sensor.
+    fine : callable
+        ``fine(number)`` is the radiance of a frame.
+    oversampling : int
+        Fine pixels along a pixel's side.
+    first : int
+        Number of the earliest frame that there is: before it a thermal detector has seen the same.
+    rates : callable
+        ``rates(number)`` is the movement of the line of sight by the platform.
+    """
+
+    model: SensorModel
+    fine: Fine
+    oversampling: int
+    first: int = 0
+    rates: Rates = still
+    _seen: OrderedDict[int, NDArray[np.float32]] = field(default_factory=OrderedDict, repr=False)
+
+    def exposure(self, number: int) -> Exposure:
+        """A frame with its noise."""
+        detector = self.model.detector
+        if not isinstance(detector, ThermalDetector) or detector.time_constant == 0.0:
+            return self.model.expose(self._focal_plane(number), number)
+        weights = lag_weights(detector.time_constant, self.model.frame_interval)
+        seen = np.zeros(1, np.float64)
+        # The frame itself last: what else is asked of it is then at hand.
+        for back in range(len(weights) - 1, -1, -1):
+            seen = seen + weights[back] * self._kept(max(number - back, self.first), len(weights))
+        return self.model.expose(seen.astype(np.float32), number)
+
+    def _focal_plane(self, number: int) -> NDArray[np.float32]:
+        return self.model.focal_plane(self.fine(number), self.oversampling, self.rates(number))
+
+    def _kept(self, number: int, most: int) -> NDArray[np.float32]:
+        if number not in self._seen:
+            self._seen[number] = self._focal_plane(number)
+        self._seen.move_to_end(number)
+        found = self._seen[number]
+        while len(self._seen) > most:
+            self._seen.popitem(last=False)
+        return found
+
+    def images(self, number: int, wanted: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+        """What is stored of a frame by itself: ``signal``, ``electrons`` where wanted, ``saturated_share``."""
+        found = self.exposure(number)
+        out: dict[str, NDArray[Any]] = {"signal": found.signal, "saturated_share": np.float32(found.saturated_share)}  # type: ignore[dict-item]
+        if "electrons" in wanted:
+            out["electrons"] = found.units
+        return out
+
+
+def require_electrons(scenario: Scenario, electrons: bool) -> None:
+    """Refuse electrons of a detector that has none.
+
+    Raises
+    ------
+    DataError
+        A thermal detector.
+    """
+    if electrons and scenario.sensor.detector is not None and scenario.sensor.detector.kind == "thermal":
+        raise DataError("--electrons: sensor.detector.kind = 'thermal' absorbs power and has no electrons; leave --electrons out")
+
+
+def sense(
+    recording: Recording,
+    scenario: Scenario,
+    output: str | Path,
+    *,
+    source: Source | None = None,
+    seed: int | None = None,
+    oversampling: int | None = None,
+    electrons: bool = False,
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+    share: Share | None = None,
+    workers: Workers | None = None,
+    reopen: Reopen | None = None,
+) -> Path | str:
+    """Put a scenario's sensor on a recording of radiance and store its counts.
+
+    Parameters
+    ----------
+    recording : Recording
+        Radiance at the aperture [W m-2 sr-1]; its size makes that of the detector.
+    scenario : Scenario
+        With ``[sensor.optics]`` and ``[sensor.detector]``.
+    output : path
+        Store to make, customarily ``*.zarr``.
+    source : Source, optional
+        What the recording says of its band and pixels.
+    seed : int, optional
+        Of the noise; the scenario's by default.
+    oversampling : int, optional
+        Pixels of the recording along each side of the detector's; found from the recording's own pixels where it tells them, else 1.
+    electrons : bool
+        Whether electrons are written beside counts.
+    resume, overwrite : bool
+        Go on with an unfinished store, or replace what is there.
+    progress : callable, optional
+        Called with (frames done, frames in all).
+    share : Share, optional
+        Make its units alone, in a store that other shares write too; :func:`seaglint.files.store.store.finish_sequence` names it.
+    workers : Workers, optional
+        Who makes the frames; this process by default. They read the recording themselves, which takes ``reopen``.
+    reopen : Reopen, optional
+        How others open the recording.
+
+    Raises
+    ------
+    SeaglintError
+        No sensor, a picture that the oversampling does not divide, values that are no radiances, a store that is there already.
+    """
+    check_output(output, resume=resume, overwrite=overwrite, share=share)
+    if workers is not None and reopen is None:
+        raise DataError(f"{recording.source}: is in this process alone; give workers a file, or none")
+    with single_threaded_algebra():
+        frames, layout = prepare_sense(recording, scenario, source=source, seed=seed, oversampling=oversampling, electrons=electrons)
+        frames.fine(frames.first)  # what is no radiance is told before anything is written
+        settings = (reopen, scenario, seed, oversampling, electrons)
+        return write_sequence(
+            output, layout, partial(frames.images, wanted=layout.variables), resume=resume, overwrite=overwrite, progress=progress,
+            share=share, spread=over(workers, _reopened_frames, settings), attempts=ATTEMPTS,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Reopen:
+    """A recording by name, for other processes."""
+
+    path: Path
+    frame_rate: float | None = None
+    variable: str | None = None
+
+
+def _reopened_frames(settings: tuple[Reopen, Scenario, int | None, int | None, bool]) -> tuple[Layout, Frame]:
+    """Layout and frames in another process."""
+    from seaglint.files.recording import open_recording
+    from seaglint.files.recording.image_attributes import source_of
+
+    file, scenario, seed, oversampling, electrons = settings
+    opened = open_recording(str(file.path), frame_rate=file.frame_rate, variable=file.variable)
+    known = source_of(file.path)
+    frames, layout = prepare_sense(opened, scenario, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
+    return layout, partial(frames.images, wanted=layout.variables)
+
+
+def prepare_sense(
+    recording: Recording,
+    scenario: Scenario,
+    *,
+    source: Source | None = None,
+    seed: int | None = None,
+    oversampling: int | None = None,
+    electrons: bool = False,
+) -> tuple[SensedFrames, Layout]:
+    """The frames that :func:`sense` writes, and what is known of them before the first; arguments as there."""
+    require_electrons(scenario, electrons)
+    known = source or Source()
+    model = sensor_model(scenario, seed)
+    if recording.frame_rate:
+        model = replace(model, frame_interval=1.0 / recording.frame_rate)
+        _require_exposure(model, recording)
+    if known.band is not None:
+        _require_band(known.band, model.photons.band)
+    times = _oversampling(model, known, oversampling)
+    shape = _divided((recording.rows, recording.columns), times, recording.source)
+    rows, columns = shape
+    model = replace(model, circle=model.circle and columns == scenario.sensor.pixels[0])
+
+    numbers = range(recording.frames) if known.frames is None or len(known.frames) != recording.frames else known.frames
+
+    def fine(number: int) -> NDArray[np.float32]:
+        index = number - numbers.start
+        radiance: NDArray[np.float32] = recording.read(index, index + 1)[0]
+        if recording.offset:
+            radiance = np.asarray(radiance + recording.offset, np.float32)
+        require_radiance(radiance, f"{recording.source}, frame {number}: radiance")
+        return radiance
+
+    azimuth, elevation = _directions(scenario, model, known, (rows, columns), times)
+    layout = Layout(
+        azimuth_deg=azimuth,
+        elevation_deg=elevation,
+        frames=numbers,
+        frame_rate=1.0 / model.frame_interval,
+        band=model.photons.band,
+        variables=("signal", *(("electrons",) if electrons else ())),
+        per_frame=("saturated_share",),
+        details={"signal": signal_attributes(model)},
+        attributes=provenance(
+            "Infrared image sequence of a detector",
+            scenario.model_dump_json(exclude_none=True),
+            scenario.seed,
+            **sensor_attributes(model, times),
+            radiance_source=recording.source,
+        ),
+    ).in_units(recording.frames)
+    return SensedFrames(_told(model, recording), fine, times, numbers.start), layout
+
+
+def signal_attributes(model: SensorModel) -> dict[str, Any]:
+    """Attributes of the variable ``signal``: the line to radiance."""
+    line = model.readout
+    return {
+        "gain": line.gain,
+        "offset": line.offset,
+        "gain_units": "electrons per count" if isinstance(model.detector, Detector) else "nanowatts per count",
+        "radiance_scale": line.radiance_scale,
+        "radiance_offset": line.radiance_offset,
+        "saturation_counts": float(line.counts(line.full_scale)),
+    }
+
+
+def sensed_dataset(frames: SensedFrames, layout: Layout) -> xr.Dataset:
+    """All frames in memory, labelled as the store is."""
+    import xarray as xr
+
+    from seaglint.base.schema import VARIABLES
+    from seaglint.files.netcdf import plain_attributes
+
+    found: list[Mapping[str, Any]] = [frames.images(number, layout.variables) for number in layout.frames]
+    data: dict[str, Any] = {
+        name: (("time", "y", "x"), np.stack([f[name] for f in found]), {**VARIABLES[name].attributes, **layout.details.get(name, {})})
+        for name in layout.variables
+    }
+    for name in layout.per_frame:
+        data[name] = ("time", np.array([f[name] for f in found], np.float32), VARIABLES[name].attributes)
+    numbers = np.asarray(layout.frames, np.int64)
+    coordinates = {
+        "time": ("time", numbers / layout.frame_rate, VARIABLES["time"].attributes),
+        "frame": ("time", numbers, VARIABLES["frame"].attributes),
+        "azimuth": ("x", layout.azimuth_deg, VARIABLES["azimuth"].attributes),
+        "elevation": ("y", layout.elevation_deg, VARIABLES["elevation"].attributes),
+    }
+    return xr.Dataset(data, coords=coordinates, attrs=plain_attributes(layout.all_attributes))
+
+
+def _told(model: SensorModel, recording: Recording) -> SensorModel:
+    """The model, refused where the recording says that its numbers are no radiances."""
+    units = (recording.units or "").strip()
+    wrong = {"K", "kelvin", "degC", "count", "counts", "DN", "1"}
+    if units in wrong:
+        raise DataError(
+            f"{recording.source}: its values are in '{units}'; a sensor is put on radiance at the aperture, W m-2 sr-1: give another "
+            "variable with --variable, or convert it"
+        )
+    return model
+
+
+def _require_exposure(model: SensorModel, recording: Recording) -> None:
+    if model.exposure_time > model.frame_interval * (1.0 + 1e-9):
+        raise DataError(
+            f"{recording.source}: its frames are {model.frame_interval:g} s apart, and sensor.detector.integration_time_s is "
+            f"{model.exposure_time:g} s, longer than a frame; shorten it, or give --frame-rate"
+        )
+
+
+def _require_band(given: Band, own: Band) -> None:
+    if abs(given.min_um - own.min_um) > 1e-3 * own.min_um or abs(given.max_um - own.max_um) > 1e-3 * own.max_um:
+        raise DataError(
+            f"the radiance is that of {given.min_um:g} to {given.max_um:g} um, and the scenario's band that of {own.min_um:g} to "
+            f"{own.max_um:g} um; set band.min_um and band.max_um to the radiance's, or render it anew"
+        )
+
+
+def _oversampling(model: SensorModel, known: Source, given: int | None) -> int:
+    """What was said, or what the pixels of the recording say."""
+    if given is not None or known.step is None:
+        return 1 if given is None else given
+    ratio = model.ifov / known.step[1]
+    nearest = max(round(ratio), 1)
+    if abs(ratio / nearest - 1.0) > AGREEMENT:
+        raise DataError(
+            f"pixels of the radiance are {1e3 * known.step[1]:.5g} mrad and those of the sensor {1e3 * model.ifov:.5g} mrad, no whole "
+            "number of them; give --oversampling, or correct sensor.optics"
+        )
+    return nearest
+
+
+def _divided(shape: tuple[int, int], oversampling: int, source: str) -> tuple[int, int]:
+    try:
+        return require_divides(shape, oversampling)
+    except DomainError as error:
+        raise DataError(f"{source}: --{error}") from error
+
+
+def _directions(
+    scenario: Scenario, model: SensorModel, known: Source, shape: tuple[int, int], oversampling: int
+) -> tuple[FloatArray, FloatArray]:
+    """Azimuth and elevation of the detector's pixels [deg]: those of the recording's averaged, or about the scenario's line of sight."""
+    rows, columns = shape
+    if known.azimuth_deg is not None and known.elevation_deg is not None:
+        return (
+            known.azimuth_deg.reshape(columns, oversampling).mean(axis=1),
+            known.elevation_deg.reshape(rows, oversampling).mean(axis=1),
+        )
+    step = np.degrees(model.ifov)
+    azimuth = scenario.sensor.azimuth_deg + (np.arange(columns) - 0.5 * (columns - 1)) * step
+    return azimuth, scenario.sensor.elevation_deg - (np.arange(rows) - 0.5 * (rows - 1)) * step

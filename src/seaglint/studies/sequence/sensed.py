@@ -1,0 +1,288 @@
+"""A scenario with a sensor becomes a stored sequence of counts: drawn finer, blurred, integrated, read out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.base.threads import thread_limit
+from seaglint.cluster import Workers
+from seaglint.cluster.job import ATTEMPTS
+from seaglint.files.store.layout import Layout
+from seaglint.files.store.share import Share
+from seaglint.files.store.store import Frame, Progress, check_output, write_sequence
+from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
+from seaglint.instrument.scan import Scan
+from seaglint.optics.band import apparent_temperature
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.presets.sensor_presets import TABLES
+from seaglint.studies.prepare.kept import Kept
+from seaglint.studies.prepare.memory import require_memory
+from seaglint.studies.prepare.sensor_model import line_of_sight_rates, scan, sensor_attributes, sensor_model
+from seaglint.studies.sequence import render_sequence as plain
+from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
+from seaglint.studies.sequence.scene_objects import Drawn
+from seaglint.studies.sequence.sense import SensedFrames, require_electrons, signal_attributes
+from seaglint.studies.sequence.spread import over
+
+ROLLING_PARTS: Final = 8
+"""Instants at which a picture with a rolling shutter is drawn: rows take that next to their own, at most a sixteenth of the reading off."""
+
+
+def render(
+    scenario: Scenario,
+    output: str | Path,
+    *,
+    frames: range | None = None,
+    threads: int | None = None,
+    resume: bool = False,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+    electrons: bool = False,
+    radiance: bool = False,
+    share: Share | None = None,
+    workers: Workers | None = None,
+) -> Path | str:
+    """Render frames of a scenario: counts where it has a detector, else the radiance at the aperture.
+
+    Parameters
+    ----------
+    scenario, output, frames, threads, resume, overwrite, progress, share, workers
+        As :func:`seaglint.studies.sequence.render_sequence.render`.
+    electrons, radiance : bool
+        With a detector: write electrons, and the radiance at the aperture averaged over pixels, beside counts.
+
+    Returns
+    -------
+    path
+        ``output``.
+    """
+    require_electrons(scenario, electrons)
+    if not scenario.sensor.senses:
+        if electrons or radiance:
+            raise DataError(
+                "--electrons and --radiance go with a sensor, and the scenario has no [sensor.detector]; leave them out, or add one "
+                "(radiance is written without)"
+            )
+        return plain.render(
+            scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress,
+            share=share, workers=workers,
+        )  # fmt: skip
+    check_output(output, resume=resume, overwrite=overwrite, share=share)
+    with thread_limit(threads):
+        settings = (scenario, frames, electrons, radiance)
+        layout, images = prepared_frames(settings)
+        spread = over(workers, prepared_frames, settings)
+        return write_sequence(
+            output, layout, images, resume=resume, overwrite=overwrite, progress=progress, share=share, spread=spread, attempts=ATTEMPTS
+        )
+
+
+def prepared_frames(settings: tuple[Scenario, range | None, bool, bool]) -> tuple[Layout, Frame]:
+    """Layout and frames of a scenario with a detector: some frames where asked, with electrons and with radiance."""
+    scenario, frames, electrons, radiance = settings
+    run = prepare_sensed(scenario, frames, electrons=electrons, radiance=radiance)
+    return run.layout, run.images
+
+
+@dataclass(frozen=True, eq=False)
+class SensedSequence:
+    """Everything that is made before the first frame; make it with :func:`prepare_sensed`.
+
+    Attributes
+    ----------
+    fine : Sequence
+        The scene, drawn finer than the detector's pixels.
+    sensed : SensedFrames
+        The sensor on it.
+    scan : Scan
+        When columns and rows are taken.
+    layout : Layout
+        What the store holds.
+    fine_scenario : Scenario
+        The scenario that is drawn: more pixels, and no sensor.
+    """
+
+    fine: Sequence
+    sensed: SensedFrames
+    scan: Scan
+    layout: Layout
+    fine_scenario: Scenario
+
+    def images(self, number: int) -> Mapping[str, NDArray[Any]]:
+        """What is stored of a frame, by variable."""
+        out = self.sensed.images(number, self.layout.variables)
+        drawn: Any = self.sensed.fine
+        if self.fine.objects is not None:
+            scene = self.fine.scene_at(number / self.layout.frame_rate)
+            out |= self.fine.objects.truth(drawn.drawn(number), scene, self.sensed.oversampling)
+        others = [name for name in self.layout.variables if name not in out]
+        if not others:
+            return out
+        averaged = binned(drawn.drawn(number).layers, self.sensed.oversampling)
+        for name in others:
+            if name == "apparent_temperature":
+                view = self.fine.scene.view
+                out[name] = apparent_temperature(averaged["radiance"], view.band, view.atmosphere.wavenumber_cm)
+            else:
+                out[name] = averaged[name]
+        return out
+
+
+@dataclass(eq=False)
+class _Drawn:
+    """Fine pictures by number; the latest is kept, for what else is asked of it."""
+
+    sequence: Sequence
+    scan: Scan
+    oversampling: int
+    latest: tuple[int, Drawn] | None = field(default=None)
+
+    def __call__(self, number: int) -> NDArray[np.float32]:
+        return self.drawn(number).layers.radiance
+
+    def drawn(self, number: int) -> Drawn:
+        if self.latest is None or self.latest[0] != number:
+            self.latest = (number, drawn_in_time(self.sequence, self.scan, self.oversampling, number / self.sequence.layout.frame_rate))
+        return self.latest[1]
+
+
+def drawn_in_time(sequence: Sequence, way: Scan, oversampling: int, time: float) -> Drawn:
+    """A fine picture and what is seen of objects in it, each of its columns or rows at its own instant.
+
+    Parameters
+    ----------
+    sequence : Sequence
+        The scene.
+    way : Scan
+        When columns and rows are taken.
+    oversampling : int
+        Fine pixels in a pixel of the detector: these have one instant.
+    time : float
+        Of the frame [s].
+    """
+    if way.instantaneous:
+        return sequence.drawn(time)
+    if way.kind == "staring":
+        return _rolled(sequence, way, oversampling, time)
+    columns = sequence.layout.shape[2] // oversampling
+    delays = way.column_delays(columns)
+    parts, begin = [], 0
+    for end in range(1, columns + 1):
+        if end < columns and delays[end] == delays[begin]:
+            continue
+        parts.append(sequence.drawn(time + float(delays[begin]), (begin * oversampling, end * oversampling)))
+        begin = end
+    return Drawn.beside(parts)
+
+
+def _rolled(sequence: Sequence, way: Scan, oversampling: int, time: float) -> Drawn:
+    rows = sequence.layout.shape[1] // oversampling
+    delays = way.row_delays(rows)
+    parts: list[Drawn] = []
+    for some in np.array_split(np.arange(rows), min(ROLLING_PARTS, rows)):
+        instant = time + float(delays[some].mean())
+        parts.append(sequence.drawn(instant).rows(int(some[0]) * oversampling, (int(some[-1]) + 1) * oversampling))
+    return Drawn.below(parts)
+
+
+def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
+    """Means of layers over the detector's pixels; ranges and slopes over what is seen of the sea."""
+
+    def mean(image: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
+        rows, columns = image.shape[0] // oversampling, image.shape[1] // oversampling
+        return np.asarray(image.reshape(rows, oversampling, columns, oversampling).mean(axis=(1, 3), dtype=np.float64))
+
+    over_sea = {"range", "slope"} & set(layers)
+    out = {name: mean(layers[name]).astype(np.float32) for name in layers if name not in over_sea}
+    for name in over_sea:
+        seen = np.isfinite(layers[name])
+        share = layers["coverage"] if "coverage" in layers else seen.astype(np.float32)
+        weight = mean(np.where(seen, share, 0.0))
+        total = mean(np.where(seen, share * np.nan_to_num(layers[name]), 0.0))
+        out[name] = np.where(weight > LEAST_SEEN, total / np.maximum(weight, LEAST_SEEN), np.nan).astype(np.float32)
+    if "glint_share" in out:
+        out["glint_share"] = share_of_glint(out["glint_radiance"], out["radiance"])
+    return out
+
+
+def prepare_sensed(
+    scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, kept: Kept | None = None
+) -> SensedSequence:
+    """The scene drawn finer and the sensor on it; also the way to single frames in Python. ``kept`` is what scenes share.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> tables = {"optics": {"aperture_m": 0.02, "f_number": 2.0}, "detector": {"pitch_um": 15.0}}
+    >>> small = parse_scenario({"sensor": {"pixels": [8, 4], **tables}, "sea": {"resolve_waves": False}})
+    >>> found = prepare_sensed(small).images(0)["signal"]
+    >>> found.shape, found.dtype
+    ((4, 8), dtype('uint16'))
+    """
+    model = sensor_model(scenario)
+    n = scenario.render.oversampling or model.oversampling
+    require_memory(scenario, n)
+    sensor, way = scenario.sensor, scan(scenario)
+    columns, rows = sensor.pixels
+    finer = sensor.model_copy(update={**dict.fromkeys(TABLES), "pixels": (columns * n, rows * n)})
+    settings = scenario.render.model_copy(update={"apparent_temperature": False})
+    scanned = way.kind != "staring" and way.period > 0.0
+    fine = scenario.model_copy(update={"sensor": finer, "render": settings})
+    sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True, kept=kept)
+    _require_track(sequence, way, sensor.pixels)
+    drawn = _Drawn(sequence, way, n)
+
+    def rates(number: int) -> tuple[float, float]:
+        return line_of_sight_rates(sequence.track, number / sequence.layout.frame_rate, model.exposure_time, sensor.projection)
+
+    sensed = SensedFrames(model, drawn, n, rates=rates)
+    own = sequence.layout
+    derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()
+    layout = replace(
+        own,
+        azimuth_deg=_coarse(own.azimuth_deg, n),
+        elevation_deg=_coarse(own.elevation_deg, n),
+        variables=(
+            "signal",
+            *(("electrons",) if electrons else ()),
+            *(("radiance",) if radiance else ()),
+            *derived,
+            *scenario.render.layers,
+        ),
+        per_frame=("saturated_share",),
+        details={"signal": signal_attributes(model)},
+        attributes={
+            **own.attributes,
+            "title": "Infrared image sequence of a detector looking at the sea",
+            "scenario": scenario.model_dump_json(exclude_none=True),
+            **sensor_attributes(model, n),
+            "scan": way.kind,
+            "scan_period_s": way.period,
+        },
+    )
+    return SensedSequence(sequence, sensed, way, layout.in_units(sensor.frames), fine)
+
+
+def _require_track(sequence: Sequence, way: Scan, pixels: tuple[int, int]) -> None:
+    """Refuse keyframes that end before the last frame's last column or row."""
+    layout = sequence.layout
+    if layout.frames:
+        columns, rows = pixels
+        delay = float(max(way.column_delays(columns).max(), way.row_delays(rows).max()))
+        sequence.track.at(layout.frames[-1] / layout.frame_rate + delay)
+
+
+def _coarse(angles: FloatArray, n: int) -> FloatArray:
+    """Directions of the detector's pixels: means of those of the fine ones, of columns or rows, or of all pixels."""
+    if angles.ndim == 1:
+        return np.asarray(angles.reshape(-1, n).mean(axis=1))
+    rows, columns = angles.shape[0] // n, angles.shape[1] // n
+    return np.asarray(angles.reshape(rows, n, columns, n).mean(axis=(1, 3)))

@@ -1,0 +1,1 @@
+"""Statistical textures of recordings, and endless sequences of them."""

@@ -1,0 +1,149 @@
+"""A texture in the perspective of a scenario: a sequence that stands in for a rendered one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Final, Literal
+
+import numpy as np
+
+from seaglint.base.conventions import FloatArray
+from seaglint.base.errors import DataError
+from seaglint.base.threads import single_threaded_algebra
+from seaglint.files.provenance import provenance, stored_band
+from seaglint.files.store.layout import Layout
+from seaglint.files.store.store import Progress, check_output, write_sequence
+from seaglint.files.texture_file import StoredTexture
+from seaglint.scenario.model import Scenario
+from seaglint.studies.mean.mean_map import mean as mean_map
+from seaglint.studies.prepare import prepare
+from seaglint.studies.texture.texture_sequences import latent_model
+from seaglint.texture.placement import Footprints, Plane, fluctuation
+from seaglint.texture.synthesis import latent
+
+Contrast = Literal["auto", "glint", "model"]
+
+SIDE: Final = 512
+"""Rows and columns of the field on the sea where nothing is said."""
+
+SAME_RATE: Final = 0.01
+"""Relative difference of frame rates that is none."""
+
+
+def place(
+    stored: StoredTexture,
+    scenario: Scenario,
+    output: str | Path,
+    *,
+    frames: range | None = None,
+    size: tuple[int, int] = (SIDE, SIDE),
+    cell: tuple[float, float] | None = None,
+    contrast: Contrast = "auto",
+    seed: int | None = None,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> Path | str:
+    """Lay a texture on the sea of a scenario and store what its sensor sees.
+
+    Parameters
+    ----------
+    stored : StoredTexture
+        Of a Gauss-Markov field.
+    scenario : Scenario
+        Whose mean map gives mean, horizon and contrast; a standing, upright sensor.
+    output : path
+        Store to make.
+    frames : range, optional
+        Numbers of the frames; all of the scenario by default. The loop is as long as the scenario.
+    size : (int, int)
+        Columns and rows of the periodic field on the sea.
+    cell : (float, float), optional
+        Length along the range and width of its pixels [m]; the nearest pixel's footprint by default.
+    contrast : {"auto", "glint", "model"}
+        Standard deviation of a pixel: that of glint in the mean map, with its mean; or the model's ratio to the mean, averaged over the
+        footprint, of all that comes from the sea. Auto: glint where the map has any.
+    seed : int, optional
+        Of the field; the scenario's by default.
+    overwrite, progress
+        As in :func:`seaglint.files.store.store.write_sequence`.
+
+    Raises
+    ------
+    SeaglintError
+        A texture without a Gaussian field, or without time for several frames; a turned or moving sensor; a store that exists.
+    """
+    check_output(output, overwrite=overwrite)
+    field, texture = latent_model(stored)
+    sensor = scenario.sensor
+    numbers = frames if frames is not None else range(sensor.frames)
+    if sensor.frames > 1 and len(numbers) > 1 and field.reach[0] == 0:
+        raise DataError(
+            f"{len(numbers)} frames: the texture is that of one picture and has no time; give --frames 0, or fit it to a sequence"
+        )
+    rate = stored.frame_rate
+    if rate is not None and field.reach[0] > 0 and abs(rate / sensor.frame_rate_hz - 1.0) > SAME_RATE:
+        raise DataError(
+            f"sensor.frame_rate_hz = {sensor.frame_rate_hz:g} and the texture's data had {rate:g} Hz, whose frames it counts; "
+            f"set sensor.frame_rate_hz = {rate:g}, or fit a sequence of {sensor.frame_rate_hz:g} Hz"
+        )
+    with single_threaded_algebra():
+        camera = prepare.camera(scenario)
+        means = mean_map(scenario)
+        seed = scenario.seed if seed is None else seed
+        feet = Footprints.of(camera.height, camera.elevations, camera.row_step, camera.columns, camera.column_step)
+        metres = feet.finest() if cell is None else cell
+        deep = max(sensor.frames, 4 * field.reach[0] + 1) if field.reach[0] else 1
+        plane = Plane(latent(field, (deep, size[1], size[0]), seed, texture.modulation), metres, feet)
+        total = means["radiance"].to_numpy().astype(np.float64)
+        glint = contrast == "glint" or (contrast == "auto" and float(means["glint_std"].max()) > 0.0)
+        if glint:
+            lively, spread = (means[name].to_numpy().astype(np.float64) for name in ("glint_radiance", "glint_std"))
+        else:
+            lively = total - means["path_radiance"].to_numpy().astype(np.float64)
+            spread = lively * (_contrast(texture.marginal.variance, texture.marginal.mean) * plane.averaging)[:, None]
+        still = total - lively
+
+        def image(number: int) -> dict[str, FloatArray]:
+            return {"radiance": still + _seen(plane, number, feet, lively, spread, texture.marginal.kind)}
+
+        layout = Layout(
+            azimuth_deg=np.degrees(camera.azimuths),
+            elevation_deg=np.degrees(camera.elevations),
+            frames=numbers,
+            frame_rate=sensor.frame_rate_hz,
+            band=stored_band(means.attrs),
+            attributes=provenance(
+                "Statistical texture in the perspective of a scenario",
+                scenario.model_dump_json(exclude_none=True),
+                seed,
+                texture_model="gauss-markov",
+                texture_source=str(stored.source.get("input", "")),
+                texture_cell_m=list(metres),
+                texture_contrast="glint" if glint else "model",
+                loop_frames=sensor.frames,
+            ),
+        )
+        return write_sequence(output, layout, image, overwrite=overwrite, progress=progress)
+
+
+def _seen(plane: Plane, number: int, feet: Footprints, mean: FloatArray, spread: FloatArray, tails: str) -> FloatArray:
+    out = mean.copy()
+    sea = feet.sea
+    out[sea] = fluctuation(plane.frame(number)[sea], mean[sea], spread[sea], tails)  # type: ignore[arg-type]
+    return out
+
+
+def _contrast(variance: float, mean: float) -> float:
+    """Standard deviation over mean of the data.
+
+    Raises
+    ------
+    DataError
+        A mean that is not above 0: of filtered data, say.
+    """
+    if not mean > 0.0:
+        raise DataError(
+            f"the texture's mean is {mean:g}: its ratio to the standard deviation means nothing; fit it to radiances or counts, or take "
+            "--contrast glint"
+        )
+    return float(np.sqrt(variance) / mean)

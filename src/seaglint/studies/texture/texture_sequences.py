@@ -1,0 +1,434 @@
+"""Recordings become textures, textures become endless sequences, and both are compared."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.analysis.recording import Recording
+from seaglint.base.errors import DataError
+from seaglint.base.schema import VARIABLES
+from seaglint.base.threads import single_threaded_algebra
+from seaglint.clutter.correlation import trend_surface
+from seaglint.files.netcdf import plain_attributes
+from seaglint.files.provenance import provenance
+from seaglint.files.store.layout import Layout
+from seaglint.files.store.store import Progress, check_output, write_sequence
+from seaglint.files.texture_file import StoredTexture, read_texture
+from seaglint.texture import gauss_markov_fit as estimation
+from seaglint.texture.autobinomial_texture import AutobinomialTexture, Way
+from seaglint.texture.autobinomial_texture import fit_texture as fit_autobinomial
+from seaglint.texture.gauss_markov import GaussMarkov
+from seaglint.texture.gaussian_texture import GaussianTexture, fit_texture
+from seaglint.texture.marginals import Tails, fit_marginal
+from seaglint.texture.quality import Comparison, compare
+from seaglint.texture.suitability import Region, parse_region, require_stationary, require_values
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Frames = NDArray[np.float32]
+Kind = Literal["autobinomial", "gauss-markov"]
+
+MOST_VALUES: Final = 3_000_000
+"""Pixels of a sequence that a texture is fitted to: parameters are then known to a part in a thousand."""
+
+STILL: Final = 8
+"""Frames from which on correlations in time are fitted."""
+
+AVERAGED: Final = 8
+"""Part of a side over which the local contrast is averaged before its slow change is taken off."""
+
+NOMINAL_RATE: Final = 25.0
+"""Of a sample whose data had none [Hz]."""
+
+BYTES_PER_PIXEL: Final = 13
+"""Memory that a sample takes at most: field, its transform and the noise."""
+
+
+@dataclass(frozen=True)
+class FitOptions:
+    """How to fit.
+
+    Attributes
+    ----------
+    model : {"gauss-markov", "autobinomial"}
+    tails : str
+        Distribution of the pixels of a Gauss-Markov texture (:data:`seaglint.texture.marginals.TAILS`).
+    region : str or None
+        Rows and columns as ``FIRST:END,FIRST:END``; the whole picture by default.
+    any_region : bool
+        Fit also where the picture is not stationary.
+    detrend : bool
+        Take slow changes of mean and contrast off first.
+    order, isotropic, levels, method, keep_histogram : int, bool, int, str, bool
+        Of an autobinomial field (:func:`seaglint.texture.autobinomial_texture.fit_texture`).
+    product : bool or None
+        Whether a slow field multiplies the fast one; None to find out.
+    seed : int
+        Of the samples.
+    """
+
+    model: Kind = "gauss-markov"
+    tails: Tails = "gaussian"
+    region: str | None = None
+    any_region: bool = False
+    detrend: bool = False
+    order: int = 2
+    isotropic: bool = False
+    levels: int = 16
+    method: Way = "auto"
+    keep_histogram: bool = False
+    product: bool | None = None
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """A texture with the data and the samples that it was judged by."""
+
+    stored: StoredTexture
+    data: Frames
+    sample: Frames
+    comparison: Comparison
+    gaussian: Comparison | None
+
+
+def frames_of(recording: Recording, region: Region, most: int = MOST_VALUES) -> Frames:
+    """Consecutive frames of a region, as many as hold ``most`` values, from the middle of the recording [u]."""
+    count = max(min(recording.frames, most // region.pixels), 1)
+    first = (recording.frames - count) // 2
+    frames = np.ascontiguousarray(region.of(recording.read(first, first + count)), np.float32)
+    if recording.offset:
+        frames += np.float32(recording.offset)
+    return frames
+
+
+def detrended(frames: Frames) -> Frames:
+    """Frames whose slow changes of mean and contrast are taken off: both are everywhere what they are on average."""
+    from scipy.ndimage import uniform_filter
+
+    image = frames.mean(axis=0, dtype=np.float64)
+    trend = trend_surface(image)
+    left = frames - trend
+    power = (left**2).mean(axis=0)
+    # Logarithms of means over some pixels: a surface through powers themselves passes 0 beside a bright edge.
+    local = uniform_filter(power, size=[max(n // AVERAGED, 1) for n in power.shape])
+    spread = np.exp(0.5 * trend_surface(np.log(np.maximum(local, 1e-6 * power.mean())), degree=2))
+    flat = left / spread
+    return np.asarray(trend.mean() + math.sqrt(float(power.mean())) * flat / flat.std(), np.float32)
+
+
+@single_threaded_algebra()
+def fit(recording: Recording, options: FitOptions) -> Fitted:
+    """Fit a texture to a recording and judge it.
+
+    Raises
+    ------
+    DataError, DomainError
+        Missing or equal values, too few pixels, a picture that is not stationary, a region outside it.
+    """
+    region = parse_region(options.region or ":,:", recording.rows, recording.columns)
+    data = frames_of(recording, region)
+    require_values(data, two=options.model == "autobinomial" and options.levels == 2)
+    notes: list[str] = []
+    if len(data) < recording.frames:
+        notes.append(f"fitted to {len(data)} of {recording.frames} frames, from the middle")
+    if options.detrend:
+        data = detrended(data)
+        notes.append("slow changes of mean and contrast were taken off")
+    if not options.any_region:
+        notes += require_stationary(data, region, detrended=options.detrend)
+    if 1 < len(data) < STILL:
+        notes.append(f"{len(data)} frames are too few for correlations in time (at least {STILL}): frames count as pictures of their own")
+    texture: GaussianTexture | AutobinomialTexture
+    if options.model == "autobinomial":
+        texture, told, made = _autobinomial(data, options)
+    else:
+        texture, told, made = _gauss_markov(data, options)
+    notes += made
+    sample = sample_like(texture, data, options.seed)
+    comparison = compare(data, sample, ("data", "sample"), consecutive=len(data) >= STILL)
+    plain = _plain(texture, data)
+    gaussian = None
+    if plain is not None:
+        gaussian = compare(data, sample_like(plain, data, options.seed), ("data", "Gaussian sample"), consecutive=len(data) >= STILL)
+    quality: dict[str, Any] = {**comparison.as_dict(), "held_out": _held_out(data, options, texture)}
+    if gaussian is not None:
+        quality["gaussian_filtered_rates"] = gaussian.as_dict()["filtered_rates"]
+    source = {
+        "input": recording.source,
+        "region": str(region),
+        "frames": len(data),
+        "rows": data.shape[1],
+        "columns": data.shape[2],
+        "units": recording.units,
+        "frame_rate_hz": recording.frame_rate,
+        "seed": options.seed,
+    }
+    return Fitted(StoredTexture(texture, source, told, quality, tuple(notes)), data, sample, comparison, gaussian)
+
+
+def _gauss_markov(data: Frames, options: FitOptions) -> tuple[GaussianTexture, dict[str, Any], tuple[str, ...]]:
+    found = fit_texture(data, options.tails, product=options.product, seed=options.seed)
+    field = found.field
+    told = {
+        "standard_errors": list(field.standard_errors),
+        "variance_error": field.variance_error,
+        "log_likelihood": field.log_likelihood,
+        "bic": field.bic,
+        "pixels": field.pixels,
+        "likelihood": "Whittle's, covariances corrected for the border",
+        "correlation_error": found.correlation_error,
+    }
+    return found.texture, told, found.notes
+
+
+def _autobinomial(data: Frames, options: FitOptions) -> tuple[AutobinomialTexture, dict[str, Any], tuple[str, ...]]:
+    found = fit_autobinomial(
+        data[len(data) // 2],
+        options.levels,
+        options.order,
+        isotropic=options.isotropic,
+        method=options.method,
+        keep_histogram=options.keep_histogram,
+        seed=options.seed,
+    )
+    told = {name: value for name, value in found.found.as_dict().items() if name not in ("model", "notes")}
+    return found.texture, {**told, "asked": found.tried}, found.notes
+
+
+def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> GaussianTexture | None:
+    """The Gaussian texture of the same neighbourhood, to be compared with."""
+    if not isinstance(texture, GaussianTexture) or (texture.marginal.kind == "gaussian" and texture.modulation is None):
+        return None
+    return _refit(texture, data, "gaussian")
+
+
+def _refit(texture: GaussianTexture, data: Frames, tails: Tails) -> GaussianTexture:
+    seen = estimation.covariances(data, texture.reach)
+    marginal = fit_marginal(data, tails)
+    known = replace(seen, values=marginal.latent_correlation(seen.values / seen.at((0, 0, 0))), mean=0.0)
+    try:
+        field = estimation.fit(known, texture.field.offsets).model
+    except estimation.NoOptimumError:
+        field = estimation.fit(known.damped(), texture.field.offsets).model
+    return GaussianTexture(field, marginal)
+
+
+def _held_out(data: Frames, options: FitOptions, texture: GaussianTexture | AutobinomialTexture) -> dict[str, Any]:
+    """Pseudo-likelihood of the half that a fit has not seen, beside that of independent Gaussian pixels."""
+    half = len(data) // 2
+    if len(data) >= 2 * STILL:
+        seen, kept = data[:half], data[half:]
+    else:
+        middle = data.shape[2] // 2
+        seen, kept = data[:, :, :middle], data[:, :, middle:]
+    try:
+        if isinstance(texture, GaussianTexture):
+            value = _refit(texture, seen, texture.marginal.kind).pseudo_log_likelihood(kept)
+            alone = float(-0.5 * np.log(2.0 * np.pi * seen.var()) - 0.5 * np.mean((kept - seen.mean()) ** 2) / seen.var())
+        else:
+            half_fit = _autobinomial(seen, replace(options, method="pseudo-likelihood"))[0]
+            value = half_fit.pseudo_log_likelihood(kept)
+            shares = np.maximum(half_fit.histogram, 0.5 / seen.size)
+            alone = float(np.mean(np.log(shares)[half_fit.grey.to_levels(kept)]))
+    except (DataError, ValueError) as error:
+        return {"log_pseudo_likelihood": None, "independent_pixels": None, "reason": str(error)}
+    return {"log_pseudo_likelihood": value, "independent_pixels": alone, "reason": None}
+
+
+def sample_like(texture: GaussianTexture | AutobinomialTexture, data: Frames, seed: int) -> Frames:
+    """Sample of the size of the data, cut from a torus so large that opposite borders are not alike."""
+    frames, rows, columns = data.shape
+    if isinstance(texture, AutobinomialTexture):
+        return texture.sample((1, rows, columns), seed)
+    far = texture.reach
+    deep = max(2 * frames if frames >= STILL else frames, 4 * far[0] + 1)
+    wide = [max(math.ceil(1.25 * n), 4 * r + 1) for n, r in zip((rows, columns), far[1:], strict=True)]
+    return np.ascontiguousarray(texture.sample((min(deep, frames + 32), *wide), seed)[:frames, :rows, :columns])
+
+
+def sample(
+    stored: StoredTexture,
+    output: str | Path,
+    *,
+    size: tuple[int, int],
+    frames: int,
+    seed: int,
+    overwrite: bool = False,
+    progress: Progress | None = None,
+) -> Path | str:
+    """Sample a texture and store it: rows, columns and frames are periodic, so that the sequence can be shown for ever.
+
+    Parameters
+    ----------
+    stored : StoredTexture
+    output : path
+        Store to make, customarily ``*.zarr``.
+    size : (int, int)
+        Columns and rows.
+    frames : int
+        Of the period.
+    seed : int
+    overwrite : bool
+        Replace what is there.
+    progress : callable, optional
+        Called with (frames written, frames in all).
+
+    Raises
+    ------
+    DataError, DomainError, StorageError
+        A size that does not fit the model, or the memory; a store that exists; no room.
+    """
+    check_output(output, overwrite=overwrite)
+    field = draw(stored, size, frames, seed)
+    layout = _layout(stored, size, frames, seed)
+    return write_sequence(output, layout, lambda number: {"texture": field[number]}, overwrite=overwrite, progress=progress)
+
+
+def _layout(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int) -> Layout:
+    return Layout(
+        azimuth_deg=np.zeros(size[0]),
+        elevation_deg=np.zeros(size[1]),
+        frames=range(frames),
+        frame_rate=stored.frame_rate or NOMINAL_RATE,
+        band=None,
+        variables=("texture",),
+        turning=True,  # nothing is known of where the pixels look
+        details={"texture": {"units": stored.units} if stored.units else {}},
+        attributes=provenance(
+            "Statistical texture, periodic in rows, columns and time",
+            "{}",
+            seed,
+            texture_model=stored.texture.to_dict()["kind"],
+            texture_source=str(stored.source.get("input", "")),
+            loop_frames=frames,
+            **({} if stored.frame_rate else {"frame_rate_note": f"the data had no frame rate; {NOMINAL_RATE:g} Hz is nominal"}),
+        ),
+    )
+
+
+def loop(stored: StoredTexture, *, size: tuple[int, int], frames: int, seed: int) -> xr.Dataset:
+    """The same in memory, labelled as the store is; arguments and errors of :func:`sample`."""
+    import xarray as xr
+
+    field = draw(stored, size, frames, seed)
+    layout = _layout(stored, size, frames, seed)
+    numbers = np.arange(frames)
+    about = {**VARIABLES["texture"].attributes, **layout.details["texture"]}
+    return xr.Dataset(
+        {"texture": (("time", "y", "x"), field, about)},
+        {"time": ("time", numbers / layout.frame_rate, VARIABLES["time"].attributes), "frame": ("time", numbers)},
+        plain_attributes(layout.all_attributes),
+    )
+
+
+def draw(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int) -> Frames:
+    """Frames of a texture on a torus [u, (frames, rows, columns)].
+
+    Raises
+    ------
+    DataError
+        More frames than a model without time has, fewer than its neighbours in time reach, or more pixels than memory holds.
+    DomainError
+        A picture too small for the neighbourhood.
+    """
+    columns, rows = size
+    texture = stored.texture
+    far = texture.reach
+    if frames < 1:
+        raise DataError(f"--frames {frames}: give 1 or more")
+    if frames > 1 and far[0] == 0:
+        kind = "an autobinomial field" if isinstance(texture, AutobinomialTexture) else f"a texture fitted to {_what(stored)}"
+        raise DataError(
+            f"--frames {frames}: {kind} has no time; ask for 1 frame, or fit gauss-markov to a sequence of {STILL} frames or more"
+        )
+    from seaglint.studies.prepare.memory import memory_available
+
+    # A single frame of a field in time is one of a loop.
+    deep = frames if frames > 1 or far[0] == 0 else 4 * far[0] + 1
+    needed, available = BYTES_PER_PIXEL * deep * rows * columns, memory_available()
+    if available is not None and needed > available:
+        raise DataError(
+            f"{frames} frames of {columns} x {rows} pixels take {needed / 1e9:.3g} GB, and {available / 1e9:.3g} GB are free; "
+            "ask for fewer frames or a smaller --size"
+        )
+    return texture.sample((deep, rows, columns), seed)[:frames]
+
+
+def _what(stored: StoredTexture) -> str:
+    frames = int(stored.source.get("frames", 1))
+    return "a single picture" if frames == 1 else f"{frames} frames, in which time changes nothing"
+
+
+def compare_files(
+    first: str | Path, second: str | Path, opened: Callable[[str | Path], Recording], *, regions: Sequence[str | None], seed: int = 0
+) -> tuple[Comparison, Frames, Frames, dict[str, Any] | None]:
+    """Compare two recordings, or a recording and a model, of which a sample as large as the recording is drawn.
+
+    Parameters
+    ----------
+    first, second : path
+        Recordings, or texture files (``.json``), at most one of them.
+    opened : callable
+        ``opened(path)`` is the recording of a path.
+    regions : sequence of str or None
+        Region of the first and of the second.
+    seed : int
+        Of the sample.
+
+    Returns
+    -------
+    comparison : Comparison
+    first, second : ndarray
+        What was compared [u].
+    likelihood : dict or None
+        Pseudo-likelihood of the data under the model, where one of the two is one.
+
+    Raises
+    ------
+    DataError
+        Two models, values that are missing, pictures that are too small.
+    """
+    models = [Path(path).suffix.lower() == ".json" for path in (first, second)]
+    if all(models):
+        raise DataError(f"{first}, {second}: are two models; compare each with the data, or draw samples of both")
+    frames: list[Frames | None] = [None, None]
+    for i, path in enumerate((first, second)):
+        if not models[i]:
+            recording = opened(path)
+            frames[i] = frames_of(recording, parse_region(regions[i] or ":,:", recording.rows, recording.columns))
+    likelihood = None
+    for i, path in enumerate((first, second)):
+        if models[i]:
+            stored, data = read_texture(path), frames[1 - i]
+            assert data is not None
+            require_values(data)
+            frames[i] = sample_like(stored.texture, data, seed)
+            likelihood = {"log_pseudo_likelihood": stored.texture.pseudo_log_likelihood(data), "model": str(path), "pixels": int(data.size)}
+    one, other = frames
+    assert one is not None
+    assert other is not None
+    timed = min(len(one), len(other)) >= STILL
+    return compare(one, other, (str(first), str(second)), consecutive=timed), one, other, likelihood
+
+
+def latent_model(stored: StoredTexture) -> tuple[GaussMarkov, GaussianTexture]:
+    """The Gaussian field of a texture that can be laid on the sea.
+
+    Raises
+    ------
+    DataError
+        An autobinomial texture.
+    """
+    texture = stored.texture
+    if not isinstance(texture, GaussianTexture):
+        raise DataError("an autobinomial texture has no Gaussian field to lay on the sea; fit one with --model gauss-markov")
+    return texture.field, texture

@@ -1,0 +1,179 @@
+"""Statistics of a dragged region, and what exceeds a threshold: the functions of ``seaglint analyze``, on one frame or all."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.analysis import Options, analyze
+from seaglint.analysis.region import Gatherer, number
+from seaglint.analysis.run import FEWEST_PIXELS
+from seaglint.analysis.survey import survey
+from seaglint.base.errors import DataError
+from seaglint.clutter import filters
+from seaglint.clutter.fits import Family, fit
+from seaglint.clutter.thresholds import gaussian_rate, standardise
+from seaglint.viewer.frame_source import Source
+
+BoolArray = NDArray[np.bool_]
+
+SHOWN: Final[tuple[Family, ...]] = ("gamma", "gaussian")
+"""Families drawn over the histogram."""
+
+BINS: Final = 60
+"""Cells of the histogram."""
+
+_CURVE: Final = 160
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """Pixels from ``left`` and ``top`` on, ``width`` and ``height`` of them."""
+
+    left: int
+    top: int
+    width: int
+    height: int
+
+    def mask(self, rows: int, columns: int) -> BoolArray:
+        """True inside.
+
+        Raises
+        ------
+        DataError
+            Nothing of it lies in the image.
+        """
+        out = np.zeros((rows, columns), np.bool_)
+        out[max(self.top, 0) : max(self.top + self.height, 0), max(self.left, 0) : max(self.left + self.width, 0)] = True
+        if not out.any():
+            raise DataError(f"region {self}: lies outside the image of {rows} rows and {columns} columns; drag one inside")
+        return out
+
+
+def quick(source: Source, index: int, where: Rectangle, layer: str | None = None) -> dict[str, Any]:
+    """Moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze --mask``.
+
+    Raises
+    ------
+    DataError
+        A region outside the image or without values.
+    """
+    chosen = source.layer(layer)
+    recording = source.recording(chosen.name, only=index)
+    mask = where.mask(recording.rows, recording.columns)
+    first = survey(recording, lambda _: None)
+    mask &= (first.moments.count > 0) & ~first.dead
+    if not mask.any():
+        raise DataError("the region has no pixel with a value that varies; drag another one")
+    moments = first.moments.region(mask)
+    kept = recording.read(0, 1)
+    gathered = Gatherer(mask, 1, np.zeros(1, np.int64), Options().seed, recording.offset)
+    values, _ = gathered.sample(kept, (1e9, 1e9), mask)
+    inside = kept[0][mask].astype(np.float64) + recording.offset
+    low, high = float(inside.min()), float(inside.max())
+    density, edges = np.histogram(inside, bins=BINS, range=(low, high) if high > low else (low - 0.5, low + 0.5), density=True)
+    at = np.linspace(edges[0], edges[-1], _CURVE)
+    fits: dict[str, Any] = {}
+    for family in SHOWN:
+        found = fit(values, family)
+        with np.errstate(all="ignore"):
+            curve = [number(float(v)) for v in found.pdf(at)] if found.is_valid else None
+        fits[family] = {"shape": found.shape, "loc": found.loc, "scale": found.scale, "reason": found.reason or None, "density": curve}
+    return {
+        "frame": index,
+        "label": chosen.label,
+        "unit": chosen.unit,
+        "pixels": int(mask.sum()),
+        "values": moments.count,
+        "mean": number(moments.mean + recording.offset),
+        "std": number(moments.std),
+        "skewness": number(moments.skewness),
+        "excess_kurtosis": number(moments.excess_kurtosis),
+        "minimum": number(moments.minimum + recording.offset),
+        "maximum": number(moments.maximum + recording.offset),
+        "fits": fits,
+        "histogram": {"edges": edges.tolist(), "density": density.tolist(), "at": at.tolist()},
+    }
+
+
+def whole(source: Source, where: Rectangle, layer: str | None, only: int | None, progress: Callable[[int, int], None]) -> dict[str, Any]:
+    """Everything that ``seaglint analyze --mask`` tells of a region, of one frame or of all that are there.
+
+    Raises
+    ------
+    DataError
+        A region outside the image, or of too few pixels.
+    """
+    recording = source.recording(layer, only=only)
+    mask = where.mask(recording.rows, recording.columns)
+    if int(mask.sum()) < FEWEST_PIXELS:
+        raise DataError(f"the region has {int(mask.sum())} pixels, too few for statistics; drag one of at least {FEWEST_PIXELS}")
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # of numbers that do not exist: the result says what is absent and why
+        found = analyze(recording, Options(mask=mask), progress)
+    if "glint" not in found.regions:
+        raise DataError(f"the region has too few pixels with values ({'; '.join(found.notes)}); drag another one")
+    out = found.regions["glint"].as_dict(recording.frame_rate)
+    region = {"left": where.left, "top": where.top, "width": where.width, "height": where.height}
+    return {"source": recording.source, "units": recording.units, "frame": only, "frames": recording.frames, "region_px": region, **out}
+
+
+def exceedances(
+    source: Source, index: int, sigma: float, filter_name: str, layer: str | None = None, where: Rectangle | None = None
+) -> tuple[dict[str, Any], BoolArray]:
+    """Pixels of a frame above a threshold after a filter, as ``seaglint analyze`` counts them, and where they are.
+
+    Parameters
+    ----------
+    sigma : float
+        Threshold above the mean [standard deviations of the filtered frame in the region].
+    filter_name : str
+        One of :data:`seaglint.clutter.filters.NAMES`, or ``"none"``.
+    where : Rectangle, optional
+        Region; the whole frame by default.
+
+    Raises
+    ------
+    DataError
+        An unknown filter, a threshold that is no number, a region outside the image.
+    """
+    if not 0.0 <= sigma <= 100.0:
+        raise DataError(f"threshold {sigma:g}: give standard deviations from 0 to 100")
+    recording = source.recording(layer, only=index)
+    first = survey(recording, lambda _: None)
+    mask = (first.moments.count > 0) & ~first.dead
+    if where is not None:
+        mask &= where.mask(recording.rows, recording.columns)
+    frame = recording.read(0, 1)
+    frame[:, first.dead] = np.nan
+    filtered = filters.named(filter_name).apply(frame)
+    z = standardise(filtered, mask)[0]
+    above = z > np.float32(sigma)
+    count, pixels = int(np.count_nonzero(above)), int(np.count_nonzero(np.isfinite(z)))
+    rate, expected = count / pixels if pixels else math.nan, float(gaussian_rate(sigma))
+    told = {
+        "frame": index,
+        "threshold_sigma": sigma,
+        "filter": filter_name,
+        "exceedances": count,
+        "pixels": pixels,
+        "rate": number(rate),
+        "gaussian_rate": expected,
+        "ratio": number(rate / expected) if expected > 0.0 else None,
+        "value": _value(filtered[0], mask, sigma, recording.offset) if filter_name == "none" else None,
+    }
+    return told, above
+
+
+def _value(frame: NDArray[np.float32], mask: BoolArray, sigma: float, offset: float) -> float | None:
+    """The threshold as a value of the image."""
+    inside = frame[mask].astype(np.float64)
+    inside = inside[np.isfinite(inside)]
+    return number(float(inside.mean() + sigma * inside.std()) + offset) if inside.size else None

@@ -1,0 +1,202 @@
+"""Small pictures of a scenario, computed in a process of their own so that the page stays alive."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import subprocess
+import sys
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import Any, Final, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from seaglint.base.errors import SeaglintError
+from seaglint.scenario.model import Scenario
+
+Job = Literal["mean", "frame"]
+
+MOST_PIXELS: Final = 160 * 80
+"""Pixels of a small picture; most of the time goes into tables that do not depend on them."""
+
+_COARSE: Final = {"lines_per_column": 2, "variance_error": 0.2, "layers": (), "apparent_temperature": False}
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """Radiance [W m-2 sr-1] and apparent temperature [K] of a small picture, (rows, columns) from the top.
+
+    Attributes
+    ----------
+    azimuth, elevation : ndarray or None
+        Edges of the picture [deg] where it is a grid of them; None for others, which count pixels.
+    pixels : (int, int)
+        Width and height of the whole picture.
+    seconds : float
+        What it took to compute [s].
+    """
+
+    radiance: NDArray[np.float32]
+    temperature: NDArray[np.float32]
+    azimuth: tuple[float, float] | None
+    elevation: tuple[float, float] | None
+    pixels: tuple[int, int]
+    sea: NDArray[np.bool_] | None
+    seconds: float
+
+
+def reduced(scenario: Scenario, most: int = MOST_PIXELS) -> Scenario:
+    """The same view in few pixels and coarse waves: radiance at the aperture, without a detector.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> small = reduced(parse_scenario({}))
+    >>> small.sensor.pixels, small.sensor.fov_deg
+    ((160, 80), (16.0, 8.0))
+    """
+    columns, rows = scenario.sensor.pixels
+    share = min(1.0, math.sqrt(most / (columns * rows)))
+    pixels = (max(1, min(most, round(columns * share))), max(1, min(most, round(rows * share))))
+    bare = {"optics": None, "detector": None, "scan": None, "noise": None}
+    sensor = scenario.sensor.model_copy(update={"pixels": pixels, "frames": 1, "pixel_shape": "any", **bare})
+    coarse = _COARSE | {"tile_size": min(scenario.render.tile_size, 128)}
+    return scenario.model_copy(update={"sensor": sensor, "render": scenario.render.model_copy(update=coarse)})
+
+
+def picture(job: Job, scenario: Scenario) -> Picture:
+    """Compute one.
+
+    Raises
+    ------
+    SeaglintError
+        What the models do not cover.
+    """
+    from seaglint.files.provenance import stored_band
+    from seaglint.plot.scale import sea_pixels
+    from seaglint.plot.sequence_summary import to_temperature
+    from seaglint.studies.mean.mean_map import mean
+    from seaglint.studies.sequence.image import image
+
+    begin = time.perf_counter()
+    small = reduced(scenario)
+    found = mean(small) if job == "mean" else image(small)
+    radiance = np.asarray(found["radiance"].values, np.float32)
+    if job == "mean":
+        temperature = np.asarray(found["apparent_temperature"].values, np.float32)
+    else:
+        temperature = np.asarray(to_temperature(radiance, stored_band(found.attrs)), np.float32)
+    edges = [_edges(found[name].values) if found[name].ndim == 1 else None for name in ("azimuth", "elevation")]
+    return Picture(radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, sea_pixels(found), time.perf_counter() - begin)
+
+
+def _edges(centres: NDArray[Any]) -> tuple[float, float]:
+    step = (centres[-1] - centres[0]) / (centres.size - 1) if centres.size > 1 else 1.0
+    return float(centres[0] - 0.5 * step), float(centres[-1] + 0.5 * step)
+
+
+class Overtaken(Exception):  # noqa: N818 - no error: a newer change made the picture needless
+    """A newer change came."""
+
+
+class Order:
+    """One picture asked for; :meth:`drop` it when a newer one is wanted."""
+
+    def __init__(self, job: Job, scenario: Scenario) -> None:
+        self.job: Job = job
+        self.scenario = scenario
+        self.dropped = threading.Event()
+
+    def drop(self) -> None:
+        """Not wanted any more."""
+        self.dropped.set()
+
+
+class Painter:
+    """A process that computes pictures, one after the other; started with the first, and anew where it died.
+
+    A picture that is not wanted any more is not begun. One that is under way is finished, which takes a second: its tables are kept for the
+    next. After :attr:`patience` seconds its process is ended.
+    """
+
+    patience = 8.0
+
+    def __init__(self) -> None:
+        self._line = ThreadPoolExecutor(1, thread_name_prefix="painter")
+        self._process: subprocess.Popen[bytes] | None = None
+        self._lock = threading.Lock()
+
+    @property
+    def line(self) -> ThreadPoolExecutor:
+        """The thread in which :meth:`paint` waits for the process."""
+        return self._line
+
+    def paint(self, order: Order) -> Picture:
+        """Wait for a picture; called in :attr:`line`.
+
+        Raises
+        ------
+        Overtaken
+            It was dropped.
+        SeaglintError
+            What the models do not cover, or the process died.
+        """
+        if order.dropped.is_set():
+            raise Overtaken
+        process, begin = self._running(), time.monotonic()
+        done = threading.Event()
+        watch = threading.Thread(target=self._watch, args=(process, order, begin, done), daemon=True)
+        watch.start()
+        try:
+            assert process.stdin is not None
+            assert process.stdout is not None
+            pickle.dump((order.job, order.scenario), process.stdin)
+            process.stdin.flush()
+            kind, found = pickle.load(process.stdout)
+        except (OSError, EOFError, pickle.UnpicklingError):
+            self.stop()
+            if order.dropped.is_set():
+                raise Overtaken from None
+            raise SeaglintError(
+                "the process that computes the pictures ended, for lack of memory perhaps; the next change starts it"
+            ) from None
+        finally:
+            done.set()
+        if kind == "error":
+            raise found
+        assert isinstance(found, Picture)
+        return found
+
+    def _watch(self, process: subprocess.Popen[bytes], order: Order, begin: float, done: threading.Event) -> None:
+        while not done.wait(0.2):
+            if order.dropped.is_set() and time.monotonic() - begin > self.patience:
+                process.kill()
+                return
+
+    def _running(self) -> subprocess.Popen[bytes]:
+        with self._lock:
+            if self._process is None or self._process.poll() is not None:
+                command = [sys.executable, "-m", "seaglint.viewer.workbench.painting"]
+                self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+            return self._process
+
+    def warm(self) -> None:
+        """Start the process, which loads for a second."""
+        self._running()
+
+    def stop(self) -> None:
+        """End the process."""
+        with self._lock:
+            if self._process is not None:
+                self._process.kill()
+                self._process.wait()
+                for end in (self._process.stdin, self._process.stdout):
+                    if end is not None:
+                        with suppress(OSError):  # an order that nobody took is still to be written
+                            end.close()
+                self._process = None

@@ -1,0 +1,99 @@
+"""Many cases at once against the table at one wind, which is checked against LOWTRAN7 elsewhere."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+
+from seaglint.air.coordinates import spline_weights
+from seaglint.air.table.batch import BatchAtmosphere
+from seaglint.air.table.lowtran7 import TableAtmosphere
+from seaglint.air.table.stencil import Stencil, with_slopes
+from seaglint.air.table.table_file import table_models
+from seaglint.base.errors import DomainError
+
+# Same splines by another route: what is left is the rounding of sums over some hundred nodes.
+ROUNDING = 1e-11
+
+
+def cases(air, count=12):
+    """Random winds, heights and angles with the table's edges and kinks among them; some rays nearly on the horizon."""
+    random = np.random.default_rng(5)
+    wind = random.uniform(0.0, 20.0, count)
+    height = np.exp(random.uniform(np.log(2.0), np.log(1e4), count))
+    wind[:2], height[2:6] = (0.0, 20.0), (2.0, 1e4, 1000.0, 3000.0)
+    wind[-len(air._table.wind_kinks) :] = air._table.wind_kinks
+    depression = air.dip(height) + np.radians(10.0 ** random.uniform(-4.0, 1.5, count))
+    solar, sky = random.uniform(0.0, 0.5 * np.pi, (2, count))
+    depression[4], solar[:3], sky[:2] = 0.5 * np.pi, (0.0, 0.5 * np.pi, 1.7), (0.0, 0.5 * np.pi)
+    return wind, height, depression, solar, sky
+
+
+@pytest.mark.parametrize("band", [(3.0, 5.0), (8.0, 12.0)])
+@pytest.mark.parametrize("model", ["midlatitude-summer", "us-standard-1976"])
+def test_every_case_is_that_of_the_table_at_its_wind(model, band):
+    batch = BatchAtmosphere.load(model, band)
+    wind, height, depression, solar, sky = cases(batch)
+    tau, path = batch.path(wind, height, depression)
+    light, above = batch.solar_irradiance(wind, solar), batch.sky_radiance(wind, sky)
+    for i in range(wind.size):
+        air = TableAtmosphere.load(model, wind[i], band)
+        expected_tau, expected_path = air.path(height[i], air.range_of_depression(height[i], depression[i]))
+        # the table goes through the arc along the sea, whose inverse loses digits near the horizon
+        np.testing.assert_allclose(tau[i], expected_tau, rtol=1e-7, atol=1e-12)
+        np.testing.assert_allclose(path[i], expected_path, rtol=1e-7)
+        np.testing.assert_allclose(light[i], air.solar_irradiance(solar[i]), rtol=ROUNDING, atol=1e-18)
+        np.testing.assert_allclose(above[i], air.sky_radiance(sky[i]), rtol=ROUNDING)
+
+
+def test_stencils_are_the_splines():
+    random = np.random.default_rng(1)
+    nodes, kinks = np.sort(random.uniform(0.0, 9.0, 12)), ()
+    kinks = (float(nodes[4]), float(nodes[5]), float(nodes[9]))
+    x = np.concatenate([random.uniform(nodes[0], nodes[-1], 40), nodes])
+    values = random.normal(size=(12, 3))
+    expected = np.array([spline_weights(nodes, kinks, float(v)) for v in x]) @ values
+    np.testing.assert_allclose(Stencil.between_kinks(nodes, kinks, x).of(values), expected, rtol=1e-10, atol=1e-12)
+    spline = CubicSpline(nodes, values)
+    found = Stencil.hermite(nodes, x).of(with_slopes(nodes, values))
+    np.testing.assert_allclose(found, spline(x), rtol=1e-10, atol=1e-10)
+    beyond = Stencil.hermite(nodes, nodes[-1:] + 2.0).of(with_slopes(nodes, values))[0]
+    np.testing.assert_allclose(beyond, values[-1] + 2.0 * spline(nodes[-1], 1), rtol=1e-10)
+
+
+def test_a_product_of_stencils_is_the_spline_of_both_directions():
+    random = np.random.default_rng(2)
+    nodes, values, x = np.arange(6.0), random.normal(size=(6, 6)), random.uniform(0.0, 5.0, (2, 9))
+    both = Stencil.between_kinks(nodes, (), x[0]).times(Stencil.hermite(nodes, x[1]))
+    found = both.of(with_slopes(nodes, values[..., None]).reshape(-1))
+    expected = [CubicSpline(nodes, CubicSpline(nodes, values)(a))(b) for a, b in x.T]
+    np.testing.assert_allclose(found, expected, rtol=1e-11)
+
+
+def test_outside_the_table_is_refused_or_sees_the_air_of_its_edge():
+    air, wide = (BatchAtmosphere.load("midlatitude-summer", (3.5, 5.0), extrapolate=e) for e in (False, True))
+    with pytest.raises(DomainError, match=r"25 m/s is outside 0-20 m/s"):
+        air.path([25.0], [10.0], [0.1])
+    with pytest.raises(DomainError, match=r"sensor height = 1 m is outside 2-10000 m"):
+        air.path([5.0], [1.0], [0.1])
+    with pytest.raises(DomainError, match="misses the sea"):
+        air.path([5.0], [100.0], [1e-3])
+    with pytest.raises(DomainError, match="zenith"):
+        air.sky_radiance([5.0], [1.6])
+    np.testing.assert_array_equal(wide.path([25.0], [10.0], [0.1])[0], air.path([20.0], [10.0], [0.1])[0])
+    # Near the sea the air is the same at every height: paths of 25 m from 1 m and from 2 m, and 1 m straight down as half of 2 m.
+    near, far = (wide.path([5.0], [h], [np.arcsin(h / 25.0)]) for h in (1.0, 2.0))
+    np.testing.assert_allclose(np.log(near[0]), np.log(far[0]), rtol=1e-3)  # the sphere's curvature: 0.05 mm in 25 m
+    np.testing.assert_allclose(near[1], far[1], rtol=1e-3)
+    near, far = (wide.path([5.0], [h], [0.5 * np.pi])[0] for h in (1.0, 2.0))
+    np.testing.assert_allclose(2.0 * np.log(near), np.log(far), rtol=1e-12)
+    # Above 10 km there is hardly any air left in this band: a look straight down loses nothing more.
+    above, top = (wide.path([5.0], [h], [0.5 * np.pi])[0] for h in (12e3, 10e3))
+    np.testing.assert_allclose(above, top, rtol=1e-12)
+
+
+def test_bands_and_models_outside_are_refused_with_what_there_is():
+    with pytest.raises(DomainError, match=r"reaches beyond the tables of .* and .* um"):
+        BatchAtmosphere.load("midlatitude-summer", (5.0, 8.0))
+    with pytest.raises(DomainError, match=r"choose one of .*midlatitude-summer"):
+        BatchAtmosphere.load("mars", (3.0, 5.0))
+    assert {"midlatitude-summer", "us-standard-1976"} <= set(table_models())

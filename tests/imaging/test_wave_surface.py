@@ -1,0 +1,219 @@
+"""Reading heights and slopes between lattice points, against plain NumPy."""
+
+import math
+
+import numpy as np
+import pytest
+from render_scenes import bilinear, elfouhaily, one_tile
+
+from seaglint.base.errors import DomainError
+from seaglint.imaging import wave_surface as surface_module
+from seaglint.imaging.wave_surface import corners, surface_of
+from seaglint.sea.tiles import Tile
+from seaglint.sea.wander import Wander
+
+SPACING, TURN = np.array([2.0, 0.7]), np.array([0.4, 1.9])
+
+
+def _reach(sea, x, y):
+    """The line through a point and its distance along it."""
+    r = math.hypot(x, y) or 1.0
+    return surface_module.course(sea, 0, x / r, y / r), math.hypot(x, y)
+
+
+def _height(sea, x, y):
+    line, r = _reach(sea, x, y)
+    return surface_module.height(sea, line, 0, line.part.shape[0], r)
+
+
+def _slopes(sea, x, y):
+    return surface_module.slopes(sea, *_reach(sea, x, y))
+
+
+def _tiles(n=16):
+    """Lattices of noise: every corner and every component counts."""
+    return tuple(np.random.default_rng(5).normal(size=(2, n, n, 3)).astype(np.float32))
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("point", [(0.0, 0.0), (3.3, -1.7), (-40.2, 55.1), (1e5 + 0.3, -2e5 - 0.1), (31.999, 32.001)])
+def test_points_are_bilinear_sums_over_tiles(point):
+    tiles = _tiles()
+    sea = surface_of(tiles, SPACING, TURN)
+    z, east, north = sum(bilinear(t, d, a, *map(np.asarray, point)) for t, d, a in zip(tiles, SPACING, TURN, strict=True))
+    # lattices are float32; at 1e5 m the fractions keep 10 digits
+    assert _height(sea, *point) == pytest.approx(z, abs=2e-6)
+    assert _slopes(sea, *point) == pytest.approx((east, north), abs=2e-6)
+
+
+@pytest.mark.kernel
+def test_lattice_points_are_met_exactly_and_tiles_are_periodic():
+    tiles = _tiles()[:1]
+    sea = surface_of(tiles, SPACING[:1], np.zeros(1))
+    for row, column in ((0, 0), (3, 9), (15, 15), (4, 3)):
+        for wrap in (0.0, 32.0, -64.0):
+            x, y = 2.0 * column + wrap, 2.0 * row - wrap
+            assert _height(sea, x, y) == pytest.approx(float(tiles[0][row, column, 0]), abs=1e-9)
+
+
+@pytest.mark.kernel
+def test_addresses_of_the_squares_are_a_permutation():
+    found = set()
+    for row in range(16):
+        for column in range(16):
+            y0, _, x0, _, _, _ = corners(16, column + 0.5, row + 0.5)
+            found.add(y0 + x0)
+    assert found == set(range(256))
+
+
+@pytest.mark.kernel
+def test_calm_sea_is_level():
+    assert _height(surface_of((), np.zeros(0), np.zeros(0)), 3.0, 4.0) == 0.0
+    assert _slopes(surface_of((), np.zeros(0), np.zeros(0)), 3.0, 4.0) == (0.0, 0.0)
+
+
+@pytest.mark.kernel
+def test_the_sensor_stands_over_its_origin():
+    tiles, origin = _tiles(), (37.3, -412.8)
+    there, moved = surface_of(tiles, SPACING, TURN), surface_of(tiles, SPACING, TURN, origin=origin)
+    for x, y in ((0.0, 0.0), (5.2, 1.4), (-80.0, 33.0)):
+        assert _height(moved, x, y) == pytest.approx(_height(there, x + origin[0], y + origin[1]), abs=2e-6)
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("first", [0.0, 77.7, 2e5])
+def test_strips_are_read_like_single_samples(first):
+    """In every direction, over many periods, with uneven steps of up to two cells."""
+    sea = surface_of(_tiles(), SPACING, TURN)
+    arcs = first + np.cumsum(np.random.default_rng(2).uniform(0.1, 1.4, surface_module.STRIP))
+    strip = surface_module.new_strip()
+    for angle in np.linspace(0.0, 6.0, 9):
+        line = surface_module.course(sea, 0, np.sin(angle), np.cos(angle))
+        for count in (surface_module.STRIP - 3, 1):
+            strip.height[:] = 0.5
+            for j in range(2):
+                surface_module.add_heights(sea, line, j, arcs, 3, count, strip)
+            expected = [surface_module.height(sea, line, 0, 2, r) for r in arcs[3 : 3 + count]]
+            # positions are told in 2**-16 of a cell, and noise changes by several of its deviations from cell to cell
+            np.testing.assert_allclose(strip.height[:count] - 0.5, expected, atol=3e-4)
+            assert np.all(strip.height[count:] == 0.5)
+
+
+def _wander():
+    """Displacements of the two tiles of noise, as those of a sea."""
+    return tuple(Wander.of(Tile(16 * d, 16, a, 0.0, 0.5 * np.pi / d), 7, i) for i, (d, a) in enumerate(zip(SPACING, TURN, strict=True)))
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("origin", [(0.0, 0.0), (371.3, -4128.6)])
+def test_lines_read_tiles_where_they_have_wandered_to(origin):
+    """At the knots of a line; between them its displacement is within 2e-4 of a period."""
+    tiles, wander, angle, first = _tiles(), _wander(), 2.1, 55.0
+    sea = surface_of(tiles, SPACING, TURN, origin=origin, wander=wander)
+    line = surface_module.course(sea, 0, np.sin(angle), np.cos(angle), (first, 400.0))
+    for m in (0, 1, 7, 40):
+        for j in range(2):
+            knot = first + m * 16 * SPACING[j] / surface_module.KNOTS_PER_PERIOD
+            for r, near in ((knot, 1e-5), (knot + 0.4 * SPACING[j], 2e-4 * 16)):
+                east, north = origin[0] + r * np.sin(angle), origin[1] + r * np.cos(angle)
+                shift = wander[j](np.array([east]), np.array([north]))
+                c, s = np.cos(TURN[j]), np.sin(TURN[j])
+                x, y = float(east + shift[0][0]), float(north + shift[1][0])
+                expected = np.array([c * x + s * y, c * y - s * x]) / SPACING[j]
+                off = np.array(surface_module.position(line, j, r)) - expected
+                assert np.abs(off - 16 * np.round(off / 16)).max() < near
+
+
+@pytest.mark.kernel
+def test_heights_and_slopes_are_read_at_one_place():
+    """Of tiles whose slopes are their heights, along a line that wanders, and in strips with uneven steps."""
+    tiles = tuple(np.repeat(t[..., :1], 3, axis=2) for t in _tiles())
+    sea = surface_of(tiles, SPACING, TURN, wander=_wander())
+    arcs = 90.0 + np.cumsum(np.random.default_rng(2).uniform(0.1, 1.4, 900))
+    line = surface_module.course(sea, 0, np.sin(1.3), np.cos(1.3), (float(arcs[0]), float(arcs[-1])))
+    strip, first = surface_module.new_strip(), 0
+    while first < arcs.size:
+        count = min(surface_module.STRIP, arcs.size - first)
+        strip.height[:] = 0.0
+        for j in range(2):
+            surface_module.add_heights(sea, line, j, arcs, first, count, strip)
+        single = [surface_module.height(sea, line, 0, 2, r) for r in arcs[first : first + count]]
+        np.testing.assert_allclose(strip.height[:count], single, atol=3e-4)  # as above
+        for r, z in zip(arcs[first : first + count], single, strict=True):
+            assert surface_module.slopes(sea, line, r) == pytest.approx((z, z), abs=2e-6)
+        first += count
+
+
+@pytest.mark.kernel
+def test_a_line_for_one_arc_is_straight_and_displaced_as_there():
+    sea, direction = surface_of(_tiles(), SPACING, TURN, wander=_wander()), (np.sin(0.4), np.cos(0.4))
+    whole = surface_module.course(sea, 0, *direction, (100.0, 300.0))
+    one = surface_module.course(sea, 0, *direction, (100.0, 100.0))
+    still = surface_module.course(surface_of(_tiles(), SPACING, TURN), 0, *direction)
+    for j in range(2):
+        assert surface_module.position(one, j, 100.0) == pytest.approx(surface_module.position(whole, j, 100.0), abs=1e-9)
+        moved = np.subtract(surface_module.position(one, j, 170.0), surface_module.position(one, j, 100.0))
+        expected = np.subtract(surface_module.position(still, j, 170.0), surface_module.position(still, j, 100.0))
+        np.testing.assert_allclose(moved, expected, atol=1e-9)
+
+
+@pytest.mark.kernel
+def test_the_quick_sine():
+    cycles = np.linspace(-3.2, 3.2, 4001)
+    assert [surface_module.sine(c) for c in cycles] == pytest.approx(np.sin(2.0 * np.pi * cycles), abs=3e-7)
+
+
+def test_crests_are_what_the_lattices_of_a_level_can_still_add():
+    tiles = _tiles()
+    sea = surface_of(tiles, SPACING, TURN, levels=((0, 1), (0,)))
+    highest = [float(t[..., 0].max()) for t in tiles]
+    np.testing.assert_allclose(sea.crest, [[sum(highest), highest[1]], [highest[0], 0.0]])
+
+
+@pytest.mark.parametrize("n", [2, 12, 100])
+def test_tiles_that_are_no_power_of_two_are_refused(n):
+    with pytest.raises(DomainError, match="power of two"):
+        surface_of((np.zeros((n, n, 3), np.float32),), np.ones(1), np.zeros(1))
+
+
+def test_sampled_slopes_have_the_variance_that_the_facets_are_told():
+    """``resolved_mss`` against slopes read at random points: 12 seas, one number per direction."""
+    waves = elfouhaily(8.0, travel_deg=50.0)
+    rng = np.random.default_rng(11)
+    spacing, turn = np.array([t.spacing for t in waves.tiles]), np.array([t.rotation for t in waves.tiles])
+    to = waves.spectrum.wind_to_azimuth
+    squares = []
+    for seed in range(12):
+        tiles = waves.reseeded(seed).surfaces(0.0)
+        x, y = rng.uniform(-2e4, 2e4, (2, 40_000))
+        _, east, north = sum(bilinear(t, d, a, x, y) for t, d, a in zip(tiles, spacing, turn, strict=True)).T
+        squares.append([np.mean((east * np.sin(to) + north * np.cos(to)) ** 2), np.mean((east * np.cos(to) - north * np.sin(to)) ** 2)])
+    mean, error = np.mean(squares, axis=0), np.std(squares, axis=0) / np.sqrt(len(squares))
+    assert np.all(error < 0.015 * mean)  # so that a wrong share of interpolation, 5 % of the variance, is seen
+    np.testing.assert_array_less(np.abs(mean - waves.resolved_mss()), 4.0 * error)  # four standard errors of 12 seas
+
+
+def test_one_tile_is_steep_enough_to_hide_parts_of_itself():
+    """The small sea of the ray-marching test has slopes that a grazing view can hide."""
+    assert max(one_tile().resolved_mss()) > 1e-3
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize(("step", "worst"), [(0.02, 2e-3), (0.09, 2e-3), (0.3, 2e-6)])
+def test_smooth_lattices_are_read_at_some_samples(step, worst):
+    """A long wave read at every sixteenth, fourth and every sample: linear between the readings, the same beyond a strip's end."""
+    n, spacing = 64, 1.0
+    phase = 2.0 * np.pi * np.arange(n) / n
+    tile = np.zeros((n, n, 3), np.float32)
+    tile[..., 0] = np.sin(phase)[None, :] + 0.5 * np.cos(phase)[:, None]
+    sea = surface_of((tile,), np.array([spacing]), np.zeros(1))
+    line = surface_module.course(sea, 0, np.sin(0.7), np.cos(0.7))
+    strip, count = surface_module.new_strip(), surface_module.STRIP
+    arcs = 1000.0 + step * np.arange(2 * count)
+    for first in (0, 5):
+        strip.height[:] = 0.25
+        surface_module.add_heights(sea, line, 0, arcs, first, count, strip)
+        expected = [surface_module.height(sea, line, 0, 1, r) for r in arcs[first : first + count]]
+        np.testing.assert_allclose(strip.height - 0.25, expected, atol=worst + 3e-6)
+    moved = (arcs[count - 1] - arcs[0]) / spacing
+    assert surface_module.stride(line, 0, arcs[count - 1] - arcs[0], count) == {0.02: 4, 0.09: 2, 0.3: 0}[step], moved

@@ -1,0 +1,182 @@
+"""Edges, points and blackbodies through the optics and onto the pixels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sensors import camera, flat
+
+from seaglint.base.errors import DataError, DomainError
+from seaglint.instrument.figures_of_merit import mtf, point_share
+from seaglint.instrument.noise import Noise
+from seaglint.instrument.optics import Optics
+from seaglint.instrument.transfer import Sampling, Transfer, needed_oversampling
+from slanted_edge import edge_mtf, slanted_edge
+
+ANGLE = 5.0
+SHARP = Optics(0.1, 0.1)  # F/1: the blur is a third of a pixel
+
+
+@pytest.mark.parametrize("oversampling", [3, 4, 5])
+@pytest.mark.parametrize("turned", [False, True], ids=["along", "across"])
+def test_an_edge_has_the_product_of_the_parts(oversampling: int, turned: bool) -> None:
+    # The window cuts the wings of diffraction off, which raises all of the MTF by 0.002 at F/2 and this size.
+    model = camera(optics=Optics(0.05, 0.1, wavefront_error=0.04, jitter=2e-5), fill_factor=0.8)
+    seen = model.focal_plane(slanted_edge(256, oversampling, ANGLE, turned=turned), oversampling)
+    frequency, found = edge_mtf(seen, ANGLE, turned)
+    below = frequency <= 0.5
+    expected = mtf(model, frequency[below] / model.ifov)["across" if turned else "along"]["total"]
+    np.testing.assert_allclose(found[below], expected, atol=0.005)
+
+
+@pytest.mark.parametrize(("size", "f_number", "obscuration"), [(256, 3.0, 0.3), (256, 3.0, 0.5), (128, 3.0, 0.0)])
+def test_edges_behind_obscured_pupils_have_it_from_the_first_frequency_on(size: int, f_number: float, obscuration: float) -> None:
+    # Margins of six rings let wings reach over from the other side: 0.008 to 0.013 too much at all frequencies.
+    model = camera(optics=Optics(0.1 / f_number, 0.1, obscuration=obscuration))
+    seen = model.focal_plane(slanted_edge(size, 3, ANGLE), 3)
+    frequency, found = edge_mtf(seen, ANGLE)
+    below = frequency <= 0.5
+    np.testing.assert_allclose(found[below], mtf(model, frequency[below] / model.ifov)["along"]["total"], atol=0.005)
+
+
+def test_counts_of_an_edge_have_it_too() -> None:
+    model = camera(optics=Optics(0.05, 0.1, obscuration=0.2))
+    signal = model.sense(slanted_edge(256, 3, ANGLE, 1.0, 2.0), oversampling=3).signal
+    frequency, found = edge_mtf(signal.astype(float), ANGLE)
+    below = frequency <= 0.5
+    np.testing.assert_allclose(found[below], mtf(model, frequency[below] / model.ifov)["along"]["total"], atol=0.01)
+
+
+def test_movement_blurs_along_its_direction_alone() -> None:
+    model = camera(optics=Optics(0.05, 0.1, drift=(0.15, 0.0)))  # two pixels in 2 ms
+    for turned, way in ((False, "along"), (True, "across")):
+        seen = model.focal_plane(slanted_edge(256, 3, ANGLE, turned=turned), 3)
+        frequency, found = edge_mtf(seen, ANGLE, turned)
+        below = frequency <= 0.3
+        # The edge is not quite straight across: its normal has a part of the movement.
+        expected = np.abs(mtf(model, frequency[below] * np.cos(np.radians(ANGLE)) / model.ifov)[way]["total"])
+        np.testing.assert_allclose(found[below], expected, atol=0.02)
+
+
+def point(oversampling: int, row: int, column: int, size: int = 64) -> np.ndarray:
+    """All light in one fine pixel near the middle, of 1 pixel solid angle in all."""
+    radiance = np.zeros((size * oversampling, size * oversampling), np.float32)
+    radiance[size // 2 * oversampling + row, size // 2 * oversampling + column] = oversampling**2
+    return radiance
+
+
+def test_a_points_sum_does_not_depend_on_its_place() -> None:
+    model = camera(optics=SHARP)
+    sums = [model.focal_plane(point(5, row, column), 5).sum() for row in range(5) for column in range(5)]
+    assert np.ptp(sums) < 0.003 * np.mean(sums)
+    assert np.mean(sums) == pytest.approx(1.0, abs=0.005)  # the rest lies beyond 32 pixels
+
+
+def test_gaps_between_pixels_swallow_points() -> None:
+    # Sensitive squares of half a pixel's width: a point in the middle is all seen, in the corner next to nothing of its core.
+    model = camera(optics=SHARP, fill_factor=0.25)
+    line = [float(model.focal_plane(point(5, place, 2), 5).sum()) * 0.25 for place in range(5)]
+    inside = np.array([0.0, 0.5, 1.0, 0.5, 0.0])  # overlap of the fine pixels with the square, had the optics no blur
+    assert np.all(np.diff(line[:3]) > 0.1)
+    np.testing.assert_allclose(line, line[::-1], rtol=1e-3)
+    assert line[2] - line[0] < inside[2]
+    mean = np.mean([model.focal_plane(point(5, a, b), 5).sum() * 0.25 for a in range(5) for b in range(5)])
+    assert mean == pytest.approx(0.25, rel=0.01)
+
+
+@pytest.mark.parametrize("oversampling", [2, 3])
+def test_pixels_are_where_they_are(oversampling: int) -> None:
+    model = camera(optics=Optics(0.0125, 0.1))  # F/8: sampled finely enough for its centroid
+    seen = model.focal_plane(point(oversampling, 0, oversampling - 1, 65), oversampling).astype(float)
+    rows, columns = np.mgrid[0:65, 0:65]
+    shift = 0.5 / oversampling - 0.5
+    assert float((seen * rows).sum() / seen.sum()) == pytest.approx(32 + shift, abs=0.02)
+    assert float((seen * columns).sum() / seen.sum()) == pytest.approx(32 - shift, abs=0.02)
+
+
+def test_a_point_and_a_field_agree() -> None:
+    # The point as the irradiance it makes at the aperture: pupil area times electrons of a joule, against its radiance times solid angle.
+    model = camera(optics=Optics(0.05, 0.1, obscuration=0.3, transmission=0.8))
+    radiance = 10.0
+    irradiance = radiance * model.ifov**2
+    electrons = irradiance * model.optics.pupil_area * 0.8 * model.photons.electrons_per_joule * 2e-3
+    seen = model.focal_plane(radiance * point(3, 1, 1, 96), 3)
+    assert float((model.readout.units(seen) - model.readout.background).sum()) == pytest.approx(electrons, rel=0.01)
+
+
+def test_the_middle_pixel_has_the_share_that_is_told() -> None:
+    model = camera()
+    assert float(model.focal_plane(point(9, 4, 4), 9)[32, 32]) == pytest.approx(point_share(model), rel=0.02)
+
+
+@pytest.mark.parametrize("temperature", [275.0, 300.0, 315.0])
+def test_a_blackbody_comes_back_at_its_temperature(temperature: float) -> None:
+    model = camera(optics=Optics(0.05, 0.1, transmission=0.8, emissivity=0.2, temperature=305.0), dark_current=1e6, offset=100.0)
+    found = model.sense(np.repeat(np.repeat(flat(model, temperature, 32), 3, 0), 3, 1), oversampling=3)
+    np.testing.assert_allclose(model.apparent_temperature(found.signal), temperature, atol=0.05)
+
+
+def test_counts_and_radiance_go_both_ways() -> None:
+    model = camera(offset=200.0, dark_current=5e6)
+    counts = np.arange(300, model.readout.top_count, 37)
+    radiance = model.readout.radiance(counts)
+    np.testing.assert_allclose(model.readout.counts(model.readout.units(radiance)), counts, atol=0.5)
+    temperature = model.apparent_temperature(counts[counts > 600])
+    again = model.readout.counts(model.readout.units(model.photons.radiance(temperature)))
+    np.testing.assert_allclose(again, counts[counts > 600], atol=0.5)
+
+
+def test_stray_light_and_cos4() -> None:
+    picture = np.zeros((90, 90), np.float32)
+    picture[:, 45:] = 2.0
+    clear, veiled = (camera(optics=Optics(0.05, 0.1, stray_share=share)).focal_plane(picture) for share in (0.0, 0.1))
+    np.testing.assert_allclose(veiled, 0.9 * clear + 0.1 * clear.mean(dtype=float), rtol=1e-5)
+    wide = camera(optics=Optics(0.001, 0.002, cos4=True))
+    seen = wide.focal_plane(np.ones((201, 201), np.float32))
+    tangent = 100 * 15e-6 / 0.002
+    assert float(seen[100, 0]) == pytest.approx(np.cos(np.arctan(tangent)) ** 4, rel=1e-4)
+    assert float(seen[100, 100]) == pytest.approx(1.0, rel=1e-4)
+
+
+def test_oversampling_that_the_cut_off_needs() -> None:
+    # F/2 at 3.5 um: 143 cycles/mm; pixels of 15 um have their Nyquist frequency at 33.3.
+    assert camera().oversampling == needed_oversampling(150e-6, 0.05 / 3.5e-6) == 5
+    assert camera(optics=Optics(0.025, 0.1)).oversampling == 3
+
+
+@pytest.mark.parametrize(("value", "said"), [(np.nan, "not finite"), (np.inf, "not finite"), (-0.1, "negative")])
+def test_what_is_no_radiance_is_refused(value: float, said: str) -> None:
+    picture = np.ones((8, 8), np.float32)
+    picture[2, 5] = value
+    with pytest.raises(DataError, match=rf"1 of 64 pixels are {said}.*row 2, column 5"):
+        camera().focal_plane(picture)
+
+
+def test_a_picture_that_oversampling_does_not_divide_is_refused() -> None:
+    with pytest.raises(DomainError, match="oversampling = 3 does not divide a picture of 8 rows and 8 columns; give one of 1, 2, 4, 8"):
+        camera().focal_plane(np.ones((8, 8), np.float32), 3)
+
+
+def test_stages_take_sequences_and_stand_alone() -> None:
+    # Optics alone: a detector as fine as the picture adds nothing. Then the rest, stage by stage, is the whole chain.
+    model = camera(Noise(gain_spread=0.01, drift=1e6), optics=Optics(0.05, 0.1, stray_share=0.1))
+    radiance = (1.5 + np.random.default_rng(2).random((3, 30, 30))).astype(np.float32)
+    blur = Transfer.of(model.blur, Sampling(model.ifov / 3, model.ifov / 3, 1), (30, 30))
+    soft = blur(radiance)
+    assert soft.shape == radiance.shape
+    wave = np.cos(2 * np.pi * 5 * np.arange(240) / 240)[None, :] * np.ones((240, 1))  # 5 cycles in 80 pixels of the detector
+    wide = Transfer.of(model.blur, Sampling(model.ifov / 3, model.ifov / 3, 1, circle=True), (240, 240))
+    kept = wide((2.0 + wave).astype(np.float32))[120]
+    expected = mtf(model, [5 / (80 * model.ifov)])["along"]
+    assert np.ptp(kept) / 2 == pytest.approx(expected["diffraction"][0], abs=1e-3)
+    seen = model.focal_plane(radiance, 3)
+    assert seen.shape == (3, 10, 10)
+    found = model.expose(seen, 4)
+    for k in range(3):
+        one = model.sense(radiance[k], 4 + k, 3)
+        np.testing.assert_array_equal(found.signal[k], one.signal)
+        np.testing.assert_array_equal(found.units[k], one.units)
+    assert found.saturated_share == 0.0
+    np.testing.assert_array_equal(model.readout.counts(found.units), found.signal)
+    with pytest.raises(DataError, match="not finite"):
+        model.focal_plane(np.where(radiance > 2.49, np.nan, radiance), 3)

@@ -1,0 +1,95 @@
+"""The exported sea is the one that is rendered."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from render_scenes import bilinear
+
+from seaglint.base.errors import DomainError, ScenarioError
+from seaglint.files.netcdf import write_netcdf
+from seaglint.scenario.load import parse_scenario
+from seaglint.studies.prepare import prepare
+from seaglint.studies.prepare import sea_export as export
+from seaglint.studies.prepare.sea_export import export_sea
+
+SMALL = {"wind": {"speed_m_s": 8.0, "from_deg": 200.0}, "sea": {"shortest_wave_m": 4.0}, "render": {"tile_size": 128}}
+
+
+@pytest.fixture(scope="module")
+def sea():
+    return export_sea(parse_scenario(SMALL), 3.2, centre=(1234.5, -77.0), extent=(60.0, 40.0), spacing=0.9)
+
+
+def test_patch_is_the_sum_of_the_tiles_read_where_they_have_wandered_to(sea):
+    x, y = np.meshgrid(*sea.patch.axes)
+    expected = 0.0
+    for tile, wander, lattice in zip(sea.tiles, sea.wander, sea.lattices, strict=True):
+        east, north = wander(x, y)
+        expected = expected + bilinear(lattice.astype(float), tile.spacing, tile.rotation, x + east, y + north)
+    assert np.abs(sea.patch_surface - expected).max() < 1e-5  # single precision of metres
+
+
+def test_slopes_are_those_of_the_heights(sea):
+    fine = export_sea(parse_scenario(SMALL), 3.2, extent=(64.0, 64.0), spacing=0.25).patch_surface.astype(float)
+    measured = np.gradient(fine[..., 0], 0.25, axis=(1, 0))
+    for axis in (0, 1):
+        # differences of a bilinear surface are those of its cells, four to the shortest wave, of which they keep 0.9
+        correlation = np.corrcoef(measured[axis].ravel(), fine[..., 1 + axis].ravel())[0, 1]
+        assert correlation > 0.95
+
+
+def test_facets_and_waves_add_up_to_the_slope_model(sea):
+    scenario = parse_scenario(SMALL)
+    model, field = prepare.slopes(scenario), prepare.sea(scenario, prepare.slopes(scenario)).waves
+    east_east, _, north_north = sea.facets.covariance()
+    assert east_east + north_north + sum(field.resolved_mss()) == pytest.approx(model.mss, rel=1e-12)
+
+
+def test_netcdf_holds_patch_tiles_and_roughness(sea, tmp_path):
+    path = write_netcdf(sea.dataset(), tmp_path / "sea.nc")
+    with xr.open_dataset(path) as found:
+        assert found.height.dims == ("y", "x")
+        assert np.array_equal(found.slope_north.values, sea.patch_surface[..., 2])
+        assert found.height.attrs["units"] == "m"
+        assert found.attrs["time_s"] == 3.2
+        for i, tile in enumerate(sea.tiles):
+            assert np.array_equal(found[f"height_{i}"].values, sea.lattices[i][..., 0])
+            told = found[f"height_{i}"].attrs
+            assert told["turn_deg"] == pytest.approx(np.degrees(tile.rotation))
+            # the displacement, by the formula in the comment
+            turns = told["wander_wave_vector_east_rad_m"] * 70.0 - told["wander_wave_vector_north_rad_m"] * 30.0 + told["wander_phase_rad"]
+            place = sea.wander[i](np.array(70.0), np.array(-30.0))
+            for axis, displacement in zip(("east", "north"), place, strict=True):
+                assert np.sum(told[f"wander_amplitude_{axis}_m"] * np.sin(turns)) == pytest.approx(float(displacement))
+            assert float(found[f"u_{i}"][-1]) == pytest.approx(tile.length - tile.spacing)
+        assert float(found.facet_slope_east_east) == sea.facets.covariance()[0]
+    assert set(sea.dataset(lattices=False).data_vars) == {
+        *("height", "slope_east", "slope_north"),
+        *(f"facet_slope_{name}" for name in ("east_east", "east_north", "north_north")),
+    }
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"spacing": 50.0, "extent": (20.0, 20.0)}, "smaller than its spacing"),
+        ({"extent": (-1.0, 5.0)}, "finite lengths"),
+        ({"centre": (float("nan"), 0.0)}, "finite lengths"),
+        ({"time": float("inf")}, "must be finite"),
+        ({"extent": (4e5, 4e5), "spacing": 0.01}, "GB of memory and .* GB as PLY"),
+    ],
+)
+def test_impossible_patches_are_refused(changes, message):
+    with pytest.raises(DomainError, match=message):
+        export_sea(parse_scenario(SMALL), **changes)
+
+
+def test_memory_that_is_not_there_is_told(monkeypatch):
+    monkeypatch.setattr(export, "memory_available", lambda: 1000)
+    with pytest.raises(DomainError, match=r"0\.0 GB are free"):
+        export_sea(parse_scenario(SMALL), extent=(50.0, 50.0))
+
+
+def test_without_waves_there_is_no_surface():
+    with pytest.raises(ScenarioError, match="no waves are resolved"):
+        export_sea(parse_scenario({"sea": {"resolve_waves": False}}))

@@ -1,0 +1,152 @@
+"""Table 1 from a rendered sequence, and what goes through the whole analysis, file to JSON, when the truth is known."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter
+from scipy.stats import binom, norm
+
+from seaglint.analysis import Options, analyze
+from seaglint.files.recording import open_recording
+from seaglint.studies.article import table1 as table1_module
+from seaglint.studies.article.table1 import ARTICLE, Table1, corridor, scene, sequence, table1
+from seaglint.studies.prepare import prepare
+from seaglint.studies.sequence.render_sequence import prepare_sequence
+
+
+@pytest.fixture(scope="module")
+def small() -> Table1:
+    """Six frames of the scene in a twentieth of its pixels."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(table1_module, "PIXELS", (96, 32))
+        patch.setattr(table1_module, "SHORTEST_WAVE", 8.0)
+        return table1(frames=6)
+
+
+def test_every_number_of_the_article_has_ours_beside_it(small: Table1) -> None:
+    rows = json.loads(json.dumps(small.rows(), allow_nan=False))
+    assert len(rows) == 3 * 2 * 2  # rate, ratio and time; two regions; two thresholds
+    assert rows["rate_glint_3.5_sigma"]["article"] == 0.0050
+    assert rows["times_gaussian_glint_3.5_sigma"]["article"] == pytest.approx(21.0, abs=0.6)  # the article: 21 times
+    assert rows["rate_background_3.5_sigma"]["article"] is None  # not measured
+    for region, thresholds in ARTICLE.items():
+        for m in thresholds:
+            ratio, rate = rows[f"times_gaussian_{region}_{m:g}_sigma"]["ours"], rows[f"rate_{region}_{m:g}_sigma"]["ours"]
+            assert ratio == pytest.approx(rate / norm.sf(m), rel=1e-9)
+
+
+def test_columns_hold_the_rows(small: Table1) -> None:
+    columns, rows = small.columns(), small.rows()
+    assert columns["threshold_sigma"].tolist() == [3.0, 3.5]
+    assert columns["glint_rate"].tolist() == [rows[f"rate_glint_{m}_sigma"]["ours"] for m in ("3", "3.5")]
+    assert np.isnan(columns["background_article_rate"][1])
+
+
+def test_scene_is_what_it_says() -> None:
+    s = scene(wind_speed=2.0, solar_zenith_deg=50.0)
+    assert s.sensor.elevation_deg + 0.5 * s.sensor.fov_deg[1] == pytest.approx(-1.5)
+    assert s.sensor.elevation_deg - 0.5 * s.sensor.fov_deg[1] == pytest.approx(-6.0)
+    assert s.sensor.ifov_deg[0] == pytest.approx(s.sensor.ifov_deg[1])
+    assert s.sensor.frames / s.sensor.frame_rate_hz == pytest.approx(2.0)  # the article: about two seconds
+    assert (s.wind.speed_m_s, s.sun.zenith_deg if s.sun else None) == (2.0, 50.0)
+
+
+def test_the_corridor_is_under_the_sun_and_widens_with_wind(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(table1_module, "PIXELS", (96, 30))
+    widths = []
+    for wind in (2.0, 10.0):
+        mask = corridor(prepare.view(scene(wind, 70.0)), prepare.camera(scene(wind, 70.0)))
+        assert mask[:, 47:49].all()
+        assert not mask[:, [0, -1]].any()
+        widths.append(mask.mean())
+    assert widths[1] > 1.3 * widths[0]
+
+
+def test_frames_come_at_their_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(table1_module, "PIXELS", (48, 16))
+    monkeypatch.setattr(table1_module, "SHORTEST_WAVE", 8.0)
+    run = prepare_sequence(scene())
+    told: list[tuple[int, int]] = []
+    images = sequence(run.scene, np.array([0.4, 0.0]), lambda done, total: told.append((done, total)))
+    np.testing.assert_array_equal(images[0], run.at(0.4).radiance)
+    np.testing.assert_array_equal(images[1], run.at(0.0).radiance)
+    assert told == [(0, 2), (1, 2), (2, 2)]
+
+
+@pytest.mark.validation
+def test_rendered_glint_is_far_from_gaussian() -> None:
+    """The article: 7 and 21 times the Gaussian rate in the corridor, 10 times beside it. Six seas of one frame each scatter by 5 %."""
+    found = table1(frames=3).rows()
+    ratio = {key: row["ours"] for key, row in found.items() if key.startswith("times_gaussian")}
+    assert 3.0 <= ratio["times_gaussian_glint_3_sigma"] <= 15.0
+    assert ratio["times_gaussian_glint_3.5_sigma"] > ratio["times_gaussian_glint_3_sigma"]
+    assert 3.0 <= ratio["times_gaussian_background_3_sigma"] <= 15.0
+
+
+def analysed(frames: np.ndarray, folder: Path, **options: Any) -> dict[str, Any]:
+    """Region "all" of a NumPy file's analysis, there and back through JSON."""
+    np.save(folder / "frames.npy", frames)
+    recording = open_recording(folder / "frames.npy", frame_rate=25.0, units="1")
+    found = json.loads(json.dumps(analyze(recording, Options(**options)).as_dict(), allow_nan=False))
+    region: dict[str, Any] = found["regions"]["all"]
+    return region
+
+
+def test_white_noise_from_file_to_json_gives_the_gaussian_tail(tmp_path: Path) -> None:
+    """A million values through the Laplacian; within the 99.9 % interval of the binomial, widened by less than 1 % by its overlap."""
+    frames = np.random.default_rng(5).normal(10.0, 2.0, (64, 128, 128)).astype(np.float32)
+    region = analysed(frames, tmp_path)
+    # Neighbours correlate by -0.4, diagonal ones by 0.1, next ones by 0.05; exceedances above 3 sigma of correlations
+    # as small as these coincide with probability p^2 (1 + 9 r + ...), which widens the standard deviation by less than 1 %.
+    for alarm in region["false_alarms"]:
+        tail = norm.sf(alarm["threshold_sigma"])
+        low, high = binom.ppf([0.0005, 0.9995], frames.size, tail) / frames.size
+        assert low <= alarm["rate"] <= high
+        assert alarm["rate_low"] <= tail * 1.03
+        assert alarm["rate_high"] >= tail * 0.97
+        assert alarm["gaussian_rate"] == pytest.approx(tail, rel=1e-12)
+
+
+def gamma_field(frames: int, side: int, sigma: float, tau: float, pairs: int, seed: int) -> np.ndarray:
+    """Half the sum of 2 x ``pairs`` squared Gaussian fields: gamma of shape ``pairs`` and scale 1.
+
+    A squared Gaussian field has the square of its correlation: in space exp(-d^2 / 2 sigma^2) of a Gaussian smoothing by sigma, which is
+    1/e at sqrt(2) sigma; in time exp(-2 t / tau).
+    """
+    rng = np.random.default_rng(seed)
+    out = np.zeros((frames, side, side), np.float32)
+    a = np.exp(-1.0 / tau)
+    norm_ = 2.0 * np.sqrt(np.pi) * sigma
+    for _ in range(2 * pairs):
+        state = np.zeros((side, side))
+        for t in range(frames):
+            fresh = norm_ * gaussian_filter(rng.standard_normal((side, side)), sigma, mode="wrap")
+            state = fresh if t == 0 else a * state + np.sqrt(1.0 - a * a) * fresh
+            out[t] += 0.5 * state**2
+    return out
+
+
+@pytest.mark.validation
+def test_gamma_field_from_file_to_json_is_given_back(tmp_path: Path) -> None:
+    """Shape 2, scale 1, length sqrt(2) x 1.2 px and time 2 frames within 3 %, from about 2e5 independent values.
+
+    The correlation sums to 2 pi sigma^2 pixels and coth(1/tau) frames to one independent value.
+    """
+    sigma, tau = 1.2, 4.0
+    frames = gamma_field(frames=400, side=144, sigma=sigma, tau=tau, pairs=2, seed=8)
+    independent = frames.size / (2.0 * np.pi * sigma**2) * np.tanh(1.0 / tau)
+    assert independent > 1e5
+    region = analysed(frames, tmp_path)
+    fit = region["fits"]["gamma"]
+    assert fit["shape"] == pytest.approx(2.0, rel=0.03)
+    assert fit["scale"] == pytest.approx(1.0, rel=0.03)
+    assert region["correlation_time_s"] == pytest.approx(0.5 * tau / 25.0, rel=0.03)
+    for way in ("x", "y"):
+        assert region["correlation_length_px"][way] == pytest.approx(np.sqrt(2.0) * sigma, rel=0.03)
+    assert fit["ks_p"] > 0.01
+    assert region["fits"]["gaussian"]["ks_p"] < 0.01
