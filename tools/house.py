@@ -63,7 +63,7 @@ def picture() -> str:
         for place, room in enumerate(rooms):
             x = MARGIN + place * (wide + GAP)
             known = purpose(room)
-            kind = "physics" if room in inner else "use" if (SOURCE / room).is_dir() or room == "api" else "plain"
+            kind = "physics" if room in inner else "plain" if room in ("base", "version") else "use"
             shown = known if len(known) < wide / 7.2 else known[: int(wide / 7.2) - 2].rsplit(" ", 1)[0] + " …"
             out += [
                 f"<g><title>seaglint.{escape(room)}: {escape(known)}</title>",
@@ -71,7 +71,7 @@ def picture() -> str:
                 f'<text x="{x + wide / 2:.1f}" y="{y + 19}" text-anchor="middle" font-weight="bold">{escape(room)}</text>',
                 f'<text x="{x + wide / 2:.1f}" y="{y + 37}" text-anchor="middle" font-size="11" fill="#444">{escape(shown)}</text></g>',
             ]
-    told = "blue: physics of floats and arrays; sand: scenarios, files, plots, commands; grey: single files. Imports point downwards only."
+    told = "blue: physics of floats and arrays; sand: scenarios, files, plots, commands; grey: base. Imports point downwards only."
     out += [f'<text x="{MARGIN}" y="{height - MARGIN}" font-size="12" fill="#444">{told}</text>', "</svg>", ""]
     return "\n".join(out)
 

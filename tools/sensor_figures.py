@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from seaglint.plot.sensor_figure import write_sensor_plot
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.prepare.sensor_model import describe_sensor
+from seaglint.studies.mean.sensor_figures import describe_sensor
 from seaglint.studies.sequence.sensed import prepare_sensed
 
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"

@@ -367,7 +367,7 @@ def sensor(scenario: Scenario) -> dict[str, Any]:
     >>> round(found["electrons_per_count"], 2)
     106.81
     """
-    from seaglint.studies.prepare.sensor_model import describe_sensor
+    from seaglint.studies.mean.sensor_figures import describe_sensor
 
     return describe_sensor(scenario)
 

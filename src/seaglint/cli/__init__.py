@@ -1,1 +1,1 @@
-"""The command line: parse, call the pipeline, show."""
+"""The command line: parse, call a study, show."""

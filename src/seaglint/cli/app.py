@@ -1,4 +1,4 @@
-"""The command ``seaglint``: parse, call the pipeline, show.
+"""The command ``seaglint``: parse, call a study, show.
 
 Results that a program may read go to stdout alone; logs, progress and errors go to stderr. Everything heavy is imported
 inside the command that needs it, so that ``seaglint --help`` answers at once.

@@ -21,7 +21,7 @@ def detect_recording(options: DetectOptions) -> None:
     Raises
     ------
     DataError
-        Options of scenarios, no contrast, or what the pipeline refuses.
+        Options of scenarios, no contrast, or what the study refuses.
     """
     import warnings
 

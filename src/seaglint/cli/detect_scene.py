@@ -24,7 +24,7 @@ def detect_scene(options: DetectOptions) -> None:
     Raises
     ------
     DataError
-        Options of recordings, what the pipeline refuses, or cases that failed, once the others are written.
+        Options of recordings, what the study refuses, or cases that failed, once the others are written.
     """
     import warnings
 

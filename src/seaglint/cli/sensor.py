@@ -124,7 +124,7 @@ def sensor(
     from seaglint.base.errors import DataError
     from seaglint.files.outputs import refuse_existing
     from seaglint.scenario.load import load_scenario
-    from seaglint.studies.prepare.sensor_model import describe_sensor
+    from seaglint.studies.mean.sensor_figures import describe_sensor
 
     loaded = load_scenario(scenario, sensor=sensor_preset)
     if plot is not None:

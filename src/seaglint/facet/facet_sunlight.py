@@ -9,6 +9,8 @@ high Sun). ``q`` is convolved with the solar disc (:mod:`seaglint.facet.solar_di
 Where the sensor is low the unresolved waves hide each other: ``q`` is weighted by the law of nested bands
 (:mod:`seaglint.sea.shadowing.nested`) about the facet's tilt, with as many bands as the facets' share of the slope variance is worth; with
 a low Sun, by that of facets both seen and lit.
+
+Averages over slope statistics are in :mod:`seaglint.facet.legs`; each quadrature is the other's check.
 """
 
 from __future__ import annotations

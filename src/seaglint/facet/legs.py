@@ -1,4 +1,7 @@
-"""Shadowing of the two legs of light, to the viewer and from the Sun, and the law that describes it."""
+"""Shadowing of the two legs of light, to the viewer and from the Sun, and the law that describes it.
+
+Facets of synthesised waves are in :mod:`seaglint.facet.facet_sunlight`; each quadrature is the other's check.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-r"""Scalar kernels of the mirrored Sun: the chance of :mod:`seaglint.facet.glint` for one view of one sea under one Sun."""
+r"""Scalar kernels of the mirrored Sun: the chance of :mod:`seaglint.facet.glint` for one view of one sea under one Sun.
+
+Facets of synthesised waves are in :mod:`seaglint.facet.solar_disc`; each quadrature is the other's check.
+"""
 
 from __future__ import annotations
 

@@ -4,6 +4,8 @@ Unlike the thermal sky it depends on the azimuth from the Sun. Its aureole is so
 it, so that sums over slopes need close nodes. They are taken as convolutions: with ``a`` the slope towards the viewer, ``c`` that across
 and ``d = c - lean a``, the density of a facet's slopes is a product of Gaussians of ``a`` and ``d`` about the facet's tilt, while what a
 slope mirrors does not depend on the tilt. So for every grazing angle and azimuth each slope is looked up once for all tilts.
+
+Averages over slope statistics are in :mod:`seaglint.facet.scattered`; each quadrature is the other's check.
 """
 
 from __future__ import annotations

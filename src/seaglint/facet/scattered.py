@@ -9,6 +9,8 @@ The air about the Sun's direction is bright (the aureole, some ten degrees wide)
 
 over the slopes whose mirrored ray r comes from the sky; p, R and A as for all that the sea mirrors (:mod:`seaglint.facet.emissivity`). The
 disc itself is no part of it: its mirror image is the glint.
+
+Facets of synthesised waves are in :mod:`seaglint.facet.mirrored_haze`; each quadrature is the other's check.
 """
 
 from __future__ import annotations

@@ -1,6 +1,8 @@
 """Solar disc in slope space: its covariance transformed to slopes by the mirror's Jacobian, and its sharp edge.
 
 The density of a facet's slopes is convolved with the disc, whose covariance is ``eps^2/4`` in every direction.
+
+Averages over slope statistics are in :mod:`seaglint.facet.mirror`; each quadrature is the other's check.
 """
 
 from __future__ import annotations

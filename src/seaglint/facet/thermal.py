@@ -2,6 +2,8 @@
 
 Rays reflected downwards meet the sea again and see a blackbody at its temperature; that light counts as emission. Everything is kept
 per term of :class:`~seaglint.facet.path_basis.PathBasis`, so that products with the path are integrated per wavenumber.
+
+Averages over slope statistics are in :mod:`seaglint.facet.emissivity`; each quadrature is the other's check.
 """
 
 from __future__ import annotations

@@ -1,1 +1,1 @@
-"""Images of a wavy sea: camera, facets, the sweep over the wave field."""
+"""Images of a wavy sea: camera, the sweep over the wave field."""

@@ -1,4 +1,4 @@
-"""Figures 2, 3, 4 and 10 of the source article, drawn from the datasets of the pipeline. The same dataset gives the same bytes."""
+"""Figures 2, 3, 4 and 10 of the source article, drawn from the datasets of the studies. The same dataset gives the same bytes."""
 
 from __future__ import annotations
 

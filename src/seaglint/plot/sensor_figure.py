@@ -12,7 +12,7 @@ SIZE = (11.0, 4.2)
 
 
 def write_sensor_plot(found: dict[str, Any], path: Path) -> None:
-    """Draw what :func:`seaglint.studies.prepare.sensor_model.describe_sensor` tells into a picture file."""
+    """Draw what :func:`seaglint.studies.mean.sensor_figures.describe_sensor` tells into a picture file."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -1,4 +1,4 @@
-"""Figure 10 of the source article, drawn from the dataset of the pipeline."""
+"""Figure 10 of the source article, drawn from the dataset of its study."""
 
 from __future__ import annotations
 

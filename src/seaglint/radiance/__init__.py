@@ -1,1 +1,1 @@
-"""Mean radiance of the sea from slope statistics."""
+"""Mean and variance of the sea's radiance from slope statistics."""

@@ -1,6 +1,6 @@
 """What a scenario file may say: frozen records, one per table of the TOML file, every value checked once.
 
-A validated number stays in the unit that its key names (``height_m``, ``azimuth_deg``); the pipeline converts.
+A validated number stays in the unit that its key names (``height_m``, ``azimuth_deg``); studies convert it.
 Winds and waves are described by where they come FROM; azimuths are clockwise from north; elevations are above the
 horizontal, so that looking down is negative.
 """

@@ -1,1 +1,1 @@
-"""The sea surface: wind, wave spectra, synthesised waves, slopes, shadowing, emissivity."""
+"""The sea surface: wind, wave spectra, synthesised waves, slopes, shadowing."""

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
-
-import numpy as np
 
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.files.tables.response import read_response
@@ -16,19 +12,14 @@ from seaglint.imaging.camera.pose import Track
 from seaglint.instrument.bolometer import ThermalDetector
 from seaglint.instrument.chain import SensorModel
 from seaglint.instrument.detector import Detector
-from seaglint.instrument.figures_of_merit import figures
 from seaglint.instrument.noise import Noise
 from seaglint.instrument.optics import Optics
 from seaglint.instrument.photons import Photons
 from seaglint.instrument.scan import Scan
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.presets.sensor_presets import TABLES
 from seaglint.scenario.records.sensor_detector import PhotonDetector
 from seaglint.studies.prepare import prepare
-
-MEAN_PIXELS = (24, 12)
-"""Grid of the mean map from which the scene's mean radiance is taken for a noise budget."""
 
 
 def require_sensor(scenario: Scenario) -> None:
@@ -238,43 +229,3 @@ def sensor_attributes(model: SensorModel, oversampling: int) -> dict[str, Any]:
         "sensor_ifov_mrad": 1e3 * model.ifov,
         "sensor_seed": model.seed,
     }
-
-
-def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> dict[str, Any]:
-    """Figures of merit of a scenario's sensor, the noise budget for the mean of its scene, the MTF at some frequencies [cycles mrad-1].
-
-    Raises
-    ------
-    SeaglintError
-        No sensor, or a scene that cannot be computed.
-
-    Examples
-    --------
-    >>> from seaglint.scenario.load import parse_scenario
-    >>> tables = {"optics": {"aperture_m": 0.05, "f_number": 4.0}, "detector": {"pitch_um": 15.0}}
-    >>> found = describe_sensor(parse_scenario({"sensor": tables}))
-    >>> round(found["ifov_mrad"], 6), found["oversampling"]
-    (0.075, 3)
-    """
-    model = sensor_model(scenario)
-    found = figures(model, mean_radiance(scenario), frequencies=[1e3 * frequency for frequency in frequencies])
-    return {"seed": model.seed, **found, "scenario": json.loads(scenario.model_dump_json(exclude_none=True))}
-
-
-def mean_radiance(scenario: Scenario) -> float:
-    """Mean radiance over the field of view [W m-2 sr-1], of a mean map of few pixels; of a moving sensor, where it begins."""
-    from seaglint.studies.mean.mean_map import mean
-
-    sensor = scenario.sensor
-    plain = sensor.model_copy(
-        update={
-            **dict.fromkeys(TABLES),
-            "projection": "equal-angle",
-            "roll_deg": 0.0,
-            "pixels": MEAN_PIXELS,
-            "elevation_deg": float(np.clip(sensor.elevation_deg, -90.0 + 0.5 * sensor.fov_deg[1], 90.0 - 0.5 * sensor.fov_deg[1])),
-        }
-    )
-    found = mean(scenario.model_copy(update={"sensor": plain, "platform": None}))
-    radiance = np.asarray(found["radiance"] if not hasattr(found, "radiance") else found.radiance, np.float64)
-    return float(np.nanmean(radiance))

@@ -1,0 +1,56 @@
+"""Figures of merit of a scenario's sensor, with the noise budget for the mean of its scene."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from seaglint.instrument.figures_of_merit import figures
+from seaglint.scenario.model import Scenario
+from seaglint.scenario.presets.sensor_presets import TABLES
+from seaglint.studies.mean.mean_map import mean
+from seaglint.studies.prepare.sensor_model import sensor_model
+
+MEAN_PIXELS = (24, 12)
+"""Grid of the mean map from which the scene's mean radiance is taken for a noise budget."""
+
+
+def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> dict[str, Any]:
+    """Figures of merit of a scenario's sensor, the noise budget for the mean of its scene, the MTF at some frequencies [cycles mrad-1].
+
+    Raises
+    ------
+    SeaglintError
+        No sensor, or a scene that cannot be computed.
+
+    Examples
+    --------
+    >>> from seaglint.scenario.load import parse_scenario
+    >>> tables = {"optics": {"aperture_m": 0.05, "f_number": 4.0}, "detector": {"pitch_um": 15.0}}
+    >>> found = describe_sensor(parse_scenario({"sensor": tables}))
+    >>> round(found["ifov_mrad"], 6), found["oversampling"]
+    (0.075, 3)
+    """
+    model = sensor_model(scenario)
+    found = figures(model, mean_radiance(scenario), frequencies=[1e3 * frequency for frequency in frequencies])
+    return {"seed": model.seed, **found, "scenario": json.loads(scenario.model_dump_json(exclude_none=True))}
+
+
+def mean_radiance(scenario: Scenario) -> float:
+    """Mean radiance over the field of view [W m-2 sr-1], of a mean map of few pixels; of a moving sensor, where it begins."""
+    sensor = scenario.sensor
+    plain = sensor.model_copy(
+        update={
+            **dict.fromkeys(TABLES),
+            "projection": "equal-angle",
+            "roll_deg": 0.0,
+            "pixels": MEAN_PIXELS,
+            "elevation_deg": float(np.clip(sensor.elevation_deg, -90.0 + 0.5 * sensor.fov_deg[1], 90.0 - 0.5 * sensor.fov_deg[1])),
+        }
+    )
+    found = mean(scenario.model_copy(update={"sensor": plain, "platform": None}))
+    radiance = np.asarray(found["radiance"] if not hasattr(found, "radiance") else found.radiance, np.float64)
+    return float(np.nanmean(radiance))
