@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 import seaglint as sg
-from seaglint.analysis import Analysis, Options
+from seaglint.analysis import Analysis, AnalysisOptions
 from seaglint.analysis import analyze as run_analysis
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError, DomainError, ScenarioError
@@ -227,7 +227,7 @@ def test_options_go_by_the_fields_of_the_record(run) -> None:
     found = sg.analyze(
         run, filter="top-hat", thresholds=[4.0], detectors=["ca-cfar"], mask=mask, seed=3, progress=lambda done, total: seen.append(done)
     )
-    options = Options()
+    options = AnalysisOptions()
     assert (found.options.filter.name, found.options.thresholds, found.options.seed) == ("top_hat", (4.0,), 3)
     assert found.options.scope == options.scope
     np.testing.assert_array_equal(found.regions["glint"].mask, mask)

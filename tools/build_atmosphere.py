@@ -42,8 +42,8 @@ from seaglint.air.coordinates import (
     straight_slant,
 )
 from seaglint.air.protocol import slant_range
-from seaglint.files.lowtran.deck import MODELS, Aerosol, Air, Case
-from seaglint.files.lowtran.engine import FLAGS, Spectrum, engine, fortran_file, run
+from seaglint.files.lowtran.deck import MODELS, Aerosol, LowtranAir, LowtranCase
+from seaglint.files.lowtran.engine import FLAGS, LowtranSpectrum, engine, fortran_file, run
 from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION
 
 DATA = Path(__file__).parents[1] / "src" / "seaglint" / "air" / "data"
@@ -164,12 +164,12 @@ def brightness_temperature(wavenumber_cm: np.ndarray, radiance: np.ndarray) -> n
     return SECOND_RADIATION * wavenumber_cm / np.log1p(FIRST_RADIATION * wavenumber_cm**3 / np.maximum(radiance, 1e-60))
 
 
-def optical_depth(spectrum: Spectrum) -> np.ndarray:
+def optical_depth(spectrum: LowtranSpectrum) -> np.ndarray:
     """``-log(tau)`` within 1e-12 ... OPAQUE."""
     return np.clip(-np.log(np.maximum(spectrum.transmittance, 1e-300)), 1e-12, OPAQUE)
 
 
-def refraction_of(spectrum: Spectrum) -> Refraction:
+def refraction_of(spectrum: LowtranSpectrum) -> Refraction:
     """The profile LOWTRAN7 used."""
     inside = (spectrum.level_height_m <= 1e5) & (spectrum.refractivity > 0.0)
     inside[1:] &= np.diff(spectrum.level_height_m) > 0.0
@@ -223,10 +223,10 @@ def slabs() -> list[tuple[Literal["path", "sky", "sun"], float]]:
 
 def line_of_sight(
     model: str, wind: float, kind: Literal["path", "sky", "sun"], height: float, zenith: float, wavenumbers: tuple[int, int] = SAMPLED
-) -> Case:
+) -> LowtranCase:
     """A case at a height [m] and zenith angle [rad], the wind of the day being that of the moment [m/s]."""
-    air = Air(model, Aerosol(wind=float(wind), wind_24h=float(wind)), *wavenumbers)
-    return Case(air, kind, float(height) / 1e3, float(np.degrees(zenith)))
+    air = LowtranAir(model, Aerosol(wind=float(wind), wind_24h=float(wind)), *wavenumbers)
+    return LowtranCase(air, kind, float(height) / 1e3, float(np.degrees(zenith)))
 
 
 def sample(program: Path, model: str, folder: Path, workers: int) -> None:

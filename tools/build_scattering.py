@@ -22,7 +22,7 @@ import numpy as np
 from build_atmosphere import BANDS, DATA, HAZE_CORNER, WIND_KINK, compress, line_of_sight
 from seaglint.air.scattering.scattering_file import FILE
 from seaglint.air.scattering.scattering_laws import AEROSOL_COLUMNS
-from seaglint.files.lowtran.deck import MODELS, Aerosol, Air
+from seaglint.files.lowtran.deck import MODELS, Aerosol, LowtranAir
 from seaglint.files.lowtran.engine import FLAGS, HOOK, engine, fortran_file, run
 from seaglint.files.lowtran.laws_of_run import ALOFT, HUMID, PHASE_ANGLES_DEG, PHASE_WAVELENGTHS_UM, Dump, dump
 
@@ -39,7 +39,7 @@ def dumps(model: str, workers: int) -> list[Dump]:
     """LOWTRAN7's laws at every wind."""
     found = engine()
     with ThreadPoolExecutor(workers) as pool:
-        return list(pool.map(lambda w: dump(found, Air(model, Aerosol(wind=float(w), wind_24h=float(w)), *BANDS["mwir"])), winds()))
+        return list(pool.map(lambda w: dump(found, LowtranAir(model, Aerosol(wind=float(w), wind_24h=float(w)), *BANDS["mwir"])), winds()))
 
 
 def around(nodes: np.ndarray, low: float, high: float) -> slice:

@@ -11,8 +11,8 @@ import tomllib
 from pathlib import Path
 
 from seaglint.scenario.ensemble import parse_ensemble
-from seaglint.studies.ensemble.ensemble_dataset import Source, ensemble_dataset
-from seaglint.studies.ensemble.scenes_to_dataset import Options
+from seaglint.studies.ensemble.ensemble_dataset import EnsembleSource, ensemble_dataset
+from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
 
 ROOT = Path(__file__).resolve().parents[1]
 SCENES = 18
@@ -24,7 +24,7 @@ def main() -> None:
     # The first of the same draws: points of Sobol are the same in any number, and one frame of a scene is on the sheet.
     raw["ensemble"] |= {"scenes": SCENES, "frames": 1}
     with tempfile.TemporaryDirectory() as folder:
-        made = ensemble_dataset(Source(parse_ensemble(raw), "small-objects", None), Path(folder) / "D", Options.of("coco"))
+        made = ensemble_dataset(EnsembleSource(parse_ensemble(raw), "small-objects", None), Path(folder) / "D", DatasetOptions.of("coco"))
         print((made / "README.md").read_text(encoding="utf-8"))
         shutil.copy(made / "examples.png", ROOT / "docs" / "images" / "dataset_examples.png")
 

@@ -21,16 +21,16 @@ from seaglint.base.errors import SeaglintError
 from seaglint.detection.design import by_windows
 from seaglint.detection.injection import Batch, inject
 from seaglint.detection.spot import GaussianSpot
-from seaglint.detection.trials import Objects
+from seaglint.detection.trials import InjectedObjects
 from seaglint.files.detection_parts import Parts
 from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map, draw_ranges
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.detect.designer import Design, design, rate_threshold
 from seaglint.studies.detect.injected import Strength, point_shape
-from seaglint.studies.detect.performance import Options, detect
+from seaglint.studies.detect.performance import DetectionOptions, detect
 from seaglint.studies.detect.range_search import RangeOptions, detection_range
 from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of, run_scene
-from seaglint.studies.detect.scene_frames import SceneFrames, Seas, frames_key
+from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
 IMAGES = Path(__file__).resolve().parents[1] / "docs" / "images"
 SUN = 240.0
@@ -72,7 +72,7 @@ def azimuths(parts: Parts) -> None:
     """P_d and P_fa of one moving object from the open sea to the middle of the corridor."""
     columns, rows, pixel = 288, 72, 0.15
     scenario = scene(SUN + 0.5 * columns * pixel - 4.0, (columns, rows), pixel, elevation=-6.0)
-    seas = Seas.of(scenario)
+    seas = IndependentSeas.of(scenario)
     azimuth, _ = seas.directions
     shape, contrast = GaussianSpot(0.7), 6.0
     figure = Figure(figsize=(9.0, 7.2), layout="constrained")
@@ -84,8 +84,8 @@ def azimuths(parts: Parts) -> None:
     source = None
     for name in ("top-hat", "matched-local", "ca-cfar", "temporal-profile", "track-before-detect"):
         injections = 600 if name == "track-before-detect" else 4000  # it is slow
-        template = Objects(shape, (contrast,), injections, velocity=(0.0, 0.5), match_radius=1.0, seed=3)
-        options = Options(template, detector=name, threshold=3.0, frame_rate=25.0)
+        template = InjectedObjects(shape, (contrast,), injections, velocity=(0.0, 0.5), match_radius=1.0, seed=3)
+        options = DetectionOptions(template, detector=name, threshold=3.0, frame_rate=25.0)
         length = lead_of(options, shape) + 1
         source = SceneFrames(seas, parts.frames(frames_key(scenario, length)), length)
         source.grow(SEAS)
@@ -122,14 +122,14 @@ def azimuths(parts: Parts) -> None:
     figure.savefig(IMAGES / "detection_azimuth.png", dpi=110)
 
 
-def needed(seas: Seas, name: str, parts: Parts) -> str:
+def needed(seas: IndependentSeas, name: str, parts: Parts) -> str:
     """A cell of the table: contrast for P_d 0.9 at 1e-6, loss against white noise, and whether the rate is to be believed."""
     # a still object is its own background to a temporal filter
     (count, length), still = (TEMPORAL, 1) if name == "temporal-profile" else (SINGLE, 0)
     shape, share = point_shape(seas.model)
     source = SceneFrames(seas, parts.frames(frames_key(seas.scenario, length)), length)
     source.grow(count)
-    options = Options(Objects(shape, (1.0,), 600, seed=5, duration=still), detector=name, threshold=3.5)
+    options = DetectionOptions(InjectedObjects(shape, (1.0,), 600, seed=5, duration=still), detector=name, threshold=3.5)
     try:
         found = detect(source, options)
         told = design(found, source, options, Design(p_fa=1e-6, injections=600))
@@ -149,7 +149,7 @@ def contrasts(parts: Parts) -> None:
     columns = []
     for sensor in (False, True):
         for azimuth in (SUN, SUN + 60.0):
-            seas = Seas.of(scene(azimuth, (192, 48), PIXEL_DEG, elevation=-2.5, sensor=sensor))
+            seas = IndependentSeas.of(scene(azimuth, (192, 48), PIXEL_DEG, elevation=-2.5, sensor=sensor))
             columns.append([needed(seas, name, parts) for name in DETECTORS])
     print("| detector | corridor, aperture | open sea, aperture | corridor, sensor | open sea, sensor |")
     print("|---|---|---|---|---|")
@@ -159,9 +159,9 @@ def contrasts(parts: Parts) -> None:
 
 def pictures(parts: Parts) -> None:
     """Characteristic, misses and false alarms of one detector in the corridor behind a sensor, and where false alarms are."""
-    template = Objects(GaussianSpot(0.7), (1.0,), 1000, seed=5)
+    template = InjectedObjects(GaussianSpot(0.7), (1.0,), 1000, seed=5)
     wanted = SceneOptions(
-        Options(template, detector="ca-cfar", threshold=3.0), strength=Strength((10.0, 15.0, 20.0, 30.0, 40.0)), seas=3 * SEAS
+        DetectionOptions(template, detector="ca-cfar", threshold=3.0), strength=Strength((10.0, 15.0, 20.0, 30.0, 40.0)), seas=3 * SEAS
     )
     case = run_scene(scene(SUN + 5.0, (96, 64), PIXEL_DEG, elevation=-2.5, sensor=True), wanted, parts)
     chips = draw_chips(case["chips"], case["result"]["threshold_sigma"])
@@ -169,7 +169,7 @@ def pictures(parts: Parts) -> None:
     chips.savefig(IMAGES / "detection_chips.png", dpi=110)
     draw_characteristic(case["roc"], case["rows"], "W m⁻² sr⁻¹").savefig(IMAGES / "detection_roc.png", dpi=110)
     wide = scene(SUN + 8.0, (160, 48), 0.15, elevation=-5.0)
-    wanted = SceneOptions(Options(template, detector="top-hat", threshold=3.0), seas=SEAS)
+    wanted = SceneOptions(DetectionOptions(template, detector="top-hat", threshold=3.0), seas=SEAS)
     draw_map(run_scene(wide, wanted, parts)["map"]).savefig(IMAGES / "detection_map.png", dpi=110)
 
 
@@ -178,7 +178,9 @@ def range_of(wind: float, bearing: float, parts: Parts) -> dict[str, Any]:
     field = {"height_m": 30.0, "fov_deg": [96 * PIXEL_DEG, 32 * PIXEL_DEG], "pixels": [96, 32]}
     weather = {"sun": BASE["sun"], "wind": {"speed_m_s": wind, "from_deg": SUN}}
     scenario = parse_scenario({"seed": 11, **weather, "sensor": field, "objects": [BUOY]})
-    wanted = SceneOptions(Options(Objects(GaussianSpot(0.7), (1.0,), 150, seed=5), detector="top-hat", threshold=3.5), seas=12)
+    wanted = SceneOptions(
+        DetectionOptions(InjectedObjects(GaussianSpot(0.7), (1.0,), 150, seed=5), detector="top-hat", threshold=3.5), seas=12
+    )
     asked = RangeOptions("buoy", (1000.0, 30_000.0), Design(p_d=0.5, p_fa=1e-3), precision=0.3)
     found = detection_range(scenario, wanted, asked, parts, bearing_deg=bearing)
     points = [f"{p['range_m']:.0f} m {p['p_d']:.2f} ({p['visible_share']:.2f} seen)" for p in found["points"]]

@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.instrument.chain import SensorModel
-from seaglint.instrument.detector import Detector, square_mtf
+from seaglint.instrument.detector import PhotonPixels, square_mtf
 from seaglint.instrument.figures_of_merit import figures, mtf, three_d
-from seaglint.instrument.noise import Noise
-from seaglint.instrument.optics import Optics, jitter_mtf, pupil_mtf, wavefront_mtf
+from seaglint.instrument.noise import DetectorNoise
+from seaglint.instrument.optics import SensorOptics, jitter_mtf, pupil_mtf, wavefront_mtf
 from seaglint.instrument.photons import Photons
 from seaglint.instrument.three_d import three_d_noise
 from seaglint.optics.band import Band
@@ -31,11 +31,13 @@ Row = tuple[str, str, str]
 """What is compared, the bound, what was found."""
 
 
-def camera(noise: Noise | None = None, optics: Optics | None = None, **detector: float) -> SensorModel:
+def camera(noise: DetectorNoise | None = None, optics: SensorOptics | None = None, **detector: float) -> SensorModel:
     """A mid-wave camera, F/2, 15 um pixels, without noise unless told."""
     given = {"pitch": 15e-6, "integration_time": 2e-3, "well_capacity": 7e6, "bit_depth": 14, **detector}
-    quiet = Noise(temporal=False, fixed_pattern=False)
-    return SensorModel(Photons(Band.rectangular(3.5, 5.0)), optics or Optics(0.05, 0.1), Detector(**given), noise or quiet, seed=3)
+    quiet = DetectorNoise(temporal=False, fixed_pattern=False)
+    return SensorModel(
+        Photons(Band.rectangular(3.5, 5.0)), optics or SensorOptics(0.05, 0.1), PhotonPixels(**given), noise or quiet, seed=3
+    )
 
 
 def flat(model: SensorModel, radiance: float, size: int, frame: int) -> np.ndarray:
@@ -46,10 +48,10 @@ def flat(model: SensorModel, radiance: float, size: int, frame: int) -> np.ndarr
 def edges() -> Iterator[Row]:
     """Slanted edges of 256 pixels up to the Nyquist frequency."""
     cases = (
-        ("F/2, wavefront error 0.04, jitter 0.13 pixels, fill factor 0.8", Optics(0.05, 0.1, wavefront_error=0.04, jitter=2e-5), 0.8),
-        ("F/3", Optics(0.1 / 3, 0.1), 1.0),
-        ("F/3, obscuration 0.3", Optics(0.1 / 3, 0.1, obscuration=0.3), 1.0),
-        ("F/6, obscuration 0.3", Optics(0.1 / 6, 0.1, obscuration=0.3), 1.0),
+        ("F/2, wavefront error 0.04, jitter 0.13 pixels, fill factor 0.8", SensorOptics(0.05, 0.1, wavefront_error=0.04, jitter=2e-5), 0.8),
+        ("F/3", SensorOptics(0.1 / 3, 0.1), 1.0),
+        ("F/3, obscuration 0.3", SensorOptics(0.1 / 3, 0.1, obscuration=0.3), 1.0),
+        ("F/6, obscuration 0.3", SensorOptics(0.1 / 6, 0.1, obscuration=0.3), 1.0),
     )
     for name, optics, fill in cases:
         model = camera(optics=optics, fill_factor=fill)
@@ -74,15 +76,15 @@ def pybsm() -> Iterator[Row]:
     worst = max(float(np.abs(found - table[name]).max()) for name, found in ours.items())
     yield "diffraction, wavefront, detector, jitter against pyBSM 0.16.1", "0.005", f"{worst:.0e}"
     electrons = {float(t): float(n) for t, n in re.findall(r"blackbody at (\d+) K: (\S+)", text)}
-    optics = Optics(0.08, 0.2, transmission=0.8, obscuration=0.3, solid_angle_law="thin-lens")
-    model = SensorModel(Photons(Band.rectangular(3.5, 5.0), None, 0.7), optics, Detector(15e-6, integration_time=2e-3, gain=10.0))
+    optics = SensorOptics(0.08, 0.2, transmission=0.8, obscuration=0.3, solid_angle_law="thin-lens")
+    model = SensorModel(Photons(Band.rectangular(3.5, 5.0), None, 0.7), optics, PhotonPixels(15e-6, integration_time=2e-3, gain=10.0))
     theirs = np.sqrt(electrons[300.0]) / (electrons[301.0] - electrons[300.0])
     yield "NETD against pyBSM's electrons at 300 and 301 K", "3 %", f"{100 * (figures(model)['netd_k'] / theirs - 1):+.1f} %"
 
 
 def transfer() -> Iterator[Row]:
     """Photon transfer and NETD from flat fields."""
-    model = camera(Noise(gain_spread=0.01), well_capacity=1e6, read_noise=200.0, offset=100.0)
+    model = camera(DetectorNoise(gain_spread=0.01), well_capacity=1e6, read_noise=200.0, offset=100.0)
     full = (1e6 - model.readout.background) / model.readout.per_radiance
     pairs = [[flat(model, share * full, 256, 2 * i + k) for k in (0, 1)] for i, share in enumerate(np.linspace(0.0, 0.9, 10))]
     mean = [0.5 * (a + b).mean() for a, b in pairs]
@@ -93,7 +95,7 @@ def transfer() -> Iterator[Row]:
     well = (flat(model, 2.0 * full, 64, 40).mean() - 100.0) * gain
     found = f"{100 * (1 / slope / gain - 1):+.1f}, {100 * (read / 200 - 1):+.1f}, {100 * (well / 1e6 - 1):+.2f} %"
     yield "photon transfer at ten levels: gain, read noise, well", "2 %", found
-    model = camera(Noise(gain_spread=0.001), read_noise=500.0)
+    model = camera(DetectorNoise(gain_spread=0.001), read_noise=500.0)
     cold, warm = (float(model.photons.radiance(t)) for t in (300.0, 301.0))
     still = [flat(model, cold, 256, k) for k in range(8)]
     step = np.mean([flat(model, warm, 256, 10 + k).mean() for k in range(4)]) - np.mean(still)
@@ -105,7 +107,7 @@ def transfer() -> Iterator[Row]:
 def cube() -> Iterator[Row]:
     """Components of 3-D noise: those drawn, because one set of rows has an rms of its own."""
     put = {"frame": 300.0, "row": 400.0, "column": 350.0, "row_temporal": 250.0, "column_temporal": 450.0, "offset_spread": 500.0}
-    model = camera(Noise(**put), read_noise=600.0)
+    model = camera(DetectorNoise(**put), read_noise=600.0)
     seen = np.full((200, 240), 1.0, np.float32)
     found, told = three_d_noise(np.stack([model.expose(seen, k).units for k in range(400)])), three_d(model, 1.0)
     offset = model._pattern((200, 240)).offset
@@ -123,19 +125,19 @@ def point(row: int, column: int, size: int = 96, n: int = 5) -> np.ndarray:
 
 def energy() -> Iterator[Row]:
     """Points, fields, temperatures."""
-    model = camera(optics=Optics(0.1, 0.1))
+    model = camera(optics=SensorOptics(0.1, 0.1))
     sums = [float(model.focal_plane(point(a, b), 5).sum()) for a in range(5) for b in range(5)]
     yield "a point's sum at 25 places within its pixel, fill factor 1", "0.3 %", f"{100 * np.ptp(sums) / np.mean(sums):.2f} %"
-    gaps = replace(model, detector=Detector(15e-6, 0.25, 2e-3))
+    gaps = replace(model, detector=PhotonPixels(15e-6, 0.25, 2e-3))
     mean = np.mean([model.focal_plane(point(a, b), 5).sum() for a in range(5) for b in range(5)])
     mean_gaps = 0.25 * np.mean([gaps.focal_plane(point(a, b), 5).sum() for a in range(5) for b in range(5)])
     yield "its mean over places at fill factor 0.25, over that at 1", "0.25", f"{mean_gaps / mean:.4f}"
-    model = camera(optics=Optics(0.05, 0.1, obscuration=0.3, transmission=0.8))
+    model = camera(optics=SensorOptics(0.05, 0.1, obscuration=0.3, transmission=0.8))
     # power through the pupil, against radiance times solid angle of a pixel
     electrons = model.ifov**2 * model.optics.pupil_area * 0.8 * model.photons.electrons_per_joule * 2e-3
     light = float((model.readout.units(model.focal_plane(point(2, 2), 5)) - model.readout.background).sum())
     yield "electrons of a point: pupil area x irradiance, within 96 x 96 pixels", "1 %", f"{100 * (light / electrons - 1):+.2f} %"
-    model = camera(optics=Optics(0.05, 0.1, transmission=0.8, emissivity=0.2, temperature=305.0), dark_current=1e6, offset=100.0)
+    model = camera(optics=SensorOptics(0.05, 0.1, transmission=0.8, emissivity=0.2, temperature=305.0), dark_current=1e6, offset=100.0)
     off = [
         float(np.abs(model.apparent_temperature(flat(model, float(model.photons.radiance(t)), 16, 0)) - t).max())
         for t in (275.0, 288.0, 300.0, 315.0)

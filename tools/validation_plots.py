@@ -205,7 +205,7 @@ def sensor() -> Figure:
     """MTF by slanted edges against the product of its parts, and parts against pyBSM."""
     from seaglint.instrument.detector import square_mtf
     from seaglint.instrument.figures_of_merit import mtf
-    from seaglint.instrument.optics import Optics, jitter_mtf, pupil_mtf, wavefront_mtf
+    from seaglint.instrument.optics import SensorOptics, jitter_mtf, pupil_mtf, wavefront_mtf
     from sensor_validation import ANGLE, PYBSM, camera
     from slanted_edge import edge_mtf, slanted_edge
 
@@ -214,8 +214,8 @@ def sensor() -> Figure:
     upper, lower = panels[:, 0]
     for k, (name, optics, fill) in enumerate(
         (
-            ("F/2, aberrated, jitter", Optics(0.05, 0.1, wavefront_error=0.04, jitter=2e-5), 0.8),
-            ("F/6, obscured", Optics(0.1 / 6, 0.1, obscuration=0.3), 1.0),
+            ("F/2, aberrated, jitter", SensorOptics(0.05, 0.1, wavefront_error=0.04, jitter=2e-5), 0.8),
+            ("F/6, obscured", SensorOptics(0.1 / 6, 0.1, obscuration=0.3), 1.0),
         )
     ):
         model = camera(optics=optics, fill_factor=fill)

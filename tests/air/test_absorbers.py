@@ -5,7 +5,7 @@ import pytest
 
 from seaglint.air.line import heights_along, level_shares, lowest_height
 from seaglint.air.protocol import slant_range
-from seaglint.air.table.absorbers import Absorbers, BandLaw, Pieces
+from seaglint.air.table.absorbers import Absorbers, BandLaw, LayerPieces
 from seaglint.air.table.profiles import PROFILES
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.files.lowtran.deck import MODELS
@@ -85,9 +85,9 @@ def test_air_of_one_temperature_shines_like_a_blackbody_and_thick_air_like_its_n
     law = BandLaw(air, np.array([[0.3, 1.0], [0.0, 0.1]]), nu)
     amount = np.array([[[0.1, 0.2], [0.4, 0.5], [0.4, 0.5]]])
     one = np.ones((1, 2))
-    even = Pieces(amount, np.full((1, 3), 280.0))
+    even = LayerPieces(amount, np.full((1, 3), 280.0))
     np.testing.assert_allclose(law.emission(even, one)[0], planck_wavenumber(nu, 280.0), rtol=1e-12)
-    layered = Pieces(amount, np.array([[290.0, 260.0, 200.0]]))
+    layered = LayerPieces(amount, np.array([[290.0, 260.0, 200.0]]))
     near, far = planck_wavenumber(nu, 290.0), planck_wavenumber(nu, 260.0)
     np.testing.assert_allclose(law.emission(layered, 500.0 * one)[0], near, rtol=1e-6)
     depth = law.optical_depth(amount[0])

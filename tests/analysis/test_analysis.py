@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from seaglint.analysis import Options, analyze, run
+from seaglint.analysis import AnalysisOptions, analyze, run
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.goodness import goodness
@@ -27,11 +27,11 @@ def recording(frames: np.ndarray, **more: Any) -> Recording:
     return Recording("memory", *frames.shape, lambda a, b: frames[a:b], **known)
 
 
-def result(frames: np.ndarray, options: Options | None = None, **more: Any) -> dict[str, Any]:
+def result(frames: np.ndarray, options: AnalysisOptions | None = None, **more: Any) -> dict[str, Any]:
     return of(recording(frames, **more), options)
 
 
-def of(given: Recording, options: Options | None = None) -> dict[str, Any]:
+def of(given: Recording, options: AnalysisOptions | None = None) -> dict[str, Any]:
     found = analyze(given, options).as_dict()
     json.dumps(found, allow_nan=False)  # JSON has no NaN
     return found
@@ -48,7 +48,7 @@ quick = pytest.mark.usefixtures("few_draws")
 
 @pytest.fixture(scope="module")
 def white() -> dict[str, Any]:
-    return result(WHITE, Options(thresholds=(2.0,)))
+    return result(WHITE, AnalysisOptions(thresholds=(2.0,)))
 
 
 def test_the_promised_keys_are_there(white: dict[str, Any]) -> None:
@@ -105,10 +105,10 @@ def test_wrong_families_are_told_apart() -> None:
 
 @quick
 def test_same_input_same_numbers_however_it_is_blocked(monkeypatch: pytest.MonkeyPatch) -> None:
-    once = result(SMALL, Options(thresholds=(2.0,)))
+    once = result(SMALL, AnalysisOptions(thresholds=(2.0,)))
     whole = run.ahead
     monkeypatch.setattr(run, "ahead", lambda recording, prepare: whole(recording, prepare, memory=3 * SMALL[0].nbytes))
-    again = result(SMALL, Options(thresholds=(2.0,)))
+    again = result(SMALL, AnalysisOptions(thresholds=(2.0,)))
     assert again["regions"]["all"]["false_alarms"] == once["regions"]["all"]["false_alarms"]
     assert again["regions"]["all"]["fits"] == once["regions"]["all"]["fits"]
 
@@ -119,7 +119,7 @@ def test_a_mask_makes_the_regions() -> None:
     mask[:, 40:80] = True
     frames = WHITE.copy()
     frames[:, mask] += 20.0
-    found = result(frames, Options(mask=mask))
+    found = result(frames, AnalysisOptions(mask=mask))
     assert found["regions"]["glint"]["pixels"] == mask.sum()
     assert found["regions"]["glint"]["mean"] - found["regions"]["background"]["mean"] == pytest.approx(20.0, abs=0.1)
     assert found["segmentation"]["method"] == "mask given"
@@ -127,14 +127,14 @@ def test_a_mask_makes_the_regions() -> None:
 
 def test_a_mask_of_another_size_is_refused() -> None:
     with pytest.raises(DataError, match="mask has 10 x 10"):
-        result(WHITE, Options(mask=np.ones((10, 10), bool)))
+        result(WHITE, AnalysisOptions(mask=np.ones((10, 10), bool)))
 
 
 @quick
 def test_rows_are_counted_after_the_filter_saw_all() -> None:
     frames = WHITE[:12].copy()
     frames[:, :48] += 1000.0 * np.arange(48)[::-1, None] ** 2  # a steep sky above the rows analysed
-    part = result(frames, Options(rows=(0.6, 1.0)))["regions"]["all"]
+    part = result(frames, AnalysisOptions(rows=(0.6, 1.0)))["regions"]["all"]
     assert part["pixels"] == (96 - 57) * 128  # from floor(0.6 x 96) down
     assert part["std"] == pytest.approx(5.0, rel=0.02)
 
@@ -142,7 +142,7 @@ def test_rows_are_counted_after_the_filter_saw_all() -> None:
 @pytest.mark.parametrize("rows", [(0.5, 0.5), (-0.1, 1.0), (0.0, 1.2)])
 def test_impossible_rows(rows: tuple[float, float]) -> None:
     with pytest.raises(DomainError, match="rows"):
-        result(WHITE, Options(rows=rows))
+        result(WHITE, AnalysisOptions(rows=rows))
 
 
 def constant() -> np.ndarray:
@@ -243,7 +243,7 @@ def test_tiny_pictures_are_answered() -> None:
 def test_a_detector_is_judged_beside_the_filter() -> None:
     from seaglint.detection.named_detectors import named
 
-    found = result(WHITE, Options(detectors=(named("ca-cfar"), named("frame-difference"))))
+    found = result(WHITE, AnalysisOptions(detectors=(named("ca-cfar"), named("frame-difference"))))
     names = {alarm["filter"] for alarm in found["regions"]["all"]["false_alarms"]}
     assert names == {"laplacian", "ca-cfar", "frame-difference"}
     cfar = [a for a in found["regions"]["all"]["false_alarms"] if a["filter"] == "ca-cfar" and a["threshold_sigma"] == 3.0]
@@ -254,7 +254,7 @@ def test_a_detector_is_judged_beside_the_filter() -> None:
 @quick
 @pytest.mark.parametrize("scope", ["sequence", "local"])
 def test_other_standard_deviations(scope: Any) -> None:
-    region = result(WHITE[:12], Options(scope=scope))["regions"]["all"]
+    region = result(WHITE[:12], AnalysisOptions(scope=scope))["regions"]["all"]
     assert region["false_alarms"][0]["rate"] == pytest.approx(norm.sf(3.0), rel=0.35)
 
 
@@ -269,7 +269,7 @@ def test_other_standard_deviations(scope: Any) -> None:
 )
 def test_measured_images_give_their_known_rates(name: str, rates: tuple[float, float], data_dir: Path) -> None:
     """Counted before by an independent program: Laplacian of the whole image, rows from floor(0.45 H) down, sigma of that crop."""
-    found = of(open_recording(data_dir / "imagery" / f"{name}.png"), Options(rows=(0.45, 1.0)))
+    found = of(open_recording(data_dir / "imagery" / f"{name}.png"), AnalysisOptions(rows=(0.45, 1.0)))
     alarms = found["regions"]["all"]["false_alarms"]
     assert tuple(round(alarm["rate"], 4) for alarm in alarms) == rates
 
@@ -318,7 +318,7 @@ def test_a_stuck_bright_pixel_is_no_ceiling() -> None:
 def test_a_bad_line_is_named_and_left_out_of_correlation_and_fits(line: str, where: tuple[slice | int, ...]) -> None:
     frames = WHITE[:20].copy()
     frames[where] += 100.0
-    found = result(frames, Options(border="keep"))
+    found = result(frames, AnalysisOptions(border="keep"))
     assert any(f"{line} alone" in note for note in found["notes"])
     region = found["regions"]["all"]
     assert region["false_alarms"][0]["rate"] > 4 * norm.sf(3.0)  # as the picture has it
@@ -340,7 +340,7 @@ def test_a_dead_column_is_told_once() -> None:
 def test_repeated_border_pixels_are_left_out_of_sequences_and_told_of_images() -> None:
     """White noise of small pictures: kept borders lower sigma by 0.2 of their share, 3 % at 128 px; without, the tail comes back."""
     frames = np.random.default_rng(33).normal(0.0, 1.0, (200, 64, 64)).astype(np.float32)
-    dropped, kept = (result(frames, Options(border=b)) for b in ("auto", "keep"))
+    dropped, kept = (result(frames, AnalysisOptions(border=b)) for b in ("auto", "keep"))
     assert (dropped["border"], kept["border"]) == ("dropped", "kept")
     rate, biased = (r["regions"]["all"]["false_alarms"][0]["rate"] for r in (dropped, kept))
     # 8e5 pixels, 1080 expected: 99.9 % is 10 %
@@ -393,7 +393,7 @@ def test_dead_rows_of_a_file_that_is_mapped(tmp_path: Path) -> None:
     np.save(tmp_path / "clip.npy", frames)
     from seaglint.detection.named_detectors import named
 
-    found = of(open_recording(tmp_path / "clip.npy"), Options(detectors=(named("ca-cfar"),)))
+    found = of(open_recording(tmp_path / "clip.npy"), AnalysisOptions(detectors=(named("ca-cfar"),)))
     assert any("1 rows left out (7)" in note for note in found["notes"])
     assert found["regions"]["all"]["pixels"] == 47 * 64
 
@@ -406,7 +406,7 @@ def test_progress_counts_the_frames_of_the_recording(scope: Any, detectors: tupl
     told: list[tuple[int, int]] = []
     frames = SMALL[:12]
     recording = Recording("made here", *frames.shape, read_block=lambda start, stop: frames[start:stop])
-    options = Options(scope=scope, detectors=tuple(named(name) for name in detectors))
+    options = AnalysisOptions(scope=scope, detectors=tuple(named(name) for name in detectors))
     analyze(recording, options, lambda done, total: told.append((done, total)))
     assert told[0] == (0, 12)
     assert told[-1] == (12, 12)

@@ -12,8 +12,8 @@ import xarray as xr
 
 from seaglint.base.errors import BackendError
 from seaglint.files.lowtran import engine
-from seaglint.files.lowtran.deck import Aerosol, Air
-from seaglint.files.modtran.lines import Line
+from seaglint.files.lowtran.deck import Aerosol, LowtranAir
+from seaglint.files.modtran.lines import ModtranCase
 from seaglint.files.modtran.reading import read_spectra
 from seaglint.files.modtran.tape5 import deck
 from seaglint.scenario.load import load_scenario
@@ -94,8 +94,8 @@ def test_decks_run_and_read_back_give_the_same_air(seaglint, program, tmp_path, 
 
 def test_scattered_light_of_a_known_case(program, tmp_path):
     """A path from 30 m 1 deg down, towards a Sun 14 deg high, in 3.5-5 um: 0.893 thermal and 0.104 W m-2 sr-1 scattered."""
-    air = Air("midlatitude-summer", Aerosol(wind=7.0, wind_24h=7.0), 2000, 2860)
-    (tmp_path / "TAPE5").write_text(deck([Line("path", 30.0, 91.0, azimuth_deg=0.0)], air, 76.0, modtran=False))
+    air = LowtranAir("midlatitude-summer", Aerosol(wind=7.0, wind_24h=7.0), 2000, 2860)
+    (tmp_path / "TAPE5").write_text(deck([ModtranCase("path", 30.0, 91.0, azimuth_deg=0.0)], air, 76.0, modtran=False))
     run_lowtran7(program, tmp_path, air.samples)
     (found,) = read_spectra(tmp_path / "TAPE7")
     nu = np.append(np.arange(2000.0, 2857.0, 5.0), 1e4 / 3.5)

@@ -16,7 +16,7 @@ import toy_jobs
 from seaglint.base.errors import BackendError, DataError, DomainError
 from seaglint.cluster import Done, Failed, Job
 from seaglint.cluster.batch_queue import queued, read_settings
-from seaglint.cluster.dask import _Mapping, connected, judged
+from seaglint.cluster.dask import _DaskMapping, connected, judged
 from seaglint.cluster.job import ATTEMPTS
 from seaglint.cluster.machine import this_machine
 
@@ -114,7 +114,7 @@ def test_units_for_many_workers_are_sent_together():
             self.sent.append(len(units))
             return [SimpleNamespace(key=unit, add_done_callback=lambda told: None) for unit in units]
 
-    mapping = _Mapping(Eight(), b"", range(20))
+    mapping = _DaskMapping(Eight(), b"", range(20))
     for finished in (0, 1, 1, 14, 3):
         for key in list(mapping.flight)[:finished]:
             del mapping.flight[key]

@@ -14,7 +14,7 @@ from seaglint.cluster import Done, Failed, LocalProcesses
 from seaglint.cluster.job import record_of
 from seaglint.files.detection_parts import sea_path
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.detect.scene_frames import SceneFrames, Seas
+from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames
 from seaglint.studies.likelihood.chance_map import likelihood_map
 
 
@@ -40,7 +40,7 @@ def test_a_map_is_the_same_from_workers(two):
 @pytest.mark.validation
 def test_seas_of_a_scene_are_the_same_from_workers(two, tmp_path: Path):
     scene = parse_scenario({"seed": 3, "sensor": {"pixels": [16, 8], "fov_deg": [0.4, 0.2], "elevation_deg": -3.0}})
-    seas = Seas.of(scene)
+    seas = IndependentSeas.of(scene)
     told: list[int] = []
 
     def go_on(done: int) -> bool:

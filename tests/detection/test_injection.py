@@ -9,10 +9,10 @@ from scipy.integrate import dblquad
 from seaglint.analysis import Recording
 from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.background import Background
-from seaglint.detection.injection import Batch, Plan, inject, offsets
+from seaglint.detection.injection import Batch, InjectionPlan, inject, offsets
 from seaglint.detection.named_detectors import named_for
 from seaglint.detection.spot import GaussianSpot, SampledSpot
-from seaglint.detection.trials import Objects, run_trials
+from seaglint.detection.trials import InjectedObjects, run_trials
 
 SPOT = GaussianSpot(0.8)
 
@@ -65,7 +65,7 @@ def test_objects_that_share_a_frame_score_as_each_alone(clutter: np.ndarray, nam
     detector = named_for(name, SPOT, lambda: clutter)
     background = Background(detector, source)
     threshold = background.threshold(3.0, "sigma")
-    objects = Objects(SPOT, (6.0,), 30, match_radius=1.0, seed=4)
+    objects = InjectedObjects(SPOT, (6.0,), 30, match_radius=1.0, seed=4)
     shared = run_trials(background, source, objects, threshold).scores[0]
     assert np.unique(shared.window).size < 10
     batch = objects.plan(detector, source).batch(0)
@@ -82,16 +82,16 @@ def test_objects_that_share_a_frame_score_as_each_alone(clutter: np.ndarray, nam
 def test_places_are_functions_of_seed_and_number_alone() -> None:
     assert np.array_equal(offsets(3, 4000, 300, "random"), offsets(3, 0, 9000, "random")[4000:4300])
     assert not np.array_equal(offsets(3, 0, 5, "random"), offsets(4, 0, 5, "random"))
-    plan = Plan(5000, 40, 128, 96, 7, 5, "random", 9)
+    plan = InjectionPlan(5000, 40, 128, 96, 7, 5, "random", 9)
     later = plan.batch(17)
     plan.batch(3)
-    again = Plan(5000, 40, 128, 96, 7, 5, "random", 9).batch(17)
+    again = InjectionPlan(5000, 40, 128, 96, 7, 5, "random", 9).batch(17)
     assert np.array_equal(later.place, again.place)
     assert later.window == again.window
 
 
 def test_places_are_even_over_frames_and_pixels_and_keep_their_distance() -> None:
-    plan = Plan(40_000, 200, 64, 64, 6, 4, "random", 2)
+    plan = InjectionPlan(40_000, 200, 64, 64, 6, 4, "random", 2)
     batches = [plan.batch(k) for k in range(plan.batches)]
     assert np.bincount([b.window for b in batches], minlength=200).max() <= -(-plan.batches // 200)
     counts = np.zeros((64, 64), int)
@@ -112,7 +112,7 @@ def test_saturation_cuts_objects_and_is_counted(clutter: np.ndarray) -> None:
     source = recording(clutter, saturation=high)
     background = Background(named_for("threshold", SPOT, lambda: clutter), source)
     threshold = background.threshold(3.0, "sigma")
-    trials = run_trials(background, source, Objects(SPOT, (0.01, 100.0), 200, "centre", 0.0), threshold)
+    trials = run_trials(background, source, InjectedObjects(SPOT, (0.01, 100.0), 200, "centre", 0.0), threshold)
     assert trials.saturated[0] <= 1
     assert trials.saturated[1] == 200
     assert trials.scores[1].score.max() == pytest.approx((high - background.mean) / background.sigma, rel=1e-5)
@@ -128,7 +128,7 @@ def test_saturation_cuts_objects_and_is_counted(clutter: np.ndarray) -> None:
 )
 def test_objects_that_cannot_be(options: dict, says: str) -> None:
     with pytest.raises(DomainError, match=says):
-        Objects(SPOT, **options)
+        InjectedObjects(SPOT, **options)
 
 
 def test_no_place_for_an_object_is_said(clutter: np.ndarray) -> None:
@@ -137,6 +137,6 @@ def test_no_place_for_an_object_is_said(clutter: np.ndarray) -> None:
     source = recording(holes)
     background = Background(named_for("threshold", SPOT, lambda: holes), source)
     with pytest.raises(DataError, match="no pixel with a statistic"):
-        run_trials(background, source, Objects(SPOT, (1.0,), 10), background.threshold(2.0, "sigma"))
+        run_trials(background, source, InjectedObjects(SPOT, (1.0,), 10), background.threshold(2.0, "sigma"))
     with pytest.raises(DomainError, match="no place for an object"):
-        Objects(GaussianSpot(5.0), (1.0,), 10).plan(background.detector, source)
+        InjectedObjects(GaussianSpot(5.0), (1.0,), 10).plan(background.detector, source)

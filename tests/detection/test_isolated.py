@@ -11,8 +11,8 @@ from seaglint.analysis import Recording
 from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.isolated import IsolatedDetector
 from seaglint.detection.spot import GaussianSpot
-from seaglint.detection.trials import Objects
-from seaglint.studies.detect.performance import Options, detect
+from seaglint.detection.trials import InjectedObjects
+from seaglint.studies.detect.performance import DetectionOptions, detect
 
 SOURCE = """
 import os, time
@@ -91,13 +91,13 @@ def test_what_was_computed_before_a_fault_is_kept(folder: Path, monkeypatch: pyt
     monkeypatch.chdir(folder)
     frames = np.random.default_rng(1).normal(0.0, 1.0, (5, 64, 64)).astype(np.float32)
     source = Recording("test", *frames.shape, lambda start, stop: frames[start:stop])
-    objects = Objects(GaussianSpot(0.8), (20.0,), 400, "centre", 0.0)
-    found = detect(source, Options(objects, "isolated_of_test:later")).as_dict()
+    objects = InjectedObjects(GaussianSpot(0.8), (20.0,), 400, "centre", 0.0)
+    found = detect(source, DetectionOptions(objects, "isolated_of_test:later")).as_dict()
     # 36 objects of 9 px each way share a frame of 64 px; the background takes one call, and two batches are done.
     assert found["injections"] == 72
     assert found["p_d"] == 1.0
     assert any("stopped after 72 of 400" in note and "tired" in note for note in found["notes"])
-    mute = detect(source, Options(objects, "isolated_of_test:silent")).as_dict()
+    mute = detect(source, DetectionOptions(objects, "isolated_of_test:silent")).as_dict()
     assert mute["p_d"] == 0.0
     assert any("says nothing (NaN) at 400 objects" in note for note in mute["notes"])
 

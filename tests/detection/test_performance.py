@@ -15,7 +15,7 @@ from seaglint.detection.rare_alarms import tail_of
 from seaglint.detection.scoring import exact_interval, interval, match_offsets
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
-from seaglint.detection.trials import Objects, run_trials
+from seaglint.detection.trials import InjectedObjects, run_trials
 
 SPOT = GaussianSpot(0.8)
 ENERGY = float((SPOT.stamps(np.zeros((1, 2))) ** 2).sum())
@@ -31,7 +31,7 @@ def judged(frames: np.ndarray, detector: Detector, threshold: float, contrast: f
     background = Background(detector, source)
     found = background.threshold(threshold, "sigma")
     alarms = count_false_alarms(background, found, level)
-    objects = Objects(SPOT, (contrast,), injections, "centre", 0.0, pointing="centroid", seed=seed)
+    objects = InjectedObjects(SPOT, (contrast,), injections, "centre", 0.0, pointing="centroid", seed=seed)
     scores = run_trials(background, source, objects, found).scores[0]
     return alarms.cells.detection_interval(scores, level), alarms.per_pixel
 

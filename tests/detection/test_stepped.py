@@ -14,9 +14,9 @@ from seaglint.detection.counting import Counting, poisson_quantile
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.stepped import steps_of, tail_above
-from seaglint.detection.trials import Objects, run_trials
+from seaglint.detection.trials import InjectedObjects, run_trials
 from seaglint.studies.detect.chips import chips
-from seaglint.studies.detect.performance import Options, detect
+from seaglint.studies.detect.performance import DetectionOptions, detect
 
 
 def source_of(frames: np.ndarray, **more: object) -> SimpleNamespace:
@@ -98,7 +98,7 @@ class Dim:
 
 
 def test_objects_behind_a_sensor_scatter_by_their_shot_noise() -> None:
-    objects = Objects(GaussianSpot(0.3), (4.0,), 1500, "centre", 0.0, seed=3)
+    objects = InjectedObjects(GaussianSpot(0.3), (4.0,), 1500, "centre", 0.0, seed=3)
     scatter = {}
     for name, counting in (("without", None), ("with", Counting(25.0, 1e-3))):
         source = Dim(counting)
@@ -113,7 +113,9 @@ def test_objects_behind_a_sensor_scatter_by_their_shot_noise() -> None:
 def test_saturation_is_told_whatever_the_noise() -> None:
     source = Dim(Counting(25.0, 1e-3), saturation=3.0)
     background = Background(FilterThreshold(), source)
-    found = run_trials(background, source, Objects(GaussianSpot(0.3), (1.0, 9.0), 300, "centre", 0.0), background.threshold(4.0, "sigma"))
+    found = run_trials(
+        background, source, InjectedObjects(GaussianSpot(0.3), (1.0, 9.0), 300, "centre", 0.0), background.threshold(4.0, "sigma")
+    )
     assert found.saturated == (0, 300)
     # nothing goes beyond it
     assert (found.scores[1].score * background.sigma).max() == pytest.approx(3.0, abs=0.01)
@@ -121,7 +123,7 @@ def test_saturation_is_told_whatever_the_noise() -> None:
 
 def test_pictures_of_misses_show_what_was_judged() -> None:
     source = Dim(Counting(50.0, 0.0025), saturation=0.06)
-    found = detect(source, Options(Objects(GaussianSpot(0.3), (0.04,), 300, "centre", 0.0, seed=3), threshold=100.0))
+    found = detect(source, DetectionOptions(InjectedObjects(GaussianSpot(0.3), (0.04,), 300, "centre", 0.0, seed=3), threshold=100.0))
     missed = chips(found, source)["missed"]
     assert len(missed) == 6
     for chip in missed:

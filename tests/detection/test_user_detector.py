@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from seaglint.analysis import Options, Recording, analyze
+from seaglint.analysis import AnalysisOptions, Recording, analyze
 from seaglint.base.errors import DataError
 from seaglint.detection.interface import Detector, UserDetector, filled, load, statistics
 from seaglint.detection.named_detectors import named
@@ -137,7 +137,7 @@ def test_the_detector_of_the_guide_works_on_sky_dead_lines_and_nan(tmp_path: Pat
     monkeypatch.chdir(tmp_path)
     frames = sea_with_gaps()
     recording = Recording("made here", *frames.shape, read_block=lambda start, stop: frames[start:stop], frame_rate=20.0)
-    found = analyze(recording, Options(detectors=(named("mine_of_the_guide:detector"),)))
+    found = analyze(recording, AnalysisOptions(detectors=(named("mine_of_the_guide:detector"),)))
     alarms = found.regions["all"].alarms["mine_of_the_guide:detector"]
     # 57 rows of 64 pixels in 19 frames, less the patch: what is missing is not counted, what is there is, all of it
     assert alarms.pixels == 57 * 64 * 19 - 40
@@ -163,5 +163,5 @@ def test_gaps_take_the_nearest_value_and_what_is_said_of_them_does_not_count() -
 def test_a_detector_without_numbers_is_named() -> None:
     frames = sea_with_gaps()
     recording = Recording("made here", *frames.shape, read_block=lambda start, stop: frames[start:stop])
-    notes = analyze(recording, Options(detectors=(UserDetector(lambda x: np.nan * x, "mute"),))).notes
+    notes = analyze(recording, AnalysisOptions(detectors=(UserDetector(lambda x: np.nan * x, "mute"),))).notes
     assert any(note.startswith("detector mute gave no pixel") for note in notes)

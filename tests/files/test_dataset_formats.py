@@ -27,9 +27,9 @@ from seaglint.files.store.object_labels import Label, run_lengths
 from seaglint.files.store.store import Interrupted
 from seaglint.scenario.records.dataset import Dataset
 from seaglint.studies.ensemble import scenes_to_dataset as module
-from seaglint.studies.ensemble.scenes_to_dataset import Options, Plan, make_dataset
+from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset
 
-PLAN = Plan("small", 3, Dataset(classes={"speck": "target"}), "[ensemble]\nscenes = 4\n")
+PLAN = DatasetPlan("small", 3, Dataset(classes={"speck": "target"}), "[ensemble]\nscenes = 4\n")
 SCENES = 4
 
 
@@ -40,7 +40,7 @@ def stores(tmp_path_factory):
 
 
 def made(stores, output: Path, form: str, bits=None, image=None, counts=True, **more) -> Path:
-    return make_dataset(output, PLAN, Options.of(form, bits, image), lambda _: stores[counts], **more)
+    return make_dataset(output, PLAN, DatasetOptions.of(form, bits, image), lambda _: stores[counts], **more)
 
 
 @pytest.fixture(scope="module")
@@ -279,8 +279,8 @@ def test_a_data_set_killed_as_it_gets_its_name_is_not_made_again(stores, tmp_pat
         with pytest.raises(KeyboardInterrupt):
             made(stores, tmp_path / "D", "coco")
     with pytest.raises(DataError, match=r"D.partial: was made with another ensemble.scenes"):
-        make_dataset(tmp_path / "D", replace(PLAN, source="[ensemble]\nscenes = 5\n"), Options.of("coco"), lambda _: [], resume=True)
-    again = make_dataset(tmp_path / "D", PLAN, Options.of("coco"), lambda _: pytest.fail("rendered again"), resume=True)
+        make_dataset(tmp_path / "D", replace(PLAN, source="[ensemble]\nscenes = 5\n"), DatasetOptions.of("coco"), lambda _: [], resume=True)
+    again = make_dataset(tmp_path / "D", PLAN, DatasetOptions.of("coco"), lambda _: pytest.fail("rendered again"), resume=True)
     assert not list(check.problems(again))
     assert [path.name for path in tmp_path.iterdir()] == ["D"]
 
@@ -297,7 +297,7 @@ def test_resuming_with_other_settings_says_which(stores, tmp_path):
     made(stores, tmp_path / "D", "coco")
     with pytest.raises(DataError, match=r"D: was made with another ensemble.scenes, ensemble.seed; resume"):
         make_dataset(
-            tmp_path / "D", replace(PLAN, source="[ensemble]\nscenes = 5\nseed = 2\n"), Options.of("coco"), lambda _: [], resume=True
+            tmp_path / "D", replace(PLAN, source="[ensemble]\nscenes = 5\nseed = 2\n"), DatasetOptions.of("coco"), lambda _: [], resume=True
         )
     with pytest.raises(DataError, match="made with another bits"):
         made(stores, tmp_path / "D", "coco", 8, resume=True)
@@ -331,7 +331,7 @@ def test_what_is_there_is_not_replaced_unasked(stores, tmp_path):
 @pytest.mark.parametrize("arguments", [("voc",), ("coco", 12), ("coco", 8, "jpeg"), ("zarr", 8)])
 def test_formats_that_there_are_not_are_one_line(arguments):
     with pytest.raises(DataError, match=r"^--\w+") as error:
-        Options.of(*arguments)
+        DatasetOptions.of(*arguments)
     assert "\n" not in str(error.value)
 
 

@@ -15,9 +15,9 @@ from seaglint.files.dataset import check
 from seaglint.files.dataset.split import SPLITS
 from seaglint.files.store.store import Interrupted
 from seaglint.scenario.records.dataset import Dataset
-from seaglint.studies.ensemble.scenes_to_dataset import Options, Plan, make_dataset
+from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset
 
-PLAN = Plan("small", 3, Dataset(), "[ensemble]\nscenes = 4\n")
+PLAN = DatasetPlan("small", 3, Dataset(), "[ensemble]\nscenes = 4\n")
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +43,7 @@ class Elsewhere:
 def test_a_relative_folder_is_found_by_workers_elsewhere(stores, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "there").mkdir()
-    make_dataset(Path("D"), PLAN, Options.of("sirst"), lambda _: stores, workers=Elsewhere(tmp_path / "there"))
+    make_dataset(Path("D"), PLAN, DatasetOptions.of("sirst"), lambda _: stores, workers=Elsewhere(tmp_path / "there"))
     assert not list(check.problems(tmp_path / "D"))
     assert not any((tmp_path / "there").iterdir())
 
@@ -55,7 +55,7 @@ def test_a_signal_leaves_the_scenes_that_are_done(stores, tmp_path, workers):
             os.kill(os.getpid(), signal.SIGTERM)
 
     with pytest.raises(Interrupted, match=r"stopped after 2 of 4 scenes, kept in .*D\.partial; go on with the same command and --resume"):
-        make_dataset(tmp_path / "D", PLAN, Options.of("coco"), lambda _: stores, workers=workers, progress=stop)
+        make_dataset(tmp_path / "D", PLAN, DatasetOptions.of("coco"), lambda _: stores, workers=workers, progress=stop)
     seen: list[int] = []
-    make_dataset(tmp_path / "D", PLAN, Options.of("coco"), lambda _: stores, resume=True, progress=lambda done, _: seen.append(done))
+    make_dataset(tmp_path / "D", PLAN, DatasetOptions.of("coco"), lambda _: stores, resume=True, progress=lambda done, _: seen.append(done))
     assert seen == [2, 3, 4]

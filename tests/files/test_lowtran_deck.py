@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from seaglint.base.errors import DataError, DomainError
-from seaglint.files.lowtran.deck import HAZES, MODELS, MOST_LEVELS, Aerosol, Air, Case, Level
+from seaglint.files.lowtran.deck import HAZES, MODELS, MOST_LEVELS, Aerosol, LowtranAir, LowtranCase, ProfileLevel
 from seaglint.files.lowtran.sounding import read_sounding, saturation_density
 from seaglint.scenario.records.atmosphere import LowtranAtmosphere
 
@@ -22,8 +22,8 @@ def fortran(field):
 
 
 def test_cards_of_a_path_stand_in_their_columns():
-    air = Air("us-standard-1976", Aerosol(visibility_km=12.5, air_mass=7, wind=8.25, wind_24h=5.5), 2000, 3335)
-    card1, card2, card3, card4, card5 = Case(air, "path", 0.0023, 90.125).deck().splitlines()
+    air = LowtranAir("us-standard-1976", Aerosol(visibility_km=12.5, air_mass=7, wind=8.25, wind_24h=5.5), 2000, 3335)
+    card1, card2, card3, card4, card5 = LowtranCase(air, "path", 0.0023, 90.125).deck().splitlines()
     assert [int(c) for c in columns(card1[:15], 5)] == [6, 2, 1]  # MODEL, ITYPE, IEMSCT
     assert fortran(card1[65:73]) == 0.001  # TBOUND: the sea adds nothing
     assert [int(c) for c in columns(card2[:30], 5)] == [3, 0, 0, 7, 0, 0]  # IHAZE ... ICSTL
@@ -35,7 +35,7 @@ def test_cards_of_a_path_stand_in_their_columns():
 
 @pytest.mark.parametrize(("kind", "itype", "iemsct"), [("path", 2, 1), ("sky", 3, 1), ("sun", 3, 3)])
 def test_kinds_of_case(kind, itype, iemsct):
-    card = Case(Air("tropical", Aerosol(), 2000, 2500), kind, 0.0, 45.0).deck()
+    card = LowtranCase(LowtranAir("tropical", Aerosol(), 2000, 2500), kind, 0.0, 45.0).deck()
     assert (int(card[5:10]), int(card[10:15])) == (itype, iemsct)
 
 
@@ -44,7 +44,7 @@ def test_kinds_of_case(kind, itype, iemsct):
     [(1013.0, 294.0, 76.0), (1013.25, 294.25, 0.0), (2.5e-4, 210.0, 1e-5), (999.9999, 300.0, 100.0)],
 )
 def test_numbers_of_a_level_mean_what_they_are(pressure, temperature, humidity):
-    card = Level(12.3456, pressure, temperature, humidity).card(2)
+    card = ProfileLevel(12.3456, pressure, temperature, humidity).card(2)
     assert [fortran(c) for c in columns(card[:40], 10)] == pytest.approx([12.3456, pressure, temperature, humidity], rel=1e-6)
     assert card[60:] == "AAH" + 11 * "2"  # hPa, K, relative humidity; the other gases of model 2
 

@@ -19,13 +19,13 @@ from seaglint.base.errors import BackendError, DomainError, StorageError
 from seaglint.base.user_cache import cache_folder
 from seaglint.facet.sea_view import BandSum
 from seaglint.files.lowtran import cache, engine, sample
-from seaglint.files.lowtran.deck import Aerosol, Air, Case, Level
+from seaglint.files.lowtran.deck import Aerosol, LowtranAir, LowtranCase, ProfileLevel
 from seaglint.files.lowtran.laws_of_run import live_air
 from seaglint.files.lowtran.sounding import MODEL_LEVELS_KM, saturation_density
 from seaglint.optics.band import Band
 
 BAND = (3.9, 4.1)
-SMALL = Air("midlatitude-summer", Aerosol(wind=7.0, wind_24h=7.0), 2435, 2565)
+SMALL = LowtranAir("midlatitude-summer", Aerosol(wind=7.0, wind_24h=7.0), 2435, 2565)
 
 
 @pytest.fixture(scope="session")
@@ -64,10 +64,10 @@ ROWS = [
 def test_single_runs_are_the_reference_runs(live, row):
     """Same code, same precision. 0.1 %: their spectra and angles are rounded to 4 digits, and their Sun is that of day 93."""
     model, wind, height, depression, solar_zenith, sky_zenith, *expected = row
-    air = Air(model, Aerosol(wind=wind, wind_24h=wind), 2000, 3335)
-    path = engine.run(live.program, Case(air, "path", height / 1e3, 90.0 + depression))
-    sun = engine.run(live.program, Case(air, "sun", 0.0, solar_zenith)).irradiance
-    sky = engine.run(live.program, Case(air, "sky", 0.0, sky_zenith)).radiance
+    air = LowtranAir(model, Aerosol(wind=wind, wind_24h=wind), 2000, 3335)
+    path = engine.run(live.program, LowtranCase(air, "path", height / 1e3, 90.0 + depression))
+    sun = engine.run(live.program, LowtranCase(air, "sun", 0.0, solar_zenith)).irradiance
+    sky = engine.run(live.program, LowtranCase(air, "sky", 0.0, sky_zenith)).radiance
     weights = Band.rectangular(3.0, 5.0).weights(path.wavenumber_cm)
     ours = [weights @ path.transmittance / weights.sum(), weights @ path.radiance, weights @ sun, weights @ (sun * path.transmittance)]
     np.testing.assert_allclose([*ours, weights @ sky], expected, rtol=1e-3)
@@ -79,35 +79,35 @@ def test_between_the_nodes_it_is_lowtran7(live, height):
     rng = np.random.default_rng(7)
     found = sample.lowtran_atmosphere("midlatitude-summer", SMALL.aerosol, height, BAND)
     weights = Band.rectangular(*BAND).weights(found.wavenumber_cm)
-    bends = sample._results([Case(SMALL, "path", height / 1e3, 180.0)], live, 60.0, None).refraction
+    bends = sample._results([LowtranCase(SMALL, "path", height / 1e3, 180.0)], live, 60.0, None).refraction
     dip, ours = bends.dip(height), horizon_depression(height)
     for share in rng.uniform(0.0, 1.0, 4):
         depression = float(dip * (1.001 + (0.5 * np.pi / dip - 1.001) * share**6))
-        run = engine.run(live.program, Case(SMALL, "path", height / 1e3, 90.0 + np.degrees(depression)))
+        run = engine.run(live.program, LowtranCase(SMALL, "path", height / 1e3, 90.0 + np.degrees(depression)))
         tau, path = found.path(height, run.arc_m)
         np.testing.assert_allclose([weights @ tau, weights @ path], [weights @ run.transmittance, weights @ run.radiance], rtol=5e-4)
         zenith = 90.0 * (1.0 - share**2)
-        run = engine.run(live.program, Case(SMALL, "sun", 0.0, zenith))
+        run = engine.run(live.program, LowtranCase(SMALL, "sun", 0.0, zenith))
         np.testing.assert_allclose(weights @ found.solar_irradiance(np.radians(zenith)), weights @ run.irradiance, rtol=5e-4)
-        run = engine.run(live.program, Case(SMALL, "sky", 0.0, zenith))
+        run = engine.run(live.program, LowtranCase(SMALL, "sky", 0.0, zenith))
         np.testing.assert_allclose(weights @ found.sky_radiance(np.radians(zenith)), weights @ run.radiance, rtol=5e-4)
         elevation = (2.5 * share - 0.95) * dip
         mapped = elevation * ours / dip if elevation < 0.0 else elevation
-        run = engine.run(live.program, Case(SMALL, "sky", height / 1e3, 90.0 - np.degrees(elevation)))
+        run = engine.run(live.program, LowtranCase(SMALL, "sky", height / 1e3, 90.0 - np.degrees(elevation)))
         np.testing.assert_allclose(weights @ found.sky_radiance(0.5 * np.pi - mapped, height), weights @ run.radiance, rtol=5e-4)
 
 
 def test_cards_of_a_line_between_two_heights():
-    card = Case(SMALL, "path", 0.03, 0.0, 0.45, 0.0451234567).deck().splitlines()[2]
+    card = LowtranCase(SMALL, "path", 0.03, 0.0, 0.45, 0.0451234567).deck().splitlines()[2]
     assert [float(card[k : k + 10]) for k in range(0, 50, 10)] == [0.03, 0.45, 0.0, 0.0, 0.04512346]
-    assert Case(SMALL, "path", 0.03, 95.0).deck().splitlines()[2] == "0.03000000     0.00095.0000000"
+    assert LowtranCase(SMALL, "path", 0.03, 95.0).deck().splitlines()[2] == "0.03000000     0.00095.0000000"
 
 
 def test_paths_to_points_above_the_sea_are_run_live(live):
     """Lines up, down and upright against runs by angle, whose arc LOWTRAN7 tells; level, short and grazing ones against the table."""
     found = sample.lowtran_atmosphere("midlatitude-summer", SMALL.aerosol, 30.0, BAND)
     for zenith, end in ((88.0, 0.4), (91.0, 0.01), (0.0, 0.08), (180.0, 0.02)):
-        run = engine.run(live.program, Case(SMALL, "path", 0.03, zenith, end))
+        run = engine.run(live.program, LowtranCase(SMALL, "path", 0.03, zenith, end))
         tau, path = found.path(30.0, run.arc_m, 1e3 * end)
         np.testing.assert_allclose([tau.mean(), path.sum()], [run.transmittance.mean(), run.radiance.sum()], rtol=3e-4)
     table = TableAtmosphere.load("midlatitude-summer", 7.0, BAND)
@@ -133,25 +133,27 @@ def test_a_sounding_that_is_the_model_gives_the_model(live):
     pressure = (1013.0, 902.0, 802.0, 710.0, 628.0, 554.0, 487.0, 426.0, 372.0, 324.0, 281.0)
     temperature = (294.2, 289.7, 285.2, 279.2, 273.2, 267.2, 261.2, 254.7, 248.2, 241.7, 235.3)
     vapour = (14.0, 9.3, 5.9, 3.3, 1.9, 1.0, 0.61, 0.37, 0.21, 0.12, 0.064)  # g m-3, midlatitude summer 0-10 km
-    above = [Level(float(z)) for z in MODEL_LEVELS_KM if z > 10]
+    above = [ProfileLevel(float(z)) for z in MODEL_LEVELS_KM if z > 10]
     numbers = zip(pressure, temperature, vapour, strict=True)
-    printed = [Level(float(i), p, t, 100.0 * w / saturation_density(t)) for i, (p, t, w) in enumerate(numbers)]
-    case = Case(SMALL, "path", 0.03, 91.0)
+    printed = [ProfileLevel(float(i), p, t, 100.0 * w / saturation_density(t)) for i, (p, t, w) in enumerate(numbers)]
+    case = LowtranCase(SMALL, "path", 0.03, 91.0)
 
     def run(levels):
-        return engine.run(live.program, Case(Air(SMALL.model, SMALL.aerosol, SMALL.v1, SMALL.v2, tuple(levels)), "path", 0.03, 91.0))
+        return engine.run(
+            live.program, LowtranCase(LowtranAir(SMALL.model, SMALL.aerosol, SMALL.v1, SMALL.v2, tuple(levels)), "path", 0.03, 91.0)
+        )
 
     model = engine.run(live.program, case)
-    np.testing.assert_array_equal(run([Level(float(z)) for z in (0, *MODEL_LEVELS_KM)]).radiance, model.radiance)
+    np.testing.assert_array_equal(run([ProfileLevel(float(z)) for z in (0, *MODEL_LEVELS_KM)]).radiance, model.radiance)
     np.testing.assert_allclose(run([*printed, *above]).transmittance, model.transmittance, rtol=2e-3)
-    warm = [Level(v.height_km, v.pressure_hpa, v.temperature_k + 5.0, v.relative_humidity) for v in printed]
+    warm = [ProfileLevel(v.height_km, v.pressure_hpa, v.temperature_k + 5.0, v.relative_humidity) for v in printed]
     assert run([*warm, *above]).radiance.sum() > 1.1 * model.radiance.sum()  # warmer and moister
 
 
 def test_haze_visibility_and_air_mass_act(live):
     def tau(**aerosol):
-        air = Air("midlatitude-summer", Aerosol(wind=7.0, wind_24h=7.0, **aerosol), 2435, 2565)
-        return engine.run(live.program, Case(air, "path", 0.03, 90.5)).transmittance.mean()
+        air = LowtranAir("midlatitude-summer", Aerosol(wind=7.0, wind_24h=7.0, **aerosol), 2435, 2565)
+        return engine.run(live.program, LowtranCase(air, "path", 0.03, 90.5)).transmittance.mean()
 
     clear = tau(haze="none")
     assert tau(haze="rural-5km") < tau(haze="rural-23km") < clear
@@ -161,7 +163,7 @@ def test_haze_visibility_and_air_mass_act(live):
 
 
 def test_second_time_nothing_runs_and_a_damaged_entry_is_told_and_replaced(live, monkeypatch, caplog):
-    cases = [Case(SMALL, "sky", 0.0, z) for z in (10.0, 20.0)]
+    cases = [LowtranCase(SMALL, "sky", 0.0, z) for z in (10.0, 20.0)]
     first = sample._results(cases, live, 60.0, None)
     (path,) = [cache.entry(cache.key_of(live.identity, *(case.deck() for case in cases)))]
     with monkeypatch.context() as patch:
@@ -208,7 +210,7 @@ posix = pytest.mark.skipif(os.name != "posix", reason="needs a shell")
 )
 def test_a_crashed_or_hung_engine_is_one_line(tmp_path, text, limit, told):
     with pytest.raises(BackendError, match=told) as caught:
-        engine.run(script(tmp_path, text), Case(SMALL, "path", 0.03, 91.0), timeout=limit)
+        engine.run(script(tmp_path, text), LowtranCase(SMALL, "path", 0.03, 91.0), timeout=limit)
     assert "\n" not in str(caught.value)
 
 
@@ -217,7 +219,7 @@ def test_a_failed_case_ends_the_others_and_keeps_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("SEAGLINT_CACHE", str(tmp_path / "cache"))
     found = engine.Engine(script(tmp_path, "exit 1\n"), "fake")
     with pytest.raises(BackendError):
-        sample._results([Case(SMALL, "sky", 0.0, float(z)) for z in range(50)], found, HANG, None)
+        sample._results([LowtranCase(SMALL, "sky", 0.0, float(z)) for z in range(50)], found, HANG, None)
     assert not (tmp_path / "cache").exists()
 
 
@@ -226,7 +228,7 @@ def test_a_program_that_is_none_is_one_line(tmp_path):
     path.write_bytes(b"\x00\x01")
     path.chmod(0o755)
     with pytest.raises(BackendError, match=r"does not run .* delete it"):
-        engine.run(path, Case(SMALL, "path", 0.03, 91.0))
+        engine.run(path, LowtranCase(SMALL, "path", 0.03, 91.0))
 
 
 def test_a_missing_package_is_one_line(monkeypatch):
@@ -304,17 +306,17 @@ SCATTERED_ROWS = [
 
 def sunlit(air, height, elevation, azimuth, zenith, *, multiple=False):
     kind = "path" if elevation < 0.0 else "sky"
-    return Case(air, kind, height / 1e3, 90.0 - elevation, sun=(azimuth, zenith), multiple=multiple)
+    return LowtranCase(air, kind, height / 1e3, 90.0 - elevation, sun=(azimuth, zenith), multiple=multiple)
 
 
 @pytest.mark.parametrize("row", SCATTERED_ROWS, ids=lambda r: f"{r[0]}-{r[2]:g}m")
 def test_scattered_sunlight_is_that_of_the_reference_runs(live, row):
     """Same code, same precision, their angles rounded to a thousandth of a degree: 0.1 %."""
     model, wind, *line, scattered, thermal = row
-    run = engine.run(live.program, sunlit(Air(model, Aerosol(wind=wind, wind_24h=wind), 2000, 2860), *line))
+    run = engine.run(live.program, sunlit(LowtranAir(model, Aerosol(wind=wind, wind_24h=wind), 2000, 2860), *line))
     weights = Band.rectangular(3.5, 5.0).weights(run.wavenumber_cm)
     np.testing.assert_allclose([weights @ run.scattered, weights @ run.radiance], [scattered, thermal], rtol=1e-3)
-    assert not engine.run(live.program, Case(SMALL, "sky", 0.0, 60.0)).scattered.any()
+    assert not engine.run(live.program, LowtranCase(SMALL, "sky", 0.0, 60.0)).scattered.any()
 
 
 def test_multiple_scattering_only_adds(live):
@@ -328,10 +330,10 @@ def test_multiple_scattering_only_adds(live):
 @pytest.mark.parametrize("line", [(0.0, 20.0, 15.0, 60.0), (30.0, -2.0, 40.0, 70.0), (500.0, 5.0, 100.0, 40.0)])
 def test_laws_of_a_run_give_its_scattered_sunlight(live, haze, line):
     """1.5 %: hazes whose extinction follows the humidity of the path; 0.1 % for the Navy's."""
-    air = Air("us-standard-1976", Aerosol(haze, wind=7.0, wind_24h=7.0), 2435, 2565)
+    air = LowtranAir("us-standard-1976", Aerosol(haze, wind=7.0, wind_24h=7.0), 2435, 2565)
     height, *angles = line
     run = engine.run(live.program, sunlit(air, height, *angles))
-    found = live_air(live, air, engine.run(live.program, Case(air, "sun", 0.0, 0.0)).source)
+    found = live_air(live, air, engine.run(live.program, LowtranCase(air, "sun", 0.0, 0.0)).source)
     elevation, azimuth, zenith = np.radians(angles)
     amplitude, _ = found.amplitudes(height, np.array([[0.5 * np.pi - elevation, azimuth, zenith]]))
     angle = scattering_angle(0.5 * np.pi - elevation, azimuth, found.apparent_zenith(zenith, height))

@@ -9,16 +9,16 @@ import pytest
 from seaglint.air.coordinates import Refraction
 from seaglint.air.table.table_file import BandTable
 from seaglint.base.errors import DataError
-from seaglint.files.lowtran.deck import Aerosol, Air, Level
+from seaglint.files.lowtran.deck import Aerosol, LowtranAir, ProfileLevel
 from seaglint.files.modtran.json_deck import json_deck
-from seaglint.files.modtran.lines import AZIMUTHS, DIP_NODES, PATH_NODES, SKY_NODES, Line, Manifest, arc, needed_lines, read_manifest
+from seaglint.files.modtran.lines import AZIMUTHS, DIP_NODES, PATH_NODES, SKY_NODES, Manifest, ModtranCase, arc, needed_lines, read_manifest
 from seaglint.files.modtran.tape5 import deck
 
-AIR = Air("midlatitude-winter", Aerosol(wind=7.0, wind_24h=5.0), 2435, 2565)
+AIR = LowtranAir("midlatitude-winter", Aerosol(wind=7.0, wind_24h=5.0), 2435, 2565)
 LINES = [
-    Line("path", 30.0, 91.2345678, 1400.0, azimuth_deg=20.0),
-    Line("sky", 0.0, 60.0, azimuth_deg=180.0),
-    Line("sun", 0.0, 85.0),
+    ModtranCase("path", 30.0, 91.2345678, 1400.0, azimuth_deg=20.0),
+    ModtranCase("sky", 0.0, 60.0, azimuth_deg=180.0),
+    ModtranCase("sun", 0.0, 85.0),
 ]
 
 
@@ -88,7 +88,13 @@ def test_modtran_cards_stand_in_their_columns():
 
 
 def test_a_sounding_goes_into_the_cards():
-    air = Air("tropical", Aerosol(), 2435, 2565, (Level(0.0, 1013.0, 290.0, 80.0), Level(10.0, 270.0, 230.0, 10.0), Level(100.0)))
+    air = LowtranAir(
+        "tropical",
+        Aerosol(),
+        2435,
+        2565,
+        (ProfileLevel(0.0, 1013.0, 290.0, 80.0), ProfileLevel(10.0, 270.0, 230.0, 10.0), ProfileLevel(100.0)),
+    )
     for modtran in (False, True):
         found = cards(modtran, LINES[:1], air)
         assert int(found[0][2:5]) == 7

@@ -15,10 +15,10 @@ from seaglint.base.errors import BackendError, DataError
 from seaglint.files.weather import era5_weather as era5
 from seaglint.files.weather import imma
 from seaglint.files.weather import ndbc_weather as ndbc
-from seaglint.files.weather.read_weather import Reading, read_source
+from seaglint.files.weather.read_weather import WeatherReading, read_source
 from seaglint.files.weather.weather_file import read_weather, write_weather
 from seaglint.scenario.text.weather_map import parse_map
-from seaglint.weather.select import Box, Selection
+from seaglint.weather.select import GeographicBox, Selection
 from seaglint.weather.weather_table import WeatherTable
 
 
@@ -79,7 +79,7 @@ def test_packed_shares_stay_shares(tmp_path: Path) -> None:
 
 def test_a_box_across_greenwich_and_a_month_are_read_alone(tmp_path: Path) -> None:
     path = made.write_era5_new(tmp_path / "e.nc", made.era5_fields())
-    source = era5.read_era5(path, Selection(box=Box(-0.3, 49.9, 0.1, 50.1), months=(7,), hours=(18,)))
+    source = era5.read_era5(path, Selection(box=GeographicBox(-0.3, 49.9, 0.1, 50.1), months=(7,), hours=(18,)))
     assert sorted(source.columns["longitude_deg"]) == [-0.25, 0.0]
     assert set(source.columns["month"]) == {7.0}
     assert source.left_out == {"outside the times and places wanted": 34}
@@ -117,7 +117,7 @@ def test_grib_without_its_extra_names_it(tmp_path: Path, monkeypatch: pytest.Mon
     path = tmp_path / "era5.grib"
     path.write_bytes(b"GRIB\0\0\0\1")
     with pytest.raises(BackendError, match=r"era5.grib: is GRIB.*pip install 'seaglint\[grib\]'"):
-        read_source(path, Selection(), Reading())
+        read_source(path, Selection(), WeatherReading())
 
 
 @pytest.mark.parametrize("times", [3, 1])
@@ -157,7 +157,7 @@ def test_imma_records_are_those_of_pandas_fixed_width(tmp_path: Path) -> None:
     ]
     path = tmp_path / "imma1"
     path.write_text("\n".join(records) + "\n")
-    source = read_source(path, Selection(), Reading())
+    source = read_source(path, Selection(), WeatherReading())
     column = source.columns
     specs = [imma.LAYOUT[name] for name in ("HR", "LAT", "LON", "W", "AT", "SST")]
     frame = pd.read_fwf(io.StringIO("\n".join(records)), colspecs=specs, header=None, names=["HR", "LAT", "LON", "W", "AT", "SST"])
@@ -179,10 +179,10 @@ def test_a_cut_imma_record_is_named(tmp_path: Path) -> None:
     path = tmp_path / "imma1"
     path.write_text(made.imma() + "\n" + made.imma(w="1x3") + "\n")
     with pytest.raises(DataError, match=r"row 2 \(line 2\), columns 51-53: W = '1x3' is no whole number"):
-        read_source(path, Selection(), Reading())
+        read_source(path, Selection(), WeatherReading())
     path.write_text(made.imma() + "\n2005 714\n")
     with pytest.raises(DataError, match=r"line 2: '2005 714' does not begin with year, month"):
-        read_source(path, Selection(), Reading())
+        read_source(path, Selection(), WeatherReading())
 
 
 def test_icoads_csv_in_both_spellings(tmp_path: Path) -> None:
@@ -195,9 +195,9 @@ def test_icoads_csv_in_both_spellings(tmp_path: Path) -> None:
     )
     text = tmp_path / "imma1"
     text.write_text(made.imma() + "\n")
-    expected = read_source(text, Selection(), Reading()).columns
+    expected = read_source(text, Selection(), WeatherReading()).columns
     for path in (short, long):
-        found = read_source(path, Selection(), Reading()).columns
+        found = read_source(path, Selection(), WeatherReading()).columns
         for name, values in expected.items():
             np.testing.assert_allclose(found[name], values, rtol=1e-12, err_msg=f"{path.name} {name}")
 
@@ -215,7 +215,7 @@ def test_ndbc_of_all_generations(
 ) -> None:
     path = tmp_path / "44011.txt"
     path.write_text(text)
-    column = read_source(path, Selection(), Reading()).columns
+    column = read_source(path, Selection(), WeatherReading()).columns
     np.testing.assert_allclose(column["wind_speed_m_s"], speed)
     np.testing.assert_allclose(column["sea_temperature_k"], sea)
     np.testing.assert_allclose(column["hour_utc"], hour)
@@ -226,7 +226,7 @@ def test_ndbc_of_all_generations(
 def test_ndbc_values_are_those_of_pandas(tmp_path: Path) -> None:
     path = tmp_path / "44011h2019.txt"
     path.write_text(made.NDBC_2019)
-    column = read_source(path, Selection(), Reading()).columns
+    column = read_source(path, Selection(), WeatherReading()).columns
     frame = pd.read_csv(path, sep=r"\s+", skiprows=[1], na_values={"WDIR": 999, "WVHT": 99.0, "ATMP": 999.0, "VIS": 99.0})
     np.testing.assert_allclose(column["significant_height_m"], frame["WVHT"])
     np.testing.assert_allclose(column["air_temperature_k"], frame["ATMP"] + 273.15)
@@ -256,7 +256,7 @@ def test_any_csv_by_a_map_of_knots_percent_and_zones(tmp_path: Path) -> None:
             "longitude_deg=lon",
         ]
     )
-    source = read_source(path, Selection(), Reading(columns))
+    source = read_source(path, Selection(), WeatherReading(columns))
     column = source.columns
     np.testing.assert_allclose(column["wind_speed_m_s"], [14 * 1852 / 3600, 2 * 1852 / 3600])
     np.testing.assert_allclose(column["wind_from_deg"], [270.0, 225.0])
@@ -289,7 +289,7 @@ def test_bad_csv_names_row_file_and_remedy(tmp_path: Path, cells: str, columns: 
     path = tmp_path / "bad.csv"
     path.write_text(cells)
     with pytest.raises(DataError, match=rf"bad.csv.*{said}"):
-        read_source(path, Selection(), Reading(parse_map(columns)))
+        read_source(path, Selection(), WeatherReading(parse_map(columns)))
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])

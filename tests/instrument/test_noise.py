@@ -9,12 +9,12 @@ import pytest
 from sensors import camera, flat, reseeded
 
 from seaglint.base.errors import DataError, DomainError
-from seaglint.instrument.bolometer import ThermalDetector, lag_weights
+from seaglint.instrument.bolometer import ThermalPixels, lag_weights
 from seaglint.instrument.chain import SensorModel
-from seaglint.instrument.detector import Detector
+from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import figures, three_d
-from seaglint.instrument.noise import Noise
-from seaglint.instrument.optics import Optics
+from seaglint.instrument.noise import DetectorNoise
+from seaglint.instrument.optics import SensorOptics
 from seaglint.instrument.photons import Photons
 from seaglint.instrument.three_d import three_d_noise
 from seaglint.optics.band import Band
@@ -22,7 +22,7 @@ from seaglint.optics.band import Band
 
 def test_photon_transfer_gives_gain_read_noise_and_well_back() -> None:
     # 10 levels, pairs of frames of 256 x 256 pixels: the fixed pattern drops out of their difference.
-    model = camera(Noise(gain_spread=0.01, offset_spread=300.0), well_capacity=1e6, read_noise=200.0)
+    model = camera(DetectorNoise(gain_spread=0.01, offset_spread=300.0), well_capacity=1e6, read_noise=200.0)
     full = (1e6 - model.readout.background) / model.readout.per_radiance
     mean, variance = [], []
     for number, share in enumerate(np.linspace(0.0, 0.9, 10)):
@@ -33,7 +33,7 @@ def test_photon_transfer_gives_gain_read_noise_and_well_back() -> None:
     # variance = mean / gain + (read / gain)^2 + 1/12; the darkest level clips half of its readings at zero counts
     slope, _ = np.polyfit(mean[1:], variance[1:], 1)
     assert 1.0 / slope == pytest.approx(model.readout.gain, rel=0.02)
-    offset = camera(Noise(), well_capacity=1e6, read_noise=200.0, offset=100.0)
+    offset = camera(DetectorNoise(), well_capacity=1e6, read_noise=200.0, offset=100.0)
     dark = [offset.sense(np.zeros((256, 256), np.float32), k).signal.astype(float) for k in (0, 1)]
     read = np.sqrt(0.5 * (dark[0] - dark[1]).var() - 1.0 / 12.0) * offset.readout.gain
     assert read == pytest.approx(200.0, rel=0.02)
@@ -44,7 +44,7 @@ def test_photon_transfer_gives_gain_read_noise_and_well_back() -> None:
 
 def test_netd_of_flat_fields_is_the_formulas() -> None:
     # The slope between 300 and 301 K is 1.8 % above that at 300 K: within the 3 %.
-    model = camera(Noise(gain_spread=0.001), read_noise=500.0)
+    model = camera(DetectorNoise(gain_spread=0.001), read_noise=500.0)
     frames = [model.sense(flat(model, 300.0, 256), k).signal.astype(float) for k in range(8)]
     warm = np.mean([model.sense(flat(model, 301.0, 256), 10 + k).signal.mean() for k in range(4)])
     noise = np.sqrt(np.mean([0.5 * (a - b).var() for a, b in zip(frames[::2], frames[1::2], strict=True)]))
@@ -53,8 +53,8 @@ def test_netd_of_flat_fields_is_the_formulas() -> None:
 
 def test_netd_is_that_of_electrons_by_pybsm() -> None:
     # tools/pybsm_reference.py: 1127446.2 electrons at 300 K and 1168117.1 at 301 K, thin lens; sqrt(N)/(dN/dT).
-    optics = Optics(0.08, 0.2, transmission=0.8, obscuration=0.3, solid_angle_law="thin-lens")
-    model = SensorModel(Photons(Band.rectangular(3.5, 5.0), None, 0.7), optics, Detector(15e-6, integration_time=2e-3, gain=10.0))
+    optics = SensorOptics(0.08, 0.2, transmission=0.8, obscuration=0.3, solid_angle_law="thin-lens")
+    model = SensorModel(Photons(Band.rectangular(3.5, 5.0), None, 0.7), optics, PhotonPixels(15e-6, integration_time=2e-3, gain=10.0))
     assert figures(model)["netd_k"] == pytest.approx(np.sqrt(1127446.2) / (1168117.1 - 1127446.2), rel=0.03)
 
 
@@ -62,7 +62,7 @@ def test_components_of_3d_noise_come_back() -> None:
     # 400 frames of 200 x 240 pixels: an rms of n samples has a standard error of 1/sqrt(2 n), 3.5 % for the frames.
     put = {"T": 300.0, "V": 400.0, "H": 350.0, "TV": 250.0, "TH": 450.0, "VH": 500.0}
     names = {"T": "frame", "V": "row", "H": "column", "TV": "row_temporal", "TH": "column_temporal", "VH": "offset_spread"}
-    model = camera(Noise(**{names[key]: value for key, value in put.items()}), read_noise=600.0)
+    model = camera(DetectorNoise(**{names[key]: value for key, value in put.items()}), read_noise=600.0)
     radiance = np.full((200, 240), 1.0, np.float32)
     found = three_d_noise(np.stack([model.expose(radiance, k).units for k in range(400)]))
     told = three_d(model, 1.0)
@@ -87,7 +87,7 @@ def test_3d_noise_of_pure_components() -> None:
 
 
 def test_a_frame_alone_is_that_of_its_sequence_and_seeds_differ() -> None:
-    every = Noise(
+    every = DetectorNoise(
         one_over_f=50.0, frame=10.0, row=20.0, column=30.0, row_temporal=40.0, column_temporal=50.0, gain_spread=0.01, offset_spread=60.0,
         drift=1e5, dead_share=0.01, hot_share=0.01, blinking_share=0.02, hot_signal=1e5, blinking_signal=2e4, blinking_time=0.1,
     )  # fmt: skip
@@ -100,7 +100,7 @@ def test_a_frame_alone_is_that_of_its_sequence_and_seeds_differ() -> None:
 
 
 def test_switches_leave_parts_out() -> None:
-    every = Noise(gain_spread=0.02, dead_share=0.1, hot_share=0.1, hot_signal=1e6)
+    every = DetectorNoise(gain_spread=0.02, dead_share=0.1, hot_share=0.1, hot_signal=1e6)
     model = camera(every, read_noise=300.0)
     radiance = flat(model, 300.0)
     still = replace(model, noise=replace(every, temporal=False), _patterns={})
@@ -108,11 +108,11 @@ def test_switches_leave_parts_out() -> None:
     assert still.sense(radiance).signal.std() > 0.0
     even = replace(model, noise=replace(every, fixed_pattern=False), _patterns={})
     assert np.mean([even.sense(radiance, k).units for k in range(64)], axis=0).std() < 300.0
-    assert np.ptp(replace(model, noise=Noise(temporal=False, fixed_pattern=False), _patterns={}).sense(radiance).signal) == 0
+    assert np.ptp(replace(model, noise=DetectorNoise(temporal=False, fixed_pattern=False), _patterns={}).sense(radiance).signal) == 0
 
 
 def test_defect_pixels_are_as_many_as_asked_for() -> None:
-    noise = Noise(
+    noise = DetectorNoise(
         temporal=False, dead_share=0.02, hot_share=0.03, blinking_share=0.04, hot_signal=1e6, blinking_signal=3e5, blinking_time=0.2
     )
     model = camera(noise)
@@ -131,12 +131,12 @@ def test_defect_pixels_are_as_many_as_asked_for() -> None:
 
 def test_a_scanners_pixels_are_its_rows() -> None:
     # One column of detectors sees all azimuths: gain, offset, dead and blinking pixels are stripes along the whole picture.
-    every = Noise(False, gain_spread=0.05, offset_spread=900.0, dead_share=0.05, hot_share=0.05, hot_signal=5e5, blinking_share=0.2)
+    every = DetectorNoise(False, gain_spread=0.05, offset_spread=900.0, dead_share=0.05, hot_share=0.05, hot_signal=5e5, blinking_share=0.2)
     model = replace(camera(replace(every, blinking_signal=1e5)), scanning=True)
     units = model.expose(np.full((80, 30), 1.5, np.float32), 3).units
     assert np.ptp(units, axis=1).max() == 0.0
     assert np.ptp(units[:, 0]) > 1e5
-    still = Noise(gain_spread=0.01, offset_spread=300.0)
+    still = DetectorNoise(gain_spread=0.01, offset_spread=300.0)
     found = three_d_noise(
         np.stack([replace(camera(still), scanning=True).expose(np.full((400, 50), 1.0, np.float32), k).units for k in range(8)])
     )
@@ -146,9 +146,9 @@ def test_a_scanners_pixels_are_its_rows() -> None:
 
 
 def test_two_point_correction_leaves_curvature_alone() -> None:
-    model = camera(Noise(temporal=False))
+    model = camera(DetectorNoise(temporal=False))
     at = tuple(float(model.readout.units(model.photons.radiance(t))) for t in (290.0, 310.0))
-    noise = Noise(temporal=False, gain_spread=0.05, offset_spread=1e4, curvature_spread=0.01, corrected_at=at)
+    noise = DetectorNoise(temporal=False, gain_spread=0.05, offset_spread=1e4, curvature_spread=0.01, corrected_at=at)
     corrected = replace(model, noise=noise)
     spread = {t: float(corrected.sense(flat(model, t)).units.std()) for t in (290.0, 300.0, 305.0, 310.0)}
     assert spread[290.0] < 1.0
@@ -159,7 +159,7 @@ def test_two_point_correction_leaves_curvature_alone() -> None:
 
 
 def test_one_over_f_noise_falls_with_frequency() -> None:
-    model = camera(Noise(one_over_f=100.0))
+    model = camera(DetectorNoise(one_over_f=100.0))
     model = replace(model, detector=replace(model.detector, well_capacity=None, gain=1.0))
     units = np.stack([model.expose(np.zeros((64, 64), np.float32), k).units for k in range(512)])
     assert units.std() == pytest.approx(100.0, rel=0.03)
@@ -170,8 +170,8 @@ def test_one_over_f_noise_falls_with_frequency() -> None:
 
 
 def test_two_integration_times_widen_the_range() -> None:
-    model = camera(Noise(), read_noise=200.0, short_time=1e-4, bit_depth=16)
-    narrow = camera(Noise(), read_noise=200.0, bit_depth=16)
+    model = camera(DetectorNoise(), read_noise=200.0, short_time=1e-4, bit_depth=16)
+    narrow = camera(DetectorNoise(), read_noise=200.0, bit_depth=16)
     for temperature, wide_only in ((300.0, False), (400.0, True)):
         radiance = flat(model, temperature)
         found = model.sense(radiance)
@@ -181,7 +181,7 @@ def test_two_integration_times_widen_the_range() -> None:
 
 
 def test_the_noise_of_a_short_reading_is_multiplied_with_its_light() -> None:
-    model = camera(Noise(), read_noise=5000.0, short_time=2e-4, bit_depth=16)
+    model = camera(DetectorNoise(), read_noise=5000.0, short_time=2e-4, bit_depth=16)
     electrons = model.sense(flat(model, 400.0)).units.astype(float)
     assert electrons.mean() > 7e6
     # ten times the shot noise of a tenth of the light, and ten times that of a reading
@@ -190,7 +190,10 @@ def test_the_noise_of_a_short_reading_is_multiplied_with_its_light() -> None:
 
 def microbolometer(**more) -> SensorModel:
     return SensorModel(
-        Photons(Band.rectangular(8.0, 12.0)), Optics(0.02, 0.03, transmission=0.9), ThermalDetector(17e-6, 0.05, **more), Noise()
+        Photons(Band.rectangular(8.0, 12.0)),
+        SensorOptics(0.02, 0.03, transmission=0.9),
+        ThermalPixels(17e-6, 0.05, **more),
+        DetectorNoise(),
     )
 
 

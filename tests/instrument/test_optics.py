@@ -11,9 +11,9 @@ import pytest
 
 from seaglint.base.errors import DomainError
 from seaglint.instrument.chain import SensorModel
-from seaglint.instrument.detector import Detector, square_mtf
+from seaglint.instrument.detector import PhotonPixels, square_mtf
 from seaglint.instrument.figures_of_merit import mtf
-from seaglint.instrument.optics import Blur, Optics, cone, distorted_places, jitter_mtf, motion_mtf, pupil_mtf, wavefront_mtf
+from seaglint.instrument.optics import Blur, SensorOptics, cone, distorted_places, jitter_mtf, motion_mtf, pupil_mtf, wavefront_mtf
 from seaglint.instrument.photons import Photons
 from seaglint.optics.band import Band
 
@@ -47,8 +47,8 @@ def test_transfer_functions_are_those_of_pybsm(name, ours) -> None:
 def test_electrons_of_a_blackbody_are_those_of_pybsm() -> None:
     # pyBSM has the thin lens's solid angle; spectrum by spectrum there, the band's mean conversion here: equal at the reference.
     _, electrons = pybsm()
-    optics = Optics(APERTURE, FOCAL, transmission=0.8, obscuration=OBSCURATION, solid_angle_law="thin-lens")
-    model = SensorModel(Photons(Band.rectangular(3.5, 5.0), None, 0.7), optics, Detector(15e-6, integration_time=2e-3))
+    optics = SensorOptics(APERTURE, FOCAL, transmission=0.8, obscuration=OBSCURATION, solid_angle_law="thin-lens")
+    model = SensorModel(Photons(Band.rectangular(3.5, 5.0), None, 0.7), optics, PhotonPixels(15e-6, integration_time=2e-3))
     for temperature, expected in electrons.items():
         radiance = float(model.photons.radiance(temperature))
         light = model.detector.active_area * optics.solid_angle * optics.transmission * 2e-3
@@ -82,7 +82,7 @@ def test_a_clear_circle_is_the_closed_form() -> None:
 
 def test_the_band_is_averaged_with_the_photons_weight() -> None:
     # Two lines, three quarters of the electrons at the longer one: the mean of their transfers, not the transfer of their mean.
-    optics, lines, share = Optics(0.05, 0.2), np.array([3.0e-6, 5.0e-6]), np.array([0.25, 0.75])
+    optics, lines, share = SensorOptics(0.05, 0.2), np.array([3.0e-6, 5.0e-6]), np.array([0.25, 0.75])
     blur = Blur.of(optics, lines, share)
     f = 0.9 * optics.cutoff(5.0e-6)
     expected = 0.25 * pupil_mtf(f * 3.0e-6 / 0.05) + 0.75 * pupil_mtf(0.9)
@@ -97,7 +97,7 @@ def test_jitter_and_motion_at_known_points() -> None:
 
 
 def test_solid_angle_of_the_sine_condition_makes_points_and_fields_agree() -> None:
-    optics = Optics(0.05, 0.1, obscuration=0.4)
+    optics = SensorOptics(0.05, 0.1, obscuration=0.4)
     pixel = (15e-6 / optics.focal_length) ** 2
     assert 15e-6**2 * optics.solid_angle == pytest.approx(optics.pupil_area * pixel)
     assert cone(2.0) / cone(2.0, "thin-lens") == pytest.approx(17.0 / 16.0)
@@ -105,8 +105,8 @@ def test_solid_angle_of_the_sine_condition_makes_points_and_fields_agree() -> No
 
 
 def test_total_is_the_product_of_its_parts_along_and_across() -> None:
-    optics = Optics(0.05, 0.2, wavefront_error=0.05, defocus=0.2, jitter=1e-5, drift=(0.01, 0.0))
-    model = SensorModel(Photons(Band.rectangular(3.5, 5.0)), optics, Detector(15e-6, integration_time=5e-3, crosstalk=0.1))
+    optics = SensorOptics(0.05, 0.2, wavefront_error=0.05, defocus=0.2, jitter=1e-5, drift=(0.01, 0.0))
+    model = SensorModel(Photons(Band.rectangular(3.5, 5.0)), optics, PhotonPixels(15e-6, integration_time=5e-3, crosstalk=0.1))
     found = mtf(model, np.linspace(0.0, 6e3, 7))
     assert set(found["along"]) == {"diffraction", "defocus", "wavefront", "jitter", "detector", "crosstalk", "motion", "total"}
     assert "motion" not in found["across"]
@@ -129,4 +129,4 @@ def test_distortion_moves_corners_by_its_share() -> None:
 @pytest.mark.parametrize("values", [{"obscuration": 1.0}, {"obscuration": -0.1}, {"wavefront_error": 0.3}])
 def test_impossible_optics_are_refused(values) -> None:
     with pytest.raises(DomainError, match="give"):
-        Optics(0.05, 0.2, **values)
+        SensorOptics(0.05, 0.2, **values)

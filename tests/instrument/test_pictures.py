@@ -8,20 +8,20 @@ from sensors import camera, flat
 
 from seaglint.base.errors import DataError, DomainError
 from seaglint.instrument.figures_of_merit import mtf, point_share
-from seaglint.instrument.noise import Noise
-from seaglint.instrument.optics import Optics
+from seaglint.instrument.noise import DetectorNoise
+from seaglint.instrument.optics import SensorOptics
 from seaglint.instrument.transfer import Sampling, Transfer, needed_oversampling
 from slanted_edge import edge_mtf, slanted_edge
 
 ANGLE = 5.0
-SHARP = Optics(0.1, 0.1)  # F/1: the blur is a third of a pixel
+SHARP = SensorOptics(0.1, 0.1)  # F/1: the blur is a third of a pixel
 
 
 @pytest.mark.parametrize("oversampling", [3, 4, 5])
 @pytest.mark.parametrize("turned", [False, True], ids=["along", "across"])
 def test_an_edge_has_the_product_of_the_parts(oversampling: int, turned: bool) -> None:
     # The window cuts the wings of diffraction off, which raises all of the MTF by 0.002 at F/2 and this size.
-    model = camera(optics=Optics(0.05, 0.1, wavefront_error=0.04, jitter=2e-5), fill_factor=0.8)
+    model = camera(optics=SensorOptics(0.05, 0.1, wavefront_error=0.04, jitter=2e-5), fill_factor=0.8)
     seen = model.focal_plane(slanted_edge(256, oversampling, ANGLE, turned=turned), oversampling)
     frequency, found = edge_mtf(seen, ANGLE, turned)
     below = frequency <= 0.5
@@ -32,7 +32,7 @@ def test_an_edge_has_the_product_of_the_parts(oversampling: int, turned: bool) -
 @pytest.mark.parametrize(("size", "f_number", "obscuration"), [(256, 3.0, 0.3), (256, 3.0, 0.5), (128, 3.0, 0.0)])
 def test_edges_behind_obscured_pupils_have_it_from_the_first_frequency_on(size: int, f_number: float, obscuration: float) -> None:
     # Margins of six rings let wings reach over from the other side: 0.008 to 0.013 too much at all frequencies.
-    model = camera(optics=Optics(0.1 / f_number, 0.1, obscuration=obscuration))
+    model = camera(optics=SensorOptics(0.1 / f_number, 0.1, obscuration=obscuration))
     seen = model.focal_plane(slanted_edge(size, 3, ANGLE), 3)
     frequency, found = edge_mtf(seen, ANGLE)
     below = frequency <= 0.5
@@ -40,7 +40,7 @@ def test_edges_behind_obscured_pupils_have_it_from_the_first_frequency_on(size: 
 
 
 def test_counts_of_an_edge_have_it_too() -> None:
-    model = camera(optics=Optics(0.05, 0.1, obscuration=0.2))
+    model = camera(optics=SensorOptics(0.05, 0.1, obscuration=0.2))
     signal = model.sense(slanted_edge(256, 3, ANGLE, 1.0, 2.0), oversampling=3).signal
     frequency, found = edge_mtf(signal.astype(float), ANGLE)
     below = frequency <= 0.5
@@ -48,7 +48,7 @@ def test_counts_of_an_edge_have_it_too() -> None:
 
 
 def test_movement_blurs_along_its_direction_alone() -> None:
-    model = camera(optics=Optics(0.05, 0.1, drift=(0.15, 0.0)))  # two pixels in 2 ms
+    model = camera(optics=SensorOptics(0.05, 0.1, drift=(0.15, 0.0)))  # two pixels in 2 ms
     for turned, way in ((False, "along"), (True, "across")):
         seen = model.focal_plane(slanted_edge(256, 3, ANGLE, turned=turned), 3)
         frequency, found = edge_mtf(seen, ANGLE, turned)
@@ -86,7 +86,7 @@ def test_gaps_between_pixels_swallow_points() -> None:
 
 @pytest.mark.parametrize("oversampling", [2, 3])
 def test_pixels_are_where_they_are(oversampling: int) -> None:
-    model = camera(optics=Optics(0.0125, 0.1))  # F/8: sampled finely enough for its centroid
+    model = camera(optics=SensorOptics(0.0125, 0.1))  # F/8: sampled finely enough for its centroid
     seen = model.focal_plane(point(oversampling, 0, oversampling - 1, 65), oversampling).astype(float)
     rows, columns = np.mgrid[0:65, 0:65]
     shift = 0.5 / oversampling - 0.5
@@ -96,7 +96,7 @@ def test_pixels_are_where_they_are(oversampling: int) -> None:
 
 def test_a_point_and_a_field_agree() -> None:
     # The point as the irradiance it makes at the aperture: pupil area times electrons of a joule, against its radiance times solid angle.
-    model = camera(optics=Optics(0.05, 0.1, obscuration=0.3, transmission=0.8))
+    model = camera(optics=SensorOptics(0.05, 0.1, obscuration=0.3, transmission=0.8))
     radiance = 10.0
     irradiance = radiance * model.ifov**2
     electrons = irradiance * model.optics.pupil_area * 0.8 * model.photons.electrons_per_joule * 2e-3
@@ -111,7 +111,7 @@ def test_the_middle_pixel_has_the_share_that_is_told() -> None:
 
 @pytest.mark.parametrize("temperature", [275.0, 300.0, 315.0])
 def test_a_blackbody_comes_back_at_its_temperature(temperature: float) -> None:
-    model = camera(optics=Optics(0.05, 0.1, transmission=0.8, emissivity=0.2, temperature=305.0), dark_current=1e6, offset=100.0)
+    model = camera(optics=SensorOptics(0.05, 0.1, transmission=0.8, emissivity=0.2, temperature=305.0), dark_current=1e6, offset=100.0)
     found = model.sense(np.repeat(np.repeat(flat(model, temperature, 32), 3, 0), 3, 1), oversampling=3)
     np.testing.assert_allclose(model.apparent_temperature(found.signal), temperature, atol=0.05)
 
@@ -129,9 +129,9 @@ def test_counts_and_radiance_go_both_ways() -> None:
 def test_stray_light_and_cos4() -> None:
     picture = np.zeros((90, 90), np.float32)
     picture[:, 45:] = 2.0
-    clear, veiled = (camera(optics=Optics(0.05, 0.1, stray_share=share)).focal_plane(picture) for share in (0.0, 0.1))
+    clear, veiled = (camera(optics=SensorOptics(0.05, 0.1, stray_share=share)).focal_plane(picture) for share in (0.0, 0.1))
     np.testing.assert_allclose(veiled, 0.9 * clear + 0.1 * clear.mean(dtype=float), rtol=1e-5)
-    wide = camera(optics=Optics(0.001, 0.002, cos4=True))
+    wide = camera(optics=SensorOptics(0.001, 0.002, cos4=True))
     seen = wide.focal_plane(np.ones((201, 201), np.float32))
     tangent = 100 * 15e-6 / 0.002
     assert float(seen[100, 0]) == pytest.approx(np.cos(np.arctan(tangent)) ** 4, rel=1e-4)
@@ -141,7 +141,7 @@ def test_stray_light_and_cos4() -> None:
 def test_oversampling_that_the_cut_off_needs() -> None:
     # F/2 at 3.5 um: 143 cycles/mm; pixels of 15 um have their Nyquist frequency at 33.3.
     assert camera().oversampling == needed_oversampling(150e-6, 0.05 / 3.5e-6) == 5
-    assert camera(optics=Optics(0.025, 0.1)).oversampling == 3
+    assert camera(optics=SensorOptics(0.025, 0.1)).oversampling == 3
 
 
 @pytest.mark.parametrize(("value", "said"), [(np.nan, "not finite"), (np.inf, "not finite"), (-0.1, "negative")])
@@ -159,7 +159,7 @@ def test_a_picture_that_oversampling_does_not_divide_is_refused() -> None:
 
 def test_stages_take_sequences_and_stand_alone() -> None:
     # Optics alone: a detector as fine as the picture adds nothing. Then the rest, stage by stage, is the whole chain.
-    model = camera(Noise(gain_spread=0.01, drift=1e6), optics=Optics(0.05, 0.1, stray_share=0.1))
+    model = camera(DetectorNoise(gain_spread=0.01, drift=1e6), optics=SensorOptics(0.05, 0.1, stray_share=0.1))
     radiance = (1.5 + np.random.default_rng(2).random((3, 30, 30))).astype(np.float32)
     blur = Transfer.of(model.blur, Sampling(model.ifov / 3, model.ifov / 3, 1), (30, 30))
     soft = blur(radiance)

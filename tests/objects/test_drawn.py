@@ -22,9 +22,9 @@ from seaglint.imaging.camera.view import Attitude, Imager
 from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.wave_surface import surface_of
 from seaglint.objects import primitives
-from seaglint.objects.body import Body, Placement, Plume, Point
+from seaglint.objects.body import Body, GasPlume, Placement, PointSource
 from seaglint.objects.drawing.compose import composed
-from seaglint.objects.drawing.draw import Drawer, Picture, Stage
+from seaglint.objects.drawing.draw import Drawer, DrawnBodies, Stage
 from seaglint.objects.drawing.sample_sums import COVER, SUN
 from seaglint.objects.drawing.truth import labels
 from seaglint.objects.solids import placed, solid
@@ -66,11 +66,11 @@ def stage(imager: Imager | None = None, attitude: Attitude | None = None, height
     return Stage(pixels, pose, scene.view, sea, (0, pixels.columns), (0, pixels.rows))
 
 
-def draw(*bodies: Body, at: Stage | None = None) -> Picture:
+def draw(*bodies: Body, at: Stage | None = None) -> DrawnBodies:
     return Drawer.of(bodies).picture(at or stage(), 0.0)
 
 
-def covered(picture: Picture, at: Stage, number: int = 0) -> float:
+def covered(picture: DrawnBodies, at: Stage, number: int = 0) -> float:
     """Solid angle of what a body covers [sr], from its shares of pixels."""
     total = 0.0
     for patch in picture.patches:
@@ -254,7 +254,7 @@ def test_a_wall_shades_the_ground_behind_it():
 
 def test_a_plume_takes_its_share_of_what_is_behind():
     at, radius, emissivity = stage(), 3.0, 0.4
-    gas = Body("gas", (Plume((0.0, 0.0, 0.0), (radius,) * 3, 600.0, emissivity),), Still((1.0, 900.0, 12.0)))
+    gas = Body("gas", (GasPlume((0.0, 0.0, 0.0), (radius,) * 3, 600.0, emissivity),), Still((1.0, 900.0, 12.0)))
     picture = draw(gas, at=at)
     b = (np.arange(4000) + 0.5) / 4000
     area = np.sum(2.0 * np.pi * b * (1.0 - (1.0 - emissivity) ** np.sqrt(1.0 - b**2))) / 4000 * radius**2
@@ -267,7 +267,7 @@ def test_a_plume_takes_its_share_of_what_is_behind():
 def test_a_point_sends_its_intensity_through_the_air():
     run, at = calm(), stage()
     sea = run.at(0.0)
-    drawer = Drawer.of((Body("star", (Point(intensity=50.0),), Still((1.0, 2000.0, 12.0))),))
+    drawer = Drawer.of((Body("star", (PointSource(intensity=50.0),), Still((1.0, 2000.0, 12.0))),))
     picture = drawer.picture(at, 0.0)
     found, sights = composed(sea, at, picture, drawer.light(at.view))
     distance = float(np.linalg.norm(picture.stands[0].place))

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import scipy.stats
 
-from seaglint.analysis import Analysis, Options, analyze
+from seaglint.analysis import Analysis, AnalysisOptions, analyze
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError, StorageError
 from seaglint.clutter.segmentation import segment
@@ -56,7 +56,7 @@ def sequence() -> Analysis:
     frames = np.random.default_rng(3).gamma(SHAPE, 0.5, (FRAMES, SIDE, SIDE)).astype(np.float32)
     detector = UserDetector(lambda block: block, "the <picture> itself")
     given = recording(frames, frame_rate=RATE, units="W m-2 sr-1")
-    return analyze(given, Options(mask=MASK, detectors=(detector,), border="keep"))
+    return analyze(given, AnalysisOptions(mask=MASK, detectors=(detector,), border="keep"))
 
 
 @pytest.fixture(scope="module")

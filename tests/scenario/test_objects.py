@@ -10,7 +10,7 @@ import trimesh
 
 from seaglint.base.errors import ScenarioError
 from seaglint.objects import primitives
-from seaglint.objects.body import Plume, Point, Solid
+from seaglint.objects.body import GasPlume, PointSource, Solid
 from seaglint.objects.geodesic import east_north
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.presets.object_presets import OBJECTS
@@ -66,7 +66,7 @@ def test_nested_parts_keep_or_take_their_material():
     far = body.parts[0].vertices[:, 1] > 5.0
     assert set(body.parts[0].temperature[far].round(6)) == {330.0}
     assert set(body.parts[0].temperature[~far].round(6)) == {300.0}
-    assert body.parts[1] == Plume((0.0, -5.0, 0.0), (1.0, 3.0, 1.0), 600.0, 0.3)
+    assert body.parts[1] == GasPlume((0.0, -5.0, 0.0), (1.0, 3.0, 1.0), 600.0, 0.3)
 
 
 PLUME = {"semi_axes_m": [1, 3, 1], "at_m": [0, -5, 0], "temperature_k": 600, "emissivity": 0.3}
@@ -74,7 +74,7 @@ PLUME = {"semi_axes_m": [1, 3, 1], "at_m": [0, -5, 0], "temperature_k": 600, "em
 
 def test_points():
     body = made({"name": "lamp", "shape": {"kind": "point", "intensity_w_sr": "5 kW/sr"}, "north_m": -900, "height_m": 3})
-    assert body.parts == (Point(5000.0),)
+    assert body.parts == (PointSource(5000.0),)
 
 
 @pytest.mark.parametrize("suffix", ["stl", "obj", "ply", "glb"])

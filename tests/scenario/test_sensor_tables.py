@@ -9,7 +9,7 @@ import pytest
 from scipy import constants
 
 from seaglint.base.errors import ScenarioError
-from seaglint.instrument.detector import Detector
+from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import figures
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.presets.sensor_presets import SENSORS, with_sensor
@@ -57,7 +57,7 @@ def test_a_plane_picture_has_the_tangents_field_of_view() -> None:
 def test_what_is_not_given_is_neutral() -> None:
     model = sensor_model(parsed())
     optics, detector, noise = model.optics, model.detector, model.noise
-    assert isinstance(detector, Detector)
+    assert isinstance(detector, PhotonPixels)
     assert (optics.transmission, optics.obscuration, optics.jitter, optics.wavefront_error, optics.defocus) == (1.0, 0.0, 0.0, 0.0, 0.0)
     assert (optics.emissivity, optics.housing_solid_angle, optics.stray_share, optics.cos4, optics.distortion) == (
         0.0,

@@ -11,12 +11,12 @@ from seaglint.facet.facet_tables import facet_slopes
 from seaglint.sea.dispersion import angular_frequency
 from seaglint.sea.field import WaveField
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
-from seaglint.sea.spectra import ElfouhailySpectrum, JonswapSpectrum, PiersonMoskowitzSpectrum, WaveSystems
+from seaglint.sea.spectra import CombinedSpectrum, ElfouhailySpectrum, JonswapSpectrum, PiersonMoskowitzSpectrum
 from seaglint.sea.tiles import plan_tiles, resolve_limit
 
 WIND_TO = np.radians(40.0)
 SWELL = JonswapSpectrum(2.0, 9.0, np.radians(160.0), 5.0, np.radians(12.0), WIND_TO)
-SEA = WaveSystems((SWELL, ElfouhailySpectrum(7.0, WIND_TO)))
+SEA = CombinedSpectrum((SWELL, ElfouhailySpectrum(7.0, WIND_TO)))
 
 
 @pytest.mark.parametrize("gamma", [1.0, 3.3, 7.0])
@@ -92,7 +92,7 @@ def test_the_field_has_the_height_and_slopes_of_all_systems(n: int) -> None:
 
 
 @pytest.mark.parametrize(
-    ("sea", "to"), [(SWELL, 160.0), (WaveSystems((SWELL,)), 160.0), (replace(SWELL, to_azimuth=np.radians(340.0)), 340.0), (SEA, None)]
+    ("sea", "to"), [(SWELL, 160.0), (CombinedSpectrum((SWELL,)), 160.0), (replace(SWELL, to_azimuth=np.radians(340.0)), 340.0), (SEA, None)]
 )
 def test_waves_travel_in_their_own_directions(sea, to) -> None:
     """-<d zeta/dt grad zeta> = int omega k Psi: the vector along which waves carry their shape; summed over realisations."""
@@ -115,15 +115,15 @@ def test_waves_travel_in_their_own_directions(sea, to) -> None:
 
 def test_the_peak_is_that_of_the_system_with_the_highest_density() -> None:
     assert SEA.peak_wavenumber == SWELL.peak_wavenumber
-    small = WaveSystems((replace(SWELL, height=0.1, peak_period=14.0), ElfouhailySpectrum(12.0, WIND_TO)))
+    small = CombinedSpectrum((replace(SWELL, height=0.1, peak_period=14.0), ElfouhailySpectrum(12.0, WIND_TO)))
     assert small.peak_wavenumber == ElfouhailySpectrum(12.0).peak_wavenumber
 
 
 def test_one_wind_for_all() -> None:
     with pytest.raises(DomainError, match="one wind"):
-        WaveSystems((SWELL, ElfouhailySpectrum(7.0, 0.0)))
+        CombinedSpectrum((SWELL, ElfouhailySpectrum(7.0, 0.0)))
     with pytest.raises(DomainError, match="at least one"):
-        WaveSystems(())
+        CombinedSpectrum(())
 
 
 @pytest.mark.parametrize("turn", [0.0, 45.0, 90.0, 120.0])

@@ -26,7 +26,7 @@ from seaglint.detection.rare_alarms import rare_tail
 from seaglint.detection.scoring import interval_of_sequences
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
-from seaglint.detection.trials import Objects, run_trials
+from seaglint.detection.trials import InjectedObjects, run_trials
 from seaglint.files.detection_parts import Parts
 from seaglint.imaging.wave_surface import course, height
 from seaglint.scenario.load import parse_scenario
@@ -34,10 +34,10 @@ from seaglint.studies.detect import range_search as detect_range
 from seaglint.studies.detect import rendered_seas as detect_scene
 from seaglint.studies.detect.designer import Design, told_threshold
 from seaglint.studies.detect.injected import Seen, Strength, fine_response, point_shape, seen_object, spot_of
-from seaglint.studies.detect.performance import Options
+from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.range_search import RangeOptions, detection_range, placed_at
 from seaglint.studies.detect.rendered_seas import Clock, SceneOptions, run_scene
-from seaglint.studies.detect.scene_frames import SceneFrames, Seas, sea_seed
+from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, sea_seed
 from seaglint.studies.detect.study import run_study
 from seaglint.studies.detect.varied_cases import cases_of, parse_vary
 from seaglint.studies.sequence.render_sequence import prepare_sequence
@@ -91,8 +91,8 @@ class WhiteSeas:
 @pytest.fixture(autouse=True)
 def white(monkeypatch, request) -> None:
     if "validation" not in request.keywords:
-        monkeypatch.setattr(detect_scene, "Seas", WhiteSeas)
-        monkeypatch.setattr(detect_range, "Seas", WhiteSeas)
+        monkeypatch.setattr(detect_scene, "IndependentSeas", WhiteSeas)
+        monkeypatch.setattr(detect_range, "IndependentSeas", WhiteSeas)
 
 
 @pytest.fixture
@@ -102,8 +102,8 @@ def path(tmp_path: Path) -> Path:
 
 
 def scene_options(**changes: Any) -> SceneOptions:
-    template = Objects(GaussianSpot(0.8), (1.0,), 400, "centre", 0.0, seed=2)
-    options = Options(template, threshold=3.0)
+    template = InjectedObjects(GaussianSpot(0.8), (1.0,), 400, "centre", 0.0, seed=2)
+    options = DetectionOptions(template, threshold=3.0)
     return replace(SceneOptions(options, seas=12, shape=GaussianSpot(0.8)), **changes)
 
 
@@ -170,7 +170,7 @@ def test_response_of_a_drawn_picture_keeps_place_and_light() -> None:
 def test_contrast_needed_in_white_noise_is_the_q_functions() -> None:
     source = WhiteFrames(12, 128, 128, 5.0, SIGMA, seed=4, sequence_length=1)
     background = Background(FilterThreshold(), source)
-    objects = Objects(GaussianSpot(0.8), (1.0,), 3000, "centre", 0.0, seed=1)
+    objects = InjectedObjects(GaussianSpot(0.8), (1.0,), 3000, "centre", 0.0, seed=1)
     found = contrast_for(background, source, objects, as_threshold(gaussian_threshold(1e-4)), 0.9)
     exact = SIGMA * (norm.isf(1e-4) + norm.isf(0.1))
     # 3000 objects: P_d 0.9 is known to 0.0055, a contrast to 0.0055 / phi(1.28) = 0.03 standard deviations; four of them
@@ -332,7 +332,7 @@ def test_a_rate_of_few_pixels_is_told_and_not_believed() -> None:
 def test_objects_of_some_rows_stay_there() -> None:
     source = WhiteFrames(6, 64, 64, 0.0, 1.0, sequence_length=1)
     background = Background(FilterThreshold(), source)
-    objects = Objects(GaussianSpot(0.5), (5.0,), 200, match_radius=0.0, only_rows=(30, 33))
+    objects = InjectedObjects(GaussianSpot(0.5), (5.0,), 200, match_radius=0.0, only_rows=(30, 33))
     found = run_trials(background, source, objects, background.threshold(3.0, "sigma"))
     assert set(found.scores[0].row.tolist()) == {30, 31, 32}
     assert len(set(found.scores[0].window.tolist())) == 6
@@ -396,9 +396,9 @@ def test_rendered_seas_are_independent_and_repeat(tmp_path: Path) -> None:
         "detector": {"pitch_um": 15.0, "integration_time_s": 1e-3, "well_capacity_e": 7e6},
     }
     scenario = parse_scenario({"sensor": {"pixels": [32, 24], "elevation_deg": -4.0, "height_m": 30.0, **tables}})
-    seas = Seas.of(scenario)
+    seas = IndependentSeas.of(scenario)
     first, second = seas.sea(0, 2), seas.sea(1, 2)
-    np.testing.assert_array_equal(first, Seas.of(scenario).sea(0, 2))
+    np.testing.assert_array_equal(first, IndependentSeas.of(scenario).sea(0, 2))
     spatial = [(frame - frame.mean(axis=1, keepdims=True)).ravel() for frame in (first[0], second[0], first[1])]
     # two seas have nothing in common, two frames of one 0.04 s apart have
     assert abs(np.corrcoef(spatial[0], spatial[1])[0, 1]) < 0.3
@@ -424,7 +424,7 @@ def test_a_drawn_point_is_seen_as_its_shape_says() -> None:
         {"sensor": {"pixels": [48, 40], "elevation_deg": -0.3, "azimuth_deg": 0.0, "height_m": 30.0, **tables}, "objects": [point]}
     )
     seen = seen_object(scenario, "point")
-    seas = Seas.of(scenario)
+    seas = IndependentSeas.of(scenario)
     _, share = point_shape(seas.model)
     watts = Strength((500.0,), "W/sr", 4000.0, 20.0).at_aperture(seas, 1.0)[0]
     # the renderer's path, distance and pixel against the formula's; the fine pixel of the drawing smears by a few per cent
@@ -463,7 +463,7 @@ def test_seas_hide_a_post_as_lines_of_sight_over_the_same_seas_say() -> None:
     post = {"name": "post", "shape": {"kind": "box", "size_m": [0.3, 0.3, 1]}, "temperature_k": 300, "height_m": 0.5, "north_m": far}
     sensor = {"pixels": [48, 40], "fov_deg": [1.4, 1.2], "elevation_deg": -0.2, "azimuth_deg": 0.0, "height_m": eye}
     scenario = parse_scenario({"seed": 3, "sensor": sensor, "wind": {"speed_m_s": 10.0}, "objects": [post]})
-    shares = seen_object(scenario, "post").visible_shares(seas, Seas.of(scenario))
+    shares = seen_object(scenario, "post").visible_shares(seas, IndependentSeas.of(scenario))
     sequence = prepare_sequence(scenario)
     arcs = np.arange(1800.0, far + 0.1, 0.4)
     drop = eye + arcs**2 / (2.0 * EFFECTIVE_EARTH_RADIUS)

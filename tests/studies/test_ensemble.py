@@ -24,8 +24,8 @@ from seaglint.scenario.ensemble import Ensemble, load_ensemble, parse_ensemble
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.studies.ensemble import render_ensemble as module
 from seaglint.studies.ensemble.ensemble_folder import ensemble_text
-from seaglint.studies.ensemble.object_places import Picture
-from seaglint.studies.ensemble.render_ensemble import Scene, draw, render_ensemble, render_scene
+from seaglint.studies.ensemble.object_places import PixelGrid
+from seaglint.studies.ensemble.render_ensemble import EnsembleScene, draw, render_ensemble, render_scene
 from seaglint.studies.prepare.kept import Kept
 from seaglint.studies.prepare.prepare import imager, track
 from seaglint.studies.sequence.sensed import render
@@ -52,7 +52,7 @@ def ensemble(*vary: dict[str, Any], scenes: int = 3, objects: tuple[dict[str, An
     return parse_ensemble(raw, name="e.toml")
 
 
-def values(scenes: list[Scene], key: str) -> list[Any]:
+def values(scenes: list[EnsembleScene], key: str) -> list[Any]:
     return [scene.parameters[key] for scene in scenes]
 
 
@@ -159,7 +159,7 @@ def test_objects_stand_where_their_pixels_are_and_apart() -> None:
         assert all(math.dist(a, b) >= 2 - 1e-6 for i, a in enumerate(places) for b in places[:i])
 
 
-def pixel_of(scene: Scene, item: dict[str, Any]) -> tuple[float, float]:
+def pixel_of(scene: EnsembleScene, item: dict[str, Any]) -> tuple[float, float]:
     """Where the renderer's own geometry has an object."""
     pose = track(scene.scenario).at(0.0)
     at = stand(Placement(np.array([item["east_m"], item["north_m"], item["height_m"]]), np.eye(3)), pose).place
@@ -173,7 +173,7 @@ def pixel_of(scene: Scene, item: dict[str, Any]) -> tuple[float, float]:
 )
 def test_places_are_on_the_line_of_sight(row: float, given: dict[str, float]) -> None:
     scenario = parse_scenario({**BASE, "sensor": {**BASE["sensor"], "elevation_deg": -2 if row > 1 else 2}})
-    east, north, height = Picture(scenario).place(11.0, row, **given)
+    east, north, height = PixelGrid(scenario).place(11.0, row, **given)
     assert given.get("height", height) == height
     assert given.get("range_m", math.hypot(east, north)) == pytest.approx(math.hypot(east, north), rel=1e-12)
     place = stand(Placement(np.array([east, north, height]), np.eye(3)), track(scenario).at(0.0)).place
@@ -185,9 +185,9 @@ def test_places_are_on_the_line_of_sight(row: float, given: dict[str, float]) ->
 def test_lines_of_sight_that_do_not_come_there() -> None:
     scenario = parse_scenario({**BASE, "sensor": {**BASE["sensor"], "elevation_deg": -0.5}})
     with pytest.raises(ScenarioError, match="never comes to height_m = 1 from 20 m"):
-        Picture(scenario).place(3.0, 0.0, height=1.0)
+        PixelGrid(scenario).place(3.0, 0.0, height=1.0)
     with pytest.raises(ScenarioError, match="under the sea at range_m = 9000"):
-        Picture(scenario).place(3.0, 8.0, range_m=9000.0)
+        PixelGrid(scenario).place(3.0, 8.0, range_m=9000.0)
     crowd = {**POINTS, "count": 40, "apart_px": 5}
     with pytest.raises(ScenarioError, match=r"e\.toml, scene 0: objects \('target-\d+'\): no place 5 px from the others"):
         draw(ensemble(objects=(crowd,)))

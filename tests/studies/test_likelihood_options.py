@@ -13,7 +13,7 @@ from seaglint.cli.app import app
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.article.fig5 import AZIMUTHS, CASES, PRINTED, THRESHOLDS, figure_5
 from seaglint.studies.likelihood.chance_map import likelihood_map
-from seaglint.studies.likelihood.draw_model import Model
+from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw, likelihood, measured
 from seaglint.weather.draws import estimate
 from seaglint.weather.weather_table import WeatherTable
@@ -122,7 +122,7 @@ def test_cells_of_a_map_have_the_chance_of_their_region():
 def test_sobol_points_beat_random_ones_five_times(region):
     # The same integrand at the default draws; the variance of 16 scramblings has a standard error of 0.37 of itself, of six runs 0.15.
     base = {} if region else {"place": {"latitude_deg": 45, "longitude_deg": -30}}
-    model = Model.of(parse_scenario(base | {"band": {"min_um": 3.0, "max_um": 5.0}, "likelihood": region}))
+    model = LikelihoodModel.of(parse_scenario(base | {"band": {"min_um": 3.0, "max_um": 5.0}, "likelihood": region}))
     for threshold in (0.25, 2.5):
         between = []
         for seed in range(6):

@@ -8,7 +8,7 @@ import pytest
 import seaglint as sg
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.files.store.store import open_sequence
-from seaglint.instrument.scan import Scan
+from seaglint.instrument.scan import ScanPattern
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.presets.sensor_presets import with_sensor
 from seaglint.studies.prepare import memory
@@ -183,7 +183,7 @@ def test_a_panorama_that_memory_cannot_hold_is_refused_with_the_oversampling_tha
 
 
 def test_leftward_scanners_begin_at_the_right() -> None:
-    np.testing.assert_allclose(Scan("line", 0.4, leftwards=True).column_delays(4), [0.3, 0.2, 0.1, 0.0])
+    np.testing.assert_allclose(ScanPattern("line", 0.4, leftwards=True).column_delays(4), [0.3, 0.2, 0.1, 0.0])
 
 
 @pytest.mark.validation

@@ -11,7 +11,7 @@ import pytest
 from scipy.ndimage import gaussian_filter
 from scipy.stats import binom, norm
 
-from seaglint.analysis import Options, analyze
+from seaglint.analysis import AnalysisOptions, analyze
 from seaglint.files.recording import open_recording
 from seaglint.studies.article import table1 as table1_module
 from seaglint.studies.article.table1 import ARTICLE, Table1, corridor, scene, sequence, table1
@@ -92,7 +92,7 @@ def analysed(frames: np.ndarray, folder: Path, **options: Any) -> dict[str, Any]
     """Region "all" of a NumPy file's analysis, there and back through JSON."""
     np.save(folder / "frames.npy", frames)
     recording = open_recording(folder / "frames.npy", frame_rate=25.0, units="1")
-    found = json.loads(json.dumps(analyze(recording, Options(**options)).as_dict(), allow_nan=False))
+    found = json.loads(json.dumps(analyze(recording, AnalysisOptions(**options)).as_dict(), allow_nan=False))
     region: dict[str, Any] = found["regions"]["all"]
     return region
 

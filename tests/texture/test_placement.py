@@ -7,7 +7,7 @@ import pytest
 
 from seaglint.base.conventions import horizon_depression, horizon_range
 from seaglint.base.errors import DomainError
-from seaglint.texture.placement import Footprints, Plane, fluctuation
+from seaglint.texture.placement import Footprints, PeriodicField, fluctuation
 
 HEIGHT = 30.0
 
@@ -29,7 +29,7 @@ def test_footprints_average_whole_and_parts_of_cells() -> None:
     """White noise, a row 3 cells long whose columns are 1.5 cells wide: the mean by hand, and the deviation of such means."""
     noise = np.random.default_rng(1).standard_normal((4, 240, 240)).astype(np.float32)
     feet = Footprints(np.array([3.0, 0.0]), np.array([6.0, 3.0]), np.array([0.0, 1.0, 2.0]))
-    plane = Plane(noise, (1.0, 1.0), feet)
+    plane = PeriodicField(noise, (1.0, 1.0), feet)
     strip = noise[1, 237:240].astype(float).mean(axis=0)  # ranges 0 to 3, nearest at the bottom; their middle is 1.5
     by_hand = np.array([strip[0] + 0.5 * strip[1], 0.5 * strip[1] + strip[2]]) / 1.5
     assert plane.frame(1)[1] * plane.spread[1] == pytest.approx(by_hand, abs=1e-5)
@@ -40,7 +40,7 @@ def test_footprints_average_whole_and_parts_of_cells() -> None:
 def test_variance_is_1_in_every_row_and_the_far_sea_is_smoother() -> None:
     field = np.random.default_rng(2).standard_normal((8, 256, 256)).astype(np.float32)
     feet = footprints()
-    plane = Plane(field, (0.5 * feet.finest()[0], 0.5 * feet.finest()[1]), feet)
+    plane = PeriodicField(field, (0.5 * feet.finest()[0], 0.5 * feet.finest()[1]), feet)
     seen = np.stack([plane.frame(k) for k in range(8)])
     assert (seen[:, ~feet.sea] == 0.0).all()
     assert seen[:, feet.sea].std() == pytest.approx(1.0, abs=0.1)

@@ -10,7 +10,7 @@ import pytest
 from seaglint.base.errors import DataError
 from seaglint.texture.gauss_markov import GaussMarkov
 from seaglint.texture.marginals import Marginal
-from seaglint.texture.suitability import REFUSED, Region, examine, parse_region, require_stationary, require_values
+from seaglint.texture.suitability import REFUSED, PixelRegion, examine, parse_region, require_stationary, require_values
 from seaglint.texture.synthesis import latent
 
 NOISE = np.random.default_rng(3).normal(size=(1, 96, 96)).astype(np.float32)
@@ -96,7 +96,7 @@ def test_the_part_is_named_in_rows_and_columns_of_the_picture() -> None:
     image = NOISE.copy()
     image[:, :, 60:] *= 3.0
     with pytest.raises(DataError) as told:
-        require_stationary(image, Region(100, 196, 200, 296))
+        require_stationary(image, PixelRegion(100, 196, 200, 296))
     region = parse_region(re.search(r"--region (\S+),", str(told.value))[1], 196, 296)
     assert region.top >= 100
     assert 200 <= region.left < region.right <= 260

@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 import numpy as np
 import pytest
 
-from seaglint.analysis import Options, analyze
+from seaglint.analysis import AnalysisOptions, analyze
 from seaglint.clutter.filters import Laplacian
 from seaglint.clutter.thresholds import standardise
 from seaglint.files.store.store import write_sequence
@@ -150,7 +150,7 @@ def test_dragged_region_has_the_statistics_of_analyze(seen, store):
     seen.until("document.getElementById('region').dataset.frame === '4' && document.querySelector('[data-testid=region-mean]')")
     mask = np.zeros((ROWS, COLUMNS), bool)
     mask[8:41, 10:46] = True
-    expected = analyze(open_source(store).recording("radiance", only=4), Options(mask=mask)).regions["glint"].as_dict(25.0)
+    expected = analyze(open_source(store).recording("radiance", only=4), AnalysisOptions(mask=mask)).regions["glint"].as_dict(25.0)
     for name, key in (("mean", "mean"), ("std", "std"), ("skewness", "skewness"), ("kurtosis", "excess_kurtosis"), ("pixels", "pixels")):
         assert seen.number(f"region-{name}") == expected[key]
     assert seen.number("region-gamma") == expected["fits"]["gamma"]["shape"]
@@ -248,7 +248,7 @@ def test_whole_analysis_of_a_region(seen, store):
     told = json.loads(seen.on("analysis").get_attribute("data-result"))
     mask = np.zeros((ROWS, COLUMNS), bool)
     mask[box["top"] : box["top"] + box["height"], box["left"] : box["left"] + box["width"]] = True
-    expected = analyze(open_source(store).recording("radiance", only=6), Options(mask=mask)).regions["glint"].as_dict(25.0)
+    expected = analyze(open_source(store).recording("radiance", only=6), AnalysisOptions(mask=mask)).regions["glint"].as_dict(25.0)
     assert {key: told[key] for key in expected} == json.loads(json.dumps(expected))
     with seen.page.expect_download() as waiting:
         seen.on("save-csv").click()

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 import zarr
 
-from seaglint.analysis import Options, analyze
+from seaglint.analysis import AnalysisOptions, analyze
 from seaglint.base.errors import DataError
 from seaglint.files.recording import open_recording
 from seaglint.files.store.location import partial_path, place_of
@@ -70,7 +70,7 @@ def test_region_is_what_analyze_tells(store, only):
     recording = open_recording(store)
     if only is not None:
         recording = open_source(store).recording("radiance", only=only)
-    expected = analyze(recording, Options(mask=mask)).regions["glint"].as_dict(recording.frame_rate)
+    expected = analyze(recording, AnalysisOptions(mask=mask)).regions["glint"].as_dict(recording.frame_rate)
     found = whole(open_source(store), where, "radiance", only, lambda done, total: None)
     assert {key: found[key] for key in expected} == expected
     if only is not None:

@@ -7,29 +7,29 @@ import pytest
 
 from seaglint.base.errors import DomainError
 from seaglint.weather.clouds import clear_line, illuminated
-from seaglint.weather.conditions import Region, Times, conditions, draw_pairs, months_of
-from seaglint.weather.draws import Plan, estimate
+from seaglint.weather.conditions import GeographicRegion, Times, conditions, draw_pairs, months_of
+from seaglint.weather.draws import SamplingPlan, estimate
 from seaglint.weather.strata import strata
 from seaglint.weather.weather_table import WeatherTable
 
 
 @pytest.mark.parametrize("samples", [256, 1000, 65_536, 100_000, 1_000_000])
 def test_plan_has_what_is_asked_and_little_more(samples):
-    plan = Plan.of(samples)
+    plan = SamplingPlan.of(samples)
     assert samples <= plan.total < 1.07 * samples
     assert plan.scramblings >= 16
     assert plan.points & (plan.points - 1) == 0
 
 
 def test_points_depend_on_the_seed_alone():
-    plan = Plan.of(1024)
+    plan = SamplingPlan.of(1024)
     assert np.array_equal(plan.uniform(3, 5), plan.uniform(3, 5))
     assert not np.array_equal(plan.uniform(3, 5), plan.uniform(3, 6))
 
 
 @pytest.mark.parametrize("certain", [0.0, 1.0])
 def test_certainty_has_an_interval_to_one_side(certain):
-    found = estimate(np.full(4096, certain), Plan(16, 256))
+    found = estimate(np.full(4096, certain), SamplingPlan(16, 256))
     assert found.value == certain
     assert (found.low, found.high) == pytest.approx((max(certain - 3 / 4096, 0.0), min(certain + 3 / 4096, 1.0)))
 
@@ -37,7 +37,7 @@ def test_certainty_has_an_interval_to_one_side(certain):
 def test_few_hits_have_the_interval_of_their_count():
     values = np.zeros(4096)
     values[[7, 1000, 3000]] = 1.0
-    found = estimate(values, Plan(16, 256))
+    found = estimate(values, SamplingPlan(16, 256))
     # Poisson, 3 counts, 95 %: 0.619 to 8.767 (Garwood 1936)
     assert found.low * 4096 <= 0.619
     assert found.high * 4096 >= 8.76
@@ -47,7 +47,7 @@ def test_few_hits_have_the_interval_of_their_count():
 @pytest.mark.parametrize("chance", [0.03, 0.4])
 def test_intervals_cover_as_they_say(chance):
     # 1000 repeats at 95 %: standard error 0.7 %. The set is a quarter disc's share of the square, so that no lattice fits it.
-    plan, radius = Plan(16, 64), np.sqrt(4.0 * chance / np.pi)
+    plan, radius = SamplingPlan(16, 64), np.sqrt(4.0 * chance / np.pi)
     covered = 0
     for seed in range(1000):
         u = plan.uniform(2, seed)
@@ -74,7 +74,7 @@ def test_months_draw_their_own_rows_and_hours_the_nearest():
     )
     rng = np.random.default_rng(1)
     u = {name: rng.random(2000) for name in ("row", "cover", "day", "hour", "across", "along")}
-    found = conditions(table, u, Times(2025), Region(40.0, 50.0, -30.0, -10.0))
+    found = conditions(table, u, Times(2025), GeographicRegion(40.0, 50.0, -30.0, -10.0))
     assert np.array_equal(table["month"][found.rows], months_of(found.time))
     away = np.abs((found.time % 86_400.0 / 3600.0 - table["hour_utc"][found.rows] + 12.0) % 24.0 - 12.0)
     assert away.max() <= 3.0
@@ -82,7 +82,7 @@ def test_months_draw_their_own_rows_and_hours_the_nearest():
 
 def test_places_of_a_region_are_even_by_area_and_cross_the_date_line():
     u = np.linspace(0.0, 1.0, 10_001)[:-1]
-    latitude, longitude = Region(0.0, 90.0, 170.0, -170.0).draw(u, u)
+    latitude, longitude = GeographicRegion(0.0, 90.0, 170.0, -170.0).draw(u, u)
     assert np.mean(latitude < 30.0) == pytest.approx(0.5, abs=1e-3)  # half of a hemisphere lies below 30 deg
     assert np.all((longitude >= 170.0) | (longitude <= -170.0))
 
@@ -131,7 +131,7 @@ def test_slanting_lines_meet_more_clouds():
 
 
 def test_strata_add_up_to_the_whole():
-    plan = Plan(16, 256)
+    plan = SamplingPlan(16, 256)
     u = plan.uniform(2, 1)
     values = (u[:, 0] < 0.3).astype(float)
     found = strata(values, plan, {"half": (u[:, 1], np.array([0.0, 0.5, 1.0]))})

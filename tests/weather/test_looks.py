@@ -14,7 +14,7 @@ from seaglint.optics.sea_water import hale_querry_sea
 from seaglint.radiance.mean import mean_radiance
 from seaglint.radiance.variance import sea_variance
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_charlier
-from seaglint.weather.draws import Plan
+from seaglint.weather.draws import SamplingPlan
 from seaglint.weather.looks import Search, looks
 from seaglint.weather.measures import DetectionCurve, detected, deviation, exceeded_by, passes
 from seaglint.weather.mirrored_sunlight import mirrored_light
@@ -174,7 +174,7 @@ def test_contrasts_that_glint_exceeds():
 @pytest.mark.validation
 def test_even_points_beat_random_ones(light, sea):
     # One Sun: azimuth, depression, wind and its direction vary. 64 scramblings each: a ratio of 5 is told from 3 at 99 %.
-    plan = Plan(64, 1024)
+    plan = SamplingPlan(64, 1024)
 
     def means(plain):
         u = plan.uniform(4, 7, plain=plain)

@@ -8,7 +8,7 @@ from scipy.stats import chisquare, qmc
 
 from seaglint.base.errors import DomainError
 from seaglint.weather.derived import model_atmosphere, relative_humidity, significant_height, wind_from_components
-from seaglint.weather.select import Box, Polygon, Selection, select
+from seaglint.weather.select import GeographicBox, Polygon, Selection, select
 from seaglint.weather.smooth import bandwidths, smoothed
 from seaglint.weather.table_summary import correlation, joint_density, month_means, wind_rose
 from seaglint.weather.weather_table import WeatherTable
@@ -131,11 +131,11 @@ def test_smoothed_directions_go_around() -> None:
 
 def test_a_box_over_the_date_line_and_longitudes_of_both_conventions() -> None:
     lat = np.array([10.0, 10.0, 10.0, 10.0])
-    assert Box(170.0, 0.0, -170.0, 20.0).holds(lat, np.array([175.0, -175.0, 0.0, 185.0])).tolist() == [True, True, False, True]
-    assert Box(300.0, 0.0, 350.0, 20.0).holds(lat, np.array([-60.0, -10.0, -9.0, 320.0])).tolist() == [True, True, False, True]
-    assert Box(-180.0, 0.0, 180.0, 20.0).holds(lat, np.array([-180.0, 0.0, 90.0, 179.0])).all()
+    assert GeographicBox(170.0, 0.0, -170.0, 20.0).holds(lat, np.array([175.0, -175.0, 0.0, 185.0])).tolist() == [True, True, False, True]
+    assert GeographicBox(300.0, 0.0, 350.0, 20.0).holds(lat, np.array([-60.0, -10.0, -9.0, 320.0])).tolist() == [True, True, False, True]
+    assert GeographicBox(-180.0, 0.0, 180.0, 20.0).holds(lat, np.array([-180.0, 0.0, 90.0, 179.0])).all()
     with pytest.raises(DomainError, match="is not west,south,east,north"):
-        Box(0.0, 20.0, 10.0, 0.0)
+        GeographicBox(0.0, 20.0, 10.0, 0.0)
 
 
 def test_a_polygon_holds_what_its_corners_enclose() -> None:

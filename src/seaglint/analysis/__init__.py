@@ -2,6 +2,6 @@
 
 from seaglint.analysis.recording import Recording
 from seaglint.analysis.region import Region
-from seaglint.analysis.run import Analysis, Options, analyze
+from seaglint.analysis.run import Analysis, AnalysisOptions, analyze
 
-__all__ = ["Analysis", "Options", "Recording", "Region", "analyze"]
+__all__ = ["Analysis", "AnalysisOptions", "Recording", "Region", "analyze"]

@@ -55,7 +55,7 @@ FEWEST_PIXELS: Final = 100
 
 
 @dataclass(frozen=True)
-class Options:
+class AnalysisOptions:
     """Options of an analysis.
 
     Attributes
@@ -104,7 +104,7 @@ class Analysis:
     """Results of an analysis for JSON, plots and report."""
 
     recording: Recording
-    options: Options
+    options: AnalysisOptions
     segmentation: Segmentation | None
     image: NDArray[np.float64]
     regions: dict[str, Region]
@@ -150,14 +150,14 @@ class Analysis:
 
 
 @single_threaded_algebra()
-def analyze(recording: Recording, options: Options | None = None, progress: Progress = lambda done, total: None) -> Analysis:
+def analyze(recording: Recording, options: AnalysisOptions | None = None, progress: Progress = lambda done, total: None) -> Analysis:
     """Analyse a recording.
 
     Parameters
     ----------
     recording : Recording
         Recording from a file by ``seaglint.files.recording.open_recording``, or a user's own.
-    options : Options, optional
+    options : AnalysisOptions, optional
         Filter, thresholds, mask, detectors.
     progress : callable
         Called with (frames, frames of the recording): what is done of all passes over it, as whole frames.
@@ -175,7 +175,7 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
     -----
     Memory does not grow with the recording: blocks of some eight megabytes, and maps of the size of a frame.
     """
-    given = options if options is not None else Options()
+    given = options if options is not None else AnalysisOptions()
     rows = _row_mask(recording, given.rows)
     if given.mask is not None and given.mask.shape != rows.shape:
         raise DataError(
@@ -197,7 +197,7 @@ def analyze(recording: Recording, options: Options | None = None, progress: Prog
     return Analysis(recording, given, segmentation, image, results, slices, tuple(notes), bool(counted.all()))
 
 
-def _interior(recording: Recording, options: Options, used: BoolArray) -> tuple[BoolArray, list[str]]:
+def _interior(recording: Recording, options: AnalysisOptions, used: BoolArray) -> tuple[BoolArray, list[str]]:
     """Pixels whose filtered values are used, and the notes about the border."""
     margin = options.filter.margin
     inner = np.zeros(used.shape, np.bool_)
@@ -280,7 +280,7 @@ def _regions(first: Survey, rows: BoolArray, mask: BoolArray | None) -> tuple[Se
     return segmentation, masks, notes
 
 
-def _filtered(recording: Recording, options: Options, dead: BoolArray) -> Iterator[tuple[FrameArray, FrameArray]]:
+def _filtered(recording: Recording, options: AnalysisOptions, dead: BoolArray) -> Iterator[tuple[FrameArray, FrameArray]]:
     """Iterate over blocks, raw and filtered; dead pixels are missing in both."""
 
     def prepare(block: FrameArray) -> tuple[FrameArray, FrameArray]:
@@ -293,7 +293,7 @@ def _filtered(recording: Recording, options: Options, dead: BoolArray) -> Iterat
 
 def _count(
     recording: Recording,
-    options: Options,
+    options: AnalysisOptions,
     first: Survey,
     masks: dict[str, BoolArray],
     interior: BoolArray,
@@ -366,7 +366,7 @@ def _saturated_share(first: Survey, mask: BoolArray) -> float:
 
 
 def _sequence_scales(
-    recording: Recording, options: Options, dead: BoolArray, masks: dict[str, BoolArray], passes: Passes
+    recording: Recording, options: AnalysisOptions, dead: BoolArray, masks: dict[str, BoolArray], passes: Passes
 ) -> dict[str, tuple[float, float]]:
     """Mean and deviation of the filtered sequence in each region, in a pass of its own."""
     sums = {name: np.zeros(3) for name in masks}
@@ -421,7 +421,7 @@ def _judge(
 class _Slicer:
     """Accumulator of the row and the column through the middle of a region."""
 
-    def __init__(self, mask: BoolArray, recording: Recording, options: Options, valid: BoolArray) -> None:
+    def __init__(self, mask: BoolArray, recording: Recording, options: AnalysisOptions, valid: BoolArray) -> None:
         rows, columns = np.nonzero(mask)
         self._row = int(np.median(rows)) if rows.size else recording.rows // 2
         self._column = int(np.median(columns[rows == self._row])) if (rows == self._row).any() else recording.columns // 2

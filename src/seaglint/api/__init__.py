@@ -397,7 +397,7 @@ def analyze(
     progress : callable, optional
         Called with (frames read, frames to read in all).
     **options
-        Fields of :class:`seaglint.analysis.Options`. ``filter`` and ``detectors`` may be names, as on the command line.
+        Fields of :class:`seaglint.analysis.AnalysisOptions`. ``filter`` and ``detectors`` may be names, as on the command line.
 
     Returns
     -------

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from seaglint.analysis import Options, Recording
+    from seaglint.analysis import AnalysisOptions, Recording
     from seaglint.optics.band import Band
 
 
@@ -19,20 +19,20 @@ AXES = ("time", "y", "x")
 """Names of the last axes of an array without names."""
 
 
-def options_of(given: Mapping[str, Any]) -> Options:
+def options_of(given: Mapping[str, Any]) -> AnalysisOptions:
     """Return the options as a record: filters and detectors from names, sequences as tuples, masks as plain arrays."""
     from typing import get_args
 
     import numpy as np
 
-    from seaglint.analysis import Options
+    from seaglint.analysis import AnalysisOptions
     from seaglint.analysis.run import Border
     from seaglint.base.errors import DataError
     from seaglint.clutter import filters
     from seaglint.clutter.thresholds import Scope
     from seaglint.detection import named_detectors as choice
 
-    known = [field.name for field in fields(Options)]
+    known = [field.name for field in fields(AnalysisOptions)]
     for name in given:
         if name not in known:
             raise DataError(f"option '{name}' is not one of {', '.join(known)}; leave it out or give one of them")
@@ -47,7 +47,7 @@ def options_of(given: Mapping[str, Any]) -> Options:
         out["detectors"] = tuple(choice.named(d) if isinstance(d, str) else d for d in names)
     if out.get("mask") is not None:
         out["mask"] = np.asarray(out["mask"], dtype=np.bool_)
-    return Options(**out)
+    return AnalysisOptions(**out)
 
 
 def recording_of(given: Any, frame_rate: float | None, units: str | None, variable: str | None) -> Recording:
@@ -59,7 +59,7 @@ def recording_of(given: Any, frame_rate: float | None, units: str | None, variab
 
     from seaglint.analysis import Recording
     from seaglint.files.recording import open_recording
-    from seaglint.files.recording.arrays import Reading, of_array, of_dataset
+    from seaglint.files.recording.arrays import ArrayReading, of_array, of_dataset
 
     if isinstance(given, str | Path):
         return open_recording(given, frame_rate=frame_rate, units=units, variable=variable)
@@ -67,11 +67,11 @@ def recording_of(given: Any, frame_rate: float | None, units: str | None, variab
         given = given.to_dataset(name=str(given.name or "values"))
     if isinstance(given, xr.Dataset):
         ordered = given.transpose("time", ...) if "time" in given.dims else given
-        recording = of_dataset(ordered, "dataset", Reading(variable))
+        recording = of_dataset(ordered, "dataset", ArrayReading(variable))
     elif isinstance(given, Recording):
         recording = given
     else:
-        recording = of_array(np.asarray(given), "array", Reading(), frame_rate=frame_rate, units=units)
+        recording = of_array(np.asarray(given), "array", ArrayReading(), frame_rate=frame_rate, units=units)
     return replace(recording, frame_rate=frame_rate or recording.frame_rate, units=units or recording.units)
 
 

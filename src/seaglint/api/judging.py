@@ -81,7 +81,7 @@ def detect(
     progress : callable, optional
         Called with (done, in all).
     **more
-        Other fields of :class:`seaglint.detection.trials.Objects`: ``placement``, ``match_radius``, ``velocity``, ``pointing``,
+        Other fields of :class:`seaglint.detection.trials.InjectedObjects`: ``placement``, ``match_radius``, ``velocity``, ``pointing``,
         ``duration``.
 
     Returns
@@ -108,9 +108,9 @@ def detect(
     from seaglint.base.errors import DataError
     from seaglint.clutter.filters import named as filter_named
     from seaglint.detection.spot import GaussianSpot, SampledSpot
-    from seaglint.detection.trials import Objects
+    from seaglint.detection.trials import InjectedObjects
     from seaglint.scenario.model import Scenario
-    from seaglint.studies.detect.performance import Options
+    from seaglint.studies.detect.performance import DetectionOptions
     from seaglint.studies.detect.performance import detect as judged
 
     known = ("placement", "match_radius", "velocity", "pointing", "duration")
@@ -123,9 +123,9 @@ def detect(
         raise DataError("psf and object_sigma_px are two shapes of one object; give one of them")
     shape = SampledSpot(psf) if psf is not None else GaussianSpot(0.8 if object_sigma_px is None else object_sigma_px)
     contrasts = None if contrast is None else tuple(float(c) for c in np.atleast_1d(np.asarray(contrast, float)))
-    template = Objects(shape, contrasts or (1.0,), injections, seed=seed, **more)
+    template = InjectedObjects(shape, contrasts or (1.0,), injections, seed=seed, **more)
     law: Any = threshold_law
-    options = Options(template, detector, filter_named(filter), threshold, law)
+    options = DetectionOptions(template, detector, filter_named(filter), threshold, law)
     if not isinstance(source, Scenario):
         if contrasts is None:
             raise DataError("contrast is missing: what an object adds to its pixel, in the units of the frames; give e.g. contrast=4")

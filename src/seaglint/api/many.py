@@ -124,9 +124,9 @@ def dataset(
     """
     from seaglint.cluster import LocalProcesses
     from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source
-    from seaglint.studies.ensemble.scenes_to_dataset import Options
+    from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
 
-    resolved, options = read_source(Path(source)), Options.of(format, bits, image)
+    resolved, options = read_source(Path(source)), DatasetOptions.of(format, bits, image)
     with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
         ensemble_dataset(resolved, output, options, workers=others, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
     return Path(output)

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from seaglint.analysis import Options
+    from seaglint.analysis import AnalysisOptions
     from seaglint.clutter.filters import Filter
 
 RAW_NAMES = ("rows", "columns", "dtype", "byte_order", "offset", "frame_header")
@@ -123,8 +123,8 @@ def _options(
     detectors: list[str],
     seed: int,
     border: str,
-) -> Options:
-    from seaglint.analysis import Options
+) -> AnalysisOptions:
+    from seaglint.analysis import AnalysisOptions
     from seaglint.base.errors import DataError
     from seaglint.detection.named_detectors import named
 
@@ -135,7 +135,7 @@ def _options(
         raise DataError(f"--sigma {sigma}: allowed are frame, sequence, local")
     if border not in ("auto", "keep", "drop"):
         raise DataError(f"--border {border}: allowed are auto, keep, drop")
-    return Options(
+    return AnalysisOptions(
         filter=filter_of(filter_name, kernel, signature),
         thresholds=tuple(thresholds),
         scope=sigma,  # type: ignore[arg-type]

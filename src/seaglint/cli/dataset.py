@@ -50,10 +50,10 @@ def dataset(
     from seaglint.cli.terminal.workers import chosen
     from seaglint.files.dataset.check import read_about
     from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source
-    from seaglint.studies.ensemble.scenes_to_dataset import Options, require_output
+    from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, require_output
 
     show_logs(quiet=show is ProgressMode.NONE)
-    options = Options.of(form, bits, image)
+    options = DatasetOptions.of(form, bits, image)
     output = Path(str(output).rstrip("/\\"))
     require_output(output, resume=resume, overwrite=overwrite)
     loaded = read_source(source)

@@ -19,9 +19,9 @@ from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption
 
 if TYPE_CHECKING:
-    from seaglint.detection.spot import Shape
-    from seaglint.detection.trials import Objects
-    from seaglint.studies.detect.performance import Options
+    from seaglint.detection.spot import SpotShape
+    from seaglint.detection.trials import InjectedObjects
+    from seaglint.studies.detect.performance import DetectionOptions
 
 Law = Literal["sigma", "frame", "fixed", "design"]
 Placement = Literal["random", "centre"]
@@ -163,7 +163,7 @@ class DetectOptions:
         return None if self.contrast is None else contrasts_of(self.contrast)
 
     @property
-    def shape(self) -> Shape:
+    def shape(self) -> SpotShape:
         """The object's shape.
 
         Raises
@@ -185,11 +185,11 @@ class DetectOptions:
         """Whether a shape of the user's is meant rather than that of a point or a named object."""
         return self.psf is not None or self.object_sigma_px is not None or self.objects_are == "gaussian"
 
-    def objects(self, contrasts: tuple[float, ...]) -> Objects:
+    def objects(self, contrasts: tuple[float, ...]) -> InjectedObjects:
         """What is injected."""
-        from seaglint.detection.trials import Objects
+        from seaglint.detection.trials import InjectedObjects
 
-        return Objects(
+        return InjectedObjects(
             self.shape,
             contrasts,
             self.injections,
@@ -206,13 +206,15 @@ class DetectOptions:
         """Whether frames are rendered."""
         return Path(self.recording).suffix.lower() == ".toml"
 
-    def judged(self, objects: Objects, frame_rate: float | None = None, pixel_deg: tuple[float, float] | None = None) -> Options:
+    def judged(
+        self, objects: InjectedObjects, frame_rate: float | None = None, pixel_deg: tuple[float, float] | None = None
+    ) -> DetectionOptions:
         """Detector, filter and threshold; of frames at that rate [Hz] with pixels of that angle [deg]."""
-        from seaglint.studies.detect.performance import Options
+        from seaglint.studies.detect.performance import DetectionOptions
 
         chosen = filter_of(self.filter_name, self.kernel, self.signature)
         law, level, limit = self.threshold_law, self.level, self.time_limit
-        return Options(objects, self.detector, chosen, self.threshold, law, level, frame_rate, pixel_deg, limit)
+        return DetectionOptions(objects, self.detector, chosen, self.threshold, law, level, frame_rate, pixel_deg, limit)
 
 
 def _velocity(text: str) -> tuple[float, float]:

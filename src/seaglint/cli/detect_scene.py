@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from seaglint.studies.detect.injected import Strength
     from seaglint.studies.detect.rendered_seas import SceneOptions
     from seaglint.studies.detect.study import Study
-    from seaglint.studies.detect.varied_cases import Case
+    from seaglint.studies.detect.varied_cases import StudyCase
 
 
 def detect_scene(options: DetectOptions) -> None:
@@ -155,7 +155,7 @@ def _write(study: Study, result: dict[str, Any], files: Any) -> None:
                 figure.savefig(partial, dpi=120, format="png")
 
 
-def _ranges(cases: list[Case], wanted: SceneOptions, o: DetectOptions, parts: Any, files: Any, *, say: Any) -> None:
+def _ranges(cases: list[StudyCase], wanted: SceneOptions, o: DetectOptions, parts: Any, files: Any, *, say: Any) -> None:
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.messages import log, print_json
     from seaglint.files.outputs import moved_when_whole

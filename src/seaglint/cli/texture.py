@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 texture = typer.Typer(rich_markup_mode=None, no_args_is_help=True, help="Statistical textures: fit, sample, compare, lay on the sea.")
 
 
-class Model(StrEnum):
+class TextureModel(StrEnum):
     """Fields that there are."""
 
     AUTOBINOMIAL = "autobinomial"
@@ -74,7 +74,7 @@ Seed = Annotated[int, typer.Option("--seed", min=0, help="of the random numbers:
 def fit(
     recording: Input,
     output: Annotated[Path, typer.Option("-o", "--output", help="texture to write, e.g. model.json")],
-    model: Annotated[Model, typer.Option("--model", help="field of the texture")] = Model.GAUSS_MARKOV,
+    model: Annotated[TextureModel, typer.Option("--model", help="field of the texture")] = TextureModel.GAUSS_MARKOV,
     tails: Annotated[TailsOption, typer.Option("--tails", help="distribution of the pixels (gauss-markov)")] = TailsOption.GAUSSIAN,
     region: Annotated[
         str | None, typer.Option("--region", metavar="ROWS,COLUMNS", help="part of the picture in pixels, e.g. 120:248,64:192")
@@ -114,7 +114,7 @@ def fit(
     refuse_existing(check_name(output), overwrite=overwrite, inputs=[recording])
     if report is not None:
         _refuse_report(report, overwrite, [recording, output])
-    if model is Model.AUTOBINOMIAL and tails is not TailsOption.GAUSSIAN:
+    if model is TextureModel.AUTOBINOMIAL and tails is not TailsOption.GAUSSIAN:
         raise DataError(f"--tails {tails.value}: an autobinomial texture has the histogram of its picture; leave --tails out")
     opened = _opened(recording, frame_rate, units, variable, channel, axes, raw)
     options = FitOptions(

@@ -46,7 +46,7 @@ def build(
     What is left out or assumed is told with counts.
     """
     from seaglint.files.weather.area import parse_box, parse_cycle, read_polygon
-    from seaglint.files.weather.read_weather import Reading
+    from seaglint.files.weather.read_weather import WeatherReading
     from seaglint.files.weather.weather_file import check_output, write_weather
     from seaglint.scenario.text.weather_map import parse_fill, parse_map, parse_place
     from seaglint.studies.likelihood.weather_files import build as build_table
@@ -60,7 +60,7 @@ def build(
         None if hours is None else parse_cycle(hours, "--hours", 0, 23),
         region,
     )
-    reading = Reading(parse_map(columns or []), utc, anemometer, None if place is None else parse_place(place))
+    reading = WeatherReading(parse_map(columns or []), utc, anemometer, None if place is None else parse_place(place))
     built = build_table(sources, selection, reading, fill=parse_fill(fill or []))
     write_weather(built.table, output, notes=built.notes, overwrite=overwrite)
     for note in built.notes:

@@ -41,7 +41,7 @@ Say = Callable[[str], None]
 
 
 @dataclass(eq=False)
-class _Task:
+class _DaskTask:
     unit: Any
     attempts: int = 0
 
@@ -116,7 +116,7 @@ class DaskWorkers:
         Exception
             What the job's start raised on a worker.
         """
-        mapping = _Mapping(self, packed(job), units)
+        mapping = _DaskMapping(self, packed(job), units)
         try:
             yield mapping.outcomes()
         finally:
@@ -200,13 +200,13 @@ class DaskWorkers:
         return bool(self._client.status == "running")
 
 
-class _Mapping:
+class _DaskMapping:
     """One job over the workers."""
 
     def __init__(self, workers: DaskWorkers, content: bytes, units: Iterable[Any]) -> None:
         self.workers, self.content, self.source = workers, content, iter(units)
-        self.again: deque[_Task] = deque()
-        self.flight: dict[str, tuple[Any, _Task]] = {}
+        self.again: deque[_DaskTask] = deque()
+        self.flight: dict[str, tuple[Any, _DaskTask]] = {}
         """Futures and their units, by the futures' keys."""
         self.ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self.losses = 0
@@ -240,13 +240,13 @@ class _Mapping:
 
     def _fill(self) -> bool:
         """Have enough on the way; False when nothing is left to do."""
-        tasks: list[_Task] = []
+        tasks: list[_DaskTask] = []
         count = self.workers.count
         room = AHEAD * count - len(self.flight)
         if room < count // BATCH:  # sending costs by the call rather than by the unit, and workers have units at hand
             return True
         for _ in range(room):
-            task = self.again.popleft() if self.again else next((_Task(unit) for unit in self.source), None)
+            task = self.again.popleft() if self.again else next((_DaskTask(unit) for unit in self.source), None)
             if task is None:
                 break
             tasks.append(task)
@@ -293,7 +293,7 @@ class _Mapping:
                 _, task = self.flight.pop(future.key)
                 yield from self._retry(task, *_told(future.exception()), "")
 
-    def _retry(self, task: _Task, attempts: int, error: str, where: str) -> Iterator[Failed[Any]]:
+    def _retry(self, task: _DaskTask, attempts: int, error: str, where: str) -> Iterator[Failed[Any]]:
         """Try a unit once more, or give it up."""
         task.attempts += attempts
         if task.attempts >= ATTEMPTS:

@@ -38,7 +38,7 @@ class _LostError(Exception):
 
 
 @dataclass(eq=False)
-class _Task:
+class _LocalTask:
     """A unit on its way."""
 
     unit: Any
@@ -68,7 +68,7 @@ class _Worker:
         self.job: str = ""
         """Digest of the job that it was told of."""
         self.ready = False
-        self.task: _Task | None = None
+        self.task: _LocalTask | None = None
 
     @property
     def number(self) -> int:
@@ -167,7 +167,7 @@ class LocalProcesses:
             raise RuntimeError("these workers are at another job; leave its context first")
         self._mapping = True
         try:
-            yield _Mapping(self._workers, self._count, self.threads, job, units).outcomes()
+            yield _LocalMapping(self._workers, self._count, self.threads, job, units).outcomes()
         finally:
             try:
                 self._settle()
@@ -191,7 +191,7 @@ class LocalProcesses:
                     worker.task = None
 
 
-class _Mapping:
+class _LocalMapping:
     """One job over the processes: ``workers`` is the owner's list, which is kept up to date."""
 
     def __init__(self, workers: list[_Worker], count: int, threads: int, job: Job[Any, Any, Any], units: Iterable[Any]) -> None:
@@ -199,7 +199,7 @@ class _Mapping:
         self.content = outgoing((job.start, job.settings))
         self.job = hashlib.blake2b(self.content, digest_size=16).hexdigest()
         self.source = iter(units)
-        self.queue: deque[_Task] = deque()
+        self.queue: deque[_LocalTask] = deque()
         self.exhausted = False
         self.lost_at_start = 0
         """Processes that ended in a row before they were ready."""
@@ -255,7 +255,7 @@ class _Mapping:
                 task.tried_by.append(worker.number)
                 worker.tell("unit", outgoing(task.unit))
 
-    def _task_for(self, worker: _Worker) -> _Task | None:
+    def _task_for(self, worker: _Worker) -> _LocalTask | None:
         others = [other for other in self.workers if other is not worker]
         for task in self.queue:
             if worker.number not in task.tried_by or all(other.number in task.tried_by for other in others):
@@ -263,10 +263,10 @@ class _Mapping:
                 return task
         return self._next()
 
-    def _next(self) -> _Task | None:
+    def _next(self) -> _LocalTask | None:
         """A unit that nobody has had."""
         for unit in self.source:
-            return _Task(unit)
+            return _LocalTask(unit)
         self.exhausted = True
         return None
 
@@ -308,7 +308,7 @@ class _Mapping:
                 )
         return None
 
-    def _again(self, task: _Task, error: str, where: str) -> Failed[Any] | None:
+    def _again(self, task: _LocalTask, error: str, where: str) -> Failed[Any] | None:
         """Try a unit once more, or give it up."""
         if len(task.tried_by) >= ATTEMPTS:
             return Failed(task.unit, error, where, len(task.tried_by))

@@ -15,7 +15,7 @@ from seaglint.clutter.false_alarms import HIGHEST, FalseAlarms
 from seaglint.clutter.thresholds import frame_scale
 from seaglint.detection.interface import Detector, Frames, statistics
 from seaglint.detection.rare_alarms import LOWEST_THRESHOLD
-from seaglint.detection.scoring import Cells, Interval, interval
+from seaglint.detection.scoring import Interval, SegmentSums, interval
 
 Law = Literal["sigma", "frame", "fixed", "design"]
 Report = Callable[[int, int], None]
@@ -260,7 +260,7 @@ class FalseAlarmCount:
     ----------
     alarms : FalseAlarms
         Rates, events and the rate curve of z.
-    cells : Cells
+    cells : SegmentSums
         Cells from which intervals are computed.
     per_pixel : Interval
         Rate per pixel and frame [1].
@@ -269,7 +269,7 @@ class FalseAlarmCount:
     """
 
     alarms: FalseAlarms
-    cells: Cells
+    cells: SegmentSums
     per_pixel: Interval
     per_frame: Interval
 
@@ -280,7 +280,7 @@ def count_false_alarms(background: Background, threshold: Threshold, level: floa
     alarms = FalseAlarms(tuple({threshold.sigma, LOWEST_THRESHOLD}))
     place = background.place
     each = place.each if place.sequences > 1 else 0
-    cells = Cells(windows, rows, columns, threshold.sigma, estimated=threshold.estimated, each=each)
+    cells = SegmentSums(windows, rows, columns, threshold.sigma, estimated=threshold.estimated, each=each)
     with_alarm = np.zeros(windows, np.int64)
     nothing = np.full((rows, columns), np.nan, np.float32)
     for k in range(windows):

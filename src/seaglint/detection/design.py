@@ -16,7 +16,7 @@ from seaglint.detection.background import Background, FalseAlarmCount, FrameSour
 from seaglint.detection.interface import Frames
 from seaglint.detection.rare_alarms import RareTail
 from seaglint.detection.scoring import Interval, Scores, interval_of_sequences
-from seaglint.detection.trials import Objects, run_trials
+from seaglint.detection.trials import InjectedObjects, run_trials
 
 COUNTED: Final = 30
 """Least number of false alarms at a threshold whose rate is counted rather than extrapolated."""
@@ -99,7 +99,7 @@ class NeededContrast:
 def contrast_for(
     background: Background,
     source: FrameSource,
-    objects: Objects,
+    objects: InjectedObjects,
     threshold: Threshold,
     p_d: float = 0.9,
 ) -> NeededContrast:
@@ -109,7 +109,7 @@ def contrast_for(
     ----------
     background, source, threshold
         Background, source and threshold of the same frames without objects.
-    objects : Objects
+    objects : InjectedObjects
         Injected objects; the sign of their first contrast is used.
     p_d : float
         Wanted share [1].
@@ -154,7 +154,7 @@ def contrast_for(
 
 
 def _rates(
-    background: Background, source: FrameSource, objects: Objects, threshold: Threshold, contrasts: NDArray[np.float64]
+    background: Background, source: FrameSource, objects: InjectedObjects, threshold: Threshold, contrasts: NDArray[np.float64]
 ) -> list[Interval]:
     trials = run_trials(background, source, replace(objects, contrasts=tuple(float(c) for c in contrasts)), threshold, locate=False)
     return [by_windows(scores, threshold.sigma, 0.95) for scores in trials.scores]

@@ -17,7 +17,7 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.base.jit import njit
 from seaglint.base.random import stream
 from seaglint.detection.interface import Detector
-from seaglint.detection.spot import Shape
+from seaglint.detection.spot import SpotShape
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -74,14 +74,14 @@ def offsets(seed: int, first: int, count: int, placement: Placement) -> FloatArr
     return np.concatenate(parts)
 
 
-def pitch_for(detector: Detector, shape: Shape, match_radius: float, travel: int) -> int:
+def pitch_for(detector: Detector, shape: SpotShape, match_radius: float, travel: int) -> int:
     """Least distance of objects [px] at which neither the statistics nor the fits of position affect another's match window."""
     around = LOOSE_PITCH if detector.reach is None else max(detector.reach, shape.half)
     return int(match_radius) + around + shape.half + 1 + travel
 
 
 @dataclass(frozen=True)
-class Plan:
+class InjectionPlan:
     """Number of injections, their distance, and the number of windows.
 
     Parameters
@@ -180,7 +180,7 @@ def nothing_free(batches: int) -> DataError:
     )
 
 
-def most_batches(plan: Plan) -> int:
+def most_batches(plan: InjectionPlan) -> int:
     """Largest number of batches that are tried for injections that find no place."""
     return 4 * plan.batches + _EMPTY_BATCHES
 
@@ -195,7 +195,9 @@ def _add(frame: np.ndarray, stamps: np.ndarray, row: np.ndarray, column: np.ndar
                 frame[i, j] += amplitude * stamps[k, i - row[k] + half, j - column[k] + half]
 
 
-def inject(frames: NDArray[np.floating], batch: Batch, shape: Shape, contrast: float, velocity: tuple[float, float] = (0.0, 0.0)) -> None:
+def inject(
+    frames: NDArray[np.floating], batch: Batch, shape: SpotShape, contrast: float, velocity: tuple[float, float] = (0.0, 0.0)
+) -> None:
     """Add a batch of objects to the frames of its window, in place; each is at its place in the last frame.
 
     Parameters
@@ -204,7 +206,7 @@ def inject(frames: NDArray[np.floating], batch: Batch, shape: Shape, contrast: f
         Changed in place [u].
     batch : Batch
         Objects.
-    shape : Shape
+    shape : SpotShape
         Shape of every object.
     contrast : float
         Signal of an object in the pixel at whose centre it lies [u].

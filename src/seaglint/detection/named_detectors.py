@@ -16,7 +16,7 @@ from seaglint.detection.matched import LocalMatched, Matched
 from seaglint.detection.moving import FrameDifference, RegisteredIntegration
 from seaglint.detection.patch_image import PatchImage
 from seaglint.detection.spatial import DirectionalBackground, FilterThreshold, laplacian_of_gaussian
-from seaglint.detection.spot import GaussianSpot, Shape
+from seaglint.detection.spot import GaussianSpot, SpotShape
 from seaglint.detection.temporal import TemporalProfile, TrackBeforeDetect
 
 _PLAIN: Final[dict[str, Callable[[], Detector]]] = {
@@ -58,14 +58,14 @@ def named(name: str) -> Detector:
     raise _unknown(name, tuple(_PLAIN))
 
 
-def named_for(name: str, shape: Shape, background: Callable[[], Frames]) -> Detector:
+def named_for(name: str, shape: SpotShape, background: Callable[[], Frames]) -> Detector:
     """Detector by name for objects of a known shape.
 
     Parameters
     ----------
     name : str
         One of :data:`NAMES`, or ``package.module:function``.
-    shape : Shape
+    shape : SpotShape
         Shape of the objects.
     background : callable
         Frames without objects, shape (k, rows, columns), from which covariances are estimated; called where they are needed.

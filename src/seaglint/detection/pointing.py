@@ -15,7 +15,7 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.detection.spot import Shape
+from seaglint.detection.spot import SpotShape
 
 FloatArray = NDArray[np.float64]
 Pointing = Literal["least-squares", "centroid"]
@@ -49,21 +49,21 @@ def centroid(patches: FloatArray, level: FloatArray | float = 0.0) -> FloatArray
     return np.where(total[:, None] > 0, place, np.nan)
 
 
-def centroid_deviation(shape: Shape, contrast: float, sigma: float) -> float:
+def centroid_deviation(shape: SpotShape, contrast: float, sigma: float) -> float:
     """Standard deviation of a centroid along one axis for a centred object in white noise, sigma sqrt(sum x²) / sum S [px]."""
     axis = np.arange(-shape.half, shape.half + 1)
     total = contrast * float(shape.stamps(np.zeros((1, 2))).sum())
     return float(sigma * np.sqrt((axis**2).sum() * axis.size) / total)
 
 
-def _derivatives(shape: Shape, place: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _derivatives(shape: SpotShape, place: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Shape and its derivatives with respect to row and column."""
     steps = _STEP * np.eye(2)
     down, right = ((shape.stamps(place + s) - shape.stamps(place - s)) / (2 * _STEP) for s in steps)
     return shape.stamps(place), down, right
 
 
-def least_squares(patches: FloatArray, shape: Shape) -> FloatArray:
+def least_squares(patches: FloatArray, shape: SpotShape) -> FloatArray:
     """Position of the best fit of the shape with an amplitude and a constant level to each patch, shape (n, 2) [px].
 
     Gauss-Newton steps on the place from the middle of the patch; amplitude and level are solved for at each. Places farther than
@@ -73,7 +73,7 @@ def least_squares(patches: FloatArray, shape: Shape) -> FloatArray:
     ----------
     patches : ndarray, shape (n, 2 half + 1, 2 half + 1)
         Around the brightest pixel of each object [u].
-    shape : Shape
+    shape : SpotShape
         Shape of the object, with that ``half``.
     """
     n = patches.shape[0]
@@ -94,7 +94,7 @@ def least_squares(patches: FloatArray, shape: Shape) -> FloatArray:
     return np.where(near[:, None], place, np.nan)
 
 
-def cramer_rao(shape: Shape, contrast: float, sigma: float) -> tuple[float, float]:
+def cramer_rao(shape: SpotShape, contrast: float, sigma: float) -> tuple[float, float]:
     """Least standard deviation of an unbiased row and column of a centred object in white noise, amplitude and level unknown [px].
 
     For a finely sampled Gaussian spot of peak A it is sqrt(2 / pi) sigma / A, whatever the width.

@@ -68,7 +68,7 @@ class RareRate:
     believed: bool
 
 
-class Levels(Protocol):
+class StatisticSteps(Protocol):
     """Steps of a statistic, see :class:`seaglint.detection.stepped.Steps`."""
 
     def below(self, threshold: float) -> float:
@@ -96,7 +96,7 @@ class RareTail:
         Why there is no fit.
     region : (ndarray, ndarray)
         Shapes and scales whose log likelihood is within 2.2 of the largest [1, standard deviations].
-    levels : Levels, optional
+    levels : StatisticSteps, optional
         Levels of a stepped statistic: thresholds are stated as the middle between two of them.
     """
 
@@ -105,7 +105,7 @@ class RareTail:
     pixels: int
     note: str | None = None
     region: tuple[FloatArray, FloatArray] = field(default=(np.empty(0), np.empty(0)), repr=False)
-    levels: Levels | None = None
+    levels: StatisticSteps | None = None
 
     def at(self, threshold_sigma: float) -> RareRate | None:
         """Rate at a threshold [standard deviations]; None below the threshold of the fit."""

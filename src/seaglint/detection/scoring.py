@@ -139,7 +139,7 @@ def _sum_cells(z: np.ndarray, tile: int, threshold: float, sums: np.ndarray) -> 
             sums[3, a, b] += value * value - 1.0
 
 
-class Cells:
+class SegmentSums:
     """Sums over time segments and tiles, whose scatter gives the intervals of rates.
 
     Where the threshold m stands on the mean and standard deviation of the same pixels, a cell moves it by

@@ -16,7 +16,7 @@ from seaglint.base.errors import DomainError
 FloatArray = NDArray[np.float64]
 
 
-class Shape(Protocol):
+class SpotShape(Protocol):
     """Interface of an object's shape for injection."""
 
     @property

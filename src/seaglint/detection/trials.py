@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.background import Background, FrameSource, Report, Threshold, Windows
-from seaglint.detection.injection import Batch, Placement, Plan, free, inject, most_batches, nothing_free, pitch_for
+from seaglint.detection.injection import Batch, InjectionPlan, Placement, free, inject, most_batches, nothing_free, pitch_for
 from seaglint.detection.interface import Detector, Frames
 from seaglint.detection.pointing import Pointing, border_level, centroid, least_squares
 from seaglint.detection.scoring import Scores, around, best, match_offsets
-from seaglint.detection.spot import Shape
+from seaglint.detection.spot import SpotShape
 
 FloatArray = NDArray[np.float64]
 
@@ -29,12 +29,12 @@ LARGEST_CONTRAST: Final = 1e30
 
 
 @dataclass(frozen=True)
-class Objects:
+class InjectedObjects:
     """Injected objects and the matching of detections to them.
 
     Parameters
     ----------
-    shape : Shape
+    shape : SpotShape
         Shape of every object.
     contrasts : tuple of float
         Signals of an object in the pixel at whose centre it lies; not 0 [u].
@@ -56,7 +56,7 @@ class Objects:
         Rows that hold objects, first and end [px].
     """
 
-    shape: Shape
+    shape: SpotShape
     contrasts: tuple[float, ...]
     injections: int = 1000
     placement: Placement = "random"
@@ -80,13 +80,13 @@ class Objects:
         if self.duration < 0:
             raise DomainError(f"duration = {self.duration} frames; give at least 1, or 0 for all that the detector sees")
 
-    def plan(self, detector: Detector, source: FrameSource) -> Plan:
+    def plan(self, detector: Detector, source: FrameSource) -> InjectionPlan:
         """Places of the objects for a detector."""
         travel = int(np.ceil(detector.lead * max(abs(v) for v in self.velocity)))
         pitch = pitch_for(detector, self.shape, self.match_radius, travel)
         margin = self.shape.half + int(self.match_radius) + travel
         place = Windows.of(source, detector.lead)
-        return Plan(
+        return InjectionPlan(
             self.injections,
             place.count,
             source.rows,
@@ -122,7 +122,9 @@ class Trials:
 class _Batches:
     """Statistics and patches of batches of objects."""
 
-    def __init__(self, background: Background, source: FrameSource, objects: Objects, threshold: Threshold, *, locate: bool) -> None:
+    def __init__(
+        self, background: Background, source: FrameSource, objects: InjectedObjects, threshold: Threshold, *, locate: bool
+    ) -> None:
         self.locate = locate
         self.background, self.source, self.objects, self.threshold = background, source, objects, threshold
         self.offsets = match_offsets(objects.match_radius)
@@ -194,7 +196,7 @@ class _Batches:
 def run_trials(
     background: Background,
     source: FrameSource,
-    objects: Objects,
+    objects: InjectedObjects,
     threshold: Threshold,
     *,
     report: Report | None = None,
@@ -209,7 +211,7 @@ def run_trials(
         Statistic of the same source without objects.
     source : FrameSource
         Frames.
-    objects : Objects
+    objects : InjectedObjects
         Objects to inject.
     threshold : Threshold
         Above which places are estimated; the scores are those of every threshold.

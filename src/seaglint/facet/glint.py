@@ -44,7 +44,7 @@ _DUSK: Final = 0.3
 
 
 @dataclass(frozen=True)
-class Glint:
+class GlintGeometry:
     """Mirrored Sun at each pixel: chance and incidence.
 
     Attributes
@@ -136,13 +136,13 @@ class GlintModel:
             _fill_grid(view_zenith, azimuth, turn, area, self._sea, self._disc, self._legs, terms, out)
         return out[0], out[1], out[2]
 
-    def at(self, view_zenith: FloatArray, view_azimuth: FloatArray, turn: FloatArray) -> Glint:
+    def at(self, view_zenith: FloatArray, view_azimuth: FloatArray, turn: FloatArray) -> GlintGeometry:
         """Mirrored Sun at a list of views, with the turn of the vertical at each [rad, (n,) each]."""
         chance, cosine = np.zeros(view_zenith.size), np.zeros(view_zenith.size)
         if self._shines(turn):
             area = self._area(view_zenith, view_azimuth)
             _fill_list(np.stack([view_zenith, view_azimuth, turn]), area, self._sea, self._disc, self._legs, chance, cosine)
-        return Glint(chance, cosine)
+        return GlintGeometry(chance, cosine)
 
     def _shines(self, turn: FloatArray) -> bool:
         """True if the Sun may be up at a place where the vertical is turned by at most ``turn`` [rad]."""
@@ -164,7 +164,7 @@ def glint(
     slopes: SlopeStatistics,
     shadowing: Shadowing = NESTED,
     turn: ArrayLike = 0.0,
-) -> Glint:
+) -> GlintGeometry:
     """Share of the viewed sea that mirrors the Sun to the viewer, and the cosine of incidence there.
 
     Parameters
@@ -185,7 +185,7 @@ def glint(
 
     Returns
     -------
-    Glint
+    GlintGeometry
         Arrays of the broadcast shape; ``chance`` is 0 for a Sun below the horizon.
 
     Raises
@@ -211,7 +211,7 @@ def glint(
     shape = np.broadcast_shapes(theta.shape, azimuth.shape, psi.shape)
     views = [np.array(np.broadcast_to(a, shape), order="C").ravel() for a in (theta, azimuth, psi)]
     evaluated = GlintModel.prepare(solar_zenith, solar_azimuth, slopes, shadowing).at(*views)
-    return Glint(evaluated.chance.reshape(shape), evaluated.cos_incidence.reshape(shape))
+    return GlintGeometry(evaluated.chance.reshape(shape), evaluated.cos_incidence.reshape(shape))
 
 
 @njit_parallel

@@ -241,7 +241,7 @@ class Around:
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class SeaRows:
     """Rows of sea: viewing geometry, and transmittance times quadrature weight [cm-1, (rows, n)].
 
     The geometry is elevation of the viewer and turn of the vertical at the place, elevation of the line of sight [rad] and arc [m].
@@ -254,7 +254,7 @@ class Rows:
     seen: FloatArray
 
     @classmethod
-    def of(cls, view: SeaView, gamma: FloatArray) -> Rows:
+    def of(cls, view: SeaView, gamma: FloatArray) -> SeaRows:
         """Rows for elevations of the viewer over the sea [rad]."""
         arc = sea_arc(view.sensor_height, gamma)
         seen = view.atmosphere.transmittance(view.sensor_height, arc)[..., view.in_band.grid] * view.in_band.weights
@@ -298,7 +298,7 @@ class ScatteredSun:
         sun = np.array([view.solar_zenith, view.solar_azimuth, first, per_rad])
         return cls(view, reflectance(), _facets_of(view), sky, sun, view.sun_distance_factor * table.spectral)
 
-    def mirrored(self, rows: Rows, azimuth: FloatArray) -> FloatArray:
+    def mirrored(self, rows: SeaRows, azimuth: FloatArray) -> FloatArray:
         """Scattered sunlight mirrored by the sea, at the aperture in band [W m-2 sr-1, (rows, columns)].
 
         Azimuths are those of lines of sight [rad, (columns,)].
@@ -314,7 +314,7 @@ class ScatteredSun:
         area = self.view.shadowing.area(0.5 * np.pi - rows.gamma[:, None], azimuth + np.pi, _rough(self.view.slopes))
         return np.asarray(np.maximum(out, 0.0) / area)
 
-    def path(self, rows: Rows, azimuth: FloatArray) -> FloatArray:
+    def path(self, rows: SeaRows, azimuth: FloatArray) -> FloatArray:
         """Scattered sunlight of paths to the sea in band [W m-2 sr-1, (rows, columns)]; azimuths of lines of sight [rad, (columns,)]."""
         if rows.arc.size * azimuth.size <= _FEW_LINES:
             return self.view.sun_distance_factor * self.view.scattered.paths(rows.arc, azimuth - self.view.solar_azimuth)
@@ -373,8 +373,8 @@ class ScatteredMap:
         """Tabulate at coordinates ``x`` of the elevation, the mirrored sky at fewer of them."""
         view, beside, around = light.view, Around.path(), Around.mirrored()
         few = np.linspace(x[0], x[-1], _ROWS)
-        path = light.path(Rows.of(view, np.minimum(scale * np.sinh(x), 0.5 * np.pi)), view.solar_azimuth + beside.azimuth)
-        mirrored = light.mirrored(Rows.of(view, np.minimum(scale * np.sinh(few), 0.5 * np.pi)), view.solar_azimuth + around.azimuth)
+        path = light.path(SeaRows.of(view, np.minimum(scale * np.sinh(x), 0.5 * np.pi)), view.solar_azimuth + beside.azimuth)
+        mirrored = light.mirrored(SeaRows.of(view, np.minimum(scale * np.sinh(few), 0.5 * np.pi)), view.solar_azimuth + around.azimuth)
         return cls(light, scale, CubicSpline(x, path), CubicSpline(few, mirrored), beside, around)
 
     def map(self, gamma: FloatArray, azimuth: FloatArray) -> tuple[FloatArray, FloatArray]:

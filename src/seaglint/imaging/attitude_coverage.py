@@ -13,7 +13,7 @@ from seaglint.imaging.swept import SAME, beyond
 
 
 @dataclass(frozen=True, eq=False)
-class Survey:
+class AngleSurvey:
     """Azimuth-elevation grid that serves all attitudes, and the highest elevation and the azimuths of the pixels that it does not."""
 
     grid: Camera | None
@@ -21,7 +21,7 @@ class Survey:
     walk_azimuths: tuple[float, float]
 
 
-def covers(made: Survey, requested: Survey) -> bool:
+def covers(made: AngleSurvey, requested: AngleSurvey) -> bool:
     """True if a prepared scene covers another camera."""
     one, other = made.grid, requested.grid
     if other is not None and (one is None or beyond(one, other) > SAME or other.row_step < one.row_step * (1.0 - SAME)):

@@ -30,7 +30,7 @@ from seaglint.facet.sunlight import Sunlight, sunlight_at
 from seaglint.facet.thermal import azimuth_node, facet_thermal, thermal_line
 from seaglint.imaging.layers import CHANNELS, COVERAGE, DISTANCE, EMITTED, PATH, SLOPE, SUN, TOTAL
 from seaglint.imaging.wave_shadow import sun_share
-from seaglint.imaging.wave_surface import Bounds, Course, Surface, course, height, lay_course, slopes
+from seaglint.imaging.wave_surface import Bounds, Surface, SurfaceLine, course, height, lay_course, slopes
 from seaglint.sea.shadowing.nested import bands_of_facets
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
@@ -83,8 +83,8 @@ class RayTables(NamedTuple):
 class Room(NamedTuple):
     """Buffers of a ray: the lines over the sea towards its azimuth and towards the Sun, without a table of the disc."""
 
-    line: Course
-    sunward: Course
+    line: SurfaceLine
+    sunward: SurfaceLine
     disc: DiscLine
 
 
@@ -111,7 +111,7 @@ def mean_arc(eye: float, run: float, rise: float) -> float:
 
 
 @kernel
-def meet(surface: Surface, line: Course, bounds: Bounds, eye: float, run: float, rise: float) -> float:
+def meet(surface: Surface, line: SurfaceLine, bounds: Bounds, eye: float, run: float, rise: float) -> float:
     """Distance at which a ray from ``eye`` [m] above the line's beginning meets the sea [m], -1 where it does not.
 
     ``run`` and ``rise`` make its unit vector.

@@ -17,15 +17,15 @@ from seaglint.base.errors import DomainError
 from seaglint.facet.facet_tables import facet_slopes
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.accuracy import Accuracy
-from seaglint.imaging.attitude_coverage import Survey, corners_of, covers
+from seaglint.imaging.attitude_coverage import AngleSurvey, corners_of, covers
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.imaging.camera.pose import Pose, Track
 from seaglint.imaging.camera.view import (
     Attitude,
-    Cells,
     Imager,
     Quads,
     Resampling,
+    SweepGrid,
     cells_of,
     inside,
     pixel_elevations,
@@ -55,14 +55,14 @@ NEAR_CIRCLE = np.radians(300.0)
 
 
 @dataclass(frozen=True, eq=False)
-class _Plan:
+class _AttitudePlan:
     """Drawing plan of one attitude: pixels resampled from columns ``parts`` of the sweep's image, laid side by side, and pixels walked."""
 
     corner: FloatArray
     swept: NDArray[np.int64]
     parts: tuple[tuple[int, int], ...]
     quads: Quads | None
-    cells: Cells | None
+    cells: SweepGrid | None
     resampling: Resampling | None
     walked: NDArray[np.int64]
     samples: NDArray[np.int64]
@@ -117,10 +117,10 @@ class TurnedScene:
     layers: tuple[str, ...]
     sparkles: Sparkles
     _view_at: Callable[[float], SeaView]
-    _survey: Survey
+    _survey: AngleSurvey
     _whole: Levels
     """Sea in full detail, for views that are walked alone."""
-    _still: _Plan | None = None
+    _still: _AttitudePlan | None = None
     _heights: OrderedDict[float, _Height] = field(default_factory=OrderedDict)
 
     @classmethod
@@ -153,7 +153,7 @@ class TurnedScene:
         if waves is not None:
             require_dry(track.lowest, waves)
             whole = replace(whole, detail=Detail.of(waves, 1))
-        nothing = Survey(None, 0.0, (0.0, 0.0))
+        nothing = AngleSurvey(None, 0.0, (0.0, 0.0))
         empty = cls(imager, track, waves, accuracy or Accuracy(), names, sparkles, view_at, nothing, whole)
         return empty._for(imager)
 
@@ -205,7 +205,7 @@ class TurnedScene:
         heights = OrderedDict((at, replace(h, swept=h.swept and h.swept.reseeded(seed))) for at, h in self._heights.items())
         return replace(self, waves=waves, sparkles=self.sparkles.reseeded(seed), _whole=whole, _heights=heights)
 
-    def _surveyed(self, attitudes: list[Attitude], oversampling: int) -> Survey:
+    def _surveyed(self, attitudes: list[Attitude], oversampling: int) -> AngleSurvey:
         """Azimuth-elevation grid that serves all attitudes, and the highest elevation and the azimuths of the pixels that it does not."""
         pitch = np.inf
         reach, azimuths, walked, walk_from = [], [], [], math.radians(-89.0)
@@ -227,7 +227,7 @@ class TurnedScene:
         if walk_azimuths[1] - walk_azimuths[0] > np.pi:  # under the sensor there are all azimuths
             walk_azimuths = (-np.pi, np.pi)
         if not reach:
-            return Survey(None, walk_from, walk_azimuths)
+            return AngleSurvey(None, walk_from, walk_azimuths)
         # a corner on the grid's own edge must not fall out by rounding
         margin = math.radians(0.5) if self.track.turns else 1e-9
         bottom, top = max(min(r[0] for r in reach), self.accuracy.walk_below) - margin, max(r[1] for r in reach) + margin
@@ -244,7 +244,7 @@ class TurnedScene:
         else:
             columns = max(math.ceil((right - left) / column_step), 1)
             grid = Camera(height, 0.5 * (left + right), 0.5 * (top + bottom), columns * column_step, rows * row_step, columns, rows)
-        return Survey(grid, walk_from + margin, walk_azimuths)
+        return AngleSurvey(grid, walk_from + margin, walk_azimuths)
 
     @property
     def _crest(self) -> float:
@@ -260,7 +260,7 @@ class TurnedScene:
         highest = math.radians(60.0) if self.track.lowest <= self._crest else 0.0
         return np.asarray((low >= self.accuracy.walk_below) & (low < highest) & (high <= highest + math.radians(20.0)))
 
-    def _plan(self, attitude: Attitude, part: tuple[int, int] | None = None) -> _Plan:
+    def _plan(self, attitude: Attitude, part: tuple[int, int] | None = None) -> _AttitudePlan:
         first, end = part or (0, self.imager.columns)
         corner = self.imager.directions(attitude, np.arange(first, end + 1.0), np.arange(self.imager.rows + 1.0)[:, None])
         swept = self._serves(*pixel_elevations(corner)).ravel()
@@ -279,9 +279,9 @@ class TurnedScene:
                     resampling = Resampling.of(quadrilaterals, pixels, cells)
         walked = np.flatnonzero(~swept)
         samples = rays_per_side(corner, walked, self.track.highest, self._shortest_wave)
-        return _Plan(corner, pixels, parts, quadrilaterals, cells, resampling, walked, samples)
+        return _AttitudePlan(corner, pixels, parts, quadrilaterals, cells, resampling, walked, samples)
 
-    def _columns(self, quadrilaterals: Quads, grid: Cells) -> tuple[Quads, Cells, tuple[tuple[int, int], ...]]:
+    def _columns(self, quadrilaterals: Quads, grid: SweepGrid) -> tuple[Quads, SweepGrid, tuple[tuple[int, int], ...]]:
         """Columns that quadrilaterals touch, counted from the first of them, their cells, and the parts ``(first, end)`` of the grid.
 
         Beyond the end of a grid that goes round its beginning follows.
@@ -395,7 +395,7 @@ class TurnedScene:
         self._require_pose(pose)
         return self._drawn(pose, time, self._plan(pose.attitude, part), sea)
 
-    def _drawn(self, pose: Pose, time: float, plan: _Plan, sea: Instant | None) -> Layers:
+    def _drawn(self, pose: Pose, time: float, plan: _AttitudePlan, sea: Instant | None) -> Layers:
         prepared, kinds = self._prepared(pose.height), planes_for(self.layers)
         levels, lattices, surface = sea or self.sea(pose, time)
         line = course(surface, 0, 1.0, 0.0)
@@ -415,7 +415,7 @@ class TurnedScene:
         return layers_of(out.reshape(-1, self.imager.rows, columns), kinds, self.layers)
 
 
-def _resample(plan: _Plan, images: NDArray[np.float32], out: NDArray[np.float32]) -> None:
+def _resample(plan: _AttitudePlan, images: NDArray[np.float32], out: NDArray[np.float32]) -> None:
     """Resample images of the sweep's cells (planes, rows, columns) into the camera's pixels (planes, pixels)."""
     if plan.resampling is not None:
         plan.resampling(images, out)

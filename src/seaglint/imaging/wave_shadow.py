@@ -7,7 +7,7 @@ import math
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.base.jit import kernel
 from seaglint.facet.sunlight import Sunlight
-from seaglint.imaging.wave_surface import Course, Surface, bilinear, height, position
+from seaglint.imaging.wave_surface import Surface, SurfaceLine, bilinear, height, position
 
 FARTHEST = 4000
 """Number of steps after which a Sun at the very horizon counts as visible."""
@@ -24,7 +24,9 @@ def disc_share(distance: float) -> float:
 
 
 @kernel
-def sun_share(surface: Surface, level: int, line: Course, sunward: Course, r: float, march: tuple[float, float], sun: Sunlight) -> float:
+def sun_share(
+    surface: Surface, level: int, line: SurfaceLine, sunward: SurfaceLine, r: float, march: tuple[float, float], sun: Sunlight
+) -> float:
     """Share of the solar disc visible from the sea ``r`` metres along a line, over the waves of a level towards the Sun there.
 
     The skyline is looked for in the Sun's own azimuth, in steps [m] of ``march[0]`` or as many as a sea that rises by ``march[1]`` at

@@ -73,7 +73,7 @@ class Bounds(NamedTuple):
     spacing: float
 
 
-class Course(NamedTuple):
+class SurfaceLine(NamedTuple):
     """Horizontal line over the lattices of one level, straight between the knots at which the displacement of a part is known.
 
     ``start[j, m] + r step[j, m]``: position (u, v) [cells] at ``r`` metres, between the knots ``m`` and ``m + 1``; ``part[j]`` as in
@@ -139,7 +139,7 @@ def displace(surface: Surface, i: int, direction: tuple[float, float], arcs: tup
 
 
 @kernel
-def lay_course(surface: Surface, level: int, direction: tuple[float, float], arcs: tuple[float, float], line: Course) -> None:
+def lay_course(surface: Surface, level: int, direction: tuple[float, float], arcs: tuple[float, float], line: SurfaceLine) -> None:
     """Set ``line`` to the line from under the sensor along a horizontal unit vector (east, north), to be read between two arcs [m].
 
     With one arc, twice, it is straight, and displaced all along as it is there.
@@ -165,26 +165,26 @@ def lay_course(surface: Surface, level: int, direction: tuple[float, float], arc
 
 
 @njit
-def course(surface: Surface, level: int, east: float, north: float, arcs: tuple[float, float] = (0.0, 0.0)) -> Course:
+def course(surface: Surface, level: int, east: float, north: float, arcs: tuple[float, float] = (0.0, 0.0)) -> SurfaceLine:
     """Line from under the sensor along a horizontal unit vector; see :func:`lay_course`."""
     count, most = 0, 1
     while count < surface.level.shape[1] and surface.level[level, count] >= 0:
         most = max(most, knots(surface, surface.level[level, count], arcs)[0])
         count += 1
     positions = np.empty((2, count, most + 1, 2))
-    line = Course(positions[0], positions[1], np.empty((count, 4), np.int64), np.empty((count, 2)))
+    line = SurfaceLine(positions[0], positions[1], np.empty((count, 4), np.int64), np.empty((count, 2)))
     lay_course(surface, level, (east, north), arcs, line)
     return line
 
 
 @kernel
-def piece(line: Course, j: int, r: float) -> int:
+def piece(line: SurfaceLine, j: int, r: float) -> int:
     """Straight piece of a line over a level's part ``j``, ``r`` metres along; the first and the last continue beyond their ends."""
     return int(min(max(int((r - line.knot[j, 0]) * line.knot[j, 1]), 0), line.part[j, 3]))
 
 
 @kernel
-def position(line: Course, j: int, r: float) -> tuple[float, float]:
+def position(line: SurfaceLine, j: int, r: float) -> tuple[float, float]:
     """Position (u, v) [cells] over a level's part ``j``, ``r`` metres along a line."""
     m = piece(line, j, r)
     return line.start[j, m, 0] + r * line.step[j, m, 0], line.start[j, m, 1] + r * line.step[j, m, 1]
@@ -215,7 +215,7 @@ def bilinear(surface: Surface, first: int, size: int, u: float, v: float) -> flo
 
 
 @kernel
-def height(surface: Surface, line: Course, first: int, last: int, r: float) -> float:
+def height(surface: Surface, line: SurfaceLine, first: int, last: int, r: float) -> float:
     """Height of a level's parts ``first`` to ``last`` (not included) together [m], ``r`` metres along a line."""
     total = 0.0
     for j in range(first, last):
@@ -225,7 +225,7 @@ def height(surface: Surface, line: Course, first: int, last: int, r: float) -> f
 
 
 @kernel
-def slopes(surface: Surface, line: Course, r: float) -> tuple[float, float]:
+def slopes(surface: Surface, line: SurfaceLine, r: float) -> tuple[float, float]:
     """Slopes of a level towards east and north [1], ``r`` metres along a line."""
     east, north = 0.0, 0.0
     for j in range(line.part.shape[0]):
@@ -242,7 +242,7 @@ def slopes(surface: Surface, line: Course, r: float) -> tuple[float, float]:
 
 
 @kernel
-def address(line: Course, j: int, first: float, some: tuple[int, int], strip: Strip) -> int:
+def address(line: SurfaceLine, j: int, first: float, some: tuple[int, int], strip: Strip) -> int:
     """Fractions and corners over a level's part ``j`` of the readings ``some = (begin, end)`` of a strip, as far as the line is straight.
 
     ``first`` [m]: where ``strip.arc`` counts from. Returns the reading to go on with. Apart from the reading, in numbers of 32 bits, which
@@ -297,7 +297,7 @@ def address(line: Course, j: int, first: float, some: tuple[int, int], strip: St
 
 
 @kernel
-def stride(line: Course, j: int, span: float, count: int) -> int:
+def stride(line: SurfaceLine, j: int, span: float, count: int) -> int:
     """Binary logarithm of the distance, in samples, of readings of a level's part ``j``: 0, 2 or 4.
 
     ``span``: length of the strip's ``count`` samples [m]; a strip that is not full is read at every sample.
@@ -322,7 +322,7 @@ def add_between(strip: Strip, bits: int) -> None:
 
 
 @kernel
-def add_heights(surface: Surface, line: Course, j: int, range_m: np.ndarray, first: int, count: int, strip: Strip) -> None:
+def add_heights(surface: Surface, line: SurfaceLine, j: int, range_m: np.ndarray, first: int, count: int, strip: Strip) -> None:
     """Add the heights of a level's part ``j`` at ``count`` samples of a line, those from ``range_m[first]`` on, to the strip's.
 
     As :func:`height`, to a ``SUBCELLS``-th of a cell, for strips of up to :data:`LONGEST_STRIP` cells; linear between the samples that are
@@ -350,7 +350,7 @@ def add_heights(surface: Surface, line: Course, j: int, range_m: np.ndarray, fir
 
 
 @kernel
-def read_heights(surface: Surface, line: Course, j: int, first: float, count: int, strip: Strip) -> None:
+def read_heights(surface: Surface, line: SurfaceLine, j: int, first: float, count: int, strip: Strip) -> None:
     """Heights of a level's part ``j`` at ``count`` arcs of ``strip.arc``, counted from ``first`` [m], into ``strip.read``."""
     v, u = strip.fraction
     p00, p01, p10, p11 = strip.corner

@@ -30,7 +30,7 @@ NANO: Final = 1e9
 
 
 @dataclass(frozen=True)
-class ThermalDetector(Pixels):
+class ThermalPixels(Pixels):
     """Pixels of a thermal detector.
 
     Attributes

@@ -15,10 +15,10 @@ from scipy.ndimage import map_coordinates
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.base.random import stream
-from seaglint.instrument.bolometer import NANO, ThermalDetector
-from seaglint.instrument.detector import FULL_SCALE_TEMPERATURE, Detector, Readout
-from seaglint.instrument.noise import Noise, Pattern, temporal_noise
-from seaglint.instrument.optics import Blur, Optics, cos4_falloff, distorted_places
+from seaglint.instrument.bolometer import NANO, ThermalPixels
+from seaglint.instrument.detector import FULL_SCALE_TEMPERATURE, PhotonPixels, Readout
+from seaglint.instrument.noise import DetectorNoise, Pattern, temporal_noise
+from seaglint.instrument.optics import Blur, SensorOptics, cos4_falloff, distorted_places
 from seaglint.instrument.photons import Photons
 from seaglint.instrument.transfer import Sampling, Transfer, needed_oversampling
 
@@ -61,11 +61,11 @@ class SensorModel:
     ----------
     photons : Photons
         Band and quantum efficiency.
-    optics : Optics
+    optics : SensorOptics
         Optics in front of the detector.
-    detector : Detector or ThermalDetector
+    detector : PhotonPixels or ThermalPixels
         The pixels.
-    noise : Noise
+    noise : DetectorNoise
         Noise of the pixels.
     seed : int
         Seed of all random numbers.
@@ -78,9 +78,9 @@ class SensorModel:
     """
 
     photons: Photons
-    optics: Optics
-    detector: Detector | ThermalDetector
-    noise: Noise = field(default_factory=Noise)
+    optics: SensorOptics
+    detector: PhotonPixels | ThermalPixels
+    noise: DetectorNoise = field(default_factory=DetectorNoise)
     seed: int = 1
     frame_interval: float = 0.04
     scanning: bool = False
@@ -96,7 +96,7 @@ class SensorModel:
     @property
     def exposure_time(self) -> float:
         """Time over which movement of the line of sight blurs [s]; a thermal detector has only its lag."""
-        return self.detector.integration_time if isinstance(self.detector, Detector) else 0.0
+        return self.detector.integration_time if isinstance(self.detector, PhotonPixels) else 0.0
 
     @cached_property
     def blur(self) -> Blur:
@@ -115,7 +115,7 @@ class SensorModel:
         warm = optics.emissivity * optics.solid_angle + optics.housing_solid_angle
         glow = float(photons.radiance(optics.temperature)) * warm * detector.active_area if warm > 0.0 else 0.0
         light = detector.active_area * optics.solid_angle * optics.transmission
-        if isinstance(detector, ThermalDetector):
+        if isinstance(detector, ThermalPixels):
             per_watt = detector.absorptance * NANO
             full = light * per_watt * float(photons.radiance(detector.full_scale_temperature)) + glow * per_watt
             gain = full / (detector.top_count - detector.offset)
@@ -135,7 +135,7 @@ class SensorModel:
     def read_rms(self) -> float:
         """Noise of a reading without shot noise [units]: a photon detector's read noise; a thermal detector's whole noise."""
         detector = self.detector
-        if isinstance(detector, Detector):
+        if isinstance(detector, PhotonPixels):
             return detector.read_noise
         cone = math.pi / (4.0 * detector.netd_f_number**2)
         slope = self.photons.radiance_slope(detector.netd_temperature)
@@ -149,7 +149,7 @@ class SensorModel:
     def sampling(self, oversampling: int, rates: tuple[float, float] = (0.0, 0.0)) -> Sampling:
         """Sampling of pictures that are ``oversampling`` times finer, with the line of sight moving at ``rates`` [rad s-1]."""
         detector = self.detector
-        share = detector.crosstalk if isinstance(detector, Detector) else 0.0
+        share = detector.crosstalk if isinstance(detector, PhotonPixels) else 0.0
         width = detector.active_width / self.optics.focal_length
         return Sampling(self.ifov, width, oversampling, share, self.smear(rates), self.circle)
 
@@ -230,7 +230,7 @@ class SensorModel:
         dark = pattern.dark(shape) + line.dark
         detector = self.detector
         reading: FloatArray | float = 1.0
-        if isinstance(detector, Detector):
+        if isinstance(detector, PhotonPixels):
             mean, well = light + dark, math.inf if detector.well_capacity is None else detector.well_capacity
             units = self._collected(mean, frame, well, 0)
             full = units >= well

@@ -53,7 +53,7 @@ class Pixels:
 
 
 @dataclass(frozen=True)
-class Detector(Pixels):
+class PhotonPixels(Pixels):
     """Pixels of a photon detector.
 
     Attributes

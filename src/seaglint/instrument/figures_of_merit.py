@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 from seaglint.instrument.chain import SensorModel
-from seaglint.instrument.detector import Detector, crosstalk_mtf, square_mtf
+from seaglint.instrument.detector import PhotonPixels, crosstalk_mtf, square_mtf
 from seaglint.instrument.optics import motion_mtf
 
 BACKGROUND: Final = 300.0
@@ -48,9 +48,9 @@ def mtf(model: SensorModel, frequency: ArrayLike, rates: tuple[float, float] = (
     """Transfer along rows and across them, by cause, at frequencies [cycles rad-1]; ``total`` is their product.
 
     >>> from seaglint.optics.band import Band
-    >>> from seaglint.instrument.optics import Optics
+    >>> from seaglint.instrument.optics import SensorOptics
     >>> from seaglint.instrument.photons import Photons
-    >>> eye = SensorModel(Photons(Band.rectangular(3.5, 5.0)), Optics(0.05, 0.2), Detector(15e-6))
+    >>> eye = SensorModel(Photons(Band.rectangular(3.5, 5.0)), SensorOptics(0.05, 0.2), Detector(15e-6))
     >>> round(float(mtf(eye, [0.5 / eye.ifov])["along"]["detector"][0]), 4)
     0.6366
     """
@@ -59,7 +59,7 @@ def mtf(model: SensorModel, frequency: ArrayLike, rates: tuple[float, float] = (
     out = {}
     for number, name in enumerate(("along", "across")):
         parts = {**model.blur.parts(f), "detector": square_mtf(f, width)}
-        if isinstance(model.detector, Detector) and model.detector.crosstalk:
+        if isinstance(model.detector, PhotonPixels) and model.detector.crosstalk:
             parts["crosstalk"] = crosstalk_mtf(f, np.zeros(f.size), model.detector.crosstalk, model.ifov)
         if smear[number]:
             parts["motion"] = motion_mtf(f, smear[number])
@@ -75,7 +75,7 @@ def budget(model: SensorModel, radiance: float) -> Budget:
     line, noise, detector = model.readout, model.noise, model.detector
     signal = float(line.units(radiance))
     parts: dict[str, float] = {}
-    if isinstance(detector, Detector):
+    if isinstance(detector, PhotonPixels):
         parts["scene"] = math.sqrt(line.per_radiance * radiance)
         parts["optics"] = math.sqrt(max(line.background - line.dark, 0.0))
         parts["dark"] = math.sqrt(line.dark)
@@ -151,7 +151,7 @@ def figures(
         Frequencies of the MTF [cycles rad-1]; by default from 0 to twice the Nyquist frequency.
     """
     line, detector, optics, photons = model.readout, model.detector, model.optics, model.photons
-    photon = isinstance(detector, Detector)
+    photon = isinstance(detector, PhotonPixels)
     background = float(photons.radiance(BACKGROUND))
     mean = background if scene_radiance is None else scene_radiance
     noise, slope = budget(model, background), signal_slope(model, BACKGROUND)
@@ -161,7 +161,7 @@ def figures(
     transfer = mtf(model, frequency, rates)
     here = budget(model, mean)
     floor = budget(model, 0.0).total
-    time = detector.integration_time if isinstance(detector, Detector) else model.frame_interval
+    time = detector.integration_time if isinstance(detector, PhotonPixels) else model.frame_interval
     per_watt = line.per_radiance / (detector.active_area * optics.solid_angle * optics.transmission)
     ceiling = (line.full_scale - line.background) / line.per_radiance
     share = point_share(model)

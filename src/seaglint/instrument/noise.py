@@ -30,7 +30,7 @@ BLINK_SHARE: Final = 0.5
 
 
 @dataclass(frozen=True)
-class Noise:
+class DetectorNoise:
     """Noise settings of a detector, in units of the signal (electrons; nanowatts of a thermal detector).
 
     Attributes
@@ -84,7 +84,7 @@ class Noise:
 class Pattern:
     """Fixed pattern of one detector, a function of its seed and size; make it with :meth:`of`."""
 
-    noise: Noise
+    noise: DetectorNoise
     full_scale: float
     gain: FloatArray | None
     offset: FloatArray | None
@@ -99,7 +99,7 @@ class Pattern:
     seed: int = field(default=0)
 
     @classmethod
-    def of(cls, noise: Noise, seed: int, shape: tuple[int, int], full_scale: float, *, scanning: bool = False) -> Pattern:
+    def of(cls, noise: DetectorNoise, seed: int, shape: tuple[int, int], full_scale: float, *, scanning: bool = False) -> Pattern:
         """Draw the pattern of a detector whose pictures are of ``shape`` (rows, columns); a scanner has one pixel for each row."""
         cells = (shape[0], 1) if scanning else shape
         if not noise.fixed_pattern:
@@ -179,8 +179,8 @@ class Pattern:
         return up
 
 
-def temporal_noise(noise: Noise, seed: int, frame: int, shape: tuple[int, int], rms: float) -> FloatArray | None:
-    """Temporal noise of a frame: a reading's ``rms`` and components of :class:`Noise`; None where there is none."""
+def temporal_noise(noise: DetectorNoise, seed: int, frame: int, shape: tuple[int, int], rms: float) -> FloatArray | None:
+    """Temporal noise of a frame: a reading's ``rms`` and components of :class:`DetectorNoise`; None where there is none."""
     if not noise.temporal:
         return None
     out: FloatArray | None = None

@@ -41,7 +41,7 @@ SolidAngle = Literal["sine", "thin-lens"]
 
 
 @dataclass(frozen=True)
-class Optics:
+class SensorOptics:
     r"""Optics of a sensor: pupil, transmittance, blur, distortion.
 
     Attributes
@@ -215,7 +215,7 @@ class Blur:
 
     Attributes
     ----------
-    optics : Optics
+    optics : SensorOptics
         Whose it is.
     wavelength : float
         Mean wavelength [m].
@@ -223,14 +223,14 @@ class Blur:
         Table of the band's mean transfer, without and with defocus [cycles rad-1, 1, 1].
     """
 
-    optics: Optics
+    optics: SensorOptics
     wavelength: float
     frequency: FloatArray = field(repr=False)
     diffraction: FloatArray = field(repr=False)
     defocused: FloatArray = field(repr=False)
 
     @classmethod
-    def of(cls, optics: Optics, wavelength: FloatArray, share: FloatArray) -> Blur:
+    def of(cls, optics: SensorOptics, wavelength: FloatArray, share: FloatArray) -> Blur:
         """Average over wavelengths [m], weighted with the share of the electrons at each."""
         mean = float(wavelength @ share)
         nodes = np.linspace(0.0, 1.0, NODES + 1)

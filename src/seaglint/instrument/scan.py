@@ -14,7 +14,7 @@ ScanKind = Literal["staring", "line", "panoramic"]
 
 
 @dataclass(frozen=True)
-class Scan:
+class ScanPattern:
     """Timing of the columns and rows of a picture.
 
     Attributes

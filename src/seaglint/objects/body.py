@@ -34,7 +34,7 @@ class Solid:
 
 
 @dataclass(frozen=True)
-class Plume:
+class GasPlume:
     """Ellipsoid of gas that emits and transmits, without a surface or reflection.
 
     Its optical depth along a line is that of the middle times (chord / longest chord in that direction): uniform inside.
@@ -58,7 +58,7 @@ class Plume:
 
 
 @dataclass(frozen=True)
-class Point:
+class PointSource:
     """Source without extent, at the body's origin.
 
     Attributes
@@ -105,5 +105,5 @@ class Body:
     """Object of a scene."""
 
     name: str
-    parts: tuple[Solid | Plume | Point, ...]
+    parts: tuple[Solid | GasPlume | PointSource, ...]
     motion: Motion

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-from seaglint.objects.body import Plume, Solid
+from seaglint.objects.body import GasPlume, Solid
 from seaglint.objects.primitives import Mesh
 
 Operation = Literal["union", "intersection", "difference"]
@@ -33,7 +33,7 @@ def placed(part: Solid, at: ArrayLike, rotation: FloatArray) -> Solid:
     return Solid(part.vertices @ rotation.T + np.asarray(at, np.float64), part.triangles, part.temperature, part.emissivity)
 
 
-def plume_in(part: Plume, at: ArrayLike, rotation: FloatArray) -> Plume:
+def plume_in(part: GasPlume, at: ArrayLike, rotation: FloatArray) -> GasPlume:
     """Plume moved [m] and rotated by quarter turns, as its axes are the body's.
 
     Raises
@@ -48,7 +48,7 @@ def plume_in(part: Plume, at: ArrayLike, rotation: FloatArray) -> Plume:
     semi_axes = np.rint(quarters) @ np.asarray(part.semi_axes)
     x, y, z = (float(v) for v in centre)
     a, b, c = (float(v) for v in semi_axes)
-    return Plume((x, y, z), (a, b, c), part.temperature, part.emissivity)
+    return GasPlume((x, y, z), (a, b, c), part.temperature, part.emissivity)
 
 
 def combined(operation: Operation, parts: Sequence[Solid]) -> Solid:

@@ -33,7 +33,7 @@ _SECOND_MARKS: Final = 1.0
 """Time between marks on the ways [s]."""
 
 
-class Ways(Protocol):
+class EngagementWays(Protocol):
     """Where sensor and bodies are in the vertical plane of the line of sight, as :func:`seaglint.studies.article.fig12.ways` tells it."""
 
     @property
@@ -57,7 +57,7 @@ class Ways(Protocol):
         ...
 
 
-def draw(dataset: xr.Dataset, index: int, labels: list[Label], ways: Ways) -> Figure:
+def draw(dataset: xr.Dataset, index: int, labels: list[Label], ways: EngagementWays) -> Figure:
     """One frame of the sequence beside its geometry.
 
     Parameters
@@ -68,7 +68,7 @@ def draw(dataset: xr.Dataset, index: int, labels: list[Label], ways: Ways) -> Fi
         Frame that is shown, of those stored.
     labels : list of Label
         Of the bodies in that frame.
-    ways : Ways
+    ways : EngagementWays
         Of sensor and bodies over the frames stored.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -102,7 +102,7 @@ def draw(dataset: xr.Dataset, index: int, labels: list[Label], ways: Ways) -> Fi
     return figure
 
 
-def write(dataset: xr.Dataset, index: int, labels: list[Label], ways: Ways, output: str | Path) -> Path:
+def write(dataset: xr.Dataset, index: int, labels: list[Label], ways: EngagementWays, output: str | Path) -> Path:
     """Draw the figure (:func:`draw`) and write it as PNG, without date or version inside.
 
     Raises
@@ -161,7 +161,7 @@ def _close_view(axes: Axes, radiance: NDArray[Any], label: Label, number: int, l
         spine.set(color=COLOURS[number % len(COLOURS)], linewidth=2)
 
 
-def _side(axes: Axes, index: int, ways: Ways) -> None:
+def _side(axes: Axes, index: int, ways: EngagementWays) -> None:
     """Heights against the distance ahead of the sensor's start, with what the image of the frame sees."""
     farthest = 1.08 * max(float(ahead.max()) for ahead in ways.ahead.values()) + 1.0
     names = ["sensor", *(name for name in ways.ahead if name != "sensor")]

@@ -18,7 +18,7 @@ from seaglint.base.conventions import FloatArray, horizon_depression, view_zenit
 from seaglint.base.errors import DomainError
 from seaglint.facet.glint import GlintModel
 from seaglint.facet.local_sun import turn_at
-from seaglint.facet.scattered import Around, Rows, ScatteredMap, ScatteredSun
+from seaglint.facet.scattered import Around, ScatteredMap, ScatteredSun, SeaRows
 from seaglint.facet.sea_view import SeaView, sea_arc
 from seaglint.facet.surface_spectra import SeaSurface, azimuth_weights, wind_azimuths
 from seaglint.optics.blackbody import planck_wavenumber
@@ -122,7 +122,7 @@ def mean_radiance(view: SeaView, elevation: ArrayLike, azimuth: ArrayLike, surfa
         azimuths, weights = columns + np.pi, np.eye(columns.size)
     terms = _sea_rows(view, gamma[sea], azimuths, surface)
     out = _assembled(view, rows, columns, gamma, terms, weights, _glint_model(view))
-    where = Rows.of(view, gamma[sea])
+    where = SeaRows.of(view, gamma[sea])
     light = _scattered(view, surface, float(where.turn.max(initial=0.0)))
     if light is None:
         return out

@@ -35,7 +35,7 @@ Value = Law | Number
 """A law, or always the same."""
 
 
-class Settings(Record):
+class EnsembleSettings(Record):
     """How many scenes there are, and how they are drawn."""
 
     scenes: Annotated[int, Quantity(ge=1, le=1_000_000, integer=True), Field(description="number of scenes")]
@@ -99,7 +99,7 @@ class Ensemble(Record):
     """An ensemble, read: its base has no file any more."""
 
     base: Annotated[dict[str, Any], Field(description="a scenario's tables; in the file also its path")]
-    ensemble: Settings
+    ensemble: EnsembleSettings
     vary: Annotated[tuple[Vary, ...], Field(description="laws of keys")] = ()
     objects: Annotated[tuple[Template, ...], Field(description="objects that every scene draws anew, beside those of the base")] = ()
     dataset: Annotated[Dataset, Field(description="labelled data sets of it, for the command dataset")] = Dataset()
@@ -291,7 +291,7 @@ def _keys_at(location: tuple[int | str, ...]) -> list[str]:
     if law is not None:
         # a law in a table of objects is of the key that it stands at
         return [key for key in law.model_fields if key != "key" or location[0] == "vary"]
-    tables: dict[str, type[Record]] = {"ensemble": Settings, "dataset": Dataset}
+    tables: dict[str, type[Record]] = {"ensemble": EnsembleSettings, "dataset": Dataset}
     table = tables.get(str(location[0]), Ensemble) if len(location) > 1 else Ensemble
     return list(table.model_fields)
 

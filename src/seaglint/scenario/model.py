@@ -14,8 +14,8 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, TABLE_BANDS_UM, TABLE_HEIGHTS
-from seaglint.scenario.records.atmosphere import Atmosphere, LowtranAtmosphere, TableAtmosphere
-from seaglint.scenario.records.band import TABLE_BANDS_TEXT, Band
+from seaglint.scenario.records.atmosphere import Atmosphere, LowtranAtmosphere, TableAtmosphereSettings
+from seaglint.scenario.records.band import TABLE_BANDS_TEXT, BandSettings
 from seaglint.scenario.records.likelihood import Likelihood
 from seaglint.scenario.records.mean import Mean
 from seaglint.scenario.records.objects import Object, in_degrees
@@ -41,10 +41,10 @@ class Scenario(Record):
     sun: Sun | None = None
     sensor: Sensor = Sensor()
     platform: Annotated[Platform | None, Field(description="how the sensor moves; without it the sensor stands still")] = None
-    band: Band = Band()
+    band: BandSettings = BandSettings()
     wind: Wind = Wind()
     sea: Sea = Sea()
-    atmosphere: Annotated[Atmosphere, Field(description="the air")] = TableAtmosphere()
+    atmosphere: Annotated[Atmosphere, Field(description="the air")] = TableAtmosphereSettings()
     mean: Mean = Mean()
     render: Render = Render()
     objects: Annotated[tuple[Object, ...] | None, Field(description="what is on and above the sea")] = None

@@ -24,7 +24,7 @@ PIXELS_PER_PARAMETER: Final = 30
 
 
 @dataclass(frozen=True)
-class Fit:
+class AutobinomialFit:
     """Fitted autobinomial field.
 
     Attributes
@@ -114,7 +114,7 @@ def fit(
     seed: int = 0,
     start: FloatArray | None = None,
     check: bool = True,
-) -> Fit:
+) -> AutobinomialFit:
     """Fit the field to a picture.
 
     Parameters
@@ -144,8 +144,8 @@ def fit(
 
     Returns
     -------
-    Fit
-        Parameters with covariance, log pseudo-likelihood and regime. Read :attr:`Fit.notes`.
+    AutobinomialFit
+        Parameters with covariance, log pseudo-likelihood and regime. Read :attr:`AutobinomialFit.notes`.
 
     Raises
     ------
@@ -180,7 +180,7 @@ def fit(
         ascent = maximum_likelihood(field, model, seed, periodic=periodic, keep_histogram=method == "monte-carlo-exchange")
         converged, steps, distance = ascent.converged, ascent.rounds, ascent.distance
         model, covariance = ascent.model, ascent.covariance
-    return Fit(
+    return AutobinomialFit(
         model,
         covariance,
         conditional_log_likelihood(field, model, periodic=periodic),

@@ -37,7 +37,7 @@ class Law(NamedTuple):
     group: NDArray[np.int64]
 
 
-class Plan(NamedTuple):
+class ColourPlan(NamedTuple):
     """Pixels in the order of their colours, rows and columns apart, and the periodic indices of rows and columns beyond the edge.
 
     Pixels within ``margin`` rows and columns of the edge are held.
@@ -91,7 +91,7 @@ def binomial(probability: float, trials: int, key: tuple[int, int]) -> int:
 
 
 @kernel
-def neighbour_sum(field: NDArray[np.int16], law: Law, plan: Plan, y: int, x: int) -> float:
+def neighbour_sum(field: NDArray[np.int16], law: Law, plan: ColourPlan, y: int, x: int) -> float:
     """Sum of the neighbours of a pixel, weighted with their couplings."""
     up, left = plan.far[0], plan.far[1]
     total = 0.0
@@ -104,7 +104,7 @@ def neighbour_sum(field: NDArray[np.int16], law: Law, plan: Plan, y: int, x: int
 
 
 @njit
-def draw_row(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, int], y: int, colour: int) -> None:
+def draw_row(field: NDArray[np.int16], law: Law, plan: ColourPlan, seed: tuple[int, int], y: int, colour: int) -> None:
     """Draw the pixels of one colour in a row from their conditional distribution."""
     for j in range(plan.column_starts[colour], plan.column_starts[colour + 1]):
         x = int(plan.columns[j])
@@ -113,7 +113,7 @@ def draw_row(field: NDArray[np.int16], law: Law, plan: Plan, seed: tuple[int, in
 
 
 @njit
-def gibbs(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
+def gibbs(field: NDArray[np.int16], law: Law, plan: ColourPlan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
     """Run Gibbs sweeps from number ``first`` on, colour by colour, in place."""
     for sweep in range(first, first + sweeps):
         now = cell_key((int(seed[0]), int(seed[1])), sweep, sweep, 1)
@@ -124,7 +124,7 @@ def gibbs(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64
 
 
 @njit_parallel
-def gibbs_in_threads(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
+def gibbs_in_threads(field: NDArray[np.int16], law: Law, plan: ColourPlan, seed: NDArray[np.int64], first: int, sweeps: int) -> None:
     """Run :func:`gibbs` with the rows of a colour divided among threads: pixels of one colour are no neighbours."""
     for sweep in range(first, first + sweeps):
         first_word, second_word = cell_key((int(seed[0]), int(seed[1])), sweep, sweep, 1)
@@ -148,7 +148,7 @@ def coupling_between(law: Law, shape: tuple[int, int], down: int, right: int) ->
 
 
 @njit
-def exchange(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.int64], first: int, sweeps: int) -> int:
+def exchange(field: NDArray[np.int16], law: Law, plan: ColourPlan, seed: NDArray[np.int64], first: int, sweeps: int) -> int:
     """Run Metropolis exchanges of random pairs of pixels, half as many in a sweep as there are pixels; return the number accepted."""
     rows, columns = field.shape
     pixels = rows * columns
@@ -172,7 +172,7 @@ def exchange(field: NDArray[np.int16], law: Law, plan: Plan, seed: NDArray[np.in
 
 
 @njit
-def pair_sums(field: NDArray[np.int16], law: Law, plan: Plan, sums: FloatArray) -> None:
+def pair_sums(field: NDArray[np.int16], law: Law, plan: ColourPlan, sums: FloatArray) -> None:
     """Add to ``sums`` the levels of all drawn pixels, and for each class the products of all pairs with one of them."""
     rows, columns = field.shape
     up, left, high, wide = plan.far[0], plan.far[1], plan.margin[0], plan.margin[1]

@@ -32,7 +32,7 @@ def law(model: Autobinomial) -> kernels.Law:
     )
 
 
-def plan(model: Autobinomial, shape: tuple[int, int], *, held_border: bool = False) -> kernels.Plan:
+def plan(model: Autobinomial, shape: tuple[int, int], *, held_border: bool = False) -> kernels.ColourPlan:
     """Colours of a lattice; with ``held_border`` the pixels without all their neighbours in the picture stay unchanged."""
     check_shape(shape, model)
     far = model.reach
@@ -43,7 +43,7 @@ def plan(model: Autobinomial, shape: tuple[int, int], *, held_border: bool = Fal
         orders.append(np.array([place for group in groups for place in group], dtype=np.int64))
         starts.append(np.cumsum([0, *map(len, groups)], dtype=np.int64))
         wraps.append(np.arange(-distance, size + distance, dtype=np.int64) % size)
-    return kernels.Plan(orders[0], starts[0], orders[1], starts[1], wraps[0], wraps[1], np.array(far), np.array(margin))
+    return kernels.ColourPlan(orders[0], starts[0], orders[1], starts[1], wraps[0], wraps[1], np.array(far), np.array(margin))
 
 
 def words(seed: int, purpose: str) -> NDArray[np.int64]:
@@ -51,13 +51,15 @@ def words(seed: int, purpose: str) -> NDArray[np.int64]:
     return stream(seed, purpose).integers(0, WORD, size=2, endpoint=True)
 
 
-def sweep(field: NDArray[np.int16], held: kernels.Law, lattice: kernels.Plan, key: NDArray[np.int64], first: int, sweeps: int) -> None:
+def sweep(
+    field: NDArray[np.int16], held: kernels.Law, lattice: kernels.ColourPlan, key: NDArray[np.int64], first: int, sweeps: int
+) -> None:
     """Run Gibbs sweeps in place, in threads for large pictures; the bytes are the same either way."""
     run = kernels.gibbs_in_threads if field.size >= IN_THREADS_FROM else kernels.gibbs
     run(field, held, lattice, key, first, sweeps)
 
 
-def sums(field: NDArray[np.int16], held: kernels.Law, lattice: kernels.Plan) -> FloatArray:
+def sums(field: NDArray[np.int16], held: kernels.Law, lattice: kernels.ColourPlan) -> FloatArray:
     """Sufficient statistics: sum of levels, and of the products of each class of pairs [level, level²]."""
     result = np.zeros(2 + int(held.group.max()))
     kernels.pair_sums(field, held, lattice, result)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from seaglint.base import random
 from seaglint.base.errors import DataError, DomainError
 from seaglint.texture.autobinomial import Autobinomial
-from seaglint.texture.autobinomial_fit import Fit, Method
+from seaglint.texture.autobinomial_fit import AutobinomialFit, Method
 from seaglint.texture.autobinomial_fit import fit as fit_field
 from seaglint.texture.autobinomial_sampler import exchange
 from seaglint.texture.autobinomial_sampler import sample as gibbs
@@ -130,7 +130,7 @@ class AutobinomialTextureFit:
     Attributes
     ----------
     texture : AutobinomialTexture
-    found : Fit
+    found : AutobinomialFit
         The field's; where that asked for did not converge, the one whose exchange samples are nearer to the picture, it or the
         pseudo-likelihood's.
     tried : Way
@@ -139,7 +139,7 @@ class AutobinomialTextureFit:
     """
 
     texture: AutobinomialTexture
-    found: Fit
+    found: AutobinomialFit
     tried: Way
     notes: tuple[str, ...] = ()
 
@@ -183,7 +183,7 @@ def fit_texture(
     picture = grey.to_levels(image)
 
     @cache
-    def fitted(by: Method) -> Fit:
+    def fitted(by: Method) -> AutobinomialFit:
         return fit_field(picture, levels, order, isotropic=isotropic, method=by, seed=seed, check=by != "monte-carlo-exchange")
 
     pseudo = fitted("pseudo-likelihood")

@@ -74,7 +74,7 @@ class _Chain:
     """Chain of samples whose model changes on the way, and its sums."""
 
     state: NDArray[np.int16]
-    lattice: kernels.Plan
+    lattice: kernels.ColourPlan
     key: NDArray[np.int64]
     keep_histogram: bool
     done: int = 0

@@ -69,7 +69,7 @@ class Footprints:
         return float(self.far[last] - self.near[last]), float(middle * (self.edges[1] - self.edges[0]))
 
 
-class Plane:
+class PeriodicField:
     """Periodic Gaussian field on the sea, seen through footprints.
 
     Parameters

@@ -48,7 +48,7 @@ MOST_BY_CHANCE: Final = (0.2, 2.0)
 
 
 @dataclass(frozen=True)
-class Region:
+class PixelRegion:
     """Rows and columns of a picture, the last ones not included."""
 
     top: int
@@ -69,7 +69,7 @@ class Region:
         return frames[..., self.top : self.bottom, self.left : self.right]
 
 
-def parse_region(text: str, rows: int, columns: int) -> Region:
+def parse_region(text: str, rows: int, columns: int) -> PixelRegion:
     """Region from ``ROWS,COLUMNS``, each FIRST:END in pixels; an end that is left out is the border.
 
     Raises
@@ -93,7 +93,7 @@ def parse_region(text: str, rows: int, columns: int) -> Region:
         raise DataError(f"--region {text}: give rows and columns in pixels as FIRST:END,FIRST:END, e.g. 120:248,64:192") from None
     if not (0 <= top < bottom <= rows and 0 <= left < right <= columns):
         raise DataError(f"--region {text}: the picture has {rows} rows and {columns} columns; give FIRST below END within them")
-    return Region(top, bottom, left, right)
+    return PixelRegion(top, bottom, left, right)
 
 
 def require_values(frames: ArrayLike, *, two: bool = False) -> None:
@@ -189,7 +189,7 @@ def examine(frames: NDArray[np.floating]) -> Changes:
     return Changes(max(share, 0.0), max(max(deviations) / min(deviations) / min(math.exp(BY_CHANCE[1] * scatter), MOST_BY_CHANCE[1]), 1.0))
 
 
-def even_region(frames: NDArray[np.floating]) -> Region | None:
+def even_region(frames: NDArray[np.floating]) -> PixelRegion | None:
     """Largest region without reportable slow changes, of a few sizes and places; None without one."""
     rows, columns = frames.shape[-2:]
     for share in SHARES:
@@ -200,23 +200,23 @@ def even_region(frames: NDArray[np.floating]) -> Region | None:
     return None
 
 
-def _places(rows: int, columns: int, share: float) -> Iterator[Region]:
+def _places(rows: int, columns: int, share: float) -> Iterator[PixelRegion]:
     height, width = (max(int(share * n), SMALLEST_SIDE) for n in (rows, columns))
     if height > rows or width > columns:
         return
     for top in np.unique(np.linspace(0, rows - height, STEPS).astype(int)):
         for left in np.unique(np.linspace(0, columns - width, STEPS).astype(int)):
-            yield Region(int(top), int(top) + height, int(left), int(left) + width)
+            yield PixelRegion(int(top), int(top) + height, int(left), int(left) + width)
 
 
-def require_stationary(frames: NDArray[np.floating], within: Region | None = None, *, detrended: bool = False) -> tuple[str, ...]:
+def require_stationary(frames: NDArray[np.floating], within: PixelRegion | None = None, *, detrended: bool = False) -> tuple[str, ...]:
     """Refuse a picture whose mean or variance changes grossly across it (a horizon, a shore), and suggest a part to choose.
 
     Parameters
     ----------
     frames : ndarray, shape (frames, rows, columns)
         Frames of the region [u].
-    within : Region, optional
+    within : PixelRegion, optional
         The region in the picture, so that the part is named in rows and columns of the picture; the frames by default.
     detrended : bool
         Whether slow changes were taken off already.
@@ -236,7 +236,7 @@ def require_stationary(frames: NDArray[np.floating], within: Region | None = Non
         return ()
     part = even_region(frames)
     if part is not None and within is not None:
-        part = Region(within.top + part.top, within.top + part.bottom, within.left + part.left, within.left + part.right)
+        part = PixelRegion(within.top + part.top, within.top + part.bottom, within.left + part.left, within.left + part.right)
     if not changes.beyond(REFUSED):
         advice = "no part of it is even" if part is None else f"--region {part} is even"
         return (f"the picture's {changes.text}; {advice}" + ("" if detrended else ", and --detrend takes such changes off"),)

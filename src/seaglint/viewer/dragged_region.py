@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.analysis import Options, analyze
+from seaglint.analysis import AnalysisOptions, analyze
 from seaglint.analysis.region import Gatherer, number
 from seaglint.analysis.run import FEWEST_PIXELS
 from seaglint.analysis.survey import survey
@@ -18,7 +18,7 @@ from seaglint.base.errors import DataError
 from seaglint.clutter import filters
 from seaglint.clutter.fits import Family, fit
 from seaglint.clutter.thresholds import gaussian_rate, standardise
-from seaglint.viewer.frame_source import Source
+from seaglint.viewer.frame_source import ViewerSource
 
 BoolArray = NDArray[np.bool_]
 
@@ -55,7 +55,7 @@ class Rectangle:
         return out
 
 
-def quick(source: Source, index: int, where: Rectangle, layer: str | None = None) -> dict[str, Any]:
+def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None = None) -> dict[str, Any]:
     """Moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze --mask``.
 
     Raises
@@ -72,7 +72,7 @@ def quick(source: Source, index: int, where: Rectangle, layer: str | None = None
         raise DataError("the region has no pixel with a value that varies; drag another one")
     moments = first.moments.region(mask)
     kept = recording.read(0, 1)
-    gathered = Gatherer(mask, 1, np.zeros(1, np.int64), Options().seed, recording.offset)
+    gathered = Gatherer(mask, 1, np.zeros(1, np.int64), AnalysisOptions().seed, recording.offset)
     values, _ = gathered.sample(kept, (1e9, 1e9), mask)
     inside = kept[0][mask].astype(np.float64) + recording.offset
     low, high = float(inside.min()), float(inside.max())
@@ -101,7 +101,9 @@ def quick(source: Source, index: int, where: Rectangle, layer: str | None = None
     }
 
 
-def whole(source: Source, where: Rectangle, layer: str | None, only: int | None, progress: Callable[[int, int], None]) -> dict[str, Any]:
+def whole(
+    source: ViewerSource, where: Rectangle, layer: str | None, only: int | None, progress: Callable[[int, int], None]
+) -> dict[str, Any]:
     """Everything that ``seaglint analyze --mask`` tells of a region, of one frame or of all that are there.
 
     Raises
@@ -117,7 +119,7 @@ def whole(source: Source, where: Rectangle, layer: str | None, only: int | None,
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of numbers that do not exist: the result says what is absent and why
-        found = analyze(recording, Options(mask=mask), progress)
+        found = analyze(recording, AnalysisOptions(mask=mask), progress)
     if "glint" not in found.regions:
         raise DataError(f"the region has too few pixels with values ({'; '.join(found.notes)}); drag another one")
     out = found.regions["glint"].as_dict(recording.frame_rate)
@@ -126,7 +128,7 @@ def whole(source: Source, where: Rectangle, layer: str | None, only: int | None,
 
 
 def exceedances(
-    source: Source, index: int, sigma: float, filter_name: str, layer: str | None = None, where: Rectangle | None = None
+    source: ViewerSource, index: int, sigma: float, filter_name: str, layer: str | None = None, where: Rectangle | None = None
 ) -> tuple[dict[str, Any], BoolArray]:
     """Pixels of a frame above a threshold after a filter, as ``seaglint analyze`` counts them, and where they are.
 

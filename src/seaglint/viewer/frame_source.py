@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from seaglint.analysis import Recording
 from seaglint.base.errors import DataError
 from seaglint.files.store.store import partial_path
-from seaglint.viewer.opening import Box, Layer, Opened, open_path
+from seaglint.viewer.opening import Layer, ObjectBox, Opened, open_path
 
 Image = NDArray[np.floating[Any]]
 
@@ -28,7 +28,7 @@ class GoneError(DataError):
     """A file that was there and is not any more."""
 
 
-class Source:
+class ViewerSource:
     """Frames, layers, truth and directions of one file; see :func:`open_source`.
 
     A file that changes is opened again; one that is gone is told as a :class:`~seaglint.base.errors.DataError` and is back once it is
@@ -139,7 +139,7 @@ class Source:
         if index not in self._done and index not in self.done():
             raise DataError(f"frame {index}: is not written yet, {self._done.size} of {frames} are; wait or choose one of those")
 
-    def boxes(self, index: int) -> list[Box]:
+    def boxes(self, index: int) -> list[ObjectBox]:
         """Objects in view and their boxes, where the sequence has truth."""
         with self._lock:
             found = self.opened.boxes
@@ -206,7 +206,7 @@ class Source:
         )
 
 
-def open_source(path: str | Path, variable: str | None = None) -> Source:
+def open_source(path: str | Path, variable: str | None = None) -> ViewerSource:
     """Open a sequence (finished or being written), a map, or any recording that ``seaglint analyze`` reads.
 
     Parameters
@@ -221,4 +221,4 @@ def open_source(path: str | Path, variable: str | None = None) -> Source:
     DataError
         Nothing there, or nothing that can be looked at.
     """
-    return Source(path, variable)
+    return ViewerSource(path, variable)

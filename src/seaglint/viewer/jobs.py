@@ -23,7 +23,7 @@ class _StoppedError(Exception):
 
 
 @dataclass
-class Job:
+class AnalysisJob:
     """One analysis: how far it is, and its result or the error's text."""
 
     done: int = 0
@@ -45,7 +45,7 @@ class Jobs:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._jobs: dict[int, Job] = {}
+        self._jobs: dict[int, AnalysisJob] = {}
         self._numbers = itertools.count()
 
     def start(self, work: Callable[[Callable[[int, int], None]], dict[str, Any]]) -> int:
@@ -61,7 +61,7 @@ class Jobs:
                 raise DataError(f"{MOST} analyses run already; wait for one of them")
             while len(self._jobs) >= 4 * MOST:
                 self._jobs.pop(next(number for number, job in self._jobs.items() if job.finished.is_set()))
-            number, job = next(self._numbers), Job()
+            number, job = next(self._numbers), AnalysisJob()
             self._jobs[number] = job
 
         def run() -> None:
@@ -80,7 +80,7 @@ class Jobs:
         threading.Thread(target=run, name=f"analysis {number}", daemon=True).start()
         return number
 
-    def get(self, number: int) -> Job:
+    def get(self, number: int) -> AnalysisJob:
         """The job of a number, whose patience begins anew.
 
         Raises

@@ -11,7 +11,7 @@ from typing import Any, Final
 from seaglint.base.errors import DataError
 from seaglint.files.recording import images
 from seaglint.files.recording import video_file as video
-from seaglint.viewer.frame_source import Source, open_source
+from seaglint.viewer.frame_source import ViewerSource, open_source
 
 ENDINGS: Final = frozenset({
     ".zarr", ".partial", ".nc", ".nc4", ".npy", ".npz", ".h5", ".hdf5", ".he5", ".mat", ".fits", ".fit", ".fts",
@@ -47,7 +47,7 @@ class Library:
     def __init__(self, given: Iterable[str | Path] = (), folder: str | Path | None = None, variable: str | None = None) -> None:
         self._lock = threading.RLock()
         self._paths: list[str] = []
-        self._open: dict[int, Source] = {}
+        self._open: dict[int, ViewerSource] = {}
         named = [str(path) for path in given]
         if folder is not None and not Path(folder).is_dir():
             raise DataError(f"--folder {folder}: is no folder; give one with sequences or recordings")
@@ -82,7 +82,7 @@ class Library:
                 return str(resolved.relative_to(folder))
         return Path(path).name
 
-    def source(self, number: int) -> Source:
+    def source(self, number: int) -> ViewerSource:
         """Source of a number, opened where it is not yet; the one not used for longest is let go.
 
         Raises

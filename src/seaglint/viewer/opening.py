@@ -54,7 +54,7 @@ class Layer:
 
 
 @dataclass(frozen=True)
-class Box:
+class ObjectBox:
     """An object in view: its name, and the first column and row, columns and rows that it touches [px]."""
 
     name: str
@@ -67,7 +67,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Opened:
-    """A file's frames; attributes as in :class:`~seaglint.viewer.frame_source.Source`."""
+    """A file's frames; attributes as in :class:`~seaglint.viewer.frame_source.ViewerSource`."""
 
     frames: int
     rows: int
@@ -78,7 +78,7 @@ class Opened:
     times: NDArray[np.float64] | None = None
     directions: Callable[[int], tuple[NDArray[np.float64], NDArray[np.float64]]] | None = field(default=None, repr=False)
     turning: bool = False
-    boxes: Callable[[int], list[Box]] | None = field(default=None, repr=False)
+    boxes: Callable[[int], list[ObjectBox]] | None = field(default=None, repr=False)
     recording: Recording | None = None
     title: str = ""
     notes: tuple[str, ...] = ()
@@ -220,7 +220,7 @@ def _derive(dataset: Any, found: dict[str, Layer]) -> None:
     found[warm.name] = Layer(warm.name, warm.long_name, warm.units, lambda index: to_temperature(radiance(index), band))
 
 
-def _boxes(path: Path) -> Callable[[int], list[Box]] | None:
+def _boxes(path: Path) -> Callable[[int], list[ObjectBox]] | None:
     """Boxes of a store's truth."""
     if not (path / GROUP / "zarr.json").exists():
         return None
@@ -230,10 +230,10 @@ def _boxes(path: Path) -> Callable[[int], list[Box]] | None:
     names = [str(name) for name in group.attrs["objects"]]
     wanted = ("bbox_left_px", "bbox_top_px", "bbox_width_px", "bbox_height_px", "range_m")
 
-    def read(index: int) -> list[Box]:
+    def read(index: int) -> list[ObjectBox]:
         table = np.stack([np.asarray(group[name][index], np.float64) for name in wanted], axis=1)
         rows = zip(names, table.tolist(), strict=True)
-        return [Box(name, *row) for name, row in rows if all(map(math.isfinite, row[:4])) and row[2] > 0.0 and row[3] > 0.0]
+        return [ObjectBox(name, *row) for name, row in rows if all(map(math.isfinite, row[:4])) and row[2] > 0.0 and row[3] > 0.0]
 
     return read
 

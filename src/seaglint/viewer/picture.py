@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
-from seaglint.viewer.frame_source import Source
+from seaglint.viewer.frame_source import ViewerSource
 from seaglint.viewer.scaling import Scaling, scaling_of
 
 SAMPLED: Final = 12
@@ -30,7 +30,7 @@ class Show:
 
     Attributes
     ----------
-    source, minus : Source
+    source, minus : ViewerSource
         Frames, and those that are taken off them, frame by frame.
     layer : str or None
         Layer of both.
@@ -42,9 +42,9 @@ class Show:
         Ends of a linear scale, given by hand.
     """
 
-    source: Source
+    source: ViewerSource
     layer: str | None = None
-    minus: Source | None = None
+    minus: ViewerSource | None = None
     kind: str = "percentile"
     fixed: bool = True
     limits: tuple[float, float] | None = None

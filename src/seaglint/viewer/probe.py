@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from seaglint.base.errors import DataError
-from seaglint.viewer.frame_source import Source
+from seaglint.viewer.frame_source import ViewerSource
 
 
-def probe(source: Source, index: int, row: int, column: int) -> dict[str, Any]:
+def probe(source: ViewerSource, index: int, row: int, column: int) -> dict[str, Any]:
     """Values of a pixel of one frame, by layer, with units; direction and objects where they are known.
 
     Raises
@@ -38,14 +38,14 @@ def probe(source: Source, index: int, row: int, column: int) -> dict[str, Any]:
     }
 
 
-def require_pixel(source: Source, row: int, column: int) -> None:
+def require_pixel(source: ViewerSource, row: int, column: int) -> None:
     """Refuse a pixel outside the image."""
     opened = source.opened
     if not (0 <= row < opened.rows and 0 <= column < opened.columns):
         raise DataError(f"pixel at row {row}, column {column}: the image has {opened.rows} rows and {opened.columns} columns, from 0")
 
 
-def towards(source: Source, index: int, row: int, column: int) -> tuple[float | None, float | None]:
+def towards(source: ViewerSource, index: int, row: int, column: int) -> tuple[float | None, float | None]:
     """Azimuth and elevation of a pixel's centre [deg]; None where they are not known."""
     found = source.directions(index)
     if found is None:
@@ -56,7 +56,7 @@ def towards(source: Source, index: int, row: int, column: int) -> tuple[float | 
     return float(azimuth[row, column]), float(elevation[row, column])
 
 
-def trace(source: Source, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False) -> dict[str, Any]:
+def trace(source: ViewerSource, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False) -> dict[str, Any]:
     """Course of a pixel in time, around a frame or ``spread`` over all: frames, times [s] where they are known, values.
 
     Raises

@@ -23,7 +23,7 @@ from seaglint.plot.video import Colours, palette, video_available
 from seaglint.version import __version__
 from seaglint.viewer.downloads import TYPES, clip, frame_file, table
 from seaglint.viewer.dragged_region import Rectangle, exceedances, quick, whole
-from seaglint.viewer.frame_source import GoneError, Source
+from seaglint.viewer.frame_source import GoneError, ViewerSource
 from seaglint.viewer.jobs import Jobs
 from seaglint.viewer.library import Library
 from seaglint.viewer.picture import Scales, Show, tag
@@ -134,7 +134,7 @@ class _Pages:
         ]
         return [Route(path, _told(answer), methods=[method]) for path, answer, method in table_of]
 
-    def _of(self, request: Request) -> Source:
+    def _of(self, request: Request) -> ViewerSource:
         return self._library.source(int(request.path_params["source"]))
 
     def _show(self, request: Request) -> Show:
@@ -305,7 +305,7 @@ class _Pages:
         return _download(clip(show, first, last, self._scales, query.colours()), f"{_stem(show.source)}-{first}-{last}.mp4", "video/mp4")
 
 
-def _stem(source: Source) -> str:
+def _stem(source: ViewerSource) -> str:
     """Name for a download: letters, digits and what joins them."""
     stem = Path(source.path).name.removesuffix(".partial").split(".")[0]
     return "".join(c if (c.isascii() and c.isalnum()) or c in "-_" else "_" for c in stem)[:60] or "frame"

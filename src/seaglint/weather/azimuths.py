@@ -26,7 +26,7 @@ from seaglint.weather.mirrored_sunlight import (
     place_in_pieces,
     view_range_kernel,
 )
-from seaglint.weather.seas import Seas
+from seaglint.weather.seas import WindSlopes
 
 _BESIDE: Final = np.radians([2.0, 5.0, 10.0, 18.0, 30.0, 50.0, 90.0, 180.0])
 """Azimuths to each side of the Sun between which at most one border is searched [rad]."""
@@ -41,7 +41,7 @@ _LEAST: Final = 1e-300
 _TURNS: Final = 40
 
 
-class _Plan(NamedTuple):
+class _AzimuthPlan(NamedTuple):
     nodes: FloatArray
     """Azimuths from the Sun, ascending [rad]."""
     start: int
@@ -64,7 +64,7 @@ class _Beam(NamedTuple):
 
 
 def azimuth_shares(
-    draws: FloatArray, light: MirroredLight, sea: Seas, azimuths: tuple[float, float], thresholds: Sequence[float]
+    draws: FloatArray, light: MirroredLight, sea: WindSlopes, azimuths: tuple[float, float], thresholds: Sequence[float]
 ) -> FloatArray:
     """Share of a range of azimuths at which each look exceeds each threshold [1, (n, thresholds)].
 
@@ -74,7 +74,7 @@ def azimuth_shares(
         Looks [(n, 9)] as in :data:`seaglint.weather.looks.COLUMNS`; their own azimuths are not asked.
     light : MirroredLight
         Sunlight through the air.
-    sea : Seas
+    sea : WindSlopes
         Slopes.
     azimuths : (float, float)
         First and last azimuth from the Sun's [rad], ascending, 2 pi apart at most.
@@ -83,7 +83,7 @@ def azimuth_shares(
     """
     rows, levels = np.ascontiguousarray(draws, dtype=np.float64), height_coordinate(draws[:, 3])
     out = np.zeros((rows.shape[0], len(thresholds)))
-    plan = _Plan(*_nodes(*azimuths), np.log(np.asarray(thresholds, dtype=np.float64)), light.depression)
+    plan = _AzimuthPlan(*_nodes(*azimuths), np.log(np.asarray(thresholds, dtype=np.float64)), light.depression)
     rule = sun_disc(0.0, 0.0, STEADY).rule
 
     def work(part: tuple[int, int]) -> None:
@@ -107,7 +107,7 @@ def _nodes(first: float, last: float) -> tuple[FloatArray, int, bool]:
 
 
 @njit
-def _logarithm(row: FloatArray, azimuth: float, light: MirroredLight, sea: Seas, beam: _Beam) -> float:
+def _logarithm(row: FloatArray, azimuth: float, light: MirroredLight, sea: WindSlopes, beam: _Beam) -> float:
     """Logarithm of radiance at an azimuth from the Sun."""
     evaluated = direction(row, beam.elevation, beam.arc, row[5] + azimuth, light, sea, beam.state, beam.disc, beam.way)
     return math.log(max(evaluated[0], _LEAST))
@@ -115,7 +115,7 @@ def _logarithm(row: FloatArray, azimuth: float, light: MirroredLight, sea: Seas,
 
 @njit
 def _border(
-    row: FloatArray, ends: tuple[float, float], above: tuple[float, float], level: float, light: MirroredLight, sea: Seas, beam: _Beam
+    row: FloatArray, ends: tuple[float, float], above: tuple[float, float], level: float, light: MirroredLight, sea: WindSlopes, beam: _Beam
 ) -> float:
     """Azimuth between two ends where glint passes a level; ``above``: logarithms less the level at the ends, of opposite signs."""
     a, b = ends
@@ -141,8 +141,8 @@ def _fill(
     draws: FloatArray,
     levels: FloatArray,
     light: MirroredLight,
-    sea: Seas,
-    plan: _Plan,
+    sea: WindSlopes,
+    plan: _AzimuthPlan,
     rule: FloatArray,
     out: FloatArray,
 ) -> None:

@@ -59,7 +59,7 @@ class Times:
 
 
 @dataclass(frozen=True)
-class Region:
+class GeographicRegion:
     """Region of places that are equally likely by area, between latitudes and longitudes [deg]; a point where both ends are equal.
 
     A western border beyond the eastern one crosses the date line.
@@ -113,7 +113,7 @@ def conditions(
     table: WeatherTable,
     uniform: Mapping[str, FloatArray],
     when: Times | float | None,
-    where: Region | tuple[float, float] | tuple[FloatArray, FloatArray] | None,
+    where: GeographicRegion | tuple[float, float] | tuple[FloatArray, FloatArray] | None,
     some: NDArray[np.intp] | None = None,
     *,
     by_daylight: bool = False,
@@ -128,7 +128,7 @@ def conditions(
         Uniform numbers [(n,)] named ``row, cover, day, hour, across, along``.
     when : Times, float or None
         Law of the time, one time [s since 1970-01-01 UTC], or None where the Sun is given.
-    where : Region, tuple or None
+    where : GeographicRegion, tuple or None
         Law of the place, one place (latitude, longitude) [deg] or one for each draw; None takes the rows' own, with their months and hours.
     some : ndarray of int, optional
         The only rows to draw from, with a law of the time.
@@ -150,7 +150,9 @@ def conditions(
         return Conditions(draw_pairs(table, row, uniform["cover"]), nowhere, nowhere, nowhere)
     if where is None:
         return _of_rows(table, uniform, when)
-    place = where.draw(uniform["across"], uniform["along"]) if isinstance(where, Region) else [np.full(row.size, x) for x in where]
+    place = (
+        where.draw(uniform["across"], uniform["along"]) if isinstance(where, GeographicRegion) else [np.full(row.size, x) for x in where]
+    )
     weight = None
     if isinstance(when, float):
         time = np.full(row.size, when)

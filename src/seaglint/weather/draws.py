@@ -22,7 +22,7 @@ _FEW: Final = 10
 
 
 @dataclass(frozen=True)
-class Plan:
+class SamplingPlan:
     """Number of points: ``scramblings`` times ``points``, the latter a power of two.
 
     >>> Plan.of(100_000)
@@ -33,7 +33,7 @@ class Plan:
     points: int
 
     @classmethod
-    def of(cls, samples: int) -> Plan:
+    def of(cls, samples: int) -> SamplingPlan:
         """Plan of at least ``samples`` points, in 16 to 31 scramblings (32 where rounding requires it)."""
         points = 2 ** max(int(math.log2(max(samples // SCRAMBLINGS, 1))), 0)
         return cls(max(math.ceil(samples / points), SCRAMBLINGS), points)
@@ -63,7 +63,7 @@ class Estimate:
     high: float
 
 
-def estimate(values: FloatArray, plan: Plan, *, weight: FloatArray | None = None, most: float = 1.0) -> Estimate:
+def estimate(values: FloatArray, plan: SamplingPlan, *, weight: FloatArray | None = None, most: float = 1.0) -> Estimate:
     """Mean of draws and its interval.
 
     The means of the scramblings are independent: Student's interval. Where they hardly differ, or all of them agree, as for chances of 0
@@ -73,7 +73,7 @@ def estimate(values: FloatArray, plan: Plan, *, weight: FloatArray | None = None
     ----------
     values : ndarray
         Values of every draw [(total,)], between 0 and ``most``.
-    plan : Plan
+    plan : SamplingPlan
         Scramblings and points.
     weight : ndarray, optional
         Weights of the draws [(total,)]: the ratio of the sums is estimated, with the scatter of its numerator about it.

@@ -27,7 +27,7 @@ from seaglint.weather.mirrored_sunlight import (
     sun_coordinate_kernel,
     view_range_kernel,
 )
-from seaglint.weather.seas import Seas
+from seaglint.weather.seas import WindSlopes
 
 DUSK: Final = 0.3
 """Depression of the Sun from which it is above no horizon in view [rad]."""
@@ -78,7 +78,7 @@ class Looks:
     """Sine of the elevation there of the visible part of the Sun [1]."""
 
 
-def looks(draws: FloatArray, light: MirroredLight, sea: Seas, search: Search = Search()) -> Looks:
+def looks(draws: FloatArray, light: MirroredLight, sea: WindSlopes, search: Search = Search()) -> Looks:
     """Mirrored Sun of each look, or of the brightest direction about it.
 
     Parameters
@@ -87,7 +87,7 @@ def looks(draws: FloatArray, light: MirroredLight, sea: Seas, search: Search = S
         Looks [(n, 9)], columns as in :data:`COLUMNS`. With several depressions those of ``light`` are searched, whatever the column says.
     light : MirroredLight
         Sunlight through the air.
-    sea : Seas
+    sea : WindSlopes
         Slopes.
     search : Search
         Directions.
@@ -98,7 +98,7 @@ def looks(draws: FloatArray, light: MirroredLight, sea: Seas, search: Search = S
     """
     rows, levels = np.ascontiguousarray(draws, dtype=np.float64), height_coordinate(draws[:, 3])
     out = np.zeros((rows.shape[0], 5))
-    plan = _Plan(search.depressions, search.azimuths, search.refinements, search.half_width, *light.depression)
+    plan = _LookPlan(search.depressions, search.azimuths, search.refinements, search.half_width, *light.depression)
     disc = sun_disc(0.0, 0.0, STEADY)
 
     def work(part: tuple[int, int]) -> None:
@@ -108,7 +108,7 @@ def looks(draws: FloatArray, light: MirroredLight, sea: Seas, search: Search = S
     return Looks(*(np.ascontiguousarray(column) for column in out.T))
 
 
-class _Plan(NamedTuple):
+class _LookPlan(NamedTuple):
     depressions: int
     azimuths: int
     refinements: int
@@ -144,7 +144,7 @@ class SeaState(NamedTuple):
 
 
 @kernel
-def _area_ratio(sea: Seas, wind: float, edge: float, turn: float) -> float:
+def _area_ratio(sea: WindSlopes, wind: float, edge: float, turn: float) -> float:
     """Ratio of the visible area to that of Gaussian slopes; ``wind`` in steps of the slopes, ``turn`` from the waves' direction [rad]."""
     if sea.area.shape[0] == 0:
         return 1.0
@@ -163,7 +163,7 @@ def _area_ratio(sea: Seas, wind: float, edge: float, turn: float) -> float:
 
 
 @njit
-def sea_at(sea: Seas, row: FloatArray, coefficients: FloatArray) -> SeaState:
+def sea_at(sea: WindSlopes, row: FloatArray, coefficients: FloatArray) -> SeaState:
     """Sea under the wind of a look; fills the coefficients of its series."""
     wind = min(max((row[1] - sea.first) / sea.step, 0.0), sea.slopes.shape[0] - 1.0)
     i = min(int(wind), sea.slopes.shape[0] - 2)
@@ -183,7 +183,15 @@ def sea_at(sea: Seas, row: FloatArray, coefficients: FloatArray) -> SeaState:
 
 @njit
 def direction(
-    row: FloatArray, gamma: float, arc: float, azimuth: float, light: MirroredLight, sea: Seas, state: SeaState, disc: SunDisc, place: Way
+    row: FloatArray,
+    gamma: float,
+    arc: float,
+    azimuth: float,
+    light: MirroredLight,
+    sea: WindSlopes,
+    state: SeaState,
+    disc: SunDisc,
+    place: Way,
 ) -> tuple[float, float, float, float]:
     """Radiance, chance, cosine of incidence and the sine of the Sun's elevation of one direction; fills weights of ``place``."""
     away = azimuth + math.pi
@@ -225,8 +233,8 @@ def _fill(
     draws: FloatArray,
     levels: FloatArray,
     light: MirroredLight,
-    sea: Seas,
-    plan: _Plan,
+    sea: WindSlopes,
+    plan: _LookPlan,
     rule: FloatArray,
     out: FloatArray,
 ) -> None:

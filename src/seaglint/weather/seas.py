@@ -29,7 +29,7 @@ _EDGES: Final = 31
 _TURNS: Final = 19
 
 
-class Seas(NamedTuple):
+class WindSlopes(NamedTuple):
     """Slopes against the wind, as kernels read them. Made by :func:`seas`."""
 
     first: float
@@ -53,7 +53,7 @@ class Seas(NamedTuple):
     """Ratio of the visible area to that of Gaussian slopes [(winds, edges, turns)]; empty for those."""
 
 
-def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) -> Seas:
+def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) -> WindSlopes:
     """Tabulate slopes between two winds [m/s]."""
     low, high = winds
     count = max(int(np.ceil((high - low) / _STEP)) + 1, 2)
@@ -64,7 +64,7 @@ def seas(slopes_at: SlopesAt, winds: tuple[float, float], shadowing: Shadowing) 
     first = float(bands.min())
     steps = 1 if bands.max() == first else max(int(np.ceil((bands.max() - first) / _BANDS)) + 1, 2)
     grid = np.linspace(first, float(bands.max()), steps)
-    return Seas(
+    return WindSlopes(
         low,
         float(nodes[1] - nodes[0]),
         np.column_stack([table, bands, [s.wind_to_azimuth for s in statistics]]),

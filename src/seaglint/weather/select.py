@@ -17,7 +17,7 @@ BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)
-class Box:
+class GeographicBox:
     """Range of latitudes and longitudes, borders included.
 
     Attributes
@@ -84,7 +84,7 @@ class Selection:
 
     Attributes
     ----------
-    box : Box, optional
+    box : GeographicBox, optional
         Places inside.
     polygon : Polygon, optional
         Places inside.
@@ -96,7 +96,7 @@ class Selection:
         Text of the column ``region``.
     """
 
-    box: Box | None = None
+    box: GeographicBox | None = None
     polygon: Polygon | None = None
     months: tuple[int, ...] | None = None
     hours: tuple[int, ...] | None = None

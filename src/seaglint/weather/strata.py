@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.weather.draws import Plan, estimate
+from seaglint.weather.draws import SamplingPlan, estimate
 
 BEARINGS: Final = np.arange(0.0, 361.0, 30.0)
 WINDS: Final = np.array([0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 14.0, 20.0, np.inf])
@@ -46,7 +46,7 @@ class Stratum:
 
 def strata(
     values: FloatArray,
-    plan: Plan,
+    plan: SamplingPlan,
     quantities: dict[str, tuple[FloatArray, FloatArray]],
     most: float = 1.0,
     *,

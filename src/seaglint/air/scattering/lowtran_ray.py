@@ -297,7 +297,7 @@ def _copy(row: np.ndarray, out: np.ndarray) -> None:
         out[k] = row[k]
 
 
-class Line(NamedTuple):
+class LevelCrossings(NamedTuple):
     """Points at which a line of sight crosses levels.
 
     ``height`` [km], ``zenith`` of the line's onward direction there, ``arc`` from the sensor [rad], ``level`` the index that LOWTRAN7
@@ -312,7 +312,7 @@ class Line(NamedTuple):
 
 
 @njit
-def _rung(line: Line, n: int, z: float, zenith: float, arc: float, level: int) -> None:
+def _rung(line: LevelCrossings, n: int, z: float, zenith: float, arc: float, level: int) -> None:
     line.height[n], line.zenith[n], line.arc[n], line.level[n] = z, zenith, arc, level
 
 
@@ -323,7 +323,7 @@ def zenith_at(laws: Laws, invariant: float, z: float) -> float:
 
 
 @njit
-def trace(laws: Laws, z: float, zenith: float, line: Line, work: np.ndarray) -> int:
+def trace(laws: Laws, z: float, zenith: float, line: LevelCrossings, work: np.ndarray) -> int:
     """Trace the line of sight from a height [km] at a zenith angle [rad] to the sea or to space; return the number of points."""
     invariant = invariant_of(laws, z, math.sin(zenith))
     amount = work[4]

@@ -29,7 +29,7 @@ from seaglint.air.scattering.lowtran_ray import (
     MOST_POINTS,
     WORK_ROWS,
     Laws,
-    Line,
+    LevelCrossings,
     invariant_of,
     sun_amounts,
     trace,
@@ -108,8 +108,8 @@ def _add(out: np.ndarray, fall: np.ndarray, share: np.ndarray, seen: np.ndarray)
 
 
 @njit
-def _empty_line(columns: int) -> Line:
-    return Line(
+def _empty_line(columns: int) -> LevelCrossings:
+    return LevelCrossings(
         np.zeros(MOST_POINTS),
         np.zeros(MOST_POINTS),
         np.zeros(MOST_POINTS),

@@ -51,7 +51,7 @@ _LEAST: Final = 1e-300
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class LayerPieces:
     """Absorber amounts on the pieces of lines between two levels, from one end to the other.
 
     Attributes
@@ -70,11 +70,11 @@ class Pieces:
         """Absorber amounts of the whole lines [(cases, absorbers)]."""
         return self.amount[:, -1]
 
-    def reversed(self, where: NDArray[np.bool_]) -> Pieces:
+    def reversed(self, where: NDArray[np.bool_]) -> LayerPieces:
         """Return the lines counted from their other end in the cases where the mask is true."""
         parts = np.diff(self.amount, axis=1, prepend=0.0)
         amount = np.where(where[:, None, None], np.cumsum(parts[:, ::-1], axis=1), self.amount)
-        return Pieces(amount, np.where(where[:, None], self.temperature[:, ::-1], self.temperature))
+        return LayerPieces(amount, np.where(where[:, None], self.temperature[:, ::-1], self.temperature))
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +126,7 @@ class Absorbers:
         between = np.where(both, low * ratio**part, low + part * (high - low))
         return np.where(height > (values.shape[-1] - 1.0) * LEVEL_STEP, 0.0, between)
 
-    def along(self, start: FloatArray, end: FloatArray, slant: FloatArray, levels: FloatArray | None = None) -> Pieces:
+    def along(self, start: FloatArray, end: FloatArray, slant: FloatArray, levels: FloatArray | None = None) -> LayerPieces:
         """Amounts and temperatures on straight lines of length ``slant`` from height ``start`` to ``end`` [m, (cases,)].
 
         The pieces end where a line crosses ``levels`` [m]: those of the model atmosphere where none are given.
@@ -142,7 +142,7 @@ class Absorbers:
         amount = np.moveaxis(self._at(self.density, height) @ _WEIGHTS, 0, -1) * km[:, :, None]
         weight = (self._at(self.air, height) + 1e-9) * _WEIGHTS  # pieces above the highest level have a temperature, too
         kelvin = np.interp(height, LEVEL_STEP * np.arange(self.air.size), self.temperature)
-        return Pieces(np.cumsum(amount, axis=1), np.asarray((weight * kelvin).sum(axis=-1) / weight.sum(axis=-1)))
+        return LayerPieces(np.cumsum(amount, axis=1), np.asarray((weight * kelvin).sum(axis=-1) / weight.sum(axis=-1)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +184,7 @@ class BandLaw:
         """Factor of the law's optical depths that reproduces the known depths of given paths [1, (cases, n)]."""
         return np.asarray(optical_depth / np.maximum(self.optical_depth(amount), _LEAST))
 
-    def emission(self, pieces: Pieces, scale: FloatArray) -> FloatArray:
+    def emission(self, pieces: LayerPieces, scale: FloatArray) -> FloatArray:
         """Blackbody radiance of the air as seen from the first end, ``L / (1 - tau)`` [W m-2 sr-1 per cm-1, (cases, n)].
 
         As LOWTRAN7 has it, each piece between two levels is at its mean temperature: ``sum_j B(T_j) (tau_(j-1) - tau_j)``.

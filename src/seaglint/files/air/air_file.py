@@ -39,7 +39,7 @@ from seaglint.base.errors import DataError, SeaglintError
 from seaglint.files.air import scattered_columns as atmosphere_scattered
 from seaglint.files.netcdf import open_netcdf, write_netcdf
 from seaglint.files.outputs import moved_when_whole, refuse_existing
-from seaglint.files.tables.table_text import Row, TextTable, read_text_table
+from seaglint.files.tables.table_text import TableRow, TextTable, read_text_table
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -214,7 +214,7 @@ def _from_csv(path: Path) -> _Content:
     )
 
 
-def _kind(table: TextTable, row: Row) -> Kind:
+def _kind(table: TextTable, row: TableRow) -> Kind:
     match row.cells["kind"]:
         case "path":
             return "path"

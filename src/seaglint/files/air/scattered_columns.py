@@ -18,7 +18,7 @@ from seaglint.air.sampled.sampled_air import HEIGHT_SLACK
 from seaglint.air.scattering.scattered_samples import ScatteredSamples, ScatteredSky
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.files.tables.table_text import Row, TextTable
+from seaglint.files.tables.table_text import TableRow, TextTable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -110,7 +110,7 @@ class ScatteredRows:
     solar: float | None = None
     cells: dict[tuple[str, float], dict[tuple[float, float, float], tuple[int, float]]] = field(default_factory=dict)
 
-    def add(self, row: Row, kind: str, height: float, node: float, nu: float, radiance: float) -> None:
+    def add(self, row: TableRow, kind: str, height: float, node: float, nu: float, radiance: float) -> None:
         """Take a line.
 
         Raises

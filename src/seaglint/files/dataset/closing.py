@@ -13,9 +13,9 @@ from seaglint.base.errors import BackendError
 from seaglint.files.dataset import coco, sirst, yolo
 from seaglint.files.dataset.card import card, statistics
 from seaglint.files.dataset.check import ABOUT, KIND, write_sums
-from seaglint.files.dataset.convert import Settings, image_path
+from seaglint.files.dataset.convert import ConversionSettings, image_path
 from seaglint.files.dataset.grey_picture import read_picture
-from seaglint.files.dataset.part import TRUTH_COLUMNS, Catalogue, Part
+from seaglint.files.dataset.part import TRUTH_COLUMNS, Catalogue, DatasetScene
 from seaglint.files.dataset.sheet import Example, write_sheet
 from seaglint.files.store.store import open_sequence
 from seaglint.files.tables.rows import require_parquet, write_parquet, write_rows
@@ -29,7 +29,7 @@ EXAMPLES: Final = 18
 """Pictures on the sheet of examples."""
 
 
-def finish(folder: Path, catalogue: Catalogue, settings: Settings, about: Mapping[str, Any]) -> None:
+def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, about: Mapping[str, Any]) -> None:
     """Write all that goes beside the pictures.
 
     Parameters
@@ -38,7 +38,7 @@ def finish(folder: Path, catalogue: Catalogue, settings: Settings, about: Mappin
         With the pictures.
     catalogue : Catalogue
         Records of all scenes.
-    settings : Settings
+    settings : ConversionSettings
         How they were written.
     about : mapping
         ``description``, ``licence`` (None where the ensemble says none) and ``split``.
@@ -87,7 +87,7 @@ def finish(folder: Path, catalogue: Catalogue, settings: Settings, about: Mappin
     write_sums(folder)
 
 
-def _scene(part: Part) -> dict[str, Any]:
+def _scene(part: DatasetScene) -> dict[str, Any]:
     rows, columns = part.shape
     lines = part.levels.attributes if part.levels is not None else {}
     images = [picture.name for picture in part.pictures]
@@ -109,7 +109,7 @@ def _write_tables(folder: Path, catalogue: Catalogue) -> None:
     write_parquet({name: [row[name] for row in truth] for name in TRUTH_COLUMNS}, folder / "truth.parquet")
 
 
-def _examples(folder: Path, catalogue: Catalogue, settings: Settings) -> list[Example]:
+def _examples(folder: Path, catalogue: Catalogue, settings: ConversionSettings) -> list[Example]:
     """One picture of each of some scenes, evenly among all: that with most objects, the first of these."""
     parts = catalogue.parts
     chosen = [parts[i] for i in sorted({round(j) for j in np.linspace(0, len(parts) - 1, min(EXAMPLES, len(parts)))})]
@@ -124,7 +124,7 @@ def _examples(folder: Path, catalogue: Catalogue, settings: Settings) -> list[Ex
     return out
 
 
-def _picture(folder: Path, part: Part, place: int, settings: Settings) -> NDArray[Any]:
+def _picture(folder: Path, part: DatasetScene, place: int, settings: ConversionSettings) -> NDArray[Any]:
     if settings.format != "zarr":
         return read_picture(image_path(folder, settings.format, part.split, part.pictures[place].name, settings.image))
     with open_sequence(folder / "scenes" / f"{part.scene}.zarr") as dataset:

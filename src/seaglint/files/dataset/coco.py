@@ -9,7 +9,7 @@ from typing import Any
 
 from seaglint.base.errors import DataError
 from seaglint.files.dataset.masks import box_of, decoded
-from seaglint.files.dataset.part import Catalogue, Part, Picture, Piece, Row
+from seaglint.files.dataset.part import Catalogue, DatasetFrame, DatasetObject, DatasetScene, Piece
 from seaglint.files.dataset.split import SPLITS
 from seaglint.files.text_file import write_json
 
@@ -49,14 +49,14 @@ def _document(catalogue: Catalogue, info: Mapping[str, Any], licence: str) -> di
     }
 
 
-def _image(part: Part, picture: Picture, number: int, ending: str) -> dict[str, Any]:
+def _image(part: DatasetScene, picture: DatasetFrame, number: int, ending: str) -> dict[str, Any]:
     rows, columns = part.shape
     about = {"id": number, "file_name": f"{picture.name}.{ending}", "width": columns, "height": rows, "license": 1}
     lines = part.levels.attributes if part.levels is not None else {}
     return {**about, "scene": part.scene, "split": part.split, "frame": picture.frame, "time_s": picture.time_s, **lines}
 
 
-def _annotation(part: Part, row: Row, piece: Piece) -> dict[str, Any]:
+def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> dict[str, Any]:
     values = row.values
     return {
         "bbox": list(piece.box),

@@ -15,10 +15,10 @@ from scipy.ndimage import binary_dilation
 
 from seaglint.base.errors import DataError
 from seaglint.files.counts import count_line
-from seaglint.files.dataset.grey_levels import Bits, Levels
+from seaglint.files.dataset.grey_levels import Bits, PictureLevels
 from seaglint.files.dataset.grey_picture import write_picture
 from seaglint.files.dataset.masks import box_of, compressed
-from seaglint.files.dataset.part import Entry, Part, Picture, Piece, Row, known
+from seaglint.files.dataset.part import DatasetFrame, DatasetObject, DatasetScene, Entry, Piece, known
 from seaglint.files.store.object_labels import Label, Labels, run_lengths
 from seaglint.files.store.store import open_sequence
 from seaglint.objects.drawing.truth import LEAST_CLUTTER, SURROUND
@@ -33,7 +33,7 @@ BLUR: Final = 2
 
 
 @dataclass(frozen=True)
-class Settings:
+class ConversionSettings:
     """How scenes are written.
 
     Attributes
@@ -63,7 +63,7 @@ def image_path(folder: Path, form: Format, split: str, name: str, image: str) ->
     return below / f"{name}.{image}"
 
 
-def convert(entry: Entry, settings: Settings) -> Part:
+def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
     """Write a scene's pictures, and its record last.
 
     Raises
@@ -79,7 +79,9 @@ def convert(entry: Entry, settings: Settings) -> Part:
         levels = None if settings.format == "zarr" else _levels(variable, settings.bits, entry)
         frames = [int(number) for number in dataset["frame"].to_numpy()]
         times = [float(time) for time in dataset["time"].to_numpy()]
-        pictures = tuple(Picture(f"{entry.name}_{frame:06d}", frame, round(time, 9)) for frame, time in zip(frames, times, strict=True))
+        pictures = tuple(
+            DatasetFrame(f"{entry.name}_{frame:06d}", frame, round(time, 9)) for frame, time in zip(frames, times, strict=True)
+        )
         scenario = json.loads(dataset.attrs["scenario"])
         objects = scenario.get("objects") or []
         for index, picture in enumerate(pictures):
@@ -88,7 +90,7 @@ def convert(entry: Entry, settings: Settings) -> Part:
                 path = image_path(folder, settings.format, entry.split, picture.name, settings.image)
                 write_picture(path, levels.of(variable[index].to_numpy()), about)
         rows = tuple(_rows(Labels.of(entry.store), variable)) if objects else ()
-        part = Part(
+        part = DatasetScene(
             scene=entry.name,
             split=entry.split,
             seed=int(dataset.attrs["seed"]),
@@ -105,7 +107,7 @@ def convert(entry: Entry, settings: Settings) -> Part:
     return part
 
 
-def _levels(variable: xr.DataArray, bits: Bits, entry: Entry) -> Levels:
+def _levels(variable: xr.DataArray, bits: Bits, entry: Entry) -> PictureLevels:
     """Lines that hold all frames of the scene."""
     least = [float(variable[i].min()) for i in range(variable.shape[0])]
     most = [float(variable[i].max()) for i in range(variable.shape[0])]
@@ -113,8 +115,8 @@ def _levels(variable: xr.DataArray, bits: Bits, entry: Entry) -> Levels:
     if not np.isfinite([low, high]).all():
         raise DataError(f"{entry.store}: its pictures have pixels without a value; render it again")
     if variable.name == "signal":
-        return Levels.of_counts(int(low), int(high), bits, count_line(variable))
-    return Levels.of_radiance(low, high, bits)
+        return PictureLevels.of_counts(int(low), int(high), bits, count_line(variable))
+    return PictureLevels.of_radiance(low, high, bits)
 
 
 def _category(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
@@ -125,7 +127,7 @@ def _category(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
     return str(told or item.get("preset") or item["shape"]["kind"])
 
 
-def _rows(labels: Labels, variable: xr.DataArray) -> list[Row]:
+def _rows(labels: Labels, variable: xr.DataArray) -> list[DatasetObject]:
     """Truth of all frames."""
     rows = []
     slope, _ = count_line(variable)
@@ -137,7 +139,7 @@ def _rows(labels: Labels, variable: xr.DataArray) -> list[Row]:
             numbers = {name: known(value) for name, value in label.values.items()}
             found_here = local_contrast(values, label.mask, spread)
             contrast, snr = (None, None) if found_here is None else (found_here[0] * slope, found_here[1])
-            rows.append(Row(index, label.number, numbers, contrast, snr, tuple(pieces(label))))
+            rows.append(DatasetObject(index, label.number, numbers, contrast, snr, tuple(pieces(label))))
     return rows
 
 

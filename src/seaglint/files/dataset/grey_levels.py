@@ -14,7 +14,7 @@ Bits = Literal[8, 16]
 
 
 @dataclass(frozen=True)
-class Levels:
+class PictureLevels:
     """Lines of one scene, the same for all of its frames: ``value = offset + scale * level``.
 
     Attributes
@@ -37,7 +37,7 @@ class Levels:
     counts: bool
 
     @classmethod
-    def of_counts(cls, low: int, high: int, bits: Bits, line: tuple[float, float]) -> Levels:
+    def of_counts(cls, low: int, high: int, bits: Bits, line: tuple[float, float]) -> PictureLevels:
         """Of counts between ``low`` and ``high``, whose radiance is ``line[0] * count + line[1]``.
 
         In 16 bits levels are the counts themselves. In 8 bits the scene's least to greatest count fill the levels; steps are never finer
@@ -50,7 +50,7 @@ class Levels:
         return cls(bits, scale, offset, line[0] * scale, line[0] * offset + line[1], True)
 
     @classmethod
-    def of_radiance(cls, low: float, high: float, bits: Bits) -> Levels:
+    def of_radiance(cls, low: float, high: float, bits: Bits) -> PictureLevels:
         """Of radiance between ``low`` and ``high`` [W m-2 sr-1], which fill the levels."""
         scale = (high - low) / ((1 << bits) - 1) or 1.0
         return cls(bits, scale, low, scale, low, False)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.errors import DataError
-from seaglint.files.dataset.grey_levels import Levels
+from seaglint.files.dataset.grey_levels import PictureLevels
 from seaglint.files.text_file import write_json
 from seaglint.objects.drawing.truth_names import NUMBERS
 
@@ -43,7 +43,7 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Row:
+class DatasetObject:
     """An object in a frame, in view or not."""
 
     frame: int
@@ -61,7 +61,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Picture:
+class DatasetFrame:
     """A frame."""
 
     name: str
@@ -70,7 +70,7 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Part:
+class DatasetScene:
     """A scene."""
 
     scene: str
@@ -79,14 +79,14 @@ class Part:
     shape: tuple[int, int]
     """Rows and columns."""
     frame_rate_hz: float
-    levels: Levels | None
+    levels: PictureLevels | None
     """None where the store itself is what is given."""
     names: tuple[str, ...]
     """Of the objects."""
     categories: tuple[str, ...]
     """Of the objects."""
-    pictures: tuple[Picture, ...]
-    rows: tuple[Row, ...]
+    pictures: tuple[DatasetFrame, ...]
+    rows: tuple[DatasetObject, ...]
     parameters: Mapping[str, Any]
 
     def write(self, folder: Path) -> None:
@@ -94,7 +94,7 @@ class Part:
         write_json(asdict(self), part_path(folder, self.scene), indent=None)
 
     @classmethod
-    def read(cls, folder: Path, scene: str) -> Part:
+    def read(cls, folder: Path, scene: str) -> DatasetScene:
         """Read a scene's record.
 
         Raises
@@ -106,7 +106,7 @@ class Part:
         try:
             raw = json.loads(path.read_text(encoding="utf-8"))
             rows = tuple(
-                Row(
+                DatasetObject(
                     r["frame"],
                     r["number"],
                     r["values"],
@@ -118,10 +118,10 @@ class Part:
             )
             changed = {
                 "shape": tuple(raw["shape"]),
-                "levels": None if raw["levels"] is None else Levels(**raw["levels"]),
+                "levels": None if raw["levels"] is None else PictureLevels(**raw["levels"]),
                 "names": tuple(raw["names"]),
                 "categories": tuple(raw["categories"]),
-                "pictures": tuple(Picture(**picture) for picture in raw["pictures"]),
+                "pictures": tuple(DatasetFrame(**picture) for picture in raw["pictures"]),
                 "rows": rows,
             }
             return cls(**{**raw, **changed})
@@ -142,14 +142,14 @@ class Catalogue:
     seed: int
     image: str
     """Ending of pictures."""
-    parts: Sequence[Part]
+    parts: Sequence[DatasetScene]
 
     @property
     def categories(self) -> tuple[str, ...]:
         """Names of what is labelled, in the order of the alphabet."""
         return tuple(sorted({name for part in self.parts for name in part.categories}))
 
-    def of_split(self, split: str) -> list[Part]:
+    def of_split(self, split: str) -> list[DatasetScene]:
         """Scenes of a split."""
         return [part for part in self.parts if part.split == split]
 

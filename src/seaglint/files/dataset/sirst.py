@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from seaglint.base.errors import DataError
 from seaglint.files.dataset.grey_picture import read_picture, write_picture
 from seaglint.files.dataset.masks import decoded
-from seaglint.files.dataset.part import Catalogue, Part
+from seaglint.files.dataset.part import Catalogue, DatasetScene
 from seaglint.files.dataset.split import SPLITS
 from seaglint.files.text_file import write_text
 
@@ -26,7 +26,7 @@ def write(folder: Path, catalogue: Catalogue) -> None:
         write_text("".join(f"{name}\n" for name in names), folder / "img_idx" / f"{split}.txt")
 
 
-def masks(part: Part) -> dict[str, NDArray[np.bool_]]:
+def masks(part: DatasetScene) -> dict[str, NDArray[np.bool_]]:
     """Mask of all objects by picture."""
     out = {picture.name: np.zeros(part.shape, bool) for picture in part.pictures}
     for row in part.rows:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-from seaglint.files.dataset.part import Catalogue, Part
+from seaglint.files.dataset.part import Catalogue, DatasetScene
 from seaglint.files.dataset.split import SPLITS
 from seaglint.files.text_file import write_text
 
@@ -23,7 +23,7 @@ def write(folder: Path, catalogue: Catalogue) -> None:
     write_text(f"{places}names:{' {}' if not names else ''}\n{names}", folder / "data.yaml")
 
 
-def _lines(part: Part, numbers: dict[str, int]) -> dict[str, list[str]]:
+def _lines(part: DatasetScene, numbers: dict[str, int]) -> dict[str, list[str]]:
     """Lines ``class x y width height`` by picture: middle and size of boxes over those of the picture."""
     rows, columns = part.shape
     lines: dict[str, list[str]] = {picture.name: [] for picture in part.pictures}

@@ -51,7 +51,7 @@ class Counts:
 
 
 @dataclass(frozen=True)
-class Numbers:
+class NumberFormat:
     """Type of the numbers in a file, and the counts that values are made."""
 
     dtype: np.dtype[Any]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
-from seaglint.files.export.encoding import Counts, Kind, Numbers, check_limits
+from seaglint.files.export.encoding import Counts, Kind, NumberFormat, check_limits
 from seaglint.files.export.fits_cube import require_fits, write_fits
 from seaglint.files.export.hdf5 import write_hdf5
 from seaglint.files.export.plain import header_path, write_header, write_npy, write_raw
@@ -21,7 +21,7 @@ from seaglint.files.outputs import moved_when_whole, refuse_existing
 from seaglint.files.recording.raw import TYPES
 from seaglint.files.store.store import Progress
 
-Writer = Callable[[Path, Stack, Numbers, Iterable[NDArray[Any]]], None]
+Writer = Callable[[Path, Stack, NumberFormat, Iterable[NDArray[Any]]], None]
 
 WRITERS: Final[dict[str, Writer]] = {
     ".nc": write_hdf5,
@@ -112,7 +112,7 @@ def write_stack(
     if progress is not None:
         progress(0, passes * total)
     counts = Counts.over(*(limits or _range(images()))) if scaled else None
-    numbers = Numbers(np.dtype(dtype) if dtype is not None else stack.dtype, counts)
+    numbers = NumberFormat(np.dtype(dtype) if dtype is not None else stack.dtype, counts)
     cut = 0
 
     def encoded() -> Iterator[NDArray[Any]]:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import BackendError
-from seaglint.files.export.encoding import Numbers
+from seaglint.files.export.encoding import NumberFormat
 from seaglint.files.export.stack import Stack
 from seaglint.version import __version__
 
@@ -41,7 +41,7 @@ def require_fits() -> None:
         raise BackendError("FITS needs astropy, which is not installed; pip install 'seaglint[fits]'") from error
 
 
-def write_fits(path: Path, stack: Stack, numbers: Numbers, frames: Iterable[NDArray[Any]]) -> None:
+def write_fits(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
     """Write the cube, and directions that are no linear axis as images ``AZIMUTH`` and ``ELEVATION`` behind it."""
     from astropy.io import fits
 
@@ -70,7 +70,7 @@ def _stored_type(dtype: np.dtype[Any]) -> np.dtype[Any]:
     return np.dtype(f"i{dtype.itemsize}") if dtype.kind == "u" and dtype.itemsize > 1 else dtype
 
 
-def cards(stack: Stack, numbers: Numbers) -> list[Card]:
+def cards(stack: Stack, numbers: NumberFormat) -> list[Card]:
     """Cards of the header."""
     frames, rows, columns = stack.shape
     stored = _stored_type(numbers.dtype)
@@ -116,7 +116,7 @@ def cards(stack: Stack, numbers: Numbers) -> list[Card]:
     return out
 
 
-def _scaling(numbers: Numbers, stored: np.dtype[Any]) -> list[Card]:
+def _scaling(numbers: NumberFormat, stored: np.dtype[Any]) -> list[Card]:
     """Physical values of the numbers: ``BZERO + BSCALE * stored``."""
     half = 1 << (8 * stored.itemsize - 1)
     if numbers.counts is not None:

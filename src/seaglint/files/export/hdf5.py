@@ -14,7 +14,7 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from seaglint.files.export.encoding import Numbers
+from seaglint.files.export.encoding import NumberFormat
 from seaglint.files.export.stack import AXES, Stack
 from seaglint.files.netcdf import plain_attributes
 from seaglint.files.stopping import stop_on_signal
@@ -76,7 +76,7 @@ class _Disk(io.RawIOBase):
             raise self.failure
 
 
-def write_hdf5(path: Path, stack: Stack, numbers: Numbers, frames: Iterable[NDArray[Any]]) -> None:
+def write_hdf5(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
     """Write coordinates, then the images one by one."""
     import h5netcdf
 

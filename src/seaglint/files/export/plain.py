@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.files.export.encoding import Numbers
+from seaglint.files.export.encoding import NumberFormat
 from seaglint.files.export.stack import Stack
 
 
@@ -23,7 +23,7 @@ def header_path(output: Path) -> Path:
     return output.with_suffix(".json") if output.suffix.lower() == ".raw" else output.with_name(output.name + ".json")
 
 
-def header(stack: Stack, numbers: Numbers) -> dict[str, Any]:
+def header(stack: Stack, numbers: NumberFormat) -> dict[str, Any]:
     """Layout with the names of :class:`~seaglint.files.recording.RawLayout`, and the rest in ``metadata``."""
     _, rows, columns = stack.shape
     table = {
@@ -40,22 +40,22 @@ def header(stack: Stack, numbers: Numbers) -> dict[str, Any]:
     return {name: value for name, value in table.items() if value is not None}
 
 
-def write_header(path: Path, stack: Stack, numbers: Numbers) -> None:
+def write_header(path: Path, stack: Stack, numbers: NumberFormat) -> None:
     """Write the JSON header."""
     path.write_text(json.dumps(header(stack, numbers), indent=1, allow_nan=False) + "\n", encoding="utf-8")
 
 
-def write_raw(path: Path, stack: Stack, numbers: Numbers, frames: Iterable[NDArray[Any]]) -> None:
+def write_raw(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
     """Write the numbers and nothing else."""
     _write(path, numbers, frames, None)
 
 
-def write_npy(path: Path, stack: Stack, numbers: Numbers, frames: Iterable[NDArray[Any]]) -> None:
+def write_npy(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
     """Write an array (time, y, x) as ``numpy.save`` does."""
     _write(path, numbers, frames, stack.shape)
 
 
-def _write(path: Path, numbers: Numbers, frames: Iterable[NDArray[Any]], shape: tuple[int, ...] | None) -> None:
+def _write(path: Path, numbers: NumberFormat, frames: Iterable[NDArray[Any]], shape: tuple[int, ...] | None) -> None:
     little = numbers.dtype.newbyteorder("<")
     with path.open("wb") as file:
         if shape is not None:

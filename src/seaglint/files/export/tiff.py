@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
-from seaglint.files.export.encoding import Numbers
+from seaglint.files.export.encoding import NumberFormat
 from seaglint.files.export.stack import Stack
 from seaglint.version import __version__
 
@@ -17,7 +17,7 @@ _SMALL: Final = (1 << 32) - (1 << 25)
 """Bytes that places of 32 bits reach, less the pages' own tables; larger files are BigTIFF."""
 
 
-def write_tiff(path: Path, stack: Stack, numbers: Numbers, frames: Iterable[NDArray[Any]]) -> None:
+def write_tiff(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
     """Write a stack of pages."""
     import tifffile
 

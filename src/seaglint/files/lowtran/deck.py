@@ -79,7 +79,7 @@ class Aerosol:
 
 
 @dataclass(frozen=True)
-class Level:
+class ProfileLevel:
     """One level of a profile: height [km], pressure [hPa], temperature [K], relative humidity [%]; all but the height None: the model's."""
 
     height_km: float
@@ -104,14 +104,14 @@ def _with_point(field: str) -> str:
 
 
 @dataclass(frozen=True)
-class Air:
+class LowtranAir:
     """What all lines of sight of an atmosphere share: model or profile, aerosol, spectral range [cm-1]."""
 
     model: str
     aerosol: Aerosol
     v1: int
     v2: int
-    levels: tuple[Level, ...] = ()
+    levels: tuple[ProfileLevel, ...] = ()
 
     def __post_init__(self) -> None:
         if self.model not in MODELS:
@@ -128,7 +128,7 @@ class Air:
 
 
 @dataclass(frozen=True)
-class Case:
+class LowtranCase:
     """A line of sight: from ``height_km`` at ``zenith_deg``, down to the sea or to ``end_km``, up to space, or up to the Sun.
 
     Where ``arc_deg``, the angle at the Earth's centre, is given, the zenith angle is not: LOWTRAN7 finds the ray between both ends.
@@ -136,7 +136,7 @@ class Case:
     scatters once into a path or sky is computed besides; ``multiple`` adds LOWTRAN7's estimate of what is scattered again.
     """
 
-    air: Air
+    air: LowtranAir
     kind: Literal["path", "sky", "sun"]
     height_km: float
     zenith_deg: float

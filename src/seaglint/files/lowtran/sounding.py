@@ -14,7 +14,7 @@ import numpy as np
 
 from seaglint.base.constants import GRAVITY
 from seaglint.base.conventions import FloatArray
-from seaglint.files.lowtran.deck import MOST_LEVELS, Level
+from seaglint.files.lowtran.deck import MOST_LEVELS, ProfileLevel
 from seaglint.files.tables.table_text import read_text_table
 
 COLUMNS = ("height_m", "pressure_hpa", "temperature_k", "relative_humidity_percent")
@@ -38,7 +38,7 @@ THINNING = (0.002, 0.3, 2.0)
 """What counts as much when levels are left out: relative pressure [1], temperature [K], relative humidity [%]."""
 
 
-def read_sounding(path: str | Path) -> tuple[Level, ...]:
+def read_sounding(path: str | Path) -> tuple[ProfileLevel, ...]:
     """Levels from the sea to 100 km: the sounding's, thinned to what LOWTRAN7 takes, then those of the model atmosphere.
 
     Raises
@@ -97,7 +97,7 @@ def _down_to_the_sea(levels: list[tuple[float, float, float, float]]) -> list[tu
     return [(0.0, pressure * math.exp(GRAVITY * height / (DRY_AIR * temperature)), temperature, humidity), *levels]
 
 
-def _to_the_top(levels: list[tuple[float, float, float, float]]) -> tuple[Level, ...]:
+def _to_the_top(levels: list[tuple[float, float, float, float]]) -> tuple[ProfileLevel, ...]:
     top = levels[-1][0] / 1e3
     above = [float(z) for z in MODEL_LEVELS_KM if z > top + 0.2]  # closer levels make LOWTRAN7's layers degenerate
     room = MOST_LEVELS - min(len(above), LEVELS_ABOVE)
@@ -106,8 +106,8 @@ def _to_the_top(levels: list[tuple[float, float, float, float]]) -> tuple[Level,
         # The closest pair of the model's levels loses its upper one, never the last.
         gaps = [(b - a) / b for a, b in pairwise(above[:-1])]
         del above[int(np.argmin(gaps)) + 1]
-    own = [Level(float(z) / 1e3, float(p), float(t), float(u)) for z, p, t, u in kept]
-    return (*own, *(Level(z) for z in above))
+    own = [ProfileLevel(float(z) / 1e3, float(p), float(t), float(u)) for z, p, t, u in kept]
+    return (*own, *(ProfileLevel(z) for z in above))
 
 
 def _thinned(levels: FloatArray, room: int) -> FloatArray:

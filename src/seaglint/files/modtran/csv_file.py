@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.base.errors import DataError
-from seaglint.files.modtran.modtran_spectrum import SPECTRAL, Column, Spectrum, Table, column_of, spectrum_of
+from seaglint.files.modtran.modtran_spectrum import SPECTRAL, Column, ModtranSpectrum, Table, column_of, spectrum_of
 
 _FRAME = re.compile(r"^\s*(\}|case\b.*|num \w+.*|#.*|\[.*|\(.*|cm-1\b.*)?$", re.IGNORECASE)
 
@@ -31,7 +31,7 @@ def _header(line: str) -> bool:
     return len(cells) > 1 and column_of(cells[0]) in SPECTRAL
 
 
-def read_csv(path: Path, text: str) -> list[Spectrum]:
+def read_csv(path: Path, text: str) -> list[ModtranSpectrum]:
     """All cases of a file, in its order.
 
     Raises

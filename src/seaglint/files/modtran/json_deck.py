@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from typing import Any, Final
 
 from seaglint.base.errors import DataError
-from seaglint.files.lowtran.deck import STEP_CM, Air, Haze
-from seaglint.files.modtran.lines import Line
+from seaglint.files.lowtran.deck import STEP_CM, Haze, LowtranAir
+from seaglint.files.modtran.lines import ModtranCase
 from seaglint.files.modtran.tape5 import AT_1_AU, FWHM_CM
 
 MODELS: Final = {
@@ -38,7 +38,7 @@ HAZES: Final[dict[Haze, str]] = {
 }
 
 
-def json_deck(lines: Sequence[Line], air: Air, solar_zenith_deg: float | None, name: str) -> str:
+def json_deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: float | None, name: str) -> str:
     """Text of the input; results go to ``name.json`` and ``name.csv``.
 
     Raises
@@ -52,7 +52,7 @@ def json_deck(lines: Sequence[Line], air: Air, solar_zenith_deg: float | None, n
     return json.dumps({"MODTRAN": cases}, indent=1) + "\n"
 
 
-def _case(index: int, line: Line, air: Air, solar_zenith_deg: float | None, name: str) -> dict[str, Any]:
+def _case(index: int, line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, name: str) -> dict[str, Any]:
     model, aerosol = MODELS[air.model], air.aerosol
     geometry: dict[str, Any] = {
         "ITYPE": 2 if line.kind == "path" else 3,

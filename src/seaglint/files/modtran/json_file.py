@@ -16,7 +16,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.files.modtran.modtran_spectrum import SPECTRAL, Column, Sight, Spectrum, Table, column_of, spectrum_of
+from seaglint.files.modtran.modtran_spectrum import SPECTRAL, Column, ModtranSight, ModtranSpectrum, Table, column_of, spectrum_of
 
 MODES: Final = {
     "RT_TRANSMITTANCE": 0,
@@ -38,7 +38,7 @@ def is_json(text: str) -> bool:
     return text.lstrip()[:1] in ("{", "[")
 
 
-def read_json(path: Path, text: str) -> list[Spectrum]:
+def read_json(path: Path, text: str) -> list[ModtranSpectrum]:
     """All cases of a file, in its order.
 
     Raises
@@ -57,7 +57,7 @@ def read_json(path: Path, text: str) -> list[Spectrum]:
     return [_spectrum(path, i, case) for i, case in enumerate(cases, 1)]
 
 
-def _spectrum(path: Path, number: int, case: Any) -> Spectrum:
+def _spectrum(path: Path, number: int, case: Any) -> ModtranSpectrum:
     where = f"{path}: case {number}"
     spectra = _inside(case, "MODTRANOUTPUT", "SPECTRA")
     if not isinstance(spectra, dict):
@@ -107,7 +107,7 @@ def _grid(case: Any, size: int) -> FloatArray | None:
     return np.asarray(low + step * np.arange(size, dtype=np.float64)) if 1 < size == round((high - low) / step) + 1 else None
 
 
-def _sight(case: Any) -> Sight | None:
+def _sight(case: Any) -> ModtranSight | None:
     geometry = _inside(case, "MODTRANINPUT", "GEOMETRY")
     mode = MODES.get(str(_inside(case, "MODTRANINPUT", "RTOPTIONS", "IEMSCT")))
     kind = _inside(geometry, "ITYPE")
@@ -117,4 +117,4 @@ def _sight(case: Any) -> Sight | None:
     end = _number(_inside(geometry, "H2ALT"))
     towards = (_number(_inside(geometry, key)) for key in ("PARM1", "PARM2"))
     azimuth, solar = towards if mode == 2 and _inside(geometry, "IPARM") == 2 else (np.nan, np.nan)
-    return Sight(mode, kind, height, zenith, 0.0 if np.isnan(end) else end, azimuth, solar)
+    return ModtranSight(mode, kind, height, zenith, 0.0 if np.isnan(end) else end, azimuth, solar)

@@ -33,7 +33,7 @@ SHORT_OF_LOWTRAN7_HORIZON: Final = 1e-4
 
 
 @dataclass(frozen=True)
-class Line:
+class ModtranCase:
     """A case: ``path`` from the sensor down to the sea, ``sky`` from the sensor or the sea, ``sun`` from the sea to the Sun.
 
     Attributes
@@ -63,7 +63,7 @@ class Line:
 class Manifest:
     """Lines in the order of the deck's cases, and what they share."""
 
-    lines: tuple[Line, ...]
+    lines: tuple[ModtranCase, ...]
     sensor_height_m: float
     solar_zenith_deg: float | None
     """Of the Sun whose scattered light is in it; None: none is."""
@@ -102,8 +102,8 @@ def read_manifest(path: Path) -> Manifest:
         raise DataError(f"{path}: is damaged ({' '.join(str(error).split())[:80] or type(error).__name__}); {again}") from None
 
 
-def _line(entry: dict[str, Any]) -> Line:
-    line = Line(**entry)
+def _line(entry: dict[str, Any]) -> ModtranCase:
+    line = ModtranCase(**entry)
     numbers = [value for name, value in asdict(line).items() if name != "kind" and value is not None]
     if line.kind not in ("path", "sky", "sun") or not all(isinstance(x, int | float) and abs(x) < 1e9 for x in numbers):
         raise ValueError(f"line {entry}")
@@ -112,7 +112,7 @@ def _line(entry: dict[str, Any]) -> Line:
     return line
 
 
-def needed_lines(air: Refraction, height: float, solar_zenith: float | None, *, to_horizon: bool = False) -> list[Line]:
+def needed_lines(air: Refraction, height: float, solar_zenith: float | None, *, to_horizon: bool = False) -> list[ModtranCase]:
     """Lines for a sensor at ``height`` [m], with sunlight scattered towards it for a Sun at ``solar_zenith`` [rad], if any.
 
     ``to_horizon`` lets the farthest path come closer to the horizon, which is LOWTRAN7's own.
@@ -120,19 +120,19 @@ def needed_lines(air: Refraction, height: float, solar_zenith: float | None, *, 
     short = SHORT_OF_LOWTRAN7_HORIZON if to_horizon else SHORT_OF_HORIZON
     cosine = _path_cosines(air, height, float(air.sea_cosine(height, air.dip(height) * (1.0 + short))))
     paths = [
-        Line("path", height, 90.0 + float(np.degrees(d)), range_m=float(a))
+        ModtranCase("path", height, 90.0 + float(np.degrees(d)), range_m=float(a))
         for d, a in zip(air.depression(height, cosine), arc(air, height, cosine), strict=True)
     ]
     above = 90.0 - np.degrees(elevation_of_coordinate(np.linspace(0.0, 1.0, SKY_NODES), 0.0))
     above = np.clip(above, 0.0, 90.0)[::-1].tolist()
     share = (1.0 - 2e-3) * grazing_share(np.linspace(0.0, 1.0, DIP_NODES))[1:]
     dip = np.degrees(air.dip(height))
-    sky = [Line("sky", 0.0, z) for z in above] + [Line("sky", height, z) for z in above]
-    sky += [Line("sky", height, 90.0 + float(s * dip), horizon_share=float(s)) for s in share]
-    suns = [Line("sun", 0.0, z) for z in above]
+    sky = [ModtranCase("sky", 0.0, z) for z in above] + [ModtranCase("sky", height, z) for z in above]
+    sky += [ModtranCase("sky", height, 90.0 + float(s * dip), horizon_share=float(s)) for s in share]
+    suns = [ModtranCase("sun", 0.0, z) for z in above]
     if solar_zenith is None:
         return [*paths, *sky, *suns]
-    lit = [Line(**{**asdict(line), "azimuth_deg": azimuth}) for line in (*paths, *sky) for azimuth in AZIMUTHS]
+    lit = [ModtranCase(**{**asdict(line), "azimuth_deg": azimuth}) for line in (*paths, *sky) for azimuth in AZIMUTHS]
     return [*lit, *suns]
 
 
@@ -170,7 +170,7 @@ def arc(air: Refraction, height: float, sea_cosine: ArrayLike) -> FloatArray:
     return total.reshape(np.shape(sea_cosine))
 
 
-def horizon_zenith_deg(line: Line) -> float:
+def horizon_zenith_deg(line: ModtranCase) -> float:
     """Zenith angle of a sky line over the package's own horizon, onto which what lies below the horizontal is stretched [deg]."""
     if line.horizon_share is None:
         return line.zenith_deg

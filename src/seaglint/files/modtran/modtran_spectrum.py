@@ -76,7 +76,7 @@ def column_of(label: str) -> Column | None:
 
 
 @dataclass(frozen=True)
-class Sight:
+class ModtranSight:
     """Line of sight as a file tells it; NaN where it does not.
 
     Heights in km and angles in degrees as MODTRAN has them: ``zenith_deg`` is that of the line at H1 (ANGLE, OBSZEN), 180 straight
@@ -93,14 +93,14 @@ class Sight:
 
 
 @dataclass(frozen=True, eq=False)
-class Spectrum:
+class ModtranSpectrum:
     """One line of sight in SI.
 
     Attributes
     ----------
     where : str
         File and case, as error messages call it.
-    sight : Sight or None
+    sight : ModtranSight or None
         What the file says of its geometry.
     wavenumber_cm : (n,)
         Ascending [cm-1].
@@ -113,7 +113,7 @@ class Spectrum:
     """
 
     where: str
-    sight: Sight | None
+    sight: ModtranSight | None
     wavenumber_cm: FloatArray
     transmittance: FloatArray | None
     thermal: FloatArray | None
@@ -155,7 +155,7 @@ class Table:
     case: str
     columns: Mapping[Column, FloatArray]
     labels: tuple[str, ...]
-    sight: Sight | None = None
+    sight: ModtranSight | None = None
     line: int | None = None
     fine_depth: bool = False
 
@@ -169,7 +169,7 @@ class Table:
         return f"{self.where}: " + (f"line {self.line + row}" if self.line is not None else f"sample {row + 1}")
 
 
-def spectrum_of(table: Table) -> Spectrum:
+def spectrum_of(table: Table) -> ModtranSpectrum:
     """Check the columns of a case and part them.
 
     Raises
@@ -195,7 +195,7 @@ def spectrum_of(table: Table) -> Spectrum:
     sun = table.columns.get("sun", table.columns.get("sun_at_observer"))
     _something(table, thermal, sun)
     transmittance = turned(_transmittance(table), 1.0)
-    return Spectrum(
+    return ModtranSpectrum(
         table.where,
         table.sight,
         nu[::-1].copy() if reverse else nu,

@@ -15,8 +15,8 @@ from seaglint.base.conventions import FloatArray, horizon_depression, surface_ra
 from seaglint.base.errors import DataError
 from seaglint.files.modtran.csv_file import is_csv, read_csv
 from seaglint.files.modtran.json_file import is_json, read_json
-from seaglint.files.modtran.lines import MANIFEST, Line, Manifest, horizon_zenith_deg, read_manifest
-from seaglint.files.modtran.modtran_spectrum import Sight, Spectrum
+from seaglint.files.modtran.lines import MANIFEST, Manifest, ModtranCase, horizon_zenith_deg, read_manifest
+from seaglint.files.modtran.modtran_spectrum import ModtranSight, ModtranSpectrum
 from seaglint.files.modtran.tape7 import is_tape7, read_tape7
 
 if TYPE_CHECKING:
@@ -36,12 +36,12 @@ LARGEST: Final = 2 << 30
 class _Seen:
     """A spectrum and its line."""
 
-    line: Line
-    spectrum: Spectrum
+    line: ModtranCase
+    spectrum: ModtranSpectrum
     solar_zenith_deg: float | None
 
 
-def read_spectra(path: Path) -> list[Spectrum]:
+def read_spectra(path: Path) -> list[ModtranSpectrum]:
     """All cases of a file, whatever its format.
 
     Raises
@@ -114,7 +114,7 @@ def _of_manifest(path: Path, manifest: Manifest) -> list[_Seen]:
     return [_Seen(line, s, manifest.solar_zenith_deg) for line, s in zip(manifest.lines, spectra, strict=True)]
 
 
-def _require_same(line: Line, spectrum: Spectrum, solar_zenith_deg: float | None) -> None:
+def _require_same(line: ModtranCase, spectrum: ModtranSpectrum, solar_zenith_deg: float | None) -> None:
     """Refuse output whose own cards tell another line of sight than the manifest."""
     sight = spectrum.sight
     if sight is None or (line.kind == "sun" and sight.mode != 3):
@@ -133,7 +133,7 @@ def _require_same(line: Line, spectrum: Spectrum, solar_zenith_deg: float | None
         )
 
 
-def _of_sight(spectrum: Spectrum) -> _Seen:
+def _of_sight(spectrum: ModtranSpectrum) -> _Seen:
     """Line of a spectrum from what its file says."""
     sight = spectrum.sight
     if sight is None:
@@ -145,19 +145,19 @@ def _of_sight(spectrum: Spectrum) -> _Seen:
     lit = sight.mode == 2 and not math.isnan(sight.azimuth_deg)
     azimuth, solar = (abs(sight.azimuth_deg), sight.solar_zenith_deg) if lit else (None, None)
     if sight.mode == 3:
-        return _Seen(Line("sun", height, sight.zenith_deg), spectrum, None)
+        return _Seen(ModtranCase("sun", height, sight.zenith_deg), spectrum, None)
     if sight.kind == 3:
         return _Seen(_sky_line(sight, height, azimuth), spectrum, solar)
     return _Seen(_path_line(spectrum, sight, height, azimuth), spectrum, solar)
 
 
-def _sky_line(sight: Sight, height: float, azimuth: float | None) -> Line:
+def _sky_line(sight: ModtranSight, height: float, azimuth: float | None) -> ModtranCase:
     zenith = sight.zenith_deg
     share = np.radians(zenith - 90.0) / horizon_depression(height) if zenith > 90.0 and height > 0.0 else None
-    return Line("sky", height, zenith, None, None if share is None else min(float(share), 1.0), azimuth)
+    return ModtranCase("sky", height, zenith, None, None if share is None else min(float(share), 1.0), azimuth)
 
 
-def _path_line(spectrum: Spectrum, sight: Sight, height: float, azimuth: float | None) -> Line:
+def _path_line(spectrum: ModtranSpectrum, sight: ModtranSight, height: float, azimuth: float | None) -> ModtranCase:
     if sight.end_km > 1e-6 or sight.zenith_deg <= 90.0 or height <= 0.0:
         raise DataError(
             f"{spectrum.where}: goes from {height:g} m at a zenith angle of {sight.zenith_deg:g} deg to {1e3 * sight.end_km:g} m; paths "
@@ -171,7 +171,7 @@ def _path_line(spectrum: Spectrum, sight: Sight, height: float, azimuth: float |
             f"{spectrum.where}: at a zenith angle of {sight.zenith_deg:g} deg a path from {height:g} m passes above the sea, whose horizon "
             f"is at {limit:.3f} deg; does H1 fit the sensor? Look down to the sea, or keep {MANIFEST} beside the file"
         )
-    return Line("path", height, sight.zenith_deg, arc, None, azimuth)
+    return ModtranCase("path", height, sight.zenith_deg, arc, None, azimuth)
 
 
 def _dataset(seen: list[_Seen]) -> xr.Dataset:
@@ -253,7 +253,7 @@ def _file(seen: _Seen) -> str:
     return seen.spectrum.where.split(": case")[0]
 
 
-def _reaches_horizon(line: Line) -> bool:
+def _reaches_horizon(line: ModtranCase) -> bool:
     arc = line.range_m or 0.0
     # Depression of the arc's own straight ray against that of the horizon.
     psi, h = arc / EFFECTIVE_EARTH_RADIUS, line.height_m
@@ -265,7 +265,7 @@ def _unit(name: str) -> str:
     return {"path_transmittance": "1", "sun_irradiance": "W m-2 per cm-1"}.get(name, "W m-2 sr-1 per cm-1")
 
 
-def _node(line: Line) -> float:
+def _node(line: ModtranCase) -> float:
     return round(line.range_m or 0.0, 6) if line.kind == "path" else round(horizon_zenith_deg(line), 7)
 
 

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Final
 
-from seaglint.files.lowtran.deck import MODELS, STEP_CM, Air
-from seaglint.files.modtran.lines import Line
+from seaglint.files.lowtran.deck import MODELS, STEP_CM, LowtranAir
+from seaglint.files.modtran.lines import ModtranCase
 
 FWHM_CM: Final = 20
 """Width of MODTRAN's slit function [cm-1], which is LOWTRAN7's resolution."""
@@ -23,7 +23,7 @@ LEAST_BOUNDARY_TEMPERATURE: Final = "   0.001"
 """TBOUND, TPTEMP [K]: the sea adds nothing, and 0 would stand for the lowest air's."""
 
 
-def deck(lines: Sequence[Line], air: Air, solar_zenith_deg: float | None, *, modtran: bool) -> str:
+def deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: float | None, *, modtran: bool) -> str:
     """Text of a deck with a case for each line."""
     cases = []
     for i, line in enumerate(lines):
@@ -32,7 +32,7 @@ def deck(lines: Sequence[Line], air: Air, solar_zenith_deg: float | None, *, mod
     return "\n".join(cases) + "\n"
 
 
-def _cards(line: Line, air: Air, solar_zenith_deg: float | None, *, modtran: bool) -> Iterator[str]:
+def _cards(line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, *, modtran: bool) -> Iterator[str]:
     lit = line.azimuth_deg is not None and solar_zenith_deg is not None
     mode = 3 if line.kind == "sun" else 2 if lit else 1
     kind, profile = (2 if line.kind == "path" else 3), air.levels

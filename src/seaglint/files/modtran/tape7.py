@@ -30,7 +30,7 @@ from typing import Final
 import numpy as np
 
 from seaglint.base.errors import DataError
-from seaglint.files.modtran.modtran_spectrum import Column, Sight, Spectrum, Table, column_of, spectrum_of
+from seaglint.files.modtran.modtran_spectrum import Column, ModtranSight, ModtranSpectrum, Table, column_of, spectrum_of
 
 ENDINGS: Final = (".tp7", ".7sc", ".7sr", ".scn")
 
@@ -69,7 +69,7 @@ def _is_header(line: str) -> bool:
     return bool(_HEADER.match(line)) and "," not in line
 
 
-def read_tape7(path: Path, text: str) -> list[Spectrum]:
+def read_tape7(path: Path, text: str) -> list[ModtranSpectrum]:
     """All cases of a file, in its order.
 
     Raises
@@ -221,7 +221,7 @@ def fortran_number(text: str) -> float:
     return float(re.sub(r"(?<=[\d.])([-+]\d{3})$", r"E\1", text).replace("D", "E").replace("d", "E"))
 
 
-def _sight(cards: list[str]) -> Sight | None:
+def _sight(cards: list[str]) -> ModtranSight | None:
     """Geometry from the cards above the column names: mode and kind on card 1, card 3 five lines above the end, 3A1 and 3A2 below it."""
     try:
         kind, mode = int(cards[0][5:10]), int(cards[0][10:15])
@@ -233,4 +233,4 @@ def _sight(cards: list[str]) -> Sight | None:
     if not (mode in (0, 1, 2, 3) and kind in (1, 2, 3) and 0.0 <= height < 1e3 and 0.0 <= zenith <= 180.0):
         return None
     azimuth, solar = (azimuth, solar) if mode == 2 and cards[-4][:5].strip() in ("2", "12") else (np.nan, np.nan)
-    return Sight(mode, kind, height, zenith, end, azimuth, solar)
+    return ModtranSight(mode, kind, height, zenith, end, azimuth, solar)

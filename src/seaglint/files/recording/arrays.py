@@ -26,7 +26,7 @@ AXES: Final = ("tyx", "yxt")
 
 
 @dataclass(frozen=True)
-class Reading:
+class ArrayReading:
     """What the user knows of an array better than its file.
 
     Attributes
@@ -45,7 +45,7 @@ class Reading:
 
 
 def of_array(
-    array: Any, source: str, how: Reading, *, frame_rate: float | None = None, units: str | None = None, named_axes: bool = False
+    array: Any, source: str, how: ArrayReading, *, frame_rate: float | None = None, units: str | None = None, named_axes: bool = False
 ) -> Recording:
     """Frames of anything with ``shape``, ``dtype`` and slices: numbers (r, c), (f, r, c), or colours (r, c, 3|4), (f, r, c, 3|4)."""
     shape, dtype = tuple(int(s) for s in array.shape), np.dtype(array.dtype)
@@ -124,7 +124,7 @@ def _resolved(recording: Recording) -> Recording:
     return replace(recording, offset=level, saturation=saturation).with_notes(note)
 
 
-def open_numpy(path: Path, how: Reading) -> Recording:
+def open_numpy(path: Path, how: ArrayReading) -> Recording:
     """``.npy``, mapped; or one array of an ``.npz``, which is read whole."""
     try:
         loaded = np.load(path, mmap_mode="r" if path.suffix == ".npy" else None, allow_pickle=False)
@@ -140,7 +140,7 @@ def open_numpy(path: Path, how: Reading) -> Recording:
     return of_array(array, f"{path}:{name}", how)
 
 
-def open_hdf5(path: Path, how: Reading) -> Recording:
+def open_hdf5(path: Path, how: ArrayReading) -> Recording:
     """A dataset of an HDF5 file (also MATLAB 7.3); its only one of two or three dimensions, or ``variable``."""
     import h5py
 
@@ -171,7 +171,7 @@ def _unpacked(array: Any) -> Any:
     return _Scaled(array, 1.0 if scale is None else float(scale), 0.0 if zero is None else float(zero), blank)
 
 
-def open_fits(path: Path, how: Reading) -> Recording:
+def open_fits(path: Path, how: ArrayReading) -> Recording:
     """The first image of a FITS file, or the extension ``variable``; rows stay in the order of the file."""
     try:
         from astropy.io import fits
@@ -210,7 +210,7 @@ class _Scaled:
         return values if self._blank is None else np.where(stored == self._blank, np.nan, values)
 
 
-def open_labelled(path: Path, how: Reading) -> Recording:
+def open_labelled(path: Path, how: ArrayReading) -> Recording:
     """NetCDF and Zarr: ours, or anybody's with a variable of (time, rows, columns)."""
     import xarray as xr
 
@@ -225,7 +225,7 @@ def open_labelled(path: Path, how: Reading) -> Recording:
     return of_dataset(dataset, str(path), how)
 
 
-def of_dataset(dataset: Any, source: str, how: Reading) -> Recording:
+def of_dataset(dataset: Any, source: str, how: ArrayReading) -> Recording:
     """The image variable of an :class:`xarray.Dataset`: ``radiance``, the only one, or the one chosen; read when it is needed."""
     images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
     name = _choose(images, how.variable or next((n for n in ("radiance", "signal") if n in images), None), source)

@@ -79,7 +79,7 @@ def open_recording(
         raise DataError(f"axes = {axes!r}; allowed are {', '.join(arrays.AXES)}: time first or last")
     if saturation is not None and not np.isfinite(saturation):
         raise DataError(f"saturation = {saturation:g}; give a finite number")
-    how = arrays.Reading(variable, channel, axes)
+    how = arrays.ArrayReading(variable, channel, axes)
     with _damage(path):
         found = _open(Path(path), raw, how)
     notes = found.notes
@@ -111,7 +111,7 @@ def _damage(path: str | Path) -> Iterator[None]:
         raise DataError(f"{path}: cannot be read ({told}); is the file whole?") from error
 
 
-def _open(path: Path, raw: RawLayout | None, how: arrays.Reading) -> Recording:
+def _open(path: Path, raw: RawLayout | None, how: arrays.ArrayReading) -> Recording:
     if any(sign in path.name for sign in "*?["):
         matches = sorted(map(Path, glob.glob(str(path))), key=images.natural)
         if not matches:
@@ -141,7 +141,7 @@ def _open(path: Path, raw: RawLayout | None, how: arrays.Reading) -> Recording:
     raise DataError(f"{path}: format not known; give one of {FORMATS}")
 
 
-def _open_folder(path: Path, how: arrays.Reading) -> Recording:
+def _open_folder(path: Path, how: arrays.ArrayReading) -> Recording:
     if (path / "zarr.json").exists() or (path / ".zgroup").exists():
         from seaglint.files.store.store import is_sequence, open_sequence
 

@@ -48,7 +48,7 @@ def rows_of_cells(path: Path, lines: Sequence[tuple[int, str]], separator: str =
 
 
 @dataclass(frozen=True)
-class Row:
+class TableRow:
     """Cells of one line by column name, as text."""
 
     line: int
@@ -62,7 +62,7 @@ class TextTable:
     path: Path
     header_line: int
     columns: tuple[str, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[TableRow, ...]
 
     def error(self, line: int, text: str) -> DataError:
         """Error at a line of this file."""
@@ -82,7 +82,7 @@ class TextTable:
             raise self.error(self.header_line, f"columns are {', '.join(self.columns)}; {what} of {', '.join(names)}: give one of them")
         return found[0]
 
-    def number(self, row: Row, column: str, low: float = -math.inf, high: float = math.inf) -> float:
+    def number(self, row: TableRow, column: str, low: float = -math.inf, high: float = math.inf) -> float:
         """Finite number within a range."""
         text = row.cells.get(column, "")
         try:
@@ -128,7 +128,7 @@ def read_text_table(path: str | Path, needed: Sequence[str]) -> TextTable:
     for (number, _), row in zip(lines[1:], cells[1:], strict=True):
         if len(row) != len(names):
             raise DataError(f"{path}: line {number}: {len(row)} cells under {len(names)} column names; is the file whole?")
-        rows.append(Row(number, dict(zip(names, row, strict=True))))
+        rows.append(TableRow(number, dict(zip(names, row, strict=True))))
     if not rows:
         raise DataError(f"{path}: has column names and no rows; {hint}")
     return TextTable(path, lines[0][0], names, tuple(rows))

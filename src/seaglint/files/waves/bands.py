@@ -33,7 +33,7 @@ class Plain:
 
 
 @dataclass(frozen=True, eq=False)
-class Moments(Plain):
+class DirectionalMoments(Plain):
     """Energy and the first two moments of the azimuth waves travel TO, ``int D exp(i n phi) dphi`` [1, (m,)]; NaN where unknown."""
 
     first: ComplexArray
@@ -57,7 +57,7 @@ class Bins:
     density: FloatArray
 
 
-Bands = Plain | Moments | Cosine | Bins
+Bands = Plain | DirectionalMoments | Cosine | Bins
 
 
 def spectrum_of(bands: Bands, choice: WaveChoice, wind_to_azimuth: float, what: str) -> tuple[MeasuredSpectrum, str]:
@@ -84,7 +84,7 @@ def spectrum_of(bands: Bands, choice: WaveChoice, wind_to_azimuth: float, what: 
                     bands.frequency_hz, (bands.from_deg + 180.0) * degree, bands.density / degree, wind_to_azimuth
                 )
                 return spectrum, f"{bands.from_deg.size} directions of the file"
-            case Moments():
+            case DirectionalMoments():
                 first, second = _everywhere(bands, what)
                 return MeasuredSpectrum(bands.frequency_hz, bands.energy, *possible_moments(first, second), wind_to_azimuth), (
                     "two moments of the file, maximum entropy"
@@ -130,7 +130,7 @@ def _require_energy(bands: Plain, what: str) -> None:
         raise DataError(f"{what} has missing energy; choose another time or place")
 
 
-def _everywhere(bands: Moments, what: str) -> tuple[ComplexArray, ComplexArray]:
+def _everywhere(bands: DirectionalMoments, what: str) -> tuple[ComplexArray, ComplexArray]:
     """Moments of every band, interpolated where they are not known."""
     frequency, energy = bands.frequency_hz, bands.energy
     known = np.isfinite(bands.first) & np.isfinite(bands.second)

@@ -19,7 +19,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.files.waves.bands import Bands, Moments, Plain
+from seaglint.files.waves.bands import Bands, DirectionalMoments, Plain
 from seaglint.files.waves.netcdf_waves import held_by
 from seaglint.files.waves.record_choice import WaveChoice
 from seaglint.files.waves.wave_file import Held, parsed, reader
@@ -113,7 +113,7 @@ def _lacks(values: FloatArray) -> np.ndarray[Any, np.dtype[np.bool_]]:
     return np.asarray(~np.isfinite(values) | (values >= _MISSING))
 
 
-def _moments(frequency: FloatArray, energy: FloatArray, columns: list[FloatArray], historical: bool, what: str) -> Moments:
+def _moments(frequency: FloatArray, energy: FloatArray, columns: list[FloatArray], historical: bool, what: str) -> DirectionalMoments:
     """Moments from alpha1, alpha2 [deg, from], r1 and r2 [1; historical files: hundredths]."""
     alpha1, alpha2, r1, r2 = columns
     absent = 999.0 if historical else _MISSING
@@ -127,4 +127,4 @@ def _moments(frequency: FloatArray, energy: FloatArray, columns: list[FloatArray
         scale = 0.01
     first = scale * r1 * np.exp(1j * (np.radians(alpha1) + np.pi))  # from -> to; the second moment does not know the difference
     second = scale * r2 * np.exp(2j * np.radians(alpha2))
-    return Moments(frequency, energy, *(np.where(known, c, np.nan) for c in (first, second)))
+    return DirectionalMoments(frequency, energy, *(np.where(known, c, np.nan) for c in (first, second)))

@@ -30,7 +30,7 @@ _BEGINNING: Final = 8192
 
 
 @dataclass(frozen=True)
-class Waves:
+class WavesFromFile:
     """A spectrum and where it is from.
 
     Attributes
@@ -45,7 +45,9 @@ class Waves:
     report: dict[str, Any]
 
 
-def read_waves(path: str | Path, choice: WaveChoice | None = None, wind_to_azimuth: float = 0.0, *, format: Format | None = None) -> Waves:
+def read_waves(
+    path: str | Path, choice: WaveChoice | None = None, wind_to_azimuth: float = 0.0, *, format: Format | None = None
+) -> WavesFromFile:
     """Spectrum of one place and time.
 
     Parameters
@@ -61,7 +63,7 @@ def read_waves(path: str | Path, choice: WaveChoice | None = None, wind_to_azimu
 
     Returns
     -------
-    Waves
+    WavesFromFile
 
     Raises
     ------
@@ -75,11 +77,11 @@ def read_waves(path: str | Path, choice: WaveChoice | None = None, wind_to_azimu
     path, choice = Path(path), WaveChoice() if choice is None else choice
     kind = recognised(path) if format is None else format
     # what a damaged file holds may be of any type and shape
-    waves: Waves = parsed(path, f"a file of {kind}", lambda: _chosen(path, kind, choice, wind_to_azimuth))
+    waves: WavesFromFile = parsed(path, f"a file of {kind}", lambda: _chosen(path, kind, choice, wind_to_azimuth))
     return waves
 
 
-def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float) -> Waves:
+def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float) -> WavesFromFile:
     """The record nearest in time and place, and what to tell of it."""
     held, what = _held(path, kind, choice), str(path)
     moment, off = (0, None) if held.times is None else choice.nearest_time(held.times, what)
@@ -103,7 +105,7 @@ def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float
             report[name] = float(values[site])
     if away is not None:
         report["km_from_place_wanted"] = away
-    return Waves(spectrum, report)
+    return WavesFromFile(spectrum, report)
 
 
 def recognised(path: Path) -> Format:

@@ -17,7 +17,7 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.errors import DataError
-from seaglint.files.waves.bands import Bands, Moments
+from seaglint.files.waves.bands import Bands, DirectionalMoments
 from seaglint.files.waves.record_choice import as_utc
 from seaglint.files.waves.wave_file import Held, parsed
 
@@ -68,4 +68,4 @@ def _bands(path: Path, record: Record) -> Bands:
             f"{path}: the record of {record['timestamp']} lacks one of {', '.join(_COLUMNS)} in some bands; ask for all of them"
         )
     # From counter-clockwise of east to clockwise of north: exp(i phi) = i conj(exp(i theta)).
-    return Moments(frequency, energy, 1j * np.conj(a1 + 1j * b1), -np.conj(a2 + 1j * b2))
+    return DirectionalMoments(frequency, energy, 1j * np.conj(a1 + 1j * b1), -np.conj(a2 + 1j * b2))

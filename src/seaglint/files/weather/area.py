@@ -9,10 +9,10 @@ from typing import Any
 from seaglint.base.errors import DataError, DomainError
 from seaglint.files.tables.table_text import plain_number
 from seaglint.files.weather.weather_cells import read_cells
-from seaglint.weather.select import Box, Polygon
+from seaglint.weather.select import GeographicBox, Polygon
 
 
-def parse_box(text: str) -> Box:
+def parse_box(text: str) -> GeographicBox:
     """Box of a text ``west,south,east,north`` [deg].
 
     Raises
@@ -27,7 +27,7 @@ def parse_box(text: str) -> Box:
     except ValueError:
         raise DataError(f"--box '{text}' is not four numbers; write west,south,east,north in degrees, e.g. -60,30,-10,60") from None
     try:
-        return Box(*numbers)
+        return GeographicBox(*numbers)
     except DomainError as error:
         raise DataError(f"--box: {error}") from None
 

@@ -16,7 +16,7 @@ from seaglint.weather.weather_table import RANGES, TextArray
 
 
 @dataclass(frozen=True)
-class Source:
+class WeatherSource:
     """Rows of one file.
 
     Attributes
@@ -53,7 +53,7 @@ class Source:
         """Number of rows."""
         return int(next(iter(self.columns.values())).size)
 
-    def within_ranges(self) -> Source:
+    def within_ranges(self) -> WeatherSource:
         """The same with observations outside the range of their column set missing, and counted."""
         columns, lost = dict(self.columns), dict(self.set_missing)
         for name, values in self.columns.items():
@@ -64,7 +64,7 @@ class Source:
                 lost[f"{name} outside {low:g} to {high:g}"] = int(bad.sum())
         return replace(self, columns=columns, set_missing=lost)
 
-    def selected(self, selection: Selection) -> Source:
+    def selected(self, selection: Selection) -> WeatherSource:
         """The rows that are wanted; the others are counted."""
         good, fallen = selection.rows(self.columns, self.rows)
         if good.all():

@@ -22,7 +22,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import BackendError, DataError, SeaglintError
 from seaglint.files.netcdf import drop_quietly
-from seaglint.files.weather.columns_read import Source
+from seaglint.files.weather.columns_read import WeatherSource
 from seaglint.files.weather.times import order_of
 from seaglint.weather.derived import relative_humidity, west_east, wind_from_components
 from seaglint.weather.select import Selection, covered
@@ -161,7 +161,7 @@ def _final_first(path: Path, data: Any, notes: list[str]) -> Any:
     return final.combine_first(early)
 
 
-def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) -> Source:
+def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) -> WeatherSource:
     """Rows of a grid: one for each time and sea point.
 
     Parameters
@@ -222,7 +222,7 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
     lacking = [name for name in UNITS if name not in grids]
     if lacking:
         notes += (f"not in the file: {', '.join(lacking)}",)
-    return Source(
+    return WeatherSource(
         path, "ERA5", columns, total, left_out=left_out, notes=(*notes, "rows weigh as the area of their cell, cos(latitude)")
     ).within_ranges()
 

@@ -16,10 +16,10 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.files.weather.columns_read import Source, text_of
+from seaglint.files.weather.columns_read import WeatherSource, text_of
 from seaglint.files.weather.marine_codes import columns_of
 from seaglint.files.weather.times import month_and_hour
-from seaglint.files.weather.weather_cells import Cells
+from seaglint.files.weather.weather_cells import TextColumns
 from seaglint.weather.derived import west_east
 
 CORE: Final = (
@@ -89,7 +89,7 @@ def looks_like_imma(line: str) -> bool:
     )
 
 
-def read_imma(path: Path) -> Source:
+def read_imma(path: Path) -> WeatherSource:
     """Read the core of IMMA records.
 
     Raises
@@ -107,7 +107,7 @@ def read_imma(path: Path) -> Source:
     report = {name: scale * _field(path, lines, name) for name, scale in _SCALE.items()}
     report["LON"] = west_east(report["LON"])
     columns, lost, notes = columns_of(report)
-    return Source(path, "ICOADS IMMA1", columns, len(lines), set_missing=lost, notes=tuple(notes)).within_ranges()
+    return WeatherSource(path, "ICOADS IMMA1", columns, len(lines), set_missing=lost, notes=tuple(notes)).within_ranges()
 
 
 def _field(path: Path, lines: list[tuple[int, str]], name: str) -> FloatArray:
@@ -131,7 +131,7 @@ def is_icoads_csv(header: tuple[str, ...]) -> bool:
     return {"MO", "LAT", "LON", "W"} <= set(header) or {"DATE", "LATITUDE", "LONGITUDE", "WIND_SPEED"} <= set(header)
 
 
-def read_icoads_csv(cells: Cells) -> Source:
+def read_icoads_csv(cells: TextColumns) -> WeatherSource:
     """Columns of an ICOADS CSV file.
 
     IMMA's abbreviations are in plain units (hours, degrees, m/s, degC, oktas, half metres); NCEI's long names (WIND_SPEED, AIR_TEMP, ...)
@@ -158,4 +158,4 @@ def read_icoads_csv(cells: Cells) -> Source:
     report["LON"] = west_east(report["LON"])
     columns, lost, notes = columns_of(report)
     notes += [*times]
-    return Source(cells.path, "ICOADS CSV", columns, len(cells.rows), set_missing=lost, notes=tuple(notes)).within_ranges()
+    return WeatherSource(cells.path, "ICOADS CSV", columns, len(cells.rows), set_missing=lost, notes=tuple(notes)).within_ranges()

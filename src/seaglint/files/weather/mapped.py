@@ -7,20 +7,20 @@ from collections.abc import Sequence
 import numpy as np
 
 from seaglint.base.errors import DataError
-from seaglint.files.weather.columns_read import Source
+from seaglint.files.weather.columns_read import WeatherSource
 from seaglint.files.weather.times import month_and_hour
-from seaglint.files.weather.weather_cells import Cells
+from seaglint.files.weather.weather_cells import TextColumns
 from seaglint.weather.column_map import HELPERS, MappedColumn
 from seaglint.weather.derived import relative_humidity, west_east, wind_from_components
 from seaglint.weather.weather_table import RANGES, TEXTS
 
 
-def read_mapped(cells: Cells, columns: Sequence[MappedColumn], *, naive_is_utc: bool = False) -> Source:
+def read_mapped(cells: TextColumns, columns: Sequence[MappedColumn], *, naive_is_utc: bool = False) -> WeatherSource:
     """Columns of a CSV file by a map; headings that are weather columns already are taken as they are.
 
     Parameters
     ----------
-    cells : Cells
+    cells : TextColumns
         The file.
     columns : sequence of MappedColumn
         Which of its columns is what.
@@ -78,4 +78,4 @@ def read_mapped(cells: Cells, columns: Sequence[MappedColumn], *, naive_is_utc: 
     if np.any(np.isnan(kept.get("weight", np.zeros(1)))):
         row = int(np.flatnonzero(np.isnan(kept["weight"]))[0])
         raise DataError(f"{cells.where(row)}, column {heading['weight']}: a weight is missing; give a number of 0 or more")
-    return Source(cells.path, "CSV", kept, len(cells.rows), texts, notes=tuple(notes))
+    return WeatherSource(cells.path, "CSV", kept, len(cells.rows), texts, notes=tuple(notes))

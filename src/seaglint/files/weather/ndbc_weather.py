@@ -21,7 +21,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.files.tables.table_text import plain_number
-from seaglint.files.weather.columns_read import Source, text_of
+from seaglint.files.weather.columns_read import WeatherSource, text_of
 from seaglint.files.weather.times import order_of
 from seaglint.sea.wind_profile import u10_of_wind
 from seaglint.weather.derived import ICE_POINT, relative_humidity
@@ -41,7 +41,7 @@ def looks_like_ndbc(line: str) -> bool:
     return names[:4] == ["YY", "MM", "DD", "hh"] and "WSPD" in names
 
 
-def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[float, float] | None = None) -> Source:
+def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[float, float] | None = None) -> WeatherSource:
     """Read a buoy's file.
 
     Parameters
@@ -93,7 +93,7 @@ def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[flo
     }
     if place is not None:
         columns |= {"latitude_deg": np.full(len(rows), place[0]), "longitude_deg": np.full(len(rows), place[1])}
-    return Source(path, "NDBC standard meteorological", columns, len(rows), notes=(*notes, *told)).within_ranges()
+    return WeatherSource(path, "NDBC standard meteorological", columns, len(rows), notes=(*notes, *told)).within_ranges()
 
 
 def to_ten_metres(speed: FloatArray, height: float) -> FloatArray:

@@ -12,14 +12,14 @@ from seaglint.files.weather import era5_weather as era5
 from seaglint.files.weather import imma, mapped
 from seaglint.files.weather import ndbc_weather as ndbc
 from seaglint.files.weather import weather_file as own
-from seaglint.files.weather.columns_read import Source, text_of
+from seaglint.files.weather.columns_read import WeatherSource, text_of
 from seaglint.files.weather.weather_cells import read_cells
 from seaglint.weather.column_map import MappedColumn
 from seaglint.weather.select import Selection
 
 
 @dataclass(frozen=True)
-class Reading:
+class WeatherReading:
     """What files do not say.
 
     Attributes
@@ -45,7 +45,7 @@ def is_grid(path: Path) -> bool:
     return era5.is_grib(path) or era5.is_netcdf(path)
 
 
-def read_source(path: Path, selection: Selection, reading: Reading, beside: tuple[Path, ...] = ()) -> Source:
+def read_source(path: Path, selection: Selection, reading: WeatherReading, beside: tuple[Path, ...] = ()) -> WeatherSource:
     """Rows of one file that are wanted.
 
     Parameters
@@ -54,7 +54,7 @@ def read_source(path: Path, selection: Selection, reading: Reading, beside: tupl
         The file.
     selection : Selection
         Places and times wanted; the region is not used here.
-    reading : Reading
+    reading : WeatherReading
         What the file does not say.
     beside : tuple of Path
         Grids without winds, for one that has them.
@@ -96,12 +96,12 @@ def read_source(path: Path, selection: Selection, reading: Reading, beside: tupl
     return _placed(found, reading).selected(selection)
 
 
-def _own(path: Path) -> Source:
+def _own(path: Path) -> WeatherSource:
     found = own.read_weather(path)
-    return Source(path, "weather table", found.table.columns, len(found.table), found.table.texts, notes=(*found.notes, *found.told))
+    return WeatherSource(path, "weather table", found.table.columns, len(found.table), found.table.texts, notes=(*found.notes, *found.told))
 
 
-def _placed(source: Source, reading: Reading) -> Source:
+def _placed(source: WeatherSource, reading: WeatherReading) -> WeatherSource:
     """The source at the place given, where it has none."""
     if reading.place is None or "latitude_deg" in source.columns:
         return source

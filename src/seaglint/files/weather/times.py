@@ -9,15 +9,15 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.files.weather.weather_cells import Cells
+from seaglint.files.weather.weather_cells import TextColumns
 
 
-def month_and_hour(cells: Cells, column: str, *, naive_is_utc: bool) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+def month_and_hour(cells: TextColumns, column: str, *, naive_is_utc: bool) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
     """Month and hour of UTC of a column of ISO times.
 
     Parameters
     ----------
-    cells : Cells
+    cells : TextColumns
         The file.
     column : str
         Heading of the times: ``2019-07-01T06:00Z``, ``2019-07-01 08:00+02:00``.

@@ -18,7 +18,7 @@ _MISSING: Final = frozenset({"", "nan", "NaN", "NA", "null", "None"})
 
 
 @dataclass(frozen=True)
-class Cells:
+class TextColumns:
     """A CSV file as text, column by column.
 
     Attributes
@@ -82,7 +82,7 @@ class Cells:
         return values
 
 
-def read_cells(path: str | Path) -> Cells:
+def read_cells(path: str | Path) -> TextColumns:
     """Read a CSV file with a line of headings; lines that begin with ``#`` and empty ones are passed over.
 
     Commas, semicolons or tabs part the cells.
@@ -115,4 +115,4 @@ def read_cells(path: str | Path) -> Cells:
     for (number, _), row in zip(lines[1:], cells[1:], strict=True):
         if len(row) != len(header):
             raise DataError(f"{path}, line {number}: {len(row)} cells under {len(header)} headings; is the file whole?")
-    return Cells(path, header, cells[1:], [number for number, _ in lines[1:]], comments)
+    return TextColumns(path, header, cells[1:], [number for number, _ in lines[1:]], comments)

@@ -13,7 +13,7 @@ import numpy as np
 
 from seaglint.base.errors import BackendError, DataError, DomainError
 from seaglint.files.outputs import moved_when_whole, refuse_existing
-from seaglint.files.weather.weather_cells import Cells, read_cells
+from seaglint.files.weather.weather_cells import TextColumns, read_cells
 from seaglint.weather.weather_table import NEEDED, RANGES, TEXTS, WeatherTable
 
 SUFFIXES: Final = (".csv", ".parquet")
@@ -72,7 +72,7 @@ def _read_csv(path: Path) -> WeatherFile:
     return WeatherFile(table, tuple(cells.comments), _told(cells.header, table))
 
 
-def _check_weights(cells: Cells, columns: dict[str, Any]) -> None:
+def _check_weights(cells: TextColumns, columns: dict[str, Any]) -> None:
     missing = np.flatnonzero(np.isnan(columns.get("weight", np.zeros(0))))
     if missing.size:
         raise DataError(f"{cells.where(int(missing[0]))}, column weight: is empty; give a number of 0 or more, or remove the column")

@@ -168,7 +168,7 @@ def pixel_elevations(corners: FloatArray) -> tuple[FloatArray, FloatArray]:
     )
 
 
-class Cells(NamedTuple):
+class SweepGrid(NamedTuple):
     """Cells of the sweep's image in azimuth and the sine of elevation.
 
     The fields are azimuth of its middle and step of its columns [rad], their number, a flag for the full circle; row 0's upper edge, 1/row
@@ -184,11 +184,11 @@ class Cells(NamedTuple):
     edges: np.ndarray
 
 
-def cells_of(camera: Camera) -> Cells:
+def cells_of(camera: Camera) -> SweepGrid:
     """Cells of an azimuth-elevation image."""
     edges = np.sin(np.clip(camera.top - np.arange(camera.rows + 1) * camera.row_step, -0.5 * np.pi, 0.5 * np.pi))
     circle = camera.width > 2.0 * np.pi - 1e-9
-    return Cells(camera.azimuth, camera.column_step, camera.columns, bool(circle), camera.top, 1.0 / camera.row_step, edges)
+    return SweepGrid(camera.azimuth, camera.column_step, camera.columns, bool(circle), camera.top, 1.0 / camera.row_step, edges)
 
 
 class Quads(NamedTuple):
@@ -203,7 +203,7 @@ class Quads(NamedTuple):
         return Quads(self.column[which], self.sine[which], self.bound[which])
 
 
-def quads(corners: FloatArray, pixels: NDArray[np.int64], cells: Cells, azimuth_of_image: float) -> Quads:
+def quads(corners: FloatArray, pixels: NDArray[np.int64], cells: SweepGrid, azimuth_of_image: float) -> Quads:
     """Quadrilaterals of some pixels (flat indices); columns ascend continuously for half a circle to both sides of the image's azimuth."""
     width = corners.shape[1]
     row, column = np.divmod(pixels, width - 1)
@@ -218,7 +218,7 @@ def quads(corners: FloatArray, pixels: NDArray[np.int64], cells: Cells, azimuth_
     return Quads(u, np.ascontiguousarray(at[..., 2]), bound.astype(np.int64))
 
 
-def inside(quadrilaterals: Quads, cells: Cells) -> NDArray[np.bool_]:
+def inside(quadrilaterals: Quads, cells: SweepGrid) -> NDArray[np.bool_]:
     """True for each quadrilateral that the cells cover [(pixels,)]."""
     rows = (quadrilaterals.sine.max(axis=1) <= cells.edges[0]) & (quadrilaterals.sine.min(axis=1) >= cells.edges[-1])
     if cells.circle:
@@ -255,7 +255,7 @@ def area(poly: np.ndarray, n: int) -> float:
 
 
 @njit
-def overlaps(column: np.ndarray, sine: np.ndarray, cells: Cells, work: np.ndarray, index: np.ndarray, weight: np.ndarray) -> int:
+def overlaps(column: np.ndarray, sine: np.ndarray, cells: SweepGrid, work: np.ndarray, index: np.ndarray, weight: np.ndarray) -> int:
     """Find the cells (row times columns plus column) that a quadrilateral overlaps and their weights, which sum to 1. Return their number.
 
     ``work`` holds four polygons.
@@ -298,7 +298,7 @@ def overlaps(column: np.ndarray, sine: np.ndarray, cells: Cells, work: np.ndarra
 
 @njit_parallel
 def fill_weights(
-    column: np.ndarray, sine: np.ndarray, cells: Cells, start: np.ndarray, count: np.ndarray, index: np.ndarray, weight: np.ndarray
+    column: np.ndarray, sine: np.ndarray, cells: SweepGrid, start: np.ndarray, count: np.ndarray, index: np.ndarray, weight: np.ndarray
 ) -> None:
     """Compute :func:`overlaps` of many quadrilaterals; those of pixel ``p`` lie from ``start[p]`` on, ``count[p]`` of them."""
     blocks = (column.shape[0] + 255) // 256
@@ -323,7 +323,7 @@ def apply_weights(
 
 @njit_parallel
 def resample_at_once(
-    column: np.ndarray, sine: np.ndarray, cells: Cells, most: int, images: np.ndarray, pixels: np.ndarray, out: np.ndarray
+    column: np.ndarray, sine: np.ndarray, cells: SweepGrid, most: int, images: np.ndarray, pixels: np.ndarray, out: np.ndarray
 ) -> None:
     """Apply :func:`fill_weights` and :func:`apply_weights` without storing the weights; ``most`` cells are under a pixel at most."""
     blocks = (column.shape[0] + 255) // 256
@@ -350,7 +350,7 @@ class Resampling:
     weight: NDArray[np.float32]
 
     @classmethod
-    def of(cls, quadrilaterals: Quads, pixels: NDArray[np.int64], cells: Cells) -> Resampling:
+    def of(cls, quadrilaterals: Quads, pixels: NDArray[np.int64], cells: SweepGrid) -> Resampling:
         """Resampling weights for some pixels (flat indices) and their quadrilaterals."""
         start = np.concatenate([[0], np.cumsum(quadrilaterals.bound)])
         count = np.zeros(pixels.size, np.int32)

@@ -16,7 +16,7 @@ import numpy as np
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.roughness import Roughness
 from seaglint.imaging.sweep.walk import elevation
-from seaglint.imaging.wave_surface import LONGEST_STRIP, STRIP, Course, Strip, Surface, address
+from seaglint.imaging.wave_surface import LONGEST_STRIP, STRIP, Strip, Surface, SurfaceLine, address
 
 BUFFER = 1024
 """Number of visible pieces found before they are shaded; 150 kB stay in the processor's cache."""
@@ -65,7 +65,7 @@ def new_pieces(channels: int) -> Pieces:
 
 
 @kernel
-def read_slopes(surface: Surface, line: Course, range_m: np.ndarray, pieces: Pieces, count: int, strip: Strip) -> None:
+def read_slopes(surface: Surface, line: SurfaceLine, range_m: np.ndarray, pieces: Pieces, count: int, strip: Strip) -> None:
     """Read the middles of the first ``count`` pieces and the slopes there, as :func:`~seaglint.imaging.wave_surface.slopes` to 2e-5 of a
     cell.
 

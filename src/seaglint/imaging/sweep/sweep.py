@@ -32,7 +32,7 @@ from seaglint.imaging.sun_in_sky import NO_SUN, SunInSky, add_disc
 from seaglint.imaging.sweep.pieces import Merging, Pieces, merge, new_pieces, read_slopes
 from seaglint.imaging.sweep.walk import Walk, bend, elevation, walk_line
 from seaglint.imaging.wave_shadow import sun_share
-from seaglint.imaging.wave_surface import Course, Surface, course, height, new_strip
+from seaglint.imaging.wave_surface import Surface, SurfaceLine, course, height, new_strip
 
 NEGLIGIBLE_SUN = 3e-4
 """Share of a facet's thermal radiance below which its sunlight is not tested for shadows."""
@@ -83,8 +83,8 @@ class Line(NamedTuple):
     """
 
     level: int
-    course: Course
-    sunward: Course
+    course: SurfaceLine
+    sunward: SurfaceLine
     sight: Sight
     thermal: ThermalLine
     emitted: ThermalLine

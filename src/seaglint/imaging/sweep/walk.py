@@ -18,7 +18,7 @@ from seaglint.base.conventions import FloatArray, horizon_depression, horizon_ra
 from seaglint.base.jit import kernel, njit
 from seaglint.facet.facet_tables import PathTerms
 from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.wave_surface import STRIP, Course, Strip, Surface, add_heights, height
+from seaglint.imaging.wave_surface import STRIP, Strip, Surface, SurfaceLine, add_heights, height
 
 RANGE_PARTS = 0.5
 """Largest step as a share of the ground seen by one pixel row, so that near pixels consist of several pieces."""
@@ -165,7 +165,7 @@ def walk_line(
     walk: Walk,
     surface: Surface,
     level: int,
-    line: Course,
+    line: SurfaceLine,
     part: tuple[int, int],
     horizon: tuple[float, float],
     strip: Strip,

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
-from seaglint.objects.body import Point
-from seaglint.objects.drawing.draw import Patch, Picture, Stage, solid_angle
+from seaglint.objects.body import PointSource
+from seaglint.objects.drawing.draw import DrawnBodies, PixelPatch, Stage, solid_angle
 from seaglint.objects.drawing.eye import Stand
 from seaglint.objects.drawing.light import Surroundings
 from seaglint.objects.drawing.sample_sums import ACROSS, COVER, DISTANCE, DOWN, EMITTED, MIRRORED, PATH, SEEN, SUN
@@ -34,7 +34,7 @@ _ADDED: Final = {
 
 
 @dataclass(frozen=True, eq=False)
-class Share:
+class BodyShare:
     """Coverage and radiance of one body in some pixels, radiance times coverage, both over the sea's image there.
 
     ``image``: radiance of the sea's image in these pixels; ``pixel``: their solid angle [sr].
@@ -47,14 +47,14 @@ class Share:
     image: FloatArray
     pixel: FloatArray
 
-    def rows_between(self, first: int, end: int) -> Share:
+    def rows_between(self, first: int, end: int) -> BodyShare:
         """Return the share in some rows alone."""
         keep = (self.rows >= first) & (self.rows < end)
-        return Share(self.rows[keep], self.columns, self.cover[keep], self.radiance[keep], self.image[keep], self.pixel[keep])
+        return BodyShare(self.rows[keep], self.columns, self.cover[keep], self.radiance[keep], self.image[keep], self.pixel[keep])
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class BodySight:
     """One body in the image of an instant, summed over its parts and over parts of the image.
 
     Attributes
@@ -67,7 +67,7 @@ class Sight:
         Solid angle in all [sr].
     seen, across, down : float
         Solid angle in view [sr]; the same times the place in the image [sr pixels].
-    shares : tuple of Share
+    shares : tuple of BodyShare
         Its pixels.
     """
 
@@ -79,9 +79,9 @@ class Sight:
     seen: float = 0.0
     across: float = 0.0
     down: float = 0.0
-    shares: tuple[Share, ...] = field(default=())
+    shares: tuple[BodyShare, ...] = field(default=())
 
-    def joined(self, other: Sight) -> Sight:
+    def joined(self, other: BodySight) -> BodySight:
         """Return the sum with the sight of another part of the image."""
         return replace(
             self,
@@ -91,7 +91,7 @@ class Sight:
             shares=self.shares + other.shares,
         )
 
-    def between(self, first: int, end: int) -> Sight:
+    def between(self, first: int, end: int) -> BodySight:
         """Return the sight in some rows of the image alone, its centre from whole pixels where it lies partly in them."""
         shares = tuple(share.rows_between(first, end) for share in self.shares)
         before = sum(int(share.cover.size) for share in self.shares)
@@ -107,7 +107,7 @@ class Sight:
         return replace(self, seen=seen, across=across, down=down, shares=shares)
 
 
-def composed(layers: Layers, stage: Stage, picture: Picture, light: Surroundings) -> tuple[Layers, tuple[Sight, ...]]:
+def composed(layers: Layers, stage: Stage, picture: DrawnBodies, light: Surroundings) -> tuple[Layers, tuple[BodySight, ...]]:
     """Return the image of the sea with bodies over it, and the sight of each body.
 
     Parameters
@@ -116,14 +116,14 @@ def composed(layers: Layers, stage: Stage, picture: Picture, light: Surroundings
         Image of the sea alone: the pixels that ``stage`` draws.
     stage : Stage
         Camera, pose and pixels.
-    picture : Picture
+    picture : DrawnBodies
         Contributions of the bodies to the image.
     light : Surroundings
         The view's.
 
     Returns
     -------
-    Layers, tuple of Sight
+    Layers, tuple of BodySight
         Image, and one for every body.
     """
     if not picture.patches:
@@ -158,20 +158,20 @@ def _pixels(stage: Stage) -> FloatArray:
     return stage.imager.solid_angle(stage.pose.attitude, across, down)
 
 
-def _share(patch: Patch, stage: Stage, sea: FloatArray, pixel: FloatArray, light: Surroundings) -> Share:
+def _share(patch: PixelPatch, stage: Stage, sea: FloatArray, pixel: FloatArray, light: Surroundings) -> BodyShare:
     where = np.ix_(patch.rows - stage.rows[0], patch.columns - stage.columns[0])
     image, solid = sea[where], pixel[where]
     radiance = patch.planes[[PATH, EMITTED, MIRRORED, SUN]].sum(axis=0)
     if patch.clear > 0.0:
         intensity = _intensity(patch, float(image[0, 0]), light)
         radiance = radiance + patch.clear * intensity / (patch.placed.distance**2 * solid)
-    return Share(patch.rows, patch.columns, patch.planes[COVER], radiance, image, solid)
+    return BodyShare(patch.rows, patch.columns, patch.planes[COVER], radiance, image, solid)
 
 
-def _intensity(patch: Patch, behind: float, light: Surroundings) -> float:
+def _intensity(patch: PixelPatch, behind: float, light: Surroundings) -> float:
     """Radiant intensity of a point above its background, before the path [W sr-1]."""
     point = patch.placed.part.kind
-    assert isinstance(point, Point)  # only points have no extent
+    assert isinstance(point, PointSource)  # only points have no extent
     if point.intensity is not None:
         return point.intensity
     assert point.temperature_difference is not None  # one of the two is given
@@ -187,7 +187,7 @@ def _blackbody(light: Surroundings, kelvin: float) -> float:
     return float(band.radiance(np.array([max(kelvin, 1.0)]), light.view.atmosphere.wavenumber_cm)[0])
 
 
-def _distances(layers: Layers, stage: Stage, patches: Sequence[Patch], out: dict[str, NDArray[np.float32]]) -> None:
+def _distances(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: dict[str, NDArray[np.float32]]) -> None:
     """Mean distance over the sea and bodies that a pixel sees [m]."""
     if "range" not in out:
         return
@@ -202,7 +202,7 @@ def _distances(layers: Layers, stage: Stage, patches: Sequence[Patch], out: dict
         out["range"][where] = np.where(cover > LEAST_COVER, new, was).astype(np.float32)
 
 
-def _derived(layers: Layers, stage: Stage, patches: Sequence[Patch], out: dict[str, NDArray[np.float32]]) -> None:
+def _derived(layers: Layers, stage: Stage, patches: Sequence[PixelPatch], out: dict[str, NDArray[np.float32]]) -> None:
     """Layers derived from the others: share of glint with bodies; slope is NaN where bodies hide the sea."""
     left = np.ones(layers.radiance.shape)
     for patch in patches:
@@ -216,7 +216,7 @@ def _derived(layers: Layers, stage: Stage, patches: Sequence[Patch], out: dict[s
         out["slope"][left <= LEAST_SEEN] = np.nan
 
 
-def _sights(stage: Stage, picture: Picture, patches: list[Patch], shares: list[Share]) -> tuple[Sight, ...]:
+def _sights(stage: Stage, picture: DrawnBodies, patches: list[PixelPatch], shares: list[BodyShare]) -> tuple[BodySight, ...]:
     out, circle = [], stage.window.circle
     for number, (body, place) in enumerate(zip(picture.bodies, picture.stands, strict=True)):
         own = [(patch, share) for patch, share in zip(patches, shares, strict=True) if patch.placed.part.body == number]
@@ -229,7 +229,7 @@ def _sights(stage: Stage, picture: Picture, patches: list[Patch], shares: list[S
             across, down = (float(np.mean([p.sums[k] for p in points])) for k in (ACROSS, DOWN))
         elif points:
             across, down = (float(sums[k] - sum(p.sums[k] for p in points)) for k in (ACROSS, DOWN))
-        out.append(Sight(body.name, *_direction(place), float(whole), seen, across, down, tuple(share for _, share in own)))
+        out.append(BodySight(body.name, *_direction(place), float(whole), seen, across, down, tuple(share for _, share in own)))
     return tuple(out)
 
 

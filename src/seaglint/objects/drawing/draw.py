@@ -19,19 +19,19 @@ from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.camera.view import Imager
 from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.wave_surface import Surface
-from seaglint.objects.body import Body, Plume, Point
+from seaglint.objects.body import Body, GasPlume, PointSource
 from seaglint.objects.drawing.crests import Crests, calm, crests
-from seaglint.objects.drawing.eye import Grid, Lens, Plane, Stand, grid_over, image_point, lens, project, stand, strips
+from seaglint.objects.drawing.eye import Grid, Lens, Stand, TangentPlane, grid_over, image_point, lens, project, stand, strips
 from seaglint.objects.drawing.light import Arriving, Corners, Surroundings
-from seaglint.objects.drawing.parts import Mesh, Part, Placed, parts_of, placed
+from seaglint.objects.drawing.parts import DrawnPart, Mesh, Placed, parts_of, placed
 from seaglint.objects.drawing.raster import Faces, Samples, lay_samples, meet, outline, whole_solid_angle
 from seaglint.objects.drawing.sample_sums import (
     LIFT,
     PLANES,
     SUMS,
     WHOLE,
-    Scene,
-    Shape,
+    BodySurroundings,
+    SensorMesh,
     SunMap,
     Window,
     clear_to,
@@ -55,7 +55,7 @@ _KEPT: Final = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Patch:
+class PixelPatch:
     """Contribution of a part to some pixels.
 
     Attributes
@@ -81,12 +81,12 @@ class Patch:
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class DrawnBodies:
     """Contributions of all bodies to the image of an instant, and their positions."""
 
     bodies: tuple[Body, ...]
     stands: tuple[Stand, ...]
-    patches: tuple[Patch, ...]
+    patches: tuple[PixelPatch, ...]
     placed: tuple[Placed, ...]
 
 
@@ -131,7 +131,7 @@ class Stage:
             return calm(self.pose.height)
         return crests(*self.sea, self.pose.height, one.span[0])
 
-    def faces(self, one: Placed, plane: Plane, about: Placed) -> Faces:
+    def faces(self, one: Placed, plane: TangentPlane, about: Placed) -> Faces:
         """Triangles or points of a part on a plane and in the image, with continuous columns about those of another."""
         middle = float(image_point(self.lens, tuple(about.place), 0.5 * self.imager.columns)[0])
         point, image = project(one.surface, plane.axes, self.lens, middle)
@@ -165,7 +165,7 @@ class Drawer:
     """Drawer of bodies from any pose at any time. Make it with :meth:`of`."""
 
     bodies: tuple[Body, ...]
-    _parts: tuple[Part, ...]
+    _parts: tuple[DrawnPart, ...]
     _light: OrderedDict[SeaView, Surroundings] = field(default_factory=OrderedDict)
 
     @classmethod
@@ -187,7 +187,7 @@ class Drawer:
             self._light.popitem(last=False)
         return cached
 
-    def picture(self, stage: Stage, time: float) -> Picture:
+    def picture(self, stage: Stage, time: float) -> DrawnBodies:
         """Contributions of the bodies to the image at a time [s].
 
         Raises
@@ -205,14 +205,14 @@ class Drawer:
         except DomainError as error:
             raise DomainError(f"objects: {error}") from error
 
-        def draw(n: int) -> Patch | None:
+        def draw(n: int) -> PixelPatch | None:
             return _drawn(stage, selected[n], every, arriving[n], light)
 
         with ThreadPoolExecutor(int(numba.get_num_threads())) as pool:
             # the first alone: it compiles, if need be, in one thread
             first = [draw(0)] if selected else []
             patches = first + list(pool.map(draw, range(1, len(selected))))
-        return Picture(self.bodies, stands, tuple(patch for patch in patches if patch is not None), every)
+        return DrawnBodies(self.bodies, stands, tuple(patch for patch in patches if patch is not None), every)
 
     def _near(self, stage: Stage, one: Placed) -> bool:
         """True if a part may be in the pixels to draw: its sphere meets the cone about them."""
@@ -228,7 +228,7 @@ class Drawer:
         return half > 1.2 or away <= half + one.angle
 
 
-def faces_of(kind: Mesh | Plume | Point, point: FloatArray, image: FloatArray, bend: float) -> Faces:
+def faces_of(kind: Mesh | GasPlume | PointSource, point: FloatArray, image: FloatArray, bend: float) -> Faces:
     """Faces of a part on a plane; the points alone where it is no mesh."""
     if isinstance(kind, Mesh):
         return Faces(point, image, kind.corners, kind.ends, kind.sides, bend)
@@ -240,7 +240,7 @@ def _temperatures(one: Placed) -> FloatArray:
     kind = one.part.kind
     if isinstance(kind, Mesh):
         return kind.temperatures
-    return np.array([kind.temperature]) if isinstance(kind, Plume) else np.array([300.0])
+    return np.array([kind.temperature]) if isinstance(kind, GasPlume) else np.array([300.0])
 
 
 def _corners(one: Placed) -> Corners:
@@ -260,9 +260,9 @@ def _overlapping(one: Placed, every: tuple[Placed, ...]) -> list[Placed]:
     return out
 
 
-def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriving, light: Surroundings) -> Patch | None:
+def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriving, light: Surroundings) -> PixelPatch | None:
     """Draw one part on its own grid of samples; None where it contributes nothing."""
-    plane = Plane.to(one.place)
+    plane = TangentPlane.to(one.place)
     faces = stage.faces(one, plane, one)
     box = stage.box(faces)
     if box is None:
@@ -284,12 +284,12 @@ def _drawn(stage: Stage, one: Placed, every: tuple[Placed, ...], arriving: Arriv
         meet(faces, some, samples)
         outline(faces, stage.lens, plane.axes, some, samples)
         behind = _others(samples, some, solids)
-        scene = Scene(stage.pose.height, sea, behind, gases, plane.axes, one.heading)
+        scene = BodySurroundings(stage.pose.height, sea, behind, gases, plane.axes, one.heading)
         rows = some.first[1] - grid.first[1]
         out = (planes[:, rows : rows + some.pixels[1]], sums)
         if isinstance(one.part.kind, Mesh):
             kind = one.part.kind
-            shape = Shape(one.surface, kind.corners, kind.code, kind.emissivity)
+            shape = SensorMesh(one.surface, kind.corners, kind.code, kind.emissivity)
             shade_solid(some, stage.lens, stage.window, samples, shape, scene, arriving, shadow, out)
         else:
             shade_gas(some, stage.lens, stage.window, samples, one.gas, scene, arriving, out)
@@ -319,23 +319,23 @@ def _others(samples: Samples, grid: Grid, solids: list[Faces]) -> FloatArray:
     return near
 
 
-def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: FloatArray) -> Patch | None:
+def _patch(stage: Stage, one: Placed, grid: Grid, planes: FloatArray, sums: FloatArray) -> PixelPatch | None:
     """Patch of the pixels to draw, from the pixels of the grid."""
     rows, columns = grid.first[1] + np.arange(grid.pixels[1]), grid.first[0] + np.arange(grid.pixels[0])
     if stage.window.circle:
         columns = columns % stage.window.circle
     keep = (rows >= stage.rows[0]) & (rows < stage.rows[1])
     also = (columns >= stage.columns[0]) & (columns < stage.columns[1])
-    return Patch(one, rows[keep], columns[also], planes[:, keep][:, :, also], sums)
+    return PixelPatch(one, rows[keep], columns[also], planes[:, keep][:, :, also], sums)
 
 
 def _point(
     stage: Stage,
     one: Placed,
-    around: tuple[Plane, Crests, list[Faces], FloatArray],
+    around: tuple[TangentPlane, Crests, list[Faces], FloatArray],
     box: tuple[float, float, float, float],
     arriving: Arriving,
-) -> Patch | None:
+) -> PixelPatch | None:
     """Draw a point source: its visibility and the transmittance of its path."""
     plane, sea, solids, gases = around
     grid = Grid((0, 0), (1, 1), (1, 1), (0, 0), (1, 1))
@@ -343,14 +343,14 @@ def _point(
     samples = Samples(x, y, near, np.full((1, 1), -1, np.int32), np.ones((1, 1)))
     # every triangle is tested in the one direction
     near = _others(samples, grid, [faces._replace(image=np.zeros_like(faces.image)) for faces in solids])
-    scene = Scene(stage.pose.height, sea, near, gases, plane.axes, one.heading)
+    scene = BodySurroundings(stage.pose.height, sea, near, gases, plane.axes, one.heading)
     column, row = 0.5 * (box[0] + box[1]), 0.5 * (box[2] + box[3])
     clear = float(clear_to(scene, one.distance)) * float(arriving.clear[0])
     at = math.floor(column) % stage.window.circle if stage.window.circle else math.floor(column)
     if clear == 0.0 or not (stage.columns[0] <= at < stage.columns[1] and stage.rows[0] <= math.floor(row) < stage.rows[1]):
         return None
     sums = np.array([0.0, 0.0, column, row])
-    return Patch(one, np.array([math.floor(row)]), np.array([at]), np.zeros((PLANES, 1, 1)), sums, clear)
+    return PixelPatch(one, np.array([math.floor(row)]), np.array([at]), np.zeros((PLANES, 1, 1)), sums, clear)
 
 
 def _sun_map(one: Placed, light: Surroundings, cells: int) -> SunMap:
@@ -371,7 +371,7 @@ def solid_angle(one: Placed) -> float:
     """Solid angle of a part [sr] without occlusion; for a plume that of its absorption of the light behind it."""
     if one.radius == 0.0:
         return 0.0
-    plane = Plane.to(one.place)
+    plane = TangentPlane.to(one.place)
     seen = one.surface @ plane.axes.T
     ahead = seen[:, 2] > 1e-3 * np.sqrt((seen**2).sum(axis=1))
     depth = np.where(ahead, seen[:, 2], 1.0)

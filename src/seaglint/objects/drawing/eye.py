@@ -47,7 +47,7 @@ def stand(placement: Placement, pose: Pose) -> Stand:
 
 
 @dataclass(frozen=True, eq=False)
-class Plane:
+class TangentPlane:
     """Plane across the line of sight to a body: points are their tangents to the right and up, and one over the depth [1/m].
 
     Straight edges are straight there, whatever the camera.
@@ -57,7 +57,7 @@ class Plane:
     """Unit vectors to the right, up and to the body (rows), in the sensor's axes."""
 
     @classmethod
-    def to(cls, place: FloatArray) -> Plane:
+    def to(cls, place: FloatArray) -> TangentPlane:
         """Plane across the direction of a place [m]."""
         ahead = place / np.linalg.norm(place)
         level = math.hypot(ahead[0], ahead[1])

@@ -21,7 +21,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.imaging.layers import Layers, share_of_glint
 from seaglint.objects.drawing.compose import LEAST_COVER
 from seaglint.objects.drawing.draw import Stage
-from seaglint.objects.drawing.eye import Plane, grid_over, strips
+from seaglint.objects.drawing.eye import TangentPlane, grid_over, strips
 from seaglint.objects.drawing.light import Surroundings
 from seaglint.objects.drawing.parts import Mesh, Placed
 from seaglint.objects.drawing.raster import lay_samples, meet
@@ -90,7 +90,7 @@ def _add(dark: FloatArray, stage: Stage, flat: Placed | None) -> None:
     """Add the share of each pixel that a part's shadow covers."""
     if flat is None:
         return
-    plane = Plane.to(flat.place)
+    plane = TangentPlane.to(flat.place)
     faces = stage.faces(flat, plane, flat)
     box = stage.box(faces)
     (left, right), (top, bottom), circle = stage.columns, stage.rows, stage.window.circle

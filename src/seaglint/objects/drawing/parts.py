@@ -14,7 +14,7 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import njit
-from seaglint.objects.body import Body, Plume, Point, Solid
+from seaglint.objects.body import Body, GasPlume, PointSource, Solid
 from seaglint.objects.drawing.crests import Span
 from seaglint.objects.drawing.eye import Stand
 from seaglint.objects.solids import merged
@@ -71,22 +71,22 @@ def _edges(vertices: FloatArray, corners: NDArray[np.int32]) -> tuple[NDArray[np
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class DrawnPart:
     """Part of a body to draw, with the number of the body."""
 
     body: int
     name: str
-    kind: Mesh | Plume | Point
+    kind: Mesh | GasPlume | PointSource
 
 
-def parts_of(bodies: tuple[Body, ...]) -> tuple[Part, ...]:
+def parts_of(bodies: tuple[Body, ...]) -> tuple[DrawnPart, ...]:
     """Parts of all bodies."""
-    out: list[Part] = []
+    out: list[DrawnPart] = []
     for number, body in enumerate(bodies):
         solids = [part for part in body.parts if isinstance(part, Solid)]
         if solids:
-            out.append(Part(number, body.name, Mesh.of(solids)))
-        out += [Part(number, body.name, part) for part in body.parts if not isinstance(part, Solid)]
+            out.append(DrawnPart(number, body.name, Mesh.of(solids)))
+        out += [DrawnPart(number, body.name, part) for part in body.parts if not isinstance(part, Solid)]
     return tuple(out)
 
 
@@ -96,7 +96,7 @@ class Placed:
 
     Attributes
     ----------
-    part : Part
+    part : DrawnPart
         Part of the body.
     place : ndarray
         Its middle.
@@ -110,7 +110,7 @@ class Placed:
         Height of the sensor above the mean sea [m].
     """
 
-    part: Part
+    part: DrawnPart
     place: FloatArray
     radius: float
     surface: FloatArray
@@ -182,7 +182,7 @@ _BALL: Final = np.array(
 )
 
 
-def placed(part: Part, stand: Stand, eye: float) -> Placed:
+def placed(part: DrawnPart, stand: Stand, eye: float) -> Placed:
     """Part of a body at its place, seen from a height [m].
 
     Raises
@@ -200,7 +200,7 @@ def placed(part: Part, stand: Stand, eye: float) -> Placed:
                 f"objects '{part.name}': the sensor is inside it; move it, or the sensor, or keep its path clear of the sensor's"
             )
         return out
-    if isinstance(part.kind, Plume):
+    if isinstance(part.kind, GasPlume):
         axes, middle = np.asarray(part.kind.semi_axes), stand.place + stand.turn @ np.asarray(part.kind.centre)
         # a little beyond the surface, so that what lies between the points is inside
         surface = middle + 1.03 * (_BALL * axes) @ stand.turn.T

@@ -1,8 +1,8 @@
 """Rasterisation of bodies: samples of their picture, the nearest triangle at each, and the covered share of each cell.
 
 Samples are laid in image coordinates, so that pixels are covered exactly, and looked up on the plane across the line of sight
-(:class:`~seaglint.objects.drawing.eye.Plane`), where triangles have straight sides and one over the depth is linear. Each cell has its
-sample at a place of its own (a lattice of two irrational turns): thin bodies at any angle are met as often as they are wide.
+(:class:`~seaglint.objects.drawing.eye.TangentPlane`), where triangles have straight sides and one over the depth is linear. Each cell has
+its sample at a place of its own (a lattice of two irrational turns): thin bodies at any angle are met as often as they are wide.
 
 Shares of cells come from the outline instead, without sampling noise: edges between a triangle that faces the sensor and one that does not
 wind once around every layer of the body that faces it. Where layers lie one behind the other in a cell the share is their sum, at most 1.

@@ -41,7 +41,7 @@ LIFT: Final = 1e-3
 """Least distance towards the Sun between a shading and a shaded surface, as a share of the body's size: rounding of its shadow map."""
 
 
-class Shape(NamedTuple):
+class SensorMesh(NamedTuple):
     """Triangles of a body in the sensor's axes, with emissivity.
 
     The fields are vertices [m, (n, 3)], corners (m, 3), index of every vertex's temperature among those of
@@ -68,7 +68,7 @@ class SunMap(NamedTuple):
     lift: float
 
 
-class Scene(NamedTuple):
+class BodySurroundings(NamedTuple):
     """Surroundings of a body: the sensor's height [m], the sea, other bodies, gases, axes and heading.
 
     Other bodies in front of it are depths (0 for none) at the samples, gases as in :func:`~seaglint.objects.drawing.raster.chord`; the
@@ -121,7 +121,7 @@ def _falling(lens: Lens, grid: Grid, j: int, i: int) -> float:
 
 
 @kernel
-def place_of(x: float, y: float, depth: float, scene: Scene) -> tuple[float, float, float, float, float]:
+def place_of(x: float, y: float, depth: float, scene: BodySurroundings) -> tuple[float, float, float, float, float]:
     """Point of a sample in the sensor's axes [m] from its tangents and depth, its arc and its height above the mean sea [m]."""
     a = scene.axes
     east = depth * (x * a[0, 0] + y * a[1, 0] + a[2, 0])
@@ -138,7 +138,7 @@ def place_of(x: float, y: float, depth: float, scene: Scene) -> tuple[float, flo
 
 
 @kernel
-def _visible(scene: Scene, at: tuple[float, float, float, float, float]) -> bool:
+def _visible(scene: BodySurroundings, at: tuple[float, float, float, float, float]) -> bool:
     """True if the sea does not hide a point."""
     level = math.sqrt(at[0] * at[0] + at[1] * at[1])
     if at[4] > scene.crests.top[0] and at[2] > scene.crests.top[1] * level:
@@ -152,7 +152,7 @@ def _visible(scene: Scene, at: tuple[float, float, float, float, float]) -> bool
 
 
 @kernel
-def _clear(scene: Scene, direction: tuple[float, float, float], last: float) -> float:
+def _clear(scene: BodySurroundings, direction: tuple[float, float, float], last: float) -> float:
     """Transmittance of the gases before a distance [m] along a direction."""
     depth = 0.0
     for g in range(scene.gases.shape[0]):
@@ -161,7 +161,7 @@ def _clear(scene: Scene, direction: tuple[float, float, float], last: float) -> 
 
 
 @njit
-def clear_to(scene: Scene, distance: float) -> float:
+def clear_to(scene: BodySurroundings, distance: float) -> float:
     """Transmittance to a point at the centre of the plane through sea, bodies and gases, before the air."""
     at = place_of(0.0, 0.0, distance, scene)
     if scene.others[0, 0] * distance > 1.0 or not _visible(scene, at):
@@ -225,7 +225,7 @@ def _reflect(light: Arriving, shadow: SunMap, at: tuple[float, float], normal: t
 
 @kernel
 def _facet(
-    shape: Shape, light: Arriving, shadow: SunMap, t: int, at: tuple[float, float, float, float, float]
+    shape: SensorMesh, light: Arriving, shadow: SunMap, t: int, at: tuple[float, float, float, float, float]
 ) -> tuple[float, float, float, float, float]:
     """Light of a triangle at a point: emissivity, blackbody radiance, reflected diffuse light, reflected Sun, and path.
 
@@ -283,8 +283,8 @@ def shade_solid(
     lens: Lens,
     window: Window,
     samples: Samples,
-    shape: Shape,
-    scene: Scene,
+    shape: SensorMesh,
+    scene: BodySurroundings,
     light: Arriving,
     shadow: SunMap,
     out: tuple[np.ndarray, np.ndarray],
@@ -344,7 +344,7 @@ def shade_gas(
     window: Window,
     samples: Samples,
     plume: np.ndarray,
-    scene: Scene,
+    scene: BodySurroundings,
     light: Arriving,
     out: tuple[np.ndarray, np.ndarray],
 ) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
-from seaglint.objects.drawing.compose import LEAST_COVER, Sight
+from seaglint.objects.drawing.compose import LEAST_COVER, BodySight
 from seaglint.objects.drawing.truth_names import NUMBERS
 
 SURROUND: Final = 10
@@ -48,7 +48,7 @@ class _Pixels:
 
 
 def labels(
-    sights: tuple[Sight, ...],
+    sights: tuple[BodySight, ...],
     sea: NDArray[Any],
     kelvin: Callable[[float], float],
     oversampling: int = 1,
@@ -62,7 +62,7 @@ def labels(
 
     Parameters
     ----------
-    sights : tuple of Sight
+    sights : tuple of BodySight
         Sight of each body.
     sea : ndarray
         Image of the sea alone [W m-2 sr-1, (rows, columns)], in pixels as fine as they were drawn.
@@ -82,7 +82,7 @@ def labels(
     return {name: np.array([row[name] for row in rows], np.float64) for name in NUMBERS}, masks, number
 
 
-def numbers_of(sights: tuple[Sight, ...], shape: tuple[int, int], *, around: bool = False) -> NDArray[np.uint16]:
+def numbers_of(sights: tuple[BodySight, ...], shape: tuple[int, int], *, around: bool = False) -> NDArray[np.uint16]:
     """Number [1], from 1, of the body that covers most of a pixel; 0 where there is none."""
     return _owners([_pixels(sight, 1, shape, around) for sight in sights], shape)[1]
 
@@ -102,7 +102,7 @@ def _owners(boxes: list[_Pixels | None], shape: tuple[int, int]) -> tuple[list[N
     return masks, number
 
 
-def _pixels(sight: Sight, n: int, shape: tuple[int, int], around: bool) -> _Pixels | None:
+def _pixels(sight: BodySight, n: int, shape: tuple[int, int], around: bool) -> _Pixels | None:
     """Sums over a body's shares in the labelled pixels."""
     shares = [share for share in sight.shares if share.cover.size]
     if not shares:
@@ -136,7 +136,7 @@ def _columns(touched: NDArray[np.int64], width: int, around: bool) -> tuple[int,
 
 
 def _numbers(
-    sight: Sight,
+    sight: BodySight,
     box: _Pixels | None,
     sea: FloatArray,
     covered: NDArray[np.bool_],

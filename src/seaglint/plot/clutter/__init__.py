@@ -8,12 +8,12 @@ from seaglint.plot.clutter.figure import png, unit_of
 from seaglint.plot.clutter.histograms import FAMILY_NAMES, draw_histograms, histogram_edges
 from seaglint.plot.clutter.rates import draw_rates
 from seaglint.plot.clutter.regions import draw_regions, draw_slices
-from seaglint.plot.clutter.report_pictures import PICTURES, Picture
+from seaglint.plot.clutter.report_pictures import PICTURES, ReportFigure
 
 __all__ = [
     "FAMILY_NAMES",
     "PICTURES",
-    "Picture",
+    "ReportFigure",
     "draw_exceedances",
     "draw_histograms",
     "draw_memory",

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Picture:
+class ReportFigure:
     """One of the report's figures."""
 
     draw: Callable[[Analysis], Figure]
@@ -26,28 +26,28 @@ class Picture:
 
 
 PICTURES: Final = {
-    "regions": Picture(draw_regions, "Regions", "Mean image; grey scale from the 0.2 % to the 99.8 % quantile."),
-    "rates": Picture(
+    "regions": ReportFigure(draw_regions, "Regions", "Mean image; grey scale from the 0.2 % to the 99.8 % quantile."),
+    "rates": ReportFigure(
         draw_rates,
         "False-alarm rate against threshold",
         "Points with bars: counted thresholds and their 95 % intervals for correlated pixels; open circles have none, the table says why. "
         "Line: counted from a histogram of cells of 0.02 σ. Pink: generalised Pareto tail with its 95 % band; beyond the dash-dotted line "
         "it is not to be trusted.",
     ),
-    "exceedances": Picture(
+    "exceedances": ReportFigure(
         draw_exceedances,
         "Exceedances in time",
         "Of the same pixel, in the filtered images. Thin lines: what independent exceedances of the same rate would give.",
     ),
-    "slices": Picture(
+    "slices": ReportFigure(
         draw_slices, "A row and a column in time", "Through the middle of the corridor, or of the picture where there is none."
     ),
-    "histograms": Picture(
+    "histograms": ReportFigure(
         draw_histograms,
         "Distributions",
         "Kolmogorov-Smirnov distance and its level, which allows for fitted parameters and correlated pixels.",
     ),
-    "memory": Picture(
+    "memory": ReportFigure(
         draw_memory,
         "Correlation and spectrum",
         "Spatial correlation and spectrum after a polynomial surface is taken off, which is the shape of the corridor.",

@@ -15,7 +15,7 @@ ModelAtmosphere = Literal[
 ]
 
 
-class TableAtmosphere(Record):
+class TableAtmosphereSettings(Record):
     """LOWTRAN7 with its Navy maritime aerosol at the scenario's wind, from the table in the package."""
 
     source: Literal["table"] = "table"
@@ -90,7 +90,7 @@ class FileAtmosphere(Record):
     ] = True
 
 
-class IsothermalAtmosphere(Record):
+class IsothermalAtmosphereSettings(Record):
     """Air and sky at one temperature, no Sun: a closed cavity for tests."""
 
     source: Literal["isothermal"] = "isothermal"
@@ -105,6 +105,9 @@ class NoAtmosphere(Record):
 
 
 Atmosphere = Annotated[
-    Annotated[TableAtmosphere | LowtranAtmosphere | FileAtmosphere | IsothermalAtmosphere | NoAtmosphere, Field(discriminator="source")],
+    Annotated[
+        TableAtmosphereSettings | LowtranAtmosphere | FileAtmosphere | IsothermalAtmosphereSettings | NoAtmosphere,
+        Field(discriminator="source"),
+    ],
     default_tag("source", "table"),
 ]

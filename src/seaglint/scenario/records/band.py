@@ -14,7 +14,7 @@ TABLE_BANDS_TEXT = " or ".join(f"{low:g} to {high:g} um" for low, high in TABLE_
 """Bands of the air tables, for error messages."""
 
 
-class Band(Record):
+class BandSettings(Record):
     """Spectral band: a rectangle, or a measured response; inside 2-5.5 or 7.5-14 um with the table atmosphere."""
 
     min_um: Annotated[

@@ -6,14 +6,14 @@ from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.spectra.measured import MeasuredSpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
-from seaglint.sea.spectra.systems import WaveSystems
+from seaglint.sea.spectra.systems import CombinedSpectrum
 
 __all__ = [
     "BinnedSpectrum",
+    "CombinedSpectrum",
     "DirectionalSpectrum",
     "ElfouhailySpectrum",
     "JonswapSpectrum",
     "MeasuredSpectrum",
     "PiersonMoskowitzSpectrum",
-    "WaveSystems",
 ]

@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class WaveSystems(DirectionalSpectrum):
+class CombinedSpectrum(DirectionalSpectrum):
     """Sum of spectra: ``Psi = sum Psi_i``, so that ``S = sum S_i`` and ``D = sum S_i D_i/S``.
 
     Systems are independent of each other: variances of height and slopes add.

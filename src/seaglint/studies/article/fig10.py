@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.image import image
 from seaglint.texture.autobinomial import Autobinomial
-from seaglint.texture.autobinomial_fit import Fit, fit
+from seaglint.texture.autobinomial_fit import AutobinomialFit, fit
 from seaglint.texture.autobinomial_sampler import exchange, sample
 from seaglint.texture.neighbourhood import classes
 from seaglint.texture.quantisation import GreyLevels
@@ -120,7 +120,9 @@ def figure_10(report: Report = _silent) -> xr.Dataset:
     )
 
 
-def _texture(sea: NDArray[np.int16], *, isotropic: bool) -> tuple[list[NDArray[np.int16]], tuple[Fit, Fit], tuple[Regime, Regime]]:
+def _texture(
+    sea: NDArray[np.int16], *, isotropic: bool
+) -> tuple[list[NDArray[np.int16]], tuple[AutobinomialFit, AutobinomialFit], tuple[Regime, Regime]]:
     """Pictures of a row of the figure, both fits, and the regimes of the samples that froze and melted."""
     pseudo = fit(sea, LEVELS, ORDER, isotropic=isotropic)
     given = fit(sea, LEVELS, ORDER, isotropic=isotropic, method="monte-carlo-exchange", check=False)
@@ -135,10 +137,10 @@ def _texture(sea: NDArray[np.int16], *, isotropic: bool) -> tuple[list[NDArray[n
     return [sea, *drawn], (pseudo, given), (pseudo.regime, regime(sea, weak, seed=10))
 
 
-def _of(found: Fit, offset: tuple[int, int], values: NDArray[np.float64]) -> float:
+def _of(found: AutobinomialFit, offset: tuple[int, int], values: NDArray[np.float64]) -> float:
     """What a fit has for a pair."""
     return float(values[1 + next(k for k, one in enumerate(found.model.neighbours) if offset in one)])
 
 
-def _slope(found: Fit, sea: NDArray[np.int16]) -> float:
+def _slope(found: AutobinomialFit, sea: NDArray[np.int16]) -> float:
     return mean_field(found.model, float(sea.mean()) / found.model.most)[0]

@@ -20,7 +20,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.likelihood.draw_model import Model
+from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw
 from seaglint.weather.draws import estimate
 
@@ -93,7 +93,7 @@ def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int
     total = len(CASES) * (2 * AZIMUTHS.size - 1)
     done = 0
     for number, case in enumerate(CASES):
-        model = Model.of(parse_scenario(scenario(case, weather, mode, samples)))
+        model = LikelihoodModel.of(parse_scenario(scenario(case, weather, mode, samples)))
         within: dict[float, FloatArray] = {}
         for azimuth in AZIMUTHS.tolist():
             sides = []

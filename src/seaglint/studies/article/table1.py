@@ -14,7 +14,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.analysis import Analysis, Options, Recording, analyze
+from seaglint.analysis import Analysis, AnalysisOptions, Recording, analyze
 from seaglint.base.conventions import FloatArray
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.image_grid import Camera
@@ -216,4 +216,4 @@ def table1(report: Report = _silent, frames: int = FRAMES) -> Table1:
         frame_rate=FRAME_RATE,
         units="W m-2 sr-1",
     )
-    return Table1(scenario, analyze(recording, Options(mask=corridor(prepared.view, prepare.camera(scenario)))))
+    return Table1(scenario, analyze(recording, AnalysisOptions(mask=corridor(prepared.view, prepare.camera(scenario)))))

@@ -25,7 +25,7 @@ from seaglint.detection.design import (
 from seaglint.detection.isolated import IsolatedDetector
 from seaglint.detection.rare_alarms import LOWEST_THRESHOLD, MOST_EVENTS, RareTail
 from seaglint.detection.stepped import tail_above
-from seaglint.studies.detect.performance import Options, Performance, detector_for
+from seaglint.studies.detect.performance import DetectionOptions, Performance, detector_for
 
 TAIL_SHARE: Final = 0.02
 """Share of the pixels that a tail holds at most [1]."""
@@ -135,7 +135,7 @@ def tail_from(judged: Background, threshold: Threshold, count: FalseAlarmCount, 
     return tail_above(judged, threshold.law, alarms.curve(), alarms.events(lower), lowest=lower)
 
 
-def design(found: Performance, source: FrameSource, options: Options, wanted: Design) -> dict[str, Any]:
+def design(found: Performance, source: FrameSource, options: DetectionOptions, wanted: Design) -> dict[str, Any]:
     """Contrast for a P_d at a rate of false alarms, and the loss against white Gaussian noise of the same variance.
 
     Raises
@@ -175,7 +175,7 @@ def design(found: Performance, source: FrameSource, options: Options, wanted: De
     return out
 
 
-def white_contrast(source: FrameSource, options: Options, wanted: Design, p_fa: float) -> tuple[float, float]:
+def white_contrast(source: FrameSource, options: DetectionOptions, wanted: Design, p_fa: float) -> tuple[float, float]:
     """Contrast that the same detector needs in white Gaussian noise of the source's variance, and its standard deviation [u]."""
     white = WhiteFrames.like(source, options.objects.seed)
     detector = detector_for(white, options)

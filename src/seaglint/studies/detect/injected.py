@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.detection.fine_spot import FineSpot
-from seaglint.detection.spot import GaussianSpot, Shape
+from seaglint.detection.spot import GaussianSpot, SpotShape
 from seaglint.instrument.chain import SensorModel
 from seaglint.scenario.model import Scenario
-from seaglint.studies.detect.scene_frames import Seas, sea_seed
+from seaglint.studies.detect.scene_frames import IndependentSeas, sea_seed
 from seaglint.studies.sequence.render_sequence import prepare_sequence
 from seaglint.studies.sequence.scene_objects import Drawn
 from seaglint.studies.sequence.sensed import prepare_sensed
@@ -63,7 +63,7 @@ class Strength:
         if self.unit == "W/sr" and (self.range_m is None or not self.range_m > 0):
             raise DomainError("an intensity in W/sr is seen from a range; give --range-m, above 0")
 
-    def at_aperture(self, seas: Seas, mean: float) -> tuple[float, ...]:
+    def at_aperture(self, seas: IndependentSeas, mean: float) -> tuple[float, ...]:
         """In-band contrast at the aperture, over the angle of a pixel [W m-2 sr-1]; ``mean``: the field's [W m-2 sr-1].
 
         Raises
@@ -83,7 +83,7 @@ class Strength:
                 return tuple(v * share / (distance**2 * angle) for v in self.values)
 
 
-def _of_temperature(seas: Seas, mean: float, difference: float) -> float:
+def _of_temperature(seas: IndependentSeas, mean: float, difference: float) -> float:
     from seaglint.optics.band import apparent_temperature
     from seaglint.optics.blackbody import planck_wavenumber
 
@@ -95,7 +95,7 @@ def _of_temperature(seas: Seas, mean: float, difference: float) -> float:
     return hot - cold
 
 
-def transmittance(seas: Seas, range_m: float, height_m: float) -> float:
+def transmittance(seas: IndependentSeas, range_m: float, height_m: float) -> float:
     """Mean over the band of the transmittance to a point, over the response alone, as points are drawn [1].
 
     Raises
@@ -143,7 +143,7 @@ def spot_of(response: FloatArray, steps: int) -> tuple[FineSpot, float]:
     return FineSpot(padded[row : row + 2 * half + 1, column : column + 2 * half + 1], steps), peak
 
 
-def point_shape(model: SensorModel | None) -> tuple[Shape, float]:
+def point_shape(model: SensorModel | None) -> tuple[SpotShape, float]:
     """A point behind the sensor, and the share of its light in its pixel when it is centred there; without a sensor the pixel alone."""
     if model is None:
         return GaussianSpot(0.05), 1.0
@@ -171,7 +171,7 @@ class Seen:
 
     Attributes
     ----------
-    shape : Shape
+    shape : SpotShape
         Of it, behind the sensor where there is one.
     contrast : float
         Of its brightest pixel, when it is centred there [W m-2 sr-1].
@@ -185,7 +185,7 @@ class Seen:
         The object alone among the scenario's waves; None where they are no geometry and hide nothing.
     """
 
-    shape: Shape
+    shape: SpotShape
     contrast: float
     row: float
     column: float
@@ -193,14 +193,14 @@ class Seen:
     whole: float = 0.0
     among: Scenario | None = None
 
-    def visible_shares(self, count: int, seas: Seas) -> FloatArray:
+    def visible_shares(self, count: int, seas: IndependentSeas) -> FloatArray:
         """What independent seas leave in view of the object, against the mean sea, which hides only what is under the horizon [1].
 
         Parameters
         ----------
         count : int
             How many are drawn.
-        seas : Seas
+        seas : IndependentSeas
             Of the same scenario: what was made ready for its frames serves here too.
 
         Returns

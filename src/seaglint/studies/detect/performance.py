@@ -25,7 +25,7 @@ from seaglint.detection.scoring import Interval, Scores, mean_interval
 from seaglint.detection.spatial import Chain, FilterThreshold
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.stepped import tail_above
-from seaglint.detection.trials import Objects, Trials, run_trials
+from seaglint.detection.trials import InjectedObjects, Trials, run_trials
 
 COVARIANCE_VALUES: Final = 4_000_000
 """Values of the frames, evenly spaced, from which covariances are estimated."""
@@ -34,12 +34,12 @@ Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)
-class Options:
+class DetectionOptions:
     """How to judge.
 
     Attributes
     ----------
-    objects : Objects
+    objects : InjectedObjects
         What is injected.
     detector : str
         Name (:data:`seaglint.detection.named_detectors.NAMES`), or ``package.module:function``.
@@ -61,7 +61,7 @@ class Options:
         When to stop before all objects are tried (:func:`seaglint.detection.trials.run_trials`).
     """
 
-    objects: Objects
+    objects: InjectedObjects
     detector: str = "threshold"
     filter: Filter = field(default_factory=Unfiltered)
     threshold: float = 4.0
@@ -83,7 +83,7 @@ class Performance:
 
     source: str
     size: tuple[int, int, int]
-    options: Options
+    options: DetectionOptions
     detector: Detector
     threshold: Threshold
     background: tuple[float, float]
@@ -260,14 +260,14 @@ def shown(found: Mapping[str, Any], texts: Iterable[str]) -> str:
     return card(f"Detection in {found['source']}", notes(facts) + table(names, rows) + notes(texts))
 
 
-def detect(source: FrameSource, options: Options, *, name: str = "frames", progress: Progress | None = None) -> Performance:
+def detect(source: FrameSource, options: DetectionOptions, *, name: str = "frames", progress: Progress | None = None) -> Performance:
     """Judge a detector on frames without objects.
 
     Parameters
     ----------
     source : FrameSource
         Frames: a recording, or anything that reads like one.
-    options : Options
+    options : DetectionOptions
         What is injected, the detector, its threshold.
     name : str
         Of the source, for the results.
@@ -311,7 +311,7 @@ def detect(source: FrameSource, options: Options, *, name: str = "frames", progr
     )
 
 
-def as_given(source: FrameSource, options: Options) -> FrameSource:
+def as_given(source: FrameSource, options: DetectionOptions) -> FrameSource:
     """The source in the file's own numbers where the detector's statistic depends on their level and no line tells how.
 
     A recording takes a level off its frames for the sake of precision (:attr:`seaglint.analysis.Recording.offset`). Fixed thresholds
@@ -323,7 +323,7 @@ def as_given(source: FrameSource, options: Options) -> FrameSource:
     return Rescaled(source, level=offset) if offset and plain and wants else source
 
 
-def detector_for(source: FrameSource, options: Options) -> Detector:
+def detector_for(source: FrameSource, options: DetectionOptions) -> Detector:
     """The detector of the options, with the covariances of the source where it takes them."""
 
     def background() -> Frames:
@@ -343,7 +343,9 @@ def detector_for(source: FrameSource, options: Options) -> Detector:
     return Chain(options.filter, found)
 
 
-def _notes(detector: Detector, options: Options, trials: Trials, alarms: FalseAlarmCount, detections: tuple[Interval, ...]) -> list[str]:
+def _notes(
+    detector: Detector, options: DetectionOptions, trials: Trials, alarms: FalseAlarmCount, detections: tuple[Interval, ...]
+) -> list[str]:
     notes = []
     if trials.stopped is not None:
         notes.append(trials.stopped)

@@ -23,7 +23,7 @@ from seaglint.studies.detect.designer import Design, rate_threshold
 from seaglint.studies.detect.injected import seen_object
 from seaglint.studies.detect.performance import detect
 from seaglint.studies.detect.rendered_seas import SceneOptions, lead_of
-from seaglint.studies.detect.scene_frames import SceneFrames, Seas, frames_key
+from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
 PRECISION: Final = 0.04
 """Share of the range at which the bisection ends."""
@@ -130,7 +130,7 @@ def p_d_at(
     except DataError as error:
         out["note"] = str(error)
     else:
-        seas = Seas.of(scene)
+        seas = IndependentSeas.of(scene)
         shares = seen.visible_shares(wanted.seas, seas)
         if not shares.any():
             out["note"] = f"object '{asked.name}' is hidden behind waves in all of {wanted.seas} seas"

@@ -11,7 +11,7 @@ import numpy as np
 from seaglint.analysis import Recording
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.studies.detect.chips import characteristic, chips, false_alarm_map
-from seaglint.studies.detect.performance import Options, Performance, detect
+from seaglint.studies.detect.performance import DetectionOptions, Performance, detect
 from seaglint.studies.detect.study import Study, with_settings
 from seaglint.studies.detect.varied_cases import STUDY_KEYS, parse_vary
 
@@ -39,14 +39,16 @@ def settings_of(vary: Sequence[str]) -> list[dict[str, Any]]:
     return [dict(zip(keys, values, strict=True)) for values in itertools.product(*(values for _, values in found))]
 
 
-def run_recording(source: Recording, options: Options, settings: Sequence[dict[str, Any]], *, progress: Progress | None = None) -> Study:
+def run_recording(
+    source: Recording, options: DetectionOptions, settings: Sequence[dict[str, Any]], *, progress: Progress | None = None
+) -> Study:
     """Judge a detector on a recording with each of some settings; what fails with one is not lost to the others.
 
     Parameters
     ----------
     source : Recording
         Frames without objects.
-    options : Options
+    options : DetectionOptions
         Detector and objects.
     settings : sequence of dict
         Of each case, see :func:`settings_of`.

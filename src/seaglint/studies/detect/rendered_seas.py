@@ -17,14 +17,14 @@ from seaglint.detection.interface import Detector
 from seaglint.detection.isolated import IsolatedDetector
 from seaglint.detection.level import Rescaled
 from seaglint.detection.named_detectors import named_for
-from seaglint.detection.spot import GaussianSpot, Shape
+from seaglint.detection.spot import GaussianSpot, SpotShape
 from seaglint.files.detection_parts import Parts
 from seaglint.scenario.model import Scenario
 from seaglint.studies.detect.chips import characteristic, chips, false_alarm_map
 from seaglint.studies.detect.designer import Design, design
 from seaglint.studies.detect.injected import Strength, point_shape, seen_object
-from seaglint.studies.detect.performance import Options, Performance, detect
-from seaglint.studies.detect.scene_frames import SceneFrames, Seas, frames_key
+from seaglint.studies.detect.performance import DetectionOptions, Performance, detect
+from seaglint.studies.detect.scene_frames import IndependentSeas, SceneFrames, frames_key
 
 FIRST_SEAS: Final = 8
 """Seas before the precision is looked at for the first time; twice as many each time after it."""
@@ -42,13 +42,13 @@ class SceneOptions:
 
     Attributes
     ----------
-    options : Options
+    options : DetectionOptions
         Detector, threshold, and of objects what does not depend on the scene.
     objects : str
         "point", "gaussian", or the name of one of the scenario's objects.
     strength : Strength, optional
         Contrasts; without them a sweep in standard deviations of the frames, or the named object's own.
-    shape : Shape, optional
+    shape : SpotShape, optional
         Instead of ``objects``.
     seas : int
         Independent seas at most.
@@ -60,10 +60,10 @@ class SceneOptions:
         What is found out about needed contrasts.
     """
 
-    options: Options
+    options: DetectionOptions
     objects: str = "point"
     strength: Strength | None = None
-    shape: Shape | None = None
+    shape: SpotShape | None = None
     seas: int = 32
     precision: float | None = None
     precision_fa: float | None = None
@@ -93,7 +93,7 @@ class Clock:
         return self.budget is not None and self.now() - self.begin >= self.budget
 
 
-def lead_of(options: Options, shape: Shape) -> int:
+def lead_of(options: DetectionOptions, shape: SpotShape) -> int:
     """Earlier frames that the detector needs [frames]."""
     if ":" in options.detector:
         mine = IsolatedDetector(options.detector, options.time_limit)
@@ -104,7 +104,7 @@ def lead_of(options: Options, shape: Shape) -> int:
     return found.lead
 
 
-def injected(scenario: Scenario, wanted: SceneOptions, seas: Seas) -> tuple[Shape, float, float | None]:
+def injected(scenario: Scenario, wanted: SceneOptions, seas: IndependentSeas) -> tuple[SpotShape, float, float | None]:
     """Shape of the objects, what of a contrast at the aperture they add to their pixel, and their own contrast there."""
     if wanted.shape is not None:
         return wanted.shape, 1.0, None
@@ -143,7 +143,7 @@ def run_scene(
         A scene that cannot be drawn, or a detector that fails.
     """
     clock = clock or Clock(None)
-    seas = Seas.of(scenario)
+    seas = IndependentSeas.of(scenario)
     shape, share, own = injected(scenario, wanted, seas)
     length = lead_of(wanted.options, shape) + 1
     source = SceneFrames(seas, parts.frames(frames_key(scenario, length)), length, workers=workers)
@@ -218,7 +218,7 @@ def _stopped(found: Performance, wanted: SceneOptions, seas: int, clock: Clock) 
     return None, ""
 
 
-def _inverse(strength: Strength, seas: Seas, mean: float, share: float) -> Callable[[float], float]:
+def _inverse(strength: Strength, seas: IndependentSeas, mean: float, share: float) -> Callable[[float], float]:
     """From what is added to the pixel to the contrast as it is stated."""
 
     def back(pixel: float) -> float:
@@ -243,7 +243,7 @@ def _inverse(strength: Strength, seas: Seas, mean: float, share: float) -> Calla
 
 
 def _designed(
-    found: Performance, source: FrameSource, options: Options, wanted: Design, inverse: Callable[[float], float]
+    found: Performance, source: FrameSource, options: DetectionOptions, wanted: Design, inverse: Callable[[float], float]
 ) -> dict[str, Any]:
     """The designer's figures; where they do not exist, why."""
     try:

@@ -22,7 +22,7 @@ from seaglint.detection.counting import Counting
 from seaglint.detection.interface import Frames
 from seaglint.files.detection_parts import keep_sea, sea_path, whole_sea
 from seaglint.instrument.chain import SensorModel
-from seaglint.instrument.detector import Detector
+from seaglint.instrument.detector import PhotonPixels
 from seaglint.scenario.model import Scenario
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 from seaglint.studies.sequence.sense import SensedFrames
@@ -50,12 +50,12 @@ def sea_seed(seed: int, number: int) -> int:
 def counting_of(model: SensorModel) -> Counting:
     """How a sensor counts the light of an object that is added to its frames, told as radiance at the aperture."""
     line = model.readout
-    shot = isinstance(model.detector, Detector) and model.noise.temporal
+    shot = isinstance(model.detector, PhotonPixels) and model.noise.temporal
     return Counting(line.per_radiance if shot else None, line.radiance_scale)
 
 
 @dataclass(frozen=True, eq=False)
-class Seas:
+class IndependentSeas:
     """A scenario made ready, from which independent seas are drawn; make it with :meth:`of`.
 
     Attributes
@@ -73,7 +73,7 @@ class Seas:
     sensed: SensedSequence | None
 
     @classmethod
-    def of(cls, scenario: Scenario) -> Seas:
+    def of(cls, scenario: Scenario) -> IndependentSeas:
         """Prepare everything that no sea changes.
 
         Raises
@@ -155,7 +155,7 @@ class SceneFrames:
 
     Attributes
     ----------
-    seas : Seas
+    seas : IndependentSeas
         What is drawn.
     folder : Path
         Where frames are kept, a file a sea.
@@ -167,7 +167,7 @@ class SceneFrames:
         Who renders them; this process where nobody is named.
     """
 
-    seas: Seas
+    seas: IndependentSeas
     folder: Path
     sequence_length: int
     count: int = 0
@@ -250,7 +250,7 @@ class SceneFrames:
 def sea_writer(settings: tuple[Scenario, Path, int]) -> Callable[[int], None]:
     """Function that renders a sea by its number into its file; of a scenario, a folder and the frames of a sea."""
     scenario, folder, length = settings
-    seas = Seas.of(scenario)
+    seas = IndependentSeas.of(scenario)
 
     def write(number: int) -> None:
         keep_sea(folder, number, seas.sea(number, length))

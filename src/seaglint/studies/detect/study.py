@@ -14,10 +14,10 @@ from seaglint.base.representation import card, notes, table
 from seaglint.cluster import Workers
 from seaglint.clutter.filters import named as named_filter
 from seaglint.files.detection_parts import Parts
-from seaglint.studies.detect.performance import Options
+from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.rendered_seas import Clock, SceneOptions, run_scene
 from seaglint.studies.detect.scene_frames import bare, frames_key
-from seaglint.studies.detect.varied_cases import Case, flattened
+from seaglint.studies.detect.varied_cases import StudyCase, flattened
 
 Progress = Callable[[int, int], None]
 
@@ -90,7 +90,7 @@ class Study:
         return whole | {"cases": told, "study_stopped": self.stopped}
 
 
-def with_settings(options: Options, settings: Mapping[str, Any]) -> Options:
+def with_settings(options: DetectionOptions, settings: Mapping[str, Any]) -> DetectionOptions:
     """The options with what a case says of detector, filter and threshold.
 
     Raises
@@ -110,19 +110,19 @@ def with_settings(options: Options, settings: Mapping[str, Any]) -> Options:
     return options
 
 
-def with_case(wanted: SceneOptions, case: Case) -> SceneOptions:
+def with_case(wanted: SceneOptions, case: StudyCase) -> SceneOptions:
     """What is wanted of a case, see :func:`with_settings`."""
     return replace(wanted, options=with_settings(wanted.options, case.study))
 
 
-def case_key(case: Case, wanted: SceneOptions) -> str:
+def case_key(case: StudyCase, wanted: SceneOptions) -> str:
     """What the result of a case depends on, as a short name."""
     told = pickle.dumps((case.parameters, case.scenario.model_dump_json(), wanted), protocol=5)
     return f"{frames_key(case.scenario, 0)}-{hashlib.sha256(told).hexdigest()[:16]}"
 
 
 def run_study(
-    cases: Sequence[Case],
+    cases: Sequence[StudyCase],
     wanted: SceneOptions,
     parts: Parts,
     *,
@@ -135,7 +135,7 @@ def run_study(
 
     Parameters
     ----------
-    cases : sequence of Case
+    cases : sequence of StudyCase
         Scenarios.
     wanted : SceneOptions
         Detector, objects, precision.
@@ -194,11 +194,11 @@ def run_study(
     return Study(out, stopped, unfinished)
 
 
-def _frames(case: Case) -> str:
+def _frames(case: StudyCase) -> str:
     return frames_key(case.scenario, 0)
 
 
-def _name(case: Case, number: int) -> str:
+def _name(case: StudyCase, number: int) -> str:
     return ", ".join(f"{key} = {value}" for key, value in case.parameters.items()) or f"case {number}"
 
 

@@ -26,7 +26,7 @@ STUDY_KEYS: Final = ("detector", "filter", "threshold")
 
 
 @dataclass(frozen=True)
-class Case:
+class StudyCase:
     """One scenario of a study.
 
     Attributes
@@ -100,7 +100,7 @@ def plain_value(text: str) -> Any:
         return text.strip()
 
 
-def cases_of(path: Path, *, vary: Sequence[str] = (), table: Path | None = None, sensor: str | None = None) -> list[Case]:
+def cases_of(path: Path, *, vary: Sequence[str] = (), table: Path | None = None, sensor: str | None = None) -> list[StudyCase]:
     """All cases of a scenario file; the file alone is one.
 
     Parameters
@@ -141,7 +141,7 @@ def cases_of(path: Path, *, vary: Sequence[str] = (), table: Path | None = None,
         for key, value in parameters.items():
             if key not in STUDY_KEYS:
                 set_key(changed, key, value, name)
-        out.append(Case(parameters, parse_scenario(changed, name=name, base=path.parent), study))
+        out.append(StudyCase(parameters, parse_scenario(changed, name=name, base=path.parent), study))
     return out
 
 

@@ -15,11 +15,11 @@ from seaglint.files.store.store import Progress
 from seaglint.scenario.ensemble import Ensemble, load_ensemble
 from seaglint.studies.ensemble.ensemble_folder import Folder, ensemble_text
 from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
-from seaglint.studies.ensemble.scenes_to_dataset import Options, Plan, make_dataset
+from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset
 
 
 @dataclass(frozen=True)
-class Source:
+class EnsembleSource:
     """An ensemble, and the folder where it is rendered already."""
 
     ensemble: Ensemble
@@ -27,7 +27,7 @@ class Source:
     folder: Path | None
 
 
-def read_source(path: Path) -> Source:
+def read_source(path: Path) -> EnsembleSource:
     """An ensemble's file, or the folder that 'seaglint ensemble' made of one.
 
     Raises
@@ -38,17 +38,17 @@ def read_source(path: Path) -> Source:
         A file with a mistake.
     """
     if not path.is_dir():
-        return Source(load_ensemble(path), path.stem, None)
+        return EnsembleSource(load_ensemble(path), path.stem, None)
     folder = Folder(path)
     if not folder.file.is_file():
         raise DataError(f"{path}: is a folder without an ensemble; give an ensemble's TOML file, or a folder made by 'seaglint ensemble'")
-    return Source(load_ensemble(folder.file), path.resolve().name, path)
+    return EnsembleSource(load_ensemble(folder.file), path.resolve().name, path)
 
 
 def ensemble_dataset(
-    source: Source,
+    source: EnsembleSource,
     output: str | Path,
-    options: Options,
+    options: DatasetOptions,
     *,
     workers: Workers | None = None,
     threads: int | None = None,
@@ -60,11 +60,11 @@ def ensemble_dataset(
 
     Parameters
     ----------
-    source : Source
+    source : EnsembleSource
         See :func:`read_source`.
     output : path
         Folder to make.
-    options : Options
+    options : DatasetOptions
         Format and pictures.
     workers : Workers, optional
         Who renders and writes; this process by default. The bytes do not depend on it.
@@ -113,7 +113,7 @@ def ensemble_dataset(
             for scene in drawn
         ]
 
-    plan = Plan(source.title, ensemble.ensemble.seed, table, ensemble_text(ensemble))
+    plan = DatasetPlan(source.title, ensemble.ensemble.seed, table, ensemble_text(ensemble))
     return make_dataset(
         output,
         plan,

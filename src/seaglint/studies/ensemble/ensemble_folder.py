@@ -17,7 +17,7 @@ from seaglint.files.tables.rows import write_rows
 from seaglint.files.text_file import write_text
 from seaglint.scenario.ensemble import Ensemble, read_toml
 from seaglint.scenario.text.toml_text import document
-from seaglint.studies.ensemble.law_draws import Scene
+from seaglint.studies.ensemble.law_draws import EnsembleScene
 
 _REMEDY: Final = "make room and run the same command with --resume"
 _TABLES: Final = ("parameters", "objects")
@@ -82,7 +82,7 @@ class Folder:
         elif any(path != self._begun for path in self.path.iterdir()):
             raise DataError(f"{self.path}: is not empty and holds no ensemble; it is left alone: give another folder")
 
-    def write(self, ensemble: Ensemble, scenes: Sequence[Scene], *, resume: bool, overwrite: bool) -> None:
+    def write(self, ensemble: Ensemble, scenes: Sequence[EnsembleScene], *, resume: bool, overwrite: bool) -> None:
         """Write everything but the sequences; what is there of the same ensemble stays.
 
         Raises
@@ -120,7 +120,7 @@ class Folder:
         for path in (*(self.path / f"{name}{ending}" for name in _TABLES for ending in _ENDINGS), self.file):
             path.unlink(missing_ok=True)
 
-    def _require_same(self, text: str, scenes: Sequence[Scene]) -> None:
+    def _require_same(self, text: str, scenes: Sequence[EnsembleScene]) -> None:
         # what a data set of it is called changes no scene
         there, here = ({**tables, "dataset": {}} for tables in (read_toml(self.file, "ensemble"), tomllib.loads(text)))
         differ = differences(there, here)
@@ -151,7 +151,7 @@ def ensemble_text(ensemble: Ensemble) -> str:
     return document({name: value for name, value in tables.items() if value or name == "base"}, "as it was drawn, its base written out")
 
 
-def object_rows(scenes: Sequence[Scene]) -> list[dict[str, Any]]:
+def object_rows(scenes: Sequence[EnsembleScene]) -> list[dict[str, Any]]:
     """Objects of all scenes, a row each, with every key that any of them has; lists as JSON."""
     found = [{"scene": scene.number, **_flat(item)} for scene in scenes for item in scene.objects]
     columns = dict.fromkeys(name for row in found for name in row)

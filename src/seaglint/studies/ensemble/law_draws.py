@@ -21,7 +21,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.laws import Choice, LogUniform, Normal, Uniform, Weather, in_unit, value_of
 from seaglint.scenario.records.quantity import Quantity
 from seaglint.scenario.text.toml_text import document
-from seaglint.studies.ensemble.object_places import Picture
+from seaglint.studies.ensemble.object_places import PixelGrid
 from seaglint.weather.weather_table import TEXTS, WeatherTable
 
 MOST_TRIES: Final = 200
@@ -34,7 +34,7 @@ SingleLaw = Uniform | LogUniform | Normal | Choice
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class EnsembleScene:
     """One scene of an ensemble.
 
     Attributes
@@ -98,7 +98,7 @@ def _quantity_at(location: tuple[str, ...]) -> Quantity | None:
 
 
 @dataclass(frozen=True, eq=False)
-class Numbers:
+class UniformNumbers:
     """Uniform numbers of all scenes, by key [(scenes,) each]; each a function of seed, scene and key.
 
     Attributes
@@ -135,14 +135,14 @@ class Numbers:
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class WeatherRows:
     """A weather table from which rows are drawn whole."""
 
     law: Weather
     table: WeatherTable
 
     @classmethod
-    def of(cls, law: Weather, name: str) -> Rows:
+    def of(cls, law: Weather, name: str) -> WeatherRows:
         """Read it and leave out what cannot be drawn.
 
         Raises
@@ -180,11 +180,11 @@ class Rows:
 
 
 @dataclass(eq=False)
-class Objects:
+class DrawnObjects:
     """What templates make of a scene: objects with names, places and values."""
 
     ensemble: Ensemble
-    numbers: Numbers
+    numbers: UniformNumbers
     _laws: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def count(self, template: Template, scene: int) -> int:
@@ -198,7 +198,9 @@ class Objects:
         except Exception as error:
             raise ScenarioError(f"{where} = {found} {error} (scene {scene})") from None
 
-    def draw(self, template: Template, count: int, scene: int, picture: Picture, taken: list[tuple[float, float]]) -> list[dict[str, Any]]:
+    def draw(
+        self, template: Template, count: int, scene: int, picture: PixelGrid, taken: list[tuple[float, float]]
+    ) -> list[dict[str, Any]]:
         """Tables of a template's objects; ``taken`` are places in the picture, which grow."""
         out = []
         for i in range(1, count + 1):
@@ -210,7 +212,7 @@ class Objects:
         return out
 
     def _placed(
-        self, template: Template, name: str, item: Mapping[str, Any], scene: int, picture: Picture, taken: list[tuple[float, float]]
+        self, template: Template, name: str, item: Mapping[str, Any], scene: int, picture: PixelGrid, taken: list[tuple[float, float]]
     ) -> dict[str, Any]:
         height = item.get("height_m")
         height = None if height is None else in_unit(height, quantity_of("objects.0.height_m"))

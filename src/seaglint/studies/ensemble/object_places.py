@@ -15,7 +15,7 @@ from seaglint.studies.prepare import prepare
 
 
 @dataclass(frozen=True)
-class Picture:
+class PixelGrid:
     """The first frame's grid of pixels: from a place in it to a place on or above the sea.
 
     Attributes

@@ -23,9 +23,9 @@ from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.laws import Weather, value_of
 from seaglint.scenario.setting import set_key
 from seaglint.studies.ensemble.ensemble_folder import Folder
-from seaglint.studies.ensemble.law_draws import Numbers, Objects, Rows, SingleLaw, count_key, quantity_of, sea_seed
-from seaglint.studies.ensemble.law_draws import Scene as Scene
-from seaglint.studies.ensemble.object_places import Picture
+from seaglint.studies.ensemble.law_draws import DrawnObjects, SingleLaw, UniformNumbers, WeatherRows, count_key, quantity_of, sea_seed
+from seaglint.studies.ensemble.law_draws import EnsembleScene as EnsembleScene
+from seaglint.studies.ensemble.object_places import PixelGrid
 from seaglint.studies.prepare.kept import Kept
 from seaglint.studies.prepare.memory import give_back
 from seaglint.studies.sequence.render_sequence import prepare_sequence
@@ -35,7 +35,7 @@ _MOST_NAMED: Final = 3
 """Scenes that failed, of which more are only counted."""
 
 
-def draw(ensemble: Ensemble) -> list[Scene]:
+def draw(ensemble: Ensemble) -> list[EnsembleScene]:
     """All scenes of an ensemble, each checked as a scenario.
 
     Raises
@@ -46,14 +46,14 @@ def draw(ensemble: Ensemble) -> list[Scene]:
     return list(scenes(ensemble))
 
 
-def scenes(ensemble: Ensemble) -> Iterator[Scene]:
+def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
     """Scenes one after the other; see :func:`draw`."""
     settings = ensemble.ensemble
     sampled = ["weather" if isinstance(law, Weather) else law.key or "" for law in ensemble.vary]
     sampled += [count_key(template) for template in ensemble.objects if not isinstance(template.count, int)]
-    numbers = Numbers(ensemble, tuple(sampled))
-    rows = {i: Rows.of(law, f"{ensemble.name}: vary[{i}]") for i, law in enumerate(ensemble.vary) if isinstance(law, Weather)}
-    objects, width = Objects(ensemble, numbers), max(4, len(str(settings.scenes - 1)))
+    numbers = UniformNumbers(ensemble, tuple(sampled))
+    rows = {i: WeatherRows.of(law, f"{ensemble.name}: vary[{i}]") for i, law in enumerate(ensemble.vary) if isinstance(law, Weather)}
+    objects, width = DrawnObjects(ensemble, numbers), max(4, len(str(settings.scenes - 1)))
     for number in range(settings.scenes):
         where, parameters = f"{ensemble.name}, scene {number}", dict[str, Any]()
         for i, law in enumerate(ensemble.vary):
@@ -70,7 +70,7 @@ def scenes(ensemble: Ensemble) -> Iterator[Scene]:
         made: list[dict[str, Any]] = []
         if ensemble.objects:
             # Places in the picture need the sensor, as it is drawn, before there are objects.
-            picture = Picture(_checked(ensemble, {k: v for k, v in tables.items() if k != "objects"}, parameters, where))
+            picture = PixelGrid(_checked(ensemble, {k: v for k, v in tables.items() if k != "objects"}, parameters, where))
             taken: list[tuple[float, float]] = []
             for template in ensemble.objects:
                 count = objects.count(template, number)
@@ -79,10 +79,10 @@ def scenes(ensemble: Ensemble) -> Iterator[Scene]:
             if made or "objects" in tables:
                 tables["objects"] = [*tables.get("objects", []), *made]
         scenario = _checked(ensemble, tables, parameters, where)
-        yield Scene(number, f"{number:0{width}d}", scenario, with_absolute_paths(tables, scenario), parameters, tuple(made))
+        yield EnsembleScene(number, f"{number:0{width}d}", scenario, with_absolute_paths(tables, scenario), parameters, tuple(made))
 
 
-def _value(ensemble: Ensemble, place: int, law: SingleLaw, numbers: Numbers, scene: int) -> Any:
+def _value(ensemble: Ensemble, place: int, law: SingleLaw, numbers: UniformNumbers, scene: int) -> Any:
     """What a law of ``[[vary]]`` makes of a scene."""
     key = law.key or ""
     quantity = quantity_of(key)

@@ -15,10 +15,10 @@ from seaglint.base.errors import DataError, StorageError
 from seaglint.cluster import Done, Here, Job, Workers
 from seaglint.files.dataset import check
 from seaglint.files.dataset.closing import finish
-from seaglint.files.dataset.convert import Format, Settings, convert
+from seaglint.files.dataset.convert import ConversionSettings, Format, convert
 from seaglint.files.dataset.grey_levels import Bits
 from seaglint.files.dataset.grey_picture import ImageKind
-from seaglint.files.dataset.part import FOLDER, Catalogue, Entry, Part, part_path
+from seaglint.files.dataset.part import FOLDER, Catalogue, DatasetScene, Entry, part_path
 from seaglint.files.failures import storage_errors
 from seaglint.files.outputs import ELSEWHERE, require_folder
 from seaglint.files.stopping import stop_on_signal
@@ -45,7 +45,7 @@ _MOST_TOLD: Final = 5
 
 
 @dataclass(frozen=True)
-class Options:
+class DatasetOptions:
     """How a data set is written.
 
     Attributes
@@ -63,7 +63,7 @@ class Options:
     image: ImageKind
 
     @classmethod
-    def of(cls, form: str, bits: int | None = None, image: str | None = None) -> Options:
+    def of(cls, form: str, bits: int | None = None, image: str | None = None) -> DatasetOptions:
         """Options as a command gives them.
 
         Raises
@@ -83,7 +83,7 @@ class Options:
 
 
 @dataclass(frozen=True)
-class Plan:
+class DatasetPlan:
     """What a data set is made of.
 
     Attributes
@@ -141,8 +141,8 @@ def _require_ours(partial: Path) -> None:
 
 def make_dataset(
     output: str | Path,
-    plan: Plan,
-    options: Options,
+    plan: DatasetPlan,
+    options: DatasetOptions,
     scenes: Callable[[Path], Sequence[Entry]],
     *,
     workers: Workers | None = None,
@@ -156,9 +156,9 @@ def make_dataset(
     ----------
     output : path
         Folder to make.
-    plan : Plan
+    plan : DatasetPlan
         Title, seed, table and source.
-    options : Options
+    options : DatasetOptions
         Format and pictures.
     scenes : callable
         ``scenes(folder)`` gives the finished scenes; it may make them in ``folder``, which is kept for ``resume`` and removed at the end.
@@ -195,9 +195,9 @@ def make_dataset(
             return output
         _begin(partial, wanted, plan.source)
         entries = scenes(partial / SCENES)
-        settings = Settings(str(partial.absolute()), options.format, options.bits, options.image, dict(plan.table.classes))
+        settings = ConversionSettings(str(partial.absolute()), options.format, options.bits, options.image, dict(plan.table.classes))
         _write_scenes(partial, entries, settings, workers, progress)
-        parts = [Part.read(partial, entry.name) for entry in entries]
+        parts = [DatasetScene.read(partial, entry.name) for entry in entries]
         catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.image, parts)
         table = plan.table
         about = {"description": table.description, "licence": table.licence, "split": table.split, "made_from": wanted}
@@ -209,7 +209,7 @@ def make_dataset(
     return output
 
 
-def _settings(plan: Plan, options: Options) -> dict[str, Any]:
+def _settings(plan: DatasetPlan, options: DatasetOptions) -> dict[str, Any]:
     """What two halves of a data set must have in common."""
     digest = hashlib.sha256(plan.source.encode("utf-8")).hexdigest()
     shown = {"bits": options.bits, "image": options.image} if options.format != "zarr" else {}
@@ -270,7 +270,7 @@ def _begin(partial: Path, wanted: dict[str, Any], source: str) -> None:
     write_text(source, partial / SOURCE)
 
 
-def _start(settings: Settings) -> Callable[[Entry], str]:
+def _start(settings: ConversionSettings) -> Callable[[Entry], str]:
     """What a worker does with a scene: write its pictures and its record; what comes back is its name."""
 
     def work(entry: Entry) -> str:
@@ -298,7 +298,9 @@ def _keep(store: Path, stored: Path) -> None:
     fresh.rename(stored)
 
 
-def _write_scenes(partial: Path, entries: Sequence[Entry], settings: Settings, workers: Workers | None, progress: Progress | None) -> None:
+def _write_scenes(
+    partial: Path, entries: Sequence[Entry], settings: ConversionSettings, workers: Workers | None, progress: Progress | None
+) -> None:
     """Write what is missing."""
     for name in _folders(settings.format):
         (partial / name).mkdir(parents=True, exist_ok=True)
@@ -307,7 +309,7 @@ def _write_scenes(partial: Path, entries: Sequence[Entry], settings: Settings, w
     failed: list[str] = []
     if progress is not None:
         progress(done, len(entries))
-    job: Job[Settings, Entry, str] = Job(_start, settings)
+    job: Job[ConversionSettings, Entry, str] = Job(_start, settings)
     try:
         with stop_on_signal(at_once=workers is not None) as stopped, (workers or Here()).map(job, missing) as outcomes:
             for outcome in outcomes:

@@ -19,10 +19,10 @@ from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
 from seaglint.files.provenance import provenance
 from seaglint.scenario.model import Scenario
-from seaglint.studies.likelihood.draw_model import Model
+from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
-from seaglint.weather.conditions import Conditions, Region, Times, conditions
-from seaglint.weather.draws import Plan
+from seaglint.weather.conditions import Conditions, GeographicRegion, Times, conditions
+from seaglint.weather.draws import SamplingPlan
 from seaglint.weather.weather_table import WeatherTable
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def likelihood_map(
     import xarray as xr
 
     settings = MapSettings(scenario, step, samples, weather)
-    cells = Cells.of(settings)
+    cells = PreparedMap.of(settings)
     tell = progress or (lambda done, total: None)
     latitude, longitude, months = cells.latitude, cells.longitude, cells.months
     out = np.empty((len(cells.model.wanted.threshold_w_m2_sr), len(months), latitude.size, longitude.size))
@@ -135,12 +135,12 @@ class MapSettings(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class PreparedMap:
     """A map made ready, of which pieces are computed in any order.
 
     Attributes
     ----------
-    model : Model
+    model : LikelihoodModel
         Of the scenario.
     latitude, longitude : ndarray
         Middles of the cells [deg].
@@ -150,7 +150,7 @@ class Cells:
         Rows of weather of each cell; None where all have all.
     across : ndarray
         Longitudes that are drawn [deg]: one where all are alike.
-    plan : Plan
+    plan : SamplingPlan
         Draws of a cell.
     whole : bool
         Whether azimuths are integrated.
@@ -158,23 +158,23 @@ class Cells:
         Size of a cell [deg].
     """
 
-    model: Model
+    model: LikelihoodModel
     latitude: FloatArray
     longitude: FloatArray
     months: tuple[int, ...]
     rows: list[NDArray[np.intp]] | None
     across: FloatArray
-    plan: Plan
+    plan: SamplingPlan
     whole: bool
     step: float
 
     @classmethod
-    def of(cls, settings: MapSettings) -> Cells:
+    def of(cls, settings: MapSettings) -> PreparedMap:
         """Read the weather and lay out the cells."""
         step = settings.step
-        model = Model.of(settings.scenario, settings.weather)
+        model = LikelihoodModel.of(settings.scenario, settings.weather)
         wanted = model.wanted
-        if not isinstance(model.where, Region):
+        if not isinstance(model.where, GeographicRegion):
             raise ScenarioError("likelihood.latitudes_deg and longitudes_deg are missing: a map needs the region's borders")
         region = model.where
         wide = region.east - region.west if region.east > region.west else region.east - region.west + 360.0
@@ -190,7 +190,7 @@ class Cells:
         known = isinstance(model.when, Times) and model.when.hours == (0.0, 24.0) and np.isnan(model.table["hour_utc"]).all()
         alike = bool(rows is None and known)
         each = min(samples * longitude.size, max(samples, _SHARED)) if alike else samples
-        plan = Plan(1, 2 ** round(math.log2(each)))
+        plan = SamplingPlan(1, 2 ** round(math.log2(each)))
         months = tuple(wanted.months or range(1, 13))
         return cls(model, latitude, longitude, months, rows, longitude[:1] if alike else longitude, plan, whole, step)
 
@@ -222,10 +222,10 @@ class Cells:
         return out
 
     @cached_property
-    def _of_months(self) -> dict[int, tuple[Model, dict[str, FloatArray]]]:
+    def _of_months(self) -> dict[int, tuple[LikelihoodModel, dict[str, FloatArray]]]:
         return {}
 
-    def _of_month(self, month: int) -> tuple[Model, dict[str, FloatArray]]:
+    def _of_month(self, month: int) -> tuple[LikelihoodModel, dict[str, FloatArray]]:
         """Model and uniform numbers of a month; the latest is kept."""
         if month not in self._of_months:
             self._of_months.clear()
@@ -236,13 +236,13 @@ class Cells:
 
 def mapper(settings: MapSettings) -> Callable[[tuple[int, int]], FloatArray]:
     """Function of a piece of the map: a chance a cell is all that travels."""
-    cells = Cells.of(settings)
+    cells = PreparedMap.of(settings)
     return lambda piece: cells.piece(*piece)
 
 
 @contextmanager
 def _outcomes(
-    cells: Cells, settings: MapSettings, pieces: list[tuple[int, int]], workers: Workers | None
+    cells: PreparedMap, settings: MapSettings, pieces: list[tuple[int, int]], workers: Workers | None
 ) -> Iterator[Iterator[tuple[tuple[int, int], FloatArray]]]:
     """Pieces and their chances, in any order."""
     if workers is None:
@@ -253,7 +253,7 @@ def _outcomes(
 
 
 def _drawn(
-    model: Model, u: dict[str, FloatArray], places: tuple[FloatArray, FloatArray], cells: list[NDArray[np.intp]] | None
+    model: LikelihoodModel, u: dict[str, FloatArray], places: tuple[FloatArray, FloatArray], cells: list[NDArray[np.intp]] | None
 ) -> Conditions:
     """Weather and times at places, cell by cell; ``cells`` are the rows of weather of each."""
     if cells is None:

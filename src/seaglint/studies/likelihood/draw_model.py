@@ -27,13 +27,13 @@ from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.studies.prepare import prepare
-from seaglint.weather.conditions import Region, Times, timestamp
+from seaglint.weather.conditions import GeographicRegion, Times, timestamp
 from seaglint.weather.ephemeris import Ephemeris
 from seaglint.weather.looks import Search
 from seaglint.weather.measures import DetectionCurve
 from seaglint.weather.mirrored_sunlight import MirroredLight, mirrored_light
-from seaglint.weather.seas import Seas, seas
-from seaglint.weather.select import Box
+from seaglint.weather.seas import WindSlopes, seas
+from seaglint.weather.select import GeographicBox
 from seaglint.weather.smooth import bandwidths
 from seaglint.weather.weather_table import MONTHS, WeatherTable
 
@@ -44,7 +44,7 @@ LOOK_COLUMNS = ("depression_deg", "azimuth_from_sun_deg", "height_m", "weight")
 
 
 @dataclass(frozen=True, eq=False)
-class Model:
+class LikelihoodModel:
     """What the draws of one scenario need. Make it with :meth:`of`.
 
     Attributes
@@ -74,7 +74,7 @@ class Model:
     notes: tuple[str, ...]
 
     @classmethod
-    def of(cls, scenario: Scenario, weather: WeatherTable | None = None) -> Model:
+    def of(cls, scenario: Scenario, weather: WeatherTable | None = None) -> LikelihoodModel:
         """Read the weather, or take it as given.
 
         Raises
@@ -125,11 +125,11 @@ class Model:
         return Times(self.wanted.year, self.wanted.months or (), self.wanted.hours_utc)
 
     @cached_property
-    def where(self) -> Region | tuple[float, float] | None:
+    def where(self) -> GeographicRegion | tuple[float, float] | None:
         """Law of the place."""
         wanted, place = self.wanted, self.scenario.place
         if wanted.latitudes_deg is not None and wanted.longitudes_deg is not None:
-            return Region(*wanted.latitudes_deg, *wanted.longitudes_deg)
+            return GeographicRegion(*wanted.latitudes_deg, *wanted.longitudes_deg)
         return None if place is None else (place.latitude_deg, place.longitude_deg)
 
     @cached_property
@@ -173,7 +173,7 @@ class Model:
     def light(self) -> MirroredLight:
         """Sunlight through the air of every model atmosphere."""
         scenario, over = self.scenario, prepare.band(self.scenario)
-        of_table = isinstance(scenario.atmosphere, wanted_air.TableAtmosphere)
+        of_table = isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings)
         one = None if of_table else prepare.atmosphere(scenario, over)
 
         def air_at(model: str, wind: float) -> Any:
@@ -187,7 +187,7 @@ class Model:
         return mirrored_light(air_at, self.models, winds, self.heights, self.depression, over, water, kinks=kinks, article=article)
 
     @cached_property
-    def seas(self) -> Seas:
+    def seas(self) -> WindSlopes:
         """Slopes at any wind."""
         scenario = self.scenario
         article = scenario.mean.mode == "article"
@@ -227,11 +227,11 @@ class Model:
         """Whether the scenario says where the wind comes from."""
         return "wind" in self.scenario.model_fields_set and "from_deg" in self.scenario.wind.model_fields_set
 
-    def share(self, other: Model) -> None:
+    def share(self, other: LikelihoodModel) -> None:
         """Take over the tables of a model with the same air, sea, geometry and year."""
         self.__dict__.update({name: getattr(other, name) for name in _SHARED})
 
-    def of_months(self, months: tuple[int, ...]) -> Model:
+    def of_months(self, months: tuple[int, ...]) -> LikelihoodModel:
         """The same for other months; tables of air and sea are shared."""
         wanted = self.wanted.model_copy(update={"months": months})
         new = replace(self, scenario=self.scenario.model_copy(update={"likelihood": wanted}))
@@ -267,7 +267,7 @@ def _of_region(table: WeatherTable, wanted: Likelihood, notes: list[str]) -> Wea
     """Rows inside the region, where both are known."""
     if wanted.latitudes_deg is None or wanted.longitudes_deg is None or "latitude_deg" not in table or "longitude_deg" not in table:
         return table
-    box = Box(wanted.longitudes_deg[0], wanted.latitudes_deg[0], wanted.longitudes_deg[1], wanted.latitudes_deg[1])
+    box = GeographicBox(wanted.longitudes_deg[0], wanted.latitudes_deg[0], wanted.longitudes_deg[1], wanted.latitudes_deg[1])
     unknown = np.isnan(table["latitude_deg"]) | np.isnan(table["longitude_deg"])
     inside = unknown | box.holds(table["latitude_deg"], table["longitude_deg"])
     if not np.any(inside & (table["weight"] > 0.0)):
@@ -282,7 +282,7 @@ def _of_region(table: WeatherTable, wanted: Likelihood, notes: list[str]) -> Wea
 
 def _models(scenario: Scenario, table: WeatherTable) -> tuple[tuple[str, ...], NDArray[np.int64]]:
     """Model atmospheres, and which of them each row has."""
-    if not isinstance(scenario.atmosphere, wanted_air.TableAtmosphere):
+    if not isinstance(scenario.atmosphere, wanted_air.TableAtmosphereSettings):
         return (scenario.atmosphere.source,), np.zeros(len(table), dtype=np.int64)
     names = np.where(table.text("atmosphere") == "", scenario.atmosphere.model, table.text("atmosphere"))
     known = sorted(table_models())

@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.scenario.model import Scenario
-from seaglint.studies.likelihood.draw_model import Model
+from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.prepare import prepare
 from seaglint.weather import strata as by
 from seaglint.weather.azimuths import azimuth_shares
 from seaglint.weather.clouds import CloudLaw, illuminated
-from seaglint.weather.conditions import Conditions, Region, Times, conditions, months_of
-from seaglint.weather.draws import Estimate, Plan, estimate
+from seaglint.weather.conditions import Conditions, GeographicRegion, Times, conditions, months_of
+from seaglint.weather.draws import Estimate, SamplingPlan, estimate
 from seaglint.weather.looks import Looks, looks
 from seaglint.weather.measures import detected, deviation, exceeded_by, exceeds, passes
 from seaglint.weather.smooth import smoothed
@@ -49,7 +49,7 @@ Report = Callable[[int, int], None]
 class Draws:
     """What was drawn and seen [(total,) each]; NaN times and places where the Sun is given."""
 
-    plan: Plan
+    plan: SamplingPlan
     radiance: FloatArray
     illuminated: FloatArray
     """Chance that clouds leave the Sun free [1]."""
@@ -70,10 +70,10 @@ class Draws:
 
 
 @dataclass(frozen=True, eq=False)
-class Likelihood:
+class GlintLikelihood:
     """Chances of glint, with where they come from. Made by :func:`likelihood`."""
 
-    model: Model
+    model: LikelihoodModel
     draws: Draws
     thresholds: tuple[float, ...]
     estimates: tuple[Estimate, ...]
@@ -153,8 +153,8 @@ class Likelihood:
 
 
 def likelihood(
-    scenario: Scenario, *, weather: WeatherTable | None = None, progress: Report | None = None, model: Model | None = None
-) -> Likelihood:
+    scenario: Scenario, *, weather: WeatherTable | None = None, progress: Report | None = None, model: LikelihoodModel | None = None
+) -> GlintLikelihood:
     """Chances that the mirrored Sun exceeds the scenario's thresholds.
 
     Parameters
@@ -165,7 +165,7 @@ def likelihood(
         Instead of the file that it names.
     progress : callable, optional
         Called with steps done and all of them.
-    model : Model, optional
+    model : LikelihoodModel, optional
         Made before, for many scenarios of the same air and sea.
 
     Raises
@@ -175,7 +175,7 @@ def likelihood(
     """
     tell = progress or (lambda done, total: None)
     tell(0, 3)
-    model = model or Model.of(scenario, weather)
+    model = model or LikelihoodModel.of(scenario, weather)
     tell(1, 3)
     drawn = draw(model)
     tell(2, 3)
@@ -188,10 +188,10 @@ def likelihood(
         for v, one in zip(values, one_look, strict=True)
     )
     tell(3, 3)
-    return Likelihood(model, drawn, model.wanted.threshold_w_m2_sr, estimates, found, values)
+    return GlintLikelihood(model, drawn, model.wanted.threshold_w_m2_sr, estimates, found, values)
 
 
-def cloud_law(model: Model) -> CloudLaw:
+def cloud_law(model: LikelihoodModel) -> CloudLaw:
     """Law of clouds of the scenario's case."""
     wanted = model.wanted
     if wanted.clouds != "auto":
@@ -199,13 +199,15 @@ def cloud_law(model: Model) -> CloudLaw:
     return "cover" if wanted.case == "single-look" else "overcast"
 
 
-def draw(model: Model, *, samples: int | None = None, seed: int | None = None, plain: bool = False, azimuth: float | None = None) -> Draws:
+def draw(
+    model: LikelihoodModel, *, samples: int | None = None, seed: int | None = None, plain: bool = False, azimuth: float | None = None
+) -> Draws:
     """Draw conditions and looks, and see what they see; an ``azimuth`` from the Sun [rad] stands in for the scenario's law.
 
     ``plain`` takes random numbers instead of Sobol points for the same integrand.
     """
     wanted = model.wanted
-    plan = Plan.of(wanted.samples if samples is None else samples)
+    plan = SamplingPlan.of(wanted.samples if samples is None else samples)
     u = numbers(model, plan, model.scenario.seed if seed is None else seed, plain=plain)
     whole = wanted.azimuths == "integrated" or (wanted.azimuths == "auto" and plan.total <= INTEGRATED)
     whole = whole and wanted.integrates and azimuth is None and "azimuth_from_sun_deg" not in model.looks
@@ -213,7 +215,7 @@ def draw(model: Model, *, samples: int | None = None, seed: int | None = None, p
     return seen(model, u, where, plan, azimuth, integrated=whole)
 
 
-def numbers(model: Model, plan: Plan, seed: int, *, plain: bool = False) -> dict[str, FloatArray]:
+def numbers(model: LikelihoodModel, plan: SamplingPlan, seed: int, *, plain: bool = False) -> dict[str, FloatArray]:
     """Uniform numbers of draws by name [(total,) each]; 0 for those on which the scenario does not depend."""
     names = (*_varying(model), *(f"smooth_{name}" for name in model.bandwidth))
     points = plan.uniform(len(names), seed, plain=plain)
@@ -221,7 +223,13 @@ def numbers(model: Model, plan: Plan, seed: int, *, plain: bool = False) -> dict
 
 
 def seen(
-    model: Model, u: dict[str, FloatArray], where: Conditions, plan: Plan, azimuth: float | None = None, *, integrated: bool = False
+    model: LikelihoodModel,
+    u: dict[str, FloatArray],
+    where: Conditions,
+    plan: SamplingPlan,
+    azimuth: float | None = None,
+    *,
+    integrated: bool = False,
 ) -> Draws:
     """What looks see in conditions that are drawn already; ``integrated`` finds the shares of their azimuths too."""
     wanted, table = model.wanted, model.table
@@ -267,7 +275,7 @@ def seen(
     )
 
 
-def _shares(model: Model, chosen: FloatArray, at: NDArray[np.intp], total: int) -> dict[float, FloatArray]:
+def _shares(model: LikelihoodModel, chosen: FloatArray, at: NDArray[np.intp], total: int) -> dict[float, FloatArray]:
     """Shares of azimuths by threshold above 0; 0 where the Sun is down or behind clouds for sure."""
     thresholds = [t for t in model.wanted.threshold_w_m2_sr if t > 0.0]
     if not thresholds:
@@ -280,11 +288,11 @@ def _shares(model: Model, chosen: FloatArray, at: NDArray[np.intp], total: int) 
     return out
 
 
-def _varying(model: Model) -> list[str]:
+def _varying(model: LikelihoodModel) -> list[str]:
     """Uniform numbers on which the draws of a scenario depend: points of fewer dimensions are more even."""
     wanted, (lowest, highest) = model.wanted, model.heights
     alone = wanted.case == "single-look"
-    times, places = isinstance(model.when, Times), isinstance(model.where, Region) and model.sun is None
+    times, places = isinstance(model.when, Times), isinstance(model.where, GeographicRegion) and model.sun is None
     depends = {
         "azimuth": wanted.azimuth_from_sun_deg[0] < wanted.azimuth_from_sun_deg[1],
         "hour": times,
@@ -309,7 +317,7 @@ def _everywhere(some: Looks, at: NDArray[np.intp], total: int) -> Looks:
     return Looks(*whole)
 
 
-def _geometry(model: Model, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _geometry(model: LikelihoodModel, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Depression and azimuth from the Sun [rad], and height [m]."""
     wanted = model.wanted
     (low, high), (first, last), (lowest, highest) = (
@@ -333,7 +341,7 @@ def _geometry(model: Model, u: dict[str, FloatArray]) -> tuple[FloatArray, Float
     return depression, beside, height
 
 
-def measured(model: Model, drawn: Draws, threshold: float) -> FloatArray:
+def measured(model: LikelihoodModel, drawn: Draws, threshold: float) -> FloatArray:
     """What is averaged, of every draw [1]: chances between 0 and 1."""
     wanted = model.wanted
     match wanted.quantity:
@@ -349,13 +357,13 @@ def measured(model: Model, drawn: Draws, threshold: float) -> FloatArray:
             return detected(drawn.radiance, drawn.illuminated, model.curve, threshold)
 
 
-def pixel_deviation(model: Model, drawn: Draws) -> FloatArray:
+def pixel_deviation(model: LikelihoodModel, drawn: Draws) -> FloatArray:
     """Standard deviation of glint in one of the scenario's pixels [W m-2 sr-1]."""
     across, along = model.scenario.sensor.ifov_deg
     return deviation(drawn.found, drawn.height, math.radians(across) * math.radians(along), prepare.glint_length(model.scenario))
 
 
-def _classes(model: Model, drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:
+def _classes(model: LikelihoodModel, drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Quantities by which results are told apart, with the edges of their classes."""
     found = {
         "wind_speed_m_s": (drawn.wind, by.WINDS),

@@ -8,7 +8,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.scenario.load import parse_scenario
-from seaglint.studies.likelihood.draw_model import Model
+from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw, measured
 from seaglint.weather.conditions import months_of
 
@@ -26,7 +26,7 @@ _MONTHLY: Final = THRESHOLDS.index(0.25)
 def regions(samples: int = 131_072) -> dict[str, dict[str, FloatArray]]:
     """Chances by threshold, and by month at 0.25 W m-2 sr-1, of a single look towards the Sun within 15 deg; packaged weather for all."""
     found = {}
-    first: Model | None = None
+    first: LikelihoodModel | None = None
     for name, (latitudes, longitudes) in REGIONS.items():
         wanted = {
             "threshold_w_m2_sr": list(THRESHOLDS),
@@ -35,7 +35,9 @@ def regions(samples: int = 131_072) -> dict[str, dict[str, FloatArray]]:
             "azimuth_from_sun_deg": [-15.0, 15.0],
             "samples": samples,
         }
-        model = Model.of(parse_scenario({"band": {"min_um": 3.0, "max_um": 5.0}, "sensor": {"height_m": 30.0}, "likelihood": wanted}))
+        model = LikelihoodModel.of(
+            parse_scenario({"band": {"min_um": 3.0, "max_um": 5.0}, "sensor": {"height_m": 30.0}, "likelihood": wanted})
+        )
         if first is not None:
             model.share(first)
         first = first or model

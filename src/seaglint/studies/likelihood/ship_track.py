@@ -10,12 +10,12 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, ScenarioError
-from seaglint.files.weather.weather_cells import Cells, read_cells
+from seaglint.files.weather.weather_cells import TextColumns, read_cells
 from seaglint.scenario.model import Scenario
-from seaglint.studies.likelihood.draw_model import Model
+from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import measured, numbers, seen
 from seaglint.weather.conditions import conditions
-from seaglint.weather.draws import Plan
+from seaglint.weather.draws import SamplingPlan
 from seaglint.weather.ephemeris import Ephemeris
 from seaglint.weather.weather_table import WeatherTable
 
@@ -63,13 +63,13 @@ def along_track(scenario: Scenario, track: Path, *, samples: int = SAMPLES, weat
     if scenario.likelihood is None:
         raise ScenarioError("likelihood is missing: add a table [likelihood] with weather, threshold_w_m2_sr and case")
     fixed = scenario.model_copy(update={"sun": None, "time": None, "place": None})
-    model = Model.of(fixed, weather)
+    model = LikelihoodModel.of(fixed, weather)
     sky = Ephemeris.between(float(time[0]), float(time[-1]))
     thresholds = model.wanted.threshold_w_m2_sr
     chance = np.empty((time.size, len(thresholds)))
     lit: list[list[FloatArray]] = [[] for _ in thresholds]
     way: list[dict[str, Any]] = []
-    plan = Plan.of(samples)
+    plan = SamplingPlan.of(samples)
     model.__dict__.update(when=float(time[0]), where=(0.0, 0.0), ephemeris=sky)
     u = numbers(model, plan, scenario.seed)
     for i, moment in enumerate(time.tolist()):
@@ -128,7 +128,7 @@ def _steps(time: FloatArray) -> FloatArray:
     return np.asarray(0.5 * (np.concatenate([gaps[:1], gaps]) + np.concatenate([gaps, gaps[-1:]])))
 
 
-def _times(cells: Cells) -> FloatArray:
+def _times(cells: TextColumns) -> FloatArray:
     out = []
     for row, text in enumerate(cells.text("time_utc")):
         try:
@@ -145,7 +145,7 @@ def _times(cells: Cells) -> FloatArray:
     return np.array(out)
 
 
-def _within(cells: Cells, name: str, most: float) -> FloatArray:
+def _within(cells: TextColumns, name: str, most: float) -> FloatArray:
     values = cells.numbers(name)
     bad = np.flatnonzero(~(np.abs(values) <= most))
     if bad.size:

@@ -12,8 +12,8 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.files.weather import era5_weather as era5
-from seaglint.files.weather.columns_read import Source
-from seaglint.files.weather.read_weather import Reading, is_grid, read_source
+from seaglint.files.weather.columns_read import WeatherSource
+from seaglint.files.weather.read_weather import WeatherReading, is_grid, read_source
 from seaglint.files.weather.weather_file import WeatherFile, read_weather
 from seaglint.version import __version__
 from seaglint.weather.derived import model_atmosphere
@@ -50,7 +50,7 @@ class Built:
 def build(
     paths: Sequence[Path],
     selection: Selection | None = None,
-    reading: Reading | None = None,
+    reading: WeatherReading | None = None,
     *,
     fill: Mapping[str, float] | None = None,
 ) -> Built:
@@ -62,7 +62,7 @@ def build(
         Files; grids without winds (waves, sea temperature) are joined to those with winds.
     selection : Selection, optional
         Places, times and region that are wanted. A region selects rows where a file has regions, and names the rows elsewhere.
-    reading : Reading, optional
+    reading : WeatherReading, optional
         What files do not say.
     fill : mapping of str to float, optional
         Values put where a column is missing; counted.
@@ -74,7 +74,7 @@ def build(
     BackendError
         A part that is not installed.
     """
-    selection, reading = selection or Selection(), reading or Reading()
+    selection, reading = selection or Selection(), reading or WeatherReading()
     notes = [f"made by seaglint {__version__} of {', '.join(path.name for path in paths)}"]
     if words := selection.words:
         notes.append("selected: " + "; ".join(words))
@@ -100,7 +100,7 @@ def build(
     return Built(table, (*notes, *_lacking(table, selection)))
 
 
-def _sources(paths: Sequence[Path], selection: Selection, reading: Reading) -> list[Source]:
+def _sources(paths: Sequence[Path], selection: Selection, reading: WeatherReading) -> list[WeatherSource]:
     grids = [path for path in paths if is_grid(path)]
     windless = tuple(path for path in grids if not era5.has_wind(path))
     if windless and len(windless) == len(grids):
@@ -115,7 +115,7 @@ def _sources(paths: Sequence[Path], selection: Selection, reading: Reading) -> l
     return out
 
 
-def _of_region(source: Source, region: str | None) -> Source:
+def _of_region(source: WeatherSource, region: str | None) -> WeatherSource:
     """Rows of a region where the file has regions; rows named after it where it has none."""
     from dataclasses import replace
 
@@ -135,7 +135,7 @@ def _of_region(source: Source, region: str | None) -> Source:
     )
 
 
-def _told(source: Source) -> list[str]:
+def _told(source: WeatherSource) -> list[str]:
     """What became of the records of one file."""
     line = f"{source.path.name}: {source.kind}, {source.read} records, {source.rows} rows"
     if source.left_out:
@@ -145,14 +145,14 @@ def _told(source: Source) -> list[str]:
     return [line, *(f"{source.path.name}: {note}" for note in source.notes)]
 
 
-def _nothing(sources: Sequence[Source], selection: Selection) -> str:
+def _nothing(sources: Sequence[WeatherSource], selection: Selection) -> str:
     wanted = " and ".join(selection.words) or "the files"
     lost = "; ".join(_told(source)[0] for source in sources)
     place = "; give a source without places its own with --place LAT,LON" if any("without a place" in s.left_out for s in sources) else ""
     return f"no rows in {wanted} ({lost}){place}; choose inside what the files cover"
 
 
-def _together(sources: Sequence[Source]) -> tuple[dict[str, FloatArray], dict[str, TextArray]]:
+def _together(sources: Sequence[WeatherSource]) -> tuple[dict[str, FloatArray], dict[str, TextArray]]:
     """Columns of all files below each other; the mean weight of each file is 1, so that each row counts alike."""
     names = [name for name in RANGES if name != "weight" and any(name in source.columns for source in sources)]
     columns = {n: np.concatenate([s.columns.get(n, np.full(s.rows, np.nan)) for s in sources]) for n in {*names, *NEEDED}}

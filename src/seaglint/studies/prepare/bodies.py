@@ -16,7 +16,7 @@ from seaglint.files.tables.track import OBJECT_COLUMNS, read_track
 from seaglint.imaging.camera.pose import Track
 from seaglint.objects import primitives
 from seaglint.objects.attitude import rotation
-from seaglint.objects.body import Body, Placement, Plume, Point, Solid
+from seaglint.objects.body import Body, GasPlume, Placement, PointSource, Solid
 from seaglint.objects.checks import inside, oriented, require_materials, waterline
 from seaglint.objects.floating import Afloat, Steered, Swell
 from seaglint.objects.geodesic import east_north
@@ -37,7 +37,7 @@ CLEARANCE = 0.1
 OVERLAP = 1e-6
 """Share of the smaller of two solids that they may have in common: what touches does not overlap."""
 
-Parts = list[Solid | Plume | Point]
+Parts = list[Solid | GasPlume | PointSource]
 # Temperature [K] and emissivity of what says nothing itself.
 Material = tuple[float | None, float]
 
@@ -122,7 +122,7 @@ def shape_parts(item: Object) -> Parts:
 def _built(shape: shapes.Shape, above: Material) -> Parts:
     """A shape in the axes of what it is part of."""
     if isinstance(shape, shapes.Point):
-        return [Point(shape.intensity_w_sr, shape.temperature_difference_k, shape.area_m2)]
+        return [PointSource(shape.intensity_w_sr, shape.temperature_difference_k, shape.area_m2)]
     own = (above[0] if shape.temperature_k is None else shape.temperature_k, above[1] if shape.emissivity is None else shape.emissivity)
     turn = rotation(*(float(np.radians(angle)) for angle in (shape.heading_deg, shape.pitch_deg, shape.roll_deg)))
     out: Parts = []
@@ -130,9 +130,9 @@ def _built(shape: shapes.Shape, above: Material) -> Parts:
         match part:
             case Solid():
                 out.append(placed(part, shape.at_m, turn))
-            case Plume():
+            case GasPlume():
                 out.append(plume_in(part, shape.at_m, turn))
-            case Point():
+            case PointSource():
                 raise DomainError("shape: a point has no place among other parts; give it an object of its own")
             case other:
                 assert_never(other)
@@ -156,7 +156,7 @@ def _unplaced(shape: shapes.Shape, material: Material) -> Parts:
         case shapes.MeshFile():
             return [_from_file(shape, material)]
         case shapes.Plume(semi_axes_m=semi_axes):
-            return [Plume((0.0, 0.0, 0.0), semi_axes, _temperature(material), material[1])]
+            return [GasPlume((0.0, 0.0, 0.0), semi_axes, _temperature(material), material[1])]
         case shapes.Union(parts=parts):
             return _together(parts, material)
         case shapes.Intersection(parts=parts):
@@ -173,7 +173,7 @@ def _together(parts: tuple[shapes.Shape, ...], material: Material) -> Parts:
     found = [part for shape in parts for part in _built(shape, material)]
     solids = [part for part in found if isinstance(part, Solid)]
     rest = [part for part in found if not isinstance(part, Solid)]
-    if any(isinstance(part, Point) for part in rest):
+    if any(isinstance(part, PointSource) for part in rest):
         raise DomainError("shape: a point has no place among other parts; give it an object of its own")
     whole: Parts = [combined("union", solids)] if solids or not rest else []
     return whole + rest
@@ -211,7 +211,7 @@ def _from_file(shape: shapes.MeshFile, material: Material) -> Solid:
         raise DomainError(f"shape.path = '{shape.path}': {error}") from error
 
 
-def _motion(scenario: Scenario, item: Object, parts: tuple[Solid | Plume | Point, ...], origin: FloatArray) -> Steered:
+def _motion(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], origin: FloatArray) -> Steered:
     """Its way on a flat sea."""
     trim = tuple(float(np.radians(angle)) for angle in (item.pitch_deg, item.roll_deg))
     if item.track is not None or item.keyframes is not None:
@@ -226,7 +226,7 @@ def _motion(scenario: Scenario, item: Object, parts: tuple[Solid | Plume | Point
     return Course(start, item.speed_m_s * np.array([np.sin(towards), np.cos(towards), 0.0]))
 
 
-def _keyframed(scenario: Scenario, item: Object, parts: tuple[Solid | Plume | Point, ...], origin: FloatArray) -> Keyframed:
+def _keyframed(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], origin: FloatArray) -> Keyframed:
     columns: dict[str, Any]
     if item.track is not None:
         columns, names = read_track(item.track, OBJECT_COLUMNS)
@@ -276,7 +276,7 @@ def _place(scenario: Scenario, item: Object) -> FloatArray:
     return np.array([item.east_m or 0.0, item.north_m or 0.0])
 
 
-def _height(item: Object, parts: tuple[Solid | Plume | Point, ...]) -> float:
+def _height(item: Object, parts: tuple[Solid | GasPlume | PointSource, ...]) -> float:
     """Height of its origin [m]."""
     if item.height_m is not None:
         return item.height_m
@@ -291,15 +291,17 @@ def _height(item: Object, parts: tuple[Solid | Plume | Point, ...]) -> float:
     return -item.draught_m - float((corners @ turn.T)[:, 2].min())
 
 
-def _corners(parts: tuple[Solid | Plume | Point, ...]) -> FloatArray:
+def _corners(parts: tuple[Solid | GasPlume | PointSource, ...]) -> FloatArray:
     """Vertices of the solids and of boxes around the plumes [m, (corners, 3)]."""
     found = [part.vertices for part in parts if isinstance(part, Solid)]
     signs = np.stack(np.meshgrid((-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0)), axis=-1).reshape(-1, 3)
-    found += [np.asarray(part.centre) + signs * np.asarray(part.semi_axes) for part in parts if isinstance(part, Plume)]
+    found += [np.asarray(part.centre) + signs * np.asarray(part.semi_axes) for part in parts if isinstance(part, GasPlume)]
     return np.concatenate(found) if found else np.zeros((0, 3))
 
 
-def _ridden(item: Object, parts: tuple[Solid | Plume | Point, ...], base: Steered, swell: Callable[[FloatArray], Swell | None]) -> Steered:
+def _ridden(
+    item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], base: Steered, swell: Callable[[FloatArray], Swell | None]
+) -> Steered:
     """A motion on the waves, over the waterline of the largest solid that the water cuts."""
     first = base.at(0.0)
     trim = rotation(0.0, *(float(np.radians(angle)) for angle in (item.pitch_deg, item.roll_deg)))
@@ -315,7 +317,7 @@ def _ridden(item: Object, parts: tuple[Solid | Plume | Point, ...], base: Steere
     return base if waves is None else Afloat(base, waves, centre, half)
 
 
-def _require_seen(scenario: Scenario, parts: tuple[Solid | Plume | Point, ...], base: Steered, times: FloatArray) -> None:
+def _require_seen(scenario: Scenario, parts: tuple[Solid | GasPlume | PointSource, ...], base: Steered, times: FloatArray) -> None:
     """Refuse what is wholly under the sea, and what is above the air."""
     corners = _corners(parts)
     if not len(corners):
@@ -367,9 +369,9 @@ def _holds(body: Body, place: FloatArray) -> bool:
         match part:
             case Solid():
                 held = inside(part, place)
-            case Plume():
+            case GasPlume():
                 held = bool(np.sum(((place - np.asarray(part.centre)) / np.asarray(part.semi_axes)) ** 2) < 1.0)
-            case Point():
+            case PointSource():
                 held = bool(np.linalg.norm(place) < CLEARANCE)
             case other:
                 assert_never(other)

@@ -13,7 +13,7 @@ from seaglint.air.table.table_file import BandTable
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.limits import LOWTRAN_HEIGHTS
 from seaglint.files.failures import storage_errors
-from seaglint.files.lowtran.deck import STEP_CM, Aerosol, Air, Level
+from seaglint.files.lowtran.deck import STEP_CM, Aerosol, LowtranAir, ProfileLevel
 from seaglint.files.lowtran.sounding import read_sounding
 from seaglint.files.modtran.json_deck import json_deck
 from seaglint.files.modtran.lines import MANIFEST, Manifest, needed_lines
@@ -103,12 +103,12 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
     return Decks(folder / DECKS[form], len(lines), solar_deg)
 
 
-def _air(scenario: Scenario) -> Air:
+def _air(scenario: Scenario) -> LowtranAir:
     """Air of the scenario as cards say it."""
-    levels: tuple[Level, ...] = ()
+    levels: tuple[ProfileLevel, ...] = ()
     wind = scenario.wind.speed_m_s
     match scenario.atmosphere:
-        case wanted_air.TableAtmosphere(model=model):
+        case wanted_air.TableAtmosphereSettings(model=model):
             aerosol = Aerosol(wind=wind, wind_24h=wind)
         case wanted_air.LowtranAtmosphere(model=model) as wanted:
             longer = wanted.wind_24h_m_s
@@ -121,4 +121,4 @@ def _air(scenario: Scenario) -> Air:
             )
     over = prepare.band(scenario)
     grid = wavenumber_grid(over.min_um, over.max_um, step_cm=float(STEP_CM))
-    return Air(model, aerosol, round(grid[0]), round(grid[-1]), levels)
+    return LowtranAir(model, aerosol, round(grid[0]), round(grid[-1]), levels)

@@ -51,7 +51,7 @@ ANGLES = ("azimuth", "elevation", "roll")
 
 
 @dataclass(frozen=True)
-class Sea:
+class PreparedSea:
     """The waves that are geometry, and what was decided about them."""
 
     waves: WaveField | None
@@ -73,7 +73,7 @@ def band(scenario: Scenario) -> Band:
 def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
     """The air, sampled over a band."""
     match scenario.atmosphere:
-        case wanted_air.TableAtmosphere(model=name):
+        case wanted_air.TableAtmosphereSettings(model=name):
             try:
                 return TableAtmosphere.load(name, scenario.wind.speed_m_s, (over.min_um, over.max_um))
             except DomainError as error:
@@ -93,7 +93,7 @@ def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
             if found.scattered is not None:
                 found.scattered.require_sun(sun_position(scenario).zenith, str(path))
             return found if seen is None else found.seen_between(*seen)
-        case wanted_air.IsothermalAtmosphere(temperature_k=temperature, extinction_per_km=extinction):
+        case wanted_air.IsothermalAtmosphereSettings(temperature_k=temperature, extinction_per_km=extinction):
             return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
         case wanted_air.NoAtmosphere():
             return VacuumAtmosphere(wavenumber_grid(over.min_um, over.max_um))
@@ -367,7 +367,7 @@ def accuracy(scenario: Scenario) -> Accuracy:
     )
 
 
-def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:
+def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
     """The waves to be geometry: as short as asked for, but never more slope variance than the energy rule allows.
 
     Raises
@@ -388,7 +388,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:
         **told,
     }
     if spectral is None:
-        return Sea(None, {"waves": "none", **none})
+        return PreparedSea(None, {"waves": "none", **none})
     if statistics.is_flat:
         raise DomainError(
             'sea.slopes.kind = "flat" leaves no slopes for waves; set sea.spectrum.kind = "flat" or sea.resolve_waves = false'
@@ -398,10 +398,10 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> Sea:
     cut = min(asked, limit, spectral.wavenumber_range[1])
     if cut <= longest_wave_number(spectral):
         reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
-        return Sea(None, {"waves": reason, **none}, reason)
+        return PreparedSea(None, {"waves": reason, **none}, reason)
     field = WaveField.create(spectral, plan_tiles(spectral, 2.0 * np.pi / cut, scenario.render.tile_size), scenario.seed, wander=True)
     up, cross = field.resolved_mss()
-    return Sea(
+    return PreparedSea(
         field,
         {
             "waves": "geometry down to the cut, facets below it",

@@ -43,7 +43,7 @@ _READING: Final = (
 
 
 @dataclass(frozen=True)
-class Patch:
+class SeaPatch:
     """Where the sea is sampled: the centre (east, north) and the extent (east, north) [m], and the distance of points [m]."""
 
     centre: tuple[float, float]
@@ -93,7 +93,7 @@ class ExportedSea:
     tiles: tuple[Tile, ...]
     wander: tuple[Wander, ...]
     lattices: tuple[NDArray[np.float32], ...]
-    patch: Patch
+    patch: SeaPatch
     patch_surface: NDArray[np.float32]
     facets: SlopeStatistics
     attributes: dict[str, Any]
@@ -195,7 +195,7 @@ def export_sea(
     if extent is None:
         side = min(DEFAULT_EXTENT, (DEFAULT_POINTS - 1) * spacing)
         extent = (side, side)
-    patch = Patch(centre, extent, spacing)
+    patch = SeaPatch(centre, extent, spacing)
     _require_room(patch)
     lattices = waves.surfaces(time)
     up, cross = waves.resolved_mss()
@@ -205,7 +205,7 @@ def export_sea(
     return ExportedSea(time, waves.tiles, waves.wander, lattices, patch, _sampled(waves, lattices, patch), facets, attributes)
 
 
-def _require_room(patch: Patch) -> None:
+def _require_room(patch: SeaPatch) -> None:
     rows, columns = patch.shape
     need, room = rows * columns * _BYTES_PER_POINT, memory_available()
     full = room is not None and need > room
@@ -217,7 +217,7 @@ def _require_room(patch: Patch) -> None:
         )
 
 
-def _sampled(waves: WaveField, lattices: tuple[NDArray[np.float32], ...], patch: Patch) -> NDArray[np.float32]:
+def _sampled(waves: WaveField, lattices: tuple[NDArray[np.float32], ...], patch: SeaPatch) -> NDArray[np.float32]:
     """Sum of the tiles, each read bilinearly where it has wandered to, at the points of a patch (rows, columns, 3)."""
     rows, columns = patch.shape
     x, y = patch.axes

@@ -9,13 +9,13 @@ from typing import Any
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
 from seaglint.files.tables.response import read_response
 from seaglint.imaging.camera.pose import Track
-from seaglint.instrument.bolometer import ThermalDetector
+from seaglint.instrument.bolometer import ThermalPixels
 from seaglint.instrument.chain import SensorModel
-from seaglint.instrument.detector import Detector
-from seaglint.instrument.noise import Noise
-from seaglint.instrument.optics import Optics
+from seaglint.instrument.detector import PhotonPixels
+from seaglint.instrument.noise import DetectorNoise
+from seaglint.instrument.optics import SensorOptics
 from seaglint.instrument.photons import Photons
-from seaglint.instrument.scan import Scan
+from seaglint.instrument.scan import ScanPattern
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.sensor_detector import PhotonDetector
@@ -61,7 +61,7 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
     photons = _photons(prepare.band(scenario) if over is None else over, wanted)
     frame = 1.0 / sensor.frame_rate_hz
     pitch, given = 1e-6 * wanted.pitch_um, sensor.optics
-    optics = Optics(
+    optics = SensorOptics(
         aperture=sensor.aperture_m,
         focal_length=sensor.focal_length_m,
         transmission=given.transmission,
@@ -78,9 +78,9 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         distortion=given.distortion,
         solid_angle_law=given.solid_angle,
     )
-    detector: Detector | ThermalDetector
+    detector: PhotonPixels | ThermalPixels
     if isinstance(wanted, PhotonDetector):
-        detector = Detector(
+        detector = PhotonPixels(
             pitch=pitch,
             fill_factor=wanted.fill_factor,
             integration_time=_dwell(scenario) if wanted.integration_time_s is None else wanted.integration_time_s,
@@ -95,7 +95,7 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
             short_time=wanted.short_integration_time_s,
         )
     else:
-        detector = ThermalDetector(
+        detector = ThermalPixels(
             pitch=pitch,
             netd=wanted.netd_k,
             netd_f_number=wanted.netd_f_number,
@@ -111,7 +111,7 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         photons,
         optics,
         detector,
-        Noise(),
+        DetectorNoise(),
         scenario.seed if seed is None else seed,
         frame,
         scanning=scan_rate(scenario) != 0.0,
@@ -141,7 +141,7 @@ def _with_noise(model: SensorModel, scenario: Scenario) -> SensorModel:
     if wanted.corrected_at_k is not None:
         first, second = (float(line.units(model.photons.radiance(t))) - line.dark for t in wanted.corrected_at_k)
         corrected = (first, second)
-    noise = Noise(
+    noise = DetectorNoise(
         temporal=wanted.temporal,
         fixed_pattern=wanted.fixed_pattern,
         one_over_f=wanted.one_over_f,
@@ -165,13 +165,13 @@ def _with_noise(model: SensorModel, scenario: Scenario) -> SensorModel:
     return replace(model, noise=noise)
 
 
-def scan(scenario: Scenario) -> Scan:
+def scan(scenario: Scenario) -> ScanPattern:
     """When columns and rows are taken."""
     wanted = scenario.sensor.scan
     if wanted is None:
-        return Scan()
+        return ScanPattern()
     period = 1.0 / scenario.sensor.frame_rate_hz if wanted.period_s is None else wanted.period_s
-    return Scan(wanted.kind, 0.0 if wanted.kind == "staring" else period, wanted.direction == "left", wanted.row_time_s)
+    return ScanPattern(wanted.kind, 0.0 if wanted.kind == "staring" else period, wanted.direction == "left", wanted.row_time_s)
 
 
 def scan_rate(scenario: Scenario) -> float:
@@ -213,7 +213,7 @@ def line_of_sight_rates(track: Track, time: float, exposure: float, projection: 
 
 def sensor_attributes(model: SensorModel, oversampling: int) -> dict[str, Any]:
     """What a file of counts says, so that radiance and temperature can be had from it."""
-    line, photon = model.readout, isinstance(model.detector, Detector)
+    line, photon = model.readout, isinstance(model.detector, PhotonPixels)
     unit = "electrons" if photon else "nanowatts absorbed"
     return {
         "gain": line.gain,

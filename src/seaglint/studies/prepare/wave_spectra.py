@@ -15,7 +15,7 @@ from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
 from seaglint.sea.spectra.jonswap import JonswapSpectrum
 from seaglint.sea.spectra.pierson_moskowitz import PiersonMoskowitzSpectrum
-from seaglint.sea.spectra.systems import WaveSystems
+from seaglint.sea.spectra.systems import CombinedSpectrum
 
 _ASKED: Final = ("time", "site", "from_deg", "spreading_deg")  # keys of a file's table that only the file can find wrong
 
@@ -45,7 +45,7 @@ def waves(scenario: Scenario) -> Waves:
         case wanted.WaveSystems(systems=systems):
             parts = [_system(scenario, system, f"sea.spectrum.systems[{i}]") for i, system in enumerate(systems)]
             spectra = tuple(part.spectrum for part in parts if part.spectrum is not None)
-            return Waves(WaveSystems(spectra) if spectra else None, tuple(source for part in parts for source in part.sources))
+            return Waves(CombinedSpectrum(spectra) if spectra else None, tuple(source for part in parts for source in part.sources))
         case single:
             return _system(scenario, single, "sea.spectrum")
 

@@ -17,7 +17,7 @@ from seaglint.imaging.scene import Instant, joined
 from seaglint.imaging.swept import SweptScene
 from seaglint.imaging.turned import TurnedScene
 from seaglint.objects.body import Body
-from seaglint.objects.drawing.compose import Sight, composed
+from seaglint.objects.drawing.compose import BodySight, composed
 from seaglint.objects.drawing.draw import Drawer, Stage
 from seaglint.objects.drawing.object_shadow import shadowed
 from seaglint.objects.drawing.truth import labels, numbers_of
@@ -34,7 +34,7 @@ class Drawn:
 
     layers: Layers
     sea: NDArray[np.float32]
-    sights: tuple[Sight, ...]
+    sights: tuple[BodySight, ...]
 
     @classmethod
     def beside(cls, parts: list[Drawn]) -> Drawn:
@@ -54,7 +54,7 @@ class Drawn:
         return Drawn(layers, self.sea[cut], tuple(sight.between(first, end) for sight in self.sights))
 
 
-def _together(parts: list[Drawn]) -> tuple[Sight, ...]:
+def _together(parts: list[Drawn]) -> tuple[BodySight, ...]:
     sights = parts[0].sights
     for part in parts[1:]:
         sights = tuple(one.joined(other) for one, other in zip(sights, part.sights, strict=True))

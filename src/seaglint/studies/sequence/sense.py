@@ -23,9 +23,9 @@ from seaglint.files.recording.image_attributes import Source
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.share import Share
 from seaglint.files.store.store import Frame, Progress, check_output, write_sequence
-from seaglint.instrument.bolometer import ThermalDetector, lag_weights
+from seaglint.instrument.bolometer import ThermalPixels, lag_weights
 from seaglint.instrument.chain import Exposure, SensorModel, require_radiance
-from seaglint.instrument.detector import Detector
+from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.transfer import require_divides
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
@@ -76,7 +76,7 @@ class SensedFrames:
     def exposure(self, number: int) -> Exposure:
         """A frame with its noise."""
         detector = self.model.detector
-        if not isinstance(detector, ThermalDetector) or detector.time_constant == 0.0:
+        if not isinstance(detector, ThermalPixels) or detector.time_constant == 0.0:
             return self.model.expose(self._focal_plane(number), number)
         weights = lag_weights(detector.time_constant, self.model.frame_interval)
         seen = np.zeros(1, np.float64)
@@ -262,7 +262,7 @@ def signal_attributes(model: SensorModel) -> dict[str, Any]:
     return {
         "gain": line.gain,
         "offset": line.offset,
-        "gain_units": "electrons per count" if isinstance(model.detector, Detector) else "nanowatts per count",
+        "gain_units": "electrons per count" if isinstance(model.detector, PhotonPixels) else "nanowatts per count",
         "radiance_scale": line.radiance_scale,
         "radiance_offset": line.radiance_offset,
         "saturation_counts": float(line.counts(line.full_scale)),

@@ -19,7 +19,7 @@ from seaglint.files.store.layout import Layout
 from seaglint.files.store.share import Share
 from seaglint.files.store.store import Frame, Progress, check_output, write_sequence
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
-from seaglint.instrument.scan import Scan
+from seaglint.instrument.scan import ScanPattern
 from seaglint.optics.band import apparent_temperature
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.sensor_presets import TABLES
@@ -102,7 +102,7 @@ class SensedSequence:
         The scene, drawn finer than the detector's pixels.
     sensed : SensedFrames
         The sensor on it.
-    scan : Scan
+    scan : ScanPattern
         When columns and rows are taken.
     layout : Layout
         What the store holds.
@@ -112,7 +112,7 @@ class SensedSequence:
 
     fine: Sequence
     sensed: SensedFrames
-    scan: Scan
+    scan: ScanPattern
     layout: Layout
     fine_scenario: Scenario
 
@@ -141,7 +141,7 @@ class _Drawn:
     """Fine pictures by number; the latest is kept, for what else is asked of it."""
 
     sequence: Sequence
-    scan: Scan
+    scan: ScanPattern
     oversampling: int
     latest: tuple[int, Drawn] | None = field(default=None)
 
@@ -154,14 +154,14 @@ class _Drawn:
         return self.latest[1]
 
 
-def drawn_in_time(sequence: Sequence, way: Scan, oversampling: int, time: float) -> Drawn:
+def drawn_in_time(sequence: Sequence, way: ScanPattern, oversampling: int, time: float) -> Drawn:
     """A fine picture and what is seen of objects in it, each of its columns or rows at its own instant.
 
     Parameters
     ----------
     sequence : Sequence
         The scene.
-    way : Scan
+    way : ScanPattern
         When columns and rows are taken.
     oversampling : int
         Fine pixels in a pixel of the detector: these have one instant.
@@ -183,7 +183,7 @@ def drawn_in_time(sequence: Sequence, way: Scan, oversampling: int, time: float)
     return Drawn.beside(parts)
 
 
-def _rolled(sequence: Sequence, way: Scan, oversampling: int, time: float) -> Drawn:
+def _rolled(sequence: Sequence, way: ScanPattern, oversampling: int, time: float) -> Drawn:
     rows = sequence.layout.shape[1] // oversampling
     delays = way.row_delays(rows)
     parts: list[Drawn] = []
@@ -271,7 +271,7 @@ def prepare_sensed(
     return SensedSequence(sequence, sensed, way, layout.in_units(sensor.frames), fine)
 
 
-def _require_track(sequence: Sequence, way: Scan, pixels: tuple[int, int]) -> None:
+def _require_track(sequence: Sequence, way: ScanPattern, pixels: tuple[int, int]) -> None:
     """Refuse keyframes that end before the last frame's last column or row."""
     layout = sequence.layout
     if layout.frames:

@@ -18,7 +18,7 @@ from seaglint.scenario.model import Scenario
 from seaglint.studies.mean.mean_map import mean as mean_map
 from seaglint.studies.prepare import prepare
 from seaglint.studies.texture.texture_sequences import latent_model
-from seaglint.texture.placement import Footprints, Plane, fluctuation
+from seaglint.texture.placement import Footprints, PeriodicField, fluctuation
 from seaglint.texture.synthesis import latent
 
 Contrast = Literal["auto", "glint", "model"]
@@ -93,7 +93,7 @@ def place(
         feet = Footprints.of(camera.height, camera.elevations, camera.row_step, camera.columns, camera.column_step)
         metres = feet.finest() if cell is None else cell
         deep = max(sensor.frames, 4 * field.reach[0] + 1) if field.reach[0] else 1
-        plane = Plane(latent(field, (deep, size[1], size[0]), seed, texture.modulation), metres, feet)
+        plane = PeriodicField(latent(field, (deep, size[1], size[0]), seed, texture.modulation), metres, feet)
         total = means["radiance"].to_numpy().astype(np.float64)
         glint = contrast == "glint" or (contrast == "auto" and float(means["glint_std"].max()) > 0.0)
         if glint:
@@ -126,7 +126,7 @@ def place(
         return write_sequence(output, layout, image, overwrite=overwrite, progress=progress)
 
 
-def _seen(plane: Plane, number: int, feet: Footprints, mean: FloatArray, spread: FloatArray, tails: str) -> FloatArray:
+def _seen(plane: PeriodicField, number: int, feet: Footprints, mean: FloatArray, spread: FloatArray, tails: str) -> FloatArray:
     out = mean.copy()
     sea = feet.sea
     out[sea] = fluctuation(plane.frame(number)[sea], mean[sea], spread[sea], tails)  # type: ignore[arg-type]

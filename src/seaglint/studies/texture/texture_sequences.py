@@ -28,7 +28,7 @@ from seaglint.texture.gauss_markov import GaussMarkov
 from seaglint.texture.gaussian_texture import GaussianTexture, fit_texture
 from seaglint.texture.marginals import Tails, fit_marginal
 from seaglint.texture.quality import Comparison, compare
-from seaglint.texture.suitability import Region, parse_region, require_stationary, require_values
+from seaglint.texture.suitability import PixelRegion, parse_region, require_stationary, require_values
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -100,7 +100,7 @@ class Fitted:
     gaussian: Comparison | None
 
 
-def frames_of(recording: Recording, region: Region, most: int = MOST_VALUES) -> Frames:
+def frames_of(recording: Recording, region: PixelRegion, most: int = MOST_VALUES) -> Frames:
     """Consecutive frames of a region, as many as hold ``most`` values, from the middle of the recording [u]."""
     count = max(min(recording.frames, most // region.pixels), 1)
     first = (recording.frames - count) // 2

@@ -19,9 +19,9 @@ from seaglint.viewer.workbench.draft import Draft
 from seaglint.viewer.workbench.fields import Path as Keys
 from seaglint.viewer.workbench.form import Form
 from seaglint.viewer.workbench.map import Quantity, map_svg
-from seaglint.viewer.workbench.plan import Plan, distance, plan, plan_svg
+from seaglint.viewer.workbench.plan import PlanView, distance, plan, plan_svg
 from seaglint.viewer.workbench.redraw import Redraw
-from seaglint.viewer.workbench.small_pictures import Job, Painter, Picture
+from seaglint.viewer.workbench.small_pictures import Job, Painter, PreviewPicture
 from seaglint.viewer.workbench.style import CSS
 from seaglint.viewer.workbench.sun_card import Daylight
 
@@ -85,8 +85,8 @@ class Bench:
         self._dirty = self._reads = self._closed = False
         self._scenario: Scenario | None = None
         self._text = ""
-        self._plan: Plan | None = None
-        self._found: dict[Job, Picture] = {}
+        self._plan: PlanView | None = None
+        self._found: dict[Job, PreviewPicture] = {}
         self._quantity: Quantity = "radiance"
         self._whole = False
         self._redraw = Redraw(painter(), self._show, background_tasks.create)
@@ -217,7 +217,7 @@ class Bench:
         if found is not None and not self._gone():
             self._lay_out(scenario, found)
 
-    def _lay_out(self, scenario: Scenario, found: Plan) -> None:
+    def _lay_out(self, scenario: Scenario, found: PlanView) -> None:
         self._plan = found
         self._compass.content = compass(scenario, found.sun, found.azimuth)
         zenith, azimuth = math.degrees(found.sun.zenith), math.degrees(found.sun.azimuth) % 360
@@ -241,7 +241,7 @@ class Bench:
         for job, found in self._found.items():
             self._maps[job][0].content = map_svg(found, quantity, _TITLES[job])
 
-    def _show(self, job: Job, found: Picture | str | None) -> None:
+    def _show(self, job: Job, found: PreviewPicture | str | None) -> None:
         if self._closed:
             return
         picture, words = self._maps[job]

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.schema import VARIABLES
 from seaglint.plot.scale import Scale, scale_of
-from seaglint.viewer.workbench.small_pictures import Picture
+from seaglint.viewer.workbench.small_pictures import PreviewPicture
 
 Quantity = Literal["radiance", "apparent_temperature"]
 
@@ -21,7 +21,7 @@ _WIDTH, _LEFT, _RIGHT, _TOP, _BOTTOM = 620.0, 52.0, 92.0, 8.0, 40.0
 _LOW, _HIGH = 120.0, 420.0  # least and greatest height of the pixels
 
 
-def map_svg(found: Picture, quantity: Quantity = "radiance", title: str = "map") -> str:
+def map_svg(found: PreviewPicture, quantity: Quantity = "radiance", title: str = "map") -> str:
     """The picture with azimuth and elevation [deg] on its axes, or columns and rows of the whole picture, and the scale of its colours."""
     values = found.radiance if quantity == "radiance" else found.temperature
     scale = scale_of(values, found.sea)
@@ -52,7 +52,7 @@ def map_svg(found: Picture, quantity: Quantity = "radiance", title: str = "map")
     )
 
 
-def _axes(found: Picture) -> tuple[tuple[float, float], tuple[float, float], tuple[str, str]]:
+def _axes(found: PreviewPicture) -> tuple[tuple[float, float], tuple[float, float], tuple[str, str]]:
     if found.azimuth is not None and found.elevation is not None:
         return found.azimuth, found.elevation, ("azimuth [deg]", "elevation [deg]")
     columns, rows = found.pixels

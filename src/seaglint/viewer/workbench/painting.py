@@ -7,7 +7,7 @@ import pickle
 import sys
 
 from seaglint.base.errors import SeaglintError
-from seaglint.viewer.workbench.small_pictures import Picture, picture
+from seaglint.viewer.workbench.small_pictures import PreviewPicture, picture
 
 
 def main() -> None:
@@ -23,7 +23,7 @@ def main() -> None:
         except EOFError:
             return
         try:
-            answer: tuple[str, Picture | SeaglintError] = ("picture", picture(job, scenario))
+            answer: tuple[str, PreviewPicture | SeaglintError] = ("picture", picture(job, scenario))
         except SeaglintError as error:
             answer = ("error", error)
         except Exception as error:  # a defect of seaglint is told, and the page lives on

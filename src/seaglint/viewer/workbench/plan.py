@@ -26,7 +26,7 @@ _COLOURS: Final = ("#e4572e", "#a06cd5", "#2e9e9e", "#d1495b", "#7a9e3f", "#c77d
 
 
 @dataclass(frozen=True, eq=False)
-class Plan:
+class PlanView:
     """Places east and north of the sensor's start [m] and directions [deg].
 
     Attributes
@@ -52,7 +52,7 @@ class Plan:
     sun: SunPosition
 
 
-def plan(scenario: Scenario) -> Plan:
+def plan(scenario: Scenario) -> PlanView:
     """Lay out a scenario, on a flat sea.
 
     Raises
@@ -72,10 +72,10 @@ def plan(scenario: Scenario) -> Plan:
     height, azimuth = poses[0].height, math.degrees(poses[0].attitude.azimuth)
     steepest = math.radians(-scenario.sensor.elevation_deg + 0.5 * scenario.sensor.fov_deg[1])
     nearest = float(surface_range(height, min(steepest, 0.5 * math.pi)))
-    return Plan(ways, own - own[0], horizon_range(height), nearest, azimuth, scenario.sensor.fov_deg[0], sun_position(scenario))
+    return PlanView(ways, own - own[0], horizon_range(height), nearest, azimuth, scenario.sensor.fov_deg[0], sun_position(scenario))
 
 
-def reach(found: Plan, whole: bool) -> float:
+def reach(found: PlanView, whole: bool) -> float:
     """Range shown [m]: up to the farthest object, or the horizon where ``whole`` or there is none."""
     far = max((float(np.hypot(way[:, 0], way[:, 1]).max()) for way in found.ways.values()), default=0.0)
     return found.horizon * 1.05 if whole or not found.ways else max(far * 1.12, 20.0)
@@ -101,7 +101,7 @@ def distance(metres: float) -> str:
     return f"{metres:.3g} m" if metres < 1000.0 else f"{metres / 1000.0:.3g} km"
 
 
-def plan_svg(found: Plan, *, whole: bool = False) -> str:
+def plan_svg(found: PlanView, *, whole: bool = False) -> str:
     """The plan as SVG, north up, the sensor's start in the middle."""
     far = reach(found, whole)
     return (
@@ -121,7 +121,7 @@ def _polar(azimuth: float, radius: float) -> str:
     return f"{0.5 * _SIZE + radius * math.sin(angle):.1f},{0.5 * _SIZE - radius * math.cos(angle):.1f}"
 
 
-def _pieces(found: Plan, far: float) -> Iterator[str]:
+def _pieces(found: PlanView, far: float) -> Iterator[str]:
     middle = 0.5 * _SIZE
     yield _wedge(found, far)
     for ring in rings(far):
@@ -148,7 +148,7 @@ def _pieces(found: Plan, far: float) -> Iterator[str]:
         yield _name(_point(float(way[0, 0]), float(way[0, 1]), far), name, colour, used)
 
 
-def _wedge(found: Plan, far: float) -> str:
+def _wedge(found: PlanView, far: float) -> str:
     """Sea in view: from the nearest to the horizon."""
     half, top = 0.5 * min(found.width, 359.9), _RADIUS * min(found.horizon, far) / far
     bottom = min(_RADIUS * found.nearest / far, top) if math.isfinite(found.nearest) else top

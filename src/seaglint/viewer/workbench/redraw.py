@@ -8,11 +8,11 @@ from typing import Any, Final
 
 from seaglint.base.errors import SeaglintError
 from seaglint.scenario.model import Scenario
-from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Painter, Picture
+from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Painter, PreviewPicture
 
 JOBS: Final[tuple[Job, ...]] = ("mean", "frame")
 
-Show = Callable[[Job, "Picture | str | None"], None]
+Show = Callable[[Job, "PreviewPicture | str | None"], None]
 """Told a picture, why there is none, or None where one is begun."""
 
 
@@ -71,7 +71,7 @@ class Redraw:
         self._order = order = Order(job, scenario)
         self._show(job, None)
         try:
-            found: Picture | str = await asyncio.get_running_loop().run_in_executor(self._painter.line, self._painter.paint, order)
+            found: PreviewPicture | str = await asyncio.get_running_loop().run_in_executor(self._painter.line, self._painter.paint, order)
         except Overtaken:
             return False
         except SeaglintError as error:

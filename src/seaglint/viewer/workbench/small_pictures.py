@@ -28,7 +28,7 @@ _COARSE: Final = {"lines_per_column": 2, "variance_error": 0.2, "layers": (), "a
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
+class PreviewPicture:
     """Radiance [W m-2 sr-1] and apparent temperature [K] of a small picture, (rows, columns) from the top.
 
     Attributes
@@ -69,7 +69,7 @@ def reduced(scenario: Scenario, most: int = MOST_PIXELS) -> Scenario:
     return scenario.model_copy(update={"sensor": sensor, "render": scenario.render.model_copy(update=coarse)})
 
 
-def picture(job: Job, scenario: Scenario) -> Picture:
+def picture(job: Job, scenario: Scenario) -> PreviewPicture:
     """Compute one.
 
     Raises
@@ -92,7 +92,7 @@ def picture(job: Job, scenario: Scenario) -> Picture:
     else:
         temperature = np.asarray(to_temperature(radiance, stored_band(found.attrs)), np.float32)
     edges = [_edges(found[name].values) if found[name].ndim == 1 else None for name in ("azimuth", "elevation")]
-    return Picture(radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, sea_pixels(found), time.perf_counter() - begin)
+    return PreviewPicture(radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, sea_pixels(found), time.perf_counter() - begin)
 
 
 def _edges(centres: NDArray[Any]) -> tuple[float, float]:
@@ -136,7 +136,7 @@ class Painter:
         """The thread in which :meth:`paint` waits for the process."""
         return self._line
 
-    def paint(self, order: Order) -> Picture:
+    def paint(self, order: Order) -> PreviewPicture:
         """Wait for a picture; called in :attr:`line`.
 
         Raises
@@ -169,7 +169,7 @@ class Painter:
             done.set()
         if kind == "error":
             raise found
-        assert isinstance(found, Picture)
+        assert isinstance(found, PreviewPicture)
         return found
 
     def _watch(self, process: subprocess.Popen[bytes], order: Order, begin: float, done: threading.Event) -> None:
