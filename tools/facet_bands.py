@@ -15,10 +15,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 from scipy.fft import irfft
 
 from nested_bands import SHORTEST, SPACING, mirroring_slope, unhidden, variance
+from seaglint.base.conventions import FloatArray
 from seaglint.facet.facet_sunlight import seen_and_lit
 from seaglint.facet.roughness import Roughness, roughness_of
 from seaglint.sea.shadowing.nested import bands_of, bands_of_facets
@@ -26,8 +26,6 @@ from seaglint.sea.shadowing.smith import smith_lambda
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
-
-FloatArray = NDArray[np.float64]
 
 WINDS = (2.0, 3.0, 5.0, 7.0, 10.0, 14.0, 20.0)
 CUTS = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0)

@@ -23,13 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft
 
+from seaglint.base.conventions import FloatArray
 from seaglint.facet.glint import glint
 from seaglint.facet.legs import BOTH, NESTED, NESTED_VIEWER, VIEWER, Shadowing
 from seaglint.sea.shadowing.smith import smith_lambda
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_anisotropic
 from seaglint.sea.spectra.elfouhaily import ElfouhailySpectrum
-
-FloatArray = NDArray[np.float64]
 
 WINDS = (2.0, 3.5, 5.0, 7.0, 10.0, 14.0, 20.0)
 DEPRESSIONS = (0.5, 1.0, 2.0, 4.0, 7.0, 12.0)

@@ -16,14 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.facet.sea_view import SeaView
 from seaglint.optics.band import apparent_temperature
 from seaglint.optics.fresnel import reflectance
 from seaglint.radiance.mean import mean_radiance
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.prepare import prepare
-
-FloatArray = NDArray[np.float64]
 
 SENSOR_HEIGHT = 20.0
 SUN_HEIGHT_DEG = 14.0

@@ -17,13 +17,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.sea.field import WaveField
 from seaglint.sea.shadowing.nested import HIGHEST, nested_ratio
 from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel
-
-FloatArray = NDArray[np.float64]
 
 SUN_RADIUS = 4.65e-3
 EARTH = 7.0 / 6.0 * 6.371e6

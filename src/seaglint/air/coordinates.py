@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
-from seaglint.air.protocol import FloatArray
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.air.protocol import FloatArray, require_line, slant_range, wavenumber_grid
+from seaglint.air.protocol import require_line, slant_range, wavenumber_grid
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
 

@@ -14,13 +14,12 @@ from __future__ import annotations
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from seaglint.air.line import lowest_height
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-
-FloatArray = NDArray[np.float64]
 
 DEEPEST_LINE = 100.0
 """Depth below the mean sea surface that lines to a point above the sea may reach [m]: more than any wave hides."""

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline
 
 from seaglint.air.coordinates import ELEVATION_SCALE, elevation_coordinate
-from seaglint.air.protocol import FloatArray
+from seaglint.base.conventions import FloatArray
 from seaglint.optics.blackbody import FIRST_RADIATION, SECOND_RADIATION, planck_wavenumber
 
 COLDEST, HOTTEST = 1.0, 1e5

@@ -9,7 +9,8 @@ from importlib import resources
 import numpy as np
 from numpy.typing import ArrayLike
 
-from seaglint.air.protocol import FloatArray, require_line, wavenumber_grid
+from seaglint.air.protocol import require_line, wavenumber_grid
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 
 _SOLAR_FILE = "solar_lowtran7.npz"

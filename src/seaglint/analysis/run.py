@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
 from seaglint.analysis.region import Gatherer, Region, region
-from seaglint.analysis.survey import Passes, Progress, Survey, ahead, survey
+from seaglint.analysis.survey import Passes, Survey, ahead, survey
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.representation import card, notes, table
 from seaglint.base.threads import single_threaded_algebra

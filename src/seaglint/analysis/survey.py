@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
 from seaglint.clutter.moments import PixelMoments
 
 BoolArray = NDArray[np.bool_]
 FrameArray = NDArray[np.float32]
 Prepared = TypeVar("Prepared")
-Progress = Callable[[int, int], None]
 
 SATURATED_SHARE = 1e-4
 """Least share of saturated pixels that is reported: a tail of one in 10 000 is cut."""

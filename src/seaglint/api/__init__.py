@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from seaglint.analysis import Analysis, Recording
+    from seaglint.base.conventions import Progress
     from seaglint.cluster import Workers
     from seaglint.files.export import Exported
-    from seaglint.files.store.store import Progress
     from seaglint.optics.band import Band
     from seaglint.scenario.model import Scenario
 

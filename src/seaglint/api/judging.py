@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from seaglint.analysis import Recording
+    from seaglint.base.conventions import Progress
     from seaglint.scenario.model import Scenario
 
 
@@ -44,7 +45,7 @@ def detect(
     units: str | None = None,
     variable: str | None = None,
     seed: int = 0,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Progress | None = None,
     **more: Any,
 ) -> dict[str, Any]:
     """Probabilities of detection and false alarm, and errors of place, of a detector.

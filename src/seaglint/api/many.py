@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from seaglint.base.conventions import Progress
     from seaglint.cluster import Workers
-    from seaglint.files.store.store import Progress
 
 
 def ensemble(

@@ -8,6 +8,8 @@ mean refraction. ``range_m`` is the arc along the sea from the sensor's foot to 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -15,6 +17,9 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import DomainError
 
 FloatArray = NDArray[np.float64]
+
+Progress = Callable[[int, int], None]
+"""Called with (pieces of work done, pieces in all): once at the start and after each piece."""
 
 
 def unit_vector(azimuth: ArrayLike) -> tuple[FloatArray, FloatArray]:

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
@@ -36,7 +37,7 @@ from seaglint.cli.terminal.completion import InstallCompletion, ShowCompletion
 from seaglint.cli.terminal.examples import add_examples
 from seaglint.cli.terminal.groups import write_groups
 from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
-from seaglint.cli.terminal.options import Overwrite, PreviewScale, Progress, ShardOption, place_given
+from seaglint.cli.terminal.options import Overwrite, PreviewScale, ShardOption, place_given
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen
 from seaglint.cli.texture import texture

@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
 from seaglint.cli.terminal.messages import log
-from seaglint.cli.terminal.options import Overwrite, Progress
+from seaglint.cli.terminal.options import Overwrite
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption
 

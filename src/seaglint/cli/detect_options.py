@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, get_type_hints
 
 import typer
 
+from seaglint.base.conventions import Progress
 from seaglint.cli.analyze import RAW_HELP, filter_of, weights
 from seaglint.cli.sensor import SensorPreset
 from seaglint.cli.terminal.numbers import contrasts_of
-from seaglint.cli.terminal.options import Overwrite, Progress
+from seaglint.cli.terminal.options import Overwrite
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption
 

@@ -13,8 +13,9 @@ import typer
 from seaglint.cli.terminal.progress import ProgressMode, patient_progress
 
 if TYPE_CHECKING:
+    from seaglint.base.conventions import Progress
     from seaglint.files.tables.cases import Cases
-    from seaglint.studies.mean.evaluate_cases import Columns, Report
+    from seaglint.studies.mean.evaluate_cases import Columns
 
 evaluate = typer.Typer(
     help="Results for many cases: each row of a CSV file gets columns.\n\nFurther columns pass through.", no_args_is_help=True
@@ -27,7 +28,7 @@ Extrapolate = Annotated[
     bool, typer.Option("--extrapolate", help="take winds and heights that are not covered, and name them in the column 'extrapolated'")
 ]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")]
-Progress = Annotated[ProgressMode, typer.Option("--progress", help="after 2 s: bar on a terminal, log lines elsewhere; or nothing")]
+ProgressOption = Annotated[ProgressMode, typer.Option("--progress", help="after 2 s: bar on a terminal, log lines elsewhere; or nothing")]
 
 
 def _one_thread() -> None:
@@ -39,7 +40,7 @@ def _one_thread() -> None:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
-def _run(path: Path, output: Path, overwrite: bool, show: ProgressMode, compute: Callable[[Cases, Report], Columns]) -> None:
+def _run(path: Path, output: Path, overwrite: bool, show: ProgressMode, compute: Callable[[Cases, Progress], Columns]) -> None:
     """Read, compute, write; what can be refused before the work is."""
     from seaglint.files.outputs import refuse_existing
     from seaglint.files.tables.cases import read_cases, write_cases
@@ -62,7 +63,7 @@ def atmosphere(
     band: Bands = None,
     extrapolate: Extrapolate = False,
     overwrite: Overwrite = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Transmittance, path, sunlight and sky of the LOWTRAN7 tables.
 
@@ -79,7 +80,11 @@ def atmosphere(
 
 @evaluate.command()
 def emissivity(
-    cases: CasesFile, output: Output, extrapolate: Extrapolate = False, overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO
+    cases: CasesFile,
+    output: Output,
+    extrapolate: Extrapolate = False,
+    overwrite: Overwrite = False,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Emissivity of the wind-roughened sea.
 
@@ -100,7 +105,7 @@ def mean(
     band: Bands = None,
     extrapolate: Extrapolate = False,
     overwrite: Overwrite = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Mean radiance of the sea, and standard deviation of glint.
 
@@ -124,7 +129,7 @@ def scattered(
     band: Bands = None,
     extrapolate: Extrapolate = False,
     overwrite: Overwrite = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Sunlight scattered into paths to the sea and the clear sky.
 

@@ -8,9 +8,10 @@ from typing import Annotated
 
 import typer
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
 from seaglint.cli.terminal.messages import files_read, log, naming_file
-from seaglint.cli.terminal.options import Overwrite, PreviewScale, Progress
+from seaglint.cli.terminal.options import Overwrite, PreviewScale
 from seaglint.cli.terminal.progress import ProgressMode
 
 KINDS = (".ply", ".nc")

@@ -14,7 +14,7 @@ reproduce = typer.Typer(help="Results of the source article, computed anew.", no
 
 Folder = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="folder for the picture and the numbers; the current one")]
 Overwrite = Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")]
-Progress = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]
+ProgressOption = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]
 
 
 @reproduce.command()
@@ -32,7 +32,7 @@ def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")]
 
 
 @reproduce.command()
-def fig2(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
+def fig2(output: Folder = Path(), overwrite: Overwrite = False, show: ProgressOption = ProgressMode.AUTO) -> None:
     """Path and boundary properties against range and wind.
 
     Writes DIR/fig2.png and fig2.csv.
@@ -41,7 +41,7 @@ def fig2(output: Folder = Path(), overwrite: Overwrite = False, show: Progress =
 
 
 @reproduce.command()
-def fig3(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
+def fig3(output: Folder = Path(), overwrite: Overwrite = False, show: ProgressOption = ProgressMode.AUTO) -> None:
     """Mirrored Sun and apparent temperature against zenith angles.
 
     Writes DIR/fig3.png and fig3.csv.
@@ -50,7 +50,7 @@ def fig3(output: Folder = Path(), overwrite: Overwrite = False, show: Progress =
 
 
 @reproduce.command()
-def fig4(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
+def fig4(output: Folder = Path(), overwrite: Overwrite = False, show: ProgressOption = ProgressMode.AUTO) -> None:
     """Glint images for winds: mean and standard deviation.
 
     Writes DIR/fig4.png and fig4.csv.
@@ -64,7 +64,7 @@ def fig5(
     overwrite: Overwrite = False,
     weather: Annotated[Path | None, typer.Option("--weather", help="weather table instead of the packaged North Atlantic")] = None,
     spectral: Annotated[bool, typer.Option("--spectral", help="radiance per wavenumber, not the article's way")] = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Chance of glint against the azimuth from the Sun.
 
@@ -94,7 +94,7 @@ def fig5(
 
 
 @reproduce.command()
-def fig10(output: Folder = Path(), overwrite: Overwrite = False, show: Progress = ProgressMode.AUTO) -> None:
+def fig10(output: Folder = Path(), overwrite: Overwrite = False, show: ProgressOption = ProgressMode.AUTO) -> None:
     """Autobinomial textures, isotropic and horizontal.
 
     Writes DIR/fig10.png and fig10.csv.
@@ -111,7 +111,7 @@ def fig12(
     ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished sequence")] = False,
     overwrite: Overwrite = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Two bodies that close over a glinting sea.
 
@@ -160,7 +160,7 @@ def table1(
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="folder for table1.csv; not written without")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
     overwrite: Overwrite = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Print the article's Table 1 of false alarms beside ours.
 

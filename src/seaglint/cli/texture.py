@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from seaglint.base.conventions import Progress
 from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
-from seaglint.cli.terminal.options import Overwrite, Progress
+from seaglint.cli.terminal.options import Overwrite
 from seaglint.cli.terminal.progress import ProgressMode
 
 if TYPE_CHECKING:

@@ -26,7 +26,8 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from seaglint.base.conventions import FloatArray
+
 Reference = Literal["tiles", "region", "margins"]
 
 FEWEST_TIMES: Final = 12.0

@@ -21,14 +21,13 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.random import stream
 from seaglint.clutter.exceedances import Events
 from seaglint.clutter.false_alarms import BIN, RateCurve
-
-FloatArray = NDArray[np.float64]
 
 FEWEST_EVENTS: Final = 40
 """Least number of events above u for fitting a tail: with 40 the shape is known to about 0.2."""

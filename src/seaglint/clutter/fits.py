@@ -24,9 +24,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 
-FloatArray = NDArray[np.float64]
 Family = Literal["gamma", "lognormal", "weibull", "k", "gaussian"]
 FAMILIES: tuple[Family, ...] = get_args(Family)
 

@@ -14,13 +14,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from seaglint.base import random
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.clutter.fits import Fit, cdf, draw, scores
-
-FloatArray = NDArray[np.float64]
 
 METHOD = "parametric bootstrap of the fit with the effective number of independent values"
 MOST_INDEPENDENT = 2000

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.base.jit import in_threads, njit
 
-FloatArray = NDArray[np.float64]
 Sums = tuple[float, float, float, float, float]
 
 # A spread of rounding size makes third and fourth moments pure noise: float32 data have 6e-8 of their mean.

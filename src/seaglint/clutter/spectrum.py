@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 
-FloatArray = NDArray[np.float64]
 SMALLEST = 8  # px; a smaller square has no frequency between its first and the Nyquist one that a window leaves apart
 
 

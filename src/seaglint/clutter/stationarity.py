@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base import random
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-
-FloatArray = NDArray[np.float64]
 
 METHOD = "likeness (Moran's I) of neighbouring independent blocks, permutation test of means and log variances"
 FEWEST_BLOCKS = 12

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.false_alarms import HIGHEST, FalseAlarms
 from seaglint.clutter.thresholds import frame_scale
@@ -18,7 +19,6 @@ from seaglint.detection.rare_alarms import LOWEST_THRESHOLD
 from seaglint.detection.scoring import Interval, SegmentSums, interval
 
 Law = Literal["sigma", "frame", "fixed", "design"]
-Report = Callable[[int, int], None]
 
 KEPT_BYTES: Final = 512e6
 """Size of the statistic up to which it is held in memory; a larger one is written to a temporary file [B]."""
@@ -150,7 +150,7 @@ class Background:
         Fewer frames than the detector needs, a detector that fails, or a statistic that does not vary.
     """
 
-    def __init__(self, detector: Detector, source: FrameSource, report: Report | None = None) -> None:
+    def __init__(self, detector: Detector, source: FrameSource, report: Progress | None = None) -> None:
         self.detector, self.lead = detector, detector.lead
         self.place = Windows.of(source, self.lead)
         self.windows = self.place.count

@@ -18,14 +18,13 @@ from functools import lru_cache
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import njit
 from seaglint.detection.interface import GAUSSIAN_TAIL, Frames
 
 Clutter = Literal["exponential", "gaussian"]
-FloatArray = NDArray[np.float64]
 
 HIGHEST: Final = 37.0
 """Largest equivalent standard deviation; its tail, 1e-299, is near the least number there is."""

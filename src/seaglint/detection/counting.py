@@ -5,13 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri, pdtrik
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.random import stream
 from seaglint.detection.interface import Frames
-
-FloatArray = NDArray[np.float64]
 
 _MANY = 100.0  # from here on Cornish and Fisher's quantile is within 0.05 electrons of the exact one inside four standard deviations
 

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-
-FloatArray = NDArray[np.float64]
 
 _PAD = 12
 

@@ -13,13 +13,13 @@ from typing import Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.jit import njit
 from seaglint.base.random import stream
 from seaglint.detection.interface import Detector
 from seaglint.detection.spot import SpotShape
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 Placement = Literal["random", "centre"]
 

@@ -17,13 +17,12 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.clutter.filters import Kernel, MatchedFilter, as_frames, autocovariance
 from seaglint.detection.interface import Frames
-
-FloatArray = NDArray[np.float64]
 
 LEAST_EIGENVALUE: Final = 1e-6
 """Share of the variance to which smaller eigenvalues of an estimated covariance are raised: they may come out at 0 or below."""

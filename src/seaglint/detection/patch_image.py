@@ -12,13 +12,11 @@ from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.clutter.filters import as_frames
 from seaglint.detection.interface import Frames, filled
-
-FloatArray = NDArray[np.float64]
 
 TOLERANCE: Final = 1e-5
 """Ratio of the residual of the decomposition to the norm of the patch image at which the iteration ends."""

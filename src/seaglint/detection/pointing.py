@@ -13,11 +13,10 @@ from __future__ import annotations
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.detection.spot import SpotShape
 
-FloatArray = NDArray[np.float64]
 Pointing = Literal["least-squares", "centroid"]
 
 FARTHEST: Final = 1.0

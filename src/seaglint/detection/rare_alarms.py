@@ -18,8 +18,9 @@ from dataclasses import dataclass, field, replace
 from typing import Final, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.exceedances import Events
 from seaglint.clutter.extremes import TRUSTED_SETS, TRUSTED_SPAN, TailFit, fit_tail
@@ -40,7 +41,6 @@ With 1.96 a rate of 1e-7 from a million values is inside in 278 of 300 samples, 
 
 _GRID = 121
 
-FloatArray = NDArray[np.float64]
 
 RARE: Final = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 """Rates whose thresholds are reported [1]."""

@@ -8,11 +8,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.clutter.cluster_variance import score_interval
 from seaglint.clutter.false_alarms import RateCurve
 from seaglint.detection.scoring import Scores
-
-FloatArray = NDArray[np.float64]
 
 POINTS: Final = 120
 """Number of thresholds of the characteristic."""

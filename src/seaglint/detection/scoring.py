@@ -12,12 +12,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import njit
 from seaglint.clutter.cluster_variance import rate_variance, score_interval
 from seaglint.detection.injection import Batch
 
-FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 SEGMENTS: Final = 256

@@ -14,14 +14,13 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.random import stream
 from seaglint.clutter.exceedances import Events
 from seaglint.clutter.extremes import FEWEST_EVENTS, ParetoFit, with_limits
 from seaglint.clutter.false_alarms import BIN, FalseAlarms, RateCurve
 from seaglint.detection.background import Background, Law
 from seaglint.detection.rare_alarms import LOWEST_THRESHOLD, MOST_EVENTS, QUANTILE, RareTail, rare_tail, survival
-
-FloatArray = NDArray[np.float64]
 
 FEWEST_LEVELS: Final = 3
 """Least number of levels for fitting a tail: one more than it has parameters."""

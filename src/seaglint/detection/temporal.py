@@ -12,14 +12,12 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.clutter.filters import as_frames
 from seaglint.detection.cfar import HIGHEST
 from seaglint.detection.interface import GAUSSIAN_TAIL, Frames
-
-FloatArray = NDArray[np.float64]
 
 
 @lru_cache(maxsize=8)

@@ -14,15 +14,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import DataError, DomainError
-from seaglint.detection.background import Background, FrameSource, Report, Threshold, Windows
+from seaglint.detection.background import Background, FrameSource, Threshold, Windows
 from seaglint.detection.injection import Batch, InjectionPlan, Placement, free, inject, most_batches, nothing_free, pitch_for
 from seaglint.detection.interface import Detector, Frames
 from seaglint.detection.pointing import Pointing, border_level, centroid, least_squares
 from seaglint.detection.scoring import Scores, around, best, match_offsets
 from seaglint.detection.spot import SpotShape
-
-FloatArray = NDArray[np.float64]
 
 LARGEST_CONTRAST: Final = 1e30
 """Largest contrast in single precision, with a margin for the sums of detectors [u]."""
@@ -199,7 +198,7 @@ def run_trials(
     objects: InjectedObjects,
     threshold: Threshold,
     *,
-    report: Report | None = None,
+    report: Progress | None = None,
     enough: Callable[[Sequence[int]], str | None] | None = None,
     locate: bool = True,
 ) -> Trials:

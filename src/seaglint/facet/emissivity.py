@@ -25,12 +25,11 @@ from typing import Final, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.optics.fresnel import ReflectanceSeries
 from seaglint.sea.shadowing.nested import nested_ratio
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
-
-FloatArray = NDArray[np.float64]
 
 # Against a rule with six times the nodes in each direction the emissivity is within 5e-7, winds 0.5-20 m/s, zenith 0-90.5 deg,
 # isotropic and directional: far below what the slope models are worth, and cheap.

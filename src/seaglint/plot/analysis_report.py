@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from html import escape
 from pathlib import Path
 from typing import Any, Final
 
 from seaglint.analysis import Analysis
+from seaglint.base.conventions import Progress
 from seaglint.files.outputs import refuse_existing
 from seaglint.files.text_file import write_text
 from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
 from seaglint.plot.page import ABSENT, figure, interval, number, page, section, table
 from seaglint.version import __version__
-
-Progress = Callable[[int, int], None]
-"""Called with pictures drawn and pictures in all."""
 
 _SIGMA: Final = {
     "frame": "the mean and standard deviation of the region in the same frame",

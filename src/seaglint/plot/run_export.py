@@ -6,13 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, get_args
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import BackendError, DataError
 from seaglint.files.export import Exported, Stack, select, write_stack
 from seaglint.files.export.encoding import Kind as NumberKind
 from seaglint.files.export.encoding import check_limits
 from seaglint.files.export.endings import WRITERS, output_files
 from seaglint.files.outputs import refuse_existing
-from seaglint.files.store.store import Progress
 from seaglint.plot import video
 from seaglint.plot.scale import Kind as ScaleKind
 

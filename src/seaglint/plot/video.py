@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import BackendError
 from seaglint.base.schema import VARIABLES
 from seaglint.files.counts import pictures
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
 from seaglint.files.recording.arrays import stored_frame_rate
-from seaglint.files.store.store import Progress
 from seaglint.plot.scale import Kind, Scale, scale_of, sea_pixels
 from seaglint.plot.sequence_summary import Images, images, to_temperature
 

@@ -9,12 +9,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from seaglint.base.constants import GRAVITY, SEA_WATER_DENSITY, SURFACE_TENSION
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-
-FloatArray = NDArray[np.float64]
 
 _KINEMATIC_TENSION: Final = SURFACE_TENSION / SEA_WATER_DENSITY
 

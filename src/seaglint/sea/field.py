@@ -22,6 +22,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import njit
 from seaglint.base.random import stream
@@ -30,7 +31,6 @@ from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.tiles import Tile, require_bands
 from seaglint.sea.wander import Wander
 
-FloatArray = NDArray[np.float64]
 SurfaceArray = NDArray[np.float32]
 ComplexArray = NDArray[np.complex64]
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +18,10 @@ from seaglint.clutter import filters
 from seaglint.clutter.fits import Family, fit
 from seaglint.clutter.thresholds import gaussian_rate, standardise
 from seaglint.viewer.frame_source import ViewerSource
+
+if TYPE_CHECKING:
+    from seaglint.base.conventions import Progress
+
 
 BoolArray = NDArray[np.bool_]
 
@@ -101,9 +104,7 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
     }
 
 
-def whole(
-    source: ViewerSource, where: Rectangle, layer: str | None, only: int | None, progress: Callable[[int, int], None]
-) -> dict[str, Any]:
+def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int | None, progress: Progress) -> dict[str, Any]:
     """Everything that ``seaglint analyze --mask`` tells of a region, of one frame or of all that are there.
 
     Raises

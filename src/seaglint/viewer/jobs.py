@@ -7,9 +7,13 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from seaglint.base.errors import DataError, SeaglintError
+
+if TYPE_CHECKING:
+    from seaglint.base.conventions import Progress
+
 
 PATIENCE: Final = 15.0
 """Seconds after which a job that nobody asks for is stopped: its browser is closed."""
@@ -48,7 +52,7 @@ class Jobs:
         self._jobs: dict[int, AnalysisJob] = {}
         self._numbers = itertools.count()
 
-    def start(self, work: Callable[[Callable[[int, int], None]], dict[str, Any]]) -> int:
+    def start(self, work: Callable[[Progress], dict[str, Any]]) -> int:
         """Begin ``work(progress)`` and return its number.
 
         Raises

@@ -21,11 +21,11 @@ from seaglint.air.coordinates import (
     path_coordinate,
 )
 from seaglint.air.line import heights_along
-from seaglint.air.protocol import FloatArray, require_line, require_range, require_solar_zenith, slant_range
+from seaglint.air.protocol import require_line, require_range, require_solar_zenith, slant_range
 from seaglint.air.scattering.scattered_samples import ScatteredSamples
 from seaglint.air.sky_spline import Sky, SkySamples, brightness_temperature, radiance_of
 from seaglint.air.vacuum import exoatmospheric_irradiance
-from seaglint.base.conventions import horizon_depression
+from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DataError, DomainError
 
 if TYPE_CHECKING:

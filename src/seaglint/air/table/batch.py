@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from seaglint.air.coordinates import dip_coordinate, elevation_coordinate, path_coordinate, straight_slant
-from seaglint.air.protocol import FloatArray
 from seaglint.air.table.stencil import Stencil, with_slopes
 from seaglint.air.table.table_file import BandTable, Spectra
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
 

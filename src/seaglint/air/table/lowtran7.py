@@ -23,14 +23,14 @@ from seaglint.air.coordinates import (
     straight_sea_cosine,
     straight_slant,
 )
-from seaglint.air.protocol import FloatArray, require_height, require_line, slant_range
+from seaglint.air.protocol import require_height, require_line, slant_range
 from seaglint.air.sky_spline import brightness_temperature
 from seaglint.air.table import low_sky
 from seaglint.air.table.absorbers import Absorbers, BandLaw
 from seaglint.air.table.stencil import Stencil, with_slopes
 from seaglint.air.table.table_file import ANGLE_SLACK, BandTable, Spectra
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.base.conventions import horizon_depression
+from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DomainError
 from seaglint.optics.blackbody import planck_wavenumber
 

@@ -31,4 +31,4 @@ ShardOption = Annotated[
     str | None,
     typer.Option("--shard", metavar="I/N", help="make one of N shares, counted from 0; 'render --finish' names the whole"),
 ]
-Progress = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]
+ProgressOption = Annotated[ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")]

@@ -7,7 +7,10 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from enum import StrEnum
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from seaglint.base.conventions import Progress
 
 
 class ProgressMode(StrEnum):
@@ -17,9 +20,6 @@ class ProgressMode(StrEnum):
     BAR = "bar"
     LOG = "log"
     NONE = "none"
-
-
-Report = Callable[[int, int], None]
 
 
 class Began(NamedTuple):
@@ -34,7 +34,7 @@ LOG_INTERVAL = 10.0
 
 
 @contextmanager
-def progress(mode: ProgressMode, what: str, began: Began | None = None, clock: Callable[[], float] = time.monotonic) -> Iterator[Report]:
+def progress(mode: ProgressMode, what: str, began: Began | None = None, clock: Callable[[], float] = time.monotonic) -> Iterator[Progress]:
     """Function to call with (done, total): once at the start, then after each piece of work.
 
     ``began`` tells of work that had begun before the first call; without it, what is done then counts as done by an earlier run.
@@ -55,11 +55,11 @@ PATIENCE = 2.0
 
 
 @contextmanager
-def patient_progress(mode: ProgressMode, what: str, clock: Callable[[], float] = time.monotonic) -> Iterator[Report]:
+def patient_progress(mode: ProgressMode, what: str, clock: Callable[[], float] = time.monotonic) -> Iterator[Progress]:
     """:func:`progress` that appears only when the work has lasted :data:`PATIENCE` seconds."""
     start = clock()
     began: list[Began] = []
-    shown: list[Report] = []
+    shown: list[Progress] = []
     with ExitStack() as stack:
 
         def report(done: int, total: int) -> None:
@@ -85,7 +85,7 @@ def duration(seconds: float) -> str:
     return f"{minutes} min" if minutes < 100 else f"{minutes // 60} h {minutes % 60:02d} min"
 
 
-def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic, began: Began | None = None) -> Report:
+def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float] = time.monotonic, began: Began | None = None) -> Progress:
     """Report that writes a line at the start, at most every :data:`LOG_INTERVAL` seconds, and at the end."""
     start: list[Began] = []
     last = [0.0]
@@ -113,7 +113,7 @@ def log_lines(what: str, write: Callable[[str], None], clock: Callable[[], float
 
 
 @contextmanager
-def _bar(what: str) -> Iterator[Report]:
+def _bar(what: str) -> Iterator[Progress]:
     from rich.console import Console
     from rich.progress import (
         BarColumn,

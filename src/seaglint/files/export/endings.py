@@ -10,6 +10,7 @@ from typing import Any, Final, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
 from seaglint.files.export.encoding import Counts, Kind, NumberFormat, check_limits
 from seaglint.files.export.fits_cube import require_fits, write_fits
@@ -19,7 +20,6 @@ from seaglint.files.export.stack import Exported, Stack
 from seaglint.files.export.tiff import write_tiff
 from seaglint.files.outputs import moved_when_whole, refuse_existing
 from seaglint.files.recording.raw import TYPES
-from seaglint.files.store.store import Progress
 
 Writer = Callable[[Path, Stack, NumberFormat, Iterable[NDArray[Any]]], None]
 

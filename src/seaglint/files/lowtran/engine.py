@@ -11,14 +11,14 @@ import shutil
 import subprocess
 import tempfile
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from seaglint.base.conventions import FloatArray
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import BackendError
 from seaglint.base.user_cache import cache_folder
 from seaglint.files.failures import storage_errors
@@ -268,7 +268,7 @@ def _output(program: Path, case: LowtranCase, wanted: str, timeout: float) -> Fl
 
 
 def run_all(
-    cases: Sequence[LowtranCase], found: Engine, *, timeout: float = TIMEOUT, report: Callable[[int, int], None] | None = None
+    cases: Sequence[LowtranCase], found: Engine, *, timeout: float = TIMEOUT, report: Progress | None = None
 ) -> list[LowtranSpectrum]:
     """Run cases in parallel; their order is kept. ``report`` hears (done, total); the log after two seconds where none is given."""
     start = last = time.monotonic()

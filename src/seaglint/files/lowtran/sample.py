@@ -17,7 +17,7 @@ from seaglint.air.protocol import slant_range, wavenumber_grid
 from seaglint.air.sampled.sampled_air import PathSamples, SampledAtmosphere, SunSamples
 from seaglint.air.sky_spline import SkySamples, grazing_share
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.base.conventions import FloatArray
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import BackendError, DomainError
 from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS
 from seaglint.files.lowtran import cache, engine
@@ -62,7 +62,7 @@ def lowtran_atmosphere(
     levels: Sequence[ProfileLevel] = (),
     name: str | None = None,
     timeout: float = engine.TIMEOUT,
-    report: Callable[[int, int], None] | None = None,
+    report: Progress | None = None,
 ) -> SampledAtmosphere:
     """Run LOWTRAN7 for one sensor height and band, or take the runs from the cache.
 
@@ -208,7 +208,7 @@ def _grazing(air: Refraction, height: float) -> list[float]:
     return out
 
 
-def _results(cases: list[LowtranCase], found: engine.Engine, timeout: float, report: Callable[[int, int], None] | None) -> _Group:
+def _results(cases: list[LowtranCase], found: engine.Engine, timeout: float, report: Progress | None) -> _Group:
     """Arrays of the cases, from the cache or computed and kept."""
     key = cache.key_of(found.identity, *(case.deck() for case in cases))
     arrays = cache.fetch(key)

@@ -11,6 +11,7 @@ from pathlib import Path
 from traceback import format_exception
 from typing import Any
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError, StorageError, one_line
 from seaglint.base.processor import processor
 from seaglint.files.failures import storage_errors
@@ -23,9 +24,6 @@ from seaglint.files.store.shards import Frame, FramesRaisedError, Shards, UnitFa
 from seaglint.version import __version__
 
 log = logging.getLogger(__name__)
-
-Progress = Callable[[int, int], None]
-"""Called with (frames done, frames in all): once at the start and after each frame."""
 
 
 class Interrupted(SeaglintError):  # noqa: N818 (an answer to a request, not a mistake)

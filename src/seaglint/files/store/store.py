@@ -17,13 +17,14 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
 from seaglint.base.processor import processor
 from seaglint.files.failures import storage_errors
 from seaglint.files.outputs import ELSEWHERE
 from seaglint.files.provenance import PROCESSORS_MIXED, differences
 from seaglint.files.store.consolidated import consolidate
-from seaglint.files.store.filling import Filling, Interrupted, Progress, Spread
+from seaglint.files.store.filling import Filling, Interrupted, Spread
 from seaglint.files.store.layout import FORMAT, UNFINISHED, Layout
 from seaglint.files.store.location import PATIENCE, Place, attributes, is_ours, partial_path, place_of
 from seaglint.files.store.manifest import CHECKSUM, DONE, listed
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
 __all__ = [
     "Frame",
     "Interrupted",
-    "Progress",
     "check_output",
     "finish_sequence",
     "is_sequence",

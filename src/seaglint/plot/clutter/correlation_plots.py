@@ -6,16 +6,15 @@ import math
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from seaglint.analysis import Analysis
+from seaglint.base.conventions import FloatArray
 from seaglint.plot.clutter.figure import COLOURS, new_figure, per_frame, say, unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-FloatArray = NDArray[np.float64]
 
 _FREQUENCIES: Final = (0.02, 0.05, 0.1, 0.2, 0.5)
 

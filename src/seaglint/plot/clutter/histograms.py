@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis import Analysis
+from seaglint.base.conventions import FloatArray
 from seaglint.clutter.fits import FAMILIES
 from seaglint.plot.clutter.figure import panels_of, say, unit_of, values_label
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FloatArray = NDArray[np.float64]
 
 FAMILY_COLOURS: Final = dict(zip(FAMILIES, ("#1b9e77", "#7570b3", "#e7298a", "#a6761d", "#377eb8"), strict=True))
 

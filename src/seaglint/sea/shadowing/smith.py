@@ -28,13 +28,12 @@ from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel, njit
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics, gram_charlier
-
-FloatArray = NDArray[np.float64]
 
 _REACH: Final = 8.0
 """Standard deviations to which negative values of a series are integrated; beyond, the density is below 1e-14 of its peak."""

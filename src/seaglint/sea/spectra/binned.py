@@ -14,11 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.sea.spectra.measured import TAIL_BANDS, MeasuredSpectrum
 from seaglint.sea.spectra.spreading import cosine_power, power_of_width
-
-FloatArray = NDArray[np.float64]
 
 _UNEVEN: Final = 0.02  # share by which steps of direction may differ: files round to 0.1 deg
 _FINE: Final = float(np.radians(2.5))  # largest step of direction that is drawn as a straight line

@@ -13,11 +13,10 @@ from collections.abc import Callable
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-
-FloatArray = NDArray[np.float64]
 
 _PANELS_PER_DECADE: Final = 16
 _ORDER: Final = 8  # smooth spectra are integrated to 1e-9, tabulated ones exactly to their break points

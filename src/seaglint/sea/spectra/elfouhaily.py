@@ -10,14 +10,13 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from seaglint.base.constants import GRAVITY
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.sea.spectra.directional import DirectionalSpectrum, downwind
 from seaglint.sea.wind_profile import FULLY_DEVELOPED, friction_velocity, require_wind
-
-FloatArray = NDArray[np.float64]
 
 VALID_WIND: Final = (0.5, 30.0)
 """Winds at 10 m for which the model is evaluated [m/s]; the data behind it are of 2-24 m/s."""

@@ -7,14 +7,13 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from seaglint.base.constants import GRAVITY
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 from seaglint.sea.spectra.spreading import cosine_power, power_of_width, second_moment
-
-FloatArray = NDArray[np.float64]
 
 HEIGHTS: Final = (0.01, 30.0)
 """Allowed significant heights [m]."""

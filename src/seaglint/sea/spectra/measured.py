@@ -21,11 +21,11 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.sea.dispersion import angular_frequency, group_velocity, wavenumber
 from seaglint.sea.spectra.directional import DirectionalSpectrum
 
-FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 TAIL_BANDS: Final = 5  # the last band alone is one or two units of the last printed digit

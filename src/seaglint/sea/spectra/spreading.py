@@ -11,12 +11,11 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.special import gammaln
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
-
-FloatArray = NDArray[np.float64]
 
 WIDTHS: Final = (float(np.radians(1.0)), float(np.radians(80.0)))
 """Circular widths for which the cosine is used [rad]: sqrt(2) rad (81 degrees) is a sea without direction."""

@@ -6,13 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.sea.dispersion import group_velocity
 from seaglint.sea.spectra.directional import DirectionalSpectrum
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,12 @@ chosen here.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import Progress
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.image import image
 from seaglint.texture.autobinomial import Autobinomial
@@ -45,8 +45,6 @@ SWEEPS: Final = 300
 MOLTEN_SLOPE: Final = 0.8
 """Slope of the mean field to which couplings are weakened for the molten sample: on the other side of the transition, at 1."""
 
-Report = Callable[[int, int], None]
-
 
 def _silent(done: int, total: int) -> None:
     """Report of nobody."""
@@ -65,7 +63,7 @@ def weakened(model: Autobinomial, share: float, slope: float) -> Autobinomial:
     return model.with_parameters(np.array([alpha, *(factor * beta for beta in model.beta)]))
 
 
-def figure_10(report: Report = _silent) -> xr.Dataset:
+def figure_10(report: Progress = _silent) -> xr.Dataset:
     """Autobinomial textures of the article's Fig. 10.
 
     Returns

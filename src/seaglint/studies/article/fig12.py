@@ -13,8 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from seaglint.base.conventions import FloatArray
-from seaglint.files.store.store import Progress
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.studies.prepare import prepare

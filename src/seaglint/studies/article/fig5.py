@@ -11,14 +11,13 @@ The caption's threshold of 0.25 W cm-2 sr-1 is 2500 W m-2 sr-1. The Sun itself s
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
-from seaglint.base.conventions import FloatArray
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw
@@ -36,8 +35,6 @@ AZIMUTHS: Final = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.5, 
 NORTH_ATLANTIC: Final = {"latitudes_deg": [35.0, 65.0], "longitudes_deg": [-70.0, 0.0]}
 HEIGHT: Final = 30.0
 SAMPLES: Final = 8192
-
-Report = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +63,7 @@ def scenario(case: str, weather: Path | None, mode: str = "article", samples: in
     }
 
 
-def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int = SAMPLES, report: Report | None = None) -> Fig5:
+def figure_5(weather: Path | None = None, *, mode: str = "article", samples: int = SAMPLES, report: Progress | None = None) -> Fig5:
     """Compute both panels.
 
     Parameters

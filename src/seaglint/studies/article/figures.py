@@ -15,7 +15,7 @@ import numpy as np
 
 from seaglint.air.protocol import slant_range
 from seaglint.air.table.lowtran7 import TableAtmosphere
-from seaglint.base.conventions import FloatArray, horizon_depression, horizon_range, surface_range, view_zenith
+from seaglint.base.conventions import FloatArray, Progress, horizon_depression, horizon_range, surface_range, view_zenith
 from seaglint.facet.legs import VIEWER
 from seaglint.facet.sea_view import SeaView
 from seaglint.optics import sea_water
@@ -65,10 +65,6 @@ IMAGE_FIELD: Final = (50.0, 35.0)
 """Azimuths, centred on the Sun's, and depressions from the horizontal down in Fig. 4 [deg]."""
 
 
-Report = Callable[[int, int], None]
-"""Told how many of how many winds are done."""
-
-
 def _silent(done: int, total: int) -> None:
     pass
 
@@ -95,7 +91,7 @@ def _attributes(title: str, band: tuple[float, float], height: float, **more: An
     return {**common, "sensor_height_m": height, "sea_temperature_k": SEA_TEMPERATURE, **more}
 
 
-def figure_2(report: Report = _silent) -> xr.Dataset:
+def figure_2(report: Progress = _silent) -> xr.Dataset:
     """Path and boundary properties against range and zenith angle at several winds, 3-5 um, from 130 m down to the sea.
 
     Returns
@@ -149,7 +145,7 @@ _ALONG_RANGE: Final = ("transmittance", "transmittance_eq_9", "path_radiance_W_m
 _ALONG_ZENITH: Final = ("solar_irradiance_W_m2", "sky_radiance_W_m2_sr")
 
 
-def figure_3(report: Report = _silent) -> xr.Dataset:
+def figure_3(report: Progress = _silent) -> xr.Dataset:
     """Sunlight scattered by the sea and its apparent temperature against the zenith angles of Sun and sensor, at three winds.
 
     Returns
@@ -196,7 +192,7 @@ def figure_3(report: Report = _silent) -> xr.Dataset:
     )
 
 
-def figure_4(report: Report = _silent) -> xr.Dataset:
+def figure_4(report: Progress = _silent) -> xr.Dataset:
     """Images of the mirrored Sun, mean and standard deviation in detectors of 1 mrad, for three winds from three directions.
 
     Returns
@@ -248,7 +244,7 @@ def figure_4(report: Report = _silent) -> xr.Dataset:
     )
 
 
-FIGURES: Final[dict[str, Callable[[Report], xr.Dataset]]] = {"fig2": figure_2, "fig3": figure_3, "fig4": figure_4, "fig10": figure_10}
+FIGURES: Final[dict[str, Callable[[Progress], xr.Dataset]]] = {"fig2": figure_2, "fig3": figure_3, "fig4": figure_4, "fig10": figure_10}
 """What ``seaglint reproduce`` computes, by name."""
 
 CSV_STEP: Final[dict[str, dict[str, int]]] = {"fig4": {"elevation_deg": 5, "azimuth_from_sun_deg": 10}}

@@ -7,7 +7,6 @@ The rates depend on wind, Sun and range; ``tools/false_alarm_table.py`` says how
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -15,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis import Analysis, AnalysisOptions, Recording, analyze
-from seaglint.base.conventions import FloatArray
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.imaging.scene import Scene, image
@@ -52,8 +51,6 @@ ARTICLE: Final[dict[str, dict[float, tuple[float | None, float | None]]]] = {
     "background": {3.0: (0.014, 0.292), 3.5: (None, None)},
 }
 """Table 1: false-alarm rate and correlation time [s] by region and threshold; None where the article has "not measured"."""
-
-Report = Callable[[int, int], None]
 
 
 def _silent(done: int, total: int) -> None:
@@ -98,7 +95,7 @@ def scene(wind_speed: float = IMAGE_WINDS[1], solar_zenith_deg: float = SUN, fra
     )
 
 
-def sequence(scene: Scene, times: FloatArray, report: Report = _silent) -> NDArray[np.float32]:
+def sequence(scene: Scene, times: FloatArray, report: Progress = _silent) -> NDArray[np.float32]:
     """Radiance of a standing sensor at times [s, (frames,)], (frames, rows, columns) [W m-2 sr-1]."""
     images = []
     report(0, times.size)
@@ -180,7 +177,7 @@ class Table1:
         ]
 
 
-def table1(report: Report = _silent, frames: int = FRAMES) -> Table1:
+def table1(report: Progress = _silent, frames: int = FRAMES) -> Table1:
     """Render the sequence and count its false alarms.
 
     Parameters

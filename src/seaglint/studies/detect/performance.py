@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DomainError
 from seaglint.base.representation import card, notes, table, told
 from seaglint.base.threads import single_threaded_algebra
@@ -29,8 +30,6 @@ from seaglint.detection.trials import InjectedObjects, Trials, run_trials
 
 COVARIANCE_VALUES: Final = 4_000_000
 """Values of the frames, evenly spaced, from which covariances are estimated."""
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)

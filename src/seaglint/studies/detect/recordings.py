@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from seaglint.analysis import Recording
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.studies.detect.chips import characteristic, chips, false_alarm_map
 from seaglint.studies.detect.performance import DetectionOptions, Performance, detect
 from seaglint.studies.detect.study import Study, with_settings
 from seaglint.studies.detect.varied_cases import STUDY_KEYS, parse_vary
-
-Progress = Callable[[int, int], None]
 
 
 def settings_of(vary: Sequence[str]) -> list[dict[str, Any]]:

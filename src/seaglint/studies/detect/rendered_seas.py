@@ -10,6 +10,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DomainError, SeaglintError
 from seaglint.cluster import Workers
 from seaglint.detection.background import FrameSource
@@ -32,7 +33,6 @@ FIRST_SEAS: Final = 8
 SWEEP: Final = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
 """Contrasts where none is stated, in standard deviations of a frame."""
 
-Progress = Callable[[int, int], None]
 Reason = Literal["precision", "time budget", "frames"]
 
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.base.representation import card, notes, table
 from seaglint.cluster import Workers
@@ -18,8 +19,6 @@ from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.rendered_seas import Clock, SceneOptions, run_scene
 from seaglint.studies.detect.scene_frames import bare, frames_key
 from seaglint.studies.detect.varied_cases import StudyCase, flattened
-
-Progress = Callable[[int, int], None]
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.cluster import Workers
 from seaglint.files.dataset.check import ABOUT
 from seaglint.files.dataset.part import Entry
 from seaglint.files.dataset.split import split_of
-from seaglint.files.store.store import Progress
 from seaglint.scenario.ensemble import Ensemble, load_ensemble
 from seaglint.studies.ensemble.ensemble_folder import Folder, ensemble_text
 from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble

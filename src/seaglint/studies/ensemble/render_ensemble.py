@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, ScenarioError
 from seaglint.base.threads import thread_limit
 from seaglint.cluster import Failed, Here, Job, Workers
 from seaglint.files.failures import storage_errors
 from seaglint.files.stopping import stop_on_signal
 from seaglint.files.store.claim import exclusive
-from seaglint.files.store.store import Interrupted, Progress, check_output, write_sequence
+from seaglint.files.store.store import Interrupted, check_output, write_sequence
 from seaglint.files.text_file import write_text
 from seaglint.scenario.ensemble import Ensemble, with_absolute_paths
 from seaglint.scenario.load import load_scenario, parse_scenario

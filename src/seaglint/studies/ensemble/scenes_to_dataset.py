@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, StorageError
 from seaglint.cluster import Done, Here, Job, Workers
 from seaglint.files.dataset import check
@@ -23,7 +24,7 @@ from seaglint.files.failures import storage_errors
 from seaglint.files.outputs import ELSEWHERE, require_folder
 from seaglint.files.stopping import stop_on_signal
 from seaglint.files.store.claim import exclusive
-from seaglint.files.store.store import Interrupted, Progress, partial_path
+from seaglint.files.store.store import Interrupted, partial_path
 from seaglint.files.text_file import write_json, write_text
 from seaglint.scenario.ensemble import read_toml
 from seaglint.scenario.records.dataset import Dataset

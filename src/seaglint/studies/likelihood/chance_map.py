@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.conventions import FloatArray
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import ScenarioError
 from seaglint.cluster import Job, Workers
 from seaglint.cluster.job import record_of
@@ -41,8 +41,6 @@ _MOST: Final = 100_000
 _TOGETHER: Final = 1_000_000
 """Draws that are worked on together: some 300 MB."""
 
-Report = Callable[[int, int], None]
-
 
 def likelihood_map(
     scenario: Scenario,
@@ -50,7 +48,7 @@ def likelihood_map(
     step: float = 1.0,
     samples: int | None = None,
     weather: WeatherTable | None = None,
-    progress: Report | None = None,
+    progress: Progress | None = None,
     workers: Workers | None = None,
 ) -> xr.Dataset:
     """Chance that glint exceeds each threshold, over cells of the region and months.

@@ -8,14 +8,14 @@ with I = 1 where the mirrored Sun at the sensor exceeds a threshold, and clouds 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.conventions import FloatArray
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.prepare import prepare
@@ -41,8 +41,6 @@ INTEGRATED: Final = 131_072
 
 _SHINES: Final = 0.5 * math.pi + 0.3
 """Zenith angle of the Sun beyond which no place in view can be lit [rad]."""
-
-Report = Callable[[int, int], None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +151,7 @@ class GlintLikelihood:
 
 
 def likelihood(
-    scenario: Scenario, *, weather: WeatherTable | None = None, progress: Report | None = None, model: LikelihoodModel | None = None
+    scenario: Scenario, *, weather: WeatherTable | None = None, progress: Progress | None = None, model: LikelihoodModel | None = None
 ) -> GlintLikelihood:
     """Chances that the mirrored Sun exceeds the scenario's thresholds.
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Hashable, Iterable, Sequence
+from collections.abc import Hashable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from typing import Final
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from seaglint.air.table.batch import BatchAtmosphere
 from seaglint.air.table.table_file import table_models
-from seaglint.base.conventions import FloatArray, horizon_depression, travel_azimuth
+from seaglint.base.conventions import FloatArray, Progress, horizon_depression, travel_azimuth
 from seaglint.base.errors import DomainError
 from seaglint.base.limits import COX_MUNK_WIND, WIND_PROFILE
 from seaglint.files.tables.cases import Cases, Column
@@ -28,7 +28,6 @@ from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.studies.mean.case_slopes import WIND_FROM, slope_kinds, slopes_of
 
 Columns = dict[str, FloatArray | list[str]]
-Report = Callable[[int, int], None]
 
 CORRELATION_TIME: Final = 0.07
 """Time after which glint at a point is forgotten, as in the scenario's default [s]."""
@@ -98,7 +97,9 @@ def parse_bands(texts: Sequence[str]) -> list[NamedBand]:
     return bands
 
 
-def evaluate_atmosphere(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Report | None = None) -> Columns:
+def evaluate_atmosphere(
+    cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None
+) -> Columns:
     """Band values of the air between sea and sensor, of sunlight and of the sky.
 
     Parameters
@@ -159,7 +160,7 @@ def evaluate_atmosphere(cases: Cases, bands: Sequence[NamedBand], *, extrapolate
     return {**columns, **marks}
 
 
-def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Report | None = None) -> Columns:
+def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
     """Emissivity of the wind-roughened sea: isotropic Cox-Munk slopes, salt water, first sea-to-sea reflection.
 
     Parameters
@@ -205,7 +206,7 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Re
     return {"emissivity": found, **({EXTRAPOLATED: _marks({"wind_speed_m_s": beyond})} if extrapolate else {})}
 
 
-def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Report | None = None) -> Columns:
+def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
     """Mean radiance of the sea, its apparent temperature, and the standard deviation of glint in a pixel.
 
     Cox-Munk slopes of the wind at 10 m, isotropic where it has no direction, salt water, both legs shadowed, Sun at 1 au, cells of glint
@@ -292,7 +293,7 @@ def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool
     return {**columns, **marks}
 
 
-def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Report | None = None) -> Columns:
+def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
     """Sunlight that the air scatters once into paths to the sea and into the clear sky, and their thermal radiance.
 
     Parameters
@@ -381,7 +382,7 @@ def groups_of(keys: Iterable[Hashable]) -> list[tuple[Hashable, NDArray[np.intp]
     return [(key, np.array(rows)) for key, rows in found.items()]
 
 
-def _tell(progress: Report | None, done: int, total: int) -> None:
+def _tell(progress: Progress | None, done: int, total: int) -> None:
     if progress is not None:
         progress(done, total)
 

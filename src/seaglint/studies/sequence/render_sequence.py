@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.conventions import FloatArray
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.threads import single_threaded_algebra, thread_limit
 from seaglint.cluster import Workers
@@ -21,7 +21,7 @@ from seaglint.facet.sea_view import SeaView
 from seaglint.files.provenance import provenance
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.share import Share
-from seaglint.files.store.store import Frame, Progress, check_output, write_sequence
+from seaglint.files.store.store import Frame, check_output, write_sequence
 from seaglint.imaging.camera.pose import Pose, Track
 from seaglint.imaging.layers import Layers
 from seaglint.imaging.scene import image

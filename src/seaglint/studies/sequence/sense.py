@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
-from seaglint.base.conventions import FloatArray
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import DataError, DomainError
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.cluster import Workers
@@ -22,7 +22,7 @@ from seaglint.files.provenance import provenance
 from seaglint.files.recording.image_attributes import Source
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.share import Share
-from seaglint.files.store.store import Frame, Progress, check_output, write_sequence
+from seaglint.files.store.store import Frame, check_output, write_sequence
 from seaglint.instrument.bolometer import ThermalPixels, lag_weights
 from seaglint.instrument.chain import Exposure, SensorModel, require_radiance
 from seaglint.instrument.detector import PhotonPixels

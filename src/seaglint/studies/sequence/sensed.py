@@ -10,14 +10,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from seaglint.base.conventions import FloatArray
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import DataError
 from seaglint.base.threads import thread_limit
 from seaglint.cluster import Workers
 from seaglint.cluster.job import ATTEMPTS
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.share import Share
-from seaglint.files.store.store import Frame, Progress, check_output, write_sequence
+from seaglint.files.store.store import Frame, check_output, write_sequence
 from seaglint.imaging.layers import LEAST_SEEN, Layers, share_of_glint
 from seaglint.instrument.scan import ScanPattern
 from seaglint.optics.band import apparent_temperature

@@ -7,12 +7,12 @@ from typing import Final, Literal
 
 import numpy as np
 
-from seaglint.base.conventions import FloatArray
+from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import DataError
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.files.provenance import provenance, stored_band
 from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import Progress, check_output, write_sequence
+from seaglint.files.store.store import check_output, write_sequence
 from seaglint.files.texture_file import StoredTexture
 from seaglint.scenario.model import Scenario
 from seaglint.studies.mean.mean_map import mean as mean_map

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
+from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
 from seaglint.base.schema import VARIABLES
 from seaglint.base.threads import single_threaded_algebra
@@ -19,7 +20,7 @@ from seaglint.clutter.correlation import trend_surface
 from seaglint.files.netcdf import plain_attributes
 from seaglint.files.provenance import provenance
 from seaglint.files.store.layout import Layout
-from seaglint.files.store.store import Progress, check_output, write_sequence
+from seaglint.files.store.store import check_output, write_sequence
 from seaglint.files.texture_file import StoredTexture, read_texture
 from seaglint.texture import gauss_markov_fit as estimation
 from seaglint.texture.autobinomial_texture import AutobinomialTexture, Way
