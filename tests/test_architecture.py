@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import seaglint
+from census import census, repeated_classes, trees
 from seaglint.base.kernel_cache import ROOMS, sources_digest
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -291,6 +292,30 @@ def test_rooms_are_not_crowded() -> None:
                 wide.append(f"{path.name}: {node.name}")
     assert long == []
     assert wide == []
+
+
+def test_class_names_mean_one_thing() -> None:
+    assert repeated_classes(trees(SOURCE)) == {}
+
+
+def test_the_census_counts_what_is_there(tmp_path: Path) -> None:
+    """A small tree with one or two of everything."""
+    (tmp_path / "cli").mkdir()
+    (tmp_path / "cli" / "run.py").write_text(
+        '"""Run."""\napp.command("run")(run)\nOPTION = ["--speed", "--on/--off"]\n'
+        "class Given:\n    a: int\n    b: int\ndef run(given: Given, c: int) -> None:\n    raise ValueError('--speed')\n"
+    )
+    (tmp_path / "run.py").write_text(
+        '"""Of the ship."""\nclass Given:\n    """What is given."""\n'
+        'def whole() -> str:\n    """Whole."""\n    found: int = 1\n    raise ValueError(f\'{found} --off --elsewhere\')\n'
+    )
+    counts = {what: count for what, count, _ in census(tmp_path)}
+    assert counts["class names that mean several things"] == "1 (2 of 2 classes)"
+    assert counts["files that share their name"] == "2 of 2 (1 names)"
+    assert counts["public docstrings that open with a riddle"] == "2 of 4 (50.0%)"
+    assert counts["assignments to found, told, wanted, kept"] == "1"
+    assert counts["longest option list"] == "3"
+    assert counts["options named in a raise outside cli"] == "1"
 
 
 def test_package_data_are_small() -> None:
