@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
@@ -37,7 +36,7 @@ from seaglint.cli.terminal.completion import InstallCompletion, ShowCompletion
 from seaglint.cli.terminal.examples import add_examples
 from seaglint.cli.terminal.groups import write_groups
 from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
-from seaglint.cli.terminal.options import Overwrite, PreviewScale, ShardOption, place_given
+from seaglint.cli.terminal.options import Overwrite, PreviewScale, ProgressOption, ShardOption, place_given
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen
 from seaglint.cli.texture import texture
@@ -235,7 +234,7 @@ def render(
     overwrite: Overwrite = False,
     preview: Annotated[bool, typer.Option("--preview", help="write a picture and a video beside the store")] = False,
     scale: ScaleOption = PreviewScale.AUTO,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
     sensor_preset: SensorPreset = None,
     electrons: Annotated[bool, typer.Option("--electrons", help="with a detector: write electrons beside counts")] = False,
     radiance: Annotated[bool, typer.Option("--radiance", help="with a detector: write radiance at the aperture beside counts")] = False,

@@ -7,10 +7,9 @@ from typing import Annotated
 
 import typer
 
-from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
 from seaglint.cli.terminal.messages import log
-from seaglint.cli.terminal.options import Overwrite
+from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption
 
@@ -35,7 +34,7 @@ def dataset(
     resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished data set")] = False,
     overwrite: Overwrite = False,
     check: Annotated[bool, typer.Option("--check", help="check a data set that is there, and make none")] = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Render labelled pictures of an ensemble: masks, boxes, tables.
 

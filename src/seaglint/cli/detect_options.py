@@ -11,11 +11,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, get_type_hints
 
 import typer
 
-from seaglint.base.conventions import Progress
 from seaglint.cli.analyze import RAW_HELP, filter_of, weights
 from seaglint.cli.sensor import SensorPreset
 from seaglint.cli.terminal.numbers import contrasts_of
-from seaglint.cli.terminal.options import Overwrite
+from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption
 
@@ -115,7 +114,7 @@ class DetectOptions:
     saturation: Annotated[float | None, typer.Option("--saturation", help="value from which on the sensor is saturated")] = None
     raw: Annotated[str | None, typer.Option("--raw", help=RAW_HELP)] = None
     overwrite: Overwrite = False
-    show: Progress = ProgressMode.AUTO
+    show: ProgressOption = ProgressMode.AUTO
     objects_are: Annotated[
         str | None, typer.Option("--objects", help="of a scenario: point, gaussian, or the name of one of its [[objects]]")
     ] = None

@@ -7,9 +7,8 @@ from typing import Annotated
 
 import typer
 
-from seaglint.base.conventions import Progress
 from seaglint.cli.terminal.messages import log
-from seaglint.cli.terminal.options import Overwrite
+from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption
 
@@ -26,7 +25,7 @@ def ensemble(
     resume: Annotated[bool, typer.Option("--resume", help="render the scenes that are missing")] = False,
     overwrite: Overwrite = False,
     draw_only: Annotated[bool, typer.Option("--draw-only", help="write scenario files and tables, and render nothing")] = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Draw scenes from laws of a scenario's keys and render each."""
     from seaglint.cli.terminal.logs import show_logs

@@ -8,10 +8,9 @@ from typing import Annotated
 
 import typer
 
-from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
 from seaglint.cli.terminal.messages import files_read, log, naming_file
-from seaglint.cli.terminal.options import Overwrite, PreviewScale
+from seaglint.cli.terminal.options import Overwrite, PreviewScale, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 
 KINDS = (".ply", ".nc")
@@ -53,7 +52,7 @@ def export(
     rate: Annotated[float | None, typer.Option("--fps", help="frames per second shown by .mp4 and .gif; those of the run")] = None,
     scale: Annotated[PreviewScale | None, typer.Option("--scale", help="brightness of .mp4 and .gif; auto")] = None,
     overwrite: Overwrite = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Write frames of a run for another program."""
     from seaglint.cli.terminal.frame_numbers import parse_frames

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from seaglint.base.conventions import Progress
 from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
-from seaglint.cli.terminal.options import Overwrite
+from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen, done_here
 
@@ -34,7 +33,7 @@ def likelihood(
         typer.Option("--track", help="CSV of a ship's way: time_utc, latitude_deg, longitude_deg and, if it looks one way, bearing_deg"),
     ] = None,
     overwrite: Overwrite = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
     workers: WorkersOption = None,
     dask: DaskOption = None,
     dask_slurm: DaskSlurmOption = None,

@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from seaglint.base.conventions import Progress
 from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
-from seaglint.cli.terminal.options import Overwrite
+from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 
 if TYPE_CHECKING:
@@ -155,7 +154,7 @@ def sample(
     frames: Annotated[int, typer.Option("--frames", min=1, help="of the loop: the frame after the last is the first")] = 1,
     seed: Seed = 0,
     overwrite: Overwrite = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Draw a sample, periodic in rows, columns and time."""
     from seaglint.cli.terminal.progress import patient_progress
@@ -244,7 +243,7 @@ def place(
     ] = Contrast.AUTO,
     seed: Annotated[int | None, typer.Option("--seed", min=0, help="of the field; the scenario's where nothing is said")] = None,
     overwrite: Overwrite = False,
-    show: Progress = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Lay a texture on the sea of a scenario, instead of rendering."""
     from seaglint.cli.terminal.frame_numbers import parse_frames

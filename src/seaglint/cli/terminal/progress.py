@@ -118,12 +118,14 @@ def _bar(what: str) -> Iterator[Progress]:
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
-        Progress,
         ProgressColumn,
         Task,
         TextColumn,
         TimeElapsedColumn,
         TimeRemainingColumn,
+    )
+    from rich.progress import (
+        Progress as Bar,
     )
     from rich.text import Text
 
@@ -137,7 +139,7 @@ def _bar(what: str) -> Iterator[Progress]:
             return Text(f"{(task.completed - before) / elapsed:.3g}/s" if elapsed and task.completed > before else "-/s")
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), Rate(), TimeElapsedColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True)) as shown:
+    with Bar(*columns, console=Console(stderr=True)) as shown:
         task = shown.add_task(what, total=None)
         seen: list[int] = []
 
