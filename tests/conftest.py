@@ -21,16 +21,16 @@ hypothesis.settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "seaglint"
 
 
 LONG_FIRST = (
-    "cli/test_examples.py",
+    "test_examples.py",
     "test_documentation.py",
-    "render/test_resolved_mean.py",
-    "io/test_shards.py",
-    "render/test_scattered_images.py",
-    "render/test_averaging_down.py",
-    "clutter/test_false_alarms.py",
-    "detection/test_performance.py",
-    "texture/test_autobinomial_fit.py",
-    "pipeline/test_table1.py",
+    "test_resolved_mean.py",
+    "test_shards.py",
+    "test_scattered_images.py",
+    "test_averaging_down.py",
+    "test_false_alarms.py",
+    "test_performance.py",
+    "test_autobinomial_fit.py",
+    "test_table1.py",
 )
 """Files with long tests: what two workers share out last must be short."""
 
@@ -39,9 +39,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put files of long tests first, each in one piece, where tests are shared out over workers."""
     if not os.environ.get("PYTEST_XDIST_WORKER"):
         return
-    tests = Path(__file__).parent
-    rank = {tests / name: number for number, name in enumerate(LONG_FIRST)}
-    items.sort(key=lambda item: rank.get(item.path, len(rank)))
+    rank = {name: number for number, name in enumerate(LONG_FIRST)}
+    items.sort(key=lambda item: rank.get(item.path.name, len(rank)))
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
