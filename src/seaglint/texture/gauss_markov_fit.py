@@ -45,10 +45,10 @@ class Covariances:
     ----------
     values : ndarray, shape (2 reach + 1, ...)
         Covariance by distance (frames, rows, columns), the variance in the middle [u²].
-    mean : float [u]
-    shape : (int, int, int)
-    periodic : bool
-        Whether the field is a torus.
+    mean : float
+        Mean of the field [u].
+    shape, periodic : (int, int, int), bool
+        Shape of the field, and whether it is a torus.
     """
 
     values: FloatArray
@@ -73,10 +73,7 @@ class Covariances:
         return float(self.values[t, y, x])
 
     def damped(self) -> Covariances:
-        """Return the covariances reduced at large, uncertain distances: the nearest ones that surely belong to a field.
-
-        Times a triangle along each axis, and a spectrum without negative values.
-        """
+        """Return the covariances times a triangle along each axis, with a spectrum without negative values: those of a field."""
         out = self.values.copy()
         for axis, reach in enumerate(self.reach):
             lags = np.abs(np.arange(-reach, reach + 1))
