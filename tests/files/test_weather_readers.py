@@ -305,7 +305,7 @@ def test_tables_come_back_as_they_were_written(tmp_path: Path, suffix: str) -> N
         np.testing.assert_array_equal(found.table[name], values)
     assert found.table.text("region").tolist() == table.text("region").tolist()
     assert found.notes == ("of a test",)
-    assert found.told == ("weights sum to 36 and are divided by it",)
+    assert found.remarks == ("weights sum to 36 and are divided by it",)
     with pytest.raises(DataError, match="exists already"):
         write_weather(table, path)
 

@@ -128,10 +128,10 @@ class DaskWorkers:
             try:
                 self._present = tuple(self._client.nthreads())
                 new = [address for address in self._present if address not in self._known]
-                found = self._client.run(describe, workers=new, on_error="return") if new else {}
+                answers = self._client.run(describe, workers=new, on_error="return") if new else {}
             except Exception as error:
                 raise _SchedulerGoneError(one_line(error)) from error
-            machines = judged(found, this_machine())
+            machines = judged(answers, this_machine())
             self._tell_processors(machines)
             self._known |= machines
             self._looked = time.monotonic()
@@ -139,8 +139,8 @@ class DaskWorkers:
 
     def _tell_processors(self, new: dict[str, Machine]) -> None:
         """Say once of each processor type that it is not this machine's."""
-        told = {this_machine().processor} | {machine.processor for machine in self._known.values()}
-        for processor in sorted({machine.processor for machine in new.values()} - told):
+        reported = {this_machine().processor} | {machine.processor for machine in self._known.values()}
+        for processor in sorted({machine.processor for machine in new.values()} - reported):
             some = [address for address, machine in new.items() if machine.processor == processor]
             self._say(
                 f"{len(some)} workers ({_some(some)}) have another processor type, {processor} and not {this_machine().processor}: "
@@ -291,7 +291,7 @@ class _DaskMapping:
         for future in ended:
             if future.status == "error":
                 _, task = self.flight.pop(future.key)
-                yield from self._retry(task, *_told(future.exception()), "")
+                yield from self._retry(task, *_attempts_and_reason(future.exception()), "")
 
     def _retry(self, task: _DaskTask, attempts: int, error: str, where: str) -> Iterator[Failed[Any]]:
         """Try a unit once more, or give it up."""
@@ -314,7 +314,7 @@ class _DaskMapping:
         self.workers.reconnect()
 
 
-def _told(error: BaseException) -> tuple[int, str]:
+def _attempts_and_reason(error: BaseException) -> tuple[int, str]:
     """How many attempts an error of Dask itself stands for, and its line.
 
     Raises
@@ -332,7 +332,7 @@ def _told(error: BaseException) -> tuple[int, str]:
     return 1, one_line(error)
 
 
-def judged(found: dict[str, Any], mine: Machine) -> dict[str, Machine]:
+def judged(answers: dict[str, Any], mine: Machine) -> dict[str, Machine]:
     """Workers that can be used, of what they say of themselves; those that answer with an error are asked again.
 
     Raises
@@ -340,8 +340,8 @@ def judged(found: dict[str, Any], mine: Machine) -> dict[str, Machine]:
     BackendError
         Some have no package, or another version of it.
     """
-    good = {address: Machine(*told) for address, told in found.items() if isinstance(told, tuple)}
-    without = [address for address, told in found.items() if told is None]
+    good = {address: Machine(*details) for address, details in answers.items() if isinstance(details, tuple)}
+    without = [address for address, details in answers.items() if details is None]
     if without:
         raise BackendError(
             f"{len(without)} workers have no seaglint, or one that knows no such work: {_some(without)}; install {mine.version} there"

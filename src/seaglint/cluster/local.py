@@ -181,11 +181,11 @@ class LocalProcesses:
         """Wait a little for units at work."""
         until = time.monotonic() + GRACE
         while busy := [worker for worker in self._workers if worker.task is not None]:
-            found = wait([worker.pipe for worker in busy], max(until - time.monotonic(), 0.0))
-            if not found:
+            ready = wait([worker.pipe for worker in busy], max(until - time.monotonic(), 0.0))
+            if not ready:
                 return
             for worker in busy:
-                if worker.pipe in found:
+                if worker.pipe in ready:
                     with suppress(_LostError):  # it is missed when the next job begins
                         worker.answer()
                     worker.task = None
@@ -212,8 +212,8 @@ class _LocalMapping:
                 return
             self._start_workers()
             self._hand_out()
-            found = set(wait([worker.pipe for worker in self.workers]))
-            for worker in [w for w in self.workers if w.pipe in found]:
+            ready = set(wait([worker.pipe for worker in self.workers]))
+            for worker in [w for w in self.workers if w.pipe in ready]:
                 try:
                     outcome = self._read(worker, worker.answer())
                 except _LostError:
@@ -275,10 +275,10 @@ class _LocalMapping:
         match message:
             case ("ready", job) if job == self.job:
                 worker.ready, self.lost_at_start = True, 0
-            case ("refused", job, told, line, where) if job == self.job:
+            case ("refused", job, pickled, line, where) if job == self.job:
                 worker.job = ""
                 self.lost_at_start += 1
-                error = pickle.loads(told) if told is not None else RuntimeError(line)
+                error = pickle.loads(pickled) if pickled is not None else RuntimeError(line)
                 if isinstance(error, SeaglintError):
                     raise error
                 if self.lost_at_start >= ATTEMPTS:

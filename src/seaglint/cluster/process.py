@@ -60,11 +60,11 @@ def _started(job: str, content: bytes, pipe: Connection) -> Callable[[Any], Any]
         work: Callable[[Any], Any] = start(settings)
     except Exception as error:
         try:
-            told = pickle.dumps(error)
-            pickle.loads(told)  # some errors pickle and cannot be read again
+            pickled = pickle.dumps(error)
+            pickle.loads(pickled)  # some errors pickle and cannot be read again
         except Exception:
-            told = None
-        _answer(pipe, ("refused", job, told, one_line(error), traceback.format_exc()))
+            pickled = None
+        _answer(pipe, ("refused", job, pickled, one_line(error), traceback.format_exc()))
         return None
     _answer(pipe, ("ready", job))
     return work

@@ -21,9 +21,9 @@ def pictures(dataset: xr.Dataset) -> xr.DataArray:
     for name in ("radiance", "signal"):
         if name in dataset:
             return dataset[name]
-    found = ", ".join(map(str, dataset.data_vars)) or "none"
+    available = ", ".join(map(str, dataset.data_vars)) or "none"
     raise DataError(
-        f"the dataset has no variable 'radiance' (it has: {found}); give the variable itself, e.g. dataset['path_radiance'], or counts "
+        f"the dataset has no variable 'radiance' (it has: {available}); give the variable itself, e.g. dataset['path_radiance'], or counts "
         "as 'signal'"
     )
 
@@ -49,11 +49,11 @@ def count_line(variable: xr.DataArray) -> tuple[float, float]:
 
 def radiance_of(dataset: xr.Dataset) -> xr.DataArray:
     """Radiance of a dataset [W m-2 sr-1]: its own, or that of its counts."""
-    found = pictures(dataset)
-    if found.name == "radiance":
-        return found
-    scale, offset = count_line(found)
+    images = pictures(dataset)
+    if images.name == "radiance":
+        return images
+    scale, offset = count_line(images)
     from seaglint.base.schema import VARIABLES
 
-    radiance = (found.astype("float64") * scale + offset).rename("radiance")
+    radiance = (images.astype("float64") * scale + offset).rename("radiance")
     return radiance.assign_attrs(VARIABLES["radiance"].attributes)

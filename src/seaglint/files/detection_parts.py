@@ -57,10 +57,10 @@ class Parts:
 
     def frames(self, key: str) -> Path:
         """Folder of the frames of a scene."""
-        found = self.folder / f"frames-{key}"
-        with storage_errors(found, "make room or choose another place"):
-            found.mkdir(exist_ok=True)
-        return found
+        folder = self.folder / f"frames-{key}"
+        with storage_errors(folder, "make room or choose another place"):
+            folder.mkdir(exist_ok=True)
+        return folder
 
     def forget_frames(self, key: str) -> None:
         """Remove the frames of a scene."""
@@ -69,10 +69,10 @@ class Parts:
     def case(self, key: str) -> dict[str, Any] | None:
         """A finished case; None where it is not there, or not whole."""
         try:
-            found: dict[str, Any] = json.loads((self.folder / f"case-{key}.json").read_text(encoding="utf-8"))
+            stored: dict[str, Any] = json.loads((self.folder / f"case-{key}.json").read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return None
-        return found
+        return stored
 
     def keep_case(self, key: str, value: dict[str, Any]) -> None:
         """Write a finished case."""

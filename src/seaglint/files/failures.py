@@ -19,7 +19,7 @@ def _system_error(error: BaseException | None) -> OSError | None:
     if error is None or isinstance(error, OSError):
         return error
     if isinstance(error, BaseExceptionGroup):
-        return next((found for inner in error.exceptions if (found := _system_error(inner))), None)
+        return next((cause for inner in error.exceptions if (cause := _system_error(inner))), None)
     return _system_error(error.__cause__ or error.__context__)
 
 
@@ -48,8 +48,8 @@ def _sentence(error: OSError, remedy: str) -> str:
         return f"no right to write there; {remedy}"
     if error.errno == errno.ENAMETOOLONG:
         return "a name in it is too long for this file system; choose a shorter one"
-    told = error.strerror or str(error)
-    what = f"{told}: {error.filename}" if error.filename else told
+    reason = error.strerror or str(error)
+    what = f"{reason}: {error.filename}" if error.filename else reason
     if error.errno in _GONE:
         return f"something was moved or removed while it was written ({what}); see that no other program works there and run again"
     return f"writing failed ({what}); see to the disk or choose another place"

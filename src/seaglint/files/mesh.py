@@ -58,8 +58,8 @@ def read_mesh(path: str | Path, *, metres: float = 1.0, up: Literal["auto", "z",
     import trimesh
 
     try:
-        found: Any = trimesh.load(str(path), force="mesh", process=False)
-        vertices, triangles = np.asarray(found.vertices, np.float64), np.asarray(found.faces, np.int64)
+        mesh: Any = trimesh.load(str(path), force="mesh", process=False)
+        vertices, triangles = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
     except Exception as error:  # its readers raise whatever they meet
         raise DataError(f"{path}: cannot be read as a mesh: {' '.join(str(error).split())[:120]}; export it again") from None
     if vertices.ndim != 2 or not len(triangles):
@@ -68,13 +68,13 @@ def read_mesh(path: str | Path, *, metres: float = 1.0, up: Literal["auto", "z",
         raise DataError(f"{path}: holds {len(triangles)} triangles; allowed are {MOST_TRIANGLES}: simplify the mesh")
     if up == "y" or (up == "auto" and suffix == ".glb"):
         vertices = vertices @ _Y_UP.T
-    values = {name: _property(found, name, len(vertices)) for name in ("temperature", "emissivity")} if suffix == ".ply" else {}
+    values = {name: _property(mesh, name, len(vertices)) for name in ("temperature", "emissivity")} if suffix == ".ply" else {}
     return MeshData((vertices * metres, triangles.astype(np.int32)), values.get("temperature"), values.get("emissivity"))
 
 
-def _property(found: Any, name: str, size: int) -> FloatArray | None:
+def _property(mesh: Any, name: str, size: int) -> FloatArray | None:
     """A property of a PLY file's vertices by name."""
-    raw = found.metadata.get("_ply_raw", {}).get("vertex", {}).get("data")
+    raw = mesh.metadata.get("_ply_raw", {}).get("vertex", {}).get("data")
     if raw is None:
         return None
     names = raw.dtype.names if isinstance(raw, np.ndarray) else raw.keys()

@@ -35,9 +35,9 @@ def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
     except FileNotFoundError:
         raise DataError(f"{path}: no such file; give a NetCDF 4 file") from None
     except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
-        told = " ".join(str(error).split())[:200] or type(error).__name__
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
         drop_quietly(error)
-        raise DataError(f"{path}: cannot be read as NetCDF 4, or is cut ({told}); give a whole NetCDF 4 file") from None
+        raise DataError(f"{path}: cannot be read as NetCDF 4, or is cut ({reason}); give a whole NetCDF 4 file") from None
 
 
 def drop_quietly(error: BaseException | None) -> None:

@@ -180,15 +180,15 @@ def parse_ensemble(raw: Mapping[str, Any], *, name: str = "ensemble", folder: Pa
             "ensemble = { scenes = 100 }, and laws of keys in tables [[vary]]"
         )
     try:
-        found = Ensemble.model_validate({**raw, "base": {}}, context={"base": folder})
+        ensemble = Ensemble.model_validate({**raw, "base": {}}, context={"base": folder})
     except ValidationError as error:
-        lines = dict.fromkeys(_told(detail) for detail in error.errors(include_url=False))
+        lines = dict.fromkeys(_described(detail) for detail in error.errors(include_url=False))
         mistakes = tuple(Mistake(key, value, None, text) for key, value, text in lines)
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
-    base = _base(raw.get("base", {}), found.ensemble.sensor, name, folder)
-    found = found.model_copy(update={"base": base})
-    found._name, found._folder = name, folder
-    return found
+    base = _base(raw.get("base", {}), ensemble.ensemble.sensor, name, folder)
+    ensemble = ensemble.model_copy(update={"base": base})
+    ensemble._name, ensemble._folder = name, folder
+    return ensemble
 
 
 def law_of(raw: object, name: str) -> Uniform | LogUniform | Normal | Choice | None:
@@ -202,12 +202,12 @@ def law_of(raw: object, name: str) -> Uniform | LogUniform | Normal | Choice | N
     if not isinstance(raw, Mapping) or "law" not in raw:
         return None
     try:
-        found: Uniform | LogUniform | Normal | Choice = _LAW.validate_python(dict(raw))
+        law: Uniform | LogUniform | Normal | Choice = _LAW.validate_python(dict(raw))
     except ValidationError as error:
-        raise ScenarioError(f"{name}.{_told(error.errors(include_url=False)[0])[2]}") from None
-    if found.key is not None:
-        raise ScenarioError(f"{name}.key = '{found.key}': a law in a table of objects is of the key that it stands at; leave key out")
-    return found
+        raise ScenarioError(f"{name}.{_described(error.errors(include_url=False)[0])[2]}") from None
+    if law.key is not None:
+        raise ScenarioError(f"{name}.key = '{law.key}': a law in a table of objects is of the key that it stands at; leave key out")
+    return law
 
 
 def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> dict[str, Any]:
@@ -241,19 +241,19 @@ def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]
 def with_absolute_paths(raw: Mapping[str, Any], scenario: Scenario) -> dict[str, Any]:
     """The same tables with every path as the scenario found it, so that they mean the same in any folder."""
 
-    def walk(given: Any, found: Any) -> Any:
-        if isinstance(found, Path) and isinstance(given, str | Path):
-            return str(found.absolute())
+    def walk(given: Any, resolved: Any) -> Any:
+        if isinstance(resolved, Path) and isinstance(given, str | Path):
+            return str(resolved.absolute())
         if isinstance(given, Mapping):
-            return {key: walk(value, found.get(key) if isinstance(found, Mapping) else None) for key, value in given.items()}
-        if isinstance(given, list | tuple) and isinstance(found, list | tuple) and len(found) == len(given):
-            return [walk(one, other) for one, other in zip(given, found, strict=True)]
+            return {key: walk(value, resolved.get(key) if isinstance(resolved, Mapping) else None) for key, value in given.items()}
+        if isinstance(given, list | tuple) and isinstance(resolved, list | tuple) and len(resolved) == len(given):
+            return [walk(one, other) for one, other in zip(given, resolved, strict=True)]
         return list(given) if isinstance(given, tuple) else given
 
-    return {key: walk(value, found) for (key, value), found in zip(raw.items(), map(scenario.model_dump().get, raw), strict=True)}
+    return {key: walk(value, resolved) for (key, value), resolved in zip(raw.items(), map(scenario.model_dump().get, raw), strict=True)}
 
 
-def _told(error: ErrorDetails) -> tuple[str, Any, str]:
+def _described(error: ErrorDetails) -> tuple[str, Any, str]:
     """Key, value and line of one mistake."""
     location = tuple(part for part in error["loc"] if part not in _TAGS)
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
@@ -268,8 +268,8 @@ def _told(error: ErrorDetails) -> tuple[str, Any, str]:
         near = difflib.get_close_matches(str(location[-1]), keys, n=1, cutoff=0.6)
         return key, None, f"{key} is an unknown key; " + (f"did you mean {near[0]}?" if near else f"allowed here: {', '.join(keys)}")
     if kind == "missing":
-        told = "a table [ensemble] with the number of scenes, e.g. scenes = 100" if key == "ensemble" else "it to the file"
-        return key, None, f"{key} is missing; add {told}"
+        missing = "a table [ensemble] with the number of scenes, e.g. scenes = 100" if key == "ensemble" else "it to the file"
+        return key, None, f"{key} is missing; add {missing}"
     if kind == "tuple_type" and key in ("vary", "objects"):
         return key, None, f"{key} must be a list of tables; write [[{key}]] above each of them"
     if kind == "union_tag_invalid":

@@ -39,15 +39,15 @@ class Key:
         return "true | false" if self.info.annotation is bool else ""
 
 
-def _find(annotation: Any, wanted: type) -> Iterator[Any]:
+def _find(annotation: Any, kind: type) -> Iterator[Any]:
     """Instances of ``wanted`` among the annotations nested in a type."""
     if get_origin(annotation) is Annotated:
         inner, *extras = get_args(annotation)
-        yield from (extra for extra in extras if isinstance(extra, wanted))
-        yield from _find(inner, wanted)
+        yield from (extra for extra in extras if isinstance(extra, kind))
+        yield from _find(inner, kind)
     else:
         for argument in get_args(annotation):
-            yield from _find(argument, wanted)
+            yield from _find(argument, kind)
 
 
 def _records(annotation: Any) -> Iterator[type[BaseModel]]:
@@ -82,8 +82,8 @@ def _at(location: tuple[str, ...]) -> tuple[type[BaseModel], ...]:
     for part in location:
         if part.isdecimal():  # a place in a list
             continue
-        found = (inner for record in records for key in fields_of(record) if key.path[-1] == part for inner in key.records)
-        records = tuple(dict.fromkeys(found))
+        inside = (inner for record in records for key in fields_of(record) if key.path[-1] == part for inner in key.records)
+        records = tuple(dict.fromkeys(inside))
     return records
 
 

@@ -56,8 +56,8 @@ def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path
     try:
         return Scenario.model_validate(dict(raw), context={"base": base})
     except ValidationError as error:
-        found = (_named(_explain(detail, raw), detail["loc"], raw) for detail in error.errors(include_url=False))
-        mistakes = tuple({mistake.text: mistake for mistake in found}.values())
+        explained = (_named(_explain(detail, raw), detail["loc"], raw) for detail in error.errors(include_url=False))
+        mistakes = tuple({mistake.text: mistake for mistake in explained}.values())
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
 
 
@@ -106,8 +106,8 @@ def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:
     if kind in ("quantity", "missing_file"):
         return f"{key} = {value} {error['msg']}"
     if kind in ("too_short", "too_long", "tuple_type"):
-        found = key_at(location)
-        if found is not None and is_list(found.info.annotation):
+        known = key_at(location)
+        if known is not None and is_list(known.info.annotation):
             names = choices_at(location)
             return f"{key} = {value} must be a list in brackets" + (f"; allowed in it: {_listed(names)}" if names else "")
         return f"{key} = {value} must be a pair of numbers [width, height]"
@@ -150,8 +150,8 @@ def _without_tags(location: Sequence[str | int], raw: Mapping[str, Any]) -> tupl
             skip = False
             continue
         out.append(part)
-        found = key_at(tuple(out)) if isinstance(part, str) else None
-        skip = bool(tags(tuple(out))) and not (found is not None and is_list(found.info.annotation))
+        key = key_at(tuple(out)) if isinstance(part, str) else None
+        skip = bool(tags(tuple(out))) and not (key is not None and is_list(key.info.annotation))
     return tuple(out)
 
 

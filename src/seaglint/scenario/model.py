@@ -161,5 +161,5 @@ class Scenario(Record):
 
 def _places_itself(raw: dict[str, Any]) -> bool:
     """Whether a ``[likelihood]`` not yet validated names a region, or takes places from its weather."""
-    wanted = raw.get("likelihood")
-    return isinstance(wanted, dict) and (wanted.get("latitudes_deg") is not None or wanted.get("place_from_weather") is True)
+    table = raw.get("likelihood")
+    return isinstance(table, dict) and (table.get("latitudes_deg") is not None or table.get("place_from_weather") is True)

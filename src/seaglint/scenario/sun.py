@@ -68,6 +68,6 @@ def sun_position(scenario: Scenario, step: int = 0) -> SunPosition:
     from pvlib import solarposition
 
     times = pd.DatetimeIndex([scenario.time.utc + timedelta(seconds=step * SUN_STEP_TIME)])
-    found = solarposition.get_solarposition(times, scenario.place.latitude_deg, scenario.place.longitude_deg, method="nrel_numpy")
+    angles = solarposition.get_solarposition(times, scenario.place.latitude_deg, scenario.place.longitude_deg, method="nrel_numpy")
     distance = float(solarposition.nrel_earthsun_distance(times).iloc[0])
-    return SunPosition(math.radians(float(found["apparent_zenith"].iloc[0])), math.radians(float(found["azimuth"].iloc[0])), distance)
+    return SunPosition(math.radians(float(angles["apparent_zenith"].iloc[0])), math.radians(float(angles["azimuth"].iloc[0])), distance)

@@ -74,19 +74,19 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
     if not mask.any():
         raise DataError("the region has no pixel with a value that varies; drag another one")
     moments = first.moments.region(mask)
-    kept = recording.read(0, 1)
+    block = recording.read(0, 1)
     gathered = Gatherer(mask, 1, np.zeros(1, np.int64), AnalysisOptions().seed, recording.offset)
-    values, _ = gathered.sample(kept, (1e9, 1e9), mask)
-    inside = kept[0][mask].astype(np.float64) + recording.offset
+    values, _ = gathered.sample(block, (1e9, 1e9), mask)
+    inside = block[0][mask].astype(np.float64) + recording.offset
     low, high = float(inside.min()), float(inside.max())
     density, edges = np.histogram(inside, bins=BINS, range=(low, high) if high > low else (low - 0.5, low + 0.5), density=True)
     at = np.linspace(edges[0], edges[-1], _CURVE)
     fits: dict[str, Any] = {}
     for family in SHOWN:
-        found = fit(values, family)
+        fitted = fit(values, family)
         with np.errstate(all="ignore"):
-            curve = [number(float(v)) for v in found.pdf(at)] if found.is_valid else None
-        fits[family] = {"shape": found.shape, "loc": found.loc, "scale": found.scale, "reason": found.reason or None, "density": curve}
+            curve = [number(float(v)) for v in fitted.pdf(at)] if fitted.is_valid else None
+        fits[family] = {"shape": fitted.shape, "loc": fitted.loc, "scale": fitted.scale, "reason": fitted.reason or None, "density": curve}
     return {
         "frame": index,
         "label": chosen.label,
@@ -120,10 +120,10 @@ def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int |
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of numbers that do not exist: the result says what is absent and why
-        found = analyze(recording, AnalysisOptions(mask=mask), progress)
-    if "glint" not in found.regions:
-        raise DataError(f"the region has too few pixels with values ({'; '.join(found.notes)}); drag another one")
-    out = found.regions["glint"].as_dict(recording.frame_rate)
+        analysis = analyze(recording, AnalysisOptions(mask=mask), progress)
+    if "glint" not in analysis.regions:
+        raise DataError(f"the region has too few pixels with values ({'; '.join(analysis.notes)}); drag another one")
+    out = analysis.regions["glint"].as_dict(recording.frame_rate)
     region = {"left": where.left, "top": where.top, "width": where.width, "height": where.height}
     return {"source": recording.source, "units": recording.units, "frame": only, "frames": recording.frames, "region_px": region, **out}
 
@@ -161,7 +161,7 @@ def exceedances(
     above = z > np.float32(sigma)
     count, pixels = int(np.count_nonzero(above)), int(np.count_nonzero(np.isfinite(z)))
     rate, expected = count / pixels if pixels else math.nan, float(gaussian_rate(sigma))
-    told = {
+    result = {
         "frame": index,
         "threshold_sigma": sigma,
         "filter": filter_name,
@@ -172,7 +172,7 @@ def exceedances(
         "ratio": number(rate / expected) if expected > 0.0 else None,
         "value": _value(filtered[0], mask, sigma, recording.offset) if filter_name == "none" else None,
     }
-    return told, above
+    return result, above
 
 
 def _value(frame: NDArray[np.float32], mask: BoolArray, sigma: float, offset: float) -> float | None:

@@ -39,7 +39,7 @@ class ViewerSource:
         self.path = str(path)
         self._variable = variable
         self._lock = threading.RLock()
-        self._kept: OrderedDict[tuple[str, int], Image] = OrderedDict()
+        self._cached: OrderedDict[tuple[str, int], Image] = OrderedDict()
         self._bytes = 0
         self._done: NDArray[np.int64] = np.empty(0, np.int64)
         try:
@@ -67,17 +67,17 @@ class ViewerSource:
             return given, ()
         finished = given.with_name(given.name.removesuffix(".partial"))
         for place in dict.fromkeys((given, finished, partial_path(finished))):
-            for told in (place / "zarr.json", place):
+            for path in (place / "zarr.json", place):
                 try:
-                    found = told.stat()
+                    status = path.stat()
                 except OSError:
                     continue
-                return place, (found.st_ino, found.st_mtime_ns, 0 if place.is_dir() else found.st_size)
+                return place, (status.st_ino, status.st_mtime_ns, 0 if place.is_dir() else status.st_size)
         raise GoneError(f"{self.path}: is not there any more; put it back, or choose another one")
 
     def _open(self) -> Opened:
         opened = open_path(self._place, self._variable)
-        self._kept.clear()
+        self._cached.clear()
         self._bytes, self._done = 0, opened.done()
         return opened
 
@@ -122,15 +122,15 @@ class ViewerSource:
             chosen = self.layer(layer)
             self._require(index)
             key = (chosen.name, index)
-            found = self._kept.pop(key, None)
-            if found is None:
-                found = chosen.read(index)
-                found.flags.writeable = False
-                self._bytes += found.nbytes
-            self._kept[key] = found
-            while self._bytes > MOST_CACHED and len(self._kept) > 1:
-                self._bytes -= self._kept.popitem(last=False)[1].nbytes
-            return found
+            image = self._cached.pop(key, None)
+            if image is None:
+                image = chosen.read(index)
+                image.flags.writeable = False
+                self._bytes += image.nbytes
+            self._cached[key] = image
+            while self._bytes > MOST_CACHED and len(self._cached) > 1:
+                self._bytes -= self._cached.popitem(last=False)[1].nbytes
+            return image
 
     def _require(self, index: int) -> None:
         frames = self._opened.frames
@@ -142,15 +142,15 @@ class ViewerSource:
     def boxes(self, index: int) -> list[ObjectBox]:
         """Objects in view and their boxes, where the sequence has truth."""
         with self._lock:
-            found = self.opened.boxes
+            read_boxes = self.opened.boxes
             self._require(index)
-            return [] if found is None else found(index)
+            return [] if read_boxes is None else read_boxes(index)
 
     def directions(self, index: int) -> tuple[Image, Image] | None:
         """Azimuth and elevation [deg] as :func:`seaglint.files.directions.directions` gives them; None where they are not known."""
         with self._lock:
-            found = self.opened.directions
-            return None if found is None else found(index)
+            read_directions = self.opened.directions
+            return None if read_directions is None else read_directions(index)
 
     def trace(
         self, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False
@@ -167,8 +167,8 @@ class ViewerSource:
         values = np.empty(frames.size)
         for place, frame in enumerate(frames.tolist()):
             with self._lock:  # frame by frame: who plays the sequence meanwhile is not kept waiting
-                kept = self._kept.get((chosen.name, frame))
-                values[place] = (chosen.read(frame) if kept is None else kept)[row, column]
+                cached = self._cached.get((chosen.name, frame))
+                values[place] = (chosen.read(frame) if cached is None else cached)[row, column]
         return frames, values
 
     def recording(self, layer: str | None = None, only: int | None = None) -> Recording:
@@ -186,10 +186,10 @@ class ViewerSource:
         chosen, opened = self.layer(layer), self.opened
         done = self.done() if only is None else np.array([only])
         if opened.recording is not None:
-            found = opened.recording
+            recording = opened.recording
             if only is None:
-                return found
-            return replace(found, frames=1, read_block=lambda start, stop: found.read_block(only, only + 1))
+                return recording
+            return replace(recording, frames=1, read_block=lambda start, stop: recording.read_block(only, only + 1))
 
         def read(start: int, stop: int) -> NDArray[Any]:
             return np.stack([self.read(int(index), chosen.name) for index in done[start:stop]])

@@ -93,16 +93,16 @@ class Library:
         with self._lock:
             if not 0 <= number < len(self._paths):
                 raise DataError(f"source {number}: the list has {len(self._paths)} files, from 0; choose one of them")
-            found = self._open.pop(number, None)
-            if found is None:
+            source = self._open.pop(number, None)
+            if source is None:
                 path = self._paths[number]
                 if number >= self.given and not any(Path(path).resolve().is_relative_to(folder) for folder in self._folders):
                     raise DataError(f"{self._name(path)}: leads out of the folders that the viewer was started with")
-                found = open_source(path)
-            self._open[number] = found  # the last to go
+                source = open_source(path)
+            self._open[number] = source  # the last to go
             while len(self._open) > max(MOST_OPEN, self.given):
                 self._open.pop(next(n for n in self._open if n >= self.given))
-            return found
+            return source
 
 
 def _there(path: str) -> bool:

@@ -21,7 +21,7 @@ SAMPLED: Final = 12
 MOST_SAMPLED: Final = 1_000_000
 """Pixels in them that percentiles and histograms are made of."""
 
-_KEPT: Final = 64
+_MOST_CACHED: Final = 64
 
 
 @dataclass(frozen=True)
@@ -57,9 +57,9 @@ class Show:
         DataError
             A frame or a layer that is not there, or two sources of different sizes or units.
         """
-        found = self.source.read(index, self.layer)
+        values = self.source.read(index, self.layer)
         if self.minus is None:
-            return found
+            return values
         mine = self.source.layer(self.layer)
         other = self.minus.layer(self.layer)
         if other.unit != mine.unit:
@@ -67,10 +67,10 @@ class Show:
                 f"difference: {mine.label} [{mine.unit}] and {other.label} [{other.unit}] have different units; choose one layer"
             )
         taken = self.minus.read(index, self.layer)
-        if taken.shape != found.shape:
-            sizes = " and ".join(f"{image.shape[1]} x {image.shape[0]}" for image in (found, taken))
+        if taken.shape != values.shape:
+            sizes = " and ".join(f"{image.shape[1]} x {image.shape[0]}" for image in (values, taken))
             raise DataError(f"difference: the pictures have {sizes} pixels; give two of one size")
-        return found - taken
+        return values - taken
 
     @property
     def key(self) -> tuple[Any, ...]:
@@ -84,7 +84,7 @@ class Scales:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._kept: OrderedDict[tuple[Any, ...], Scaling] = OrderedDict()
+        self._cached: OrderedDict[tuple[Any, ...], Scaling] = OrderedDict()
 
     def of(self, show: Show, index: int) -> Scaling:
         """Scaling of a frame."""
@@ -96,18 +96,18 @@ class Scales:
         frames = sampled(show)
         key = (*show.key, tuple(frames.tolist()))
         with self._lock:
-            found = self._kept.get(key)
-            if found is None:
+            scaling = self._cached.get(key)
+            if scaling is None:
                 images = [show.image(int(frame)) for frame in frames]
                 pixels = sum(image.size for image in images)
                 if show.kind != "linear" and pixels > MOST_SAMPLED:
                     step = int(np.ceil(np.sqrt(pixels / MOST_SAMPLED)))
                     images = [image[::step, ::step] for image in images]
-                found = scaling_of(images, show.kind, symmetric=symmetric)
-                self._kept[key] = found
-                while len(self._kept) > _KEPT:
-                    self._kept.popitem(last=False)
-        return found
+                scaling = scaling_of(images, show.kind, symmetric=symmetric)
+                self._cached[key] = scaling
+                while len(self._cached) > _MOST_CACHED:
+                    self._cached.popitem(last=False)
+        return scaling
 
 
 def sampled(show: Show) -> NDArray[np.int64]:
@@ -123,5 +123,5 @@ def sampled(show: Show) -> NDArray[np.int64]:
 def tag(show: Show, index: int, scaling: Scaling) -> str:
     """An ETag: the same for the same picture."""
     steps = b"" if scaling.steps is None else scaling.steps.tobytes()
-    told = repr((show.key, index, scaling.low, scaling.high)).encode() + steps
-    return f'"{hashlib.blake2b(told, digest_size=12).hexdigest()}"'
+    content = repr((show.key, index, scaling.low, scaling.high)).encode() + steps
+    return f'"{hashlib.blake2b(content, digest_size=12).hexdigest()}"'

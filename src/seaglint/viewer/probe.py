@@ -47,10 +47,10 @@ def require_pixel(source: ViewerSource, row: int, column: int) -> None:
 
 def towards(source: ViewerSource, index: int, row: int, column: int) -> tuple[float | None, float | None]:
     """Azimuth and elevation of a pixel's centre [deg]; None where they are not known."""
-    found = source.directions(index)
-    if found is None:
+    angles = source.directions(index)
+    if angles is None:
         return None, None
-    azimuth, elevation = found
+    azimuth, elevation = angles
     if azimuth.ndim == 1:
         return float(azimuth[column]), float(elevation[row])
     return float(azimuth[row, column]), float(elevation[row, column])

@@ -80,11 +80,11 @@ class Query:
 
     def colours(self) -> Colours:
         """Colours of brightness."""
-        wanted = self.word("colours") or _COLOURS[0]
+        requested = self.word("colours") or _COLOURS[0]
         for known in _COLOURS:
-            if known == wanted:
+            if known == requested:
                 return known
-        raise DataError(f"colours '{wanted[:40]}': allowed are {', '.join(_COLOURS)}")
+        raise DataError(f"colours '{requested[:40]}': allowed are {', '.join(_COLOURS)}")
 
 
 def routes(library: Library, links: list[dict[str, str]]) -> list[Route]:
@@ -92,7 +92,7 @@ def routes(library: Library, links: list[dict[str, str]]) -> list[Route]:
     return _Pages(library, links).routes()
 
 
-def _told(answer: Answer) -> Answer:
+def _refusals_as_json(answer: Answer) -> Answer:
     """Mistakes as JSON: ``{"error": text}``."""
 
     def answered(request: Request) -> Response:
@@ -132,7 +132,7 @@ class _Pages:
             (f"/api/export/frame/{frame}/{{kind}}", self.export_frame, "GET"),
             ("/api/export/clip/{source:int}", self.export_clip, "GET"),
         ]
-        return [Route(path, _told(answer), methods=[method]) for path, answer, method in table_of]
+        return [Route(path, _refusals_as_json(answer), methods=[method]) for path, answer, method in table_of]
 
     def _of(self, request: Request) -> ViewerSource:
         return self._library.source(int(request.path_params["source"]))
@@ -160,10 +160,10 @@ class _Pages:
         return self._file(str(request.path_params["name"]))
 
     def _file(self, name: str) -> Response:
-        found = _FILES.get(name)
-        if found is None:
+        path = _FILES.get(name)
+        if path is None:
             return JSONResponse({"error": "no such file"}, status_code=404)
-        return Response(found.read_bytes(), media_type=_MEDIA[found.suffix], headers=_FRESH)
+        return Response(path.read_bytes(), media_type=_MEDIA[path.suffix], headers=_FRESH)
 
     def session(self, request: Request) -> Response:
         """What may be chosen from."""
@@ -182,13 +182,13 @@ class _Pages:
 
     def source(self, request: Request) -> Response:
         """What a source holds."""
-        found = self._of(request)
-        opened, done = found.opened, found.done()
-        directions = None if opened.directions is None or opened.turning else found.directions(0)
+        source = self._of(request)
+        opened, done = source.opened, source.done()
+        directions = None if opened.directions is None or opened.turning else source.directions(0)
         upright = directions is not None and directions[0].ndim == 1
         return JSONResponse(
             {
-                "name": Path(found.path).name,
+                "name": Path(source.path).name,
                 "title": opened.title,
                 "frames": opened.frames,
                 "done": int(done.size),
@@ -230,32 +230,32 @@ class _Pages:
         query = Query(request)
         index = int(request.path_params["index"])
         place = query.integer("row"), query.integer("column")
-        found = trace(self._of(request), *place, index, query.word("layer"), spread=query.word("spread") == "1")
-        return JSONResponse(found, headers=_FRESH)
+        course = trace(self._of(request), *place, index, query.word("layer"), spread=query.word("spread") == "1")
+        return JSONResponse(course, headers=_FRESH)
 
     def truth(self, request: Request) -> Response:
         """Boxes of objects."""
         boxes = self._of(request).boxes(int(request.path_params["index"]))
-        told = [vars(box) | {"range_m": box.range_m if math.isfinite(box.range_m) else None} for box in boxes]
-        return JSONResponse({"boxes": told}, headers=_FRESH)
+        listed = [vars(box) | {"range_m": box.range_m if math.isfinite(box.range_m) else None} for box in boxes]
+        return JSONResponse({"boxes": listed}, headers=_FRESH)
 
     def region(self, request: Request) -> Response:
         """Histogram, moments and fits of a region of one frame."""
         query = Query(request)
-        found = quick(self._of(request), int(request.path_params["index"]), self._rectangle(query), query.word("layer"))
-        return JSONResponse(found, headers=_FRESH)
+        statistics = quick(self._of(request), int(request.path_params["index"]), self._rectangle(query), query.word("layer"))
+        return JSONResponse(statistics, headers=_FRESH)
 
     @staticmethod
     def _rectangle(query: Query) -> Rectangle:
-        found = query.rectangle()
-        if found is None:
+        rectangle = query.rectangle()
+        if rectangle is None:
             raise DataError("no region is told; drag one on the picture")
-        return found
+        return rectangle
 
     def exceedances(self, request: Request) -> Response:
         """Pixels above a threshold: how many, and which as bits, row by row."""
         query = Query(request)
-        told, above = exceedances(
+        result, above = exceedances(
             self._of(request),
             int(request.path_params["index"]),
             query.real("sigma"),
@@ -264,7 +264,7 @@ class _Pages:
             query.rectangle(),
         )
         bits = base64.b64encode(np.packbits(above).tobytes()).decode()
-        return JSONResponse({**told, "mask": bits}, headers=_FRESH)
+        return JSONResponse({**result, "mask": bits}, headers=_FRESH)
 
     def analyse(self, request: Request) -> Response:
         """Begin the whole analysis of a region."""

@@ -142,10 +142,10 @@ class Guard:
 
     def _known(self, scope: Scope) -> bool:
         try:
-            found = SimpleCookie(_headers(scope).get("cookie", "")).get(self._cookie(scope))
+            cookie = SimpleCookie(_headers(scope).get("cookie", "")).get(self._cookie(scope))
         except CookieError:
             return False
-        return found is not None and hmac.compare_digest(found.value.encode(), (self.token or "").encode())
+        return cookie is not None and hmac.compare_digest(cookie.value.encode(), (self.token or "").encode())
 
     async def _greet(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Take the token out of the address into a cookie, so that it is in no history and no link."""

@@ -59,9 +59,9 @@ class Scaling:
             cell = np.clip((image - self.low) * (CELLS / span), 0.0, CELLS - 1)
             missing = np.isnan(cell)
             table = np.rint(1.0 + (LEVELS - 1) * 0.5 * (self.steps[:-1] + self.steps[1:])).astype(np.uint8)
-            found = table[np.where(missing, 0.0, cell).astype(np.int32)]
-        found[missing] = 0
-        return np.asarray(found)
+            levels = table[np.where(missing, 0.0, cell).astype(np.int32)]
+        levels[missing] = 0
+        return np.asarray(levels)
 
     def value(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values at shares of the brightness, for a scale beside the picture."""

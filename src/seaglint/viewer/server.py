@@ -74,25 +74,25 @@ def make_app(library: Library, pages: Sequence[Page] = (), *, host: str = "127.0
     from seaglint.viewer.routes import routes
 
     links = [{"path": page.path, "title": page.title} for page in pages]
-    found = [*routes(library, links), *(route for page in pages for route in page.routes)]
+    addresses = [*routes(library, links), *(route for page in pages for route in page.routes)]
     inner: Any
     if pages:
-        inner = _with_pages(found, pages)
+        inner = _with_pages(addresses, pages)
     else:
         from starlette.applications import Starlette
 
-        inner = Starlette(routes=found)
+        inner = Starlette(routes=addresses)
     return Guard(inner, host=host, token=token)
 
 
-def _with_pages(found: list[Any], pages: Sequence[Page]) -> Any:
+def _with_pages(addresses: list[Any], pages: Sequence[Page]) -> Any:
     """NiceGUI behind the viewer's own routes; imported only where a page needs it, since it takes a second."""
     from fastapi import FastAPI
     from nicegui import ui
 
     for page in pages:
         ui.page(page.path, title=f"{page.title} - seaglint", dark=True)(page.build)
-    app = FastAPI(routes=found, openapi_url=None, docs_url=None, redoc_url=None)
+    app = FastAPI(routes=addresses, openapi_url=None, docs_url=None, redoc_url=None)
     ui.run_with(app, title="seaglint", dark=True, show_welcome_message=False, reconnect_timeout=10.0)
     return app
 
@@ -106,8 +106,8 @@ def bind(host: str, port: int | None) -> socket.socket:
         The port is taken (the text names a free one) or may not be used, or the address is not of this machine.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    wanted = range(PORT, PORT + _TRIED) if port is None else (port,)
-    for number in wanted:
+    candidates = range(PORT, PORT + _TRIED) if port is None else (port,)
+    for number in candidates:
         made = socket.socket(family, socket.SOCK_STREAM)
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -124,7 +124,7 @@ def bind(host: str, port: int | None) -> socket.socket:
     with socket.socket(family, socket.SOCK_STREAM) as probe:
         probe.bind((host, 0))
         free = probe.getsockname()[1]
-    raise DataError(f"--port {wanted[0]}: is taken, by another viewer perhaps; --port {free} is free")
+    raise DataError(f"--port {candidates[0]}: is taken, by another viewer perhaps; --port {free} is free")
 
 
 def serve(

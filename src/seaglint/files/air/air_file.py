@@ -126,7 +126,7 @@ def write_atmosphere(dataset: xr.Dataset, output: str | Path, *, overwrite: bool
             start = f"{kind},{at},{where!r},," if kind == "path" else f"{kind},{at},,{where!r},"
             values = zip(*(field[i].tolist() for field in fields), strict=True)
             end = ",," if lit else ""
-            lines.extend(start + v + cells.format(*(f"{x:.9g}" for x in found)) + end for v, found in zip(nu, values, strict=True))
+            lines.extend(start + v + cells.format(*(f"{x:.9g}" for x in row)) + end for v, row in zip(nu, values, strict=True))
 
     add("path", height, "range_m", "path_transmittance", "path_radiance", cells=",{},{},")
     add("sky", "0", "sky_zenith_deg", "sky_radiance", cells=",,{},")

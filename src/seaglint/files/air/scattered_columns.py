@@ -74,10 +74,10 @@ def blocks_of_dataset(path: Path, dataset: Any, height: float) -> tuple[float | 
     out = []
     for name in present:
         kind, dimension = VARIABLES[name]
-        wanted = (dimension, AZIMUTH, "wavenumber_cm")
-        if set(dataset[name].dims) != set(wanted) or dimension not in dataset.coords:
-            raise DataError(f"{path}: needs the variable {name} on the dimensions {', '.join(wanted)}")
-        values = np.asarray(dataset[name].transpose(*wanted), dtype=np.float64)
+        required = (dimension, AZIMUTH, "wavenumber_cm")
+        if set(dataset[name].dims) != set(required) or dimension not in dataset.coords:
+            raise DataError(f"{path}: needs the variable {name} on the dimensions {', '.join(required)}")
+        values = np.asarray(dataset[name].transpose(*required), dtype=np.float64)
         if not np.all((values >= 0.0) & np.isfinite(values)):
             raise DataError(f"{path}: {name} has values outside the range allowed: 0 or more")
         nodes, nu = (np.asarray(dataset[key], dtype=np.float64) for key in (dimension, "wavenumber_cm"))

@@ -188,15 +188,15 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
     DataError
         No images over time, no such variable, frames that the run does not hold or that are not rendered yet.
     """
-    found = image_variables(dataset)
-    if not found:
+    available = image_variables(dataset)
+    if not available:
         one = any(values.dims == AXES[1:] for values in dataset.data_vars.values())
         remedy = "; a single image becomes a run of one frame by dataset.expand_dims('time')" if one else ""
         raise DataError(f"{source}: holds no images over (time, y, x); give a run of 'seaglint render'{remedy}")
-    chosen = variable or next((name for name in DEFAULTS if name in found), found[0] if len(found) == 1 else None)
-    if chosen is None or chosen not in found:
-        told = f"has no images '{chosen}'; it has" if chosen else "choose one with --variable:"
-        raise DataError(f"{source}: {told} {', '.join(found)}")
+    chosen = variable or next((name for name in DEFAULTS if name in available), available[0] if len(available) == 1 else None)
+    if chosen is None or chosen not in available:
+        message = f"has no images '{chosen}'; it has" if chosen else "choose one with --variable:"
+        raise DataError(f"{source}: {message} {', '.join(available)}")
     numbers = frame_numbers(dataset)
     picked = np.arange(numbers.size)
     if frames is not None:
@@ -207,8 +207,8 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
             raise DataError(f"{source}: {frames!r} is not in the run, which holds frames {held.start}:{held.stop}; give frames of these")
     if "frame_done" in dataset and not bool(np.all(dataset["frame_done"].to_numpy()[picked])):
         raise DataError(f"{source}: frames of it are not rendered yet; render again with --resume")
-    kept = [chosen, *(name for name in ("wavelength_bounds",) if name in dataset.variables)]
-    out = labelled(dataset[kept].isel(time=picked))
+    variables = [chosen, *(name for name in ("wavelength_bounds",) if name in dataset.variables)]
+    out = labelled(dataset[variables].isel(time=picked))
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     before = f"{out.attrs['history']}\n" if "history" in out.attrs else ""
     out.attrs = {**out.attrs, "history": f"{before}{now} {chosen} exported by seaglint {__version__}"}

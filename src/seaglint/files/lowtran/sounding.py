@@ -101,12 +101,12 @@ def _to_the_top(levels: list[tuple[float, float, float, float]]) -> tuple[Profil
     top = levels[-1][0] / 1e3
     above = [float(z) for z in MODEL_LEVELS_KM if z > top + 0.2]  # closer levels make LOWTRAN7's layers degenerate
     room = MOST_LEVELS - min(len(above), LEVELS_ABOVE)
-    kept = _thinned(np.array(levels), room)
-    while len(kept) + len(above) > MOST_LEVELS:
+    thinned = _thinned(np.array(levels), room)
+    while len(thinned) + len(above) > MOST_LEVELS:
         # The closest pair of the model's levels loses its upper one, never the last.
         gaps = [(b - a) / b for a, b in pairwise(above[:-1])]
         del above[int(np.argmin(gaps)) + 1]
-    own = [ProfileLevel(float(z) / 1e3, float(p), float(t), float(u)) for z, p, t, u in kept]
+    own = [ProfileLevel(float(z) / 1e3, float(p), float(t), float(u)) for z, p, t, u in thinned]
     return (*own, *(ProfileLevel(z) for z in above))
 
 

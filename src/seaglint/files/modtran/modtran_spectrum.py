@@ -128,11 +128,11 @@ class ModtranSpectrum:
         DataError
             Naming the columns that hold it.
         """
-        found: FloatArray | None = getattr(self, name)
-        if found is None:
+        values: FloatArray | None = getattr(self, name)
+        if values is None:
             columns, mode = _COLUMNS[name]
             raise DataError(f"{self.where}: has no {columns}; run it again with {mode}")
-        return found
+        return values
 
 
 _COLUMNS: Final = {
@@ -246,10 +246,10 @@ def _possible(table: Table, name: Column, values: FloatArray) -> None:
         row = int(np.argmax(bad))
         allowed = "0 to 1" if name == "transmittance" else "0 or more"
         why = "that is the mark for no value" if values[row] <= -9.0 else "the run failed or the column is another one"
-        raise DataError(f"{table.at(row)}: {_told(name)} = {values[row]:g}, allowed: {allowed}; {why}, run the case again")
+        raise DataError(f"{table.at(row)}: {_label(name)} = {values[row]:g}, allowed: {allowed}; {why}, run the case again")
 
 
-def _told(name: Column) -> str:
+def _label(name: Column) -> str:
     return {"thermal": "thermal radiance", "scattered": "scattered radiance", "depth": "optical depth"}.get(name, name.replace("_", " "))
 
 
@@ -280,8 +280,8 @@ def _parted(table: Table) -> tuple[FloatArray | None, FloatArray | None]:
             f"{table.where}: its parts miss the total radiance (TOTAL_RAD) by {misses[best] / max(largest, 1e-300):.3g} times itself; "
             "columns have moved or are of another version, so give the tape7, CSV or JSON as MODTRAN 4-6 wrote it"
         )
-    found = choices[best]
-    return found[0], None if scattered is None else found[1]
+    parts = choices[best]
+    return parts[0], None if scattered is None else parts[1]
 
 
 def _transmittance(table: Table) -> FloatArray | None:

@@ -293,10 +293,10 @@ def _common_grid(seen: list[_Seen]) -> FloatArray:
 
 def _first_of_each(group: list[_Seen]) -> dict[float, _Seen]:
     """One case a node, ascending; of several azimuths the one farthest from the Sun."""
-    found: dict[float, _Seen] = {}
+    first: dict[float, _Seen] = {}
     for s in sorted(group, key=lambda s: (_node(s.line), -(s.line.azimuth_deg or 0.0))):
-        found.setdefault(_node(s.line), s)
-    return found
+        first.setdefault(_node(s.line), s)
+    return first
 
 
 def _add_scattered(

@@ -81,7 +81,7 @@ def read_tape7(path: Path, text: str) -> list[ModtranSpectrum]:
     heads = [i for i, line in enumerate(lines) if _is_header(line)]
     if not heads:
         raise DataError(f"{path}: has no line of column names (FREQ TOT_TRANS ...); give a tape7 of LOWTRAN7 or MODTRAN 4-5")
-    found, last = [], -1
+    spectra, last = [], -1
     for number, head in enumerate(heads, 1):
         stop = heads[number] if number < len(heads) else len(lines)
         end = next((i for i in range(head + 1, stop) if _END.match(lines[i])), None)
@@ -92,13 +92,13 @@ def read_tape7(path: Path, text: str) -> list[ModtranSpectrum]:
         if any(_END.match(line) for line in lines[last + 1 : head]):
             raise DataError(f"{path}: line {head + 1}: a case before case {number} has no spectrum; its run failed: mend its deck")
         cards = [line for line in lines[last + 1 : head] if line.strip()]
-        found.append(spectrum_of(_table(path, number, lines, (head, end), cards)))
+        spectra.append(spectrum_of(_table(path, number, lines, (head, end), cards)))
         last = end
     if any(line.strip() for line in lines[last + 1 :]):
         raise DataError(
-            f"{path}: line {last + 2}: something follows case {len(found)} that has no spectrum; the last run failed or the file is cut"
+            f"{path}: line {last + 2}: something follows case {len(spectra)} that has no spectrum; the last run failed or the file is cut"
         )
-    return found
+    return spectra
 
 
 def _table(path: Path, number: int, lines: list[str], span: tuple[int, int], cards: list[str]) -> Table:
@@ -158,29 +158,29 @@ class _Fields:
         """Values and ends of another line; None where it is not alike."""
         if len(line) != self.length or "_" in line or not line.isascii():
             return None
-        found: dict[Column, tuple[float, int]] = {}
+        result: dict[Column, tuple[float, int]] = {}
         start = 0
         try:
             for end, column in self.ends:
                 value = float(line[start:end])
                 if column is not None:
-                    found[column] = (value, end)
+                    result[column] = (value, end)
                 start = end
         except ValueError:
             return None
-        return found if not line[start:].strip() else None
+        return result if not line[start:].strip() else None
 
 
 def _labels(header: str) -> list[_Label]:
-    found: list[_Label] = []
+    labels: list[_Label] = []
     for match in _LABEL.finditer(header):
         column = column_of(match.group())
-        if column == "transmittance" and any(label.column == column for label in found):
+        if column == "transmittance" and any(label.column == column for label in labels):
             column = None
-        found.append(_Label(match.group(), match.end(), column))
-    if {"ATMOS", "SOLAR"} & {label.text for label in found}:
-        found.append(_Label("DEPTH", UNNAMED_DEPTH, "depth"))
-    return found
+        labels.append(_Label(match.group(), match.end(), column))
+    if {"ATMOS", "SOLAR"} & {label.text for label in labels}:
+        labels.append(_Label("DEPTH", UNNAMED_DEPTH, "depth"))
+    return labels
 
 
 def _row(path: Path, case: str, index: int, line: str, labels: list[_Label]) -> dict[Column, tuple[float, int]]:

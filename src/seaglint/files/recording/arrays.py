@@ -148,15 +148,15 @@ def open_hdf5(path: Path, how: ArrayReading) -> Recording:
         file = h5py.File(path, "r")
     except OSError as error:
         raise DataError(f"{path}: cannot be read as HDF5 ({error})") from error
-    found: dict[str, Any] = {}
+    datasets: dict[str, Any] = {}
 
     def visit(name: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset) and item.ndim in (2, 3, 4) and item.dtype.kind in "uif":
-            found[name] = item
+            datasets[name] = item
 
     file.visititems(visit)
-    name = _choose(found, how.variable, path)
-    array = found[name]
+    name = _choose(datasets, how.variable, path)
+    array = datasets[name]
     rate = _rate(dict(array.attrs)) or _rate(dict(file.attrs))
     return of_array(_unpacked(array), f"{path}:{name}", how, frame_rate=rate, units=_text(array.attrs.get("units")))
 
@@ -218,8 +218,8 @@ def open_labelled(path: Path, how: ArrayReading) -> Recording:
         try:
             dataset = xr.open_dataset(str(path), engine="zarr", chunks=None, decode_times=False, consolidated=False)
         except Exception as error:
-            told = " ".join(str(error).split())[:200] or type(error).__name__
-            raise DataError(f"{path}: cannot be read as Zarr ({told})") from error
+            reason = " ".join(str(error).split())[:200] or type(error).__name__
+            raise DataError(f"{path}: cannot be read as Zarr ({reason})") from error
     else:
         dataset = open_netcdf(path, chunks=None, decode_times=False)
     return of_dataset(dataset, str(path), how)
@@ -230,7 +230,7 @@ def of_dataset(dataset: Any, source: str, how: ArrayReading) -> Recording:
     images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
     name = _choose(images, how.variable or next((n for n in ("radiance", "signal") if n in images), None), source)
     chosen = images[name]
-    found = of_array(
+    recording = of_array(
         _Lazy(chosen),
         f"{source}:{name}",
         how,
@@ -239,7 +239,7 @@ def of_dataset(dataset: Any, source: str, how: ArrayReading) -> Recording:
         named_axes=chosen.dims[0] == "time",
     )
     full = chosen.attrs.get("saturation_counts")
-    return found if full is None else replace(found, saturation=float(full))
+    return recording if full is None else replace(recording, saturation=float(full))
 
 
 class _Lazy:
@@ -289,12 +289,12 @@ def _text(value: Any) -> str | None:
     return str(text) if text else None
 
 
-def _choose(found: dict[str, Any], wanted: str | None, path: str | Path) -> str:
-    names = ", ".join(found) or "none"
-    if wanted is not None:
-        if wanted not in found:
-            raise DataError(f"{path}: has no image variable '{wanted}'; it has {names}")
-        return wanted
-    if len(found) != 1:
-        raise DataError(f"{path}: {'several image variables' if found else 'no image variable'} ({names}); choose one with --variable")
-    return next(iter(found))
+def _choose(available: dict[str, Any], requested: str | None, path: str | Path) -> str:
+    names = ", ".join(available) or "none"
+    if requested is not None:
+        if requested not in available:
+            raise DataError(f"{path}: has no image variable '{requested}'; it has {names}")
+        return requested
+    if len(available) != 1:
+        raise DataError(f"{path}: {'several image variables' if available else 'no image variable'} ({names}); choose one with --variable")
+    return next(iter(available))

@@ -75,6 +75,6 @@ def source_of(path: Path) -> Source | None:
     except DataError:
         raise
     except Exception as error:
-        told = " ".join(str(error).split())[:200] or type(error).__name__
-        raise DataError(f"{path}: cannot be read ({told}); is the file whole?") from error
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise DataError(f"{path}: cannot be read ({reason}); is the file whole?") from error
     return None

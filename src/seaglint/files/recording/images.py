@@ -55,8 +55,8 @@ class _File:
                 tifffile.memmap(self.path, mode="r")[start:stop] if self.one_page else tifffile.imread(self.path, key=range(start, stop))
             )
         except Exception as error:
-            told = "; the file is cut, or give uncompressed TIFF"
-            raise DataError(f"{self.path}: pages {start}:{stop} cannot be decoded ({_first_line(error)}){told}") from error
+            remedy = "; the file is cut, or give uncompressed TIFF"
+            raise DataError(f"{self.path}: pages {start}:{stop} cannot be decoded ({_first_line(error)}){remedy}") from error
         return np.asarray(stored).reshape(stop - start, *self.shape)
 
 

@@ -81,21 +81,26 @@ def open_recording(
         raise DataError(f"saturation = {saturation:g}; give a finite number")
     how = arrays.ArrayReading(variable, channel, axes)
     with _damage(path):
-        found = _open(Path(path), raw, how)
-    notes = found.notes
+        recording = _open(Path(path), raw, how)
+    notes = recording.notes
     if axes == "yxt" and Path(path).suffix.lower() not in _ARRAY_ENDINGS:
         raise DataError(f"{path}: --axes yxt is for arrays ({', '.join(_ARRAY_ENDINGS)}); frames of other formats have their order")
-    if frame_rate is not None and found.frame_rate is not None and abs(frame_rate / found.frame_rate - 1.0) > RATE_TOLERANCE:
-        notes = (*notes, f"frame rate {frame_rate:g} Hz as given; the file says {found.frame_rate:g} Hz")
-    full = found.saturation if saturation is None else saturation - found.offset
-    read_block = found.read_block
+    if frame_rate is not None and recording.frame_rate is not None and abs(frame_rate / recording.frame_rate - 1.0) > RATE_TOLERANCE:
+        notes = (*notes, f"frame rate {frame_rate:g} Hz as given; the file says {recording.frame_rate:g} Hz")
+    full = recording.saturation if saturation is None else saturation - recording.offset
+    read_block = recording.read_block
 
     def read(start: int, stop: int) -> FrameArray:
         with _damage(path):
             return read_block(start, stop)
 
     return replace(
-        found, frame_rate=frame_rate or found.frame_rate, units=units or found.units, saturation=full, notes=notes, read_block=read
+        recording,
+        frame_rate=frame_rate or recording.frame_rate,
+        units=units or recording.units,
+        saturation=full,
+        notes=notes,
+        read_block=read,
     )
 
 
@@ -107,8 +112,8 @@ def _damage(path: str | Path) -> Iterator[None]:
     except SeaglintError:
         raise
     except Exception as error:
-        told = " ".join(str(error).split())[:200] or type(error).__name__
-        raise DataError(f"{path}: cannot be read ({told}); is the file whole?") from error
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise DataError(f"{path}: cannot be read ({reason}); is the file whole?") from error
 
 
 def _open(path: Path, raw: RawLayout | None, how: arrays.ArrayReading) -> Recording:

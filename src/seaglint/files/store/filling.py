@@ -125,7 +125,7 @@ class Filling:
     def __post_init__(self) -> None:
         self.total = sum(self.shards.span(unit).stop - self.shards.span(unit).start for unit in self.units)
         self.count = self.total - len(self._missing(self.units))
-        self.told()
+        self.report()
 
     @property
     def left(self) -> list[int]:
@@ -146,10 +146,10 @@ class Filling:
                 if stopped:
                     raise self._interrupted()
                 for tried in range(1, attempts + 1):
-                    report = partial(self.told, self.count)
-                    asked: dict[str, Any] = {"stopped": lambda: bool(stopped), "report": report, "patient": attempts > 1}
+                    report = partial(self.report, self.count)
+                    settings: dict[str, Any] = {"stopped": lambda: bool(stopped), "report": report, "patient": attempts > 1}
                     try:
-                        record = make_unit(self.shards, unit, self.numbers, frame, self._writing, **asked)
+                        record = make_unit(self.shards, unit, self.numbers, frame, self._writing, **settings)
                     except FramesRaisedError as raised:
                         if attempts == 1:
                             raise raised.first from None
@@ -183,7 +183,7 @@ class Filling:
                         if outcome.processor not in processors:
                             processors.add(outcome.processor)
                             note(outcome.processor)
-                    self.told()
+                    self.report()
         except KeyboardInterrupt:
             self.count = self.total - len(self._missing(self.units))
             if self.count < self.total:
@@ -204,7 +204,7 @@ class Filling:
                 f"{self.place.errors}, all else in {self.place.work}: go on with --resume"
             )
 
-    def told(self, before: int | None = None, made: int = 0) -> None:
+    def report(self, before: int | None = None, made: int = 0) -> None:
         """Report frames that are done."""
         if self.progress is not None:
             self.progress((self.count if before is None else before) + made, self.total)
@@ -222,8 +222,8 @@ class Filling:
             return self.shards.missing(units)
 
     def _interrupted(self) -> Interrupted:
-        kept = f"stopped after {self.count} of {self.total} frames, kept in {self.place.work}"
-        return Interrupted(f"{kept}; go on with the same command and --resume")
+        state = f"stopped after {self.count} of {self.total} frames, kept in {self.place.work}"
+        return Interrupted(f"{state}; go on with the same command and --resume")
 
     @contextmanager
     def _writing(self) -> Iterator[None]:

@@ -287,8 +287,8 @@ def _reached(url: str) -> Iterator[None]:
     except SeaglintError:
         raise
     except Exception as error:
-        told = " ".join(str(error).split())[:200] or type(error).__name__
-        raise StorageError(f"{url}: cannot be reached ({told}); check address, name and rights") from error
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise StorageError(f"{url}: cannot be reached ({reason}); check address, name and rights") from error
 
 
 def is_ours(store: Path | str) -> bool:

@@ -48,6 +48,6 @@ def listed(numbers: Iterable[int], most: int = 8) -> str:
             runs[-1][1] = number
         else:
             runs.append([number, number])
-    told = ", ".join(str(a) if a == b else f"{a}-{b}" for a, b in runs[:most])
+    text = ", ".join(str(a) if a == b else f"{a}-{b}" for a, b in runs[:most])
     rest = sum(b - a + 1 for a, b in runs[most:])
-    return f"{told} and {rest} more" if rest else told
+    return f"{text} and {rest} more" if rest else text

@@ -188,7 +188,7 @@ def forget_damaged(shards: Shards, units: Iterable[int], numbers: NDArray[np.int
     list of int
         Places of these frames in the sequence.
     """
-    found: list[int] = []
+    damaged: list[int] = []
     for unit in units:
         span = shards.span(unit)
         places = np.arange(span.start, span.stop)
@@ -200,12 +200,12 @@ def forget_damaged(shards: Shards, units: Iterable[int], numbers: NDArray[np.int
         except Exception:  # codecs raise nearly anything for what is cut
             log.warning("seaglint: frames %s cannot be read; they are made again", listed(numbers[places]))
             shards.erase(unit)
-            found += places.tolist()
+            damaged += places.tolist()
             continue
         wrong = [i for i in np.flatnonzero(there) if frame_checksum(block[path][i] for path in block) != int(sums[i])]
         if wrong:
             log.warning("seaglint: frames %s do not fit their checksums; they are made again", listed(numbers[places[wrong]]))
             there[wrong] = False
             shards.done[span] = there.astype(np.uint8)
-            found += places[wrong].tolist()
-    return found
+            damaged += places[wrong].tolist()
+    return damaged

@@ -29,10 +29,10 @@ class Share:
         DataError
             Another form, or a share that is not there.
         """
-        found = re.fullmatch(r"\s*(\d{1,9})\s*/\s*(\d{1,9})\s*", text)
-        if found is None or not int(found[1]) < int(found[2]):
+        match = re.fullmatch(r"\s*(\d{1,9})\s*/\s*(\d{1,9})\s*", text)
+        if match is None or not int(match[1]) < int(match[2]):
             raise DataError(f"--shard {text}: is no share of the work; give i/n, counted from 0: the first of four is 0/4, the last 3/4")
-        return cls(int(found[1]), int(found[2]))
+        return cls(int(match[1]), int(match[2]))
 
     def __str__(self) -> str:
         return f"{self.index}/{self.count}"

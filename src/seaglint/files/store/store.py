@@ -106,22 +106,22 @@ def write_sequence(
     if share is not None and overwrite:
         raise DataError(f"--shard {share} joins what is there and --overwrite replaces it; remove the old sequence before the first share")
     place = _checked_name(output, resume=resume, overwrite=overwrite)
-    kept = resume or share is not None
+    continued = resume or share is not None
 
     def remedy() -> str:
         if place.resumable():
             return f"what is done stays in {place.work}: make room and run the same command with --resume"
         return "nothing was written; make room or choose another place"
 
-    if not _stands(place, layout, resume=kept, overwrite=overwrite):
+    if not _stands(place, layout, resume=continued, overwrite=overwrite):
         with ExitStack() as held:
             with storage_errors(place.work, remedy):
                 claim = held.enter_context(place.claim(share))
             # Another process may have finished between the first look and the claim.
-            if not _stands(place, layout, resume=kept, overwrite=overwrite):
-                _require_free(place, resume=kept, overwrite=overwrite)
+            if not _stands(place, layout, resume=continued, overwrite=overwrite):
+                _require_free(place, resume=continued, overwrite=overwrite)
                 with storage_errors(place.work, remedy):
-                    shards, units = _joined(place, layout, share, kept=kept)
+                    shards, units = _joined(place, layout, share, continued=continued)
 
                 def note(kind: str) -> None:
                     with storage_errors(place.work, remedy):
@@ -231,10 +231,10 @@ def _checked_name(output: str | Path, *, resume: bool, overwrite: bool, inputs: 
     return place
 
 
-def _joined(place: Place, layout: Layout, share: Share | None, *, kept: bool) -> tuple[Shards, range]:
+def _joined(place: Place, layout: Layout, share: Share | None, *, continued: bool) -> tuple[Shards, range]:
     """The empty store, or what was begun without its damaged frames, and the units that are ours."""
     with place.settling():
-        joins = kept and place.begun() and (_whole(place) or (share is not None and _wait_for(place)))
+        joins = continued and place.begun() and (_whole(place) or (share is not None and _wait_for(place)))
         if joins:
             _require_same(place.work, layout)
         else:
@@ -265,17 +265,17 @@ def _wait_for(place: Place) -> bool:
 def _settle(place: Place, kind: str, share: Share | None = None) -> None:
     """Note in the store which types of processors make it, and into how many shares the work was cut."""
     with place.settling():
-        found = attributes(place.work)
-        known = set(filter(None, found.get("processor", "").split("; ")))
+        stored = attributes(place.work)
+        known = set(filter(None, stored.get("processor", "").split("; ")))
         others = known | {kind}
-        counts = found.get(UNFINISHED, {}).get("shares", [])
-        wanted = sorted({*counts, share.count}) if share is not None else counts
+        counts = stored.get(UNFINISHED, {}).get("shares", [])
+        shares = sorted({*counts, share.count}) if share is not None else counts
         changed: dict[str, Any] = {}
         if others != known:
             changed = {"processor": "; ".join(sorted(others)), "processors_mixed": PROCESSORS_MIXED}
             log.warning("seaglint: %s: %s: %s", place.work, PROCESSORS_MIXED, changed["processor"])
-        if wanted != counts:
-            changed[UNFINISHED] = {"shares": wanted}
+        if shares != counts:
+            changed[UNFINISHED] = {"shares": shares}
         if changed:
             _group(place).update_attributes(changed)
 
@@ -294,8 +294,8 @@ def _finish(place: Place, claim: Any) -> None:
     shards = Shards(group)
     missing = len(shards.missing(range(shards.count)))
     if missing:
-        told = f"{missing} of {shards.frames} frames are missing"
-        raise DataError(f"{place.work}: {told} though all were written; see that no other program works there and go on with --resume")
+        state = f"{missing} of {shards.frames} frames are missing"
+        raise DataError(f"{place.work}: {state} though all were written; see that no other program works there and go on with --resume")
     place.sweep()
     group.attrs.put({key: value for key, value in dict(group.attrs).items() if key != UNFINISHED})
     consolidate(place.work)
@@ -334,31 +334,31 @@ def _require_ours(path: Path | str) -> None:
 
 
 def _require_readable(path: Path | str) -> dict[str, Any]:
-    found = attributes(path)
-    if found.get("seaglint_format") != FORMAT:
+    stored = attributes(path)
+    if stored.get("seaglint_format") != FORMAT:
         raise DataError(f"{path}: is not a readable seaglint sequence; choose another name or remove it yourself")
-    if found.get("seaglint_version") not in (None, __version__):
+    if stored.get("seaglint_version") not in (None, __version__):
         raise DataError(
-            f"{path}: is made by seaglint {found['seaglint_version']}, and this is {__version__}; go on with that version, "
+            f"{path}: is made by seaglint {stored['seaglint_version']}, and this is {__version__}; go on with that version, "
             "or begin anew with --overwrite"
         )
-    return found
+    return stored
 
 
 def _require_scenario(path: Path | str, scenario_json: str | None) -> None:
-    found = _require_readable(path)
+    stored = _require_readable(path)
     if scenario_json is not None:
-        differ = differences({"scenario": found.get("scenario")}, {"scenario": scenario_json})
+        differ = differences({"scenario": stored.get("scenario")}, {"scenario": scenario_json})
         if differ:
             raise DataError(f"{path}: was made with another {', '.join(differ)}; finish it with the scenario that it was begun with")
 
 
 def _require_same(path: Path | str, layout: Layout) -> None:
-    found = _require_readable(path)
+    stored = _require_readable(path)
     import zarr
 
     group: Any = zarr.open_group(path, mode="r", zarr_format=3)
-    differ = differences(found, layout.all_attributes)
+    differ = differences(stored, layout.all_attributes)
     if [int(number) for number in group["frame"][:]] != list(layout.frames):
         differ.append("frames")
     if CHECKSUM not in group:
@@ -394,8 +394,8 @@ def open_sequence(path: str | Path, *, allow_partial: bool = False) -> xr.Datase
     if not place.taken() and not (place.work == store and place.begun()):
         hint = f"; {place.work} is there, unfinished: render again with --resume" if place.begun() else ""
         raise DataError(f"{path}: no such sequence{hint}")
-    found = attributes(store)
-    if found.get("seaglint_format") != FORMAT:
+    stored = attributes(store)
+    if stored.get("seaglint_format") != FORMAT:
         raise DataError(f"{path}: is not a seaglint sequence, or its zarr.json is cut; give a folder made by 'seaglint render'")
     import xarray as xr
 
@@ -407,6 +407,6 @@ def open_sequence(path: str | Path, *, allow_partial: bool = False) -> xr.Datase
     if not allow_partial and not done.all():
         missing = f"{int((~done).sum())} of {done.size} frames are missing"
         raise DataError(f"{path}: is unfinished, {missing}; render again with --resume")
-    if not allow_partial and UNFINISHED in found:
+    if not allow_partial and UNFINISHED in stored:
         raise DataError(f"{path}: is unfinished though all frames are there; finish it with 'seaglint render --finish'")
     return dataset

@@ -37,14 +37,14 @@ def rows_of_cells(path: Path, lines: Sequence[tuple[int, str]], separator: str =
     DataError
         Quotes that do not end in their line, or cells that are no text.
     """
-    found = []
+    rows = []
     for number, line in lines:
         try:
             (row,) = csv.reader([line], delimiter=separator, strict=True)
         except (csv.Error, ValueError) as error:
             raise DataError(f"{path}: line {number}: is no row of cells ({error}); repair its quotes") from None
-        found.append(row)
-    return found
+        rows.append(row)
+    return rows
 
 
 @dataclass(frozen=True)
@@ -76,11 +76,11 @@ class TextTable:
 
     def one_of(self, *names: str) -> str:
         """The one of these columns that the file has."""
-        found = [name for name in names if name in self.columns]
-        if len(found) != 1:
-            what = "both" if found else "none"
+        present = [name for name in names if name in self.columns]
+        if len(present) != 1:
+            what = "both" if present else "none"
             raise self.error(self.header_line, f"columns are {', '.join(self.columns)}; {what} of {', '.join(names)}: give one of them")
-        return found[0]
+        return present[0]
 
     def number(self, row: TableRow, column: str, low: float = -math.inf, high: float = math.inf) -> float:
         """Finite number within a range."""

@@ -38,14 +38,14 @@ def read(path: Path) -> Held:
         data = data.assign_coords({name: np.arange(data.sizes[name]) for name in data["d2fd"].dims if name not in data.variables})
         if not np.any(np.isfinite(data["d2fd"].values)):
             raise DataError(f"{path}: has no spectrum there at that time (land, or outside); give a place at sea")
-        found = from_era5(data)
-        spectrum = found["efth"].squeeze(drop=True).transpose("freq", "dir")
+        converted = from_era5(data)
+        spectrum = converted["efth"].squeeze(drop=True).transpose("freq", "dir")
         if spectrum.shape not in _GRIDS:
             raise DataError(
                 f"{path}: has {spectrum.shape[0]} frequencies and {spectrum.shape[1]} directions, and ERA5 has 30 and 24 (forecasts 36 and "
                 "36); ask for all of them"
             )
-        frequency, directions = (np.asarray(found[name].values, dtype=np.float64) for name in ("freq", "dir"))
+        frequency, directions = (np.asarray(converted[name].values, dtype=np.float64) for name in ("freq", "dir"))
         return Bins(frequency, directions, np.asarray(spectrum.values, dtype=np.float64))
 
     return held_by(path, "d2fd", convert)

@@ -122,14 +122,14 @@ def recognised(path: Path) -> Format:
         raise DataError(f"{path} does not exist; give the file of a wave spectrum ({', '.join(FORMATS)})")
     with path.open("rb") as file:
         beginning = file.read(_BEGINNING)
-    found = _netcdf_format(path) if beginning.startswith(_NETCDF) else _text_format(path, beginning)
-    if found is None:
+    name = _netcdf_format(path) if beginning.startswith(_NETCDF) else _text_format(path, beginning)
+    if name is None:
         hint = "; GRIB is not read: convert it to NetCDF" if beginning.startswith(b"GRIB") else ""
         raise DataError(
             f"{path} is no file of wave spectra that is recognised{hint}; allowed: {', '.join(FORMATS)}: "
             "set sea.spectrum.format if it is one"
         )
-    return found
+    return name
 
 
 def _netcdf_format(path: Path) -> Format | None:

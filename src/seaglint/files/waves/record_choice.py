@@ -57,12 +57,12 @@ class WaveChoice:
             raise DataError(f"{what} holds no record")
         if self.time is None and times.size == 1:
             return 0, None
-        wanted = self.require_time(f"{what}, which has {times.size} from {_text(times.min())} to {_text(times.max())}")
-        index = int(np.argmin(np.abs(times - wanted)))
-        off = float((times[index] - wanted) / np.timedelta64(1, "s"))
+        requested = self.require_time(f"{what}, which has {times.size} from {_text(times.min())} to {_text(times.max())}")
+        index = int(np.argmin(np.abs(times - requested)))
+        off = float((times[index] - requested) / np.timedelta64(1, "s"))
         if abs(off) > self.time_tolerance:
             raise DataError(
-                f"{what} has no record within {self.time_tolerance:g} s of {_text(wanted)}; it covers {_text(times.min())} to "
+                f"{what} has no record within {self.time_tolerance:g} s of {_text(requested)}; it covers {_text(times.min())} to "
                 f"{_text(times.max())}, nearest is {_text(times[index])}: give one of its times or a larger time_tolerance_s"
             )
         return index, off

@@ -46,9 +46,9 @@ def read_csv(path: Path) -> Held:
 def _record(row: Mapping[str, str]) -> Record:
     """One row of the table, laid out as the JSON's records are."""
     count = sum(name.startswith("f_") for name in row)
-    found: dict[str, Any] = {name: [float(row[f"{'f' if name == 'frequency' else name}_{i}"]) for i in range(count)] for name in _COLUMNS}
+    record: dict[str, Any] = {name: [float(row[f"{'f' if name == 'frequency' else name}_{i}"]) for i in range(count)] for name in _COLUMNS}
     moment = datetime.fromtimestamp(float(row["Epoch Time"]), UTC)
-    return found | {"timestamp": moment.isoformat(), "latitude": row.get("Latitude"), "longitude": row.get("Longitude")}
+    return record | {"timestamp": moment.isoformat(), "latitude": row.get("Latitude"), "longitude": row.get("Longitude")}
 
 
 def _held(path: Path, kind: str, records: Sequence[Record]) -> Held:

@@ -66,10 +66,12 @@ def read_netcdf(path: Path) -> Held:
         from wavespectra.input.ncswan import from_ncswan
 
         cartesian = _is_cartesian(data)
-        found = from_ncswan(data)
-        directions = np.asarray(found["dir"].values, dtype=np.float64)
-        density = np.asarray(found["efth"].transpose("freq", "dir").values, dtype=np.float64)
-        return Bins(np.asarray(found["freq"].values, dtype=np.float64), (270.0 - directions) % 360.0 if cartesian else directions, density)
+        converted = from_ncswan(data)
+        directions = np.asarray(converted["dir"].values, dtype=np.float64)
+        density = np.asarray(converted["efth"].transpose("freq", "dir").values, dtype=np.float64)
+        return Bins(
+            np.asarray(converted["freq"].values, dtype=np.float64), (270.0 - directions) % 360.0 if cartesian else directions, density
+        )
 
     reader("read_ncswan")
     return held_by(path, "density", convert)

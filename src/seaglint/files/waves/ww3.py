@@ -54,10 +54,10 @@ def read_netcdf(path: Path) -> Held:
         from wavespectra.input.ww3 import from_ww3
 
         already_from = "from_direction" in str(data["direction"].attrs.get("standard_name", ""))
-        found = from_ww3(data)
-        directions = np.asarray(found["dir"].values, dtype=np.float64) + (180.0 if already_from else 0.0)
-        density = np.asarray(found["efth"].transpose("freq", "dir").values, dtype=np.float64)
-        return Bins(np.asarray(found["freq"].values, dtype=np.float64), directions % 360.0, density)
+        converted = from_ww3(data)
+        directions = np.asarray(converted["dir"].values, dtype=np.float64) + (180.0 if already_from else 0.0)
+        density = np.asarray(converted["efth"].transpose("freq", "dir").values, dtype=np.float64)
+        return Bins(np.asarray(converted["freq"].values, dtype=np.float64), directions % 360.0, density)
 
     reader("read_ww3")
     return held_by(path, "efth", convert)

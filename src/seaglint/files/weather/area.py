@@ -66,19 +66,19 @@ def read_polygon(text: str) -> Polygon:
 
 def _geojson(path: Path) -> list[tuple[float, float]]:
     try:
-        found: Any = json.loads(path.read_text(encoding="utf-8"))
+        geometry: Any = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror}); give a GeoJSON file of one polygon") from None
     except ValueError as error:
         raise DataError(f"{path}: is no JSON ({error}); give a GeoJSON file of one polygon") from None
     try:
-        if found["type"] == "FeatureCollection":
-            (found,) = found["features"]
-        if found["type"] == "Feature":
-            found = found["geometry"]
-        if found["type"] != "Polygon":
+        if geometry["type"] == "FeatureCollection":
+            (geometry,) = geometry["features"]
+        if geometry["type"] == "Feature":
+            geometry = geometry["geometry"]
+        if geometry["type"] != "Polygon":
             raise ValueError
-        (ring,) = found["coordinates"]
+        (ring,) = geometry["coordinates"]
         return [(float(corner[0]), float(corner[1])) for corner in ring]
     except (KeyError, TypeError, ValueError, IndexError):
         raise DataError(f"{path}: is not one GeoJSON polygon without holes; give one, or corners as 'lon,lat lon,lat lon,lat'") from None

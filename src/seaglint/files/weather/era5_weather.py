@@ -142,9 +142,9 @@ def _opened(path: Path) -> Any:
     except SeaglintError:
         raise
     except Exception as error:  # xarray, h5py and eccodes raise nearly anything
-        told = " ".join(str(error).split())[:200] or type(error).__name__
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
         drop_quietly(error)
-        raise DataError(f"{path}: cannot be read as ERA5 ({told}); is it whole?") from None
+        raise DataError(f"{path}: cannot be read as ERA5 ({reason}); is it whole?") from None
 
 
 def _final_first(path: Path, data: Any, notes: list[str]) -> Any:
@@ -234,19 +234,19 @@ def has_wind(path: Path) -> bool:
 
 def _joined(part: Any, own: frozenset[str], other: Path) -> tuple[Any, tuple[str, ...]]:
     """The dataset with what another file has beside its own variables; earlier files beside it come first."""
-    found, told = open_era5(other)
-    new = [str(name) for name in found.data_vars if name not in own]
-    common = np.isin(part["time"].values, found["time"].values)
+    added, notes = open_era5(other)
+    new = [str(name) for name in added.data_vars if name not in own]
+    common = np.isin(part["time"].values, added["time"].values)
     if not new or not common.any():
         return part, ()
-    found = found[new].sortby("latitude").sortby("longitude").drop_duplicates("time").reindex(time=part["time"].values)
+    added = added[new].sortby("latitude").sortby("longitude").drop_duplicates("time").reindex(time=part["time"].values)
     for name in ("latitude", "longitude"):
-        found = found.reindex({name: part[name].values}, method="nearest", tolerance=_WAVE_GRID_DEG)
-    values = {name: np.asarray(found[name].values, dtype=np.float64) for name in new}
+        added = added.reindex({name: part[name].values}, method="nearest", tolerance=_WAVE_GRID_DEG)
+    values = {name: np.asarray(added[name].values, dtype=np.float64) for name in new}
     filled = {name: np.where(np.isnan(part[name].values), v, part[name].values) if name in part else v for name, v in values.items()}
     share = f"{int(common.sum())} of {common.size} times"
-    told = (*told, f"{', '.join(new)} from {other.name}, same time and nearest place, {share}")
-    return part.assign({name: (part["u10"].dims, v) for name, v in filled.items()}), told
+    notes = (*notes, f"{', '.join(new)} from {other.name}, same time and nearest place, {share}")
+    return part.assign({name: (part["u10"].dims, v) for name, v in filled.items()}), notes
 
 
 def _columns(grids: dict[str, FloatArray], cells: int) -> dict[str, FloatArray]:

@@ -69,7 +69,7 @@ def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[flo
         if len(cells) != len(header):
             raise DataError(f"{path}, line {number}: {len(cells)} cells under {len(header)} headings; is the file whole?")
     table = {name: _column(path, rows, at, name) for at, name in enumerate(header) if name in {*_MISSING, "YY", "MM", "DD", "hh", "mm"}}
-    month, hour, told = _times(path, rows, table)
+    month, hour, time_notes = _times(path, rows, table)
     get = {name: table.get(name, np.full(len(rows), np.nan)) for name in _MISSING}
     air, dew = get["ATMP"] + ICE_POINT, get["DEWP"] + ICE_POINT
     notes = ["no cloud cover in NDBC files: it is missing throughout; fill it with --fill cloud_cover=0.6, or bring another source"]
@@ -93,7 +93,7 @@ def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[flo
     }
     if place is not None:
         columns |= {"latitude_deg": np.full(len(rows), place[0]), "longitude_deg": np.full(len(rows), place[1])}
-    return WeatherSource(path, "NDBC standard meteorological", columns, len(rows), notes=(*notes, *told)).within_ranges()
+    return WeatherSource(path, "NDBC standard meteorological", columns, len(rows), notes=(*notes, *time_notes)).within_ranges()
 
 
 def to_ten_metres(speed: FloatArray, height: float) -> FloatArray:

@@ -83,22 +83,29 @@ def read_source(path: Path, selection: Selection, reading: WeatherReading, besid
         )
     cells = read_cells(path)
     if reading.columns:
-        found = mapped.read_mapped(cells, reading.columns, naive_is_utc=reading.naive_is_utc)
+        source = mapped.read_mapped(cells, reading.columns, naive_is_utc=reading.naive_is_utc)
     elif {"wind_speed_m_s", "cloud_cover"} <= set(cells.header):
-        found = _own(path)
+        source = _own(path)
     elif imma.is_icoads_csv(cells.header):
-        found = imma.read_icoads_csv(cells)
+        source = imma.read_icoads_csv(cells)
     else:
         raise DataError(
             f"{path}, line 1: columns are {', '.join(cells.header)}; say which is what, e.g. --map wind_speed_m_s=ws:kn --map "
             "cloud_cover=cloud:percent --map time=date"
         )
-    return _placed(found, reading).selected(selection)
+    return _placed(source, reading).selected(selection)
 
 
 def _own(path: Path) -> WeatherSource:
-    found = own.read_weather(path)
-    return WeatherSource(path, "weather table", found.table.columns, len(found.table), found.table.texts, notes=(*found.notes, *found.told))
+    table_file = own.read_weather(path)
+    return WeatherSource(
+        path,
+        "weather table",
+        table_file.table.columns,
+        len(table_file.table),
+        table_file.table.texts,
+        notes=(*table_file.notes, *table_file.remarks),
+    )
 
 
 def _placed(source: WeatherSource, reading: WeatherReading) -> WeatherSource:

@@ -63,10 +63,10 @@ def order_of(times: Any) -> tuple[str, ...]:
     known = times[~np.isnat(times)] if np.issubdtype(times.dtype, np.datetime64) else times[~np.isnan(times)]
     steps = np.diff(known.astype(np.float64))
     back = int(np.sum(steps < 0))
-    told = []
+    notes = []
     if back:
         first = int(np.flatnonzero(steps < 0)[0]) + 2
-        told.append(
+        notes.append(
             f"times are not sorted: {back} go backwards, the first in record {first}; all rows are kept, a weather table has no order"
         )
-    return tuple(told)
+    return tuple(notes)

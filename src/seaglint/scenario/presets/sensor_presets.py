@@ -211,6 +211,6 @@ def with_sensor(raw: Mapping[str, Any], name: str) -> dict[str, Any]:
         raise ScenarioError(f"--sensor {name}: is not one of {', '.join(SENSORS)}") from None
     own = raw.get("sensor", {})
     replaced = (*TABLES, "fov_deg", "pixels", "frame_rate_hz")
-    kept = {key: value for key, value in own.items() if key not in replaced} if isinstance(own, Mapping) else {}
+    remaining = {key: value for key, value in own.items() if key not in replaced} if isinstance(own, Mapping) else {}
     new = {key: dict(value) if isinstance(value, Mapping) else value for key, value in chosen.sensor.items()}
-    return {**raw, "sensor": {**kept, **new}, "band": dict(chosen.band)}
+    return {**raw, "sensor": {**remaining, **new}, "band": dict(chosen.band)}

@@ -70,8 +70,8 @@ class LogUniform(_OfKey):
         low, high = _ends(self.min, self.max, quantity)
         if low <= 0.0:
             raise ValueError(f"min = {low:g} has no logarithm; give a min above 0, or law = 'uniform'")
-        found = min(max(math.exp(math.log(low) + uniform * (math.log(high) - math.log(low))), low), high)
-        return round(found) if quantity is not None and quantity.integer else found
+        value = min(max(math.exp(math.log(low) + uniform * (math.log(high) - math.log(low))), low), high)
+        return round(value) if quantity is not None and quantity.integer else value
 
 
 class Normal(_OfKey):
@@ -99,8 +99,8 @@ class Normal(_OfKey):
         if above - below < 1e-12:
             raise ValueError(f"min = {low:g} and max = {high:g} leave nothing of the normal law; widen them")
         share = below + min(max(uniform, _INSIDE), 1.0 - _INSIDE) * (above - below)
-        found = min(max(mean + width * float(ndtri(share)), low), high)
-        return round(found) if quantity is not None and quantity.integer else found
+        value = min(max(mean + width * float(ndtri(share)), low), high)
+        return round(value) if quantity is not None and quantity.integer else value
 
 
 class Choice(_OfKey):
@@ -122,8 +122,8 @@ class Choice(_OfKey):
 
     def at(self, uniform: float, quantity: Quantity | None) -> Any:
         """Value of a uniform number."""
-        found = self.values[chosen(self.weights or (1.0,) * len(self.values), uniform)]
-        return in_unit(found, quantity) if isinstance(found, str) and quantity is not None and quantity.unit else found
+        value = self.values[chosen(self.weights or (1.0,) * len(self.values), uniform)]
+        return in_unit(value, quantity) if isinstance(value, str) and quantity is not None and quantity.unit else value
 
 
 class Weather(Record):

@@ -191,13 +191,13 @@ def _from_view(fov_deg: tuple[float, float], pixels: tuple[int, int], sensor: Se
 
 def _require_focal_length(sensor: Sensor, optics: Optics, detector: Detector) -> None:
     """Refuse optics that have no size, or several."""
-    found = _focal_lengths(optics, detector)
-    if not found and "fov_deg" not in sensor.model_fields_set:
+    given = _focal_lengths(optics, detector)
+    if not given and "fov_deg" not in sensor.model_fields_set:
         text = "is missing: give it, or sensor.optics.f_number beside aperture_m, or ifov_urad, or sensor.fov_deg"
         raise rule("sensor.optics.focal_length_m", text)
     focal = sensor.focal_length_m
-    for key, value in found.items():
-        first = next(iter(found))
+    for key, value in given.items():
+        first = next(iter(given))
         if abs(value / focal - 1.0) > AGREEMENT:
             text = (
                 f"makes a focal length of {value:.5g} m (f-number times aperture, or pitch over IFOV), and {first} one of {focal:.5g} m; "

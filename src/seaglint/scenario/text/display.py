@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from seaglint.base.errors import ScenarioError
-from seaglint.base.representation import ABSENT, card, notes, table, told
+from seaglint.base.representation import ABSENT, as_text, card, notes, table
 from seaglint.scenario.keys import key_at
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SunPosition, sun_position
@@ -54,10 +54,10 @@ def _flat(tables: Mapping[str, Any], above: str) -> Iterator[tuple[str, Any]]:
 
 
 def _default(key: str) -> str:
-    found = key_at(tuple(part.split("[")[0] for part in key.split(".")))
-    if found is None or found.info.is_required() or found.info.default is None or isinstance(found.info.default, BaseModel):
+    known = key_at(tuple(part.split("[")[0] for part in key.split(".")))
+    if known is None or known.info.is_required() or known.info.default is None or isinstance(known.info.default, BaseModel):
         return ABSENT
-    return told(found.info.default)
+    return as_text(known.info.default)
 
 
 Scenario.html = scenario_html

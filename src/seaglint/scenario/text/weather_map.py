@@ -24,12 +24,12 @@ def parse_map(texts: Sequence[str]) -> tuple[MappedColumn, ...]:
     >>> parse_map(["sea_temperature_k=sst:degC"])[0].offset
     273.15
     """
-    found = [_parsed(text) for text in texts]
-    names = [column.name for column in found]
+    columns = [_parsed(text) for text in texts]
+    names = [column.name for column in columns]
     for name in names:
         if names.count(name) > 1:
             raise ScenarioError(f"--map: {name} is given twice; give one column for it")
-    return tuple(found)
+    return tuple(columns)
 
 
 def _parsed(text: str) -> MappedColumn:

@@ -52,9 +52,9 @@ def _thin(table: dict[str, Any], same: Callable[[], bool]) -> None:
         for inner in [value] if isinstance(value, dict) else value if isinstance(value, list | tuple) else []:
             if isinstance(inner, dict):
                 _thin(inner, same)
-    kept = {key: table[key] for key in order if key in table}
+    ordered = {key: table[key] for key in order if key in table}
     table.clear()
-    table.update(kept)
+    table.update(ordered)
 
 
 def scenario_toml(scenario: Scenario, base: str | Path | None = None) -> str:

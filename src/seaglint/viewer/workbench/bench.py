@@ -86,7 +86,7 @@ class Bench:
         self._scenario: Scenario | None = None
         self._text = ""
         self._plan: PlanView | None = None
-        self._found: dict[Job, PreviewPicture] = {}
+        self._pictures: dict[Job, PreviewPicture] = {}
         self._quantity: Quantity = "radiance"
         self._whole = False
         self._redraw = Redraw(painter(), self._show, background_tasks.create)
@@ -217,19 +217,19 @@ class Bench:
         if found is not None and not self._gone():
             self._lay_out(scenario, found)
 
-    def _lay_out(self, scenario: Scenario, found: PlanView) -> None:
-        self._plan = found
-        self._compass.content = compass(scenario, found.sun, found.azimuth)
-        zenith, azimuth = math.degrees(found.sun.zenith), math.degrees(found.sun.azimuth) % 360
+    def _lay_out(self, scenario: Scenario, view: PlanView) -> None:
+        self._plan = view
+        self._compass.content = compass(scenario, view.sun, view.azimuth)
+        zenith, azimuth = math.degrees(view.sun.zenith), math.degrees(view.sun.azimuth) % 360
         facts = [
             f"wind {scenario.wind.speed_m_s:g} m/s from {scenario.wind.from_deg:g}°",
             f"Sun: elevation {90 - zenith:.1f}°, azimuth {azimuth:.1f}°",
-            f"view: azimuth {found.azimuth % 360:g}°, elevation {scenario.sensor.elevation_deg:g}°",
-            f"horizon at {distance(found.horizon)}",
+            f"view: azimuth {view.azimuth % 360:g}°, elevation {scenario.sensor.elevation_deg:g}°",
+            f"horizon at {distance(view.horizon)}",
         ]
         self._facts.set_text("\n".join(facts))
-        self._map_above.content = plan_svg(found, whole=self._whole)
-        self._daylight.show(found.sun if scenario.time is not None else None)
+        self._map_above.content = plan_svg(view, whole=self._whole)
+        self._daylight.show(view.sun if scenario.time is not None else None)
 
     def _far(self, whole: bool) -> None:
         self._whole = whole
@@ -238,26 +238,26 @@ class Bench:
 
     def _of(self, quantity: Quantity) -> None:
         self._quantity = quantity
-        for job, found in self._found.items():
-            self._maps[job][0].content = map_svg(found, quantity, _TITLES[job])
+        for job, picture in self._pictures.items():
+            self._maps[job][0].content = map_svg(picture, quantity, _TITLES[job])
 
-    def _show(self, job: Job, found: PreviewPicture | str | None) -> None:
+    def _show(self, job: Job, result: PreviewPicture | str | None) -> None:
         if self._closed:
             return
         picture, words = self._maps[job]
-        if found is None:
+        if result is None:
             words.set_text("drawing ...")
-        elif isinstance(found, str):
-            words.set_text(found)
+        elif isinstance(result, str):
+            words.set_text(result)
             words.classes(add="wrong")
             picture.classes(add="old")
         else:
-            self._found[job] = found
-            columns, rows = found.radiance.shape[::-1]
-            words.set_text(f"{columns} x {rows} of {found.pixels[0]} x {found.pixels[1]} pixels, {found.seconds:.1f} s")
+            self._pictures[job] = result
+            columns, rows = result.radiance.shape[::-1]
+            words.set_text(f"{columns} x {rows} of {result.pixels[0]} x {result.pixels[1]} pixels, {result.seconds:.1f} s")
             words.classes(remove="wrong")
             picture.classes(remove="old")
-            picture.content = map_svg(found, self._quantity, _TITLES[job])
+            picture.content = map_svg(result, self._quantity, _TITLES[job])
 
     def _tell(self, mistakes: tuple[Mistake, ...], raw: dict[str, Any]) -> None:
         self._form.tell(mistakes, raw)

@@ -55,8 +55,8 @@ def day_of(day: date, latitude_deg: float, longitude_deg: float) -> Day:
 
     start = datetime(day.year, day.month, day.day, tzinfo=UTC)
     times = pd.DatetimeIndex([start + timedelta(minutes=STEP * n) for n in range(24 * 60 // STEP + 1)])
-    found = solarposition.get_solarposition(times, latitude_deg, longitude_deg, method="nrel_numpy")
-    return Day(90.0 - found["apparent_zenith"].to_numpy(), found["azimuth"].to_numpy())
+    angles = solarposition.get_solarposition(times, latitude_deg, longitude_deg, method="nrel_numpy")
+    return Day(90.0 - angles["apparent_zenith"].to_numpy(), angles["azimuth"].to_numpy())
 
 
 def clock(minutes: float) -> str:

@@ -291,9 +291,9 @@ def keys_of(mistake: Mistake, raw: Mapping[str, Any]) -> Keys:
         return ("objects",)
     out: list[str | int] = []
     for part in text.split(".") if text else []:
-        found = _PLACE.match(part)
-        if found is None:
+        match = _PLACE.match(part)
+        if match is None:
             break
-        out.append(found["name"])
-        out.extend(int(place) for place in re.findall(r"\d+", found["places"]))
+        out.append(match["name"])
+        out.extend(int(place) for place in re.findall(r"\d+", match["places"]))
     return tuple(out)

@@ -89,15 +89,15 @@ def _entries(record: Mapping[str, Any], defs: Mapping[str, Any], depth: int) -> 
     required, known = record.get("required", ()), record.get("default") or {}
     for name, own in record.get("properties", {}).items():
         # the table's own default knows more than its keys': the edges of the band
-        told = own if known.get(name) is None else {**own, "default": known[name]}
-        if "const" not in told:  # the tag of a union: its group has it
-            yield _entry(name, told, defs, depth, name in required)
+        schema = own if known.get(name) is None else {**own, "default": known[name]}
+        if "const" not in schema:  # the tag of a union: its group has it
+            yield _entry(name, schema, defs, depth, name in required)
 
 
-def _entry(name: str, told: Mapping[str, Any], defs: Mapping[str, Any], depth: int, required: bool) -> Field | Group:
-    ways = [_resolved(way, defs) for way in told.get("anyOf", [told])]
+def _entry(name: str, schema: Mapping[str, Any], defs: Mapping[str, Any], depth: int, required: bool) -> Field | Group:
+    ways = [_resolved(way, defs) for way in schema.get("anyOf", [schema])]
     given = [way for way in ways if way.get("type") != "null"]
-    hint = str(told.get("description", ""))
+    hint = str(schema.get("description", ""))
     optional = len(given) < len(ways)
     for way in given:
         many = way.get("type") == "array" and "items" in way
@@ -105,9 +105,9 @@ def _entry(name: str, told: Mapping[str, Any], defs: Mapping[str, Any], depth: i
         if not _is_table(inner):
             continue
         if depth >= _DEEPEST or (many and depth > 1):
-            return Field(name, "tables", hint, told.get("default"), required=required)
-        return _group(name, inner, defs, depth, hint, optional=optional or (many and told.get("default") is None), many=many)
-    return _field(name, told, given, hint, required)
+            return Field(name, "tables", hint, schema.get("default"), required=required)
+        return _group(name, inner, defs, depth, hint, optional=optional or (many and schema.get("default") is None), many=many)
+    return _field(name, schema, given, hint, required)
 
 
 def _group(name: str, table: Mapping[str, Any], defs: Mapping[str, Any], depth: int, hint: str, *, optional: bool, many: bool) -> Group:
@@ -132,8 +132,8 @@ def _group(name: str, table: Mapping[str, Any], defs: Mapping[str, Any], depth: 
     )
 
 
-def _field(name: str, told: Mapping[str, Any], ways: list[dict[str, Any]], hint: str, required: bool) -> Field:
-    default = told.get("default")
+def _field(name: str, schema: Mapping[str, Any], ways: list[dict[str, Any]], hint: str, required: bool) -> Field:
+    default = schema.get("default")
     kinds = {way.get("type") for way in ways}
     for way in ways:
         if "enum" in way:
@@ -146,16 +146,16 @@ def _field(name: str, told: Mapping[str, Any], ways: list[dict[str, Any]], hint:
     return Field(name, kind, hint, default, required=required)
 
 
-def _resolved(told: Mapping[str, Any], defs: Mapping[str, Any]) -> dict[str, Any]:
+def _resolved(schema: Mapping[str, Any], defs: Mapping[str, Any]) -> dict[str, Any]:
     """What a reference stands for, with what is said beside it."""
-    if "$ref" not in told:
-        return dict(told)
-    rest = {key: value for key, value in told.items() if key != "$ref"}
-    return {**defs[told["$ref"].rsplit("/", 1)[-1]], **rest}
+    if "$ref" not in schema:
+        return dict(schema)
+    rest = {key: value for key, value in schema.items() if key != "$ref"}
+    return {**defs[schema["$ref"].rsplit("/", 1)[-1]], **rest}
 
 
-def _is_table(told: Mapping[str, Any]) -> bool:
-    return "oneOf" in told or "properties" in told
+def _is_table(schema: Mapping[str, Any]) -> bool:
+    return "oneOf" in schema or "properties" in schema
 
 
 def _first_line(record: Mapping[str, Any]) -> str:
@@ -165,9 +165,9 @@ def _first_line(record: Mapping[str, Any]) -> str:
 @cache
 def file_keys() -> frozenset[str]:
     """Names of the keys that hold paths of files, wherever they stand."""
-    found = set()
+    keys = set()
     for record in json_schema()["$defs"].values():
-        for name, told in record.get("properties", {}).items():
-            if any(way.get("format") in ("path", "file-path") for way in told.get("anyOf", [told])):
-                found.add(name)
-    return frozenset(found)
+        for name, schema in record.get("properties", {}).items():
+            if any(way.get("format") in ("path", "file-path") for way in schema.get("anyOf", [schema])):
+                keys.add(name)
+    return frozenset(keys)

@@ -109,10 +109,10 @@ class Form:
 
             def choose(word: str) -> None:
                 said = self._draft.get(keys)
-                kept = said if isinstance(said, dict) else {}
+                previous = said if isinstance(said, dict) else {}
                 names = {entry.name for entry in group.entries(word)}
                 # what both kinds know stays
-                self._draft.put(keys, {group.tag: word} | {key: value for key, value in kept.items() if key in names})
+                self._draft.put(keys, {group.tag: word} | {key: value for key, value in previous.items() if key in names})
                 again()
 
             chosen = tag if tag in group.variants else None

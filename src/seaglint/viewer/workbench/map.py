@@ -21,13 +21,13 @@ _WIDTH, _LEFT, _RIGHT, _TOP, _BOTTOM = 620.0, 52.0, 92.0, 8.0, 40.0
 _LOW, _HIGH = 120.0, 420.0  # least and greatest height of the pixels
 
 
-def map_svg(found: PreviewPicture, quantity: Quantity = "radiance", title: str = "map") -> str:
+def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str = "map") -> str:
     """The picture with azimuth and elevation [deg] on its axes, or columns and rows of the whole picture, and the scale of its colours."""
-    values = found.radiance if quantity == "radiance" else found.temperature
-    scale = scale_of(values, found.sea)
+    values = picture.radiance if quantity == "radiance" else picture.temperature
+    scale = scale_of(values, picture.sea)
     rows, columns = values.shape
     width = _WIDTH - _LEFT - _RIGHT
-    x, y, names = _axes(found)
+    x, y, names = _axes(picture)
     shape = abs((y[1] - y[0]) / (x[1] - x[0]))
     height = min(max(width * shape, _LOW), _HIGH)
     if height == _HIGH and 0.2 < shape < 5.0:
@@ -52,10 +52,10 @@ def map_svg(found: PreviewPicture, quantity: Quantity = "radiance", title: str =
     )
 
 
-def _axes(found: PreviewPicture) -> tuple[tuple[float, float], tuple[float, float], tuple[str, str]]:
-    if found.azimuth is not None and found.elevation is not None:
-        return found.azimuth, found.elevation, ("azimuth [deg]", "elevation [deg]")
-    columns, rows = found.pixels
+def _axes(picture: PreviewPicture) -> tuple[tuple[float, float], tuple[float, float], tuple[str, str]]:
+    if picture.azimuth is not None and picture.elevation is not None:
+        return picture.azimuth, picture.elevation, ("azimuth [deg]", "elevation [deg]")
+    columns, rows = picture.pixels
     return (0.0, float(columns)), (0.0, float(rows)), ("column [px]", "row [px]")
 
 

@@ -31,7 +31,7 @@ class Redraw:
 
     def __init__(self, painter: Painter, show: Show, start: Callable[[Coroutine[Any, Any, None]], object]) -> None:
         self._painter, self._show, self._start = painter, show, start
-        self._wanted: Scenario | None = None
+        self._requested: Scenario | None = None
         self._order: Order | None = None
         self._works = self._closed = False
 
@@ -40,14 +40,14 @@ class Redraw:
         if self._closed:
             return
         self.drop()
-        self._wanted = scenario
+        self._requested = scenario
         if not self._works:
             self._works = True
             self._start(self._work())
 
     def drop(self) -> None:
         """Nothing is wanted."""
-        self._wanted = None
+        self._requested = None
         if self._order is not None:
             self._order.drop()
 
@@ -58,8 +58,8 @@ class Redraw:
 
     async def _work(self) -> None:
         try:
-            while self._wanted is not None:
-                scenario, self._wanted = self._wanted, None
+            while self._requested is not None:
+                scenario, self._requested = self._requested, None
                 for job in JOBS:
                     if not await self._draw(job, scenario):
                         break

@@ -85,14 +85,16 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
 
     begin = time.perf_counter()
     small = reduced(scenario)
-    found = mean(small) if job == "mean" else image(small)
-    radiance = np.asarray(found["radiance"].values, np.float32)
+    dataset = mean(small) if job == "mean" else image(small)
+    radiance = np.asarray(dataset["radiance"].values, np.float32)
     if job == "mean":
-        temperature = np.asarray(found["apparent_temperature"].values, np.float32)
+        temperature = np.asarray(dataset["apparent_temperature"].values, np.float32)
     else:
-        temperature = np.asarray(to_temperature(radiance, stored_band(found.attrs)), np.float32)
-    edges = [_edges(found[name].values) if found[name].ndim == 1 else None for name in ("azimuth", "elevation")]
-    return PreviewPicture(radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, sea_pixels(found), time.perf_counter() - begin)
+        temperature = np.asarray(to_temperature(radiance, stored_band(dataset.attrs)), np.float32)
+    edges = [_edges(dataset[name].values) if dataset[name].ndim == 1 else None for name in ("azimuth", "elevation")]
+    return PreviewPicture(
+        radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, sea_pixels(dataset), time.perf_counter() - begin
+    )
 
 
 def _edges(centres: NDArray[Any]) -> tuple[float, float]:
@@ -157,7 +159,7 @@ class Painter:
             assert process.stdout is not None
             pickle.dump((order.job, order.scenario), process.stdin)
             process.stdin.flush()
-            kind, found = pickle.load(process.stdout)
+            kind, result = pickle.load(process.stdout)
         except (OSError, EOFError, pickle.UnpicklingError):
             self.stop()
             if order.dropped.is_set():
@@ -168,9 +170,9 @@ class Painter:
         finally:
             done.set()
         if kind == "error":
-            raise found
-        assert isinstance(found, PreviewPicture)
-        return found
+            raise result
+        assert isinstance(result, PreviewPicture)
+        return result
 
     def _watch(self, process: subprocess.Popen[bytes], order: Order, begin: float, done: threading.Event) -> None:
         while not done.wait(0.2):

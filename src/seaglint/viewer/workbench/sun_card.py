@@ -34,10 +34,10 @@ class Daylight:
     def _moment(self) -> datetime | None:
         given = self._draft.get(("time", "utc"))
         try:
-            found = given if isinstance(given, datetime) else datetime.fromisoformat(str(given).strip().replace("Z", "+00:00"))
+            moment = given if isinstance(given, datetime) else datetime.fromisoformat(str(given).strip().replace("Z", "+00:00"))
         except ValueError:
             return None
-        return found.replace(tzinfo=UTC) if found.tzinfo is None else found.astimezone(UTC)
+        return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
 
     def _build(self) -> None:
         self._box.clear()
