@@ -50,7 +50,7 @@ def write_in_all_ways(output: str) -> None:
         write_sequence(output, layout(), crash, overwrite=True)
     with pytest.raises(DataError, match="is unfinished, 14 of 23 frames are missing"):
         open_sequence(output)
-    with pytest.raises(DataError, match="go on with --resume"):
+    with pytest.raises(DataError, match="go on with resume=True"):
         write_sequence(output, layout(), frame)
     with pytest.raises(DataError, match=r"14 of 23 frames are missing: 9-22"):
         finish_sequence(output)

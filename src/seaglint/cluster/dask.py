@@ -165,7 +165,7 @@ class DaskWorkers:
                 if time.monotonic() > until:
                     raise BackendError(
                         f"the Dask scheduler was lost and did not come back within {self.patience:g} s; what is done stays: "
-                        "start it again, and go on with --resume"
+                        "start it again, and go on with resume=True"
                     ) from error
                 time.sleep(0.5)
             else:
@@ -224,7 +224,7 @@ class _DaskMapping:
                     seen = time.monotonic()
                 elif time.monotonic() - seen > self.workers.patience:
                     raise BackendError(
-                        f"no worker was left for {self.workers.patience:g} s; what is done stays: start some, and go on with --resume"
+                        f"no worker was left for {self.workers.patience:g} s; what is done stays: start some, and go on with resume=True"
                     )
                 for outcome in self._read(ended):
                     self.losses = 0
@@ -307,7 +307,7 @@ class _DaskMapping:
         if self.losses > ATTEMPTS:
             raise BackendError(
                 f"the Dask scheduler was lost {self.losses} times with nothing done in between ({error}); what is done stays: "
-                "see why it ends, and go on with --resume"
+                "find out why it ends, and go on with resume=True"
             ) from error
         self.again.extend(task for _, task in self.flight.values())
         self.flight = {}
@@ -410,7 +410,7 @@ def require_dask() -> None:
     try:
         import distributed  # noqa: F401
     except ImportError:
-        raise BackendError("Dask is not installed; pip install 'seaglint[cluster]' adds it, and --workers N needs nothing") from None
+        raise BackendError("Dask is not installed; pip install 'seaglint[cluster]' adds it, and workers=N needs nothing") from None
 
 
 @contextmanager
@@ -426,13 +426,13 @@ def connected(address: str, say: Say = lambda line: None, *, patience: float = P
     """
     require_dask()
     if not re.fullmatch(r"((tcp|tls|ws|wss|inproc)://)?[^/\s]+:\d+|inproc://\S+", address):
-        raise DataError(f"--dask {address}: give the scheduler's address, e.g. tcp://host:8786")
+        raise DataError(f"address = {address!r} is no address of a Dask scheduler; give one such as tcp://host:8786")
     with quiet():
-        workers = DaskWorkers(lambda: client_of(address, f"--dask {address}"), say, patience)
+        workers = DaskWorkers(lambda: client_of(address, f"Dask scheduler {address}"), say, patience)
         try:
             workers.wait_for_one()
             yield workers
         except _SchedulerGoneError as error:
-            raise BackendError(f"--dask {address}: the scheduler does not answer ({error}); see its log") from error
+            raise BackendError(f"Dask scheduler {address}: it does not answer ({error}); see its log") from error
         finally:
             workers.close()

@@ -46,9 +46,9 @@ class Parts:
         with storage_errors(folder, "make room or choose another place"):
             if folder.exists():
                 if not (folder / _MARK).is_file():
-                    raise DataError(f"{folder}: is there and holds no parts of a detection study; move it, or give another -o")
+                    raise DataError(f"{folder}: is there and holds no parts of a detection study; move it, or choose another output")
                 if not resume and not overwrite:
-                    raise DataError(f"{folder}: holds parts of an unfinished study; go on with --resume, or begin anew with --overwrite")
+                    raise DataError(f"{folder}: holds an unfinished study; go on with resume=True, or begin anew with overwrite=True")
                 if not resume:
                     shutil.rmtree(folder)
             folder.mkdir(exist_ok=True)
@@ -103,7 +103,7 @@ def whole_sea(folder: Path, number: int, shape: tuple[int, ...]) -> bool:
 
 def keep_sea(folder: Path, number: int, frames: NDArray[np.float32]) -> None:
     """Write the frames of a sea."""
-    with moved_when_whole(sea_path(folder, number), "make room and go on with --resume") as partial, partial.open("wb") as file:
+    with moved_when_whole(sea_path(folder, number), "make room and go on with resume=True") as partial, partial.open("wb") as file:
         np.save(file, frames)
 
 

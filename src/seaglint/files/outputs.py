@@ -31,7 +31,7 @@ def refuse_existing(output: str | Path, *, overwrite: bool = False, inputs: Iter
         require_folder(output)
         _require_replaceable(output)
         if output.exists() and not overwrite:
-            raise DataError(f"{output}: exists already; choose another name, or replace it with --overwrite")
+            raise DataError(f"{output}: exists already; choose another name, or replace it with overwrite=True")
     return output
 
 

@@ -52,7 +52,7 @@ def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
 def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path | None = None) -> Scenario:
     """Validate a mapping laid out as the TOML file; ``base`` is the folder that relative paths count from."""
     if "ensemble" in raw:
-        raise ScenarioError(f"{name}: is an ensemble of scenes; draw them with: seaglint ensemble {name} -o DIR --draw-only, and give one")
+        raise ScenarioError(f"{name}: is an ensemble of scenes; draw them with 'seaglint ensemble' (draw_only=True), and give one of them")
     try:
         return Scenario.model_validate(dict(raw), context={"base": base})
     except ValidationError as error:

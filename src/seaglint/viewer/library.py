@@ -50,7 +50,7 @@ class Library:
         self._open: dict[int, ViewerSource] = {}
         named = [str(path) for path in given]
         if folder is not None and not Path(folder).is_dir():
-            raise DataError(f"--folder {folder}: is no folder; give one with sequences or recordings")
+            raise DataError(f"folder = {folder}: is no folder; give one with sequences or recordings")
         self._folders = [Path(folder).resolve()] if folder is not None else sorted({Path(path).resolve().parent for path in named})
         for path in named:
             self._open[self._number(path)] = open_source(path, variable)

@@ -118,13 +118,13 @@ def bind(host: str, port: int | None) -> socket.socket:
             if error.errno == errno.EADDRINUSE:
                 continue
             if error.errno in (errno.EACCES, errno.EPERM):
-                raise DataError(f"--port {number}: may not be used by this account; give one above 1023") from None
-            raise DataError(f"--host {host}: cannot be listened at ({error.strerror or error}); give an address of this machine") from None
+                raise DataError(f"port = {number}: may not be used by this account; give one above 1023") from None
+            raise DataError(f"host = {host}: cannot be listened at ({error.strerror or error}); give an address of this machine") from None
         return made
     with socket.socket(family, socket.SOCK_STREAM) as probe:
         probe.bind((host, 0))
         free = probe.getsockname()[1]
-    raise DataError(f"--port {candidates[0]}: is taken, by another viewer perhaps; --port {free} is free")
+    raise DataError(f"port = {candidates[0]}: is taken, by another viewer perhaps; port = {free} is free")
 
 
 def serve(

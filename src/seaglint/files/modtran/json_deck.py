@@ -47,7 +47,7 @@ def json_deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: f
         The air is a sounding: its levels above the last one follow a model atmosphere, which profiles of MODTRAN 6 cannot say.
     """
     if air.levels:
-        raise DataError("modtran6-json takes model atmospheres, not atmosphere.sounding; choose --format tape5, which MODTRAN 6 reads too")
+        raise DataError("modtran6-json takes model atmospheres, not atmosphere.sounding; choose format='tape5', which MODTRAN 6 reads too")
     cases = [{"MODTRANINPUT": _case(i, line, air, solar_zenith_deg, name)} for i, line in enumerate(lines)]
     return json.dumps({"MODTRAN": cases}, indent=1) + "\n"
 

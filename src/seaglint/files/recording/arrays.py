@@ -53,7 +53,7 @@ def of_array(
         raise DataError(f"{source}: holds {dtype}, not real numbers; give radiances or counts")
     if how.axes == "yxt":
         if len(shape) != 3:
-            raise DataError(f"{source}: has shape {shape}; --axes yxt is for (rows, columns, frames)")
+            raise DataError(f"{source}: has shape {shape}; axes='yxt' is for (rows, columns, frames)")
         array, shape = _TimeLast(array), (shape[2], shape[0], shape[1])
     coloured = how.axes is None and (
         (len(shape) == 4 and shape[-1] in (1, 2, 3, 4)) or (len(shape) == 3 and shape[-1] in (3, 4) and shape[0] > 4)
@@ -296,5 +296,5 @@ def _choose(available: dict[str, Any], requested: str | None, path: str | Path) 
             raise DataError(f"{path}: has no image variable '{requested}'; it has {names}")
         return requested
     if len(available) != 1:
-        raise DataError(f"{path}: {'several image variables' if available else 'no image variable'} ({names}); choose one with --variable")
+        raise DataError(f"{path}: {'several image variables' if available else 'no image variable'} ({names}); give one as variable")
     return next(iter(available))

@@ -84,7 +84,7 @@ def open_recording(
         recording = _open(Path(path), raw, how)
     notes = recording.notes
     if axes == "yxt" and Path(path).suffix.lower() not in _ARRAY_ENDINGS:
-        raise DataError(f"{path}: --axes yxt is for arrays ({', '.join(_ARRAY_ENDINGS)}); frames of other formats have their order")
+        raise DataError(f"{path}: axes='yxt' is for arrays ({', '.join(_ARRAY_ENDINGS)}); frames of other formats have their order")
     if frame_rate is not None and recording.frame_rate is not None and abs(frame_rate / recording.frame_rate - 1.0) > RATE_TOLERANCE:
         notes = (*notes, f"frame rate {frame_rate:g} Hz as given; the file says {recording.frame_rate:g} Hz")
     full = recording.saturation if saturation is None else saturation - recording.offset

@@ -41,7 +41,7 @@ def grey(images: NDArray[Any], source: str, channel: str | None = None) -> NDArr
     if channel is None and worst > NEARLY_GREY:
         raise DataError(
             f"{source}: is a true colour image (channels differ by up to {100 * worst:.3g} % of full scale, grey allows "
-            f"{100 * NEARLY_GREY:g} %); false colours are no measure of radiance: give the grey original, or choose --channel "
+            f"{100 * NEARLY_GREY:g} %); false colours are no measure of radiance: give the grey original, or choose a channel: "
             f"{', '.join(CHANNELS)}"
         )
     if not span.any():

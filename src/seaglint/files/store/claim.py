@@ -46,7 +46,7 @@ class Claim:
         if not self.holds():
             raise DataError(
                 f"{self.folder}: another process has taken it, or {lock_path(self.folder).name} was removed; "
-                "see that one process only writes there and go on with --resume"
+                "see that only one process writes there and go on with resume=True"
             )
 
 

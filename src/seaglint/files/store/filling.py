@@ -69,7 +69,7 @@ def unit_maker(task: UnitTask, layout: Layout, frame: Frame) -> Callable[[int], 
 
     @contextmanager
     def writing() -> Iterator[None]:
-        with storage_errors(place.work, f"what is done stays in {place.work}: make room and run the same command with --resume"):
+        with storage_errors(place.work, f"what is done stays in {place.work}: make room and go on with the same settings and resume=True"):
             if task.folder:
                 Claim(Path(task.folder), task.token).require()
             place.require_there()
@@ -201,7 +201,7 @@ class Filling:
         if names:
             raise DataError(
                 f"{len(names)} of {self.total} frames were not made: {listed(names)} ({self.failed[0].error}); tracebacks are in "
-                f"{self.place.errors}, all else in {self.place.work}: go on with --resume"
+                f"{self.place.errors}, all else in {self.place.work}: go on with resume=True"
             )
 
     def report(self, before: int | None = None, made: int = 0) -> None:
@@ -223,7 +223,7 @@ class Filling:
 
     def _interrupted(self) -> Interrupted:
         state = f"stopped after {self.count} of {self.total} frames, kept in {self.place.work}"
-        return Interrupted(f"{state}; go on with the same command and --resume")
+        return Interrupted(f"{state}; go on with the same settings and resume=True")
 
     @contextmanager
     def _writing(self) -> Iterator[None]:

@@ -85,7 +85,7 @@ class Local:
     def require_there(self) -> None:
         """Without this, frames written into a folder that was moved away would make an unreadable one in its place."""
         if not (self.work / "zarr.json").exists():
-            raise DataError(f"{self.work}: was moved or removed while it was written; put it back and go on with --resume, or begin anew")
+            raise DataError(f"{self.work}: was moved or removed during writing; put it back and go on with resume=True, or begin anew")
 
     @contextmanager
     def claim(self, share: Share | None = None) -> Iterator[Claim]:

@@ -31,7 +31,7 @@ class Share:
         """
         match = re.fullmatch(r"\s*(\d{1,9})\s*/\s*(\d{1,9})\s*", text)
         if match is None or not int(match[1]) < int(match[2]):
-            raise DataError(f"--shard {text}: is no share of the work; give i/n, counted from 0: the first of four is 0/4, the last 3/4")
+            raise DataError(f"shard='{text}' is no share of the work; give i/n, counted from 0: the first of four is 0/4, the last 3/4")
         return cls(int(match[1]), int(match[2]))
 
     def __str__(self) -> str:

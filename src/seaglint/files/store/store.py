@@ -104,13 +104,13 @@ def write_sequence(
         After SIGINT or SIGTERM, when the frame at hand is in; where others make them, when they had a moment to end their units.
     """
     if share is not None and overwrite:
-        raise DataError(f"--shard {share} joins what is there and --overwrite replaces it; remove the old sequence before the first share")
+        raise DataError(f"share={share} joins what is there and overwrite=True replaces it; remove the old sequence before the first share")
     place = _checked_name(output, resume=resume, overwrite=overwrite)
     continued = resume or share is not None
 
     def remedy() -> str:
         if place.resumable():
-            return f"what is done stays in {place.work}: make room and run the same command with --resume"
+            return f"what is done stays in {place.work}: make room and go on with the same settings and resume=True"
         return "nothing was written; make room or choose another place"
 
     if not _stands(place, layout, resume=continued, overwrite=overwrite):
@@ -169,7 +169,7 @@ def finish_sequence(output: str | Path, scenario_json: str | None = None) -> boo
         _require_scenario(place.output, scenario_json)
         return False
     if not place.begun():
-        raise DataError(f"{place.work}: no such unfinished sequence; render it, or its shares with --shard")
+        raise DataError(f"{place.work}: no such unfinished sequence; render it first, whole or in shares")
     remedy = f"what is done stays in {place.work}: make room and finish again"
     with storage_errors(place.work, remedy), place.claim() as claim:
         if place.taken():
@@ -184,7 +184,7 @@ def finish_sequence(output: str | Path, scenario_json: str | None = None) -> boo
             counts = attributes(place.work).get(UNFINISHED, {}).get("shares", [])
             absent = sorted({index // shards.frames_per_unit for index in missing})
             of = f" (of shares {shares_of(absent, counts)})" if counts else ""
-            todo = "run these shares again, or all with --resume" if counts else "render again with --resume"
+            todo = "render these shares again, or all frames with resume=True" if counts else "render again with resume=True"
             raise DataError(f"{place.work}: {len(missing)} of {shards.frames} frames are missing: {listed(numbers[missing])}{of}; {todo}")
         _finish(place, claim)
     return True
@@ -221,7 +221,7 @@ def _checked_name(output: str | Path, *, resume: bool, overwrite: bool, inputs: 
     """What can be told from the name and its folder."""
     place = place_of(output)
     if resume and overwrite:
-        raise DataError("--resume keeps what is there and --overwrite replaces it; give one of the two")
+        raise DataError("resume=True keeps what is there and overwrite=True replaces it; give one of the two")
     name = Path(str(output))
     if name.suffix.lower() in _OTHER_KINDS:
         raise DataError(
@@ -257,7 +257,7 @@ def _wait_for(place: Place) -> bool:
     until = time.monotonic() + PATIENCE
     while not _whole(place):
         if time.monotonic() > until:
-            raise DataError(f"{place.work}: was left half-made; begin anew: the command without --shard and with --overwrite, or remove it")
+            raise DataError(f"{place.work}: was begun and not completed; begin anew without a share and with overwrite=True, or remove it")
         time.sleep(0.5)
     return True
 
@@ -295,7 +295,7 @@ def _finish(place: Place, claim: Any) -> None:
     missing = len(shards.missing(range(shards.count)))
     if missing:
         state = f"{missing} of {shards.frames} frames are missing"
-        raise DataError(f"{place.work}: {state} though all were written; see that no other program works there and go on with --resume")
+        raise DataError(f"{place.work}: {state} though all were written; see that no other program works there and go on with resume=True")
     place.sweep()
     group.attrs.put({key: value for key, value in dict(group.attrs).items() if key != UNFINISHED})
     consolidate(place.work)
@@ -315,7 +315,7 @@ def _stands(place: Place, layout: Layout, *, resume: bool, overwrite: bool) -> b
 
 def _require_replaceable(place: Place, *, overwrite: bool) -> None:
     if not overwrite:
-        raise DataError(f"{place}: exists already; choose another name, or replace it with --overwrite")
+        raise DataError(f"{place}: exists already; choose another name, or replace it with overwrite=True")
     _require_ours(place.output)
 
 
@@ -323,7 +323,7 @@ def _require_free(place: Place, *, resume: bool, overwrite: bool) -> None:
     """Refuse to begin anew where an unfinished sequence lies."""
     if place.begun() and not resume:
         if not overwrite:
-            raise DataError(f"{place.work}: an unfinished sequence is there; go on with --resume, or begin anew with --overwrite")
+            raise DataError(f"{place.work}: an unfinished sequence is there; go on with resume=True, or begin anew with overwrite=True")
         _require_ours(place.work)
 
 
@@ -340,7 +340,7 @@ def _require_readable(path: Path | str) -> dict[str, Any]:
     if stored.get("seaglint_version") not in (None, __version__):
         raise DataError(
             f"{path}: is made by seaglint {stored['seaglint_version']}, and this is {__version__}; go on with that version, "
-            "or begin anew with --overwrite"
+            "or begin anew with overwrite=True"
         )
     return stored
 
@@ -366,7 +366,7 @@ def _require_same(path: Path | str, layout: Layout) -> None:
     elif not differ and group[DONE].chunks[0] != layout.frames_per_unit:
         differ.append("size of its shards")
     if differ:
-        raise DataError(f"{path}: was made with another {', '.join(differ)}; resume with the same settings, or begin anew with --overwrite")
+        raise DataError(f"{path}: was made with another {', '.join(differ)}; resume with the same ones, or begin anew with overwrite=True")
 
 
 def is_sequence(path: Path | str) -> bool:
@@ -392,7 +392,7 @@ def open_sequence(path: str | Path, *, allow_partial: bool = False) -> xr.Datase
     place = place_of(path)
     store = place.output
     if not place.taken() and not (place.work == store and place.begun()):
-        hint = f"; {place.work} is there, unfinished: render again with --resume" if place.begun() else ""
+        hint = f"; {place.work} is there, unfinished: render again with resume=True" if place.begun() else ""
         raise DataError(f"{path}: no such sequence{hint}")
     stored = attributes(store)
     if stored.get("seaglint_format") != FORMAT:
@@ -406,7 +406,9 @@ def open_sequence(path: str | Path, *, allow_partial: bool = False) -> xr.Datase
         raise DataError(f"{path}: the sequence is damaged ({error}); render it again") from error
     if not allow_partial and not done.all():
         missing = f"{int((~done).sum())} of {done.size} frames are missing"
-        raise DataError(f"{path}: is unfinished, {missing}; render again with --resume")
+        raise DataError(f"{path}: is unfinished, {missing}; render again with resume=True")
     if not allow_partial and UNFINISHED in stored:
-        raise DataError(f"{path}: is unfinished though all frames are there; finish it with 'seaglint render --finish'")
+        raise DataError(
+            f"{path}: is unfinished though all frames are there; complete it with finish_sequence, or 'seaglint render' and finish=True"
+        )
     return dataset

@@ -25,11 +25,11 @@ def parse_box(text: str) -> GeographicBox:
         if len(numbers) != 4:
             raise ValueError
     except ValueError:
-        raise DataError(f"--box '{text}' is not four numbers; write west,south,east,north in degrees, e.g. -60,30,-10,60") from None
+        raise DataError(f"box='{text}' is not four numbers; write west,south,east,north in degrees, e.g. -60,30,-10,60") from None
     try:
         return GeographicBox(*numbers)
     except DomainError as error:
-        raise DataError(f"--box: {error}") from None
+        raise DataError(f"box='{text}': {error}") from None
 
 
 def read_polygon(text: str) -> Polygon:
@@ -55,13 +55,13 @@ def read_polygon(text: str) -> Polygon:
         try:
             corners = [(plain_number(lon), plain_number(lat)) for lon, lat in (pair.split(",") for pair in text.split())]
         except ValueError:
-            raise DataError(f"--polygon '{text}' is neither 'lon,lat lon,lat lon,lat' in degrees nor a .csv or .geojson file") from None
+            raise DataError(f"polygon='{text}' is neither 'lon,lat lon,lat lon,lat' in degrees nor a .csv or .geojson file") from None
     if len(corners) > 3 and corners[0] == corners[-1]:
         corners = corners[:-1]
     try:
         return Polygon(tuple(corners))
     except DomainError as error:
-        raise DataError(f"--polygon: {error}") from None
+        raise DataError(f"polygon='{text}': {error}") from None
 
 
 def _geojson(path: Path) -> list[tuple[float, float]]:
@@ -84,7 +84,7 @@ def _geojson(path: Path) -> list[tuple[float, float]]:
         raise DataError(f"{path}: is not one GeoJSON polygon without holes; give one, or corners as 'lon,lat lon,lat lon,lat'") from None
 
 
-def parse_cycle(text: str, option: str, low: int, high: int) -> tuple[int, ...]:
+def parse_cycle(text: str, name: str, low: int, high: int) -> tuple[int, ...]:
     """Whole numbers of a text such as ``6,7,8``, ``6-8`` or, around the end of the year or day, ``12-2``.
 
     Raises
@@ -94,7 +94,7 @@ def parse_cycle(text: str, option: str, low: int, high: int) -> tuple[int, ...]:
 
     Examples
     --------
-    >>> parse_cycle("12-2,6", "--months", 1, 12)
+    >>> parse_cycle("12-2,6", "months", 1, 12)
     (12, 1, 2, 6)
     """
     out: list[int] = []
@@ -109,6 +109,6 @@ def parse_cycle(text: str, option: str, low: int, high: int) -> tuple[int, ...]:
             out += [low + (a - low + step) % (high - low + 1) for step in range(count + 1)]
     except ValueError:
         raise DataError(
-            f"{option} '{text}' is not whole numbers {low} to {high}; write e.g. {low + 5},{low + 6} or {low + 5}-{low + 7}"
+            f"{name}='{text}' is not whole numbers {low} to {high}; write e.g. {low + 5},{low + 6} or {low + 5}-{low + 7}"
         ) from None
     return tuple(dict.fromkeys(out))

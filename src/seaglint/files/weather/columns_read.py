@@ -97,5 +97,5 @@ def text_of(path: Path) -> str:
     except (OSError, EOFError) as error:
         raise DataError(f"{path}: cannot be read ({error}); is it whole?") from None
     if b"\0" in content[:4096]:
-        raise DataError(f"{path}: is no text; give ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, or a CSV file with --map")
+        raise DataError(f"{path}: is no text; give ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, or CSV with map='NAME=COLUMN:UNIT'")
     return content.decode("utf-8-sig" if content[:3] == b"\xef\xbb\xbf" else "latin-1")

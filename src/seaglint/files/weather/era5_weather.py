@@ -89,7 +89,8 @@ def open_era5(path: Path) -> tuple[Any, tuple[str, ...]]:
         unit = data[name].attrs.get("units")
         if unit is not None and unit not in UNITS[name]:
             raise DataError(
-                f"{path}: {name} has the unknown unit '{unit}'; allowed are {', '.join(UNITS[name])}: convert it, or use CSV and --map"
+                f"{path}: {name} has the unknown unit '{unit}'; allowed are {', '.join(UNITS[name])}: convert it, or use "
+                "CSV with map='NAME=COLUMN:UNIT'"
             )
     if time not in data.dims:
         data = data.expand_dims(time)
@@ -192,7 +193,7 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
         raise DataError(f"{path}: nothing in {' and '.join(selection.words)}; the file covers {covered(there)}; choose inside it")
     cells = int(times.sum() * places.sum())
     if cells > MOST_ROWS:
-        raise DataError(f"{path}: {cells} rows are more than {MOST_ROWS}; choose fewer with --box, --months, or --hours 0,6,12,18")
+        raise DataError(f"{path}: {cells} rows are more than {MOST_ROWS}; choose a smaller box, fewer months, or hours='0,6,12,18'")
     iy, ix = np.flatnonzero(places.any(1)), np.flatnonzero(places.any(0))
     part = data.isel(time=np.flatnonzero(times), latitude=iy, longitude=ix).load()
     own = frozenset(map(str, part.data_vars))

@@ -149,7 +149,7 @@ def read_icoads_csv(cells: TextColumns) -> WeatherSource:
             if bad.size:
                 raise DataError(
                     f"{cells.where(int(bad[0]))}, column {name}: {report[name][bad[0]]:g} is above {high:g}; with IMMA's abbreviations as "
-                    f"headings values are in degrees, hours, m/s and degC: divide by IMMA's scale, or read it with --map"
+                    f"headings values are in degrees, hours, m/s and degC: divide by IMMA's scale, or read it with map='NAME=COLUMN:UNIT'"
                 )
         times: tuple[str, ...] = ()
     else:

@@ -38,7 +38,7 @@ def read_mapped(cells: TextColumns, columns: Sequence[MappedColumn], *, naive_is
     for column in requested:
         if column.column not in cells.header:
             raise DataError(
-                f"{cells.path}: column '{column.column}' of --map {column.name}={column.column} is not there; columns are "
+                f"{cells.path}: column '{column.column}' of map='{column.name}={column.column}' is not there; columns are "
                 f"{', '.join(cells.header)}"
             )
     texts = {c.name: np.asarray(cells.text(c.column), dtype=np.str_) for c in requested if c.name in TEXTS}
@@ -59,7 +59,7 @@ def read_mapped(cells: TextColumns, columns: Sequence[MappedColumn], *, naive_is
     if "wind_speed_m_s" not in numbers:
         raise DataError(
             f"{cells.path}: no column for wind_speed_m_s; columns are {', '.join(cells.header)}; name it with "
-            "--map wind_speed_m_s=COLUMN:UNIT, or its components with wind_u_m_s and wind_v_m_s"
+            "map='wind_speed_m_s=COLUMN:UNIT', or its components with wind_u_m_s and wind_v_m_s"
         )
     if "cloud_cover" not in numbers:
         numbers["cloud_cover"] = np.full(len(cells.rows), np.nan)
@@ -74,7 +74,7 @@ def read_mapped(cells: TextColumns, columns: Sequence[MappedColumn], *, naive_is
         notes.append(f"columns passed over: {', '.join(idle)}")
     stored = {name: values for name, values in numbers.items() if name not in HELPERS}
     for name, values in stored.items():
-        cells.within(name, values, heading.get(name, ""), "correct it or its unit in --map, or leave it empty")
+        cells.within(name, values, heading.get(name, ""), "correct it or its unit in the map of columns, or leave it empty")
     if np.any(np.isnan(stored.get("weight", np.zeros(1)))):
         row = int(np.flatnonzero(np.isnan(stored["weight"]))[0])
         raise DataError(f"{cells.where(row)}, column {heading['weight']}: a weight is missing; give a number of 0 or more")

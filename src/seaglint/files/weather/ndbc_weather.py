@@ -110,12 +110,12 @@ def to_ten_metres(speed: FloatArray, height: float) -> FloatArray:
     [0.0, 10.99]
     """
     if not 1.0 <= height <= 150.0:
-        raise DataError(f"--anemometer-height {height:g} is outside 1 to 150 m; give that of the buoy's page")
+        raise DataError(f"anemometer_height={height:g} is outside 1 to 150 m; give the height on the buoy's page")
     known, at = np.unique(speed, return_inverse=True)  # written in tenths: few values, each an iteration
     try:
         return np.array([math.nan if math.isnan(wind) else u10_of_wind(wind, height) for wind in known.tolist()])[at]
     except DomainError as error:
-        raise DataError(f"{error}; or leave --anemometer-height out") from None
+        raise DataError(f"{error}; or leave anemometer_height out") from None
 
 
 def _column(path: Path, rows: list[tuple[int, list[str]]], at: int, name: str) -> FloatArray:

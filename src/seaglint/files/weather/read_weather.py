@@ -79,7 +79,7 @@ def read_source(path: Path, selection: Selection, reading: WeatherReading, besid
     if not any(separator in text for separator in ",;\t"):
         raise DataError(
             f"{path}: begins with '{first[:60]}', which is no weather that is read: ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC "
-            "standard meteorological text, a weather table, or any CSV with --map"
+            "standard meteorological text, a weather table, or any CSV with map='wind_speed_m_s=COLUMN:UNIT'"
         )
     cells = read_cells(path)
     if reading.columns:
@@ -90,8 +90,8 @@ def read_source(path: Path, selection: Selection, reading: WeatherReading, besid
         source = imma.read_icoads_csv(cells)
     else:
         raise DataError(
-            f"{path}, line 1: columns are {', '.join(cells.header)}; say which is what, e.g. --map wind_speed_m_s=ws:kn --map "
-            "cloud_cover=cloud:percent --map time=date"
+            f"{path}, line 1: columns are {', '.join(cells.header)}; name the columns that are read, e.g. map='wind_speed_m_s=ws:kn', "
+            "map='cloud_cover=cloud:percent', map='time=date'"
         )
     return _placed(source, reading).selected(selection)
 

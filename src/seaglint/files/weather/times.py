@@ -48,8 +48,8 @@ def month_and_hour(cells: TextColumns, column: str, *, naive_is_utc: bool) -> tu
         if moment.tzinfo is None:
             if not naive_is_utc:
                 raise DataError(
-                    f"{cells.where(i)}, column {column}: '{text}' has no time zone; write 2019-07-01T06:00Z or +02:00, or say with --utc "
-                    "that times without one are UTC"
+                    f"{cells.where(i)}, column {column}: '{text}' has no time zone; write 2019-07-01T06:00Z or +02:00, or set utc=True "
+                    "if times without one are UTC"
                 )
             moment = moment.replace(tzinfo=UTC)
         moment = moment.astimezone(UTC)

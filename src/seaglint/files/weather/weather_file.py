@@ -80,11 +80,11 @@ def _check_weights(cells: TextColumns, columns: dict[str, Any]) -> None:
 
 def _advice(name: str) -> str:
     if name == "cloud_cover":
-        return "cloud cover is a share of 1; convert oktas or percent: 'seaglint weather build FILE --map cloud_cover=NAME:okta -o w.csv'"
+        return "cloud cover is a share of 1; convert oktas or percent: 'seaglint weather build' and map='cloud_cover=NAME:okta'"
     if name == "weight":
         return "weights are 0 or more; any positive sum is normalised"
     if name.endswith("_k"):
-        return f"temperatures are in kelvin; convert with 'seaglint weather build FILE --map {name}=NAME:degC -o w.csv'"
+        return f"temperatures are in kelvin; convert with 'seaglint weather build' and map='{name}=NAME:degC'"
     return ""
 
 
@@ -95,7 +95,7 @@ def _require(path: Path, header: Sequence[str], where: str) -> None:
             other = near[0] if near else "NAME"
             raise DataError(
                 f"{path}{where}: column {name} missing; found: {', '.join(header)}; needed are {', '.join(NEEDED)}; make such a table with "
-                f"'seaglint weather build {path} --map {name}={other}:UNIT -o w.csv'"
+                f"'seaglint weather build' and map='{name}={other}:UNIT'"
             )
 
 

@@ -208,7 +208,7 @@ def with_sensor(raw: Mapping[str, Any], name: str) -> dict[str, Any]:
     try:
         chosen = SENSORS[name]
     except KeyError:
-        raise ScenarioError(f"--sensor {name}: is not one of {', '.join(SENSORS)}") from None
+        raise ScenarioError(f"sensor='{name}' is not one of {', '.join(SENSORS)}") from None
     own = raw.get("sensor", {})
     replaced = (*TABLES, "fov_deg", "pixels", "frame_rate_hz")
     remaining = {key: value for key, value in own.items() if key not in replaced} if isinstance(own, Mapping) else {}

@@ -99,7 +99,7 @@ def template(preset: str = "glint") -> str:
     try:
         chosen = PRESETS[preset]
     except KeyError:
-        raise ScenarioError(f"--preset {preset}: is not one of {', '.join(PRESETS)}") from None
+        raise ScenarioError(f"preset='{preset}' is not one of {', '.join(PRESETS)}") from None
     return "\n".join(_lines(chosen)) + "\n"
 
 
@@ -116,7 +116,7 @@ def write_template(output: str | Path, preset: str = "glint", *, overwrite: bool
     output, text = Path(output), template(preset)
     try:
         if output.exists() and not overwrite:
-            raise DataError(f"{output}: exists already; choose another name, or replace it with --overwrite")
+            raise DataError(f"{output}: exists already; choose another name, or replace it with overwrite=True")
         output.write_text(text, encoding="utf-8")
     except OSError as error:
         raise StorageError(f"{output}: cannot be written: {error.strerror}; choose another place") from error
