@@ -62,7 +62,7 @@ def write_in_all_ways(output: str) -> None:
     second = output.replace("run.zarr", "shares.zarr")
     for index in (1, 0):
         write_sequence(second, layout(), frame, share=Share(index, 2))
-    with pytest.raises(DataError, match="all frames are there; finish it"):
+    with pytest.raises(DataError, match="all frames are there; complete it"):
         open_sequence(second)
     assert finish_sequence(second)
     check_whole(second)

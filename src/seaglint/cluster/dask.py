@@ -1,4 +1,4 @@
-"""A Dask cluster: of a scheduler's address, or of a batch queue. Its engine is Dask's; units and small records are all that travels."""
+"""Workers of a Dask cluster, by a scheduler's address or from a batch queue. Only units and small records are transferred."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ CONNECT: Final = 5.0
 """Time within which a scheduler must answer [s]."""
 
 PATIENCE: Final = 60.0
-"""Time that a scheduler or all workers may be away before a job is given up [s]."""
+"""Time that a scheduler or all workers may be away before a job is abandoned [s]."""
 
 LOOK: Final = 2.0
-"""Time between two looks at which workers there are [s]."""
+"""Time between two queries of the list of workers [s]."""
 
 AHEAD: Final = 2
-"""Units on their way for each worker: one at work, and the next."""
+"""Units assigned to each worker in advance: one in progress, and the next."""
 
 BATCH: Final = 4
-"""Units are sent when there is room for a ``BATCH``-th of the workers."""
+"""Divisor of the batch size: units are sent when there is room for a ``BATCH``-th of the workers."""
 
 TOGETHER: Final = 1e-4
-"""Time for each worker in which records are gathered before they are asked for together [s]: a request costs as much as many of them."""
+"""Time for each worker in which records are gathered into one request [s]: a request costs as much as many records."""
 
 Say = Callable[[str], None]
 
@@ -58,7 +58,7 @@ class DaskWorkers:
     connect : callable
         Makes a client; called again when the scheduler was lost.
     say : callable
-        Told of what the user should know, a line at a time.
+        Called with messages for the user, a line at a time.
     patience : float
         Time that the scheduler or all workers may be away [s].
     """
@@ -74,14 +74,14 @@ class DaskWorkers:
 
     @property
     def count(self) -> int:
-        """Worker processes that there are."""
+        """Return the number of worker processes."""
         with suppress(_SchedulerGoneError):  # the last known number; who maps finds out
             self.look()
         return max(len(self._present), 1)
 
     @property
     def seen(self) -> bool:
-        """Whether any worker was ever there."""
+        """Return true if any worker has ever been connected."""
         return bool(self._present)
 
     def wait_for_one(self) -> None:
@@ -105,7 +105,7 @@ class DaskWorkers:
 
     @contextmanager
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
-        """Outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
+        """Yield the outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
 
         Leaving the context takes back what was not begun. A unit that is at work on another machine ends there, and nobody hears of it.
 
@@ -123,7 +123,7 @@ class DaskWorkers:
             mapping.cancel()
 
     def look(self, *, at_once: bool = False) -> tuple[str, ...]:
-        """Addresses of the workers; new ones are asked what they are."""
+        """Return the addresses of the workers; new ones are queried for their version and processor."""
         if at_once or time.monotonic() - self._looked >= LOOK:
             try:
                 self._present = tuple(self._client.nthreads())
@@ -138,7 +138,7 @@ class DaskWorkers:
         return self._present
 
     def _tell_processors(self, new: dict[str, Machine]) -> None:
-        """Say once of each processor type that it is not this machine's."""
+        """Report once each processor type that differs from this machine's."""
         reported = {this_machine().processor} | {machine.processor for machine in self._known.values()}
         for processor in sorted({machine.processor for machine in new.values()} - reported):
             some = [address for address, machine in new.items() if machine.processor == processor]
@@ -174,7 +174,7 @@ class DaskWorkers:
                 return
 
     def submit(self, units: list[bytes], content: bytes) -> list[Any]:
-        """Futures of :func:`seaglint.cluster.remote.do`, sent together: one by one they cost the scheduler several times as much."""
+        """Return futures of :func:`seaglint.cluster.remote.do`, sent together: one by one they cost several times as much."""
         keys = [f"seaglint-{uuid.uuid4().hex}" for _ in units]
         try:
             return list(self._client.map(self.task, units, content=content, pure=False, retries=0, key=keys))
@@ -182,26 +182,26 @@ class DaskWorkers:
             raise _SchedulerGoneError(one_line(error)) from error
 
     def gather(self, futures: list[Any]) -> list[bytes]:
-        """Results of finished futures, in one request."""
+        """Return the results of finished futures, in one request."""
         try:
             return list(self._client.gather(futures))
         except Exception as error:
             raise _SchedulerGoneError(one_line(error)) from error
 
     def cancel(self, futures: list[Any]) -> None:
-        """Take back what was not begun."""
+        """Cancel futures that have not begun."""
         with suppress(Exception):  # it may be gone
             if futures and self._client.status == "running":
                 self._client.cancel(futures, force=True)
 
     @property
     def connected(self) -> bool:
-        """Whether the scheduler is there."""
+        """Return true while the scheduler is connected."""
         return bool(self._client.status == "running")
 
 
 class _DaskMapping:
-    """One job over the workers."""
+    """Progress of one job over the Dask workers."""
 
     def __init__(self, workers: DaskWorkers, content: bytes, units: Iterable[Any]) -> None:
         self.workers, self.content, self.source = workers, content, iter(units)
@@ -210,10 +210,10 @@ class _DaskMapping:
         """Futures and their units, by the futures' keys."""
         self.ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self.losses = 0
-        """How often in a row the scheduler was lost, with nothing done in between."""
+        """Number of consecutive losses of the scheduler with nothing done in between."""
 
     def outcomes(self) -> Iterator[Done[Any, Any] | Failed[Any]]:
-        """What came of the units."""
+        """Yield the outcomes of the units."""
         seen = time.monotonic()
         while True:
             try:
@@ -234,12 +234,12 @@ class _DaskMapping:
                 seen = time.monotonic()
 
     def cancel(self) -> None:
-        """Take back what is not done."""
+        """Cancel all unfinished units."""
         futures, self.flight = [future for future, _ in self.flight.values()], {}
         self.workers.cancel(futures)
 
     def _fill(self) -> bool:
-        """Have enough on the way; False when nothing is left to do."""
+        """Submit units until enough are on their way; return False when nothing is left."""
         tasks: list[_DaskTask] = []
         count = self.workers.count
         room = AHEAD * count - len(self.flight)
@@ -261,7 +261,7 @@ class _DaskMapping:
         return bool(self.flight)
 
     def _wait(self) -> list[Any]:
-        """Futures that ended; perhaps none after a while."""
+        """Return the futures that ended; none after a time-out."""
         ended = []
         with suppress(queue.Empty):
             ended.append(self.ended.get(timeout=0.5))
@@ -273,7 +273,7 @@ class _DaskMapping:
         return [future for future in ended if future.key in self.flight]
 
     def _read(self, ended: list[Any]) -> Iterator[Done[Any, Any] | Failed[Any]]:
-        """Outcomes of futures that ended; those that are to be tried again are kept."""
+        """Yield the outcomes of futures that ended; units to be tried again are queued."""
         if any(future.status in ("cancelled", "lost") for future in ended):
             raise _SchedulerGoneError("tasks are lost")
         whole = [future for future in ended if future.status == "finished"]
@@ -294,7 +294,7 @@ class _DaskMapping:
                 yield from self._retry(task, *_attempts_and_reason(future.exception()), "")
 
     def _retry(self, task: _DaskTask, attempts: int, error: str, where: str) -> Iterator[Failed[Any]]:
-        """Try a unit once more, or give it up."""
+        """Try a unit once more, or report it as failed."""
         task.attempts += attempts
         if task.attempts >= ATTEMPTS:
             yield Failed(task.unit, error, where, task.attempts)
@@ -302,7 +302,7 @@ class _DaskMapping:
             self.again.append(task)
 
     def _lost(self, error: _SchedulerGoneError) -> None:
-        """Wait for the scheduler and put back what was on the way: it was nobody's fault."""
+        """Wait for the scheduler and queue again the units that were on their way, without counting an attempt."""
         self.losses += 1
         if self.losses > ATTEMPTS:
             raise BackendError(
@@ -315,7 +315,7 @@ class _DaskMapping:
 
 
 def _attempts_and_reason(error: BaseException) -> tuple[int, str]:
-    """How many attempts an error of Dask itself stands for, and its line.
+    """Return the number of attempts that an error of Dask itself stands for, and its text.
 
     Raises
     ------
@@ -333,7 +333,7 @@ def _attempts_and_reason(error: BaseException) -> tuple[int, str]:
 
 
 def judged(answers: dict[str, Any], mine: Machine) -> dict[str, Machine]:
-    """Workers that can be used, of what they say of themselves; those that answer with an error are asked again.
+    """Return the usable workers by their own descriptions; those that answered with an error are queried again.
 
     Raises
     ------
@@ -362,13 +362,13 @@ def judged(answers: dict[str, Any], mine: Machine) -> dict[str, Machine]:
 
 
 def _some(addresses: list[str]) -> str:
-    """A few of many addresses."""
+    """Return a few of many addresses as text."""
     return ", ".join(sorted(addresses)[:3]) + (f" and {len(addresses) - 3} more" if len(addresses) > 3 else "")
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Keep Dask's own logs from the terminal: what matters of them is told as errors."""
+    """Keep Dask's own logs from the terminal; its errors are raised as errors of seaglint."""
     names = [name for name in logging.root.manager.loggerDict if name.split(".")[0] in ("distributed", "tornado", "dask_jobqueue")]
     before = {name: logging.getLogger(name).level for name in {"distributed", "tornado", "dask_jobqueue", *names}}
     for name in before:
@@ -381,7 +381,7 @@ def quiet() -> Iterator[None]:
 
 
 def client_of(address: Any, shown: str) -> Any:
-    """A client of a scheduler.
+    """Connect a client to a scheduler.
 
     Raises
     ------
@@ -400,7 +400,7 @@ def client_of(address: Any, shown: str) -> Any:
 
 
 def require_dask() -> None:
-    """See that the extra is installed.
+    """Check that the extra is installed.
 
     Raises
     ------
@@ -415,7 +415,7 @@ def require_dask() -> None:
 
 @contextmanager
 def connected(address: str, say: Say = lambda line: None, *, patience: float = PATIENCE) -> Iterator[DaskWorkers]:
-    """Workers of the scheduler at an address.
+    """Provide the workers of the scheduler at an address.
 
     Raises
     ------

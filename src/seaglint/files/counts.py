@@ -1,4 +1,4 @@
-"""Radiance from the counts of a detector: the straight line in the attributes of ``signal``."""
+"""Radiance from the counts of a detector, by the linear relation in the attributes of ``signal``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def pictures(dataset: xr.Dataset) -> xr.DataArray:
-    """The variable that pictures are made of: ``radiance``, or ``signal`` where there is none.
+    """Return the variable that pictures are made of: ``radiance``, or ``signal`` where there is none.
 
     Raises
     ------
@@ -29,7 +29,7 @@ def pictures(dataset: xr.Dataset) -> xr.DataArray:
 
 
 def count_line(variable: xr.DataArray) -> tuple[float, float]:
-    """Radiance of a count and of zero counts [W m-2 sr-1]; (1, 0) of what is radiance already.
+    """Return the radiance of one count and of zero counts [W m-2 sr-1]; (1, 0) for a variable that is radiance.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def count_line(variable: xr.DataArray) -> tuple[float, float]:
 
 
 def radiance_of(dataset: xr.Dataset) -> xr.DataArray:
-    """Radiance of a dataset [W m-2 sr-1]: its own, or that of its counts."""
+    """Return the radiance of a dataset [W m-2 sr-1]: its own, or that of its counts."""
     images = pictures(dataset)
     if images.name == "radiance":
         return images

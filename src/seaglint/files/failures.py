@@ -1,4 +1,4 @@
-"""The operating system's refusals, told in one line with what to do."""
+"""Errors of the operating system, reported in one line with a remedy."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _GONE: Final = frozenset({errno.ENOENT, errno.ENOTDIR, errno.ESTALE})
 
 
 def _system_error(error: BaseException | None) -> OSError | None:
-    """The ``OSError`` behind an exception: itself, a member of a group, or the cause."""
+    """Return the ``OSError`` behind an exception: itself, a member of a group, or the cause."""
     if error is None or isinstance(error, OSError):
         return error
     if isinstance(error, BaseExceptionGroup):
@@ -25,7 +25,7 @@ def _system_error(error: BaseException | None) -> OSError | None:
 
 @contextmanager
 def storage_errors(target: object, remedy: str | Callable[[], str]) -> Iterator[None]:
-    """Turn the system's refusals into a :class:`StorageError`, which ends with ``remedy`` where room or rights are missing.
+    """Turn errors of the operating system into a :class:`StorageError`, with ``remedy`` where room or rights are missing.
 
     A remedy that depends on what is on the disk by then is a function.
     """

@@ -1,4 +1,4 @@
-"""A scenario from a TOML file or a plain mapping, with errors that say file, key, value, what is allowed and the nearest valid key."""
+"""Reader of scenarios from a TOML file or a mapping; errors name file, key, value, allowed range and the nearest valid key."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path
 
 
 def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
-    """One mistake, told in one line."""
+    """Describe one mistake in one line."""
     location = _without_tags(error["loc"], raw)
     key, kind, context, given = _dotted(location), error["type"], error.get("ctx", {}), error["input"]
     if kind == "rule":
@@ -83,7 +83,7 @@ def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
 
 
 def _named(mistake: Mistake, location: Sequence[str | int], raw: Mapping[str, Any]) -> Mistake:
-    """A mistake in an object says the object's name."""
+    """Put the name of the object into a mistake of an object."""
     match location:
         case ("objects", int(place), *_):
             name = raw["objects"][place].get("name") if isinstance(raw["objects"][place], Mapping) else None
@@ -97,7 +97,7 @@ def _named(mistake: Mistake, location: Sequence[str | int], raw: Mapping[str, An
 
 
 def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:
-    """The line of a mistake that no other key and no list of names explains."""
+    """Return the line of a mistake that no other key and no list of names explains."""
     key, kind, value = _dotted(location), error["type"], _shown(error["input"])
     if kind == "extra_forbidden":
         return _unknown_key(location)
@@ -139,7 +139,7 @@ def _unknown_key(location: Sequence[str | int]) -> str:
 
 
 def _without_tags(location: Sequence[str | int], raw: Mapping[str, Any]) -> tuple[str | int, ...]:
-    """Pydantic puts the tag of a union into the path (``sea.spectrum.file.path``); the file has no such level.
+    """Return a location without the tags of unions, which pydantic adds and the file does not have.
 
     In a list of unions (``sea.spectrum.systems[0].file.path``) the tag stands behind the place.
     """

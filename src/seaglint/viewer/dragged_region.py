@@ -1,4 +1,4 @@
-"""Statistics of a dragged region, and what exceeds a threshold: the functions of ``seaglint analyze``, on one frame or all."""
+"""Statistics of a dragged region and its exceedances: the functions of ``seaglint analyze``, on one frame or all."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
 BoolArray = NDArray[np.bool_]
 
 SHOWN: Final[tuple[Family, ...]] = ("gamma", "gaussian")
-"""Families drawn over the histogram."""
+"""Families of distributions drawn over the histogram."""
 
 BINS: Final = 60
-"""Cells of the histogram."""
+"""Number of bins of the histogram."""
 
 _CURVE: Final = 160
 
 
 @dataclass(frozen=True)
 class Rectangle:
-    """Pixels from ``left`` and ``top`` on, ``width`` and ``height`` of them."""
+    """Rectangle of pixels from ``left`` and ``top`` on, ``width`` by ``height``."""
 
     left: int
     top: int
@@ -44,7 +44,7 @@ class Rectangle:
     height: int
 
     def mask(self, rows: int, columns: int) -> BoolArray:
-        """True inside.
+        """Return a mask of the image that is true inside the rectangle.
 
         Raises
         ------
@@ -59,7 +59,7 @@ class Rectangle:
 
 
 def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None = None) -> dict[str, Any]:
-    """Moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze --mask``.
+    """Return moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze`` with a mask.
 
     Raises
     ------
@@ -105,7 +105,7 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
 
 
 def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int | None, progress: Progress) -> dict[str, Any]:
-    """Everything that ``seaglint analyze --mask`` tells of a region, of one frame or of all that are there.
+    """Return all statistics of ``seaglint analyze`` with a mask, for a region of one frame or of all frames that exist.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int |
 def exceedances(
     source: ViewerSource, index: int, sigma: float, filter_name: str, layer: str | None = None, where: Rectangle | None = None
 ) -> tuple[dict[str, Any], BoolArray]:
-    """Pixels of a frame above a threshold after a filter, as ``seaglint analyze`` counts them, and where they are.
+    """Return the pixels of a frame above a threshold after a filter, as ``seaglint analyze`` counts them, and their mask.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ def exceedances(
 
 
 def _value(frame: NDArray[np.float32], mask: BoolArray, sigma: float, offset: float) -> float | None:
-    """The threshold as a value of the image."""
+    """Return the threshold as a value of the image."""
     inside = frame[mask].astype(np.float64)
     inside = inside[np.isfinite(inside)]
     return number(float(inside.mean() + sigma * inside.std()) + offset) if inside.size else None

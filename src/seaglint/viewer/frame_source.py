@@ -1,4 +1,4 @@
-"""A source of frames: whatever can be looked at, brought to one form and read frame by frame when it is asked for."""
+"""Source of frames: any file that can be displayed, in one form and read frame by frame on request."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from seaglint.viewer.opening import Layer, ObjectBox, Opened, open_path
 Image = NDArray[np.floating[Any]]
 
 MOST_CACHED: Final = 48_000_000
-"""Bytes of frames that a source keeps: memory does not grow with the sequence."""
+"""Largest size of the frames that a source caches [bytes], so that memory does not grow with the sequence."""
 
 MOST_TRACED: Final = 256
-"""Frames of a pixel's trace: each is a chunk of its own on disk."""
+"""Largest number of frames of a pixel's trace, each of which is a chunk of its own on disk."""
 
 
 class GoneError(DataError):
-    """A file that was there and is not any more."""
+    """Error of a file that has disappeared."""
 
 
 class ViewerSource:
@@ -50,18 +50,18 @@ class ViewerSource:
 
     @property
     def opened(self) -> Opened:
-        """What the file holds, as it is now."""
+        """Return the content of the file in its present state."""
         with self._lock:
             self._look()
             return self._opened
 
     @property
     def stamp(self) -> tuple[int, ...]:
-        """Changes when the file is another."""
+        """Return an identity of the file, which changes when it is replaced."""
         return self._stamp
 
     def _find(self) -> tuple[Path, tuple[int, ...]]:
-        """Where the file is now, finished or not, and which one it is."""
+        """Return the present path of the file, finished or not, and its identity."""
         given = Path(self.path)
         if any(sign in given.name for sign in "*?["):
             return given, ()
@@ -82,14 +82,14 @@ class ViewerSource:
         return opened
 
     def _look(self) -> None:
-        """Open again what is another file than before."""
+        """Open the file again if it was replaced."""
         place, stamp = self._find()
         if stamp != self._stamp or place != self._place:
             self._place, self._stamp = place, stamp
             self._opened = self._open()
 
     def done(self) -> NDArray[np.int64]:
-        """Places of the frames that are there, in order; looked up anew while the file is being written."""
+        """Return the indices of the frames that exist, in order; read again while the file is being written."""
         with self._lock:
             self._look()
             if self._done.size < self._opened.frames:
@@ -97,7 +97,7 @@ class ViewerSource:
             return self._done
 
     def layer(self, name: str | None = None) -> Layer:
-        """A layer by its name; the main one where none is told.
+        """Return a layer by its name; the main one where none is given.
 
         Raises
         ------
@@ -111,7 +111,7 @@ class ViewerSource:
         return layers[chosen]
 
     def read(self, index: int, layer: str | None = None) -> Image:
-        """Image (rows, columns) of a frame, not to be changed.
+        """Return the image (rows, columns) of a frame, which must not be changed.
 
         Raises
         ------
@@ -140,14 +140,14 @@ class ViewerSource:
             raise DataError(f"frame {index}: is not written yet, {self._done.size} of {frames} are; wait or choose one of those")
 
     def boxes(self, index: int) -> list[ObjectBox]:
-        """Objects in view and their boxes, where the sequence has truth."""
+        """Return the objects in view and their boxes, where the sequence has truth."""
         with self._lock:
             read_boxes = self.opened.boxes
             self._require(index)
             return [] if read_boxes is None else read_boxes(index)
 
     def directions(self, index: int) -> tuple[Image, Image] | None:
-        """Azimuth and elevation [deg] as :func:`seaglint.files.directions.directions` gives them; None where they are not known."""
+        """Return azimuth and elevation [deg] as :func:`seaglint.files.directions.directions` gives them; None where not known."""
         with self._lock:
             read_directions = self.opened.directions
             return None if read_directions is None else read_directions(index)
@@ -155,7 +155,7 @@ class ViewerSource:
     def trace(
         self, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """At most :data:`MOST_TRACED` frames, those around one or ``spread`` over the whole sequence, and the values of a pixel in them."""
+        """Return the values of a pixel in at most :data:`MOST_TRACED` frames, around one or with ``spread`` over the whole sequence."""
         done = self.done()
         if spread:
             frames = done[np.unique(np.linspace(0, max(done.size - 1, 0), min(done.size, MOST_TRACED)).astype(np.int64))]
@@ -172,7 +172,7 @@ class ViewerSource:
         return frames, values
 
     def recording(self, layer: str | None = None, only: int | None = None) -> Recording:
-        """What ``seaglint analyze`` would open, of the frames that are there; or one frame of it.
+        """Return the recording that ``seaglint analyze`` would open, of the frames that exist; or of one frame.
 
         Parameters
         ----------
@@ -214,7 +214,7 @@ def open_source(path: str | Path, variable: str | None = None) -> ViewerSource:
     path : path
         File, store, folder of images, or pattern.
     variable : str, optional
-        Which array of a file that holds several.
+        Name of the array in a file that holds several.
 
     Raises
     ------

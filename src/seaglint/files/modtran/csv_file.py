@@ -22,7 +22,7 @@ _COUNT = re.compile(r"^\s*num freq\w*\s*[,=:]\s*(\d+)", re.IGNORECASE)
 
 
 def is_csv(text: str) -> bool:
-    """Whether a line of column names parted by commas is among the first ones."""
+    """Return true where a line of column names separated by commas is among the first lines."""
     return any(_header(line) for line in text.splitlines()[:200])
 
 
@@ -32,7 +32,7 @@ def _header(line: str) -> bool:
 
 
 def read_csv(path: Path, text: str) -> list[ModtranSpectrum]:
-    """All cases of a file, in its order.
+    """Read all cases of a file, in its order.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Input of MODTRAN 6 as JSON: one case a line of sight.
+"""Input of MODTRAN 6 as JSON, with one case for each line of sight.
 
 Keys and their values: github.com/brianschubert/pymod6, ``input/schema.py``; templates of GeoscienceAustralia/wagl
 (``modtran_profile_json.py``) and isofit show them in use.
@@ -39,7 +39,7 @@ HAZES: Final[dict[Haze, str]] = {
 
 
 def json_deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: float | None, name: str) -> str:
-    """Text of the input; results go to ``name.json`` and ``name.csv``.
+    """Return the text of the input; results go to ``name.json`` and ``name.csv``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Which reader a path needs, and what the user knows better than the file."""
+"""Opening of recordings: choice of the reader by path, and properties that the user states in place of the file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from seaglint.files.recording.raw import RawLayout, open_raw
 from seaglint.files.recording.stored import CHANNELS
 
 RATE_TOLERANCE = 0.01
-"""Relative difference between the file's frame rate and the user's from which both are told."""
+"""Relative difference between the file's frame rate and the user's above which a note names both."""
 
 _ARRAY_ENDINGS = (".npy", ".npz", ".h5", ".hdf5", ".he5", ".mat", ".fits", ".fit", ".fts", ".nc", ".nc4", ".zarr")
 
@@ -39,7 +39,7 @@ def open_recording(
     axes: str | None = None,
     saturation: float | None = None,
 ) -> Recording:
-    """Open a sequence of images or a single one; nothing but its size is read, and of numbers wider than 16 bits the first frame.
+    """Open a sequence of images or a single one. Only its size is read, and of numbers wider than 16 bits the first frame.
 
     Parameters
     ----------
@@ -52,11 +52,11 @@ def open_recording(
     raw : RawLayout, optional
         Layout of a raw file; otherwise read from the file beside it.
     variable : str, optional
-        Which array of a file that holds several.
+        Name of the array in a file that holds several.
     channel : {"mean", "red", "green", "blue"}, optional
-        What to take of true colour images, which are refused otherwise.
+        Channel of true colour images, which are refused otherwise.
     axes : {"tyx", "yxt"}, optional
-        Whether the first or the last axis of an array is time; first if not told.
+        Order of the axes: time first (the default) or last.
     saturation : float, optional
         Value from which on the sensor is saturated; overrules the format's full scale.
 
@@ -106,7 +106,7 @@ def open_recording(
 
 @contextmanager
 def _damage(path: str | Path) -> Iterator[None]:
-    """Tell what libraries raise for files that are cut or changed, which is nearly anything, in a line of ours."""
+    """Report exceptions of libraries at damaged files, which are of nearly any type, as an error of one line."""
     try:
         yield
     except SeaglintError:

@@ -1,4 +1,4 @@
-"""Image sequences on disk: a Zarr 3 store, whole or plainly unfinished, that one process writes or many.
+"""Image sequences on disk: a Zarr 3 store, complete or marked as unfinished, written by one process or several.
 
 Frames go to ``NAME.partial``; the folder gets its name when the last frame is in. A frame counts once ``frame_done`` says
 so, which is written after its pixels: whatever interrupts the work, a frame is whole or absent. A shard of frames is a unit of work that
@@ -49,7 +49,7 @@ __all__ = [
 log = logging.getLogger(__name__)
 
 _OTHER_KINDS: Final = frozenset({".nc", ".nc4", ".h5", ".hdf5", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
-"""Endings that say another kind of file is meant."""
+"""Endings of other kinds of files."""
 
 
 def write_sequence(
@@ -64,7 +64,7 @@ def write_sequence(
     spread: Spread | None = None,
     attempts: int = 1,
 ) -> Path | str:
-    """Compute the frames that are missing, and give the store its name when it is whole.
+    """Compute the missing frames, and give the store its name when it is complete.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def write_sequence(
     spread : callable, optional
         Has the units made elsewhere; see :data:`seaglint.files.store.filling.Spread`. Without it they are made here, one after the other.
     attempts : int
-        How often a frame that raises here is tried before it is left out and named at the end; at 1 its error is raised at once.
+        Number of attempts of a frame that raises here before it is left out and named at the end; at 1 its error is raised at once.
 
     Returns
     -------
@@ -143,7 +143,7 @@ def write_sequence(
 
 
 def finish_sequence(output: str | Path, scenario_json: str | None = None) -> bool:
-    """Check an unfinished sequence and give it its name: every frame there, every checksum right.
+    """Check an unfinished sequence and give it its name: every frame exists, every checksum is right.
 
     Parameters
     ----------
@@ -198,7 +198,7 @@ def check_output(
     inputs: Iterable[str | Path] = (),
     share: Share | None = None,
 ) -> Path | str:
-    """Path of a sequence to be written, refused where that can be told without its layout: before anything is computed.
+    """Return the path of a sequence to be written; what its layout does not decide is checked before anything is computed.
 
     Raises
     ------
@@ -218,7 +218,7 @@ def check_output(
 
 
 def _checked_name(output: str | Path, *, resume: bool, overwrite: bool, inputs: Iterable[str | Path] = ()) -> Place:
-    """What can be told from the name and its folder."""
+    """Check the name and its folder."""
     place = place_of(output)
     if resume and overwrite:
         raise DataError("resume=True keeps what is there and overwrite=True replaces it; give one of the two")
@@ -232,7 +232,7 @@ def _checked_name(output: str | Path, *, resume: bool, overwrite: bool, inputs: 
 
 
 def _joined(place: Place, layout: Layout, share: Share | None, *, continued: bool) -> tuple[Shards, range]:
-    """The empty store, or what was begun without its damaged frames, and the units that are ours."""
+    """Return the empty store, or the begun one without its damaged frames, and the units of this share."""
     with place.settling():
         joins = continued and place.begun() and (_whole(place) or (share is not None and _wait_for(place)))
         if joins:
@@ -248,12 +248,12 @@ def _joined(place: Place, layout: Layout, share: Share | None, *, continued: boo
 
 
 def _whole(place: Place) -> bool:
-    """Whether the empty store was made to its end: in an object store it grows under its name."""
+    """Return true where the empty store is complete: in an object store it grows under its name."""
     return bool(attributes(place.work).get(UNFINISHED, {}).get("made", True))
 
 
 def _wait_for(place: Place) -> bool:
-    """Another share may be making the empty store, where there are no locks."""
+    """Wait for another share that may be making the empty store, where there are no locks."""
     until = time.monotonic() + PATIENCE
     while not _whole(place):
         if time.monotonic() > until:
@@ -263,7 +263,7 @@ def _wait_for(place: Place) -> bool:
 
 
 def _settle(place: Place, kind: str, share: Share | None = None) -> None:
-    """Note in the store which types of processors make it, and into how many shares the work was cut."""
+    """Record in the store the types of processors that make it, and the number of shares of the work."""
     with place.settling():
         stored = attributes(place.work)
         known = set(filter(None, stored.get("processor", "").split("; ")))
@@ -287,7 +287,7 @@ def _group(place: Place) -> Any:
 
 
 def _finish(place: Place, claim: Any) -> None:
-    """Nothing gets its final name unless it is still ours and has every frame on disk, whatever was counted on the way."""
+    """Give the store its final name, if it is still claimed and has every frame on disk."""
     claim.require()
     place.require_there()
     group = _group(place)
@@ -303,7 +303,7 @@ def _finish(place: Place, claim: Any) -> None:
 
 
 def _stands(place: Place, layout: Layout, *, resume: bool, overwrite: bool) -> bool:
-    """Refuse what may not be replaced; true when the whole sequence is there already."""
+    """Refuse what may not be replaced; return true when the complete sequence exists already."""
     if not place.taken():
         return False
     if resume:
@@ -320,7 +320,7 @@ def _require_replaceable(place: Place, *, overwrite: bool) -> None:
 
 
 def _require_free(place: Place, *, resume: bool, overwrite: bool) -> None:
-    """Refuse to begin anew where an unfinished sequence lies."""
+    """Refuse to start again where an unfinished sequence lies."""
     if place.begun() and not resume:
         if not overwrite:
             raise DataError(f"{place.work}: an unfinished sequence is there; go on with resume=True, or begin anew with overwrite=True")
@@ -328,7 +328,7 @@ def _require_free(place: Place, *, resume: bool, overwrite: bool) -> None:
 
 
 def _require_ours(path: Path | str) -> None:
-    """Nothing is deleted that seaglint did not write: a mistyped name must not cost a folder."""
+    """Require that a folder was written by seaglint before it is deleted: a mistyped name must not cost a folder."""
     if not is_ours(path):
         raise DataError(f"{path}: is not a seaglint sequence and is left alone; choose another name or remove it yourself")
 
@@ -370,7 +370,7 @@ def _require_same(path: Path | str, layout: Layout) -> None:
 
 
 def is_sequence(path: Path | str) -> bool:
-    """Whether a folder was written by :func:`write_sequence`, finished or not."""
+    """Return true where a folder was written by :func:`write_sequence`, finished or not."""
     return is_ours(path)
 
 

@@ -1,4 +1,4 @@
-"""Keyframes of a moving sensor or object from a CSV file."""
+"""Reader of keyframes of a moving sensor or object from a CSV file."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from seaglint.base.errors import DataError
 from seaglint.files.tables.table_text import plain_number, rows_of_cells
 
 COLUMNS: Final = ("time_s", "east_m", "north_m", "height_m", "azimuth_deg", "elevation_deg", "roll_deg")
-"""Columns a file may have; the time is needed, and one more."""
+"""Columns that a file of a sensor's keyframes may have; the time is required, and one more."""
 
 OBJECT_COLUMNS: Final = (*COLUMNS[:4], "latitude_deg", "longitude_deg", "heading_deg", "pitch_deg", "roll_deg")
-"""The same of an object."""
+"""Columns that a file of an object's keyframes may have."""
 
 
 def read_track(path: str | Path, allowed: Sequence[str] = COLUMNS) -> tuple[dict[str, FloatArray], list[str]]:

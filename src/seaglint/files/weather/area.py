@@ -1,4 +1,4 @@
-"""Areas of the command line and of files: boxes, polygons as text, CSV or GeoJSON."""
+"""Parsers of areas from text and files: boxes, polygons as text, CSV or GeoJSON."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from seaglint.weather.select import GeographicBox, Polygon
 
 
 def parse_box(text: str) -> GeographicBox:
-    """Box of a text ``west,south,east,north`` [deg].
+    """Parse a box from a text ``west,south,east,north`` [deg].
 
     Raises
     ------
@@ -33,7 +33,7 @@ def parse_box(text: str) -> GeographicBox:
 
 
 def read_polygon(text: str) -> Polygon:
-    """Polygon of a text ``lon,lat lon,lat lon,lat``, or of a CSV or GeoJSON file.
+    """Read a polygon from a text ``lon,lat lon,lat lon,lat``, or from a CSV or GeoJSON file.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def _geojson(path: Path) -> list[tuple[float, float]]:
 
 
 def parse_cycle(text: str, name: str, low: int, high: int) -> tuple[int, ...]:
-    """Whole numbers of a text such as ``6,7,8``, ``6-8`` or, around the end of the year or day, ``12-2``.
+    """Parse whole numbers from a text such as ``6,7,8``, ``6-8`` or, around the end of the year or day, ``12-2``.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""ERA5 single levels: NetCDF before and after the change of layout of September 2024, and GRIB through cfgrib (extra ``grib``).
+"""Reader of ERA5 single levels: NetCDF before and after the new layout of September 2024, and GRIB by cfgrib (extra ``grib``).
 
 Before: dimension ``time``, packed shorts with scale and offset, and a dimension ``expver`` where final (1) and preliminary (5) months meet,
 each empty where the other has values. After: dimension ``valid_time``, floats, ``expver`` and ``number`` beside it. Latitudes descend,
@@ -39,22 +39,22 @@ UNITS: Final = {
 """Variables that are read, and the spellings allowed of the unit of each."""
 
 MOST_ROWS: Final = 20_000_000
-"""Rows above which a grid is refused: a dozen columns of that length are 2 GB."""
+"""Largest number of rows of a grid: a dozen columns of that length are 2 GB."""
 
 _WAVE_GRID_DEG: Final = 0.26
-"""How far the nearest place of a coarser grid may be [deg]: half of the 0.5 deg of the wave model, and rounding."""
+"""Largest distance of the nearest place of a coarser grid [deg]: half of the 0.5 deg of the wave model, and rounding."""
 
 _TIMES: Final = ("valid_time", "time")
 _GRID: Final = frozenset({"time", "latitude", "longitude"})
 
 
 def is_grib(path: Path) -> bool:
-    """Whether a file begins as GRIB."""
+    """Return true where a file begins as GRIB."""
     return _magic(path) == b"GRIB"
 
 
 def is_netcdf(path: Path) -> bool:
-    """Whether a file begins as NetCDF, classic or 4."""
+    """Return true where a file begins as NetCDF, classic or 4."""
     return _magic(path)[:3] == b"CDF" or _magic(path) == b"\x89HDF"
 
 
@@ -67,7 +67,7 @@ def _magic(path: Path) -> bytes:
 
 
 def open_era5(path: Path) -> tuple[Any, tuple[str, ...]]:
-    """A file as a dataset over ``time, latitude, longitude``, longitudes in [-180, 180), and what is told of it.
+    """Open a file as a dataset over ``time, latitude, longitude``, longitudes in [-180, 180), with notes on it.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def _opened(path: Path) -> Any:
 
 
 def _final_first(path: Path, data: Any, notes: list[str]) -> Any:
-    """Final values where there are any, preliminary ones elsewhere."""
+    """Return final values where there are any, preliminary ones elsewhere."""
     versions = [int(v) for v in np.atleast_1d(data["expver"].values)]
     if not set(versions) <= {1, 5}:
         raise DataError(f"{path}: has expver {versions}; ERA5 has 1 (final) and 5 (preliminary): select one of them")
@@ -163,7 +163,7 @@ def _final_first(path: Path, data: Any, notes: list[str]) -> Any:
 
 
 def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) -> WeatherSource:
-    """Rows of a grid: one for each time and sea point.
+    """Read the rows of a grid: one for each time and sea point.
 
     Parameters
     ----------
@@ -229,12 +229,12 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
 
 
 def has_wind(path: Path) -> bool:
-    """Whether a file has winds; without them it can only stand beside one that has."""
+    """Return true where a file has winds; a file without them must stand beside one that has them."""
     return {"u10", "v10"} <= set(_opened(path).data_vars)
 
 
 def _joined(part: Any, own: frozenset[str], other: Path) -> tuple[Any, tuple[str, ...]]:
-    """The dataset with what another file has beside its own variables; earlier files beside it come first."""
+    """Return the dataset with the variables that another file adds; earlier files take precedence."""
     added, notes = open_era5(other)
     new = [str(name) for name in added.data_vars if name not in own]
     common = np.isin(part["time"].values, added["time"].values)

@@ -1,4 +1,4 @@
-"""Any CSV file, its columns told by a map."""
+"""Reader of any CSV file by a map of its columns."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from seaglint.weather.weather_table import RANGES, TEXTS
 
 
 def read_mapped(cells: TextColumns, columns: Sequence[MappedColumn], *, naive_is_utc: bool = False) -> WeatherSource:
-    """Columns of a CSV file by a map; headings that are weather columns already are taken as they are.
+    """Read the columns of a CSV file by a map; headings that are weather columns already need no map.
 
     Parameters
     ----------
     cells : TextColumns
         The file.
     columns : sequence of MappedColumn
-        Which of its columns is what.
+        Map of its columns.
     naive_is_utc : bool
-        Whether times without a zone are UTC; else they are refused.
+        Flag: times without a zone are UTC; else they are refused.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""NDBC standard meteorological text files of buoys, historical and realtime, of all generations of headings.
+"""Reader of NDBC standard meteorological text files of buoys, historical and realtime, of all generations of headings.
 
 Up to 1998 the year has two digits (``YY MM DD hh``), from 2000 four, minutes come in 2005, and from 2007 headings begin with ``#`` and a
 second line has units. Missing values are filled with nines as wide as the field (99.0, 999, 9999.0) or, in realtime files, ``MM``. The
@@ -29,14 +29,14 @@ from seaglint.weather.derived import ICE_POINT, relative_humidity
 NAUTICAL_MILE_KM: Final = 1.852
 
 _MISSING: Final = {"WDIR": 999.0, "WSPD": 99.0, "WVHT": 99.0, "ATMP": 999.0, "WTMP": 999.0, "DEWP": 999.0, "VIS": 99.0}
-"""What stands for a missing value in each column that is used."""
+"""Code of a missing value in each column that is used."""
 
 _ALSO: Final = {"WD": "WDIR", "#YY": "YY", "YYYY": "YY"}
 """Earlier spellings of headings."""
 
 
 def looks_like_ndbc(line: str) -> bool:
-    """Whether a line is the headings of such a file."""
+    """Return true where a line is the headings of an NDBC file."""
     names = [_ALSO.get(name, name) for name in line.split()]
     return names[:4] == ["YY", "MM", "DD", "hh"] and "WSPD" in names
 
@@ -97,7 +97,7 @@ def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[flo
 
 
 def to_ten_metres(speed: FloatArray, height: float) -> FloatArray:
-    """Wind at 10 m of that at another height [m/s], by the logarithmic profile over the sea (:mod:`seaglint.sea.wind_profile`).
+    """Convert wind at another height to wind at 10 m [m/s], by the logarithmic profile of :mod:`seaglint.sea.wind_profile`.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Files of weather, recognised by what they begin with."""
+"""Reader of weather files, whose format is recognised by their beginning."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from seaglint.weather.select import Selection
 
 @dataclass(frozen=True)
 class WeatherReading:
-    """What files do not say.
+    """Properties of weather files that the user states.
 
     Attributes
     ----------
     columns : tuple of MappedColumn
         Columns of CSV files; empty for those that seaglint or ICOADS wrote.
     naive_is_utc : bool
-        Whether times of CSV files without a zone are UTC.
+        Flag: times of CSV files without a zone are UTC.
     anemometer_m : float, optional
         Height of a buoy's anemometer [m].
     place : (float, float), optional
@@ -41,12 +41,12 @@ class WeatherReading:
 
 
 def is_grid(path: Path) -> bool:
-    """Whether a file is an ERA5 grid, NetCDF or GRIB."""
+    """Return true where a file is an ERA5 grid, NetCDF or GRIB."""
     return era5.is_grib(path) or era5.is_netcdf(path)
 
 
 def read_source(path: Path, selection: Selection, reading: WeatherReading, beside: tuple[Path, ...] = ()) -> WeatherSource:
-    """Rows of one file that are wanted.
+    """Read the selected rows of one file.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def read_source(path: Path, selection: Selection, reading: WeatherReading, besid
     selection : Selection
         Places and times wanted; the region is not used here.
     reading : WeatherReading
-        What the file does not say.
+        Properties that the file does not state.
     beside : tuple of Path
         Grids without winds, for one that has them.
 
@@ -109,7 +109,7 @@ def _own(path: Path) -> WeatherSource:
 
 
 def _placed(source: WeatherSource, reading: WeatherReading) -> WeatherSource:
-    """The source at the place given, where it has none."""
+    """Return the source at the given place, where it has none."""
     if reading.place is None or "latitude_deg" in source.columns:
         return source
     from dataclasses import replace

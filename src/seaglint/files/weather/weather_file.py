@@ -1,4 +1,4 @@
-"""Weather tables as seaglint writes them: CSV, or Parquet with the extra ``weather``."""
+"""Weather tables in the format of seaglint: CSV, or Parquet with the extra ``weather``."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _NOTES: Final = b"seaglint_weather_notes"
 
 @dataclass(frozen=True)
 class WeatherFile:
-    """A table and what its file says about it.
+    """Weather table and the notes of its file.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ def read_weather(path: str | Path) -> WeatherFile:
 
 
 def shipped(name: str) -> Path:
-    """File of a table in the package."""
+    """Return the file of a table in the package."""
     return Path(str(files("seaglint.weather"))) / "data" / f"{name}.csv"
 
 
@@ -152,7 +152,7 @@ def _arrow() -> tuple[Any, Any]:
 
 
 def check_output(output: str | Path, *, overwrite: bool = False, inputs: Sequence[str | Path] = ()) -> Path:
-    """Path of a table to write, checked before the work.
+    """Return the path of a table to write, checked before the work.
 
     Raises
     ------

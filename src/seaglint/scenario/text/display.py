@@ -1,4 +1,4 @@
-"""What a notebook shows of a scenario: what differs from the defaults, and the compass."""
+"""HTML of a scenario for notebooks: keys that differ from the defaults, and the compass."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from seaglint.scenario.text.write import differing
 
 
 def scenario_html(scenario: Scenario) -> str:
-    """HTML of a scenario: a table of what differs from the defaults, and a compass of wind, Sun and view."""
+    """Return the HTML of a scenario: a table of keys that differ from the defaults, and a compass of wind, Sun and view."""
     rows = [(key, value, _default(key)) for key, value in _flat(differing(scenario), "")]
     body = table(("key", "value", "default"), rows) if rows else notes(["all values are the defaults"])
     sun = _sun(scenario)
@@ -41,7 +41,7 @@ def _degrees(angle: float) -> str:
 
 
 def _flat(tables: Mapping[str, Any], above: str) -> Iterator[tuple[str, Any]]:
-    """Dotted keys and their values; parts of lists by their place."""
+    """Return dotted keys and their values; items of lists by their index."""
     for name, value in tables.items():
         key = f"{above}.{name}".lstrip(".")
         if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""The option ``--map NAME=COLUMN:UNIT``: units of a stranger's table, read where units are read."""
+"""Parser of column maps ``NAME=COLUMN:UNIT`` for CSV files of weather."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from seaglint.weather.derived import west_east
 
 
 def parse_map(texts: Sequence[str]) -> tuple[MappedColumn, ...]:
-    """Columns of texts such as ``wind_speed_m_s=ws:kn``.
+    """Parse columns of texts such as ``wind_speed_m_s=ws:kn``.
 
     Raises
     ------
@@ -58,7 +58,7 @@ def _parsed(text: str) -> MappedColumn:
 
 
 def parse_fill(texts: Sequence[str]) -> dict[str, float]:
-    """Values of texts such as ``cloud_cover=0.6``, with a unit where the column has one: ``sea_temperature_k=15 degC``.
+    """Parse values of texts such as ``cloud_cover=0.6``, with a unit where the column has one: ``sea_temperature_k=15 degC``.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def _plain(text: str) -> bool:
 
 
 def parse_place(text: str) -> tuple[float, float]:
-    """Latitude and longitude of a text ``44.1,-66.6`` [deg], the longitude in [-180, 180).
+    """Parse latitude and longitude of a text ``44.1,-66.6`` [deg]; the longitude is in [-180, 180).
 
     Raises
     ------

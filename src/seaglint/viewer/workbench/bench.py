@@ -1,4 +1,4 @@
-"""The page: the form at the left, pictures of what it says at the right."""
+"""Page of the workbench: the form at the left, pictures of its scenario at the right."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from seaglint.viewer.workbench.style import CSS
 from seaglint.viewer.workbench.sun_card import Daylight
 
 DEBOUNCE: Final = 0.2
-"""Seconds without a change after which the scenario is read."""
+"""Time without a change after which the scenario is read [s]."""
 
 _TITLES: Final[dict[Job, str]] = {"mean": "Mean map", "frame": "First frame"}
 
 
 @cache
 def painter() -> Painter:
-    """The process of all pages."""
+    """Return the process that computes the pictures of all pages."""
     made = Painter()
     app.on_shutdown(made.stop)
     return made
@@ -76,7 +76,7 @@ def _begin(whole: ui.column, path: str | Path | None, preset: str = "glint") -> 
 
 
 class Bench:
-    """One page's draft and what is drawn of it."""
+    """One page's draft and its pictures."""
 
     status: ui.label
 
@@ -93,7 +93,7 @@ class Bench:
         painter().warm()
 
     def build(self) -> None:
-        """Draw it in the current slot."""
+        """Build the page in the current slot."""
         with ui.element("div").classes("columns"):
             self._left = ui.column().classes("left")
             with ui.column().classes("right"):
@@ -108,7 +108,7 @@ class Bench:
         self.changed()
 
     def _refill(self) -> None:
-        """The form anew: tables came or went."""
+        """Build the form again, since tables were added or removed."""
         self._left.clear()
         with self._left:
             self._form = Form(self._draft, self.changed)
@@ -160,7 +160,7 @@ class Bench:
                     )
 
     def changed(self) -> None:
-        """Something was typed: read it a little later."""
+        """React to a change: the scenario is read a little later."""
         self._dirty = True
         if not self._reads and not self._closed:
             self._reads = True
@@ -178,7 +178,7 @@ class Bench:
         return self._closed
 
     def close(self) -> None:
-        """The browser left: nothing is drawn any more."""
+        """Stop drawing, since the browser has left."""
         self._closed = True
         self._redraw.close()
 
@@ -193,7 +193,7 @@ class Bench:
             self._reads = False
 
     async def _follow(self, draft: Draft) -> None:
-        """Check, and draw what is right."""
+        """Check the draft, and draw it if it is valid."""
         scenario, mistakes = await asyncio.to_thread(draft.check)
         if self._closed:
             return
@@ -271,7 +271,7 @@ class Bench:
         self.status.set_text(f"{len(mistakes)} to correct" if mistakes else "valid")
 
     async def _ask(self) -> None:
-        """Confirm before the file is replaced."""
+        """Ask for confirmation before the file is replaced."""
         scenario = self._scenario
         if scenario is None:
             ui.notify("the scenario is not valid yet; correct it first", type="negative")

@@ -1,4 +1,4 @@
-"""A small picture as SVG: pixels, axes and the scale of its colours."""
+"""Small picture as SVG: pixels, axes and colour bar."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _LOW, _HIGH = 120.0, 420.0  # least and greatest height of the pixels
 
 
 def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str = "map") -> str:
-    """The picture with azimuth and elevation [deg] on its axes, or columns and rows of the whole picture, and the scale of its colours."""
+    """Return the picture with azimuth and elevation [deg] on its axes, or columns and rows of the whole picture, and a colour bar."""
     values = picture.radiance if quantity == "radiance" else picture.temperature
     scale = scale_of(values, picture.sea)
     rows, columns = values.shape
@@ -60,7 +60,7 @@ def _axes(picture: PreviewPicture) -> tuple[tuple[float, float], tuple[float, fl
 
 
 def even(low: float, high: float, most: int = 7) -> list[float]:
-    """Round numbers between two others, at most so many.
+    """Return round numbers between two others, at most a given number.
 
     >>> even(172.0, 188.0)
     [172.5, 175.0, 177.5, 180.0, 182.5, 185.0, 187.5]
@@ -109,7 +109,7 @@ def _colours(quantity: Quantity) -> NDArray[np.uint8]:
 
 
 def _png(share: NDArray[Any], colours: NDArray[np.uint8]) -> str:
-    """A data address of pixels of this brightness; without a number they are green."""
+    """Return a data address of pixels of this brightness; those without a number are green."""
     from PIL import Image
 
     known = np.isfinite(share)

@@ -1,4 +1,4 @@
-"""What stands where: the plan from above, with the sensor's view, range rings, horizon, objects and their ways."""
+"""Plan of a scenario from above: the sensor's view, range rings, horizon, objects and their ways."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.bodies import bodies
 
 _TIMES: Final = 41
-"""Places along a way."""
+"""Number of points along a way."""
 
 _SIZE, _RADIUS = 420.0, 186.0
 
@@ -32,7 +32,7 @@ class PlanView:
     Attributes
     ----------
     ways : dict of str to ndarray, shape (times, 2)
-        Of the objects, by name, over the time of the frames.
+        Ways of the objects, by name, over the time of the frames.
     own : ndarray, shape (times, 2)
         The sensor's way.
     horizon : float
@@ -40,7 +40,7 @@ class PlanView:
     nearest : float
         Range of the nearest sea in view [m]; NaN where no sea is.
     azimuth : float
-        Of the view's middle at the start [deg].
+        Azimuth of the view's centre at the start [deg].
     """
 
     ways: dict[str, FloatArray]
@@ -53,7 +53,7 @@ class PlanView:
 
 
 def plan(scenario: Scenario) -> PlanView:
-    """Lay out a scenario, on a flat sea.
+    """Lay out a scenario on a flat sea.
 
     Raises
     ------
@@ -76,13 +76,13 @@ def plan(scenario: Scenario) -> PlanView:
 
 
 def reach(view: PlanView, whole: bool) -> float:
-    """Range shown [m]: up to the farthest object, or the horizon where ``whole`` or there is none."""
+    """Return the displayed range [m]: up to the farthest object, or the horizon where ``whole`` or there is no object."""
     far = max((float(np.hypot(way[:, 0], way[:, 1]).max()) for way in view.ways.values()), default=0.0)
     return view.horizon * 1.05 if whole or not view.ways else max(far * 1.12, 20.0)
 
 
 def rings(far: float) -> list[float]:
-    """Three to six round ranges up to one [m].
+    """Return three to six round ranges up to a range [m].
 
     >>> rings(6500.0)
     [1000.0, 2000.0, 3000.0, 4000.0, 5000.0, 6000.0]
@@ -93,7 +93,7 @@ def rings(far: float) -> list[float]:
 
 
 def distance(metres: float) -> str:
-    """A range as text.
+    """Return a range as text.
 
     >>> distance(500.0), distance(14280.0)
     ('500 m', '14.3 km')
@@ -102,7 +102,7 @@ def distance(metres: float) -> str:
 
 
 def plan_svg(view: PlanView, *, whole: bool = False) -> str:
-    """The plan as SVG, north up, the sensor's start in the middle."""
+    """Return the plan as SVG, north up, the sensor's start in the middle."""
     far = reach(view, whole)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_SIZE:g} {_SIZE:g}" width="100%" role="img" '
@@ -149,7 +149,7 @@ def _pieces(view: PlanView, far: float) -> Iterator[str]:
 
 
 def _wedge(view: PlanView, far: float) -> str:
-    """Sea in view: from the nearest to the horizon."""
+    """Return the sea in view: from the nearest point to the horizon."""
     half, top = 0.5 * min(view.width, 359.9), _RADIUS * min(view.horizon, far) / far
     bottom = min(_RADIUS * view.nearest / far, top) if math.isfinite(view.nearest) else top
     left, right = view.azimuth - half, view.azimuth + half
@@ -160,7 +160,7 @@ def _wedge(view: PlanView, far: float) -> str:
 
 
 def _line(way: FloatArray, name: str, colour: str, far: float) -> Iterator[str]:
-    """A way: a dot where it begins, an arrow's head where it ends."""
+    """Yield a way: a dot at its beginning, an arrowhead at its end."""
     points = [_point(float(east), float(north), far) for east, north in way]
     (x, y), (u, v) = points[0], points[-1]
     text = escape(name)
@@ -173,7 +173,7 @@ def _line(way: FloatArray, name: str, colour: str, far: float) -> Iterator[str]:
 
 
 def _name(place: tuple[float, float], name: str, colour: str, used: list[tuple[float, float]]) -> str:
-    """A name beside its place, moved down where another one is, with a line to where it belongs."""
+    """Return a name beside its place, moved down where another one is, with a line to its place."""
     x, y = place[0] + 26.0, place[1]
     while any(abs(y - other[1]) < 12.0 and abs(x - other[0]) < 90.0 for other in used):
         y += 3.0
