@@ -184,7 +184,7 @@ def finish_sequence(output: str | Path, scenario_json: str | None = None) -> boo
             counts = attributes(place.work).get(UNFINISHED, {}).get("shares", [])
             absent = sorted({index // shards.frames_per_unit for index in missing})
             of = f" (of shares {shares_of(absent, counts)})" if counts else ""
-            todo = "render these shares again, or all frames with resume=True" if counts else "render again with resume=True"
+            todo = "run these shares again, or all with resume=True" if counts else "render again with resume=True"
             raise DataError(f"{place.work}: {len(missing)} of {shards.frames} frames are missing: {listed(numbers[missing])}{of}; {todo}")
         _finish(place, claim)
     return True
