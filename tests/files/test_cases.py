@@ -102,7 +102,7 @@ def test_cells_pass_through_untouched_and_results_follow_or_replace(file, tmp_pa
 def test_an_output_is_replaced_only_when_asked_and_left_alone_by_failures(file, tmp_path, monkeypatch):
     cases, output = read_cases(file("x\n1\n")), tmp_path / "out.csv"
     output.write_text("mine")
-    with pytest.raises(DataError, match="--overwrite"):
+    with pytest.raises(DataError, match="overwrite=True"):
         write_cases(cases, {"y": ["2"]}, output)
 
     def full(self, content):

@@ -40,7 +40,7 @@ def test_a_map_comes_back_with_cf_attributes(tmp_path):
 def test_an_existing_map_is_kept_unless_told_otherwise(tmp_path):
     path = tmp_path / "mean.nc"
     path.write_text("mine")
-    with pytest.raises(DataError, match="--overwrite"):
+    with pytest.raises(DataError, match="overwrite=True"):
         write_netcdf(dataset(), path)
     assert path.read_text() == "mine"
     write_netcdf(dataset(), path, overwrite=True)

@@ -357,7 +357,7 @@ def five_dimensions(folder: Path) -> Path:
         (no_layout, "need a layout"),
         (wrong_layout, "rows = 0"),
         (too_small, "less than one frame"),
-        (several, "--variable"),
+        (several, "give one as variable"),
         (text, "format not known"),
         (not_hdf5, "HDF5"),
         (complex_numbers, "not real numbers"),

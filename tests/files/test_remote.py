@@ -50,7 +50,7 @@ def write_in_all_ways(output: str) -> None:
         write_sequence(output, layout(), crash, overwrite=True)
     with pytest.raises(DataError, match="is unfinished, 14 of 23 frames are missing"):
         open_sequence(output)
-    with pytest.raises(DataError, match="go on with --resume"):
+    with pytest.raises(DataError, match="go on with resume=True"):
         write_sequence(output, layout(), frame)
     with pytest.raises(DataError, match=r"14 of 23 frames are missing: 9-22"):
         finish_sequence(output)
@@ -62,7 +62,7 @@ def write_in_all_ways(output: str) -> None:
     second = output.replace("run.zarr", "shares.zarr")
     for index in (1, 0):
         write_sequence(second, layout(), frame, share=Share(index, 2))
-    with pytest.raises(DataError, match="all frames are there; finish it"):
+    with pytest.raises(DataError, match="all frames are there; complete it"):
         open_sequence(second)
     assert finish_sequence(second)
     check_whole(second)

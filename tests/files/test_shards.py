@@ -160,7 +160,7 @@ def test_units_made_elsewhere_are_the_same_files_and_progress_counts_frames(outp
 def test_frames_that_raise_are_named_and_the_rest_goes_on(output, whole, monkeypatch):
     monkeypatch.setattr(toy_store, "RAISES", {9})
     with pytest.raises(
-        DataError, match=r"1 of 23 frames were not made: 9 \(RuntimeError: a defect\); tracebacks are in .*--resume"
+        DataError, match=r"1 of 23 frames were not made: 9 \(RuntimeError: a defect\); tracebacks are in .*resume=True"
     ) as caught:
         write_sequence(output, layout(), frame, spread=elsewhere)
     assert caught.value.exit_code == 2
@@ -212,7 +212,7 @@ def test_a_full_disk_elsewhere_stops_and_goes_on_when_it_is_freed(output, whole,
         real(shards, unit, *rest)
 
     monkeypatch.setattr(Shards, "write", full)
-    with pytest.raises(StorageError, match=r"no room left.*--resume"):
+    with pytest.raises(StorageError, match=r"no room left.*resume=True"):
         write_sequence(output, layout(), frame, spread=elsewhere)
     monkeypatch.undo()
     write_sequence(output, layout(), frame, resume=True)
@@ -314,7 +314,7 @@ def test_an_orphan_of_a_killed_run_writes_no_more(output):
 def test_finish_says_what_is_not_there(output):
     with pytest.raises(DataError, match="no such unfinished sequence"):
         finish_sequence(output)
-    with pytest.raises(DataError, match="--shard 0/2 joins"):
+    with pytest.raises(DataError, match="share=0/2 joins"):
         write_sequence(output, layout(), frame, share=Share(0, 2), overwrite=True)
 
 

@@ -124,7 +124,7 @@ def test_progress_counts_from_what_is_there(output):
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_finishes_the_frame_and_resume_goes_on(output, number):
     stopper = Stopper(2, lambda: os.kill(os.getpid(), number))
-    with pytest.raises(Interrupted, match=r"after 3 of 5 frames.*--resume") as caught:
+    with pytest.raises(Interrupted, match=r"after 3 of 5 frames.*resume=True") as caught:
         write_sequence(output, layout(), stopper)
     assert caught.value.exit_code == 130
     assert not output.exists()
@@ -174,7 +174,7 @@ def test_a_crash_leaves_the_frames_done(output):
     with open_sequence(partial_path(output), allow_partial=True) as found:
         assert found["frame_done"].to_numpy().tolist() == [1, 1, 1, 0, 0]
         assert bool(np.isnan(found["radiance"][3:]).all())
-    with pytest.raises(DataError, match=r"2 of 5 frames are missing.*--resume"):
+    with pytest.raises(DataError, match=r"2 of 5 frames are missing.*resume=True"):
         open_sequence(partial_path(output))
 
 
@@ -207,7 +207,7 @@ def test_a_full_disk_is_a_storage_error_and_can_be_resumed(output, monkeypatch, 
         real(shards, unit, *rest)
 
     monkeypatch.setattr(Shards, "write", full)
-    with pytest.raises(StorageError, match=r"no room left.*--resume") as caught:
+    with pytest.raises(StorageError, match=r"no room left.*resume=True") as caught:
         write_sequence(output, layout(), frame)
     assert caught.value.exit_code == 3
     assert not output.exists()
@@ -227,7 +227,7 @@ def test_other_errors_of_a_frame_are_not_taken_for_a_full_disk(output):
 
 def test_existing_output_is_refused_and_kept(output):
     write_sequence(output, layout(), frame)
-    with pytest.raises(DataError, match=r"exists already.*--overwrite"):
+    with pytest.raises(DataError, match=r"exists already.*overwrite=True"):
         write_sequence(output, layout(), lambda number: frame(number + 1))
     with open_sequence(output) as found:
         np.testing.assert_array_equal(found["radiance"][0], pixels(0))
@@ -256,7 +256,7 @@ def test_overwrite_never_deletes_what_is_not_ours(output):
 def test_an_unfinished_sequence_is_not_overrun_by_mistake(output):
     with pytest.raises(Interrupted):
         write_sequence(output, layout(), Stopper(2, interrupt))
-    with pytest.raises(DataError, match=r"--resume, or begin anew with --overwrite"):
+    with pytest.raises(DataError, match=r"resume=True, or begin anew with overwrite=True"):
         write_sequence(output, layout(), frame)
     anew = Stopper(-1, lambda: None)
     write_sequence(output, layout(), anew, overwrite=True)

@@ -272,10 +272,10 @@ def test_any_csv_by_a_map_of_knots_percent_and_zones(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("cells", "columns", "said"),
     [
-        ("ws,cloud\n3,0.5\n", [], r"line 1: columns are ws, cloud; say which is what, e.g. --map"),
+        ("ws,cloud\n3,0.5\n", [], r"line 1: columns are ws, cloud; name the columns that are read, e.g. map="),
         ("ws,cloud\n3,50\n", ["wind_speed_m_s=ws", "cloud_cover=cloud"], r"row 1 \(line 2\), column cloud: .* = 50 is outside.*0 to 1"),
-        ("ws,cloud\n3,0.5\n", ["wind_speed_m_s=speed"], r"column 'speed' of --map .* is not there; columns are ws, cloud"),
-        ("t,ws\n2019-01-01T00:00,3\n", ["time=t", "wind_speed_m_s=ws"], r"row 1 \(line 2\), column t: .* has no time zone; .*--utc"),
+        ("ws,cloud\n3,0.5\n", ["wind_speed_m_s=speed"], r"column 'speed' of map=.* is not there; columns are ws, cloud"),
+        ("t,ws\n2019-01-01T00:00,3\n", ["time=t", "wind_speed_m_s=ws"], r"row 1 \(line 2\), column t: .* has no time zone; .*utc=True"),
         ("t,ws\nyesterday,3\n", ["time=t", "wind_speed_m_s=ws"], r"'yesterday' is no ISO time"),
         ("ws,cloud\n3,0.5\n", ["cloud_cover=cloud"], r"no column for wind_speed_m_s"),
         ("ws,weight\n3,-1\n", ["wind_speed_m_s=ws"], r"column weight: weight = -1 is outside the range allowed: 0 or more"),
@@ -305,7 +305,7 @@ def test_tables_come_back_as_they_were_written(tmp_path: Path, suffix: str) -> N
         np.testing.assert_array_equal(found.table[name], values)
     assert found.table.text("region").tolist() == table.text("region").tolist()
     assert found.notes == ("of a test",)
-    assert found.told == ("weights sum to 36 and are divided by it",)
+    assert found.remarks == ("weights sum to 36 and are divided by it",)
     with pytest.raises(DataError, match="exists already"):
         write_weather(table, path)
 

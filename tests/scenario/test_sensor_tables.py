@@ -171,5 +171,5 @@ def test_dark_current_of_mct_is_that_of_rule_07() -> None:
 def test_an_unknown_preset_names_those_there_are(tmp_path) -> None:
     path = tmp_path / "my.toml"
     path.write_text("")
-    with pytest.raises(ScenarioError, match="--sensor nix: is not one of mwir-insb-640, lwir-mct-640"):
+    with pytest.raises(ScenarioError, match="sensor='nix' is not one of mwir-insb-640, lwir-mct-640"):
         load_scenario(path, sensor="nix")

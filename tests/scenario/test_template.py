@@ -51,7 +51,7 @@ def test_an_unknown_preset_and_an_existing_file(tmp_path):
     with pytest.raises(ScenarioError, match="glint, calm"):
         template("nix")
     path = write_template(tmp_path / "my.toml")
-    with pytest.raises(DataError, match="--overwrite"):
+    with pytest.raises(DataError, match="overwrite=True"):
         write_template(path)
     write_template(path, "calm", overwrite=True)
     assert "calm" in path.read_text()

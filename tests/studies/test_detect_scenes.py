@@ -258,7 +258,7 @@ def test_a_study_goes_on_where_it_was_and_loses_nothing(path: Path, tmp_path: Pa
     late = run_study(cases[:3], wanted, parts_at(tmp_path), budget=0.0)
     assert late.stopped is not None
     assert (len(late.cases), late.cases[0]["stopped"]) == (1, "time budget")
-    with pytest.raises(DataError, match="--resume"):
+    with pytest.raises(DataError, match="resume=True"):
         parts_at(tmp_path, overwrite=False)
 
 

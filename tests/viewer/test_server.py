@@ -266,7 +266,7 @@ def test_taken_port_names_a_free_one():
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        with pytest.raises(DataError, match=rf"--port {port}: is taken.*--port \d+ is free"):
+        with pytest.raises(DataError, match=rf"port = {port}: is taken.*port = \d+ is free"):
             server.bind("127.0.0.1", port)
     with pytest.raises(DataError, match="give an address of this machine"):
         server.bind("203.0.113.7", None)

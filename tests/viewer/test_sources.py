@@ -221,7 +221,7 @@ def test_memory_does_not_grow_with_the_frames(tmp_path):
     source = open_source(tmp_path / "long.npy")
     for index in range(60):
         source.read(index)
-    assert source._bytes == sum(image.nbytes for image in source._kept.values()) <= MOST_CACHED < 60 * frame.nbytes
+    assert source._bytes == sum(image.nbytes for image in source._cached.values()) <= MOST_CACHED < 60 * frame.nbytes
 
 
 @pytest.mark.parametrize("unit", [1, 8])

@@ -12,12 +12,12 @@ ABSENT: Final = "–"
 _CELL: Final = "padding:.15rem .6rem;text-align:left;border-bottom:1px solid rgba(128,128,128,.3);vertical-align:top"
 
 
-def told(value: Any) -> str:
+def as_text(value: Any) -> str:
     """Value as plain text, numbers with four digits.
 
     Examples
     --------
-    >>> told(3.14159), told((1.0, 2.5)), told(None), told(True)
+    >>> as_text(3.14159), as_text((1.0, 2.5)), as_text(None), as_text(True)
     ('3.142', '1, 2.5', '–', 'true')
     """
     match value:
@@ -28,7 +28,7 @@ def told(value: Any) -> str:
         case float():
             return f"{value:.4g}"
         case list() | tuple():
-            return ", ".join(told(item) for item in value)
+            return ", ".join(as_text(item) for item in value)
         case _:
             text = str(value)
             return text if len(text) <= 120 else text[:117] + "..."
@@ -38,7 +38,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
     """HTML table; cells are values or text."""
 
     def line(tag: str, cells: Sequence[Any]) -> str:
-        return "<tr>" + "".join(f'<{tag} style="{_CELL}">{escape(told(cell))}</{tag}>' for cell in cells) + "</tr>"
+        return "<tr>" + "".join(f'<{tag} style="{_CELL}">{escape(as_text(cell))}</{tag}>' for cell in cells) + "</tr>"
 
     body = "".join(line("td", row) for row in rows)
     return f'<table style="border-collapse:collapse;font-size:.85rem">{line("th", head)}{body}</table>'

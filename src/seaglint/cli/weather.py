@@ -56,8 +56,8 @@ def build(
     selection = Selection(
         None if box is None else parse_box(box),
         None if polygon is None else read_polygon(polygon),
-        None if months is None else parse_cycle(months, "--months", 1, 12),
-        None if hours is None else parse_cycle(hours, "--hours", 0, 23),
+        None if months is None else parse_cycle(months, "months", 1, 12),
+        None if hours is None else parse_cycle(hours, "hours", 0, 23),
         region,
     )
     reading = WeatherReading(parse_map(columns or []), utc, anemometer, None if place is None else parse_place(place))

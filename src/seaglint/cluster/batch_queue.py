@@ -1,4 +1,4 @@
-"""Dask workers of a batch queue: jobs that are asked of SLURM, PBS and others by the settings in a file."""
+"""Dask workers of a batch queue: jobs submitted to SLURM, PBS and others by the settings in a file."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ KINDS: Final = {
     "moab": "MoabCluster",
     "htcondor": "HTCondorCluster",
 }
-"""Queues by the key ``kind``, and their class of dask-jobqueue."""
+"""Queues by the key ``kind``, with their class of dask-jobqueue."""
 
 TIMEOUT: Final = 600.0
 """Time within which the queue must give the first worker, where the file does not say [s]."""
 
 
 def read_settings(path: Path) -> tuple[str, int, float, dict[str, Any]]:
-    """Kind of queue, number of jobs, time-out [s], and what dask-jobqueue is told.
+    """Read kind of queue, number of jobs, time-out [s], and the settings passed to dask-jobqueue.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def read_settings(path: Path) -> tuple[str, int, float, dict[str, Any]]:
 
 @contextmanager
 def queued(path: Path, say: Say = lambda line: None) -> Iterator[DaskWorkers]:
-    """Workers of the batch queue that a file describes; their jobs end with the context.
+    """Provide workers of the batch queue that a file describes; their jobs end with the context.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A Dask cluster: of a scheduler's address, or of a batch queue. Its engine is Dask's; units and small records are all that travels."""
+"""Workers of a Dask cluster, by a scheduler's address or from a batch queue. Only units and small records are transferred."""
 
 from __future__ import annotations
 
@@ -23,19 +23,19 @@ CONNECT: Final = 5.0
 """Time within which a scheduler must answer [s]."""
 
 PATIENCE: Final = 60.0
-"""Time that a scheduler or all workers may be away before a job is given up [s]."""
+"""Time that a scheduler or all workers may be away before a job is abandoned [s]."""
 
 LOOK: Final = 2.0
-"""Time between two looks at which workers there are [s]."""
+"""Time between two queries of the list of workers [s]."""
 
 AHEAD: Final = 2
-"""Units on their way for each worker: one at work, and the next."""
+"""Units assigned to each worker in advance: one in progress, and the next."""
 
 BATCH: Final = 4
-"""Units are sent when there is room for a ``BATCH``-th of the workers."""
+"""Divisor of the batch size: units are sent when there is room for a ``BATCH``-th of the workers."""
 
 TOGETHER: Final = 1e-4
-"""Time for each worker in which records are gathered before they are asked for together [s]: a request costs as much as many of them."""
+"""Time for each worker in which records are gathered into one request [s]: a request costs as much as many records."""
 
 Say = Callable[[str], None]
 
@@ -58,7 +58,7 @@ class DaskWorkers:
     connect : callable
         Makes a client; called again when the scheduler was lost.
     say : callable
-        Told of what the user should know, a line at a time.
+        Called with messages for the user, a line at a time.
     patience : float
         Time that the scheduler or all workers may be away [s].
     """
@@ -74,14 +74,14 @@ class DaskWorkers:
 
     @property
     def count(self) -> int:
-        """Worker processes that there are."""
+        """Return the number of worker processes."""
         with suppress(_SchedulerGoneError):  # the last known number; who maps finds out
             self.look()
         return max(len(self._present), 1)
 
     @property
     def seen(self) -> bool:
-        """Whether any worker was ever there."""
+        """Return true if any worker has ever been connected."""
         return bool(self._present)
 
     def wait_for_one(self) -> None:
@@ -105,7 +105,7 @@ class DaskWorkers:
 
     @contextmanager
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
-        """Outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
+        """Yield the outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
 
         Leaving the context takes back what was not begun. A unit that is at work on another machine ends there, and nobody hears of it.
 
@@ -123,24 +123,24 @@ class DaskWorkers:
             mapping.cancel()
 
     def look(self, *, at_once: bool = False) -> tuple[str, ...]:
-        """Addresses of the workers; new ones are asked what they are."""
+        """Return the addresses of the workers; new ones are queried for their version and processor."""
         if at_once or time.monotonic() - self._looked >= LOOK:
             try:
                 self._present = tuple(self._client.nthreads())
                 new = [address for address in self._present if address not in self._known]
-                found = self._client.run(describe, workers=new, on_error="return") if new else {}
+                answers = self._client.run(describe, workers=new, on_error="return") if new else {}
             except Exception as error:
                 raise _SchedulerGoneError(one_line(error)) from error
-            machines = judged(found, this_machine())
+            machines = judged(answers, this_machine())
             self._tell_processors(machines)
             self._known |= machines
             self._looked = time.monotonic()
         return self._present
 
     def _tell_processors(self, new: dict[str, Machine]) -> None:
-        """Say once of each processor type that it is not this machine's."""
-        told = {this_machine().processor} | {machine.processor for machine in self._known.values()}
-        for processor in sorted({machine.processor for machine in new.values()} - told):
+        """Report once each processor type that differs from this machine's."""
+        reported = {this_machine().processor} | {machine.processor for machine in self._known.values()}
+        for processor in sorted({machine.processor for machine in new.values()} - reported):
             some = [address for address, machine in new.items() if machine.processor == processor]
             self._say(
                 f"{len(some)} workers ({_some(some)}) have another processor type, {processor} and not {this_machine().processor}: "
@@ -165,7 +165,7 @@ class DaskWorkers:
                 if time.monotonic() > until:
                     raise BackendError(
                         f"the Dask scheduler was lost and did not come back within {self.patience:g} s; what is done stays: "
-                        "start it again, and go on with --resume"
+                        "start it again, and go on with resume=True"
                     ) from error
                 time.sleep(0.5)
             else:
@@ -174,7 +174,7 @@ class DaskWorkers:
                 return
 
     def submit(self, units: list[bytes], content: bytes) -> list[Any]:
-        """Futures of :func:`seaglint.cluster.remote.do`, sent together: one by one they cost the scheduler several times as much."""
+        """Return futures of :func:`seaglint.cluster.remote.do`, sent together: one by one they cost several times as much."""
         keys = [f"seaglint-{uuid.uuid4().hex}" for _ in units]
         try:
             return list(self._client.map(self.task, units, content=content, pure=False, retries=0, key=keys))
@@ -182,26 +182,26 @@ class DaskWorkers:
             raise _SchedulerGoneError(one_line(error)) from error
 
     def gather(self, futures: list[Any]) -> list[bytes]:
-        """Results of finished futures, in one request."""
+        """Return the results of finished futures, in one request."""
         try:
             return list(self._client.gather(futures))
         except Exception as error:
             raise _SchedulerGoneError(one_line(error)) from error
 
     def cancel(self, futures: list[Any]) -> None:
-        """Take back what was not begun."""
+        """Cancel futures that have not begun."""
         with suppress(Exception):  # it may be gone
             if futures and self._client.status == "running":
                 self._client.cancel(futures, force=True)
 
     @property
     def connected(self) -> bool:
-        """Whether the scheduler is there."""
+        """Return true while the scheduler is connected."""
         return bool(self._client.status == "running")
 
 
 class _DaskMapping:
-    """One job over the workers."""
+    """Progress of one job over the Dask workers."""
 
     def __init__(self, workers: DaskWorkers, content: bytes, units: Iterable[Any]) -> None:
         self.workers, self.content, self.source = workers, content, iter(units)
@@ -210,10 +210,10 @@ class _DaskMapping:
         """Futures and their units, by the futures' keys."""
         self.ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self.losses = 0
-        """How often in a row the scheduler was lost, with nothing done in between."""
+        """Number of consecutive losses of the scheduler with nothing done in between."""
 
     def outcomes(self) -> Iterator[Done[Any, Any] | Failed[Any]]:
-        """What came of the units."""
+        """Yield the outcomes of the units."""
         seen = time.monotonic()
         while True:
             try:
@@ -224,7 +224,7 @@ class _DaskMapping:
                     seen = time.monotonic()
                 elif time.monotonic() - seen > self.workers.patience:
                     raise BackendError(
-                        f"no worker was left for {self.workers.patience:g} s; what is done stays: start some, and go on with --resume"
+                        f"no worker was left for {self.workers.patience:g} s; what is done stays: start some, and go on with resume=True"
                     )
                 for outcome in self._read(ended):
                     self.losses = 0
@@ -234,12 +234,12 @@ class _DaskMapping:
                 seen = time.monotonic()
 
     def cancel(self) -> None:
-        """Take back what is not done."""
+        """Cancel all unfinished units."""
         futures, self.flight = [future for future, _ in self.flight.values()], {}
         self.workers.cancel(futures)
 
     def _fill(self) -> bool:
-        """Have enough on the way; False when nothing is left to do."""
+        """Submit units until enough are on their way; return False when nothing is left."""
         tasks: list[_DaskTask] = []
         count = self.workers.count
         room = AHEAD * count - len(self.flight)
@@ -261,7 +261,7 @@ class _DaskMapping:
         return bool(self.flight)
 
     def _wait(self) -> list[Any]:
-        """Futures that ended; perhaps none after a while."""
+        """Return the futures that ended; none after a time-out."""
         ended = []
         with suppress(queue.Empty):
             ended.append(self.ended.get(timeout=0.5))
@@ -273,7 +273,7 @@ class _DaskMapping:
         return [future for future in ended if future.key in self.flight]
 
     def _read(self, ended: list[Any]) -> Iterator[Done[Any, Any] | Failed[Any]]:
-        """Outcomes of futures that ended; those that are to be tried again are kept."""
+        """Yield the outcomes of futures that ended; units to be tried again are queued."""
         if any(future.status in ("cancelled", "lost") for future in ended):
             raise _SchedulerGoneError("tasks are lost")
         whole = [future for future in ended if future.status == "finished"]
@@ -291,10 +291,10 @@ class _DaskMapping:
         for future in ended:
             if future.status == "error":
                 _, task = self.flight.pop(future.key)
-                yield from self._retry(task, *_told(future.exception()), "")
+                yield from self._retry(task, *_attempts_and_reason(future.exception()), "")
 
     def _retry(self, task: _DaskTask, attempts: int, error: str, where: str) -> Iterator[Failed[Any]]:
-        """Try a unit once more, or give it up."""
+        """Try a unit once more, or report it as failed."""
         task.attempts += attempts
         if task.attempts >= ATTEMPTS:
             yield Failed(task.unit, error, where, task.attempts)
@@ -302,20 +302,20 @@ class _DaskMapping:
             self.again.append(task)
 
     def _lost(self, error: _SchedulerGoneError) -> None:
-        """Wait for the scheduler and put back what was on the way: it was nobody's fault."""
+        """Wait for the scheduler and queue again the units that were on their way, without counting an attempt."""
         self.losses += 1
         if self.losses > ATTEMPTS:
             raise BackendError(
                 f"the Dask scheduler was lost {self.losses} times with nothing done in between ({error}); what is done stays: "
-                "see why it ends, and go on with --resume"
+                "find out why it ends, and go on with resume=True"
             ) from error
         self.again.extend(task for _, task in self.flight.values())
         self.flight = {}
         self.workers.reconnect()
 
 
-def _told(error: BaseException) -> tuple[int, str]:
-    """How many attempts an error of Dask itself stands for, and its line.
+def _attempts_and_reason(error: BaseException) -> tuple[int, str]:
+    """Return the number of attempts that an error of Dask itself stands for, and its text.
 
     Raises
     ------
@@ -332,16 +332,16 @@ def _told(error: BaseException) -> tuple[int, str]:
     return 1, one_line(error)
 
 
-def judged(found: dict[str, Any], mine: Machine) -> dict[str, Machine]:
-    """Workers that can be used, of what they say of themselves; those that answer with an error are asked again.
+def judged(answers: dict[str, Any], mine: Machine) -> dict[str, Machine]:
+    """Return the usable workers by their own descriptions; those that answered with an error are queried again.
 
     Raises
     ------
     BackendError
         Some have no package, or another version of it.
     """
-    good = {address: Machine(*told) for address, told in found.items() if isinstance(told, tuple)}
-    without = [address for address, told in found.items() if told is None]
+    good = {address: Machine(*details) for address, details in answers.items() if isinstance(details, tuple)}
+    without = [address for address, details in answers.items() if details is None]
     if without:
         raise BackendError(
             f"{len(without)} workers have no seaglint, or one that knows no such work: {_some(without)}; install {mine.version} there"
@@ -362,13 +362,13 @@ def judged(found: dict[str, Any], mine: Machine) -> dict[str, Machine]:
 
 
 def _some(addresses: list[str]) -> str:
-    """A few of many addresses."""
+    """Return a few of many addresses as text."""
     return ", ".join(sorted(addresses)[:3]) + (f" and {len(addresses) - 3} more" if len(addresses) > 3 else "")
 
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Keep Dask's own logs from the terminal: what matters of them is told as errors."""
+    """Keep Dask's own logs from the terminal; its errors are raised as errors of seaglint."""
     names = [name for name in logging.root.manager.loggerDict if name.split(".")[0] in ("distributed", "tornado", "dask_jobqueue")]
     before = {name: logging.getLogger(name).level for name in {"distributed", "tornado", "dask_jobqueue", *names}}
     for name in before:
@@ -381,7 +381,7 @@ def quiet() -> Iterator[None]:
 
 
 def client_of(address: Any, shown: str) -> Any:
-    """A client of a scheduler.
+    """Connect a client to a scheduler.
 
     Raises
     ------
@@ -400,7 +400,7 @@ def client_of(address: Any, shown: str) -> Any:
 
 
 def require_dask() -> None:
-    """See that the extra is installed.
+    """Check that the extra is installed.
 
     Raises
     ------
@@ -410,12 +410,12 @@ def require_dask() -> None:
     try:
         import distributed  # noqa: F401
     except ImportError:
-        raise BackendError("Dask is not installed; pip install 'seaglint[cluster]' adds it, and --workers N needs nothing") from None
+        raise BackendError("Dask is not installed; pip install 'seaglint[cluster]' adds it, and workers=N needs nothing") from None
 
 
 @contextmanager
 def connected(address: str, say: Say = lambda line: None, *, patience: float = PATIENCE) -> Iterator[DaskWorkers]:
-    """Workers of the scheduler at an address.
+    """Provide the workers of the scheduler at an address.
 
     Raises
     ------
@@ -426,13 +426,13 @@ def connected(address: str, say: Say = lambda line: None, *, patience: float = P
     """
     require_dask()
     if not re.fullmatch(r"((tcp|tls|ws|wss|inproc)://)?[^/\s]+:\d+|inproc://\S+", address):
-        raise DataError(f"--dask {address}: give the scheduler's address, e.g. tcp://host:8786")
+        raise DataError(f"address = {address!r} is no address of a Dask scheduler; give one such as tcp://host:8786")
     with quiet():
-        workers = DaskWorkers(lambda: client_of(address, f"--dask {address}"), say, patience)
+        workers = DaskWorkers(lambda: client_of(address, f"Dask scheduler {address}"), say, patience)
         try:
             workers.wait_for_one()
             yield workers
         except _SchedulerGoneError as error:
-            raise BackendError(f"--dask {address}: the scheduler does not answer ({error}); see its log") from error
+            raise BackendError(f"Dask scheduler {address}: it does not answer ({error}); see its log") from error
         finally:
             workers.close()

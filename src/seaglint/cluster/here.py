@@ -1,4 +1,4 @@
-"""Work in this process, one unit after the other."""
+"""Worker in this process: one unit after the other."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, 
 
 
 class Here:
-    """The process that asks."""
+    """Worker that is the calling process itself."""
 
     count = 1
 
     @contextmanager
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
-        """Outcomes of all units in their order; see :class:`seaglint.cluster.job.Workers`."""
+        """Yield the outcomes of all units in their order; see :class:`seaglint.cluster.job.Workers`."""
         work = job.start(job.settings)
 
         def outcomes() -> Iterator[Done[Unit, Record] | Failed[Unit]]:

@@ -1,4 +1,4 @@
-"""What a job is, what comes back of it, and what all kinds of workers offer."""
+"""Jobs, their outcomes, and the interface of all kinds of workers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Unit = TypeVar("Unit")
 Record = TypeVar("Record")
 
 ATTEMPTS: Final = 3
-"""How often a unit is tried before it counts as failed."""
+"""Number of attempts of a unit before it counts as failed."""
 
 
 @dataclass(frozen=True)
@@ -41,57 +41,57 @@ class Job(Generic[Settings, Unit, Record]):
 
 @dataclass(frozen=True)
 class Done(Generic[Unit, Record]):
-    """A unit that is done."""
+    """Outcome of a unit that is done."""
 
     unit: Unit
     record: Record
-    """What the unit's function returned."""
+    """Return value of the unit's function."""
     seconds: float
     """Time of the unit in its worker [s]."""
     worker: str
-    """Which worker did it."""
+    """Name of the worker."""
 
 
 @dataclass(frozen=True)
 class Failed(Generic[Unit]):
-    """A unit that was tried :data:`ATTEMPTS` times, on other workers where there are some, and failed."""
+    """Outcome of a unit that failed :data:`ATTEMPTS` times, on other workers where there are some."""
 
     unit: Unit
     error: str
-    """The last error, one line."""
+    """Last error, one line."""
     traceback: str
-    """Where it was raised; empty where the worker vanished."""
+    """Traceback of the last error; empty where the worker vanished."""
     attempts: int
-    """How often it was tried."""
+    """Number of attempts."""
 
 
 class Workers(Protocol):
-    """Somebody who does units of a job."""
+    """Interface of workers that do the units of a job."""
 
     @property
     def count(self) -> int:
-        """How many units are worked on at the same time."""
+        """Return the number of units that are worked on at the same time."""
         ...
 
     def map(
         self, job: Job[Settings, Unit, Record], units: Iterable[Unit]
     ) -> AbstractContextManager[Iterator[Done[Unit, Record] | Failed[Unit]]]:
-        """Outcomes of all units as they finish, in any order; leaving the context cancels what is not done."""
+        """Yield the outcomes of all units as they finish, in any order; leaving the context cancels unfinished units."""
         ...
 
 
 class _Outgoing(pickle.Pickler):
-    """Pickles with whole paths: who reads it may have another working directory."""
+    """Pickler that makes paths absolute, since the reader may have another working directory."""
 
     def reducer_override(self, value: Any) -> Any:
-        """How a path is read back; other values are as ever."""
+        """Return how a path is rebuilt; other values are pickled as usual."""
         if isinstance(value, Path):
             return type(value), (os.path.abspath(value),)
         return NotImplemented
 
 
 def outgoing(value: Any) -> bytes:
-    """A value as it is sent to workers.
+    """Pickle a value for workers.
 
     >>> pickle.loads(outgoing({"file": Path("waves.nc")}))["file"].is_absolute()
     True
@@ -102,7 +102,7 @@ def outgoing(value: Any) -> bytes:
 
 
 def attempt(work: Callable[[Unit], Record], unit: Unit, worker: str, attempts: int) -> Done[Unit, Record] | Failed[Unit]:
-    """Do a unit once; errors become values, requests to stop go through."""
+    """Do a unit once; errors become values, requests to stop are raised."""
     began = time.perf_counter()
     try:
         record = work(unit)
@@ -112,7 +112,7 @@ def attempt(work: Callable[[Unit], Record], unit: Unit, worker: str, attempts: i
 
 
 def record_of(outcome: Done[Unit, Record] | Failed[Unit]) -> Record:
-    """The record of a unit, where a result needs all of them.
+    """Return the record of a unit; raise its error where it failed.
 
     Raises
     ------

@@ -25,21 +25,21 @@ from seaglint.base.errors import BackendError, DomainError, SeaglintError
 from seaglint.cluster.job import ATTEMPTS, Done, Failed, Job, Record, Settings, Unit, outgoing
 
 MOST: Final = 1024
-"""Processes that may be asked for."""
+"""Largest number of processes."""
 
 GRACE: Final = 2.0
-"""Time that units at work have to end when the rest is cancelled, before their processes are killed [s]."""
+"""Time that units in progress have to end after cancellation, before their processes are killed [s]."""
 
 _ONE_THREAD: Final = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
 class _LostError(Exception):
-    """A process that is gone."""
+    """Error of a process that is gone."""
 
 
 @dataclass(eq=False)
 class _LocalTask:
-    """A unit on its way."""
+    """Unit in progress."""
 
     unit: Any
     tried_by: list[int] = field(default_factory=list)
@@ -66,22 +66,22 @@ class _Worker:
             )
         self.pipe = Connection(ours.detach())
         self.job: str = ""
-        """Digest of the job that it was told of."""
+        """Digest of the job that was sent to the process."""
         self.ready = False
         self.task: _LocalTask | None = None
 
     @property
     def number(self) -> int:
-        """Its process number."""
+        """Return the process number."""
         return self.process.pid
 
     def tell(self, *message: Any) -> None:
-        """Send a message; a process that is gone is found out when its answer is read."""
+        """Send a message; a process that is gone is noticed when its answer is read."""
         with suppress(OSError):
             self.pipe.send(message)
 
     def answer(self) -> tuple[Any, ...]:
-        """Its next message.
+        """Return the next message of the process.
 
         Raises
         ------
@@ -95,7 +95,7 @@ class _Worker:
         return message
 
     def end(self) -> str:
-        """Kill it if it lives, and say how it ended."""
+        """Kill the process if it lives, and return how it ended."""
         self.pipe.close()
         self.process.kill()
         code = self.process.wait()
@@ -113,7 +113,7 @@ class LocalProcesses:
     Parameters
     ----------
     count : int
-        How many.
+        Number of processes.
     threads : int, optional
         Threads of the kernels in each; the machine's, or those that ``NUMBA_NUM_THREADS`` allows, shared out evenly. Results do not
         depend on it.
@@ -134,7 +134,7 @@ class LocalProcesses:
 
     @property
     def count(self) -> int:
-        """How many units are worked on at the same time."""
+        """Return the number of units that are worked on at the same time."""
         return self._count
 
     def __enter__(self) -> LocalProcesses:
@@ -151,7 +151,7 @@ class LocalProcesses:
 
     @contextmanager
     def map(self, job: Job[Settings, Unit, Record], units: Iterable[Unit]) -> Iterator[Iterator[Done[Unit, Record] | Failed[Unit]]]:
-        """Outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
+        """Yield the outcomes of all units as they finish; see :class:`seaglint.cluster.job.Workers`.
 
         Units are taken from their iterable when a process is free for them: where it ends early, those that were taken are finished.
         Leaving the context lets units at work end within :data:`GRACE` seconds.
@@ -178,21 +178,21 @@ class LocalProcesses:
                 self._mapping = False
 
     def _settle(self) -> None:
-        """Wait a little for units at work."""
+        """Wait a limited time for units in progress."""
         until = time.monotonic() + GRACE
         while busy := [worker for worker in self._workers if worker.task is not None]:
-            found = wait([worker.pipe for worker in busy], max(until - time.monotonic(), 0.0))
-            if not found:
+            ready = wait([worker.pipe for worker in busy], max(until - time.monotonic(), 0.0))
+            if not ready:
                 return
             for worker in busy:
-                if worker.pipe in found:
+                if worker.pipe in ready:
                     with suppress(_LostError):  # it is missed when the next job begins
                         worker.answer()
                     worker.task = None
 
 
 class _LocalMapping:
-    """One job over the processes: ``workers`` is the owner's list, which is kept up to date."""
+    """Progress of one job over the processes; ``workers`` is the owner's list, which is updated."""
 
     def __init__(self, workers: list[_Worker], count: int, threads: int, job: Job[Any, Any, Any], units: Iterable[Any]) -> None:
         self.workers, self.count, self.threads = workers, count, threads
@@ -202,18 +202,18 @@ class _LocalMapping:
         self.queue: deque[_LocalTask] = deque()
         self.exhausted = False
         self.lost_at_start = 0
-        """Processes that ended in a row before they were ready."""
+        """Number of consecutive processes that ended before they were ready."""
 
     def outcomes(self) -> Iterator[Done[Any, Any] | Failed[Any]]:
-        """What came of the units."""
+        """Yield the outcomes of the units."""
         while True:
             self._take_units()
             if not self.queue and not self.working:
                 return
             self._start_workers()
             self._hand_out()
-            found = set(wait([worker.pipe for worker in self.workers]))
-            for worker in [w for w in self.workers if w.pipe in found]:
+            ready = set(wait([worker.pipe for worker in self.workers]))
+            for worker in [w for w in self.workers if w.pipe in ready]:
                 try:
                     outcome = self._read(worker, worker.answer())
                 except _LostError:
@@ -223,17 +223,17 @@ class _LocalMapping:
 
     @property
     def working(self) -> int:
-        """Units at work."""
+        """Return the units in progress."""
         return sum(worker.task is not None for worker in self.workers)
 
     def _take_units(self) -> None:
-        """Have a unit for each process that is not at work."""
+        """Take a unit for each idle process."""
         while not self.exhausted and len(self.queue) + self.working < self.count:
             if (task := self._next()) is not None:
                 self.queue.append(task)
 
     def _start_workers(self) -> None:
-        """Have a process for each unit, and all of them told of the job."""
+        """Start a process for each unit, and send the job to all of them."""
         for worker in [w for w in self.workers if w.task is None and w.process.poll() is not None]:
             if worker.job != self.job:  # died between two jobs: nobody's fault
                 worker.end()
@@ -248,7 +248,7 @@ class _LocalMapping:
                 worker.tell("job", self.job, self.content)
 
     def _hand_out(self) -> None:
-        """Give each free process a unit: one that it has not failed at, where another process might take that."""
+        """Give each idle process a unit: preferably one that has not failed in this process."""
         for worker in self.workers:
             if worker.ready and worker.task is None and (task := self._task_for(worker)) is not None:
                 worker.task = task
@@ -264,21 +264,21 @@ class _LocalMapping:
         return self._next()
 
     def _next(self) -> _LocalTask | None:
-        """A unit that nobody has had."""
+        """Return a unit that was not tried yet."""
         for unit in self.source:
             return _LocalTask(unit)
         self.exhausted = True
         return None
 
     def _read(self, worker: _Worker, message: tuple[Any, ...]) -> Done[Any, Any] | Failed[Any] | None:
-        """What a process says."""
+        """Handle a message of a process; return the outcome that it carries."""
         match message:
             case ("ready", job) if job == self.job:
                 worker.ready, self.lost_at_start = True, 0
-            case ("refused", job, told, line, where) if job == self.job:
+            case ("refused", job, pickled, line, where) if job == self.job:
                 worker.job = ""
                 self.lost_at_start += 1
-                error = pickle.loads(told) if told is not None else RuntimeError(line)
+                error = pickle.loads(pickled) if pickled is not None else RuntimeError(line)
                 if isinstance(error, SeaglintError):
                     raise error
                 if self.lost_at_start >= ATTEMPTS:
@@ -294,7 +294,7 @@ class _LocalMapping:
         return None
 
     def _lost(self, worker: _Worker) -> Failed[Any] | None:
-        """A process died: its unit goes to another."""
+        """Give the unit of a process that died to another one."""
         self.workers.remove(worker)
         how = worker.end()
         if worker.task is not None:
@@ -309,7 +309,7 @@ class _LocalMapping:
         return None
 
     def _again(self, task: _LocalTask, error: str, where: str) -> Failed[Any] | None:
-        """Try a unit once more, or give it up."""
+        """Try a unit once more, or report it as failed."""
         if len(task.tried_by) >= ATTEMPTS:
             return Failed(task.unit, error, where, len(task.tried_by))
         self.queue.append(task)
@@ -317,7 +317,7 @@ class _LocalMapping:
 
 
 def threads_each(count: int) -> int:
-    """Threads for each of some processes on this machine."""
+    """Return the number of threads for each of several processes on this machine."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     allowed = os.environ.get("NUMBA_NUM_THREADS", "")
     return max((int(allowed) if allowed.isdigit() else cores) // count, 1)

@@ -1,4 +1,4 @@
-"""What a worker is: the version and sources of its package, and its processor type."""
+"""Description of a worker: version and sources of its package, and its processor type."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from typing import NamedTuple
 
 
 class Machine(NamedTuple):
-    """What the bytes that a process computes depend on, and where it runs."""
+    """Machine of a process, with all that its results depend on."""
 
     version: str
-    """Of seaglint."""
+    """Version of seaglint."""
     sources: str
-    """Digest of all that kernels are made of."""
+    """Digest of the sources of all kernels."""
     processor: str
-    """Its type, as stores record it: between types the last bits can differ."""
+    """Type of the processor, as stores record it: the last bits of results can differ between types."""
     host: str
     process: int
 
 
 @cache
 def this_machine() -> Machine:
-    """What this process is."""
+    """Return the description of this process."""
     from seaglint.base.kernel_cache import sources_digest
     from seaglint.base.processor import processor
     from seaglint.version import __version__

@@ -1,4 +1,4 @@
-"""What a local worker process does: it reads units from its parent, works, and answers; it ends when its parent is gone.
+"""Main loop of a local worker process: it reads units from its parent, works, and answers; it ends when its parent is gone.
 
 Messages from the parent: ``("job", name, pickled job)`` and ``("unit", pickled unit)``. Answers: ``("ready", name)``, ``("refused", name,
 pickled error or None, line, traceback)`` and ``("outcome", pickled outcome)``.
@@ -38,7 +38,7 @@ def serve(number: int) -> None:
 
 
 def _listen(pipe: Connection, inbox: queue.SimpleQueue[tuple[Any, ...]]) -> None:
-    """Hand over what the parent says; end at once when it says no more, whatever is being done."""
+    """Pass on the messages of the parent; end at once when the connection closes."""
     while True:
         try:
             inbox.put(pipe.recv())
@@ -54,24 +54,24 @@ def _answer(pipe: Connection, message: tuple[Any, ...]) -> None:
 
 
 def _started(job: str, content: bytes, pipe: Connection) -> Callable[[Any], Any] | None:
-    """The function of a unit; None where the job cannot be started here."""
+    """Return the function of a unit; None where the job cannot be started here."""
     try:
         start, settings = pickle.loads(content)
         work: Callable[[Any], Any] = start(settings)
     except Exception as error:
         try:
-            told = pickle.dumps(error)
-            pickle.loads(told)  # some errors pickle and cannot be read again
+            pickled = pickle.dumps(error)
+            pickle.loads(pickled)  # some errors pickle and cannot be read again
         except Exception:
-            told = None
-        _answer(pipe, ("refused", job, told, one_line(error), traceback.format_exc()))
+            pickled = None
+        _answer(pipe, ("refused", job, pickled, one_line(error), traceback.format_exc()))
         return None
     _answer(pipe, ("ready", job))
     return work
 
 
 def _outcome(work: Callable[[Any], Any], content: bytes, name: str) -> bytes:
-    """What came of a unit, pickled."""
+    """Return the pickled outcome of a unit."""
     unit = pickle.loads(content)
     outcome = attempt(work, unit, name, 1)
     try:

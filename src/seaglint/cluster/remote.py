@@ -1,4 +1,4 @@
-"""What a Dask worker does: it starts a job once, and then its units, one at a time."""
+"""Functions that a Dask worker runs: it starts a job once, and then its units, one at a time."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from seaglint.base.errors import one_line
 from seaglint.cluster.job import Done, Failed, Job, attempt, outgoing
 
 _one_at_a_time: Final = threading.Lock()
-"""Threads of one worker share the kernels' threads and the limits of linear algebra."""
+"""Lock that lets the threads of one worker take turns: they share the threads of kernels and of linear algebra."""
 
 _started: dict[str, Callable[[Any], Any]] = {}
 """The latest job, by its digest."""
 
 
 def packed(job: Job[Any, Any, Any]) -> bytes:
-    """A job as it travels, with each unit: workers come and go."""
+    """Pack a job to be sent with each unit, because workers come and go."""
     return zlib.compress(outgoing((job.start, job.settings)))
 
 
 def describe() -> tuple[Any, ...] | None:
-    """What the worker is (:class:`seaglint.cluster.machine.Machine`); None where it lacks the package."""
+    """Return the worker's :class:`seaglint.cluster.machine.Machine`; None where it lacks the package."""
     try:
         from seaglint.cluster.machine import this_machine
     except ImportError:
@@ -38,7 +38,7 @@ describe.__module__ = "__main__"  # of no module that can be imported: it travel
 
 
 def do(unit: bytes, content: bytes) -> bytes:
-    """Do a pickled unit of a packed job; what comes back is a pickled outcome, or the exception with which the job's start refused.
+    """Do a pickled unit of a packed job; return a pickled outcome, or the exception with which the job's start failed.
 
     Errors of a unit are values: what Dask itself reports of a task is a lost worker or one without the package.
     """
@@ -70,7 +70,7 @@ def _work(content: bytes) -> Callable[[Any], Any]:
 
 
 def _here() -> tuple[str, int]:
-    """The worker's name, and the threads that it may take."""
+    """Return the worker's name, and the number of threads that it may use."""
     import numba
     from distributed import get_worker
 

@@ -1,1 +1,1 @@
-"""Files, and where they came from."""
+"""Files and their provenance."""

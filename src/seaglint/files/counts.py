@@ -1,4 +1,4 @@
-"""Radiance from the counts of a detector: the straight line in the attributes of ``signal``."""
+"""Radiance from the counts of a detector, by the linear relation in the attributes of ``signal``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def pictures(dataset: xr.Dataset) -> xr.DataArray:
-    """The variable that pictures are made of: ``radiance``, or ``signal`` where there is none.
+    """Return the variable that pictures are made of: ``radiance``, or ``signal`` where there is none.
 
     Raises
     ------
@@ -21,15 +21,15 @@ def pictures(dataset: xr.Dataset) -> xr.DataArray:
     for name in ("radiance", "signal"):
         if name in dataset:
             return dataset[name]
-    found = ", ".join(map(str, dataset.data_vars)) or "none"
+    available = ", ".join(map(str, dataset.data_vars)) or "none"
     raise DataError(
-        f"the dataset has no variable 'radiance' (it has: {found}); give the variable itself, e.g. dataset['path_radiance'], or counts "
+        f"the dataset has no variable 'radiance' (it has: {available}); give the variable itself, e.g. dataset['path_radiance'], or counts "
         "as 'signal'"
     )
 
 
 def count_line(variable: xr.DataArray) -> tuple[float, float]:
-    """Radiance of a count and of zero counts [W m-2 sr-1]; (1, 0) of what is radiance already.
+    """Return the radiance of one count and of zero counts [W m-2 sr-1]; (1, 0) for a variable that is radiance.
 
     Raises
     ------
@@ -48,12 +48,12 @@ def count_line(variable: xr.DataArray) -> tuple[float, float]:
 
 
 def radiance_of(dataset: xr.Dataset) -> xr.DataArray:
-    """Radiance of a dataset [W m-2 sr-1]: its own, or that of its counts."""
-    found = pictures(dataset)
-    if found.name == "radiance":
-        return found
-    scale, offset = count_line(found)
+    """Return the radiance of a dataset [W m-2 sr-1]: its own, or that of its counts."""
+    images = pictures(dataset)
+    if images.name == "radiance":
+        return images
+    scale, offset = count_line(images)
     from seaglint.base.schema import VARIABLES
 
-    radiance = (found.astype("float64") * scale + offset).rename("radiance")
+    radiance = (images.astype("float64") * scale + offset).rename("radiance")
     return radiance.assign_attrs(VARIABLES["radiance"].attributes)

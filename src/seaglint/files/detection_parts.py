@@ -1,4 +1,4 @@
-"""What a detection study has done so far: frames and finished cases in a folder beside the result, each moved there when whole."""
+"""Parts of an unfinished detection study: frames and finished cases in a folder beside the result, each complete."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Parts:
 
     @classmethod
     def at(cls, base: Path, *, resume: bool, overwrite: bool) -> Parts:
-        """The folder of a result, made where it is missing.
+        """Open the folder of a result; make it where it is missing.
 
         Raises
         ------
@@ -46,9 +46,9 @@ class Parts:
         with storage_errors(folder, "make room or choose another place"):
             if folder.exists():
                 if not (folder / _MARK).is_file():
-                    raise DataError(f"{folder}: is there and holds no parts of a detection study; move it, or give another -o")
+                    raise DataError(f"{folder}: is there and holds no parts of a detection study; move it, or choose another output")
                 if not resume and not overwrite:
-                    raise DataError(f"{folder}: holds parts of an unfinished study; go on with --resume, or begin anew with --overwrite")
+                    raise DataError(f"{folder}: holds an unfinished study; go on with resume=True, or begin anew with overwrite=True")
                 if not resume:
                     shutil.rmtree(folder)
             folder.mkdir(exist_ok=True)
@@ -56,23 +56,23 @@ class Parts:
         return cls(folder)
 
     def frames(self, key: str) -> Path:
-        """Folder of the frames of a scene."""
-        found = self.folder / f"frames-{key}"
-        with storage_errors(found, "make room or choose another place"):
-            found.mkdir(exist_ok=True)
-        return found
+        """Return the folder of the frames of a scene."""
+        folder = self.folder / f"frames-{key}"
+        with storage_errors(folder, "make room or choose another place"):
+            folder.mkdir(exist_ok=True)
+        return folder
 
     def forget_frames(self, key: str) -> None:
         """Remove the frames of a scene."""
         shutil.rmtree(self.folder / f"frames-{key}", ignore_errors=True)
 
     def case(self, key: str) -> dict[str, Any] | None:
-        """A finished case; None where it is not there, or not whole."""
+        """Return a finished case; None where it is missing or incomplete."""
         try:
-            found: dict[str, Any] = json.loads((self.folder / f"case-{key}.json").read_text(encoding="utf-8"))
+            stored: dict[str, Any] = json.loads((self.folder / f"case-{key}.json").read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return None
-        return found
+        return stored
 
     def keep_case(self, key: str, value: dict[str, Any]) -> None:
         """Write a finished case."""
@@ -80,21 +80,21 @@ class Parts:
 
     @property
     def empty(self) -> bool:
-        """Whether nothing is kept yet."""
+        """Return true while no part is stored."""
         return not any(path.is_file() and path.name != _MARK for path in self.folder.rglob("*"))
 
     def remove(self) -> None:
-        """Remove all."""
+        """Remove all parts."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def sea_path(folder: Path, number: int) -> Path:
-    """File of the frames of one sea."""
+    """Return the file of the frames of one sea."""
     return folder / f"{number:05d}.npy"
 
 
 def whole_sea(folder: Path, number: int, shape: tuple[int, ...]) -> bool:
-    """Whether the frames of a sea are there, in the size wanted."""
+    """Return true where the frames of a sea exist in the requested size."""
     try:
         return bool(np.load(sea_path(folder, number), mmap_mode="r").shape == shape)
     except (OSError, ValueError, EOFError):
@@ -103,13 +103,13 @@ def whole_sea(folder: Path, number: int, shape: tuple[int, ...]) -> bool:
 
 def keep_sea(folder: Path, number: int, frames: NDArray[np.float32]) -> None:
     """Write the frames of a sea."""
-    with moved_when_whole(sea_path(folder, number), "make room and go on with --resume") as partial, partial.open("wb") as file:
+    with moved_when_whole(sea_path(folder, number), "make room and go on with resume=True") as partial, partial.open("wb") as file:
         np.save(file, frames)
 
 
 @contextmanager
 def parts_folder(base: Path | None, *, resume: bool = False, overwrite: bool = False) -> Iterator[tuple[Parts, bool]]:
-    """Parts beside a result, and whether they outlive an interruption; without a result a temporary folder."""
+    """Return the parts beside a result, and whether they outlive an interruption; without a result a temporary folder."""
     if base is not None:
         parts = Parts.at(base, resume=resume, overwrite=overwrite)
         try:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def directions(dataset: xr.Dataset, frame: int = 0) -> tuple[FloatArray, FloatArray]:
-    """Azimuth and elevation of the pixel centres of one frame [deg].
+    """Return azimuth and elevation of the pixel centres of one frame [deg].
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The operating system's refusals, told in one line with what to do."""
+"""Errors of the operating system, reported in one line with a remedy."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ _GONE: Final = frozenset({errno.ENOENT, errno.ENOTDIR, errno.ESTALE})
 
 
 def _system_error(error: BaseException | None) -> OSError | None:
-    """The ``OSError`` behind an exception: itself, a member of a group, or the cause."""
+    """Return the ``OSError`` behind an exception: itself, a member of a group, or the cause."""
     if error is None or isinstance(error, OSError):
         return error
     if isinstance(error, BaseExceptionGroup):
-        return next((found for inner in error.exceptions if (found := _system_error(inner))), None)
+        return next((cause for inner in error.exceptions if (cause := _system_error(inner))), None)
     return _system_error(error.__cause__ or error.__context__)
 
 
 @contextmanager
 def storage_errors(target: object, remedy: str | Callable[[], str]) -> Iterator[None]:
-    """Turn the system's refusals into a :class:`StorageError`, which ends with ``remedy`` where room or rights are missing.
+    """Turn errors of the operating system into a :class:`StorageError`, with ``remedy`` where room or rights are missing.
 
     A remedy that depends on what is on the disk by then is a function.
     """
@@ -48,8 +48,8 @@ def _sentence(error: OSError, remedy: str) -> str:
         return f"no right to write there; {remedy}"
     if error.errno == errno.ENAMETOOLONG:
         return "a name in it is too long for this file system; choose a shorter one"
-    told = error.strerror or str(error)
-    what = f"{told}: {error.filename}" if error.filename else told
+    reason = error.strerror or str(error)
+    what = f"{reason}: {error.filename}" if error.filename else reason
     if error.errno in _GONE:
         return f"something was moved or removed while it was written ({what}); see that no other program works there and run again"
     return f"writing failed ({what}); see to the disk or choose another place"

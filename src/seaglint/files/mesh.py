@@ -1,4 +1,4 @@
-"""Closed surfaces from mesh files: STL, OBJ, PLY and GLB, read by trimesh."""
+"""Reader of closed surfaces from mesh files: STL, OBJ, PLY and GLB, by trimesh."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from seaglint.base.errors import DataError
 from seaglint.objects.primitives import Mesh
 
 SUFFIXES: Final = (".stl", ".obj", ".ply", ".glb")
-"""Formats that are read."""
+"""Endings of the formats that are read."""
 
 METRES: Final = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3, "in": 0.0254, "ft": 0.3048}
-"""Length of a unit [m]."""
+"""Length of each unit [m]."""
 
 MOST_TRIANGLES: Final = 4_000_000
-"""Triangles of a file, at most: a million take some seconds to check and 0.5 GB."""
+"""Largest number of triangles of a file: a million take some seconds to check and 0.5 GB."""
 
 _Y_UP: Final = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
-"""From the axes of glTF (y up, z forward, x to port) to starboard, forward and up."""
+"""Rotation from the axes of glTF (y up, z forward, x to port) to starboard, forward and up."""
 
 
 @dataclass(frozen=True, eq=False)
 class MeshData:
-    """What a file holds: corners [m] and triangles, and for each corner temperature [K] and emissivity, where it has them."""
+    """Content of a mesh file: vertices [m] and triangles, and for each vertex temperature [K] and emissivity, where given."""
 
     mesh: Mesh
     temperature: FloatArray | None = None
@@ -58,8 +58,8 @@ def read_mesh(path: str | Path, *, metres: float = 1.0, up: Literal["auto", "z",
     import trimesh
 
     try:
-        found: Any = trimesh.load(str(path), force="mesh", process=False)
-        vertices, triangles = np.asarray(found.vertices, np.float64), np.asarray(found.faces, np.int64)
+        mesh: Any = trimesh.load(str(path), force="mesh", process=False)
+        vertices, triangles = np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64)
     except Exception as error:  # its readers raise whatever they meet
         raise DataError(f"{path}: cannot be read as a mesh: {' '.join(str(error).split())[:120]}; export it again") from None
     if vertices.ndim != 2 or not len(triangles):
@@ -68,13 +68,13 @@ def read_mesh(path: str | Path, *, metres: float = 1.0, up: Literal["auto", "z",
         raise DataError(f"{path}: holds {len(triangles)} triangles; allowed are {MOST_TRIANGLES}: simplify the mesh")
     if up == "y" or (up == "auto" and suffix == ".glb"):
         vertices = vertices @ _Y_UP.T
-    values = {name: _property(found, name, len(vertices)) for name in ("temperature", "emissivity")} if suffix == ".ply" else {}
+    values = {name: _property(mesh, name, len(vertices)) for name in ("temperature", "emissivity")} if suffix == ".ply" else {}
     return MeshData((vertices * metres, triangles.astype(np.int32)), values.get("temperature"), values.get("emissivity"))
 
 
-def _property(found: Any, name: str, size: int) -> FloatArray | None:
-    """A property of a PLY file's vertices by name."""
-    raw = found.metadata.get("_ply_raw", {}).get("vertex", {}).get("data")
+def _property(mesh: Any, name: str, size: int) -> FloatArray | None:
+    """Return a property of a PLY file's vertices by name."""
+    raw = mesh.metadata.get("_ply_raw", {}).get("vertex", {}).get("data")
     if raw is None:
         return None
     names = raw.dtype.names if isinstance(raw, np.ndarray) else raw.keys()

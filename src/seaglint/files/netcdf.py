@@ -1,4 +1,4 @@
-"""Maps as one NetCDF 4 file, written beside its place and moved there when whole.
+"""Maps as one NetCDF 4 file, written completely or not at all.
 
 The file is made in memory and its bytes are written by Python: HDF5 that meets a full disk can take the process with it.
 """
@@ -35,13 +35,13 @@ def open_netcdf(path: str | Path, **how: Any) -> xr.Dataset:
     except FileNotFoundError:
         raise DataError(f"{path}: no such file; give a NetCDF 4 file") from None
     except Exception as error:  # h5py and xarray raise nearly anything for a file that is none
-        told = " ".join(str(error).split())[:200] or type(error).__name__
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
         drop_quietly(error)
-        raise DataError(f"{path}: cannot be read as NetCDF 4, or is cut ({told}); give a whole NetCDF 4 file") from None
+        raise DataError(f"{path}: cannot be read as NetCDF 4, or is cut ({reason}); give a whole NetCDF 4 file") from None
 
 
 def drop_quietly(error: BaseException | None) -> None:
-    """Let go of what failed half-way: an h5netcdf file that was never opened complains on the standard error when it is collected."""
+    """Discard a file that failed to open: h5netcdf would complain on standard error when it is collected."""
     before, sys.unraisablehook = sys.unraisablehook, lambda _: None
     try:
         while error is not None:
@@ -52,7 +52,7 @@ def drop_quietly(error: BaseException | None) -> None:
 
 
 def labelled(dataset: xr.Dataset) -> xr.Dataset:
-    """The same with units, names and CF names at the variables that :mod:`seaglint.base.schema` knows; what they have already stays."""
+    """Return a dataset with units, names and CF names at the variables of :mod:`seaglint.base.schema`; existing ones stay."""
     out = dataset.copy()
     for name in map(str, out.variables):
         if name in VARIABLES:
@@ -61,7 +61,7 @@ def labelled(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def plain_attributes(attributes: Mapping[Any, Any]) -> dict[str, Any]:
-    """Attributes that any file can hold: tables as JSON text, truth values as 0 and 1, nothing that is empty.
+    """Return attributes that any file can hold: tables as JSON text, truth values as 0 and 1, no empty ones.
 
     >>> plain_attributes({"table": {"winds": [0, 20]}, "step": None, "whole": True})
     {'table': '{"winds": [0, 20]}', 'whole': 1}

@@ -1,4 +1,4 @@
-"""Files that commands write: checked before the work, written beside their place and moved there when whole."""
+"""Output files of commands: checked before the work, written completely or not at all."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ ELSEWHERE = "choose another place; nothing was written"
 
 
 def refuse_existing(output: str | Path, *, overwrite: bool = False, inputs: Iterable[str | Path] = ()) -> Path:
-    """Path of an output file, checked before anything is computed.
+    """Return the path of an output file, checked before anything is computed.
 
     Raises
     ------
@@ -31,12 +31,12 @@ def refuse_existing(output: str | Path, *, overwrite: bool = False, inputs: Iter
         require_folder(output)
         _require_replaceable(output)
         if output.exists() and not overwrite:
-            raise DataError(f"{output}: exists already; choose another name, or replace it with --overwrite")
+            raise DataError(f"{output}: exists already; choose another name, or replace it with overwrite=True")
     return output
 
 
 def require_folder(output: Path) -> None:
-    """Refuse an output whose folder is not there or takes no files.
+    """Refuse an output whose folder does not exist or cannot be written to.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def require_folder(output: Path) -> None:
 
 
 def refuse_inputs(output: Path, inputs: Iterable[str | Path]) -> None:
-    """Refuse to write over what is read, whatever name it goes by.
+    """Refuse to overwrite an input file, under any name.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def refuse_inputs(output: Path, inputs: Iterable[str | Path]) -> None:
 
 @contextmanager
 def moved_when_whole(output: Path, remedy: str = "make room or choose another place; nothing was written") -> Iterator[Path]:
-    """Name to write to, ``output`` with ``.partial`` behind it; it replaces ``output`` when the context ends well, else it is removed.
+    """Provide a temporary name, ``output`` with ``.partial`` added; it replaces ``output`` on success and is removed otherwise.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def moved_when_whole(output: Path, remedy: str = "make room or choose another pl
 
 
 def _require_replaceable(path: Path) -> None:
-    """Moving a file onto a device or pipe would put it in the place of the node, for every program of the machine."""
+    """Refuse devices and pipes: moving a file there would replace the node, for every program of the machine."""
     if path.is_dir():
         raise DataError(f"{path}: is a folder; give the name of a file")
     if path.exists() and not path.is_file():

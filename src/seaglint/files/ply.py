@@ -1,4 +1,4 @@
-"""A height field as a triangle mesh: binary little-endian PLY, with normals at the vertices."""
+"""Writer of a height field as a triangle mesh: binary little-endian PLY, with normals at the vertices."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from seaglint.base.errors import DataError, StorageError
 from seaglint.files.outputs import moved_when_whole, refuse_existing
 
 MOST_VERTICES: Final = 2**31 - 1
-"""Readers take the indices of faces for signed 32-bit numbers."""
+"""Largest number of vertices, since readers take the indices of faces for signed 32-bit numbers."""
 
 _VERTEX: Final = np.dtype([(name, "<f4") for name in ("x", "y", "z", "nx", "ny", "nz")])
 _FACE: Final = np.dtype([("count", "u1"), ("corner", "<i4", (3,))])
 
 
 def ply_bytes(rows: int, columns: int) -> int:
-    """Size of the file but for its header, which is some hundred bytes."""
+    """Return the size of the file without its header of some hundred bytes."""
     return rows * columns * _VERTEX.itemsize + 2 * (rows - 1) * (columns - 1) * _FACE.itemsize
 
 

@@ -1,4 +1,4 @@
-"""Where a file comes from: the attributes that every output carries."""
+"""Provenance of a file: the attributes that every output carries."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from seaglint.optics.band import Band
 from seaglint.version import __version__
 
 VOLATILE: Final = frozenset({"history", "created_with", "processor", "processors_mixed", "unfinished"})
-"""Attributes that may differ between two halves of one sequence; all others must agree before ``--resume`` goes on."""
+"""Attributes that may differ between two halves of one sequence; all others must agree for a sequence to be resumed."""
 
 PROCESSORS_MIXED: Final = "frames were made on processors of several types: between them pixels may differ in the last bits"
-"""What the attribute ``processors_mixed`` says."""
+"""Value of the attribute ``processors_mixed``."""
 
 _PACKAGES: Final = ("numpy", "scipy", "numba", "zarr")
 
 
 def package_version(name: str) -> str:
-    """Installed version of a distribution, or ``"not installed"``; the package itself is not imported."""
+    """Return the installed version of a distribution, or ``"not installed"``; the package itself is not imported."""
     try:
         return version(name)
     except PackageNotFoundError:
@@ -33,12 +33,12 @@ def package_version(name: str) -> str:
 
 
 def provenance(title: str, scenario_json: str, seed: int, **more: Any) -> dict[str, Any]:
-    """Global attributes of a file.
+    """Return the global attributes of a file.
 
     Parameters
     ----------
     title : str
-        What the file holds, in a few words.
+        Content of the file in a few words.
     scenario_json : str
         The validated scenario as JSON: with the version it is all that is needed to make the file again.
     seed : int
@@ -62,7 +62,7 @@ def provenance(title: str, scenario_json: str, seed: int, **more: Any) -> dict[s
 
 
 def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
-    """Names of the attributes in which two files of one sequence may not differ, and do; scenarios are compared key by key."""
+    """Return names of attributes that differ between two files of one sequence and must not; scenarios are compared key by key."""
     keys = sorted(key for key in (old.keys() | new.keys()) - VOLATILE if old.get(key) != new.get(key))
     if "scenario" not in keys:
         return keys
@@ -83,13 +83,13 @@ def _different_keys(old: Any, new: Any, path: str = "") -> Iterator[str]:
 
 
 def band_attributes(band: Band | None) -> dict[str, list[float]]:
-    """Spectral response as attributes, so that a file needs no other one to be read; none of what has no band."""
+    """Return the spectral response as attributes, so that a file needs no other one to be read; empty without a band."""
     if band is None:
         return {}
     return {"band_wavelength_um": band.wavelength_um.tolist(), "band_response": band.response.tolist()}
 
 
 def stored_band(attributes: Mapping[str, Any]) -> Band:
-    """Spectral response that a file's radiance is integrated over."""
+    """Return the spectral response that a file's radiance is integrated over."""
     wavelength, response = (np.asarray(attributes[key], dtype=np.float64) for key in ("band_wavelength_um", "band_response"))
     return Band(wavelength, response)

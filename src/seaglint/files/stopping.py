@@ -1,4 +1,4 @@
-"""Signals that end long work between two of its pieces, not in the middle of one."""
+"""Handling of signals that end long work between two of its pieces, not in the middle of one."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from types import FrameType
 from typing import Final
 
 _listening: Final[list[list[int]]] = []
-"""Lists of all work at hand, pieces last: a signal in a piece ends the whole too, and a piece that begins after it ends at once."""
+"""Lists of all nested work, pieces last: a signal in a piece ends the whole too, and a piece that begins after it ends at once."""
 
 
 @contextmanager
 def stop_on_signal(*, at_once: bool = False) -> Iterator[list[int]]:
-    """List that gets an entry on the first SIGINT or SIGTERM; a second one interrupts at once, or already the first where asked."""
+    """Provide a list that gets an entry on the first SIGINT or SIGTERM; a second signal interrupts at once, the first if so requested."""
     caught = _listening[-1].copy() if _listening else list[int]()
     if threading.current_thread() is not threading.main_thread():
         yield caught  # signals reach the main thread only

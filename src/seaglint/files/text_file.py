@@ -1,4 +1,4 @@
-"""Text and JSON as files, written beside their place and moved there when whole."""
+"""Writer of text and JSON files, completely or not at all."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Textures on disk: a JSON file with the model, what it was fitted to, and how good it is."""
+"""Textures on disk: a JSON file with the model, the data that it was fitted to, and the quality of the fit."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Texture = GaussianTexture | AutobinomialTexture
 
 @dataclass(frozen=True)
 class StoredTexture:
-    """A texture and what is known of it.
+    """Texture with its data and the quality of its fit.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class StoredTexture:
     fit : dict
         Errors of the parameters and criteria.
     quality : dict
-        How alike samples and data are (:meth:`seaglint.texture.quality.Comparison.as_dict`, and held-out data).
+        Agreement of samples and data (:meth:`seaglint.texture.quality.Comparison.as_dict`, and held-out data).
     notes : tuple of str
     """
 
@@ -47,17 +47,17 @@ class StoredTexture:
 
     @property
     def units(self) -> str:
-        """Units of the values; empty where they are not known."""
+        """Return the units of the values; empty where they are not known."""
         return str(self.source.get("units") or "")
 
     @property
     def frame_rate(self) -> float | None:
-        """Frames per second of the data [Hz]; None of a picture, or where it is not known."""
+        """Return the frames per second of the data [Hz]; None for a picture, or where it is not known."""
         rate = self.source.get("frame_rate_hz")
         return None if rate is None else float(rate)
 
     def to_dict(self) -> dict[str, Any]:
-        """What the file holds."""
+        """Return the content of the file."""
         return {
             "format": FORMAT,
             "version": VERSION,
@@ -86,7 +86,7 @@ def write_texture(stored: StoredTexture, path: str | Path, *, overwrite: bool = 
 
 
 def check_name(path: str | Path) -> Path:
-    """Path of a texture's file, refused where it does not end in .json."""
+    """Return the path of a texture's file; refuse it where it does not end in .json."""
     if Path(path).suffix.lower() != ".json":
         raise DataError(f"{path}: a texture is a JSON file; give a name that ends in .json")
     return Path(path)

@@ -1,1 +1,1 @@
-"""One TOML file, validated: what the user asked for."""
+"""Scenarios: one TOML file, read and validated."""

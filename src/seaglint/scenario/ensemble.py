@@ -1,4 +1,4 @@
-"""Files of ensembles: a base scenario, laws for its keys, and how many scenes of how many frames are drawn."""
+"""Ensemble files: a base scenario, laws for its keys, and the number of scenes and frames that are drawn."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ from seaglint.scenario.records.record import Record, rule
 Sampling = Literal["random", "latin_hypercube", "sobol"]
 
 MOST_OBJECTS = 1000
-"""Objects of one template in a scene at most."""
+"""Largest number of objects that one template draws in a scene."""
 
 COUNT = Quantity(ge=0, le=MOST_OBJECTS, integer=True)
-"""Numbers of objects."""
+"""Range of the number of objects."""
 
 _LAW: TypeAdapter[Any] = TypeAdapter(Law)
 
 Value = Law | Number
-"""A law, or always the same."""
+"""Law of a key, or a constant value."""
 
 
 class EnsembleSettings(Record):
@@ -72,7 +72,7 @@ class Template(Record):
 
     @property
     def others(self) -> dict[str, Any]:
-        """Keys of the object itself."""
+        """Return the keys of the object itself."""
         return dict(self.model_extra or {})
 
     @model_validator(mode="after")
@@ -96,7 +96,7 @@ class Template(Record):
 
 
 class Ensemble(Record):
-    """An ensemble, read: its base has no file any more."""
+    """Ensemble as read; its base no longer depends on a file."""
 
     base: Annotated[dict[str, Any], Field(description="a scenario's tables; in the file also its path")]
     ensemble: EnsembleSettings
@@ -108,12 +108,12 @@ class Ensemble(Record):
 
     @property
     def name(self) -> str:
-        """What errors call it: the path of its file."""
+        """Name of the ensemble in error messages: the path of its file."""
         return self._name
 
     @property
     def folder(self) -> Path | None:
-        """What relative paths in it count from."""
+        """Folder from which relative paths in the ensemble count."""
         return self._folder
 
     @model_validator(mode="after")
@@ -137,7 +137,7 @@ class Ensemble(Record):
 
 
 def load_ensemble(path: str | Path) -> Ensemble:
-    """Read and check an ensemble file, without drawing from it.
+    """Read and check an ensemble file without drawing from it.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def load_ensemble(path: str | Path) -> Ensemble:
 
 
 def read_toml(path: Path, what: str) -> dict[str, Any]:
-    """Tables of a TOML file.
+    """Read the tables of a TOML file.
 
     Raises
     ------
@@ -180,19 +180,19 @@ def parse_ensemble(raw: Mapping[str, Any], *, name: str = "ensemble", folder: Pa
             "ensemble = { scenes = 100 }, and laws of keys in tables [[vary]]"
         )
     try:
-        found = Ensemble.model_validate({**raw, "base": {}}, context={"base": folder})
+        ensemble = Ensemble.model_validate({**raw, "base": {}}, context={"base": folder})
     except ValidationError as error:
-        lines = dict.fromkeys(_told(detail) for detail in error.errors(include_url=False))
+        lines = dict.fromkeys(_described(detail) for detail in error.errors(include_url=False))
         mistakes = tuple(Mistake(key, value, None, text) for key, value, text in lines)
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
-    base = _base(raw.get("base", {}), found.ensemble.sensor, name, folder)
-    found = found.model_copy(update={"base": base})
-    found._name, found._folder = name, folder
-    return found
+    base = _base(raw.get("base", {}), ensemble.ensemble.sensor, name, folder)
+    ensemble = ensemble.model_copy(update={"base": base})
+    ensemble._name, ensemble._folder = name, folder
+    return ensemble
 
 
 def law_of(raw: object, name: str) -> Uniform | LogUniform | Normal | Choice | None:
-    """The law that a template's key holds; None where it is a plain value.
+    """Return the law that a template's key holds; None where it is a plain value.
 
     Raises
     ------
@@ -202,16 +202,16 @@ def law_of(raw: object, name: str) -> Uniform | LogUniform | Normal | Choice | N
     if not isinstance(raw, Mapping) or "law" not in raw:
         return None
     try:
-        found: Uniform | LogUniform | Normal | Choice = _LAW.validate_python(dict(raw))
+        law: Uniform | LogUniform | Normal | Choice = _LAW.validate_python(dict(raw))
     except ValidationError as error:
-        raise ScenarioError(f"{name}.{_told(error.errors(include_url=False)[0])[2]}") from None
-    if found.key is not None:
-        raise ScenarioError(f"{name}.key = '{found.key}': a law in a table of objects is of the key that it stands at; leave key out")
-    return found
+        raise ScenarioError(f"{name}.{_described(error.errors(include_url=False)[0])[2]}") from None
+    if law.key is not None:
+        raise ScenarioError(f"{name}.key = '{law.key}': a law in a table of objects is of the key that it stands at; leave key out")
+    return law
 
 
 def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> dict[str, Any]:
-    """Tables of the base, its paths absolute."""
+    """Return the tables of the base with absolute paths."""
     beside: Path | None
     if isinstance(given, str):
         path = Path(given) if folder is None else folder / given
@@ -230,7 +230,7 @@ def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> 
 
 
 def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
-    """Tables of which the keys of ``above`` win, table by table."""
+    """Merge two sets of tables, table by table; the keys of ``above`` replace those of the other."""
     out = dict(below)
     for key, value in above.items():
         inner = out.get(key)
@@ -239,22 +239,22 @@ def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]
 
 
 def with_absolute_paths(raw: Mapping[str, Any], scenario: Scenario) -> dict[str, Any]:
-    """The same tables with every path as the scenario found it, so that they mean the same in any folder."""
+    """Return tables in which every path is absolute, so that they mean the same in any folder."""
 
-    def walk(given: Any, found: Any) -> Any:
-        if isinstance(found, Path) and isinstance(given, str | Path):
-            return str(found.absolute())
+    def walk(given: Any, resolved: Any) -> Any:
+        if isinstance(resolved, Path) and isinstance(given, str | Path):
+            return str(resolved.absolute())
         if isinstance(given, Mapping):
-            return {key: walk(value, found.get(key) if isinstance(found, Mapping) else None) for key, value in given.items()}
-        if isinstance(given, list | tuple) and isinstance(found, list | tuple) and len(found) == len(given):
-            return [walk(one, other) for one, other in zip(given, found, strict=True)]
+            return {key: walk(value, resolved.get(key) if isinstance(resolved, Mapping) else None) for key, value in given.items()}
+        if isinstance(given, list | tuple) and isinstance(resolved, list | tuple) and len(resolved) == len(given):
+            return [walk(one, other) for one, other in zip(given, resolved, strict=True)]
         return list(given) if isinstance(given, tuple) else given
 
-    return {key: walk(value, found) for (key, value), found in zip(raw.items(), map(scenario.model_dump().get, raw), strict=True)}
+    return {key: walk(value, resolved) for (key, value), resolved in zip(raw.items(), map(scenario.model_dump().get, raw), strict=True)}
 
 
-def _told(error: ErrorDetails) -> tuple[str, Any, str]:
-    """Key, value and line of one mistake."""
+def _described(error: ErrorDetails) -> tuple[str, Any, str]:
+    """Return key, value and text of one mistake."""
     location = tuple(part for part in error["loc"] if part not in _TAGS)
     key = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location).lstrip(".")
     kind, given, context = error["type"], error["input"], error.get("ctx", {})
@@ -268,8 +268,8 @@ def _told(error: ErrorDetails) -> tuple[str, Any, str]:
         near = difflib.get_close_matches(str(location[-1]), keys, n=1, cutoff=0.6)
         return key, None, f"{key} is an unknown key; " + (f"did you mean {near[0]}?" if near else f"allowed here: {', '.join(keys)}")
     if kind == "missing":
-        told = "a table [ensemble] with the number of scenes, e.g. scenes = 100" if key == "ensemble" else "it to the file"
-        return key, None, f"{key} is missing; add {told}"
+        missing = "a table [ensemble] with the number of scenes, e.g. scenes = 100" if key == "ensemble" else "it to the file"
+        return key, None, f"{key} is missing; add {missing}"
     if kind == "tuple_type" and key in ("vary", "objects"):
         return key, None, f"{key} must be a list of tables; write [[{key}]] above each of them"
     if kind == "union_tag_invalid":
@@ -286,7 +286,7 @@ def _told(error: ErrorDetails) -> tuple[str, Any, str]:
 
 
 def _keys_at(location: tuple[int | str, ...]) -> list[str]:
-    """Keys that are allowed where one that is not was found."""
+    """Return the keys that are allowed at a location."""
     law = next((_LAWS[str(part)] for part in reversed(location) if part in _LAWS), None)
     if law is not None:
         # a law in a table of objects is of the key that it stands at
@@ -305,4 +305,4 @@ _LAWS: Final[Mapping[str, type[Record]]] = {
 }
 _TAGS: Final = tuple(_LAWS)
 _SCENARIO: Final = Scenario.model_fields.keys() - Ensemble.model_fields.keys()
-"""Tables and keys at the top of a scenario that an ensemble has not."""
+"""Tables and keys at the top of a scenario that an ensemble does not have."""

@@ -1,4 +1,4 @@
-"""The tree of keys a scenario may have, read off the models: for error messages, the template and the documentation."""
+"""Tree of the keys that a scenario may have, derived from the models: for error messages, the template and the documentation."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from seaglint.scenario.records.quantity import Quantity
 
 @dataclass(frozen=True)
 class Key:
-    """One key: where it stands, what it means, what it may be."""
+    """One key: its path, its meaning and its allowed values."""
 
     path: tuple[str, ...]
     info: FieldInfo
     records: tuple[type[BaseModel], ...]
-    """Records that the key may hold, when it is a table (several for a union)."""
+    """Return the records that the key may hold when it is a table; several for a union."""
 
     @property
     def quantities(self) -> tuple[Quantity, ...]:
-        """Units and ranges of the key's numbers; empty where it has none."""
+        """Return the units and ranges of the key's numbers; empty where it has none."""
         return tuple(_find(self.info.annotation, Quantity)) or tuple(item for item in self.info.metadata if isinstance(item, Quantity))
 
     @property
     def allowed(self) -> str:
-        """Range or choices as text; empty where any value goes."""
+        """Return the range or the choices as text; empty where any value is allowed."""
         if self.quantities:
             return " x ".join(dict.fromkeys(quantity.allowed for quantity in self.quantities))
         choices = " | ".join(f'"{choice}"' if isinstance(choice, str) else f"{choice}" for choice in _choices(self.info.annotation))
@@ -39,15 +39,15 @@ class Key:
         return "true | false" if self.info.annotation is bool else ""
 
 
-def _find(annotation: Any, wanted: type) -> Iterator[Any]:
-    """Instances of ``wanted`` among the annotations nested in a type."""
+def _find(annotation: Any, kind: type) -> Iterator[Any]:
+    """Yield the instances of ``kind`` among the annotations nested in a type."""
     if get_origin(annotation) is Annotated:
         inner, *extras = get_args(annotation)
-        yield from (extra for extra in extras if isinstance(extra, wanted))
-        yield from _find(inner, wanted)
+        yield from (extra for extra in extras if isinstance(extra, kind))
+        yield from _find(inner, kind)
     else:
         for argument in get_args(annotation):
-            yield from _find(argument, wanted)
+            yield from _find(argument, kind)
 
 
 def _records(annotation: Any) -> Iterator[type[BaseModel]]:
@@ -58,54 +58,54 @@ def _records(annotation: Any) -> Iterator[type[BaseModel]]:
 
 
 def _choices(annotation: Any) -> tuple[Any, ...]:
-    """Values of the choice in a type, also of one that may be left out or is asked for in a list."""
+    """Return the values of the choice in a type, also of one that is optional or in a list."""
     if get_origin(annotation) is Literal:
         return get_args(annotation)
     return tuple(dict.fromkeys(choice for argument in get_args(annotation) for choice in _choices(argument)))
 
 
 def is_list(annotation: Any) -> bool:
-    """Whether a type is a list of any length (in the file), rather than a pair."""
+    """Return true for a list of any length (in the file), false for a pair."""
     return any(get_origin(kind) is tuple and get_args(kind)[-1] is Ellipsis for kind in (annotation, *get_args(annotation)))
 
 
 def fields_of(record: type[BaseModel], above: tuple[str, ...] = ()) -> Iterator[Key]:
-    """Keys of one record, not going deeper."""
+    """Return the keys of one record, without those of the tables inside."""
     for name, info in record.model_fields.items():
         yield Key((*above, name), info, tuple(dict.fromkeys(_records(info.annotation))))
 
 
 @cache
 def _at(location: tuple[str, ...]) -> tuple[type[BaseModel], ...]:
-    """Records that may stand at a location."""
+    """Return the records that may stand at a location."""
     records: tuple[type[BaseModel], ...] = (Scenario,)
     for part in location:
         if part.isdecimal():  # a place in a list
             continue
-        found = (inner for record in records for key in fields_of(record) if key.path[-1] == part for inner in key.records)
-        records = tuple(dict.fromkeys(found))
+        inside = (inner for record in records for key in fields_of(record) if key.path[-1] == part for inner in key.records)
+        records = tuple(dict.fromkeys(inside))
     return records
 
 
 def table_keys(location: tuple[str | int, ...]) -> tuple[str, ...]:
-    """Keys allowed in the table at a location, over all the kinds that it may have."""
+    """Return the keys allowed in the table at a location, over all kinds that the table may have."""
     return tuple(dict.fromkeys(name for record in _at(tuple(str(part) for part in location)) for name in record.model_fields))
 
 
 def key_at(location: tuple[str | int, ...]) -> Key | None:
-    """The key at a location, or the list that holds it; None where no such key exists."""
+    """Return the key at a location, or the list that holds it; None where no such key exists."""
     *above, name = (str(part) for part in location if isinstance(part, str))
     return next((key for record in _at(tuple(above)) for key in fields_of(record, tuple(above)) if key.path[-1] == name), None)
 
 
 def choices_at(location: tuple[str | int, ...]) -> tuple[str, ...]:
-    """What the choice at a location may be, as text; empty where any value goes."""
+    """Return the choices at a location as text; empty where any value is allowed."""
     key = key_at(location)
     return tuple(str(choice) for choice in _choices(key.info.annotation)) if key is not None else ()
 
 
 def tags(location: tuple[str | int, ...]) -> tuple[str, ...]:
-    """Kinds of the union at a location; empty where there is no union."""
+    """Return the kinds of the union at a location; empty where there is no union."""
     records = _at(tuple(str(part) for part in location))
     if len(records) < 2:
         return ()
@@ -113,19 +113,19 @@ def tags(location: tuple[str | int, ...]) -> tuple[str, ...]:
 
 
 def choices_of_kind(key: Key) -> str:
-    """For the key that chooses a kind: all kinds as text; empty for other keys."""
+    """Return all kinds as text for the key that chooses a kind; empty for other keys."""
     above = tags(key.path[:-1])
     return " | ".join(f'"{tag}"' for tag in above) if above and tag_name(key.path[:-1]) == key.path[-1] else ""
 
 
 def tag_name(location: tuple[str | int, ...]) -> str:
-    """Name of the key that chooses the kind of the union at a location."""
+    """Return the name of the key that chooses the kind of the union at a location."""
     return next(iter(_at(tuple(str(part) for part in location))[0].model_fields))
 
 
 @cache
 def key_paths() -> tuple[str, ...]:
-    """All keys as dotted paths, tables not included."""
+    """Return all keys as dotted paths, without tables."""
 
     def walk(record: type[BaseModel], above: tuple[str, ...], over: tuple[type[BaseModel], ...]) -> Iterator[str]:
         for key in fields_of(record, above):

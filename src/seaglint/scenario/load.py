@@ -1,4 +1,4 @@
-"""A scenario from a TOML file or a plain mapping, with errors that say file, key, value, what is allowed and the nearest valid key."""
+"""Reader of scenarios from a TOML file or a mapping; errors name file, key, value, allowed range and the nearest valid key."""
 
 from __future__ import annotations
 
@@ -52,17 +52,17 @@ def load_scenario(path: str | Path, *, sensor: str | None = None) -> Scenario:
 def parse_scenario(raw: Mapping[str, Any], *, name: str = "scenario", base: Path | None = None) -> Scenario:
     """Validate a mapping laid out as the TOML file; ``base`` is the folder that relative paths count from."""
     if "ensemble" in raw:
-        raise ScenarioError(f"{name}: is an ensemble of scenes; draw them with: seaglint ensemble {name} -o DIR --draw-only, and give one")
+        raise ScenarioError(f"{name}: is an ensemble of scenes; draw them with 'seaglint ensemble' (draw_only=True), and give one of them")
     try:
         return Scenario.model_validate(dict(raw), context={"base": base})
     except ValidationError as error:
-        found = (_named(_explain(detail, raw), detail["loc"], raw) for detail in error.errors(include_url=False))
-        mistakes = tuple({mistake.text: mistake for mistake in found}.values())
+        explained = (_named(_explain(detail, raw), detail["loc"], raw) for detail in error.errors(include_url=False))
+        mistakes = tuple({mistake.text: mistake for mistake in explained}.values())
         raise ScenarioError("\n".join(f"{name}: {mistake.text}" for mistake in mistakes), mistakes=mistakes) from None
 
 
 def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
-    """One mistake, told in one line."""
+    """Describe one mistake in one line."""
     location = _without_tags(error["loc"], raw)
     key, kind, context, given = _dotted(location), error["type"], error.get("ctx", {}), error["input"]
     if kind == "rule":
@@ -83,7 +83,7 @@ def _explain(error: ErrorDetails, raw: Mapping[str, Any]) -> Mistake:
 
 
 def _named(mistake: Mistake, location: Sequence[str | int], raw: Mapping[str, Any]) -> Mistake:
-    """A mistake in an object says the object's name."""
+    """Put the name of the object into a mistake of an object."""
     match location:
         case ("objects", int(place), *_):
             name = raw["objects"][place].get("name") if isinstance(raw["objects"][place], Mapping) else None
@@ -97,7 +97,7 @@ def _named(mistake: Mistake, location: Sequence[str | int], raw: Mapping[str, An
 
 
 def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:
-    """The line of a mistake that no other key and no list of names explains."""
+    """Return the line of a mistake that no other key and no list of names explains."""
     key, kind, value = _dotted(location), error["type"], _shown(error["input"])
     if kind == "extra_forbidden":
         return _unknown_key(location)
@@ -106,8 +106,8 @@ def _sentence(error: ErrorDetails, location: tuple[str | int, ...]) -> str:
     if kind in ("quantity", "missing_file"):
         return f"{key} = {value} {error['msg']}"
     if kind in ("too_short", "too_long", "tuple_type"):
-        found = key_at(location)
-        if found is not None and is_list(found.info.annotation):
+        known = key_at(location)
+        if known is not None and is_list(known.info.annotation):
             names = choices_at(location)
             return f"{key} = {value} must be a list in brackets" + (f"; allowed in it: {_listed(names)}" if names else "")
         return f"{key} = {value} must be a pair of numbers [width, height]"
@@ -139,7 +139,7 @@ def _unknown_key(location: Sequence[str | int]) -> str:
 
 
 def _without_tags(location: Sequence[str | int], raw: Mapping[str, Any]) -> tuple[str | int, ...]:
-    """Pydantic puts the tag of a union into the path (``sea.spectrum.file.path``); the file has no such level.
+    """Return a location without the tags of unions, which pydantic adds and the file does not have.
 
     In a list of unions (``sea.spectrum.systems[0].file.path``) the tag stands behind the place.
     """
@@ -150,8 +150,8 @@ def _without_tags(location: Sequence[str | int], raw: Mapping[str, Any]) -> tupl
             skip = False
             continue
         out.append(part)
-        found = key_at(tuple(out)) if isinstance(part, str) else None
-        skip = bool(tags(tuple(out))) and not (found is not None and is_list(found.info.annotation))
+        key = key_at(tuple(out)) if isinstance(part, str) else None
+        skip = bool(tags(tuple(out))) and not (key is not None and is_list(key.info.annotation))
     return tuple(out)
 
 

@@ -1,4 +1,4 @@
-"""What a scenario file may say: frozen records, one per table of the TOML file, every value checked once.
+"""Models of a scenario file: frozen records, one per table of the TOML file, every value checked once.
 
 A validated number stays in the unit that its key names (``height_m``, ``azimuth_deg``); studies convert it.
 Winds and waves are described by where they come FROM; azimuths are clockwise from north; elevations are above the
@@ -51,7 +51,7 @@ class Scenario(Record):
     likelihood: Annotated[Likelihood | None, Field(description="how often glint matters, for the command likelihood")] = None
 
     html: ClassVar[Callable[[Any], str] | None] = None
-    """What notebooks show; :mod:`seaglint.scenario.text.display`, which reads this module, puts it here."""
+    """Function that makes the HTML for notebooks; :mod:`seaglint.scenario.text.display`, which reads this module, sets it."""
 
     def _repr_html_(self) -> str | None:
         return None if Scenario.html is None else Scenario.html(self)
@@ -160,6 +160,6 @@ class Scenario(Record):
 
 
 def _places_itself(raw: dict[str, Any]) -> bool:
-    """Whether a ``[likelihood]`` not yet validated names a region, or takes places from its weather."""
-    wanted = raw.get("likelihood")
-    return isinstance(wanted, dict) and (wanted.get("latitudes_deg") is not None or wanted.get("place_from_weather") is True)
+    """Return true where a ``[likelihood]`` not yet validated names a region, or takes places from its weather."""
+    table = raw.get("likelihood")
+    return isinstance(table, dict) and (table.get("latitudes_deg") is not None or table.get("place_from_weather") is True)

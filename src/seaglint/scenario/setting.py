@@ -1,4 +1,4 @@
-"""Keys set in the raw tables of a scenario by their dotted names."""
+"""Setter of keys in the raw tables of a scenario by their dotted names."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def set_key(raw: dict[str, Any], key: str, value: Any, name: str) -> None:
         ``wind.speed_m_s``; of an object by its name or its place in the list, ``objects.ferry.course_deg``, ``objects.0.course_deg``; of
         a list by the place in it, ``sensor.fov_deg.0``.
     value : object
-        What it gets.
+        New value of the key.
     name : str
         Whose tables they are, for messages.
 
@@ -51,7 +51,7 @@ def set_key(raw: dict[str, Any], key: str, value: Any, name: str) -> None:
 
 
 def _place(items: list[Any], step: str, key: str, name: str) -> int:
-    """Place of an object in a list by its name, or of anything by its number."""
+    """Return the index of an object in a list by its name, or of any item by its number."""
     named = [i for i, item in enumerate(items) if isinstance(item, Mapping) and item.get("name") == step]
     if named:
         return named[0]

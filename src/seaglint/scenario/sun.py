@@ -1,4 +1,4 @@
-"""Where the Sun stands in a scenario: as given, or from date and place."""
+"""Position of the Sun in a scenario: as given, or from date and place."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from seaglint.base.errors import ScenarioError
 from seaglint.scenario.model import Scenario
 
 SUN_STEP: Final = math.radians(0.05)
-"""Angle that the Sun goes on by before a sequence takes its new position [rad]: a tenth of its diameter."""
+"""Angle that the Sun moves before a sequence takes its new position [rad]: a tenth of its diameter."""
 
 SUN_STEP_TIME: Final = 86_400.0 * SUN_STEP / math.radians(360.985647)
-"""Time in which the Sun goes on by :data:`SUN_STEP` at most [s], 11.97 s: that of the Earth's turn against the stars."""
+"""Shortest time in which the Sun moves by :data:`SUN_STEP` [s], 11.97 s, from the Earth's rotation against the stars."""
 
 
 @dataclass(frozen=True)
@@ -30,12 +30,12 @@ class SunPosition:
 
     @property
     def irradiance_factor(self) -> float:
-        """Irradiance against that at 1 au, ``1/d^2``."""
+        """Return the irradiance over that at 1 au, ``1/d^2``."""
         return self.distance_au**-2
 
 
 def sun_step(scenario: Scenario, time: float) -> int:
-    """Which of the Sun's positions a time from the first frame [s] has: a function of the time alone; 0 where angles are given.
+    """Return the index of the Sun's position at a time from the first frame [s]; 0 where angles are given.
 
     Examples
     --------
@@ -47,7 +47,7 @@ def sun_step(scenario: Scenario, time: float) -> int:
 
 
 def sun_position(scenario: Scenario, step: int = 0) -> SunPosition:
-    """Direction and distance of the Sun at the scenario's first frame, or at the beginning of a later step (:func:`sun_step`).
+    """Return direction and distance of the Sun at the scenario's first frame, or at the beginning of a later step (:func:`sun_step`).
 
     Date and place go through the NREL solar position algorithm (Reda and Andreas 2004) of pvlib, with its standard
     atmosphere for refraction: the sea mirrors the Sun from where it is seen. Over a sequence it stays for :data:`SUN_STEP_TIME` at a time.
@@ -68,6 +68,6 @@ def sun_position(scenario: Scenario, step: int = 0) -> SunPosition:
     from pvlib import solarposition
 
     times = pd.DatetimeIndex([scenario.time.utc + timedelta(seconds=step * SUN_STEP_TIME)])
-    found = solarposition.get_solarposition(times, scenario.place.latitude_deg, scenario.place.longitude_deg, method="nrel_numpy")
+    angles = solarposition.get_solarposition(times, scenario.place.latitude_deg, scenario.place.longitude_deg, method="nrel_numpy")
     distance = float(solarposition.nrel_earthsun_distance(times).iloc[0])
-    return SunPosition(math.radians(float(found["apparent_zenith"].iloc[0])), math.radians(float(found["azimuth"].iloc[0])), distance)
+    return SunPosition(math.radians(float(angles["apparent_zenith"].iloc[0])), math.radians(float(angles["azimuth"].iloc[0])), distance)

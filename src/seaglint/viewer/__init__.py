@@ -1,1 +1,1 @@
-"""Look at sequences, maps, recordings and scenarios in a browser: ``seaglint view``."""
+"""Viewer of sequences, maps, recordings and scenarios in a browser: ``seaglint view``."""

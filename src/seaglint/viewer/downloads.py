@@ -1,4 +1,4 @@
-"""What is seen, as files: a frame as picture or numbers, a clip, and statistics as a table."""
+"""Downloads of the viewer: a frame as picture or numbers, a clip, and statistics as a table."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from seaglint.viewer.picture import Scales, Show
 from seaglint.viewer.scaling import Scaling
 
 MOST_CLIP: Final = 400_000_000
-"""Bytes of a clip's frames in memory."""
+"""Largest size of a clip's frames in memory [bytes]."""
 
 TYPES: Final = {".png": "image/png", ".npy": "application/octet-stream", ".tif": "image/tiff"}
 """Media types by ending."""
 
 
 def frame_file(show: Show, index: int, ending: str, scaling: Scaling, colours: Colours) -> bytes:
-    """One frame: PNG as it is shown, one pixel a pixel; NumPy or TIFF with the values, which tells the unit.
+    """Return one frame as a file: PNG as shown, one pixel a pixel; NumPy or TIFF with the values and their unit.
 
     Raises
     ------
@@ -55,7 +55,7 @@ def frame_file(show: Show, index: int, ending: str, scaling: Scaling, colours: C
 
 
 def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) -> bytes:
-    """Frames ``first`` to ``last`` (included) as MP4, on one linear scale between the ends of what is shown.
+    """Return frames ``first`` to ``last`` (included) as MP4, on one linear scale between the limits of the displayed scale.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) ->
 
 
 def table(result: dict[str, Any]) -> str:
-    """Statistics as CSV, one row for each number: ``fits.gamma.shape,3.21``."""
+    """Return statistics as CSV, one row for each number: ``fits.gamma.shape,3.21``."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
     writer.writerow(("quantity", "value"))

@@ -1,4 +1,4 @@
-"""Statistics of a dragged region, and what exceeds a threshold: the functions of ``seaglint analyze``, on one frame or all."""
+"""Statistics of a dragged region and its exceedances: the functions of ``seaglint analyze``, on one frame or all."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
 BoolArray = NDArray[np.bool_]
 
 SHOWN: Final[tuple[Family, ...]] = ("gamma", "gaussian")
-"""Families drawn over the histogram."""
+"""Families of distributions drawn over the histogram."""
 
 BINS: Final = 60
-"""Cells of the histogram."""
+"""Number of bins of the histogram."""
 
 _CURVE: Final = 160
 
 
 @dataclass(frozen=True)
 class Rectangle:
-    """Pixels from ``left`` and ``top`` on, ``width`` and ``height`` of them."""
+    """Rectangle of pixels from ``left`` and ``top`` on, ``width`` by ``height``."""
 
     left: int
     top: int
@@ -44,7 +44,7 @@ class Rectangle:
     height: int
 
     def mask(self, rows: int, columns: int) -> BoolArray:
-        """True inside.
+        """Return a mask of the image that is true inside the rectangle.
 
         Raises
         ------
@@ -59,7 +59,7 @@ class Rectangle:
 
 
 def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None = None) -> dict[str, Any]:
-    """Moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze --mask``.
+    """Return moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze`` with a mask.
 
     Raises
     ------
@@ -74,19 +74,19 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
     if not mask.any():
         raise DataError("the region has no pixel with a value that varies; drag another one")
     moments = first.moments.region(mask)
-    kept = recording.read(0, 1)
+    block = recording.read(0, 1)
     gathered = Gatherer(mask, 1, np.zeros(1, np.int64), AnalysisOptions().seed, recording.offset)
-    values, _ = gathered.sample(kept, (1e9, 1e9), mask)
-    inside = kept[0][mask].astype(np.float64) + recording.offset
+    values, _ = gathered.sample(block, (1e9, 1e9), mask)
+    inside = block[0][mask].astype(np.float64) + recording.offset
     low, high = float(inside.min()), float(inside.max())
     density, edges = np.histogram(inside, bins=BINS, range=(low, high) if high > low else (low - 0.5, low + 0.5), density=True)
     at = np.linspace(edges[0], edges[-1], _CURVE)
     fits: dict[str, Any] = {}
     for family in SHOWN:
-        found = fit(values, family)
+        fitted = fit(values, family)
         with np.errstate(all="ignore"):
-            curve = [number(float(v)) for v in found.pdf(at)] if found.is_valid else None
-        fits[family] = {"shape": found.shape, "loc": found.loc, "scale": found.scale, "reason": found.reason or None, "density": curve}
+            curve = [number(float(v)) for v in fitted.pdf(at)] if fitted.is_valid else None
+        fits[family] = {"shape": fitted.shape, "loc": fitted.loc, "scale": fitted.scale, "reason": fitted.reason or None, "density": curve}
     return {
         "frame": index,
         "label": chosen.label,
@@ -105,7 +105,7 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
 
 
 def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int | None, progress: Progress) -> dict[str, Any]:
-    """Everything that ``seaglint analyze --mask`` tells of a region, of one frame or of all that are there.
+    """Return all statistics of ``seaglint analyze`` with a mask, for a region of one frame or of all frames that exist.
 
     Raises
     ------
@@ -120,10 +120,10 @@ def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int |
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)  # of numbers that do not exist: the result says what is absent and why
-        found = analyze(recording, AnalysisOptions(mask=mask), progress)
-    if "glint" not in found.regions:
-        raise DataError(f"the region has too few pixels with values ({'; '.join(found.notes)}); drag another one")
-    out = found.regions["glint"].as_dict(recording.frame_rate)
+        analysis = analyze(recording, AnalysisOptions(mask=mask), progress)
+    if "glint" not in analysis.regions:
+        raise DataError(f"the region has too few pixels with values ({'; '.join(analysis.notes)}); drag another one")
+    out = analysis.regions["glint"].as_dict(recording.frame_rate)
     region = {"left": where.left, "top": where.top, "width": where.width, "height": where.height}
     return {"source": recording.source, "units": recording.units, "frame": only, "frames": recording.frames, "region_px": region, **out}
 
@@ -131,7 +131,7 @@ def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int |
 def exceedances(
     source: ViewerSource, index: int, sigma: float, filter_name: str, layer: str | None = None, where: Rectangle | None = None
 ) -> tuple[dict[str, Any], BoolArray]:
-    """Pixels of a frame above a threshold after a filter, as ``seaglint analyze`` counts them, and where they are.
+    """Return the pixels of a frame above a threshold after a filter, as ``seaglint analyze`` counts them, and their mask.
 
     Parameters
     ----------
@@ -161,7 +161,7 @@ def exceedances(
     above = z > np.float32(sigma)
     count, pixels = int(np.count_nonzero(above)), int(np.count_nonzero(np.isfinite(z)))
     rate, expected = count / pixels if pixels else math.nan, float(gaussian_rate(sigma))
-    told = {
+    result = {
         "frame": index,
         "threshold_sigma": sigma,
         "filter": filter_name,
@@ -172,11 +172,11 @@ def exceedances(
         "ratio": number(rate / expected) if expected > 0.0 else None,
         "value": _value(filtered[0], mask, sigma, recording.offset) if filter_name == "none" else None,
     }
-    return told, above
+    return result, above
 
 
 def _value(frame: NDArray[np.float32], mask: BoolArray, sigma: float, offset: float) -> float | None:
-    """The threshold as a value of the image."""
+    """Return the threshold as a value of the image."""
     inside = frame[mask].astype(np.float64)
     inside = inside[np.isfinite(inside)]
     return number(float(inside.mean() + sigma * inside.std()) + offset) if inside.size else None

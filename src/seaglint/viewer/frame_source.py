@@ -1,4 +1,4 @@
-"""A source of frames: whatever can be looked at, brought to one form and read frame by frame when it is asked for."""
+"""Source of frames: any file that can be displayed, in one form and read frame by frame on request."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from seaglint.viewer.opening import Layer, ObjectBox, Opened, open_path
 Image = NDArray[np.floating[Any]]
 
 MOST_CACHED: Final = 48_000_000
-"""Bytes of frames that a source keeps: memory does not grow with the sequence."""
+"""Largest size of the frames that a source caches [bytes], so that memory does not grow with the sequence."""
 
 MOST_TRACED: Final = 256
-"""Frames of a pixel's trace: each is a chunk of its own on disk."""
+"""Largest number of frames of a pixel's trace, each of which is a chunk of its own on disk."""
 
 
 class GoneError(DataError):
-    """A file that was there and is not any more."""
+    """Error of a file that has disappeared."""
 
 
 class ViewerSource:
@@ -39,7 +39,7 @@ class ViewerSource:
         self.path = str(path)
         self._variable = variable
         self._lock = threading.RLock()
-        self._kept: OrderedDict[tuple[str, int], Image] = OrderedDict()
+        self._cached: OrderedDict[tuple[str, int], Image] = OrderedDict()
         self._bytes = 0
         self._done: NDArray[np.int64] = np.empty(0, np.int64)
         try:
@@ -50,46 +50,46 @@ class ViewerSource:
 
     @property
     def opened(self) -> Opened:
-        """What the file holds, as it is now."""
+        """Return the content of the file in its present state."""
         with self._lock:
             self._look()
             return self._opened
 
     @property
     def stamp(self) -> tuple[int, ...]:
-        """Changes when the file is another."""
+        """Return an identity of the file, which changes when it is replaced."""
         return self._stamp
 
     def _find(self) -> tuple[Path, tuple[int, ...]]:
-        """Where the file is now, finished or not, and which one it is."""
+        """Return the present path of the file, finished or not, and its identity."""
         given = Path(self.path)
         if any(sign in given.name for sign in "*?["):
             return given, ()
         finished = given.with_name(given.name.removesuffix(".partial"))
         for place in dict.fromkeys((given, finished, partial_path(finished))):
-            for told in (place / "zarr.json", place):
+            for path in (place / "zarr.json", place):
                 try:
-                    found = told.stat()
+                    status = path.stat()
                 except OSError:
                     continue
-                return place, (found.st_ino, found.st_mtime_ns, 0 if place.is_dir() else found.st_size)
+                return place, (status.st_ino, status.st_mtime_ns, 0 if place.is_dir() else status.st_size)
         raise GoneError(f"{self.path}: is not there any more; put it back, or choose another one")
 
     def _open(self) -> Opened:
         opened = open_path(self._place, self._variable)
-        self._kept.clear()
+        self._cached.clear()
         self._bytes, self._done = 0, opened.done()
         return opened
 
     def _look(self) -> None:
-        """Open again what is another file than before."""
+        """Open the file again if it was replaced."""
         place, stamp = self._find()
         if stamp != self._stamp or place != self._place:
             self._place, self._stamp = place, stamp
             self._opened = self._open()
 
     def done(self) -> NDArray[np.int64]:
-        """Places of the frames that are there, in order; looked up anew while the file is being written."""
+        """Return the indices of the frames that exist, in order; read again while the file is being written."""
         with self._lock:
             self._look()
             if self._done.size < self._opened.frames:
@@ -97,7 +97,7 @@ class ViewerSource:
             return self._done
 
     def layer(self, name: str | None = None) -> Layer:
-        """A layer by its name; the main one where none is told.
+        """Return a layer by its name; the main one where none is given.
 
         Raises
         ------
@@ -111,7 +111,7 @@ class ViewerSource:
         return layers[chosen]
 
     def read(self, index: int, layer: str | None = None) -> Image:
-        """Image (rows, columns) of a frame, not to be changed.
+        """Return the image (rows, columns) of a frame, which must not be changed.
 
         Raises
         ------
@@ -122,15 +122,15 @@ class ViewerSource:
             chosen = self.layer(layer)
             self._require(index)
             key = (chosen.name, index)
-            found = self._kept.pop(key, None)
-            if found is None:
-                found = chosen.read(index)
-                found.flags.writeable = False
-                self._bytes += found.nbytes
-            self._kept[key] = found
-            while self._bytes > MOST_CACHED and len(self._kept) > 1:
-                self._bytes -= self._kept.popitem(last=False)[1].nbytes
-            return found
+            image = self._cached.pop(key, None)
+            if image is None:
+                image = chosen.read(index)
+                image.flags.writeable = False
+                self._bytes += image.nbytes
+            self._cached[key] = image
+            while self._bytes > MOST_CACHED and len(self._cached) > 1:
+                self._bytes -= self._cached.popitem(last=False)[1].nbytes
+            return image
 
     def _require(self, index: int) -> None:
         frames = self._opened.frames
@@ -140,22 +140,22 @@ class ViewerSource:
             raise DataError(f"frame {index}: is not written yet, {self._done.size} of {frames} are; wait or choose one of those")
 
     def boxes(self, index: int) -> list[ObjectBox]:
-        """Objects in view and their boxes, where the sequence has truth."""
+        """Return the objects in view and their boxes, where the sequence has truth."""
         with self._lock:
-            found = self.opened.boxes
+            read_boxes = self.opened.boxes
             self._require(index)
-            return [] if found is None else found(index)
+            return [] if read_boxes is None else read_boxes(index)
 
     def directions(self, index: int) -> tuple[Image, Image] | None:
-        """Azimuth and elevation [deg] as :func:`seaglint.files.directions.directions` gives them; None where they are not known."""
+        """Return azimuth and elevation [deg] as :func:`seaglint.files.directions.directions` gives them; None where not known."""
         with self._lock:
-            found = self.opened.directions
-            return None if found is None else found(index)
+            read_directions = self.opened.directions
+            return None if read_directions is None else read_directions(index)
 
     def trace(
         self, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False
     ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """At most :data:`MOST_TRACED` frames, those around one or ``spread`` over the whole sequence, and the values of a pixel in them."""
+        """Return the values of a pixel in at most :data:`MOST_TRACED` frames, around one or with ``spread`` over the whole sequence."""
         done = self.done()
         if spread:
             frames = done[np.unique(np.linspace(0, max(done.size - 1, 0), min(done.size, MOST_TRACED)).astype(np.int64))]
@@ -167,12 +167,12 @@ class ViewerSource:
         values = np.empty(frames.size)
         for place, frame in enumerate(frames.tolist()):
             with self._lock:  # frame by frame: who plays the sequence meanwhile is not kept waiting
-                kept = self._kept.get((chosen.name, frame))
-                values[place] = (chosen.read(frame) if kept is None else kept)[row, column]
+                cached = self._cached.get((chosen.name, frame))
+                values[place] = (chosen.read(frame) if cached is None else cached)[row, column]
         return frames, values
 
     def recording(self, layer: str | None = None, only: int | None = None) -> Recording:
-        """What ``seaglint analyze`` would open, of the frames that are there; or one frame of it.
+        """Return the recording that ``seaglint analyze`` would open, of the frames that exist; or of one frame.
 
         Parameters
         ----------
@@ -186,10 +186,10 @@ class ViewerSource:
         chosen, opened = self.layer(layer), self.opened
         done = self.done() if only is None else np.array([only])
         if opened.recording is not None:
-            found = opened.recording
+            recording = opened.recording
             if only is None:
-                return found
-            return replace(found, frames=1, read_block=lambda start, stop: found.read_block(only, only + 1))
+                return recording
+            return replace(recording, frames=1, read_block=lambda start, stop: recording.read_block(only, only + 1))
 
         def read(start: int, stop: int) -> NDArray[Any]:
             return np.stack([self.read(int(index), chosen.name) for index in done[start:stop]])
@@ -214,7 +214,7 @@ def open_source(path: str | Path, variable: str | None = None) -> ViewerSource:
     path : path
         File, store, folder of images, or pattern.
     variable : str, optional
-        Which array of a file that holds several.
+        Name of the array in a file that holds several.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Analyses that take longer than an answer may: one thread each, asked for how far they are, stopped when nobody asks any more."""
+"""Analyses that take longer than an answer may: one thread each, with progress, stopped when no browser asks for them."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ if TYPE_CHECKING:
 
 
 PATIENCE: Final = 15.0
-"""Seconds after which a job that nobody asks for is stopped: its browser is closed."""
+"""Time without a request after which a job is stopped, since its browser is closed [s]."""
 
 MOST: Final = 4
-"""Jobs at the same time."""
+"""Largest number of jobs at the same time."""
 
 
 class _StoppedError(Exception):
-    """Nobody waits for the result."""
+    """Error that ends a job whose result nobody waits for."""
 
 
 @dataclass
 class AnalysisJob:
-    """One analysis: how far it is, and its result or the error's text."""
+    """One analysis: its progress, and its result or the text of its error."""
 
     done: int = 0
     total: int = 1
@@ -38,14 +38,14 @@ class AnalysisJob:
     finished: threading.Event = field(default_factory=threading.Event)
 
     def progress(self, done: int, total: int) -> None:
-        """Note how far it is; leave where nobody waits."""
+        """Record the progress; raise where nobody waits for the result."""
         self.done, self.total = done, max(total, 1)
         if time.monotonic() - self.asked > PATIENCE:
             raise _StoppedError
 
 
 class Jobs:
-    """Those that run and the last ones that ran."""
+    """Running jobs and the last finished ones."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -53,7 +53,7 @@ class Jobs:
         self._numbers = itertools.count()
 
     def start(self, work: Callable[[Progress], dict[str, Any]]) -> int:
-        """Begin ``work(progress)`` and return its number.
+        """Start ``work(progress)`` in a thread and return its number.
 
         Raises
         ------
@@ -85,7 +85,7 @@ class Jobs:
         return number
 
     def get(self, number: int) -> AnalysisJob:
-        """The job of a number, whose patience begins anew.
+        """Return the job of a number, and restart its time-out.
 
         Raises
         ------

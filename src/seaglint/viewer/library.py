@@ -1,4 +1,4 @@
-"""Files that a viewer may open: a list on the server, of which browsers know numbers only."""
+"""List of the files that a viewer may open; it stays on the server, and browsers know only its numbers."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ ENDINGS: Final = frozenset({
     ".zarr", ".partial", ".nc", ".nc4", ".npy", ".npz", ".h5", ".hdf5", ".he5", ".mat", ".fits", ".fit", ".fts",
     *images.ENDINGS, *video.ENDINGS,
 })  # fmt: skip
-"""Endings of what is offered in a folder; raw files need a layout and are given by name."""
+"""Endings of the files offered in a folder; raw files need a layout and are given by name."""
 
 MOST_LISTED: Final = 300
-"""Files of a folder that are offered."""
+"""Largest number of files of a folder that are offered."""
 
 MOST_OPEN: Final = 6
-"""Sources that are kept open."""
+"""Largest number of sources that stay open."""
 
 
 class Library:
@@ -32,11 +32,11 @@ class Library:
     Parameters
     ----------
     given : iterable of path
-        What the user named; opened at once, so that mistakes are told before a browser opens.
+        Paths that the user named; opened at once, so that errors appear before a browser opens.
     folder : path, optional
-        Where other files may be chosen from; the folders of what was given where none is named.
+        Folder of further files; the folders of the given files by default.
     variable : str, optional
-        Which array of files that hold several.
+        Name of the array in files that hold several.
 
     Raises
     ------
@@ -50,14 +50,14 @@ class Library:
         self._open: dict[int, ViewerSource] = {}
         named = [str(path) for path in given]
         if folder is not None and not Path(folder).is_dir():
-            raise DataError(f"--folder {folder}: is no folder; give one with sequences or recordings")
+            raise DataError(f"folder = {folder}: is no folder; give one with sequences or recordings")
         self._folders = [Path(folder).resolve()] if folder is not None else sorted({Path(path).resolve().parent for path in named})
         for path in named:
             self._open[self._number(path)] = open_source(path, variable)
         self.given = len(self._paths)
 
     def __len__(self) -> int:
-        """Files known."""
+        """Return the number of files in the list."""
         return len(self._paths)
 
     def _number(self, path: str) -> int:
@@ -67,7 +67,7 @@ class Library:
             return self._paths.index(path)
 
     def listed(self) -> list[dict[str, Any]]:
-        """Number and name of every file that may be opened, those given first; folders are looked through anew."""
+        """Return number and name of every file that may be opened, those given first; folders are read again."""
         for folder in self._folders:
             for path in _files(folder):
                 if len(self._paths) >= self.given + MOST_LISTED:
@@ -83,7 +83,7 @@ class Library:
         return Path(path).name
 
     def source(self, number: int) -> ViewerSource:
-        """Source of a number, opened where it is not yet; the one not used for longest is let go.
+        """Return the source of a number, opened if necessary; the one not used for longest is closed.
 
         Raises
         ------
@@ -93,16 +93,16 @@ class Library:
         with self._lock:
             if not 0 <= number < len(self._paths):
                 raise DataError(f"source {number}: the list has {len(self._paths)} files, from 0; choose one of them")
-            found = self._open.pop(number, None)
-            if found is None:
+            source = self._open.pop(number, None)
+            if source is None:
                 path = self._paths[number]
                 if number >= self.given and not any(Path(path).resolve().is_relative_to(folder) for folder in self._folders):
                     raise DataError(f"{self._name(path)}: leads out of the folders that the viewer was started with")
-                found = open_source(path)
-            self._open[number] = found  # the last to go
+                source = open_source(path)
+            self._open[number] = source  # the last to go
             while len(self._open) > max(MOST_OPEN, self.given):
                 self._open.pop(next(n for n in self._open if n >= self.given))
-            return found
+            return source
 
 
 def _there(path: str) -> bool:
@@ -110,7 +110,7 @@ def _there(path: str) -> bool:
 
 
 def _files(folder: Path, depth: int = 2) -> Iterator[Path]:
-    """What has a known ending in a folder and the folders in it; links that lead out of it are left alone."""
+    """Return the files with known endings in a folder and its subfolders; links that lead out of it are skipped."""
     try:
         entries = sorted(folder.iterdir())
     except OSError:

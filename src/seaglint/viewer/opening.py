@@ -1,4 +1,4 @@
-"""What a file holds to look at: layers, directions, truth; nothing but headers is read until a frame is asked for."""
+"""Opening of files for display: layers, directions, truth; only headers are read until a frame is requested."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ from seaglint.files.store.stored_truth import GROUP
 from seaglint.plot.sequence_summary import to_temperature
 
 MAIN: Final = ("radiance", "signal", "texture")
-"""Layers that are shown first, where they are there."""
+"""Layers that are shown first, where they exist."""
 
 _MAPS: Final = (".nc", ".nc4")
 
 
 @dataclass(frozen=True)
 class Layer:
-    """One image for each frame.
+    """Layer of a file: one image for each frame.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class ObjectBox:
 
 @dataclass(frozen=True)
 class Opened:
-    """A file's frames; attributes as in :class:`~seaglint.viewer.frame_source.ViewerSource`."""
+    """Content of a file: frames and attributes as in :class:`~seaglint.viewer.frame_source.ViewerSource`."""
 
     frames: int
     rows: int
@@ -85,7 +85,7 @@ class Opened:
 
 
 def open_path(path: Path, variable: str | None = None) -> Opened:
-    """Open what is at a path.
+    """Open the file or folder at a path.
 
     Raises
     ------
@@ -102,7 +102,7 @@ def open_path(path: Path, variable: str | None = None) -> Opened:
 
 
 def _of_sequence(path: Path, variable: str | None) -> Opened:
-    """A store of ours. Of ``frame_done`` only chunks that are there are read: asking for each of many takes long."""
+    """Open a store of seaglint. Of ``frame_done`` only existing chunks are read, since requesting each of many takes long."""
     import xarray as xr
 
     try:
@@ -111,30 +111,30 @@ def _of_sequence(path: Path, variable: str | None) -> Opened:
     except Exception as error:
         raise DataError(f"{path}: the sequence is damaged ({' '.join(str(error).split())[:200]}); render it again") from error
 
-    told, full = dataset[DONE], set[int]()
-    unit = int(told.encoding["chunks"][0])
+    done_array, full = dataset[DONE], set[int]()
+    unit = int(done_array.encoding["chunks"][0])
 
     def done() -> NDArray[np.int64]:
         try:
             names = [int(entry.name) for entry in os.scandir(path / DONE / "c") if entry.name.isdigit()]
         except OSError:
             names = []
-        found = [np.empty(0, np.int64)]
+        chunks = [np.empty(0, np.int64)]
         for chunk in sorted(names):
             frames = np.arange(chunk * unit, min((chunk + 1) * unit, count))
             if unit > 1 and chunk not in full:
-                there = told[chunk * unit : chunk * unit + frames.size].to_numpy() == 1
+                there = done_array[chunk * unit : chunk * unit + frames.size].to_numpy() == 1
                 if there.all():
                     full.add(chunk)
                 frames = frames[there]
-            found.append(frames)
-        return np.concatenate(found)
+            chunks.append(frames)
+        return np.concatenate(chunks)
 
     return _of_dataset(dataset, path, variable, done)
 
 
 def _images(dataset: Any) -> list[str]:
-    """Variables that are images, the most telling first; all have the size of the first."""
+    """Return the variables that are images, the most important first; all have the size of the first."""
     names = [
         str(name)
         for name, values in dataset.data_vars.items()
@@ -179,83 +179,83 @@ def _of_dataset(dataset: Any, path: Path, variable: str | None, done: Callable[[
 
 
 def _layers(dataset: Any, names: list[str]) -> dict[str, Layer]:
-    """Layers stored, and those that follow from the main one: radiance of counts, apparent temperature of radiance."""
+    """Return the stored layers and those derived from the main one: radiance from counts, apparent temperature from radiance."""
 
     def stored(name: str) -> Callable[[int], NDArray[np.floating[Any]]]:
         def read(index: int) -> NDArray[np.floating[Any]]:
             values = dataset[name]
-            found = np.array(values[index] if "time" in values.dims else values)
-            return found if found.dtype.kind == "f" else found.astype(np.float32)
+            image = np.array(values[index] if "time" in values.dims else values)
+            return image if image.dtype.kind == "f" else image.astype(np.float32)
 
         return read
 
-    found: dict[str, Layer] = {}
+    layers: dict[str, Layer] = {}
     for name in names:
         known, about = VARIABLES.get(name), dataset[name].attrs
         unit = (known.symbol or known.units).strip() if known else str(about.get("units", ""))
         label = str(about.get("long_name") or (known.long_name if known else name))
         full = about.get("saturation_counts")
-        found[name] = Layer(name, label, "" if unit == "1" else unit, stored(name), None if full is None else float(full))
-    _derive(dataset, found)
-    return found
+        layers[name] = Layer(name, label, "" if unit == "1" else unit, stored(name), None if full is None else float(full))
+    _derive(dataset, layers)
+    return layers
 
 
-def _derive(dataset: Any, found: dict[str, Layer]) -> None:
+def _derive(dataset: Any, layers: dict[str, Layer]) -> None:
     about = VARIABLES["radiance"]
-    if "signal" in found and "radiance" not in found:
+    if "signal" in layers and "radiance" not in layers:
         try:
             scale, offset = count_line(dataset["signal"])
         except SeaglintError:
             return
-        counts = found["signal"].read
-        found["radiance"] = Layer("radiance", about.long_name, about.symbol, lambda index: counts(index) * scale + offset)
-    if "radiance" not in found or "apparent_temperature" in found:
+        counts = layers["signal"].read
+        layers["radiance"] = Layer("radiance", about.long_name, about.symbol, lambda index: counts(index) * scale + offset)
+    if "radiance" not in layers or "apparent_temperature" in layers:
         return
     try:
         band = stored_band(dataset.attrs)
     except (KeyError, ValueError):
         return
-    radiance = found["radiance"].read
+    radiance = layers["radiance"].read
     warm = VARIABLES["apparent_temperature"]
-    found[warm.name] = Layer(warm.name, warm.long_name, warm.units, lambda index: to_temperature(radiance(index), band))
+    layers[warm.name] = Layer(warm.name, warm.long_name, warm.units, lambda index: to_temperature(radiance(index), band))
 
 
 def _boxes(path: Path) -> Callable[[int], list[ObjectBox]] | None:
-    """Boxes of a store's truth."""
+    """Return a function that reads the boxes of a store's truth."""
     if not (path / GROUP / "zarr.json").exists():
         return None
     import zarr
 
     group: Any = zarr.open_group(path / GROUP, mode="r", zarr_format=3)
     names = [str(name) for name in group.attrs["objects"]]
-    wanted = ("bbox_left_px", "bbox_top_px", "bbox_width_px", "bbox_height_px", "range_m")
+    needed = ("bbox_left_px", "bbox_top_px", "bbox_width_px", "bbox_height_px", "range_m")
 
     def read(index: int) -> list[ObjectBox]:
-        table = np.stack([np.asarray(group[name][index], np.float64) for name in wanted], axis=1)
+        table = np.stack([np.asarray(group[name][index], np.float64) for name in needed], axis=1)
         rows = zip(names, table.tolist(), strict=True)
         return [ObjectBox(name, *row) for name, row in rows if all(map(math.isfinite, row[:4])) and row[2] > 0.0 and row[3] > 0.0]
 
     return read
 
 
-def _of_recording(found: Recording) -> Opened:
-    """Anything else; without units, numbers are counts where the format has whole ones, or not known."""
-    unit = found.units or ("counts" if found.saturation is not None else "unit not known")
+def _of_recording(recording: Recording) -> Opened:
+    """Open any other recording; without units, numbers are counts where the format has integers, otherwise the unit is not known."""
+    unit = recording.units or ("counts" if recording.saturation is not None else "unit not known")
     label = "counts" if unit == "counts" else "value"
 
     def read(index: int) -> NDArray[np.floating[Any]]:
-        block = np.array(found.read_block(index, index + 1)[0])
+        block = np.array(recording.read_block(index, index + 1)[0])
         return block if block.dtype.kind == "f" else block.astype(np.float64 if block.dtype.itemsize > 2 else np.float32)
 
-    full = None if found.saturation is None else found.saturation + found.offset
-    everything = np.arange(found.frames, dtype=np.int64)
+    full = None if recording.saturation is None else recording.saturation + recording.offset
+    everything = np.arange(recording.frames, dtype=np.int64)
     return Opened(
-        found.frames,
-        found.rows,
-        found.columns,
+        recording.frames,
+        recording.rows,
+        recording.columns,
         {"value": Layer("value", label, unit, read, full)},
         lambda: everything,
-        found.frame_rate,
-        recording=found,
-        notes=found.notes,
+        recording.frame_rate,
+        recording=recording,
+        notes=recording.notes,
     )

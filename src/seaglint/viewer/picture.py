@@ -1,4 +1,4 @@
-"""What is shown of a source: which layer, less which other source, on which scale."""
+"""Displayed picture of a source: its layer, an optional source that is subtracted, and its scale."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from seaglint.viewer.frame_source import ViewerSource
 from seaglint.viewer.scaling import Scaling, scaling_of
 
 SAMPLED: Final = 12
-"""Frames that set a scale for all."""
+"""Number of frames that set a scale for all."""
 
 MOST_SAMPLED: Final = 1_000_000
-"""Pixels in them that percentiles and histograms are made of."""
+"""Largest number of their pixels that enter percentiles and histograms."""
 
-_KEPT: Final = 64
+_MOST_CACHED: Final = 64
 
 
 @dataclass(frozen=True)
 class Show:
-    """What is shown.
+    """Selection of what is displayed.
 
     Attributes
     ----------
@@ -50,16 +50,16 @@ class Show:
     limits: tuple[float, float] | None = None
 
     def image(self, index: int) -> NDArray[np.floating[Any]]:
-        """Values of a frame (rows, columns) [unit of the layer].
+        """Return the values of a frame (rows, columns) [unit of the layer].
 
         Raises
         ------
         DataError
             A frame or a layer that is not there, or two sources of different sizes or units.
         """
-        found = self.source.read(index, self.layer)
+        values = self.source.read(index, self.layer)
         if self.minus is None:
-            return found
+            return values
         mine = self.source.layer(self.layer)
         other = self.minus.layer(self.layer)
         if other.unit != mine.unit:
@@ -67,27 +67,27 @@ class Show:
                 f"difference: {mine.label} [{mine.unit}] and {other.label} [{other.unit}] have different units; choose one layer"
             )
         taken = self.minus.read(index, self.layer)
-        if taken.shape != found.shape:
-            sizes = " and ".join(f"{image.shape[1]} x {image.shape[0]}" for image in (found, taken))
+        if taken.shape != values.shape:
+            sizes = " and ".join(f"{image.shape[1]} x {image.shape[0]}" for image in (values, taken))
             raise DataError(f"difference: the pictures have {sizes} pixels; give two of one size")
-        return found - taken
+        return values - taken
 
     @property
     def key(self) -> tuple[Any, ...]:
-        """Tells what is shown, but for the frame."""
+        """Return a key that identifies the selection, without the frame."""
         sources = tuple((s.path, s.stamp) for s in (self.source, self.minus) if s is not None)
         return (*sources, self.layer, self.kind, self.fixed, self.limits)
 
 
 class Scales:
-    """Scalings of what was shown last; those of a whole sequence take reading several frames."""
+    """Cache of the latest scalings; one for a whole sequence requires reading several frames."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._kept: OrderedDict[tuple[Any, ...], Scaling] = OrderedDict()
+        self._cached: OrderedDict[tuple[Any, ...], Scaling] = OrderedDict()
 
     def of(self, show: Show, index: int) -> Scaling:
-        """Scaling of a frame."""
+        """Return the scaling of a frame."""
         symmetric = show.minus is not None
         if show.limits is not None:
             return scaling_of((), show.kind, limits=show.limits)
@@ -96,22 +96,22 @@ class Scales:
         frames = sampled(show)
         key = (*show.key, tuple(frames.tolist()))
         with self._lock:
-            found = self._kept.get(key)
-            if found is None:
+            scaling = self._cached.get(key)
+            if scaling is None:
                 images = [show.image(int(frame)) for frame in frames]
                 pixels = sum(image.size for image in images)
                 if show.kind != "linear" and pixels > MOST_SAMPLED:
                     step = int(np.ceil(np.sqrt(pixels / MOST_SAMPLED)))
                     images = [image[::step, ::step] for image in images]
-                found = scaling_of(images, show.kind, symmetric=symmetric)
-                self._kept[key] = found
-                while len(self._kept) > _KEPT:
-                    self._kept.popitem(last=False)
-        return found
+                scaling = scaling_of(images, show.kind, symmetric=symmetric)
+                self._cached[key] = scaling
+                while len(self._cached) > _MOST_CACHED:
+                    self._cached.popitem(last=False)
+        return scaling
 
 
 def sampled(show: Show) -> NDArray[np.int64]:
-    """Frames that set the scale for all: evenly spaced over what is there, changing seldom while a sequence grows."""
+    """Return the frames that set the scale for all: evenly spaced, and changing rarely while a sequence grows."""
     done = show.source.done()
     if show.minus is not None:
         done = np.intersect1d(done, show.minus.done())
@@ -121,7 +121,7 @@ def sampled(show: Show) -> NDArray[np.int64]:
 
 
 def tag(show: Show, index: int, scaling: Scaling) -> str:
-    """An ETag: the same for the same picture."""
+    """Return the ETag of a picture; equal pictures have equal tags."""
     steps = b"" if scaling.steps is None else scaling.steps.tobytes()
-    told = repr((show.key, index, scaling.low, scaling.high)).encode() + steps
-    return f'"{hashlib.blake2b(told, digest_size=12).hexdigest()}"'
+    content = repr((show.key, index, scaling.low, scaling.high)).encode() + steps
+    return f'"{hashlib.blake2b(content, digest_size=12).hexdigest()}"'

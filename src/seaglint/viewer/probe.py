@@ -1,4 +1,4 @@
-"""What is under the pointer: a pixel's values in every layer, where it looks, and its course in time."""
+"""Probe and trace: a pixel's values in every layer, its direction, and its values over time."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from seaglint.viewer.frame_source import ViewerSource
 
 
 def probe(source: ViewerSource, index: int, row: int, column: int) -> dict[str, Any]:
-    """Values of a pixel of one frame, by layer, with units; direction and objects where they are known.
+    """Return the values of a pixel of one frame, by layer, with units; direction and objects where they are known.
 
     Raises
     ------
@@ -46,18 +46,18 @@ def require_pixel(source: ViewerSource, row: int, column: int) -> None:
 
 
 def towards(source: ViewerSource, index: int, row: int, column: int) -> tuple[float | None, float | None]:
-    """Azimuth and elevation of a pixel's centre [deg]; None where they are not known."""
-    found = source.directions(index)
-    if found is None:
+    """Return azimuth and elevation of a pixel's centre [deg]; None where they are not known."""
+    angles = source.directions(index)
+    if angles is None:
         return None, None
-    azimuth, elevation = found
+    azimuth, elevation = angles
     if azimuth.ndim == 1:
         return float(azimuth[column]), float(elevation[row])
     return float(azimuth[row, column]), float(elevation[row, column])
 
 
 def trace(source: ViewerSource, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False) -> dict[str, Any]:
-    """Course of a pixel in time, around a frame or ``spread`` over all: frames, times [s] where they are known, values.
+    """Return the values of a pixel over time, around a frame or ``spread`` over all: frames, times [s] where known, values.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Addresses of the page of sequences: what its script asks for, and nothing else.
+"""Addresses of the page of sequences: the requests of its script.
 
 Sources, frames and layers are numbers and names that are looked up in lists; no text of a request becomes a path.
 """
@@ -41,24 +41,24 @@ Answer = Callable[[Request], Response]
 
 
 class Query:
-    """Numbers and words of a request's query; what is malformed is told."""
+    """Numbers and words of a request's query; malformed ones raise an error."""
 
     def __init__(self, request: Request) -> None:
         self._given = request.query_params
 
     def word(self, name: str) -> str | None:
-        """Text, or None where there is none."""
+        """Return the text, or None where there is none."""
         return self._given.get(name) or None
 
     def integer(self, name: str, default: int | None = None) -> int:
-        """A whole number."""
+        """Return a whole number."""
         value = self.real(name, None if default is None else float(default))
         if not value.is_integer():
             raise DataError(f"{name} = {value:g}: give a whole number")
         return int(value)
 
     def real(self, name: str, default: float | None = None) -> float:
-        """A finite number."""
+        """Return a finite number."""
         text = self._given.get(name)
         if text is None or text == "":
             if default is None:
@@ -73,27 +73,27 @@ class Query:
         return value
 
     def rectangle(self) -> Rectangle | None:
-        """A region, where one is told."""
+        """Return a region, or None where none is given."""
         if self.word("width") is None:
             return None
         return Rectangle(*(min(max(self.integer(name), -(10**9)), 10**9) for name in ("left", "top", "width", "height")))
 
     def colours(self) -> Colours:
-        """Colours of brightness."""
-        wanted = self.word("colours") or _COLOURS[0]
+        """Return the colours of the brightness scale."""
+        requested = self.word("colours") or _COLOURS[0]
         for known in _COLOURS:
-            if known == wanted:
+            if known == requested:
                 return known
-        raise DataError(f"colours '{wanted[:40]}': allowed are {', '.join(_COLOURS)}")
+        raise DataError(f"colours '{requested[:40]}': allowed are {', '.join(_COLOURS)}")
 
 
 def routes(library: Library, links: list[dict[str, str]]) -> list[Route]:
-    """Routes of the page and of all that it asks for; ``links`` are other pages of the viewer."""
+    """Return the routes of the page and of all its requests; ``links`` are other pages of the viewer."""
     return _Pages(library, links).routes()
 
 
-def _told(answer: Answer) -> Answer:
-    """Mistakes as JSON: ``{"error": text}``."""
+def _refusals_as_json(answer: Answer) -> Answer:
+    """Return a handler that answers errors as JSON: ``{"error": text}``."""
 
     def answered(request: Request) -> Response:
         try:
@@ -114,7 +114,7 @@ class _Pages:
         self._scales, self._jobs = Scales(), Jobs()
 
     def routes(self) -> list[Route]:
-        """All of them."""
+        """Return all routes of the page."""
         frame = "{source:int}/{index:int}"
         table_of: list[tuple[str, Answer, str]] = [
             ("/", self.page, "GET"),
@@ -132,7 +132,7 @@ class _Pages:
             (f"/api/export/frame/{frame}/{{kind}}", self.export_frame, "GET"),
             ("/api/export/clip/{source:int}", self.export_clip, "GET"),
         ]
-        return [Route(path, _told(answer), methods=[method]) for path, answer, method in table_of]
+        return [Route(path, _refusals_as_json(answer), methods=[method]) for path, answer, method in table_of]
 
     def _of(self, request: Request) -> ViewerSource:
         return self._library.source(int(request.path_params["source"]))
@@ -150,23 +150,23 @@ class _Pages:
         )
 
     def page(self, request: Request) -> Response:
-        """The page of sequences; where none was given, the first of the others."""
+        """Return the page of sequences; the first other page where no sequence was given."""
         if self._links and not len(self._library):
             return RedirectResponse(self._links[0]["path"])
         return self._file("index.html")
 
     def static(self, request: Request) -> Response:
-        """Script and style."""
+        """Return script and style."""
         return self._file(str(request.path_params["name"]))
 
     def _file(self, name: str) -> Response:
-        found = _FILES.get(name)
-        if found is None:
+        path = _FILES.get(name)
+        if path is None:
             return JSONResponse({"error": "no such file"}, status_code=404)
-        return Response(found.read_bytes(), media_type=_MEDIA[found.suffix], headers=_FRESH)
+        return Response(path.read_bytes(), media_type=_MEDIA[path.suffix], headers=_FRESH)
 
     def session(self, request: Request) -> Response:
-        """What may be chosen from."""
+        """Return the choices of the page."""
         tables = {name: base64.b64encode(palette(name).tobytes()).decode() for name in _COLOURS}
         answer = {
             "version": __version__,
@@ -181,14 +181,14 @@ class _Pages:
         return JSONResponse(answer, headers=_FRESH)
 
     def source(self, request: Request) -> Response:
-        """What a source holds."""
-        found = self._of(request)
-        opened, done = found.opened, found.done()
-        directions = None if opened.directions is None or opened.turning else found.directions(0)
+        """Return the description of a source."""
+        source = self._of(request)
+        opened, done = source.opened, source.done()
+        directions = None if opened.directions is None or opened.turning else source.directions(0)
         upright = directions is not None and directions[0].ndim == 1
         return JSONResponse(
             {
-                "name": Path(found.path).name,
+                "name": Path(source.path).name,
                 "title": opened.title,
                 "frames": opened.frames,
                 "done": int(done.size),
@@ -208,7 +208,7 @@ class _Pages:
         )
 
     def frame(self, request: Request) -> Response:
-        """Levels of a frame, a byte a pixel, and what they mean in the header ``Seaglint-Scale``."""
+        """Return the levels of a frame, one byte a pixel, with their scale in the header ``Seaglint-Scale``."""
         show, index = self._show(request), int(request.path_params["index"])
         scaling = self._scales.of(show, index)
         etag = tag(show, index, scaling)
@@ -220,42 +220,42 @@ class _Pages:
         return Response(scaling.levels(show.image(index)).tobytes(), media_type="application/octet-stream", headers=headers)
 
     def probe(self, request: Request) -> Response:
-        """Values under the pointer."""
+        """Return the values under the pointer."""
         query = Query(request)
         index = int(request.path_params["index"])
         return JSONResponse(probe(self._of(request), index, query.integer("row"), query.integer("column")), headers=_FRESH)
 
     def trace(self, request: Request) -> Response:
-        """A pixel in time."""
+        """Return the values of a pixel over time."""
         query = Query(request)
         index = int(request.path_params["index"])
         place = query.integer("row"), query.integer("column")
-        found = trace(self._of(request), *place, index, query.word("layer"), spread=query.word("spread") == "1")
-        return JSONResponse(found, headers=_FRESH)
+        course = trace(self._of(request), *place, index, query.word("layer"), spread=query.word("spread") == "1")
+        return JSONResponse(course, headers=_FRESH)
 
     def truth(self, request: Request) -> Response:
-        """Boxes of objects."""
+        """Return the boxes of objects."""
         boxes = self._of(request).boxes(int(request.path_params["index"]))
-        told = [vars(box) | {"range_m": box.range_m if math.isfinite(box.range_m) else None} for box in boxes]
-        return JSONResponse({"boxes": told}, headers=_FRESH)
+        listed = [vars(box) | {"range_m": box.range_m if math.isfinite(box.range_m) else None} for box in boxes]
+        return JSONResponse({"boxes": listed}, headers=_FRESH)
 
     def region(self, request: Request) -> Response:
-        """Histogram, moments and fits of a region of one frame."""
+        """Return histogram, moments and fits of a region of one frame."""
         query = Query(request)
-        found = quick(self._of(request), int(request.path_params["index"]), self._rectangle(query), query.word("layer"))
-        return JSONResponse(found, headers=_FRESH)
+        statistics = quick(self._of(request), int(request.path_params["index"]), self._rectangle(query), query.word("layer"))
+        return JSONResponse(statistics, headers=_FRESH)
 
     @staticmethod
     def _rectangle(query: Query) -> Rectangle:
-        found = query.rectangle()
-        if found is None:
+        rectangle = query.rectangle()
+        if rectangle is None:
             raise DataError("no region is told; drag one on the picture")
-        return found
+        return rectangle
 
     def exceedances(self, request: Request) -> Response:
-        """Pixels above a threshold: how many, and which as bits, row by row."""
+        """Return the number of pixels above a threshold, and their mask as bits, row by row."""
         query = Query(request)
-        told, above = exceedances(
+        result, above = exceedances(
             self._of(request),
             int(request.path_params["index"]),
             query.real("sigma"),
@@ -264,10 +264,10 @@ class _Pages:
             query.rectangle(),
         )
         bits = base64.b64encode(np.packbits(above).tobytes()).decode()
-        return JSONResponse({**told, "mask": bits}, headers=_FRESH)
+        return JSONResponse({**result, "mask": bits}, headers=_FRESH)
 
     def analyse(self, request: Request) -> Response:
-        """Begin the whole analysis of a region."""
+        """Start the whole analysis of a region."""
         query, source = Query(request), self._of(request)
         where, layer = self._rectangle(query), query.word("layer")
         only = None if query.word("all") == "1" else int(request.path_params["index"])
@@ -275,7 +275,7 @@ class _Pages:
         return JSONResponse({"job": number}, status_code=202, headers=_FRESH)
 
     def analysis(self, request: Request) -> Response:
-        """How far it is; its result, as JSON or CSV, once it is there."""
+        """Return the progress of an analysis, and its result as JSON or CSV once it exists."""
         job = self._jobs.get(int(request.path_params["job"]))
         query = Query(request)
         if job.error is not None:
@@ -290,7 +290,7 @@ class _Pages:
         return JSONResponse({"done": job.total, "total": job.total, "result": job.result}, headers=_FRESH)
 
     def export_frame(self, request: Request) -> Response:
-        """One frame as a file."""
+        """Return one frame as a file."""
         show, index = self._show(request), int(request.path_params["index"])
         ending = "." + str(request.path_params["kind"])
         if ending not in TYPES:
@@ -299,14 +299,14 @@ class _Pages:
         return _download(body, f"{_stem(show.source)}-{show.source.layer(show.layer).name}-{index:05d}{ending}", TYPES[ending])
 
     def export_clip(self, request: Request) -> Response:
-        """Frames as a film."""
+        """Return frames as a film."""
         show, query = self._show(request), Query(request)
         first, last = query.integer("first"), query.integer("last")
         return _download(clip(show, first, last, self._scales, query.colours()), f"{_stem(show.source)}-{first}-{last}.mp4", "video/mp4")
 
 
 def _stem(source: ViewerSource) -> str:
-    """Name for a download: letters, digits and what joins them."""
+    """Return a name for a download: letters, digits, hyphens and the like."""
     stem = Path(source.path).name.removesuffix(".partial").split(".")[0]
     return "".join(c if (c.isascii() and c.isalnum()) or c in "-_" else "_" for c in stem)[:60] or "frame"
 

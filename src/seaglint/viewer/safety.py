@@ -1,4 +1,4 @@
-"""Who may talk to the viewer, and how much at once: the outermost layer of the server.
+"""Access control of the viewer and limits of requests: the outermost layer of the server.
 
 A page of another site that a user has open can send requests to this machine, and a name that its owner points here (DNS rebinding)
 makes the browser believe that both are one site. Requests are therefore refused unless ``Host`` is a name that the server was started
@@ -23,13 +23,13 @@ Send = Callable[[Message], Awaitable[None]]
 Application = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 LOOPBACK: Final = frozenset({"127.0.0.1", "localhost", "::1"})
-"""Names of the own machine."""
+"""Names of the local machine."""
 
 MOST_BODY: Final = 1_000_000
-"""Bytes of a request's body or of a websocket's message."""
+"""Largest size of a request's body or of a websocket's message [bytes]."""
 
 MOST_ADDRESS: Final = 4096
-"""Bytes of a request's path and query."""
+"""Largest size of a request's path and query [bytes]."""
 
 # Scripts of NiceGUI's pages are written into them. Nothing may be asked for from elsewhere, whatever a page holds.
 _POLICY: Final = "default-src 'self' 'unsafe-inline' 'unsafe-eval' data: blob:; frame-ancestors 'none'; form-action 'self'"
@@ -46,7 +46,7 @@ _HEADERS: Final = (
 
 
 def is_loopback(host: str) -> bool:
-    """Whether an address is the own machine's.
+    """Return true for an address of the local machine.
 
     >>> is_loopback("localhost"), is_loopback("127.0.0.2"), is_loopback("0.0.0.0")
     (True, True, False)
@@ -60,12 +60,12 @@ def is_loopback(host: str) -> bool:
 
 
 def new_token() -> str:
-    """A word that nobody guesses, fit for an address."""
+    """Return a random token, fit for an address."""
     return secrets.token_urlsafe(24)
 
 
 class Guard:
-    """Refuses what is not from the viewer's own pages, before anything else sees it.
+    """Middleware that refuses requests that do not come from the viewer's own pages.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class Guard:
             self._names |= {socket.gethostname().lower(), socket.getfqdn().lower()}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Answer, or hand on."""
+        """Answer a request, or pass it on."""
         if scope["type"] == "lifespan":
             await self.app(scope, receive, send)
             return
@@ -102,7 +102,7 @@ class Guard:
             await self._answer(scope, receive, send)
 
     def _refusal(self, scope: Scope) -> tuple[int, str] | None:
-        """Status and reason of a request that is not to be answered."""
+        """Return status and reason of a request that is refused."""
         headers = _headers(scope)
         host = headers.get("host", "")
         if not self._is_ours(host):
@@ -142,13 +142,13 @@ class Guard:
 
     def _known(self, scope: Scope) -> bool:
         try:
-            found = SimpleCookie(_headers(scope).get("cookie", "")).get(self._cookie(scope))
+            cookie = SimpleCookie(_headers(scope).get("cookie", "")).get(self._cookie(scope))
         except CookieError:
             return False
-        return found is not None and hmac.compare_digest(found.value.encode(), (self.token or "").encode())
+        return cookie is not None and hmac.compare_digest(cookie.value.encode(), (self.token or "").encode())
 
     async def _greet(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Take the token out of the address into a cookie, so that it is in no history and no link."""
+        """Move the token from the address into a cookie, so that it is in no history and no link."""
         query = parse_qs(bytes(scope.get("query_string") or b"").decode("ascii", "replace"))
         given = query.get("token", [""])[-1]
         if scope["type"] != "http" or not hmac.compare_digest(given.encode(), (self.token or "").encode()):
@@ -163,7 +163,7 @@ class Guard:
         await send({"type": "http.response.body", "body": b""})
 
     async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Hand on with a bounded body and headers that keep the answer within this site."""
+        """Pass a request on with a bounded body, and with headers that keep the answer within this site."""
         path = str(scope["path"])
         own = path == "/" or path.startswith(("/static/", "/api/"))
         policy = (b"content-security-policy", (_STRICT if own else _POLICY).encode())
@@ -181,7 +181,7 @@ def _headers(scope: Scope) -> dict[str, str]:
 
 
 def _same_place(origin: str, host: str) -> bool:
-    """Whether an ``Origin`` is of the host asked for."""
+    """Return true where an ``Origin`` has the host of the request."""
     try:
         parts = urlsplit(origin)
     except ValueError:
@@ -201,7 +201,7 @@ async def _refuse(scope: Scope, receive: Receive, send: Send, status: int, reaso
 
 
 def _bounded_body(receive: Receive) -> Receive:
-    """Bodies without a length end where they become too large."""
+    """Return a receiver that ends a body without a length where it becomes too large."""
     taken = 0
 
     async def bounded() -> Message:
@@ -214,7 +214,7 @@ def _bounded_body(receive: Receive) -> Receive:
 
 
 def _bounded_messages(receive: Receive, send: Send) -> Receive:
-    """Messages of a websocket that are too large end it."""
+    """Return a receiver that ends a websocket whose message is too large."""
 
     async def bounded() -> Message:
         message = await receive()

@@ -1,4 +1,4 @@
-"""Brightness of a picture: values become 255 levels, by a straight line, between percentiles, or by plateau equalisation.
+"""Brightness scale of a picture: values become 255 levels, linearly, between percentiles, or by plateau equalisation.
 
 Level 0 is kept for pixels without a value. The colours of the levels are drawn by the browser.
 """
@@ -18,21 +18,21 @@ Kind = Literal["linear", "percentile", "plateau"]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 
 LEVELS: Final = 255
-"""Levels of values, from 1."""
+"""Number of levels of values, counted from 1."""
 
 PERCENTILES: Final = (1.0, 99.0)
-"""Shares of the values that percentile scaling leaves dark and bright [%]."""
+"""Percentiles of the values that percentile scaling maps to dark and bright [%]."""
 
 PLATEAU: Final = 3.0
-"""Most that a cell of the histogram counts in plateau equalisation, in mean counts of the cells that hold any."""
+"""Largest count of a bin in plateau equalisation, in mean counts of the bins that are not empty."""
 
 CELLS: Final = 4096
-"""Cells of the histogram."""
+"""Number of bins of the histogram."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scaling:
-    """Levels of values.
+    """Map of values to levels of brightness.
 
     Attributes
     ----------
@@ -47,7 +47,7 @@ class Scaling:
     steps: NDArray[np.float64] | None = None
 
     def levels(self, image: NDArray[np.floating[Any]]) -> NDArray[np.uint8]:
-        """Levels 1 to 255 of an image, 0 where it has no value; what is beyond the ends gets their levels."""
+        """Return levels 1 to 255 of an image, 0 where it has no value; values beyond the limits get the levels of the limits."""
         span = self.high - self.low
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             if self.steps is None:
@@ -59,12 +59,12 @@ class Scaling:
             cell = np.clip((image - self.low) * (CELLS / span), 0.0, CELLS - 1)
             missing = np.isnan(cell)
             table = np.rint(1.0 + (LEVELS - 1) * 0.5 * (self.steps[:-1] + self.steps[1:])).astype(np.uint8)
-            found = table[np.where(missing, 0.0, cell).astype(np.int32)]
-        found[missing] = 0
-        return np.asarray(found)
+            levels = table[np.where(missing, 0.0, cell).astype(np.int32)]
+        levels[missing] = 0
+        return np.asarray(levels)
 
     def value(self, share: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values at shares of the brightness, for a scale beside the picture."""
+        """Return the values at fractions of the brightness, for the colour bar of the picture."""
         if self.steps is None:
             return self.low + share * (self.high - self.low)
         edges = np.linspace(self.low, self.high, CELLS + 1)
@@ -80,7 +80,7 @@ def scaling_of(
     percentiles: tuple[float, float] = PERCENTILES,
     symmetric: bool = False,
 ) -> Scaling:
-    """Scaling of some images: of one for itself, of several for a sequence.
+    """Return the scaling of some images: of one frame for itself, of several for a sequence.
 
     Parameters
     ----------

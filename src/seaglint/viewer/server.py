@@ -1,4 +1,4 @@
-"""The viewer's server: an address, the pages, and nothing that leaves the machine."""
+"""Server of the viewer: an address and its pages; no data leave the machine."""
 
 from __future__ import annotations
 
@@ -21,21 +21,21 @@ if TYPE_CHECKING:
     from seaglint.viewer.library import Library
 
 PORT: Final = 8420
-"""Where the viewer is looked for first."""
+"""First port that the viewer tries."""
 
 _TRIED: Final = 50  # ports after it
 
 
 @dataclass(frozen=True)
 class Page:
-    """A page made of NiceGUI's elements.
+    """Page made of NiceGUI's elements.
 
     Attributes
     ----------
     path : str
-        Where it is: ``"/workbench"``.
+        Path of the page: ``"/workbench"``.
     title : str
-        Of the browser's tab, and of the link to it.
+        Title of the browser's tab, and of the link to it.
     build : callable
         Fills the page; called for every browser that opens it.
     routes : tuple
@@ -49,14 +49,14 @@ class Page:
 
 
 def workbench(scenario: str | Path | None = None) -> Page:
-    """The page that changes a scenario, of a file or a preset chosen there, and shows what comes of it."""
+    """Return the workbench page, which changes a scenario of a file or a preset and shows its pictures."""
     from seaglint.viewer.workbench import page
 
     return Page("/workbench", "Scenario workbench", lambda: page(scenario))
 
 
 def require_installed() -> None:
-    """Refuse where the extra is missing.
+    """Check that the extra is installed.
 
     Raises
     ------
@@ -70,35 +70,35 @@ def require_installed() -> None:
 
 
 def make_app(library: Library, pages: Sequence[Page] = (), *, host: str = "127.0.0.1", token: str | None = None) -> Application:
-    """The ASGI application: sequences at ``/``, the pages at their paths, behind the :class:`~seaglint.viewer.safety.Guard`."""
+    """Return the ASGI application: sequences at ``/``, the pages at their paths, behind the :class:`~seaglint.viewer.safety.Guard`."""
     from seaglint.viewer.routes import routes
 
     links = [{"path": page.path, "title": page.title} for page in pages]
-    found = [*routes(library, links), *(route for page in pages for route in page.routes)]
+    addresses = [*routes(library, links), *(route for page in pages for route in page.routes)]
     inner: Any
     if pages:
-        inner = _with_pages(found, pages)
+        inner = _with_pages(addresses, pages)
     else:
         from starlette.applications import Starlette
 
-        inner = Starlette(routes=found)
+        inner = Starlette(routes=addresses)
     return Guard(inner, host=host, token=token)
 
 
-def _with_pages(found: list[Any], pages: Sequence[Page]) -> Any:
-    """NiceGUI behind the viewer's own routes; imported only where a page needs it, since it takes a second."""
+def _with_pages(addresses: list[Any], pages: Sequence[Page]) -> Any:
+    """Return an application with NiceGUI behind the viewer's own routes; NiceGUI is imported here only, since it takes a second."""
     from fastapi import FastAPI
     from nicegui import ui
 
     for page in pages:
         ui.page(page.path, title=f"{page.title} - seaglint", dark=True)(page.build)
-    app = FastAPI(routes=found, openapi_url=None, docs_url=None, redoc_url=None)
+    app = FastAPI(routes=addresses, openapi_url=None, docs_url=None, redoc_url=None)
     ui.run_with(app, title="seaglint", dark=True, show_welcome_message=False, reconnect_timeout=10.0)
     return app
 
 
 def bind(host: str, port: int | None) -> socket.socket:
-    """A socket that listens at ``port``, or at the first free one from :data:`PORT` on where none is asked for.
+    """Return a socket that listens at ``port``, or at the first free one from :data:`PORT` on where none is given.
 
     Raises
     ------
@@ -106,8 +106,8 @@ def bind(host: str, port: int | None) -> socket.socket:
         The port is taken (the text names a free one) or may not be used, or the address is not of this machine.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    wanted = range(PORT, PORT + _TRIED) if port is None else (port,)
-    for number in wanted:
+    candidates = range(PORT, PORT + _TRIED) if port is None else (port,)
+    for number in candidates:
         made = socket.socket(family, socket.SOCK_STREAM)
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
@@ -118,13 +118,13 @@ def bind(host: str, port: int | None) -> socket.socket:
             if error.errno == errno.EADDRINUSE:
                 continue
             if error.errno in (errno.EACCES, errno.EPERM):
-                raise DataError(f"--port {number}: may not be used by this account; give one above 1023") from None
-            raise DataError(f"--host {host}: cannot be listened at ({error.strerror or error}); give an address of this machine") from None
+                raise DataError(f"port = {number}: may not be used by this account; give one above 1023") from None
+            raise DataError(f"host = {host}: cannot be listened at ({error.strerror or error}); give an address of this machine") from None
         return made
     with socket.socket(family, socket.SOCK_STREAM) as probe:
         probe.bind((host, 0))
         free = probe.getsockname()[1]
-    raise DataError(f"--port {wanted[0]}: is taken, by another viewer perhaps; --port {free} is free")
+    raise DataError(f"port = {candidates[0]}: is taken, by another viewer perhaps; port = {free} is free")
 
 
 def serve(
@@ -149,7 +149,7 @@ def serve(
     browser : bool
         Open the address in a browser, where there is a display.
     announce : callable
-        Told the address, one line.
+        Called with the address, one line.
 
     Raises
     ------
@@ -184,7 +184,7 @@ def serve(
 
 
 def address(host: str, port: int, token: str | None, path: str = "") -> str:
-    """Address to open, with the token where there is one.
+    """Return the address to open, with the token where there is one.
 
     >>> address("0.0.0.0", 8420, None).startswith("http://0.0.0.0")
     False
@@ -198,7 +198,7 @@ def address(host: str, port: int, token: str | None, path: str = "") -> str:
 
 
 def _open_browser(where: str) -> None:
-    """Open the address where there is a display: without one, browsers of text would take the terminal."""
+    """Open the address where there is a display: without one, text browsers would take the terminal."""
     shown = sys.platform in ("darwin", "win32") or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"))
     opened = False
     if shown:
@@ -214,7 +214,7 @@ def _open_browser(where: str) -> None:
 
 @contextmanager
 def _storage_apart() -> Iterator[None]:
-    """NiceGUI's files in a folder of their own, which goes with the server: the user's working folder is not ours."""
+    """Provide NiceGUI with a temporary folder for its files, so that the user's working folder stays clean."""
     before = os.environ.get("NICEGUI_STORAGE_PATH")
     folder = tempfile.mkdtemp(prefix="seaglint-view-")
     os.environ["NICEGUI_STORAGE_PATH"] = folder

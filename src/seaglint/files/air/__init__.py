@@ -1,1 +1,1 @@
-"""Files of transmittance and radiance as an atmosphere."""
+"""Files of transmittance and radiance that serve as an atmosphere."""

@@ -1,4 +1,4 @@
-"""Somebody's own transmittance and radiance as an atmosphere: a plain CSV file, or NetCDF.
+"""Atmosphere from a file of transmittance and radiance: plain CSV, or NetCDF.
 
 CSV, one spectral sample of one direction a line::
 
@@ -59,12 +59,12 @@ NEEDS: dict[str, tuple[str, ...]] = {
 }
 
 ANGLES = {"sky": 100.0, "sky-scattered": 100.0, "sun": 90.0}
-"""Largest zenith angles [deg] of a file: the sky from a height reaches below the horizontal."""
+"""Largest zenith angles of a file [deg]: the sky seen from a height reaches below the horizontal."""
 
 
 @dataclass(frozen=True)
 class _Spectra:
-    """One kind seen from one height, as read: nodes ascending, wavenumber ascending."""
+    """Spectra of one kind seen from one height, as read: nodes ascending, wavenumber ascending."""
 
     node: FloatArray
     wavenumber_cm: FloatArray
@@ -73,7 +73,7 @@ class _Spectra:
 
 @dataclass(frozen=True)
 class _Content:
-    """All that a file holds."""
+    """Content of a file."""
 
     blocks: Mapping[tuple[str, float], _Spectra]
     beyond: bool = False
@@ -82,7 +82,7 @@ class _Content:
 
 
 def read_atmosphere(path: str | Path, sensor_height: float) -> SampledAtmosphere:
-    """Atmosphere of a CSV or NetCDF (``.nc``) file for a sensor at ``sensor_height`` [m].
+    """Read the atmosphere of a CSV or NetCDF (``.nc``) file for a sensor at ``sensor_height`` [m].
 
     Raises
     ------
@@ -95,13 +95,13 @@ def read_atmosphere(path: str | Path, sensor_height: float) -> SampledAtmosphere
 
 
 def require_kind(output: Path) -> None:
-    """Refuse endings that do not say what is to be written."""
+    """Refuse endings other than those of the formats that are written."""
     if output.suffix.lower() not in (".csv", *NETCDF_ENDINGS):
         raise DataError(f"{output}: is neither .csv nor .nc; the ending says what is written")
 
 
 def write_atmosphere(dataset: xr.Dataset, output: str | Path, *, overwrite: bool = False) -> Path:
-    """Write air laid out as the NetCDF form, as CSV where the name ends so.
+    """Write an atmosphere laid out as the NetCDF form; as CSV where the name ends so.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def write_atmosphere(dataset: xr.Dataset, output: str | Path, *, overwrite: bool
             start = f"{kind},{at},{where!r},," if kind == "path" else f"{kind},{at},,{where!r},"
             values = zip(*(field[i].tolist() for field in fields), strict=True)
             end = ",," if lit else ""
-            lines.extend(start + v + cells.format(*(f"{x:.9g}" for x in found)) + end for v, found in zip(nu, values, strict=True))
+            lines.extend(start + v + cells.format(*(f"{x:.9g}" for x in row)) + end for v, row in zip(nu, values, strict=True))
 
     add("path", height, "range_m", "path_transmittance", "path_radiance", cells=",{},{},")
     add("sky", "0", "sky_zenith_deg", "sky_radiance", cells=",,{},")
@@ -231,7 +231,7 @@ def _kind(table: TextTable, row: TableRow) -> Kind:
 
 
 def _gridded(table: TextTable, key: tuple[str, float], block: dict[tuple[float, float], tuple[int, dict[str, float]]]) -> _Spectra:
-    """Rectangle of nodes by wavenumbers; a hole is told with a line next to it."""
+    """Return a rectangle of nodes by wavenumbers; a missing sample is reported with a line next to it."""
     nodes, grid = (np.unique([at[i] for at in block]) for i in (0, 1))
     what = "range_m" if key[0] == "path" else "zenith_deg"
     if nodes.size < 2 or grid.size < 2:

@@ -1,4 +1,4 @@
-"""Scattered sunlight in the files of :mod:`seaglint.files.air.air_file`: read, checked, written.
+"""Scattered sunlight in the files of :mod:`seaglint.files.air.air_file`: reader, checks and writer.
 
 NetCDF: variables ``path_scattered`` (range_m), ``sky_scattered`` (sky_zenith_deg) and ``sensor_sky_scattered`` (sensor_sky_zenith_deg),
 each also on ``azimuth_from_sun_deg`` and ``wavenumber_cm``, and the attribute ``solar_zenith_deg``. CSV: kinds ``path-scattered`` and
@@ -28,7 +28,7 @@ AZIMUTH: Final = "azimuth_from_sun_deg"
 SUN: Final = "solar_zenith_deg"
 
 KINDS: Final = {"path-scattered": "path", "sky-scattered": "sky"}
-"""Kinds of lines of a CSV file and whose nodes they have."""
+"""Kinds of lines of a CSV file, and the kind whose nodes they share."""
 
 COLUMNS: Final = (AZIMUTH, SUN)
 
@@ -37,12 +37,12 @@ VARIABLES: Final = {
     "sky_scattered": ("sky", "sky_zenith_deg"),
     "sensor_sky_scattered": ("sensor_sky", "sensor_sky_zenith_deg"),
 }
-"""Variables of a NetCDF file: whose, and over which coordinate."""
+"""Variables of a NetCDF file, with their kind and coordinate."""
 
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """One kind seen from one height: nodes, azimuths [deg] and wavenumbers ascending, radiance (nodes, azimuths, n)."""
+    """Scattered sunlight of one kind seen from one height: nodes, azimuths [deg], wavenumbers, radiance (nodes, azimuths, n)."""
 
     kind: str
     height: float
@@ -53,7 +53,7 @@ class Block:
 
 
 def blocks_of_dataset(path: Path, dataset: Any, height: float) -> tuple[float | None, list[Block]]:
-    """Zenith angle of the Sun [deg] and what the file has of scattered sunlight.
+    """Return the zenith angle of the Sun [deg] and the scattered sunlight of a file.
 
     Raises
     ------
@@ -74,10 +74,10 @@ def blocks_of_dataset(path: Path, dataset: Any, height: float) -> tuple[float | 
     out = []
     for name in present:
         kind, dimension = VARIABLES[name]
-        wanted = (dimension, AZIMUTH, "wavenumber_cm")
-        if set(dataset[name].dims) != set(wanted) or dimension not in dataset.coords:
-            raise DataError(f"{path}: needs the variable {name} on the dimensions {', '.join(wanted)}")
-        values = np.asarray(dataset[name].transpose(*wanted), dtype=np.float64)
+        required = (dimension, AZIMUTH, "wavenumber_cm")
+        if set(dataset[name].dims) != set(required) or dimension not in dataset.coords:
+            raise DataError(f"{path}: needs the variable {name} on the dimensions {', '.join(required)}")
+        values = np.asarray(dataset[name].transpose(*required), dtype=np.float64)
         if not np.all((values >= 0.0) & np.isfinite(values)):
             raise DataError(f"{path}: {name} has values outside the range allowed: 0 or more")
         nodes, nu = (np.asarray(dataset[key], dtype=np.float64) for key in (dimension, "wavenumber_cm"))
@@ -111,7 +111,7 @@ class ScatteredRows:
     cells: dict[tuple[str, float], dict[tuple[float, float, float], tuple[int, float]]] = field(default_factory=dict)
 
     def add(self, row: TableRow, kind: str, height: float, node: float, nu: float, radiance: float) -> None:
-        """Take a line.
+        """Add a line.
 
         Raises
         ------
@@ -131,7 +131,7 @@ class ScatteredRows:
         block[node, azimuth, nu] = (row.line, radiance)
 
     def blocks(self) -> list[Block]:
-        """Rectangles of nodes, azimuths and wavenumbers.
+        """Return rectangles of nodes, azimuths and wavenumbers.
 
         Raises
         ------
@@ -157,7 +157,7 @@ class ScatteredRows:
 def assembled(
     path: Path, solar_deg: float | None, blocks: list[Block], height: float, nu: FloatArray, nodes: dict[tuple[str, float], FloatArray]
 ) -> ScatteredSamples | None:
-    """The record of scattered sunlight for a sensor height, on the nodes and the spectral grid of the thermal radiance.
+    """Return scattered sunlight for a sensor height, on the nodes and the spectral grid of the thermal radiance.
 
     Raises
     ------
@@ -189,7 +189,7 @@ def assembled(
 
 
 def csv_lines(dataset: xr.Dataset, height: str) -> Iterator[str]:
-    """Lines of a CSV file in the columns of :data:`seaglint.files.air.air_file.COLUMNS` and :data:`COLUMNS`."""
+    """Yield lines of a CSV file in the columns of :data:`seaglint.files.air.air_file.COLUMNS` and :data:`COLUMNS`."""
     for name, (kind, dimension) in VARIABLES.items():
         if name not in dataset:
             continue

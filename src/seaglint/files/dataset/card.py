@@ -45,18 +45,18 @@ def statistics(catalogue: Catalogue) -> dict[str, Any]:
 
 
 def _histogram(values: Iterable[float | None], edges: Sequence[float]) -> dict[str, int]:
-    found = [value for value in values if value is not None]
-    counts = np.histogram(found, edges)[0]
+    known = [value for value in values if value is not None]
+    counts = np.histogram(known, edges)[0]
     names = [f"{low:g} to {high:g}" if np.isfinite(high) else f"above {low:g}" for low, high in pairwise(edges)]
     return dict(zip(names, counts.tolist(), strict=True))
 
 
 def _quartiles(values: Iterable[float | None]) -> dict[str, float]:
-    found = [value for value in values if value is not None]
-    if not found:
+    known = [value for value in values if value is not None]
+    if not known:
         return {}
     names = ("least", "lower quartile", "median", "upper quartile", "most")
-    return {name: float(f"{value:.5g}") for name, value in zip(names, np.percentile(found, (0, 25, 50, 75, 100)), strict=True)}
+    return {name: float(f"{value:.5g}") for name, value in zip(names, np.percentile(known, (0, 25, 50, 75, 100)), strict=True)}
 
 
 def _ranges(catalogue: Catalogue) -> dict[str, Any]:
@@ -73,7 +73,7 @@ def _ranges(catalogue: Catalogue) -> dict[str, Any]:
     return out
 
 
-def card(about: Mapping[str, Any], found: Mapping[str, Any], form: Format) -> str:
+def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: Format) -> str:
     """Text of ``README.md``.
 
     Parameters
@@ -85,7 +85,7 @@ def card(about: Mapping[str, Any], found: Mapping[str, Any], form: Format) -> st
     form : str
         Format.
     """
-    total = {name: sum(found[name].values()) for name in ("scenes", "images", "annotated_objects")}
+    total = {name: sum(numbers[name].values()) for name in ("scenes", "images", "annotated_objects")}
     lines = [f"# {about['title']}", ""]
     if about["description"]:
         lines += [about["description"], ""]
@@ -96,8 +96,8 @@ def card(about: Mapping[str, Any], found: Mapping[str, Any], form: Format) -> st
         "",
         "## What",
         "",
-        f"- {total['images']} pictures of {total['scenes']} scenes, {', '.join(found['picture_sizes'])} pixels, with "
-        f"{total['annotated_objects']} annotated objects; {found['images_without_objects']} pictures have none.",
+        f"- {total['images']} pictures of {total['scenes']} scenes, {', '.join(numbers['picture_sizes'])} pixels, with "
+        f"{total['annotated_objects']} annotated objects; {numbers['images_without_objects']} pictures have none.",
         f"- Layout `{form}`: {_LAYOUTS[form]}. {_pixels(about, form)}",
         "- `parameters.csv`: a row for each scene. `truth.csv` (and `truth.parquet`): a row for each object and frame, also of those "
         "out of view, which have no annotation.",
@@ -124,12 +124,14 @@ def card(about: Mapping[str, Any], found: Mapping[str, Any], form: Format) -> st
         "",
     ]
     columns = ("", *SPLITS, "all")
-    lines += _table(columns, [(n.replace("_", " "), *found[n].values(), total[n]) for n in total])
-    lines += _table(("category", "annotated objects"), list(found["by_category"].items()))
-    lines += _table(("snr", "annotated objects"), list(found["snr"].items()))
-    lines += _table(("pixels filled", "annotated objects"), list(found["filled_px"].items()))
-    lines += _table(tuple(f"range, {name} [m]" for name in found["range_m"]), [tuple(f"{v:g}" for v in found["range_m"].values())])
-    drawn = [(f"`{name}`", ", ".join(f"{key} {value:g}" for key, value in values.items())) for name, values in found["parameters"].items()]
+    lines += _table(columns, [(n.replace("_", " "), *numbers[n].values(), total[n]) for n in total])
+    lines += _table(("category", "annotated objects"), list(numbers["by_category"].items()))
+    lines += _table(("snr", "annotated objects"), list(numbers["snr"].items()))
+    lines += _table(("pixels filled", "annotated objects"), list(numbers["filled_px"].items()))
+    lines += _table(tuple(f"range, {name} [m]" for name in numbers["range_m"]), [tuple(f"{v:g}" for v in numbers["range_m"].values())])
+    drawn = [
+        (f"`{name}`", ", ".join(f"{key} {value:g}" for key, value in values.items())) for name, values in numbers["parameters"].items()
+    ]
     lines += _table(("drawn for each scene", "values"), drawn)
     return "\n".join(lines).rstrip("\n") + "\n"
 

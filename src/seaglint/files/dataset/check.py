@@ -24,8 +24,8 @@ KIND: Final = "seaglint-dataset-1"
 
 def files(folder: Path) -> list[str]:
     """All files of a data set but the checksums themselves, with slashes, in order."""
-    found = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
-    return sorted(path.as_posix() for path in found if path.as_posix() != SUMS and not path.parts[0].startswith("."))
+    paths = (path.relative_to(folder) for path in folder.rglob("*") if path.is_file())
+    return sorted(path.as_posix() for path in paths if path.as_posix() != SUMS and not path.parts[0].startswith("."))
 
 
 def write_sums(folder: Path) -> None:
@@ -98,9 +98,9 @@ def _split_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
     for name in ("parameters.csv", "truth.csv"):
         with (folder / name).open(newline="", encoding="utf-8") as file:
             for row in csv.DictReader(file):
-                told = about["scenes"].get(row["scene"], {}).get("split")
-                if told != row["split"]:
-                    yield f"{name}: scene {row['scene']} is in '{row['split']}' and in '{told}' of {ABOUT}"
+                recorded = about["scenes"].get(row["scene"], {}).get("split")
+                if recorded != row["split"]:
+                    yield f"{name}: scene {row['scene']} is in '{row['split']}' and in '{recorded}' of {ABOUT}"
 
 
 def _picture_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
@@ -122,10 +122,10 @@ def _box_problems(folder: Path) -> Iterator[str]:
     boxes: dict[str, list[tuple[int, int, int, int]]] = {}
     with (folder / "truth.csv").open(newline="", encoding="utf-8") as file:
         for row in csv.DictReader(file):
-            found = boxes.setdefault(row["image"], [])
+            placed = boxes.setdefault(row["image"], [])
             if row["annotated"] == "True":
                 left, top, width, height = (int(float(row[f"bbox_{side}_px"])) for side in ("left", "top", "width", "height"))
-                found.append((left, top, width, height))
+                placed.append((left, top, width, height))
     for path in sorted((folder / "masks").glob("*.png")):
         mask = read_picture(path) > 0
         left_over = mask.copy()

@@ -65,7 +65,7 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
             pass
     _write_tables(folder, catalogue)
     write_sheet(_examples(folder, catalogue, settings), folder / "examples.png")
-    found = statistics(catalogue)
+    numbers = statistics(catalogue)
     pictured = {} if settings.format == "zarr" else {"bits": settings.bits, "image": settings.image}
     document = {
         "kind": KIND,
@@ -74,7 +74,7 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
         **shared,
         "categories": list(catalogue.categories),
         "scenes": {part.scene: _scene(part) for part in catalogue.parts},
-        "statistics": found,
+        "statistics": numbers,
         "made_from": about["made_from"],
     }
     write_json(document, folder / ABOUT)
@@ -83,7 +83,7 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
         if about["licence"]
         else ". The ensemble's file names no licence; this is seaglint's default, and yours to change with `[dataset] licence`."
     )
-    write_text(card({**shared, **pictured, "licence_note": note, "counts": counts}, found, settings.format), folder / "README.md")
+    write_text(card({**shared, **pictured, "licence_note": note, "counts": counts}, numbers, settings.format), folder / "README.md")
     write_sums(folder)
 
 

@@ -22,8 +22,8 @@ def write(folder: Path, catalogue: Catalogue, info: Mapping[str, Any], licence: 
     write_json(whole, folder / ANNOTATIONS, indent=None)
     for split in SPLITS:
         images = [image for image in whole["images"] if image["split"] == split]
-        wanted = {image["id"] for image in images}
-        annotations = [annotation for annotation in whole["annotations"] if annotation["image_id"] in wanted]
+        chosen = {image["id"] for image in images}
+        annotations = [annotation for annotation in whole["annotations"] if annotation["image_id"] in chosen]
         write_json({**whole, "images": images, "annotations": annotations}, folder / f"annotations_{split}.json", indent=None)
 
 

@@ -123,16 +123,16 @@ def _category(item: Mapping[str, Any], classes: Mapping[str, str]) -> str:
     """What an object is called as a class; those that a template drew are NAME-1, NAME-2, ..."""
     name = str(item["name"])
     drawn, _, number = name.rpartition("-")
-    told = classes.get(name) or (classes.get(drawn) if number.isdecimal() else None)
-    return str(told or item.get("preset") or item["shape"]["kind"])
+    category = classes.get(name) or (classes.get(drawn) if number.isdecimal() else None)
+    return str(category or item.get("preset") or item["shape"]["kind"])
 
 
 def _rows(labels: Labels, variable: xr.DataArray) -> list[DatasetObject]:
     """Truth of all frames."""
     rows = []
     slope, _ = count_line(variable)
-    for index, (_, found) in enumerate(groupby(labels, key=lambda label: label.frame)):
-        several = list(found)
+    for index, (_, group) in enumerate(groupby(labels, key=lambda label: label.frame)):
+        several = list(group)
         values = np.asarray(variable[index].to_numpy(), np.float64)
         spread = binary_dilation(np.logical_or.reduce([label.mask for label in several]), iterations=BLUR)
         for label in several:

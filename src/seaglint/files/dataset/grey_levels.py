@@ -1,4 +1,4 @@
-"""Grey levels of pictures in 8 or 16 bits, and the straight lines from a level to counts and to radiance."""
+"""Grey levels of pictures in 8 or 16 bits, and the linear relations from a level to counts and to radiance."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Bits = Literal[8, 16]
 
 @dataclass(frozen=True)
 class PictureLevels:
-    """Lines of one scene, the same for all of its frames: ``value = offset + scale * level``.
+    """Linear relation of one scene's levels, the same for all of its frames: ``value = offset + scale * level``.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class PictureLevels:
 
     @classmethod
     def of_counts(cls, low: int, high: int, bits: Bits, line: tuple[float, float]) -> PictureLevels:
-        """Of counts between ``low`` and ``high``, whose radiance is ``line[0] * count + line[1]``.
+        """Return the levels of counts between ``low`` and ``high``, whose radiance is ``line[0] * count + line[1]``.
 
         In 16 bits levels are the counts themselves. In 8 bits the scene's least to greatest count fill the levels; steps are never finer
         than a count.
@@ -51,12 +51,12 @@ class PictureLevels:
 
     @classmethod
     def of_radiance(cls, low: float, high: float, bits: Bits) -> PictureLevels:
-        """Of radiance between ``low`` and ``high`` [W m-2 sr-1], which fill the levels."""
+        """Return the levels of radiance between ``low`` and ``high`` [W m-2 sr-1], which fill their range."""
         scale = (high - low) / ((1 << bits) - 1) or 1.0
         return cls(bits, scale, low, scale, low, False)
 
     def of(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Nearest levels of counts or radiance.
+        """Return the nearest levels of counts or radiance.
 
         Raises
         ------
@@ -70,7 +70,7 @@ class PictureLevels:
 
     @property
     def attributes(self) -> dict[str, float | int | str]:
-        """Lines by name, as they stand in tables and pictures."""
+        """Return the relations by name, as they stand in tables and pictures."""
         lines: dict[str, float | int | str] = {
             "bits": self.bits,
             "radiance_scale": self.radiance_scale,

@@ -1,4 +1,4 @@
-"""Grey pictures as PNG or TIFF that say their scale themselves: as PNG text, or as JSON in a TIFF's ImageDescription."""
+"""Grey pictures as PNG or TIFF with their scale: as PNG text, or as JSON in a TIFF's ImageDescription."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def write_picture(path: Path, levels: NDArray[Any], about: Mapping[str, Any]) ->
 
 
 def read_picture(path: Path) -> NDArray[Any]:
-    """Levels of a picture [(rows, columns)].
+    """Read the levels of a picture [(rows, columns)].
 
     Raises
     ------
@@ -69,7 +69,7 @@ def read_picture(path: Path) -> NDArray[Any]:
 
 
 def read_about(path: Path) -> dict[str, str]:
-    """What a picture says of itself, as text by name."""
+    """Read the text of a picture by name."""
     if path.suffix == ".png":
         from PIL import Image
 

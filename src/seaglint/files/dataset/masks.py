@@ -11,7 +11,7 @@ from seaglint.base.errors import DataError
 
 
 def compressed(runs: Sequence[int]) -> str:
-    """Run lengths as text: differences to the length before the last, five bits a character, least first (COCO's ``rleToString``).
+    """Return run lengths as text: differences to the length before the last, five bits a character, least first (COCO's ``rleToString``).
 
     >>> compressed([6, 1, 40, 4, 5, 4, 5, 4, 21])
     '61X13mN000`0'
@@ -28,7 +28,7 @@ def compressed(runs: Sequence[int]) -> str:
 
 
 def expanded(text: str) -> list[int]:
-    """Run lengths of :func:`compressed` text.
+    """Return the run lengths of :func:`compressed` text.
 
     >>> expanded("61X13mN000`0")
     [6, 1, 40, 4, 5, 4, 5, 4, 21]
@@ -48,7 +48,7 @@ def expanded(text: str) -> list[int]:
 
 
 def decoded(text: str, shape: tuple[int, int]) -> NDArray[np.bool_]:
-    """Mask of ``shape`` rows and columns.
+    """Return the mask of ``shape`` rows and columns.
 
     Raises
     ------
@@ -67,6 +67,6 @@ def decoded(text: str, shape: tuple[int, int]) -> NDArray[np.bool_]:
 
 
 def box_of(mask: NDArray[np.bool_]) -> tuple[int, int, int, int]:
-    """First column and row of a mask that is not empty, and how many columns and rows it spans."""
+    """Return first column and row of a mask that is not empty, and the columns and rows that it spans."""
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     return int(columns[0]), int(rows[0]), int(np.ptp(columns)) + 1, int(np.ptp(rows)) + 1

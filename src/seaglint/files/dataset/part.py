@@ -1,4 +1,4 @@
-"""What a scene leaves in a data set beside its pictures: a record from which all formats and tables are written."""
+"""Record of a scene in a data set, from which all formats and tables are written."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ FOLDER: Final = ".parts"
 
 @dataclass(frozen=True)
 class Entry:
-    """A finished scene store that goes into a data set."""
+    """Finished scene store that goes into a data set."""
 
     name: str
     store: str
-    """Path of the store."""
+    """Return the path of the store."""
     split: str
     parameters: Mapping[str, Any]
-    """What was drawn for it, by column."""
+    """Return the drawn values by column."""
 
 
 @dataclass(frozen=True)
 class Piece:
-    """What is seen of an object in a picture; one that spans the seam of a panorama has two pieces."""
+    """Visible piece of an object in a picture; one that spans the seam of a panorama has two pieces."""
 
     box: tuple[int, int, int, int]
     """First column and row, columns and rows."""
@@ -44,25 +44,25 @@ class Piece:
 
 @dataclass(frozen=True)
 class DatasetObject:
-    """An object in a frame, in view or not."""
+    """Object in a frame, in view or not."""
 
     frame: int
-    """Place in the record's pictures."""
+    """Index of the picture in the record."""
     number: int
-    """Of the object in its scene, from 0."""
+    """Number of the object in its scene, from 0."""
     values: Mapping[str, float | None]
     """Numbers of the truth by name; None where not known."""
     local_contrast: float | None
     """Mean over its mask above the mean around it, in the delivered picture [W m-2 sr-1]."""
     snr: float | None
-    """The same over the standard deviation around it."""
+    """Local contrast over the standard deviation around the mask."""
     pieces: tuple[Piece, ...]
-    """Empty where nothing is seen of it."""
+    """Visible pieces; empty where the object is not seen."""
 
 
 @dataclass(frozen=True)
 class DatasetFrame:
-    """A frame."""
+    """Frame of a scene."""
 
     name: str
     frame: int
@@ -71,7 +71,7 @@ class DatasetFrame:
 
 @dataclass(frozen=True)
 class DatasetScene:
-    """A scene."""
+    """Scene of a data set."""
 
     scene: str
     split: str
@@ -80,17 +80,17 @@ class DatasetScene:
     """Rows and columns."""
     frame_rate_hz: float
     levels: PictureLevels | None
-    """None where the store itself is what is given."""
+    """Levels of the pictures; None where the store itself is delivered."""
     names: tuple[str, ...]
-    """Of the objects."""
+    """Names of the objects."""
     categories: tuple[str, ...]
-    """Of the objects."""
+    """Categories of the objects."""
     pictures: tuple[DatasetFrame, ...]
     rows: tuple[DatasetObject, ...]
     parameters: Mapping[str, Any]
 
     def write(self, folder: Path) -> None:
-        """Write the record; its presence says that the scene's pictures are whole."""
+        """Write the record; its presence marks the scene's pictures as complete."""
         write_json(asdict(self), part_path(folder, self.scene), indent=None)
 
     @classmethod
@@ -126,11 +126,11 @@ class DatasetScene:
             }
             return cls(**{**raw, **changed})
         except (OSError, ValueError, KeyError, TypeError) as error:
-            raise DataError(f"{path}: is not readable ({error}); remove it and go on with --resume") from error
+            raise DataError(f"{path}: is not readable ({error}); remove it and go on with resume=True") from error
 
 
 def part_path(folder: Path, scene: str) -> Path:
-    """File of a scene's record."""
+    """Return the file of a scene's record."""
     return folder / FOLDER / f"{scene}.json"
 
 
@@ -141,20 +141,20 @@ class Catalogue:
     title: str
     seed: int
     image: str
-    """Ending of pictures."""
+    """Return the ending of pictures."""
     parts: Sequence[DatasetScene]
 
     @property
     def categories(self) -> tuple[str, ...]:
-        """Names of what is labelled, in the order of the alphabet."""
+        """Return the names of categories in alphabetical order."""
         return tuple(sorted({name for part in self.parts for name in part.categories}))
 
     def of_split(self, split: str) -> list[DatasetScene]:
-        """Scenes of a split."""
+        """Return the scenes of a split."""
         return [part for part in self.parts if part.split == split]
 
     def tracks(self) -> dict[str, int]:
-        """Number of each scene's first object, counted from 1 over all scenes."""
+        """Return the number of each scene's first object, counted from 1 over all scenes."""
         out, count = {}, 1
         for part in self.parts:
             out[part.scene] = count
@@ -162,7 +162,7 @@ class Catalogue:
         return out
 
     def truth(self) -> list[dict[str, Any]]:
-        """One row for each object and frame."""
+        """Return one row for each object and frame."""
         tracks = self.tracks()
         return [
             {
@@ -185,7 +185,7 @@ class Catalogue:
         ]
 
     def parameters(self) -> list[dict[str, Any]]:
-        """One row for each scene: what was drawn, and the lines of its levels."""
+        """Return one row for each scene: the drawn values, and the linear relation of its levels."""
         columns = list(dict.fromkeys(name for part in self.parts for name in part.parameters))
         rows: list[dict[str, Any]] = []
         for part in self.parts:
@@ -206,5 +206,5 @@ TRUTH_COLUMNS: Final = (
 
 
 def known(value: float) -> float | None:
-    """A number, or None for NaN, which JSON does not have."""
+    """Return a number, or None for NaN, which JSON does not have."""
     return None if math.isnan(value) else float(value)

@@ -24,7 +24,7 @@ _GREEN: Final = (90, 235, 120)
 
 @dataclass(frozen=True, eq=False)
 class Example:
-    """A picture, its boxes (first column and row, columns and rows), and a line below it."""
+    """Picture with its boxes (first column and row, columns and rows) and a line below it."""
 
     values: NDArray[Any]
     boxes: Sequence[tuple[int, int, int, int]]

@@ -1,4 +1,4 @@
-"""Which scenes train, validate and test."""
+"""Division of scenes into training, validation and test."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _GOLDEN: Final = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 def split_of(seed: int, scene: int, fractions: tuple[float, float, float]) -> str:
-    """Split of a scene: a function of seed and number alone, so that scenes added later move none.
+    """Return the split of a scene: a function of seed and number alone, so that scenes added later move none.
 
     Scene ``n`` has the number ``u + n g`` modulo 1, with ``g`` the golden section and ``u`` drawn from the seed; it trains where this is
     below the first fraction, and so on. Numbers of this kind fill their interval evenly: of N scenes a split has its fraction of N to

@@ -1,4 +1,4 @@
-"""The numbers of an exported file: those of the run, single precision, or counts of 16 bits with scale and offset."""
+"""Number formats of an exported file: those of the run, single precision, or counts of 16 bits with scale and offset."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MOST: Final = 65535
 
 @dataclass(frozen=True)
 class Counts:
-    """Values as counts of 16 bits: ``value = offset + scale * count``; count 0 stands where there is no value.
+    """Linear relation of values to counts of 16 bits: ``value = offset + scale * count``; count 0 stands where there is no value.
 
     Examples
     --------
@@ -32,45 +32,45 @@ class Counts:
 
     @classmethod
     def over(cls, low: float, high: float) -> Counts:
-        """Counts 1 to 65535 from ``low`` to ``high``, which may be the same."""
+        """Return counts 1 to 65535 from ``low`` to ``high``, which may be equal."""
         scale = (high - low) / (MOST - 1) or 1.0
         return cls(scale, low - scale)
 
     def steps(self, values: NDArray[Any]) -> NDArray[np.float64]:
-        """Nearest counts, not cut to what 16 bits hold; NaN stays."""
+        """Return the nearest counts, not limited to 16 bits; NaN stays."""
         return np.asarray(np.rint((np.asarray(values, np.float64) - self.offset) / self.scale))
 
     def of(self, values: NDArray[Any]) -> NDArray[np.uint16]:
-        """Counts of values; beyond the range those of its ends."""
+        """Return the counts of values; those beyond the range get the counts of its ends."""
         return np.asarray(np.nan_to_num(np.clip(self.steps(values), 1, MOST), nan=0.0), np.uint16)
 
     def beyond(self, values: NDArray[Any]) -> int:
-        """How many values lie beyond the range."""
+        """Return the number of values beyond the range."""
         steps = self.steps(values)
         return int(np.count_nonzero((steps < 1) | (steps > MOST)))
 
 
 @dataclass(frozen=True)
 class NumberFormat:
-    """Type of the numbers in a file, and the counts that values are made."""
+    """Type of the numbers in a file, and the counts that represent values."""
 
     dtype: np.dtype[Any]
     counts: Counts | None = None
 
     def of(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Values as they go into the file."""
+        """Return values as they are stored in the file."""
         return np.ascontiguousarray(values if self.counts is None else self.counts.of(values), dtype=self.dtype)
 
     @property
     def attributes(self) -> dict[str, float | int]:
-        """Scale, offset and what stands for no value, by their CF names; empty where values are stored as they are."""
+        """Return scale, offset and the mark of missing values by their CF names; empty where values are stored as they are."""
         if self.counts is None:
             return {}
         return {"scale_factor": self.counts.scale, "add_offset": self.counts.offset, "_FillValue": 0}
 
 
 def check_limits(limits: tuple[float, float]) -> tuple[float, float]:
-    """Refuse a range that is none.
+    """Refuse a range that is not finite or not ascending.
 
     Raises
     ------
@@ -79,5 +79,5 @@ def check_limits(limits: tuple[float, float]) -> tuple[float, float]:
     """
     low, high = limits
     if not (np.isfinite([low, high]).all() and low < high):
-        raise DataError(f"--range {low:g} {high:g}: is no range; give two finite numbers, the smaller first")
+        raise DataError(f"limits=({low:g}, {high:g}) is no range; give two finite numbers, the smaller first")
     return float(low), float(high)

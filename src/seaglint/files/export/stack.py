@@ -1,4 +1,4 @@
-"""Images of one variable of a run, chosen by variable and frame number, read one at a time, with all that is known of them."""
+"""Images of one variable of a run, chosen by variable and frame number, read one at a time, with their metadata."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ AXES: Final = ("time", "y", "x")
 """Dimensions of what is exported, frames first, row 0 on top."""
 
 DEFAULTS: Final = ("signal", "radiance", "texture")
-"""What is exported where nothing is said, the first that is there."""
+"""Default variables of an export, the first that exists."""
 
 
 @dataclass(frozen=True)
 class Exported:
-    """What an export wrote.
+    """Result of an export.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Exported:
 
     @property
     def line(self) -> str:
-        """One line for people."""
+        """Return a summary of one line."""
         frames, rows, columns = self.shape
         text = (
             f"{' and '.join(map(str, self.files))} written: {self.variable}{f' [{self.units}]' if self.units else ''}, {frames} frame"
@@ -88,36 +88,36 @@ class Stack:
 
     @property
     def images(self) -> xr.DataArray:
-        """The variable."""
+        """Return the variable."""
         return self.dataset[self.variable]
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """Frames, rows, columns."""
+        """Return frames, rows, columns."""
         frames, rows, columns = self.images.shape
         return frames, rows, columns
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """Type of the numbers as stored, in the machine's byte order."""
+        """Return the type of the numbers as stored, in the machine's byte order."""
         return np.dtype(self.images.dtype).newbyteorder("=")
 
     @property
     def units(self) -> str:
-        """Units of the values; empty where they are not known."""
+        """Return the units of the values; empty where they are not known."""
         return str(self.images.attrs.get("units", ""))
 
     @property
     def frame_rate(self) -> float | None:
-        """Frames per second of the frames chosen [Hz]."""
+        """Return the frames per second of the chosen frames [Hz]."""
         return stored_frame_rate(self.dataset, self.images)
 
     def __getitem__(self, position: int) -> NDArray[Any]:
-        """One image as stored (rows, columns)."""
+        """Return one image as stored (rows, columns)."""
         return np.asarray(self.images.variable[position].to_numpy(), dtype=self.dtype)
 
     def metadata(self) -> dict[str, Any]:
-        """All that is known as plain values, for formats that hold text: units, coordinates of the frames, rows and columns, provenance.
+        """Return the metadata as plain values, for formats that hold text: units, coordinates of the frames, rows and columns, provenance.
 
         Coordinates of single pixels (turned and plane cameras) are left out: as text they would be larger than the images.
         """
@@ -141,7 +141,7 @@ class Stack:
 
 
 def _plain(value: Any) -> Any:
-    """Value that JSON holds; what is no finite number is null."""
+    """Return a value that JSON holds; numbers that are not finite become null."""
     if isinstance(value, np.ndarray | np.generic):
         return np.asarray(value).astype("datetime64[ms]").astype(str).tolist() if value.dtype.kind == "M" else _plain(value.tolist())
     if isinstance(value, list | tuple):
@@ -152,25 +152,25 @@ def _plain(value: Any) -> Any:
 
 
 def image_variables(dataset: xr.Dataset) -> list[str]:
-    """Names of the variables that hold images over time."""
+    """Return the names of the variables that hold images over time."""
     return [str(name) for name, values in dataset.data_vars.items() if values.dims == AXES and values.dtype.kind in "uif"]
 
 
 def frame_numbers(dataset: xr.Dataset) -> NDArray[np.int64]:
-    """Numbers of the frames that a run holds, counted in the whole sequence."""
+    """Return the numbers of the frames that a run holds, counted in the whole sequence."""
     if "frame" in dataset.variables:
         return np.asarray(dataset["frame"].to_numpy(), dtype=np.int64)
     return np.arange(dataset.sizes.get("time", 0))
 
 
 def held_frames(dataset: xr.Dataset) -> range:
-    """First to last frame of a run, by number."""
+    """Return the first to last frame of a run, by number."""
     numbers = frame_numbers(dataset)
     return range(int(numbers[0]), int(numbers[-1]) + 1) if numbers.size else range(0)
 
 
 def select(dataset: xr.Dataset, variable: str | None = None, frames: range | None = None, *, source: str = "dataset") -> Stack:
-    """Choose what is exported.
+    """Choose variable and frames of an export.
 
     Parameters
     ----------
@@ -188,15 +188,15 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
     DataError
         No images over time, no such variable, frames that the run does not hold or that are not rendered yet.
     """
-    found = image_variables(dataset)
-    if not found:
+    available = image_variables(dataset)
+    if not available:
         one = any(values.dims == AXES[1:] for values in dataset.data_vars.values())
         remedy = "; a single image becomes a run of one frame by dataset.expand_dims('time')" if one else ""
         raise DataError(f"{source}: holds no images over (time, y, x); give a run of 'seaglint render'{remedy}")
-    chosen = variable or next((name for name in DEFAULTS if name in found), found[0] if len(found) == 1 else None)
-    if chosen is None or chosen not in found:
-        told = f"has no images '{chosen}'; it has" if chosen else "choose one with --variable:"
-        raise DataError(f"{source}: {told} {', '.join(found)}")
+    chosen = variable or next((name for name in DEFAULTS if name in available), available[0] if len(available) == 1 else None)
+    if chosen is None or chosen not in available:
+        message = f"has no images '{chosen}'; it has" if chosen else "give one as variable:"
+        raise DataError(f"{source}: {message} {', '.join(available)}")
     numbers = frame_numbers(dataset)
     picked = np.arange(numbers.size)
     if frames is not None:
@@ -206,9 +206,9 @@ def select(dataset: xr.Dataset, variable: str | None = None, frames: range | Non
         if not picked.size:
             raise DataError(f"{source}: {frames!r} is not in the run, which holds frames {held.start}:{held.stop}; give frames of these")
     if "frame_done" in dataset and not bool(np.all(dataset["frame_done"].to_numpy()[picked])):
-        raise DataError(f"{source}: frames of it are not rendered yet; render again with --resume")
-    kept = [chosen, *(name for name in ("wavelength_bounds",) if name in dataset.variables)]
-    out = labelled(dataset[kept].isel(time=picked))
+        raise DataError(f"{source}: frames of it are not rendered yet; render again with resume=True")
+    variables = [chosen, *(name for name in ("wavelength_bounds",) if name in dataset.variables)]
+    out = labelled(dataset[variables].isel(time=picked))
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     before = f"{out.attrs['history']}\n" if "history" in out.attrs else ""
     out.attrs = {**out.attrs, "history": f"{before}{now} {chosen} exported by seaglint {__version__}"}

@@ -1,1 +1,1 @@
-"""LOWTRAN7 run live: the deck of a case, the engine compiled once, results kept on disk, an atmosphere sampled from them."""
+"""LOWTRAN7 run live: the deck of a case, the engine compiled once, cached results, an atmosphere sampled from them."""

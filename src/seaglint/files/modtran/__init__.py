@@ -1,1 +1,1 @@
-"""MODTRAN's and LOWTRAN7's files: decks of the lines of sight that a scenario needs, readers of their results, one file a format."""
+"""Files of MODTRAN and LOWTRAN7: decks of the lines of sight that a scenario needs, and readers of results, one file a format."""

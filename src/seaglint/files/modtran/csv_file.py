@@ -22,7 +22,7 @@ _COUNT = re.compile(r"^\s*num freq\w*\s*[,=:]\s*(\d+)", re.IGNORECASE)
 
 
 def is_csv(text: str) -> bool:
-    """Whether a line of column names parted by commas is among the first ones."""
+    """Return true where a line of column names separated by commas is among the first lines."""
     return any(_header(line) for line in text.splitlines()[:200])
 
 
@@ -32,7 +32,7 @@ def _header(line: str) -> bool:
 
 
 def read_csv(path: Path, text: str) -> list[ModtranSpectrum]:
-    """All cases of a file, in its order.
+    """Read all cases of a file, in its order.
 
     Raises
     ------
@@ -40,13 +40,13 @@ def read_csv(path: Path, text: str) -> list[ModtranSpectrum]:
         Naming file, case and line of what cannot be used.
     """
     cases: list[tuple[int, list[str], list[list[str]], int | None]] = []
-    told: int | None = None
+    stated: int | None = None
     for number, line in enumerate(text.splitlines(), 1):
         if _header(line):
-            cases.append((number, [cell.strip() for cell in line.split(",")], [], told))
-            told = None
+            cases.append((number, [cell.strip() for cell in line.split(",")], [], stated))
+            stated = None
         elif count := _COUNT.match(line):
-            told = int(count.group(1)) if len(count.group(1)) < 10 else None
+            stated = int(count.group(1)) if len(count.group(1)) < 10 else None
         elif not _FRAME.match(line):
             if not cases:
                 raise DataError(f"{path}: line {number}: numbers before a line of column names; give the CSV file as MODTRAN 6 wrote it")
@@ -60,20 +60,20 @@ def read_csv(path: Path, text: str) -> list[ModtranSpectrum]:
     return [spectrum_of(_table(path, i, *case)) for i, case in enumerate(cases, 1)]
 
 
-def _table(path: Path, number: int, header: int, labels: list[str], rows: list[list[str]], told: int | None) -> Table:
+def _table(path: Path, number: int, header: int, labels: list[str], rows: list[list[str]], stated: int | None) -> Table:
     where = f"{path}: case {number}"
     while labels and not labels[-1]:
         labels = labels[:-1]
-    if told is not None and told != len(rows):
-        raise DataError(f"{where}: has {len(rows)} of the {told} spectral samples that it tells of; the file is cut, give the whole one")
+    if stated is not None and stated != len(rows):
+        raise DataError(f"{where}: has {len(rows)} of the {stated} spectral samples that it tells of; the file is cut, give the whole one")
     if not rows:
         raise DataError(f"{where}: has no spectral samples; the file is cut or the run failed, give the whole one")
     columns: dict[Column, list[float]] = {}
-    wanted = {column: k for k, label in reversed(list(enumerate(labels))) if (column := column_of(label)) is not None}
+    places = {column: k for k, label in reversed(list(enumerate(labels))) if (column := column_of(label)) is not None}
     for line, *cells in rows:
         if len([*cells]) < len(labels):
             raise DataError(f"{where}: line {line}: has {len(cells)} cells for {len(labels)} columns; the file is cut, give the whole one")
-        for column, k in wanted.items():
+        for column, k in places.items():
             try:
                 columns.setdefault(column, []).append(float(cells[k]))
             except ValueError:

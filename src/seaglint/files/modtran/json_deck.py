@@ -1,4 +1,4 @@
-"""Input of MODTRAN 6 as JSON: one case a line of sight.
+"""Input of MODTRAN 6 as JSON, with one case for each line of sight.
 
 Keys and their values: github.com/brianschubert/pymod6, ``input/schema.py``; templates of GeoscienceAustralia/wagl
 (``modtran_profile_json.py``) and isofit show them in use.
@@ -39,7 +39,7 @@ HAZES: Final[dict[Haze, str]] = {
 
 
 def json_deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: float | None, name: str) -> str:
-    """Text of the input; results go to ``name.json`` and ``name.csv``.
+    """Return the text of the input; results go to ``name.json`` and ``name.csv``.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def json_deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: f
         The air is a sounding: its levels above the last one follow a model atmosphere, which profiles of MODTRAN 6 cannot say.
     """
     if air.levels:
-        raise DataError("modtran6-json takes model atmospheres, not atmosphere.sounding; choose --format tape5, which MODTRAN 6 reads too")
+        raise DataError("modtran6-json takes model atmospheres, not atmosphere.sounding; choose format='tape5', which MODTRAN 6 reads too")
     cases = [{"MODTRANINPUT": _case(i, line, air, solar_zenith_deg, name)} for i, line in enumerate(lines)]
     return json.dumps({"MODTRAN": cases}, indent=1) + "\n"
 

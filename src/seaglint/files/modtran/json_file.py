@@ -26,7 +26,7 @@ MODES: Final = {
     "RT_LUNAR_AND_THERMAL": 2,
     "RT_LUNAR_IRRADIANCE": 3,
 }
-"""IEMSCT by its name in MODTRAN 6."""
+"""Mode (IEMSCT) by its name in MODTRAN 6."""
 
 _SPECTRA: Final = ("RADIANCE", "IRRADIANCE", "TRANSMITTANCE")
 
@@ -34,12 +34,12 @@ _AS_WRITTEN = "give MODTRAN 6's JSON output (JSONOPT = WRT_INPUT_OUTPUT)"
 
 
 def is_json(text: str) -> bool:
-    """Whether a text begins as JSON does."""
+    """Return true where a text begins as JSON does."""
     return text.lstrip()[:1] in ("{", "[")
 
 
 def read_json(path: Path, text: str) -> list[ModtranSpectrum]:
-    """All cases of a file, in its order.
+    """Read all cases of a file, in its order.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def _number(value: Any) -> float:
 
 
 def _grid(case: Any, size: int) -> FloatArray | None:
-    """Spectral samples from V1, V2 and DV of the input, in wavenumbers, where the output does not list them."""
+    """Return spectral samples from V1, V2 and DV of the input, in wavenumbers, where the output does not list them."""
     spectral = _inside(case, "MODTRANINPUT", "SPECTRAL")
     low, high, step = (_number(_inside(spectral, key)) for key in ("V1", "V2", "DV"))
     flags = str(_inside(spectral, "FLAGS") or " ")

@@ -1,4 +1,4 @@
-"""The lines of sight that a scenario needs, and the manifest that says which case of an output belongs to which."""
+"""Lines of sight that a scenario needs, and the manifest that assigns each case of an output to its line."""
 
 from __future__ import annotations
 
@@ -22,31 +22,31 @@ VERSION: Final = 1
 PATH_NODES: Final = 28
 SKY_NODES: Final = 28
 DIP_NODES: Final = 24
-"""Paths from straight down to the horizon; sky and Sun from the zenith to the horizontal; sky from there down to the horizon."""
+"""Numbers of nodes: paths from straight down to the horizon, sky and Sun down to the horizontal, sky down to the horizon."""
 
 AZIMUTHS: Final = (0.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 150.0, 180.0)
 """Azimuths from the Sun at which sunlight scattered by the air is sampled [deg]: the aureole is 10 deg wide."""
 
 SHORT_OF_HORIZON: Final = 1e-3
 SHORT_OF_LOWTRAN7_HORIZON: Final = 1e-4
-"""Paths end this part of the horizon's depression below it: rays there may pass above the sea in another code, or by rounding."""
+"""Part of the horizon's depression by which paths end below it: rays there may miss the sea in another code, or by rounding."""
 
 
 @dataclass(frozen=True)
 class ModtranCase:
-    """A case: ``path`` from the sensor down to the sea, ``sky`` from the sensor or the sea, ``sun`` from the sea to the Sun.
+    """Line of sight of one case: ``path`` from the sensor to the sea, ``sky`` from sensor or sea, ``sun`` from the sea to the Sun.
 
     Attributes
     ----------
     kind : str
     height_m : float
-        Of the eye: H1 [m].
+        Height of the eye: H1 [m].
     zenith_deg : float
-        Of the line there: ANGLE, OBSZEN [deg].
+        Zenith angle of the line there: ANGLE, OBSZEN [deg].
     range_m : float or None
         Arc of a path along the sea [m].
     horizon_share : float or None
-        Of sky below the horizontal: depression over that of the calculation's own horizon [1].
+        Depression of sky below the horizontal over that of the calculation's own horizon [1].
     azimuth_deg : float or None
         From the Sun [deg]; None without scattered sunlight.
     """
@@ -61,17 +61,17 @@ class ModtranCase:
 
 @dataclass(frozen=True)
 class Manifest:
-    """Lines in the order of the deck's cases, and what they share."""
+    """Lines of sight in the order of the deck's cases, and their common properties."""
 
     lines: tuple[ModtranCase, ...]
     sensor_height_m: float
     solar_zenith_deg: float | None
-    """Of the Sun whose scattered light is in it; None: none is."""
+    """Zenith angle of the Sun whose scattered light is included [deg]; None without scattered light."""
     outputs: tuple[str, ...]
-    """Names of the results that the decks make, the first that is there is read."""
+    """Names of the results that the decks make; the first one that exists is read."""
 
     def text(self) -> str:
-        """JSON."""
+        """Return the manifest as JSON."""
         shared = {k: v for k, v in asdict(self).items() if k != "lines"}
         lines = [{k: v for k, v in asdict(line).items() if v is not None} for line in self.lines]
         head = json.dumps({"seaglint_manifest": VERSION, **shared}, indent=2)[:-2]
@@ -79,7 +79,7 @@ class Manifest:
 
 
 def read_manifest(path: Path) -> Manifest:
-    """The manifest of a folder.
+    """Read the manifest of a folder.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def _line(entry: dict[str, Any]) -> ModtranCase:
 
 
 def needed_lines(air: Refraction, height: float, solar_zenith: float | None, *, to_horizon: bool = False) -> list[ModtranCase]:
-    """Lines for a sensor at ``height`` [m], with sunlight scattered towards it for a Sun at ``solar_zenith`` [rad], if any.
+    """Return the lines for a sensor at ``height`` [m], with scattered sunlight for a Sun at ``solar_zenith`` [rad], if any.
 
     ``to_horizon`` lets the farthest path come closer to the horizon, which is LOWTRAN7's own.
     """
@@ -137,7 +137,7 @@ def needed_lines(air: Refraction, height: float, solar_zenith: float | None, *, 
 
 
 def _path_cosines(air: Refraction, height: float, least: float) -> FloatArray:
-    """Cosines of zenith angles at the sea, from straight down, evenly spaced in the logarithm of the slant path."""
+    """Return cosines of zenith angles at the sea, from straight down, evenly spaced in the logarithm of the slant path."""
     slant = height * (straight_slant(height, least) / height) ** np.linspace(0.0, 1.0, PATH_NODES)
     cosine = np.clip(straight_sea_cosine(height, slant), least, 1.0)
     cosine[0] = 1.0
@@ -145,7 +145,7 @@ def _path_cosines(air: Refraction, height: float, least: float) -> FloatArray:
 
 
 def arc(air: Refraction, height: float, sea_cosine: ArrayLike) -> FloatArray:
-    """Arc along the sea of rays that leave it at zenith angles of these cosines and end at ``height`` [m].
+    """Return the arc along the sea of rays that leave it at zenith angles of these cosines and end at ``height`` [m].
 
     Snell's law on a sphere, ``n r sin(zenith) = const``; between levels the integral over height runs over its root, in which it is
     smooth down to grazing rays.
@@ -171,7 +171,7 @@ def arc(air: Refraction, height: float, sea_cosine: ArrayLike) -> FloatArray:
 
 
 def horizon_zenith_deg(line: ModtranCase) -> float:
-    """Zenith angle of a sky line over the package's own horizon, onto which what lies below the horizontal is stretched [deg]."""
+    """Return the zenith angle of a sky line over the package's own horizon, onto which lines below the horizontal are stretched [deg]."""
     if line.horizon_share is None:
         return line.zenith_deg
     return 90.0 + float(np.degrees(horizon_depression(line.height_m))) * line.horizon_share

@@ -1,4 +1,4 @@
-"""What MODTRAN computed for one line of sight, whatever the file it stands in: columns by meaning, checked, parted, in SI.
+"""Spectrum of one line of sight from any of MODTRAN's files: columns by meaning, checked, separated, in SI units.
 
 Names of columns come from public source and readers: ``tape7`` of MODTRAN 4 and 5 (headers in subroutine ``T7HEAD``), pyradi's
 ``rymodtran`` (underscores for blanks), and the table of names in JSON, spectral library and tape7 of MODTRAN 6 in the tests of
@@ -60,14 +60,14 @@ NAMES: Final[dict[str, Column]] = {
 SPECTRAL: Final[tuple[Column, ...]] = ("wavenumber", "wavelength_um", "wavelength_nm")
 
 PER_SQUARE_METRE: Final = 1e4
-"""W cm-2 to W m-2."""
+"""Factor from W cm-2 to W m-2."""
 
 AGREES: Final = 2e-2
-"""Share of the total radiance by which its parts may miss it: three printed digits of up to five parts."""
+"""Relative tolerance of the total radiance against its parts: three printed digits of up to five parts."""
 
 
 def column_of(label: str) -> Column | None:
-    """Meaning of a column's name; None for one that is not used.
+    """Return the meaning of a column's name; None for one that is not used.
 
     >>> column_of("TOT TRANS"), column_of("path multiple scat"), column_of("HNO3")
     ('transmittance', 'scattered', None)
@@ -77,7 +77,7 @@ def column_of(label: str) -> Column | None:
 
 @dataclass(frozen=True)
 class ModtranSight:
-    """Line of sight as a file tells it; NaN where it does not.
+    """Line of sight as a file states it; NaN where it does not.
 
     Heights in km and angles in degrees as MODTRAN has them: ``zenith_deg`` is that of the line at H1 (ANGLE, OBSZEN), 180 straight
     down. ``mode`` is IEMSCT (0 transmittance, 1 thermal, 2 thermal and solar, 3 sunlight), ``kind`` ITYPE (2 between heights, 3 to space).
@@ -94,14 +94,14 @@ class ModtranSight:
 
 @dataclass(frozen=True, eq=False)
 class ModtranSpectrum:
-    """One line of sight in SI.
+    """Spectrum of one line of sight in SI units.
 
     Attributes
     ----------
     where : str
         File and case, as error messages call it.
     sight : ModtranSight or None
-        What the file says of its geometry.
+        Geometry that the file states.
     wavenumber_cm : (n,)
         Ascending [cm-1].
     transmittance : (n,) or None
@@ -121,18 +121,18 @@ class ModtranSpectrum:
     sun: FloatArray | None
 
     def need(self, name: Literal["transmittance", "thermal", "scattered", "sun"]) -> FloatArray:
-        """One of the four, refused where the file has none.
+        """Return one of the four spectra; raise an error where the file has none.
 
         Raises
         ------
         DataError
             Naming the columns that hold it.
         """
-        found: FloatArray | None = getattr(self, name)
-        if found is None:
+        values: FloatArray | None = getattr(self, name)
+        if values is None:
             columns, mode = _COLUMNS[name]
             raise DataError(f"{self.where}: has no {columns}; run it again with {mode}")
-        return found
+        return values
 
 
 _COLUMNS: Final = {
@@ -145,7 +145,7 @@ _COLUMNS: Final = {
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Columns of one case as printed: W cm-2 (sr-1) per what ``per`` says; rows as in the file, ``line`` that of the first.
+    """Columns of one case as printed: W cm-2 (sr-1) per unit ``per``; rows as in the file, ``line`` that of the first.
 
     ``labels`` are the file's own names of the columns, for error messages; ``fine_depth`` says that optical depth has four digits, more
     than four decimals of transmittance.
@@ -161,16 +161,16 @@ class Table:
 
     @property
     def where(self) -> str:
-        """File and case."""
+        """Return file and case."""
         return f"{self.path}: {self.case}"
 
     def at(self, row: int) -> str:
-        """File, case and line of a row."""
+        """Return file, case and line of a row."""
         return f"{self.where}: " + (f"line {self.line + row}" if self.line is not None else f"sample {row + 1}")
 
 
 def spectrum_of(table: Table) -> ModtranSpectrum:
-    """Check the columns of a case and part them.
+    """Check the columns of a case and convert them to a spectrum.
 
     Raises
     ------
@@ -207,7 +207,7 @@ def spectrum_of(table: Table) -> ModtranSpectrum:
 
 
 def _wavenumbers(table: Table) -> tuple[FloatArray, bool, FloatArray | float]:
-    """Wavenumbers in the file's order [cm-1], whether they fall, and what makes values per cm-1 of printed ones."""
+    """Return wavenumbers in the file's order [cm-1], whether they fall, and the factor that makes printed values per cm-1."""
     name = next((name for name in SPECTRAL if name in table.columns), None)
     if name is None:
         raise DataError(f"{table.where}: its columns are {', '.join(table.labels)}; FREQ (WAVLEN) is missing; give the output of a run")
@@ -246,15 +246,15 @@ def _possible(table: Table, name: Column, values: FloatArray) -> None:
         row = int(np.argmax(bad))
         allowed = "0 to 1" if name == "transmittance" else "0 or more"
         why = "that is the mark for no value" if values[row] <= -9.0 else "the run failed or the column is another one"
-        raise DataError(f"{table.at(row)}: {_told(name)} = {values[row]:g}, allowed: {allowed}; {why}, run the case again")
+        raise DataError(f"{table.at(row)}: {_label(name)} = {values[row]:g}, allowed: {allowed}; {why}, run the case again")
 
 
-def _told(name: Column) -> str:
+def _label(name: Column) -> str:
     return {"thermal": "thermal radiance", "scattered": "scattered radiance", "depth": "optical depth"}.get(name, name.replace("_", " "))
 
 
 def _parted(table: Table) -> tuple[FloatArray | None, FloatArray | None]:
-    """Thermal and scattered radiance: which of them hold the others is told by the total.
+    """Return thermal and scattered radiance; the total decides which of the columns include the others.
 
     PTH_THRML and SOL_SCAT of tape7 are totals of which THRML_SCT and SING_SCAT are parts (MODTRAN 4 and 5, subroutine TRANS:
     ``SUMT = RADCUM + BBG + SUMSSR + RFSURF``). MODTRAN 6 calls the same columns path emission and path multiple scat; should they be
@@ -280,12 +280,12 @@ def _parted(table: Table) -> tuple[FloatArray | None, FloatArray | None]:
             f"{table.where}: its parts miss the total radiance (TOTAL_RAD) by {misses[best] / max(largest, 1e-300):.3g} times itself; "
             "columns have moved or are of another version, so give the tape7, CSV or JSON as MODTRAN 4-6 wrote it"
         )
-    found = choices[best]
-    return found[0], None if scattered is None else found[1]
+    parts = choices[best]
+    return parts[0], None if scattered is None else parts[1]
 
 
 def _transmittance(table: Table) -> FloatArray | None:
-    """Transmittance, from the printed optical depth where that has more digits than four decimals of transmittance."""
+    """Return the transmittance, from the printed optical depth where that has more digits than four decimals of transmittance."""
     printed, depth = table.columns.get("transmittance"), table.columns.get("depth")
     if printed is None:
         return None

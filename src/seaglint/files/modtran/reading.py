@@ -1,4 +1,4 @@
-"""Files of any of the formats as spectra, and spectra with their lines as air in the layout of :mod:`seaglint.files.air.air_file`."""
+"""Reader of spectra in any of the formats, and their conversion to the layout of :mod:`seaglint.files.air.air_file`."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ SAME_ANGLE, SAME_HEIGHT = 0.006, 0.0015
 """A file prints three decimals of angles [deg] and heights [km], and codes may move a ray by some thousandths."""
 
 GRAZING: Final = 3e-3
-"""A path whose depression is within this part of the horizon's counts as one to the horizon; longer ones go on along its tangent."""
+"""Tolerance of a path to the horizon, as part of the horizon's depression; longer paths continue along its tangent."""
 
 LARGEST: Final = 2 << 30
-"""Bytes of a file above which it is none of these."""
+"""Largest size of a file of these formats [bytes]."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Seen:
-    """A spectrum and its line."""
+    """Spectrum and its line of sight."""
 
     line: ModtranCase
     spectrum: ModtranSpectrum
@@ -42,7 +42,7 @@ class _Seen:
 
 
 def read_spectra(path: Path) -> list[ModtranSpectrum]:
-    """All cases of a file, whatever its format.
+    """Read all cases of a file of any of the formats.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def read_spectra(path: Path) -> list[ModtranSpectrum]:
 
 
 def read_air(files: Sequence[Path]) -> xr.Dataset:
-    """Air of files, or of a folder that ``seaglint atmosphere write`` made and a code put its results into.
+    """Read air from files, or from a folder that ``seaglint atmosphere write`` made and that holds a code's results.
 
     Which line of sight a case is, the manifest beside the file says, else the file's own cards or input.
 
@@ -115,7 +115,7 @@ def _of_manifest(path: Path, manifest: Manifest) -> list[_Seen]:
 
 
 def _require_same(line: ModtranCase, spectrum: ModtranSpectrum, solar_zenith_deg: float | None) -> None:
-    """Refuse output whose own cards tell another line of sight than the manifest."""
+    """Refuse output whose own cards state another line of sight than the manifest."""
     sight = spectrum.sight
     if sight is None or (line.kind == "sun" and sight.mode != 3):
         return
@@ -134,7 +134,7 @@ def _require_same(line: ModtranCase, spectrum: ModtranSpectrum, solar_zenith_deg
 
 
 def _of_sight(spectrum: ModtranSpectrum) -> _Seen:
-    """Line of a spectrum from what its file says."""
+    """Return the line of sight that a spectrum's file states."""
     sight = spectrum.sight
     if sight is None:
         raise DataError(
@@ -244,7 +244,7 @@ def _dataset(seen: list[_Seen]) -> xr.Dataset:
 
 
 def _has_untold_scattered(seen: _Seen) -> bool:
-    """Scattered sunlight whose azimuth from the Sun nothing tells, so that it is left out."""
+    """Return true for scattered sunlight whose azimuth from the Sun is not known, so that it is left out."""
     scattered = seen.spectrum.scattered
     return seen.line.kind != "sun" and seen.line.azimuth_deg is None and scattered is not None and bool(scattered.any())
 
@@ -292,17 +292,17 @@ def _common_grid(seen: list[_Seen]) -> FloatArray:
 
 
 def _first_of_each(group: list[_Seen]) -> dict[float, _Seen]:
-    """One case a node, ascending; of several azimuths the one farthest from the Sun."""
-    found: dict[float, _Seen] = {}
+    """Return one case for each node, ascending; of several azimuths the one farthest from the Sun."""
+    first: dict[float, _Seen] = {}
     for s in sorted(group, key=lambda s: (_node(s.line), -(s.line.azimuth_deg or 0.0))):
-        found.setdefault(_node(s.line), s)
-    return found
+        first.setdefault(_node(s.line), s)
+    return first
 
 
 def _add_scattered(
     out: dict[str, tuple[tuple[str, ...], FloatArray]], coords: dict[str, FloatArray], group: list[_Seen], dimension: str, name: str
 ) -> None:
-    """Scattered sunlight of a group over node and azimuth, where all of it has an azimuth."""
+    """Add the scattered sunlight of a group over node and azimuth, where every case has an azimuth."""
     lit = [s for s in group if s.line.azimuth_deg is not None]
     if not lit:
         return

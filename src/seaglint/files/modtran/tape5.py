@@ -1,4 +1,4 @@
-"""Decks (``tape5``) of LOWTRAN7 and of MODTRAN 4 and 5: one case a line of sight, all in one file (IRPT = 1).
+"""Decks (``tape5``) of LOWTRAN7 and of MODTRAN 4 and 5: one case for each line of sight, all in one file (IRPT = 1).
 
 Card layouts: LOWTRAN7's READ statements; MODTRAN's from its user's manual as public decks show it (GeoscienceAustralia/wagl,
 ``gaip/modtran_profiles.py``). Cards 2, 2C, 3, 3A1, 3A2 and 5 stand in the same columns in both; MODTRAN adds to card 1 its first five
@@ -20,11 +20,11 @@ AT_1_AU: Final = 93
 """Day of the year on which both programs take the Sun's mean distance (IDAY)."""
 
 LEAST_BOUNDARY_TEMPERATURE: Final = "   0.001"
-"""TBOUND, TPTEMP [K]: the sea adds nothing, and 0 would stand for the lowest air's."""
+"""Temperature of the boundary (TBOUND, TPTEMP) [K]: the sea adds nothing, and 0 would mean that of the lowest air."""
 
 
 def deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: float | None, *, modtran: bool) -> str:
-    """Text of a deck with a case for each line."""
+    """Return the text of a deck with a case for each line."""
     cases = []
     for i, line in enumerate(lines):
         cards = [*_cards(line, air, solar_zenith_deg, modtran=modtran), f"{int(i + 1 < len(lines)):5d}"]
@@ -59,7 +59,7 @@ def _cards(line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, *
 
 
 def fixed(value: float) -> str:
-    """Ten columns, the first blank, with as many decimals as fit; a point in them overrules those of the format.
+    """Return a number in ten columns, the first blank, with as many decimals as fit; its point overrules the format's.
 
     >>> fixed(0.03), fixed(101.2345678901), fixed(90.1653187)
     (' 0.0300000', ' 101.23457', ' 90.165319')

@@ -46,7 +46,7 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.\d*|\.\d+|\d+(?=\s|$))(?:[EDed][-+]?\d{2}|[-
 _END = re.compile(r"^\s*-9999\.?")
 
 FARTHEST: Final = 4
-"""Columns by which the end of a number may miss that of its column's name: names of mode 3 stand up to 2 aside."""
+"""Largest offset in columns between the end of a number and that of its column's name: names of mode 3 stand up to 2 aside."""
 
 UNNAMED_DEPTH: Final = 105
 """Column in which the optical depth ends (T96, E10.3) where the header does not name it: LOWTRAN7, and mode 3."""
@@ -60,7 +60,7 @@ class _Label:
 
 
 def is_tape7(path: Path, head: str) -> bool:
-    """Whether a text file looks like one, by its name or the names of its columns."""
+    """Return true where a text file is a tape7 by its name or its column names."""
     name = path.name.lower()
     return path.suffix.lower() in ENDINGS or name.startswith("tape7") or any(map(_is_header, head.splitlines()))
 
@@ -70,7 +70,7 @@ def _is_header(line: str) -> bool:
 
 
 def read_tape7(path: Path, text: str) -> list[ModtranSpectrum]:
-    """All cases of a file, in its order.
+    """Read all cases of a file, in its order.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def read_tape7(path: Path, text: str) -> list[ModtranSpectrum]:
     heads = [i for i, line in enumerate(lines) if _is_header(line)]
     if not heads:
         raise DataError(f"{path}: has no line of column names (FREQ TOT_TRANS ...); give a tape7 of LOWTRAN7 or MODTRAN 4-5")
-    found, last = [], -1
+    spectra, last = [], -1
     for number, head in enumerate(heads, 1):
         stop = heads[number] if number < len(heads) else len(lines)
         end = next((i for i in range(head + 1, stop) if _END.match(lines[i])), None)
@@ -92,13 +92,13 @@ def read_tape7(path: Path, text: str) -> list[ModtranSpectrum]:
         if any(_END.match(line) for line in lines[last + 1 : head]):
             raise DataError(f"{path}: line {head + 1}: a case before case {number} has no spectrum; its run failed: mend its deck")
         cards = [line for line in lines[last + 1 : head] if line.strip()]
-        found.append(spectrum_of(_table(path, number, lines, (head, end), cards)))
+        spectra.append(spectrum_of(_table(path, number, lines, (head, end), cards)))
         last = end
     if any(line.strip() for line in lines[last + 1 :]):
         raise DataError(
-            f"{path}: line {last + 2}: something follows case {len(found)} that has no spectrum; the last run failed or the file is cut"
+            f"{path}: line {last + 2}: something follows case {len(spectra)} that has no spectrum; the last run failed or the file is cut"
         )
-    return found
+    return spectra
 
 
 def _table(path: Path, number: int, lines: list[str], span: tuple[int, int], cards: list[str]) -> Table:
@@ -143,48 +143,48 @@ def _table(path: Path, number: int, lines: list[str], span: tuple[int, int], car
 
 @dataclass(frozen=True)
 class _Fields:
-    """Where the numbers of a line stood: most lines have theirs in the same places, and are then cut there."""
+    """Columns in which the numbers of a line stood: most lines have theirs in the same places."""
 
     length: int = -1
     ends: tuple[tuple[int, Column | None], ...] = ()
 
     @classmethod
     def of(cls, line: str, row: dict[Column, tuple[float, int]]) -> _Fields:
-        """Places of a line that was told apart by grammar."""
+        """Return the columns of a line that was parsed by Fortran's grammar."""
         by_end: dict[int, Column | None] = {end: name for name, (_, end) in row.items()}
         return cls(len(line), tuple((match.end(), by_end.get(match.end())) for match in _NUMBER.finditer(line)))
 
     def values(self, line: str) -> dict[Column, tuple[float, int]] | None:
-        """Values and ends of another line; None where it is not alike."""
+        """Return values and ends of another line; None where its layout differs."""
         if len(line) != self.length or "_" in line or not line.isascii():
             return None
-        found: dict[Column, tuple[float, int]] = {}
+        result: dict[Column, tuple[float, int]] = {}
         start = 0
         try:
             for end, column in self.ends:
                 value = float(line[start:end])
                 if column is not None:
-                    found[column] = (value, end)
+                    result[column] = (value, end)
                 start = end
         except ValueError:
             return None
-        return found if not line[start:].strip() else None
+        return result if not line[start:].strip() else None
 
 
 def _labels(header: str) -> list[_Label]:
-    found: list[_Label] = []
+    labels: list[_Label] = []
     for match in _LABEL.finditer(header):
         column = column_of(match.group())
-        if column == "transmittance" and any(label.column == column for label in found):
+        if column == "transmittance" and any(label.column == column for label in labels):
             column = None
-        found.append(_Label(match.group(), match.end(), column))
-    if {"ATMOS", "SOLAR"} & {label.text for label in found}:
-        found.append(_Label("DEPTH", UNNAMED_DEPTH, "depth"))
-    return found
+        labels.append(_Label(match.group(), match.end(), column))
+    if {"ATMOS", "SOLAR"} & {label.text for label in labels}:
+        labels.append(_Label("DEPTH", UNNAMED_DEPTH, "depth"))
+    return labels
 
 
 def _row(path: Path, case: str, index: int, line: str, labels: list[_Label]) -> dict[Column, tuple[float, int]]:
-    """Values of a line by column and where they end; what is blank is left out."""
+    """Return values of a line by column and the columns at which they end; blank ones are left out."""
     where = f"{path}: {case}: line {index + 1}"
     rest = _NUMBER.sub(lambda match: " " * len(match.group()), line)
     if rest.strip():
@@ -213,7 +213,7 @@ def _row(path: Path, case: str, index: int, line: str, labels: list[_Label]) -> 
 
 
 def fortran_number(text: str) -> float:
-    """Number as Fortran prints it.
+    """Return the value of a number as Fortran prints it.
 
     >>> fortran_number("6.53-144"), fortran_number("1.5D-03"), fortran_number("2400.")
     (6.53e-144, 0.0015, 2400.0)
@@ -222,7 +222,7 @@ def fortran_number(text: str) -> float:
 
 
 def _sight(cards: list[str]) -> ModtranSight | None:
-    """Geometry from the cards above the column names: mode and kind on card 1, card 3 five lines above the end, 3A1 and 3A2 below it."""
+    """Return the geometry from the cards above the column names: mode and kind on card 1, card 3 five lines above, then 3A1 and 3A2."""
     try:
         kind, mode = int(cards[0][5:10]), int(cards[0][10:15])
         card3, card3a2 = cards[-5].ljust(60), cards[-3].ljust(20)

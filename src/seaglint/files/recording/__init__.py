@@ -1,4 +1,4 @@
-"""Image sequences that users have, opened as recordings to analyse: one file per family of formats."""
+"""Readers of image sequences as recordings to analyse: one file per family of formats."""
 
 from seaglint.files.recording.open import open_recording
 from seaglint.files.recording.raw import RawLayout

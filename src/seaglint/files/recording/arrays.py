@@ -1,4 +1,4 @@
-"""Arrays in files: NumPy, HDF5, FITS, and NetCDF or Zarr of others; (rows, columns) or (frames, rows, columns)."""
+"""Readers of arrays: NumPy, HDF5, FITS, and NetCDF or Zarr of other programs; (rows, columns) or (frames, rows, columns)."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from seaglint.files.netcdf import open_netcdf
 from seaglint.files.recording.stored import full_scale, grey
 
 RESOLVED: Final = 1000.0
-"""Steps of single precision in the spread of the values from which rounding changes nothing; with fewer an offset is taken off."""
+"""Smallest spread of the values in steps of single precision; below it an offset is subtracted."""
 
 AXES: Final = ("tyx", "yxt")
-"""Orders of a three-dimensional array: frames first (how everything is read unless told) or last."""
+"""Orders of a three-dimensional array: frames first (the default) or last."""
 
 
 @dataclass(frozen=True)
 class ArrayReading:
-    """What the user knows of an array better than its file.
+    """Properties of an array that the user states in place of its file.
 
     Attributes
     ----------
     variable : str or None
-        Which array of a file that holds several.
+        Name of the array in a file that holds several.
     channel : str or None
-        What to take of true colour images.
+        Channel of true colour images.
     axes : str or None
         Order of the axes, one of :data:`AXES`.
     """
@@ -47,13 +47,13 @@ class ArrayReading:
 def of_array(
     array: Any, source: str, how: ArrayReading, *, frame_rate: float | None = None, units: str | None = None, named_axes: bool = False
 ) -> Recording:
-    """Frames of anything with ``shape``, ``dtype`` and slices: numbers (r, c), (f, r, c), or colours (r, c, 3|4), (f, r, c, 3|4)."""
+    """Return frames of anything with ``shape``, ``dtype`` and slices: numbers (r, c), (f, r, c), or colours (r, c, 3|4), (f, r, c, 3|4)."""
     shape, dtype = tuple(int(s) for s in array.shape), np.dtype(array.dtype)
     if dtype.kind not in "uifb":
         raise DataError(f"{source}: holds {dtype}, not real numbers; give radiances or counts")
     if how.axes == "yxt":
         if len(shape) != 3:
-            raise DataError(f"{source}: has shape {shape}; --axes yxt is for (rows, columns, frames)")
+            raise DataError(f"{source}: has shape {shape}; axes='yxt' is for (rows, columns, frames)")
         array, shape = _TimeLast(array), (shape[2], shape[0], shape[1])
     coloured = how.axes is None and (
         (len(shape) == 4 and shape[-1] in (1, 2, 3, 4)) or (len(shape) == 3 and shape[-1] in (3, 4) and shape[0] > 4)
@@ -84,7 +84,7 @@ def of_array(
 
 
 class _TimeLast:
-    """An array (rows, columns, frames), sliced along its frames."""
+    """Array (rows, columns, frames), sliced along its frames."""
 
     def __init__(self, array: Any) -> None:
         self._array, self.dtype = array, array.dtype
@@ -94,7 +94,7 @@ class _TimeLast:
 
 
 def _released(block: NDArray[Any]) -> NDArray[Any]:
-    """A copy of what lies in a file's map, whose pages are given back: they count as the process's memory."""
+    """Return a copy of a part of a memory-mapped file, whose pages are released: they count as the process's memory."""
     base: Any = block
     while base is not None and not isinstance(base, mmap.mmap):
         base = base.obj if isinstance(base, memoryview) else getattr(base, "base", None)
@@ -107,7 +107,7 @@ def _released(block: NDArray[Any]) -> NDArray[Any]:
 
 
 def _resolved(recording: Recording) -> Recording:
-    """Take the level off numbers whose spread single precision would round away, and refuse those beyond its range."""
+    """Subtract the level of values whose spread single precision would round away; refuse values beyond its range."""
     first = np.asarray(recording.read_block(0, 1), np.float64)
     first = first[np.isfinite(first)]
     if not first.size:
@@ -125,7 +125,7 @@ def _resolved(recording: Recording) -> Recording:
 
 
 def open_numpy(path: Path, how: ArrayReading) -> Recording:
-    """``.npy``, mapped; or one array of an ``.npz``, which is read whole."""
+    """Open ``.npy``, memory-mapped, or one array of an ``.npz``, which is read as a whole."""
     try:
         loaded = np.load(path, mmap_mode="r" if path.suffix == ".npy" else None, allow_pickle=False)
     except (OSError, ValueError, EOFError, zipfile.BadZipFile) as error:
@@ -141,28 +141,28 @@ def open_numpy(path: Path, how: ArrayReading) -> Recording:
 
 
 def open_hdf5(path: Path, how: ArrayReading) -> Recording:
-    """A dataset of an HDF5 file (also MATLAB 7.3); its only one of two or three dimensions, or ``variable``."""
+    """Open a dataset of an HDF5 file (also MATLAB 7.3): its only one of two or three dimensions, or ``variable``."""
     import h5py
 
     try:
         file = h5py.File(path, "r")
     except OSError as error:
         raise DataError(f"{path}: cannot be read as HDF5 ({error})") from error
-    found: dict[str, Any] = {}
+    datasets: dict[str, Any] = {}
 
     def visit(name: str, item: Any) -> None:
         if isinstance(item, h5py.Dataset) and item.ndim in (2, 3, 4) and item.dtype.kind in "uif":
-            found[name] = item
+            datasets[name] = item
 
     file.visititems(visit)
-    name = _choose(found, how.variable, path)
-    array = found[name]
+    name = _choose(datasets, how.variable, path)
+    array = datasets[name]
     rate = _rate(dict(array.attrs)) or _rate(dict(file.attrs))
     return of_array(_unpacked(array), f"{path}:{name}", how, frame_rate=rate, units=_text(array.attrs.get("units")))
 
 
 def _unpacked(array: Any) -> Any:
-    """A dataset with its scale and offset by their CF names applied, where it has any."""
+    """Return a dataset with its scale and offset by their CF names applied, where it has any."""
     scale, zero, blank = (
         None if array.attrs.get(name) is None else np.ravel(array.attrs[name])[0] for name in ("scale_factor", "add_offset", "_FillValue")
     )
@@ -172,7 +172,7 @@ def _unpacked(array: Any) -> Any:
 
 
 def open_fits(path: Path, how: ArrayReading) -> Recording:
-    """The first image of a FITS file, or the extension ``variable``; rows stay in the order of the file."""
+    """Open the first image of a FITS file, or the extension ``variable``; rows stay in the order of the file."""
     try:
         from astropy.io import fits
     except ImportError as error:
@@ -198,7 +198,7 @@ def open_fits(path: Path, how: ArrayReading) -> Recording:
 
 
 class _Scaled:
-    """Stored numbers whose scale, offset and blank value are applied to what is asked for only."""
+    """Stored numbers whose scale, offset and blank value are applied on reading."""
 
     def __init__(self, stored: Any, scale: float, zero: float, blank: Any) -> None:
         self._stored, self.shape, self.dtype = stored, stored.shape, np.dtype(np.float32)
@@ -211,26 +211,26 @@ class _Scaled:
 
 
 def open_labelled(path: Path, how: ArrayReading) -> Recording:
-    """NetCDF and Zarr: ours, or anybody's with a variable of (time, rows, columns)."""
+    """Open NetCDF or Zarr, of seaglint or with any variable of (time, rows, columns)."""
     import xarray as xr
 
     if path.is_dir():
         try:
             dataset = xr.open_dataset(str(path), engine="zarr", chunks=None, decode_times=False, consolidated=False)
         except Exception as error:
-            told = " ".join(str(error).split())[:200] or type(error).__name__
-            raise DataError(f"{path}: cannot be read as Zarr ({told})") from error
+            reason = " ".join(str(error).split())[:200] or type(error).__name__
+            raise DataError(f"{path}: cannot be read as Zarr ({reason})") from error
     else:
         dataset = open_netcdf(path, chunks=None, decode_times=False)
     return of_dataset(dataset, str(path), how)
 
 
 def of_dataset(dataset: Any, source: str, how: ArrayReading) -> Recording:
-    """The image variable of an :class:`xarray.Dataset`: ``radiance``, the only one, or the one chosen; read when it is needed."""
+    """Return the image variable of an :class:`xarray.Dataset`: ``radiance``, the only one, or the chosen one; read when needed."""
     images = {str(n): v for n, v in dataset.data_vars.items() if v.ndim in (2, 3) and v.dtype.kind in "uif"}
     name = _choose(images, how.variable or next((n for n in ("radiance", "signal") if n in images), None), source)
     chosen = images[name]
-    found = of_array(
+    recording = of_array(
         _Lazy(chosen),
         f"{source}:{name}",
         how,
@@ -239,11 +239,11 @@ def of_dataset(dataset: Any, source: str, how: ArrayReading) -> Recording:
         named_axes=chosen.dims[0] == "time",
     )
     full = chosen.attrs.get("saturation_counts")
-    return found if full is None else replace(found, saturation=float(full))
+    return recording if full is None else replace(recording, saturation=float(full))
 
 
 class _Lazy:
-    """A labelled variable read by slices."""
+    """Labelled variable that is read by slices."""
 
     def __init__(self, variable: Any) -> None:
         self._variable, self.shape, self.dtype = variable.variable, variable.shape, variable.dtype
@@ -253,7 +253,7 @@ class _Lazy:
 
 
 def stored_frame_rate(dataset: Any, images: Any) -> float | None:
-    """Frames per second [Hz] of images in a dataset.
+    """Return the frames per second [Hz] of images in a dataset.
 
     That of the time coordinate where this is even and the attributes say something else: a selection of every other frame keeps the
     attributes.
@@ -263,7 +263,7 @@ def stored_frame_rate(dataset: Any, images: Any) -> float | None:
 
 
 def _spacing(dataset: Any) -> float | None:
-    """Frame rate from evenly spaced times in seconds."""
+    """Return the frame rate of evenly spaced times in seconds."""
     if "time" not in dataset.variables or dataset["time"].size < 2 or dataset["time"].attrs.get("units") != "s":
         return None
     steps = np.diff(dataset["time"].to_numpy())
@@ -289,12 +289,12 @@ def _text(value: Any) -> str | None:
     return str(text) if text else None
 
 
-def _choose(found: dict[str, Any], wanted: str | None, path: str | Path) -> str:
-    names = ", ".join(found) or "none"
-    if wanted is not None:
-        if wanted not in found:
-            raise DataError(f"{path}: has no image variable '{wanted}'; it has {names}")
-        return wanted
-    if len(found) != 1:
-        raise DataError(f"{path}: {'several image variables' if found else 'no image variable'} ({names}); choose one with --variable")
-    return next(iter(found))
+def _choose(available: dict[str, Any], requested: str | None, path: str | Path) -> str:
+    names = ", ".join(available) or "none"
+    if requested is not None:
+        if requested not in available:
+            raise DataError(f"{path}: has no image variable '{requested}'; it has {names}")
+        return requested
+    if len(available) != 1:
+        raise DataError(f"{path}: {'several image variables' if available else 'no image variable'} ({names}); give one as variable")
+    return next(iter(available))

@@ -1,4 +1,4 @@
-"""What a file or dataset says of its images beside their numbers: the band, and where the pixels look."""
+"""Attributes of a file's images: the band, and the directions of the pixels."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Source:
-    """What a recording says of itself beside its numbers."""
+    """Attributes of a recording beside its pixel values."""
 
     band: Band | None = None
     step: tuple[float, float] | None = None
-    """Angle between columns and between rows [rad]."""
+    """Return the angle between columns and between rows [rad]."""
     azimuth_deg: FloatArray | None = None
     elevation_deg: FloatArray | None = None
     frames: range | None = None
-    """Numbers of the frames in the sequence that they are of."""
+    """Return the numbers of the frames in the sequence that they belong to."""
 
     @classmethod
     def of(cls, dataset: xr.Dataset) -> Source:
-        """Of a labelled dataset, as far as it says."""
+        """Return the attributes of a labelled dataset, where it has them."""
         try:
             band = stored_band(dataset.attrs)
         except (KeyError, TypeError, ValueError):
@@ -46,7 +46,7 @@ class Source:
 
 
 def _numbers(dataset: xr.Dataset) -> range | None:
-    """Of frames that follow one another."""
+    """Return the numbers of consecutive frames."""
     if "frame" not in dataset.variables:
         return None
     numbers = np.atleast_1d(dataset["frame"].to_numpy())
@@ -56,7 +56,7 @@ def _numbers(dataset: xr.Dataset) -> range | None:
 
 
 def source_of(path: Path) -> Source | None:
-    """Of a Zarr store or NetCDF file; None of files that say nothing of the kind.
+    """Return the attributes of a Zarr store or NetCDF file; None for other files.
 
     Raises
     ------
@@ -75,6 +75,6 @@ def source_of(path: Path) -> Source | None:
     except DataError:
         raise
     except Exception as error:
-        told = " ".join(str(error).split())[:200] or type(error).__name__
-        raise DataError(f"{path}: cannot be read ({told}); is the file whole?") from error
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise DataError(f"{path}: cannot be read ({reason}); is the file whole?") from error
     return None

@@ -1,4 +1,4 @@
-"""PNG and TIFF: one image, a file of many pages, or a folder of numbered files, of one page or of many."""
+"""Reader of PNG and TIFF: one image, a file of many pages, or a folder of numbered files."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ ENDINGS = (".png", ".tif", ".tiff")
 
 _SIGNATURE = b"\x89PNG"
 _CHANNELS: dict[int, tuple[int, ...]] = {0: (), 2: (3,), 3: (3,), 4: (2,), 6: (4,)}
-"""Last axis by the colour type of a PNG's header: grey, RGB, palette (made RGB), grey and alpha, RGB and alpha."""
+"""Length of the last axis by the colour type of a PNG's header: grey, RGB, palette (made RGB), grey and alpha, RGB and alpha."""
 
 
 def natural(path: Path) -> tuple[Any, ...]:
-    """Sort key that puts frame 9 before frame 10.
+    """Return a sort key that puts frame 9 before frame 10.
 
     >>> [p.name for p in sorted([Path("f10.png"), Path("f9.png")], key=natural)]
     ['f9.png', 'f10.png']
@@ -35,7 +35,7 @@ def natural(path: Path) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class _File:
-    """One file: how many frames, and what each is as stored."""
+    """One file: its number of frames, and their shape and type as stored."""
 
     path: Path
     pages: int
@@ -44,7 +44,7 @@ class _File:
     one_page: bool = False
 
     def read(self, start: int, stop: int) -> NDArray[Any]:
-        """Frames as stored, shape (stop - start, rows, columns[, channels])."""
+        """Return frames as stored, shape (stop - start, rows, columns[, channels])."""
         if self.path.suffix.lower() == ".png":
             return _decode_png(self.path)[np.newaxis]
         import tifffile
@@ -55,13 +55,13 @@ class _File:
                 tifffile.memmap(self.path, mode="r")[start:stop] if self.one_page else tifffile.imread(self.path, key=range(start, stop))
             )
         except Exception as error:
-            told = "; the file is cut, or give uncompressed TIFF"
-            raise DataError(f"{self.path}: pages {start}:{stop} cannot be decoded ({_first_line(error)}){told}") from error
+            remedy = "; the file is cut, or give uncompressed TIFF"
+            raise DataError(f"{self.path}: pages {start}:{stop} cannot be decoded ({_first_line(error)}){remedy}") from error
         return np.asarray(stored).reshape(stop - start, *self.shape)
 
 
 def open_images(paths: Sequence[Path], channel: str | None) -> Recording:
-    """Every page of every file a frame, in the order given.
+    """Open files in the given order; every page is a frame.
 
     Raises
     ------
@@ -100,7 +100,7 @@ def open_images(paths: Sequence[Path], channel: str | None) -> Recording:
 
 
 def _missing_numbers(paths: Sequence[Path]) -> tuple[str, ...]:
-    """A note where the one number that counts the files jumps."""
+    """Return a note where the number that counts the files has gaps."""
     keys = [natural(path) for path in paths]
     if len(keys) < 3 or len({len(key) for key in keys}) > 1:
         return ()
@@ -133,7 +133,7 @@ def _grey(stored: NDArray[Any], path: Path, channel: str | None) -> NDArray[Any]
 
 
 def _look(path: Path) -> _File:
-    """Pages, shape and type of a file, without decoding more than its headers where that can be."""
+    """Return pages, shape and type of a file, from its headers where possible."""
     if path.suffix.lower() != ".png":
         return _look_tiff(path)
     try:
@@ -149,7 +149,7 @@ def _look(path: Path) -> _File:
 
 
 def _decode_png(path: Path) -> NDArray[Any]:
-    """Pixels as stored: (rows, columns) or (rows, columns, channels)."""
+    """Return pixels as stored: (rows, columns) or (rows, columns, channels)."""
     try:
         with path.open("rb") as file:
             header = file.read(26)
@@ -169,7 +169,7 @@ def _decode_png(path: Path) -> NDArray[Any]:
 
 
 def _decode_deep_png(path: Path) -> NDArray[Any]:
-    """Colours or grey and alpha of 16 bits each, which Pillow cuts to 8."""
+    """Return colours or grey and alpha of 16 bits each, which Pillow reduces to 8."""
     try:
         import png
     except ImportError as error:

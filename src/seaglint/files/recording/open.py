@@ -1,4 +1,4 @@
-"""Which reader a path needs, and what the user knows better than the file."""
+"""Opening of recordings: choice of the reader by path, and properties that the user states in place of the file."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from seaglint.files.recording.raw import RawLayout, open_raw
 from seaglint.files.recording.stored import CHANNELS
 
 RATE_TOLERANCE = 0.01
-"""Relative difference between the file's frame rate and the user's from which both are told."""
+"""Relative difference between the file's frame rate and the user's above which a note names both."""
 
 _ARRAY_ENDINGS = (".npy", ".npz", ".h5", ".hdf5", ".he5", ".mat", ".fits", ".fit", ".fts", ".nc", ".nc4", ".zarr")
 
@@ -39,7 +39,7 @@ def open_recording(
     axes: str | None = None,
     saturation: float | None = None,
 ) -> Recording:
-    """Open a sequence of images or a single one; nothing but its size is read, and of numbers wider than 16 bits the first frame.
+    """Open a sequence of images or a single one. Only its size is read, and of numbers wider than 16 bits the first frame.
 
     Parameters
     ----------
@@ -52,11 +52,11 @@ def open_recording(
     raw : RawLayout, optional
         Layout of a raw file; otherwise read from the file beside it.
     variable : str, optional
-        Which array of a file that holds several.
+        Name of the array in a file that holds several.
     channel : {"mean", "red", "green", "blue"}, optional
-        What to take of true colour images, which are refused otherwise.
+        Channel of true colour images, which are refused otherwise.
     axes : {"tyx", "yxt"}, optional
-        Whether the first or the last axis of an array is time; first if not told.
+        Order of the axes: time first (the default) or last.
     saturation : float, optional
         Value from which on the sensor is saturated; overrules the format's full scale.
 
@@ -81,34 +81,39 @@ def open_recording(
         raise DataError(f"saturation = {saturation:g}; give a finite number")
     how = arrays.ArrayReading(variable, channel, axes)
     with _damage(path):
-        found = _open(Path(path), raw, how)
-    notes = found.notes
+        recording = _open(Path(path), raw, how)
+    notes = recording.notes
     if axes == "yxt" and Path(path).suffix.lower() not in _ARRAY_ENDINGS:
-        raise DataError(f"{path}: --axes yxt is for arrays ({', '.join(_ARRAY_ENDINGS)}); frames of other formats have their order")
-    if frame_rate is not None and found.frame_rate is not None and abs(frame_rate / found.frame_rate - 1.0) > RATE_TOLERANCE:
-        notes = (*notes, f"frame rate {frame_rate:g} Hz as given; the file says {found.frame_rate:g} Hz")
-    full = found.saturation if saturation is None else saturation - found.offset
-    read_block = found.read_block
+        raise DataError(f"{path}: axes='yxt' is for arrays ({', '.join(_ARRAY_ENDINGS)}); frames of other formats have their order")
+    if frame_rate is not None and recording.frame_rate is not None and abs(frame_rate / recording.frame_rate - 1.0) > RATE_TOLERANCE:
+        notes = (*notes, f"frame rate {frame_rate:g} Hz as given; the file says {recording.frame_rate:g} Hz")
+    full = recording.saturation if saturation is None else saturation - recording.offset
+    read_block = recording.read_block
 
     def read(start: int, stop: int) -> FrameArray:
         with _damage(path):
             return read_block(start, stop)
 
     return replace(
-        found, frame_rate=frame_rate or found.frame_rate, units=units or found.units, saturation=full, notes=notes, read_block=read
+        recording,
+        frame_rate=frame_rate or recording.frame_rate,
+        units=units or recording.units,
+        saturation=full,
+        notes=notes,
+        read_block=read,
     )
 
 
 @contextmanager
 def _damage(path: str | Path) -> Iterator[None]:
-    """Tell what libraries raise for files that are cut or changed, which is nearly anything, in a line of ours."""
+    """Report exceptions of libraries at damaged files, which are of nearly any type, as an error of one line."""
     try:
         yield
     except SeaglintError:
         raise
     except Exception as error:
-        told = " ".join(str(error).split())[:200] or type(error).__name__
-        raise DataError(f"{path}: cannot be read ({told}); is the file whole?") from error
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise DataError(f"{path}: cannot be read ({reason}); is the file whole?") from error
 
 
 def _open(path: Path, raw: RawLayout | None, how: arrays.ArrayReading) -> Recording:

@@ -1,4 +1,4 @@
-"""Frames without a format: a header to skip, then numbers.
+"""Reader of raw frames: a header to skip, then numbers.
 
 The layout comes as options or from a TOML or JSON file beside the data (``clip.raw`` and ``clip.toml``) with the names of
 :class:`RawLayout`, and with a table ``metadata`` of anything else, which is not read.
@@ -25,7 +25,7 @@ TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "floa
 
 @dataclass(frozen=True)
 class RawLayout:
-    """How a raw file is laid out.
+    """Layout of a raw file.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class RawLayout:
 
     @classmethod
     def beside(cls, path: Path) -> RawLayout:
-        """Layout from the TOML or JSON file beside the data."""
+        """Read the layout from the TOML or JSON file beside the data."""
         for sidecar in (path.with_suffix(".toml"), path.with_suffix(".json"), Path(f"{path}.toml"), Path(f"{path}.json")):
             if sidecar.is_file():
                 return cls.of(_parse(sidecar), str(sidecar))
@@ -66,7 +66,7 @@ class RawLayout:
 
     @classmethod
     def of(cls, table: dict[str, Any], source: str) -> RawLayout:
-        """Check a table of the layout's names."""
+        """Check a table with the layout's names and return the layout."""
         known = {f.name for f in fields(cls)}
         table = {name: value for name, value in table.items() if name != "metadata"}
         unknown = sorted(set(table) - known)
@@ -105,7 +105,7 @@ def _parse(sidecar: Path) -> dict[str, Any]:
 
 
 def open_raw(path: Path, layout: RawLayout) -> Recording:
-    """Describe a raw file; what follows the last whole frame is noted."""
+    """Open a raw file; data after the last whole frame are noted."""
     dtype = np.dtype(layout.dtype).newbyteorder("<" if layout.byte_order == "little" else ">")
     pixels = layout.rows * layout.columns
     stride = layout.frame_header + pixels * dtype.itemsize

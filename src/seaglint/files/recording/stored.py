@@ -1,4 +1,4 @@
-"""Values as files store them: their full scale, and one image of colour channels."""
+"""Values as files store them: full scale, and one channel of colour images."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from numpy.typing import NDArray
 from seaglint.base.errors import DataError
 
 NEARLY_GREY: Final = 0.02
-"""Largest difference between colour channels, as a share of full scale, that still counts as grey (rounding, recompression)."""
+"""Largest difference between colour channels that still counts as grey (rounding, recompression), as a share of full scale."""
 
 CHANNELS: Final = ("mean", "red", "green", "blue")
-"""Ways to make one image of colour channels."""
+"""Names of the ways to make one image of colour channels."""
 
 
 def full_scale(dtype: np.dtype[Any]) -> float | None:
-    """Largest value of an integer type; None for floats."""
+    """Return the largest value of an integer type; None for floats."""
     return float(np.iinfo(dtype).max) if np.issubdtype(dtype, np.integer) else None
 
 
 def grey(images: NDArray[Any], source: str, channel: str | None = None) -> NDArray[Any]:
-    """One channel of images whose last axis is grey+alpha, RGB or RGBA; images without that axis pass.
+    """Return one channel of images whose last axis is grey+alpha, RGB or RGBA; images without that axis are unchanged.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def grey(images: NDArray[Any], source: str, channel: str | None = None) -> NDArr
     if channel is None and worst > NEARLY_GREY:
         raise DataError(
             f"{source}: is a true colour image (channels differ by up to {100 * worst:.3g} % of full scale, grey allows "
-            f"{100 * NEARLY_GREY:g} %); false colours are no measure of radiance: give the grey original, or choose --channel "
+            f"{100 * NEARLY_GREY:g} %); false colours are no measure of radiance: give the grey original, or choose a channel: "
             f"{', '.join(CHANNELS)}"
         )
     if not span.any():

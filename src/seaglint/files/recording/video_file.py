@@ -1,4 +1,4 @@
-"""Video files, decoded forward; a lossy codec is noted."""
+"""Reader of video files, decoded forward; a lossy codec is noted."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ LOSSLESS = ("ffv1", "rawvideo", "huffyuv", "ffvhuff", "utvideo", "png")
 
 
 def open_video(path: Path, channel: str | None) -> Recording:
-    """Grey frames of the first video stream; luma where colours are stored as luma and chroma."""
+    """Open the first video stream as grey frames; luma where colours are stored as luma and chroma."""
     try:
         import av
     except ImportError as error:
@@ -43,7 +43,7 @@ def open_video(path: Path, channel: str | None) -> Recording:
 
 
 class _Decoder:
-    """Frames in order; asking for earlier ones starts again."""
+    """Decoder of frames in order; a request for earlier ones starts again."""
 
     def __init__(self, path: Path, *, deep: bool, channel: str | None) -> None:
         self._path, self._format, self._channel = path, "gray16le" if deep else "rgb24", channel
@@ -57,7 +57,7 @@ class _Decoder:
         self._next, self._frames = 0, container.decode(video=0)
 
     def read(self, start: int, stop: int) -> NDArray[Any]:
-        """Frames ``start`` to ``stop``."""
+        """Return frames ``start`` to ``stop``."""
         if start < self._next or self._next == 0:
             self._restart()
         block: list[NDArray[Any]] = []

@@ -1,1 +1,1 @@
-"""Image sequences on disk: a Zarr store, whole or plainly unfinished, that one process writes or many."""
+"""Image sequences on disk: a Zarr store, complete or marked as unfinished, written by one process or several."""

@@ -1,4 +1,4 @@
-"""One writer at a time: a claim on a folder that ends with the process, however that ends.
+"""Claim of a folder by one writer at a time, which ends with the process, however that ends.
 
 The claim is a lock of the operating system on a file beside the folder. It is not inside: the folder may be emptied, is renamed
 when whole, and everything in it is taken for part of the store. A killed process leaves the file but not the lock. Where a file
@@ -21,22 +21,22 @@ from seaglint.base.errors import DataError
 
 @dataclass(frozen=True)
 class Claim:
-    """What a writer holds while it writes into a folder."""
+    """Claim of a writer on the folder that it writes."""
 
     folder: Path
-    """The folder claimed."""
+    """Claimed folder."""
     token: str
     """Random text that no other claim has."""
 
     def holds(self) -> bool:
-        """Whether the file beside the folder still carries our token."""
+        """Return true while the file beside the folder still carries this claim's token."""
         try:
             return lock_path(self.folder).read_text(encoding="ascii").split()[1:] == [self.token]
         except (FileNotFoundError, ValueError):  # removed, or overwritten with what is not text
             return False
 
     def require(self) -> None:
-        """Refuse to go on in a folder that another process has taken.
+        """Raise an error if another process has taken the folder.
 
         Raises
         ------
@@ -46,24 +46,24 @@ class Claim:
         if not self.holds():
             raise DataError(
                 f"{self.folder}: another process has taken it, or {lock_path(self.folder).name} was removed; "
-                "see that one process only writes there and go on with --resume"
+                "see that only one process writes there and go on with resume=True"
             )
 
 
 def lock_path(folder: Path) -> Path:
-    """File that carries the claim on a folder."""
+    """Return the file that carries the claim on a folder."""
     return folder.with_name(folder.name + ".lock")
 
 
 @contextmanager
 def exclusive(folder: Path, patience: float = 0.0) -> Iterator[Claim]:
-    """Claim a folder, which need not exist yet, for as long as the context lasts.
+    """Claim a folder, which need not exist yet, for the duration of the context.
 
     Parameters
     ----------
     folder : Path
     patience : float
-        How long another's claim is waited for [s].
+        Longest time to wait for another process's claim [s].
 
     Raises
     ------
@@ -90,7 +90,7 @@ def exclusive(folder: Path, patience: float = 0.0) -> Iterator[Claim]:
 
 @contextmanager
 def shared(folder: Path, patience: float = 5.0) -> Iterator[None]:
-    """Hold a folder together with others who do the same; who wants it alone is refused, and refuses us.
+    """Claim a folder together with other shared claims; exclusive claims are refused, and refuse shared ones.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def shared(folder: Path, patience: float = 5.0) -> Iterator[None]:
 
 
 def _open_locked(folder: Path, path: Path, lock: Callable[[int], bool], patience: float) -> int:
-    """Open and lock the file; the one locked must be the one that has the name, not one that its last owner just removed."""
+    """Open and lock the file; check that it still has the name, since its last owner may have removed it in between."""
     until = time.monotonic() + patience
     while True:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
@@ -147,7 +147,7 @@ if sys.platform == "win32":
     import msvcrt
 
     def _lock(descriptor: int) -> bool:
-        """Lock a byte far behind the text, which others must be able to read; false when another process holds it."""
+        """Lock a byte far behind the text, which others must be able to read; return false when another process holds it."""
         os.lseek(descriptor, 1 << 30, os.SEEK_SET)
         try:
             msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
@@ -158,7 +158,7 @@ if sys.platform == "win32":
         return True
 
     def _lock_shared(descriptor: int) -> bool:
-        """There are no shared locks here: parts are written one after the other."""
+        """Lock exclusively, since this system lacks shared locks: parts are written one after the other."""
         return _lock(descriptor)
 
     def _release(descriptor: int, claim: Claim) -> None:

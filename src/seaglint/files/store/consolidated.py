@@ -1,4 +1,4 @@
-"""Metadata of all arrays of a Zarr store in one place, where readers look first."""
+"""Consolidated metadata of all arrays of a Zarr store, which readers look for first."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def consolidate(store: Path | str) -> None:
-    """Repeat the arrays' metadata in the store's own: ``xarray.open_zarr`` then reads one file and warns of nothing."""
+    """Copy the arrays' metadata into the store's own: ``xarray.open_zarr`` then reads one file and does not warn."""
     import zarr
 
     with warnings.catch_warnings():

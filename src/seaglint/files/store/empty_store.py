@@ -1,4 +1,4 @@
-"""The arrays of a sequence before its first frame.
+"""Creation of the arrays of a sequence before its first frame.
 
 All that a frame writes is cut into shards of the same frames, and a shard is a file: two processes that write into one file lose each
 other's entries without a word, so each shard is written by one process. Within a shard every frame is a chunk that is read alone.
@@ -21,7 +21,7 @@ from seaglint.files.store.stored_truth import GROUP, TRUTHS
 
 
 def make_arrays(store: Path | str, layout: Layout) -> None:
-    """Make a store with coordinates and empty images; its attributes come last and say that it is there."""
+    """Make a store with coordinates and empty images; its attributes are written last and mark it as complete."""
     import zarr
 
     frames, rows, columns = layout.shape

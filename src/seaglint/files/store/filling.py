@@ -1,4 +1,4 @@
-"""Fill a store with the frames that are missing: in this process, or by others who are handed units."""
+"""Computation of a store's missing frames, in this process or by workers that receive units."""
 
 from __future__ import annotations
 
@@ -27,36 +27,39 @@ log = logging.getLogger(__name__)
 
 
 class Interrupted(SeaglintError):  # noqa: N818 (an answer to a request, not a mistake)
-    """Stopped on request between two frames; what is done stays and can be resumed."""
+    """Error of work that was stopped on request between two frames; finished frames stay and can be resumed."""
 
     exit_code = 130
 
 
 @dataclass(frozen=True)
 class UnitTask:
-    """What another process must know to write units into a store."""
+    """Description of a store for another process that writes units into it."""
 
     output: str
     """Name of the store."""
     folder: str
-    """What is claimed for us; empty where there are no locks."""
+    """Claimed folder; empty where there are no locks."""
     token: str
-    """Of the claim."""
+    """Token of the claim."""
     version: str = __version__
-    """Of the program that asks."""
+    """Version of the calling program."""
 
     @classmethod
     def of(cls, place: Place, claim: Any) -> UnitTask:
-        """Of a place that is held."""
+        """Return the task for a claimed place."""
         return cls(place.name, "" if claim.folder is None else str(Path(claim.folder).absolute()), claim.token)
 
 
 Spread = Callable[[UnitTask, Sequence[int]], AbstractContextManager[Iterator[UnitRecord | UnitFailure]]]
-"""Has units made elsewhere, by :func:`unit_maker` there; outcomes come as they finish, and leaving the context cancels the rest."""
+"""Callback that has units made elsewhere, by :func:`unit_maker`.
+
+It yields outcomes as they finish, leaving the context cancels the rest.
+"""
 
 
 def unit_maker(task: UnitTask, layout: Layout, frame: Frame) -> Callable[[int], UnitRecord]:
-    """Function that makes one unit after the other in a store that another process holds.
+    """Return a function that makes one unit after the other in a store that another process has claimed.
 
     Raises
     ------
@@ -69,7 +72,7 @@ def unit_maker(task: UnitTask, layout: Layout, frame: Frame) -> Callable[[int], 
 
     @contextmanager
     def writing() -> Iterator[None]:
-        with storage_errors(place.work, f"what is done stays in {place.work}: make room and run the same command with --resume"):
+        with storage_errors(place.work, f"what is done stays in {place.work}: make room and go on with the same settings and resume=True"):
             if task.folder:
                 Claim(Path(task.folder), task.token).require()
             place.require_there()
@@ -101,7 +104,7 @@ def _opened(place: Place) -> Any:
 
 @dataclass
 class Filling:
-    """Units of a store on the way to be made; ``here`` or ``elsewhere`` makes them, ``require_all`` follows.
+    """Units of a store that are to be made: by ``here`` or ``elsewhere``, then checked by ``require_all``.
 
     Raises
     ------
@@ -112,24 +115,24 @@ class Filling:
     place: Place
     shards: Shards
     units: range
-    """Which units are ours."""
+    """Units of this process's share."""
     claim: Any
     numbers: range
     """Numbers of all frames of the store."""
     remedy: Callable[[], str]
-    """What to do where there is no room."""
+    """Remedy where there is no room."""
     progress: Progress | None = None
     failed: list[UnitFailure] = field(default_factory=list)
-    """Units with frames that were given up."""
+    """Return the units with frames that failed."""
 
     def __post_init__(self) -> None:
         self.total = sum(self.shards.span(unit).stop - self.shards.span(unit).start for unit in self.units)
         self.count = self.total - len(self._missing(self.units))
-        self.told()
+        self.report()
 
     @property
     def left(self) -> list[int]:
-        """Units with frames that are missing."""
+        """Return the units with missing frames."""
         return sorted({index // self.shards.frames_per_unit for index in self._missing(self.units)})
 
     def here(self, frame: Frame, attempts: int) -> None:
@@ -139,17 +142,17 @@ class Filling:
         ----------
         frame : callable
         attempts : int
-            How often a frame that raises is tried before the others go on without it; at 1 its error is raised.
+            Number of attempts of a frame that raises before the others continue without it; at 1 its error is raised.
         """
         with stop_on_signal() as stopped:
             for unit in self.left:
                 if stopped:
                     raise self._interrupted()
                 for tried in range(1, attempts + 1):
-                    report = partial(self.told, self.count)
-                    asked: dict[str, Any] = {"stopped": lambda: bool(stopped), "report": report, "patient": attempts > 1}
+                    report = partial(self.report, self.count)
+                    settings: dict[str, Any] = {"stopped": lambda: bool(stopped), "report": report, "patient": attempts > 1}
                     try:
-                        record = make_unit(self.shards, unit, self.numbers, frame, self._writing, **asked)
+                        record = make_unit(self.shards, unit, self.numbers, frame, self._writing, **settings)
                     except FramesRaisedError as raised:
                         if attempts == 1:
                             raise raised.first from None
@@ -165,7 +168,7 @@ class Filling:
                 raise self._interrupted()
 
     def elsewhere(self, spread: Spread, note: Callable[[str], None]) -> None:
-        """Have the units made by others; ``note`` is told types of processors that made them."""
+        """Have the units made by workers; ``note`` is called with the types of processors that made them."""
         left, processors = self.left, set[str]()
         if not left:
             return
@@ -183,14 +186,14 @@ class Filling:
                         if outcome.processor not in processors:
                             processors.add(outcome.processor)
                             note(outcome.processor)
-                    self.told()
+                    self.report()
         except KeyboardInterrupt:
             self.count = self.total - len(self._missing(self.units))
             if self.count < self.total:
                 raise self._interrupted() from None
 
     def require_all(self) -> None:
-        """Name what was given up.
+        """Raise an error that names the frames that failed.
 
         Raises
         ------
@@ -201,11 +204,11 @@ class Filling:
         if names:
             raise DataError(
                 f"{len(names)} of {self.total} frames were not made: {listed(names)} ({self.failed[0].error}); tracebacks are in "
-                f"{self.place.errors}, all else in {self.place.work}: go on with --resume"
+                f"{self.place.errors}, all else in {self.place.work}: go on with resume=True"
             )
 
-    def told(self, before: int | None = None, made: int = 0) -> None:
-        """Report frames that are done."""
+    def report(self, before: int | None = None, made: int = 0) -> None:
+        """Report the number of finished frames."""
         if self.progress is not None:
             self.progress((self.count if before is None else before) + made, self.total)
 
@@ -222,8 +225,8 @@ class Filling:
             return self.shards.missing(units)
 
     def _interrupted(self) -> Interrupted:
-        kept = f"stopped after {self.count} of {self.total} frames, kept in {self.place.work}"
-        return Interrupted(f"{kept}; go on with the same command and --resume")
+        state = f"stopped after {self.count} of {self.total} frames, kept in {self.place.work}"
+        return Interrupted(f"{state}; go on with the same settings and resume=True")
 
     @contextmanager
     def _writing(self) -> Iterator[None]:

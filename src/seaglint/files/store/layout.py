@@ -1,4 +1,4 @@
-"""What a sequence holds, known before its first frame."""
+"""Layout of a sequence, known before its first frame."""
 
 from __future__ import annotations
 
@@ -17,21 +17,21 @@ from seaglint.optics.band import Band
 from seaglint.version import __version__
 
 FORMAT: Final = "seaglint-sequence-1"
-"""What the attribute ``seaglint_format`` of our sequences says."""
+"""Value of the attribute ``seaglint_format`` of seaglint's sequences."""
 
 UNFINISHED: Final = "unfinished"
-"""Attribute of a sequence that is being written: into how many shares its work was cut."""
+"""Attribute of a sequence that is being written: the number of shares of its work."""
 
 MOST_UNITS: Final = 256
-"""Shards that a sequence has at most, unless they would grow beyond :data:`MOST_BYTES`."""
+"""Largest number of shards of a sequence, unless they would exceed :data:`MOST_BYTES`."""
 
 MOST_BYTES: Final = 256_000_000
-"""Arrays of a shard, before compression."""
+"""Largest size of the arrays of a shard before compression [bytes]."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """What a sequence holds, known before its first frame."""
+    """Layout of a sequence, known before its first frame."""
 
     azimuth_deg: FloatArray
     """Azimuth of the pixel columns [deg, (nx,)], or of all pixels (ny, nx) where the image is no grid of azimuth and elevation."""
@@ -46,7 +46,7 @@ class Layout:
     variables: tuple[str, ...] = ("radiance",)
     """Names of the per-frame variables."""
     attributes: Mapping[str, Any] = field(default_factory=dict)
-    """Provenance."""
+    """Attributes of provenance."""
     poses: Mapping[str, FloatArray] = field(default_factory=dict)
     """Place and attitude of a moving sensor in every frame, by variable [(frames,)]."""
     start: datetime | None = None
@@ -58,24 +58,24 @@ class Layout:
     truth: Truth | None = None
     """Objects whose truth is written beside the images."""
     turning: bool = False
-    """Whether the attitude changes: azimuth and elevation are then those of the first frame and not stored."""
+    """Flag of a changing attitude: azimuth and elevation are then those of the first frame and not stored."""
     frames_per_unit: int = 1
-    """Frames in a shard: what one process writes at once."""
+    """Number of frames in a shard, which one process writes at once."""
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """Frames, rows, columns."""
+        """Return frames, rows, columns."""
         return len(self.frames), self.elevation_deg.shape[0], self.azimuth_deg.shape[-1]
 
     @property
     def frame_bytes(self) -> int:
-        """Size of a frame's images before compression."""
+        """Return the size of a frame's images before compression."""
         _, rows, columns = self.shape
         truth = 0 if self.truth is None else self.truth.bytes_per_pixel
         return rows * columns * (truth + sum(np.dtype(VARIABLES[name].dtype).itemsize for name in self.variables))
 
     def in_units(self, frames: int) -> Layout:
-        """The same in the shards of a whole sequence of ``frames``: parts of it, rendered alone or by many, have the same ones.
+        """Return the layout in the shards of a whole sequence of ``frames``, which are the same for all of its parts.
 
         >>> from seaglint.files.store.layout import Layout
         >>> small = Layout(np.zeros(8), np.zeros(4), range(5), 25.0, None)
@@ -87,7 +87,7 @@ class Layout:
 
     @property
     def all_attributes(self) -> dict[str, Any]:
-        """Global attributes: provenance without a date, so that the same frames are the same files whenever they are made; format, band."""
+        """Return the global attributes: provenance without a date, so that equal frames are equal files, format and band."""
         return {
             **self.attributes,
             **({"history": f"written by seaglint {__version__}"} if "history" in self.attributes else {}),

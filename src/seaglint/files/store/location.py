@@ -1,4 +1,4 @@
-"""Where a sequence lies: a folder, or an object store behind a URL.
+"""Location of a sequence: a folder, or an object store behind a URL.
 
 A folder is written under another name and renamed when whole, and locks say who writes there. An object store has neither: its sequence
 has its name from the start, an attribute says until the end that it is unfinished, and nobody watches over its writers.
@@ -26,12 +26,12 @@ PATIENCE: Final = 60.0
 
 
 def partial_path(output: Path) -> Path:
-    """Folder in which an unfinished sequence lies."""
+    """Return the folder of an unfinished sequence."""
     return output.with_name(output.name + ".partial")
 
 
 def attributes(store: Path | str) -> dict[str, Any]:
-    """Attributes of a store; none where there is none that can be read."""
+    """Return the attributes of a store; empty where they cannot be read."""
     import zarr
 
     try:
@@ -42,7 +42,7 @@ def attributes(store: Path | str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Local:
-    """A folder on a disk that this machine has, or shares with others."""
+    """Sequence in a folder on a local or shared disk."""
 
     output: Path
 
@@ -51,45 +51,45 @@ class Local:
 
     @property
     def name(self) -> str:
-        """Where other processes find it."""
+        """Return the name of the location for other processes."""
         return str(self.output.absolute())
 
     @property
     def work(self) -> Path:
-        """Where the unfinished sequence is."""
+        """Return the location of the unfinished sequence."""
         return partial_path(self.output)
 
     @property
     def errors(self) -> Path:
-        """Folder of tracebacks."""
+        """Return the folder of tracebacks."""
         return self.work.with_name(self.work.name + ".errors")
 
     def check(self, inputs: Iterable[str | Path] = ()) -> None:
-        """Refuse what can never be written."""
+        """Refuse locations that can never be written."""
         with storage_errors(self.output, ELSEWHERE):
             refuse_inputs(self.output, inputs)
             require_folder(self.output)
 
     def taken(self) -> bool:
-        """Whether something has the final name."""
+        """Return true where the final name exists."""
         return self.output.exists()
 
     def begun(self) -> bool:
-        """Whether something has the name of the unfinished sequence."""
+        """Return true where the name of the unfinished sequence exists."""
         return self.work.exists()
 
     def resumable(self) -> bool:
-        """Whether what is done can be gone on with."""
+        """Return true where the finished part can be resumed."""
         return (self.work / "zarr.json").exists()
 
     def require_there(self) -> None:
-        """Without this, frames written into a folder that was moved away would make an unreadable one in its place."""
+        """Require that the folder still exists; frames written into a moved one would make an unreadable store in its place."""
         if not (self.work / "zarr.json").exists():
-            raise DataError(f"{self.work}: was moved or removed while it was written; put it back and go on with --resume, or begin anew")
+            raise DataError(f"{self.work}: was moved or removed during writing; put it back and go on with resume=True, or begin anew")
 
     @contextmanager
     def claim(self, share: Share | None = None) -> Iterator[Claim]:
-        """Hold the unfinished sequence alone; a share of it together with other shares."""
+        """Claim the unfinished sequence alone; a share claims it together with other shares."""
         if share is None:
             with exclusive(self.work) as claim:
                 yield claim
@@ -100,12 +100,12 @@ class Local:
 
     @contextmanager
     def settling(self) -> Iterator[None]:
-        """Alone among shares, for the time in which the empty store is made or its attributes change."""
+        """Claim the sequence alone among shares, while the empty store is made or its attributes change."""
         with exclusive(self.work.with_name(self.work.name + ".new"), PATIENCE):
             yield
 
     def create(self, layout: Layout, *, replace: bool = True) -> None:
-        """Make the empty store, in the place of what is there."""
+        """Make the empty store, replacing an existing one."""
         if self.work.exists():
             shutil.rmtree(self.work)
         # Metadata that stands is complete: the group is made under another name first, so that an interrupted start leaves no half.
@@ -125,13 +125,13 @@ class Local:
         (self.errors / name).write_text(text, encoding="utf-8")
 
     def sweep(self) -> None:
-        """Remove chunks that a killed process left half-written (Zarr writes them beside their place), and tracebacks."""
+        """Remove tracebacks, and chunks that a killed process left half-written (Zarr writes them beside their place)."""
         for path in filter(Path.is_file, self.work.rglob("*.partial")):
             path.unlink()
         shutil.rmtree(self.errors, ignore_errors=True)
 
     def give_name(self) -> None:
-        """Put the whole sequence in the place of the old one, which is deleted last."""
+        """Move the complete sequence to its final name; the old one is deleted last."""
         old = self.output.with_name(self.output.name + ".old")
         if self.output.exists():
             if old.exists():
@@ -143,13 +143,13 @@ class Local:
 
     @property
     def bytes(self) -> int:
-        """Size of all files."""
+        """Return the size of all files."""
         return sum(file.stat().st_size for file in self.output.rglob("*") if file.is_file())
 
 
 @dataclass(frozen=True)
 class Remote:
-    """A store behind a URL that fsspec opens."""
+    """Sequence in a store behind a URL that fsspec opens."""
 
     output: str
 
@@ -158,17 +158,17 @@ class Remote:
 
     @property
     def name(self) -> str:
-        """Where other processes find it."""
+        """Return the name of the location for other processes."""
         return self.output
 
     @property
     def work(self) -> str:
-        """Where the unfinished sequence is."""
+        """Return the location of the unfinished sequence."""
         return self.output
 
     @property
     def errors(self) -> str:
-        """Where tracebacks go."""
+        """Return the location of tracebacks."""
         return f"{self.output}.errors"
 
     @property
@@ -180,37 +180,37 @@ class Remote:
         return files
 
     def check(self, inputs: Iterable[str | Path] = ()) -> None:
-        """Refuse what can never be reached."""
+        """Refuse locations that cannot be reached."""
         with _reached(self.output):
             self._files.exists(self.output)
 
     def taken(self) -> bool:
-        """Whether something other than an unfinished sequence is there."""
+        """Return true where something other than an unfinished sequence exists."""
         with _reached(self.output):
             return bool(self._files.exists(self.output)) and not self.begun()
 
     def begun(self) -> bool:
-        """Whether an unfinished sequence is there."""
+        """Return true where an unfinished sequence exists."""
         return UNFINISHED in attributes(self.output)
 
     def resumable(self) -> bool:
-        """Whether what is done can be gone on with."""
+        """Return true where the finished part can be resumed."""
         return self.begun()
 
     def require_there(self) -> None:
-        """Nobody moves what lies in an object store; asking costs a journey."""
+        """Do nothing: objects in a store are not moved, and a check costs a request."""
 
     @contextmanager
     def claim(self, share: Share | None = None) -> Iterator[_Unwatched]:
-        """There are no locks."""
+        """Return a context without a claim, since object stores have no locks."""
         yield _Unwatched()
 
     def settling(self) -> Any:
-        """There are no locks."""
+        """Return a context without a claim, since object stores have no locks."""
         return nullcontext()
 
     def create(self, layout: Layout, *, replace: bool = True) -> None:
-        """Make the empty store; ``replace`` what is there."""
+        """Make the empty store; ``replace`` an existing one."""
         with _reached(self.output):
             if replace and self._files.exists(self.output):
                 self._files.rm(self.output, recursive=True)
@@ -222,35 +222,35 @@ class Remote:
         self._files.pipe_file(f"{self.errors}/{name}", text.encode())
 
     def sweep(self) -> None:
-        """Objects are whole or absent; tracebacks go."""
+        """Remove tracebacks; objects are complete or absent."""
         if self._files.exists(self.errors):
             self._files.rm(self.errors, recursive=True)
 
     def give_name(self) -> None:
-        """It has its name already."""
+        """Do nothing: the sequence has its final name already."""
 
     @property
     def bytes(self) -> int:
-        """Size of all objects."""
+        """Return the size of all objects."""
         return int(self._files.du(self.output))
 
 
 @dataclass(frozen=True)
 class _Unwatched:
-    """Stands for a claim where there are no locks."""
+    """Substitute for a claim where there are no locks."""
 
     folder: None = None
     token: str = ""
 
     def require(self) -> None:
-        """Nothing to require."""
+        """Do nothing, since there is no claim."""
 
 
 Place = Local | Remote
 
 
 def place_of(output: str | Path) -> Place:
-    """Where an output lies: a URL with ``://`` is remote, unless it is one of files.
+    """Return the location of an output: a URL with ``://`` is remote, unless it is one of files.
 
     Raises
     ------
@@ -281,16 +281,16 @@ def place_of(output: str | Path) -> Place:
 
 @contextmanager
 def _reached(url: str) -> Iterator[None]:
-    """What clients of object stores raise, which is of their own types, in a line."""
+    """Report exceptions of clients of object stores, which are of their own types, in one line."""
     try:
         yield
     except SeaglintError:
         raise
     except Exception as error:
-        told = " ".join(str(error).split())[:200] or type(error).__name__
-        raise StorageError(f"{url}: cannot be reached ({told}); check address, name and rights") from error
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise StorageError(f"{url}: cannot be reached ({reason}); check address, name and rights") from error
 
 
 def is_ours(store: Path | str) -> bool:
-    """Whether a store is a sequence of ours."""
+    """Return true where a store is a sequence of seaglint."""
     return attributes(store).get("seaglint_format") == FORMAT

@@ -1,4 +1,4 @@
-"""The manifest of a sequence: which frames are there, and a checksum of each."""
+"""Manifest of a sequence: the frames that exist, and a checksum of each."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 DONE: Final = "frame_done"
-"""Array that says which frames have been written."""
+"""Name of the array that marks the written frames."""
 
 CHECKSUM: Final = "frame_checksum"
-"""Array of the frames' checksums."""
+"""Name of the array of the frames' checksums."""
 
 OVER: Final = "over"
-"""Attribute of the checksums that names the arrays they are over, in this order."""
+"""Attribute of the checksums that names the arrays they cover, in order."""
 
 
 def frame_checksum(images: Iterable[NDArray[Any]]) -> int:
-    """First 64 bits of the BLAKE2b of a frame's arrays, little-endian, as they are read back.
+    """Return the first 64 bits of the BLAKE2b of a frame's arrays, little-endian, as they are read back.
 
     All numbers that are not one count as the same NaN, and -0 as 0: chunks that hold nothing else are not stored.
 
@@ -37,7 +37,7 @@ def frame_checksum(images: Iterable[NDArray[Any]]) -> int:
 
 
 def listed(numbers: Iterable[int], most: int = 8) -> str:
-    """Numbers of frames for people.
+    """Return numbers of frames as text, with runs abbreviated.
 
     >>> listed([0, 1, 2, 5, 7, 8]), listed(range(0, 40, 2))
     ('0-2, 5, 7-8', '0, 2, 4, 6, 8, 10, 12, 14 and 12 more')
@@ -48,6 +48,6 @@ def listed(numbers: Iterable[int], most: int = 8) -> str:
             runs[-1][1] = number
         else:
             runs.append([number, number])
-    told = ", ".join(str(a) if a == b else f"{a}-{b}" for a, b in runs[:most])
+    text = ", ".join(str(a) if a == b else f"{a}-{b}" for a, b in runs[:most])
     rest = sum(b - a + 1 for a, b in runs[most:])
-    return f"{told} and {rest} more" if rest else told
+    return f"{text} and {rest} more" if rest else text

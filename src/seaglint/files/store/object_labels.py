@@ -1,4 +1,4 @@
-"""Labels of a sequence's objects, read from its truth, as CSV and as COCO's JSON with masks as run lengths."""
+"""Labels of a sequence's objects, from its truth, as CSV and as COCO's JSON with masks as run lengths."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from seaglint.objects.drawing.truth_names import NUMBERS
 
 @dataclass(frozen=True, eq=False)
 class Label:
-    """One object in one frame: its number from 0, name, numbers by variable, and mask (rows, columns)."""
+    """Label of one object in one frame: its number from 0, name, numbers by variable, and mask (rows, columns)."""
 
     frame: int
     number: int
@@ -43,7 +43,7 @@ class Labels:
 
     @classmethod
     def of(cls, path: str | Path) -> Labels:
-        """Of a store.
+        """Open the labels of a store.
 
         Raises
         ------
@@ -63,7 +63,7 @@ class Labels:
         return cls(path, names, frames, tuple(group["object_id"].shape[1:]), group)
 
     def __iter__(self) -> Iterator[Label]:
-        """One label for each object of each frame."""
+        """Yield one label for each object of each frame."""
         for index, frame in enumerate(self.frames):
             numbers = {name: self._group[name][index] for name in NUMBERS}
             planes = self._group["object_mask"][index]
@@ -73,7 +73,7 @@ class Labels:
 
 
 def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
-    """Lengths of runs of a mask, column by column from its upper left corner, the first of pixels outside (COCO's counts)."""
+    """Return the lengths of runs of a mask, column by column from its upper left corner, the first outside it (COCO's counts)."""
     flat = mask.T.ravel()
     edges = np.flatnonzero(np.diff(flat)) + 1
     runs = np.diff(np.concatenate([[0], edges, [flat.size]])).tolist()
@@ -81,7 +81,7 @@ def run_lengths(mask: NDArray[np.bool_]) -> list[int]:
 
 
 def write_labels(labels: Labels, output: str | Path, *, overwrite: bool = False) -> Path:
-    """Write labels as CSV or COCO JSON, told by the ending.
+    """Write labels as CSV or COCO JSON, chosen by the ending.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def write_labels(labels: Labels, output: str | Path, *, overwrite: bool = False)
 
 
 def require_labels_name(output: str | Path) -> Path:
-    """A name that says in which form labels are written."""
+    """Check that a name has the ending of one of the forms of labels."""
     output = Path(output)
     if output.suffix.lower() not in (".csv", ".json"):
         raise DataError(f"{output}: labels are written as .csv or .json (COCO); give a name that ends in one of them")
@@ -116,7 +116,7 @@ def _cell(value: float) -> str:
 
 
 def _coco(labels: Labels) -> dict[str, Any]:
-    """COCO's dictionary: an image for each frame, a category for each name, an annotation for each object in view."""
+    """Return COCO's dictionary: an image for each frame, a category for each name, an annotation for each object in view."""
     rows, columns = labels.shape
     categories = {name: number for number, name in enumerate(dict.fromkeys(labels.names), 1)}
     annotations: list[dict[str, Any]] = []

@@ -18,7 +18,7 @@ from seaglint.files.store.manifest import CHECKSUM, DONE, OVER, frame_checksum, 
 log = logging.getLogger(__name__)
 
 Frame = Callable[[int], Mapping[str, NDArray[Any]]]
-"""Images of one frame by variable (ny, nx), and its truth, given its number in the whole sequence."""
+"""Callback that returns the images of a frame by variable (ny, nx), and its truth, for its number in the whole sequence."""
 
 # A comment and no docstring: Sphinx cannot draw up a signature of an alias.
 Block = dict[str, NDArray[Any]]  # arrays of a shard's frames, by path in the store
@@ -26,24 +26,24 @@ Block = dict[str, NDArray[Any]]  # arrays of a shard's frames, by path in the st
 
 @dataclass(frozen=True)
 class UnitRecord:
-    """What comes back of a unit: small, the frames themselves are in the store."""
+    """Result of a unit; it is small, since the frames themselves are in the store."""
 
     unit: int
     frames: tuple[int, ...] = ()
-    """Numbers of the frames made."""
+    """Numbers of the frames that were made."""
     checksums: tuple[int, ...] = ()
-    """Of these frames."""
+    """Checksums of these frames."""
     seconds: float = 0.0
-    """What it took [s]."""
+    """Duration of the work [s]."""
     processor: str = ""
     """Type of the processor that made it."""
     no_room: str = ""
-    """Why nothing can be written any more."""
+    """Reason why nothing can be written any more."""
 
 
 @dataclass(frozen=True)
 class UnitFailure:
-    """A unit that was not made, although it was tried several times."""
+    """Unit that was not made after several attempts."""
 
     unit: int
     error: str
@@ -51,16 +51,16 @@ class UnitFailure:
 
 
 class FramesRaisedError(Exception):
-    """Frames of a unit raised; the others are written."""
+    """Error of frames that raised exceptions; the others are written."""
 
     def __init__(self, first: Exception) -> None:
         super().__init__(str(first))
         self.first = first
-        """The first error; notes of it name its frame, and hold the tracebacks of others."""
+        """First error; its notes name its frame, and hold the tracebacks of others."""
 
 
 class Shards:
-    """Arrays that frames are written to, of an open store."""
+    """Arrays of an open store to which frames are written."""
 
     def __init__(self, group: Any) -> None:
         self.done, self.checksums = group[DONE], group[CHECKSUM]
@@ -69,29 +69,29 @@ class Shards:
 
     @property
     def count(self) -> int:
-        """How many units there are."""
+        """Return the number of units."""
         return -(-self.frames // self.frames_per_unit)
 
     def span(self, unit: int) -> slice:
-        """Places of a unit's frames in the sequence."""
+        """Return the places of a unit's frames in the sequence."""
         return slice(unit * self.frames_per_unit, min((unit + 1) * self.frames_per_unit, self.frames))
 
     def missing(self, units: range | list[int]) -> list[int]:
-        """Places of the frames of some units that are not there."""
+        """Return the places of missing frames of some units."""
         absent = ~np.asarray(self.done[:], dtype=bool)
         return [int(place) for unit in units for place in np.flatnonzero(absent[self.span(unit)]) + self.span(unit).start]
 
     def read(self, span: slice) -> Block:
-        """What is stored of some frames."""
+        """Return the stored arrays of some frames."""
         return {path: array[span] for path, array in self.arrays.items()}
 
     def blank(self, span: slice) -> Block:
-        """Room for some frames."""
+        """Return empty arrays for some frames."""
         size = span.stop - span.start
         return {path: np.full((size, *array.shape[1:]), array.fill_value, array.dtype) for path, array in self.arrays.items()}
 
     def write(self, unit: int, block: Block, there: NDArray[np.bool_], sums: NDArray[np.uint64]) -> None:
-        """Write a unit at once; that its frames are there is said last."""
+        """Write a unit at once; its frames are marked as written last."""
         span = self.span(unit)
         for path, array in self.arrays.items():
             array[span] = block[path]
@@ -181,14 +181,14 @@ def make_unit(
 
 
 def forget_damaged(shards: Shards, units: Iterable[int], numbers: NDArray[np.int64]) -> list[int]:
-    """Take frames that cannot be read, or do not fit their checksums, off the manifest; ``numbers`` are those of all frames.
+    """Unmark frames that cannot be read, or do not match their checksums; ``numbers`` are those of all frames.
 
     Returns
     -------
     list of int
         Places of these frames in the sequence.
     """
-    found: list[int] = []
+    damaged: list[int] = []
     for unit in units:
         span = shards.span(unit)
         places = np.arange(span.start, span.stop)
@@ -200,12 +200,12 @@ def forget_damaged(shards: Shards, units: Iterable[int], numbers: NDArray[np.int
         except Exception:  # codecs raise nearly anything for what is cut
             log.warning("seaglint: frames %s cannot be read; they are made again", listed(numbers[places]))
             shards.erase(unit)
-            found += places.tolist()
+            damaged += places.tolist()
             continue
         wrong = [i for i in np.flatnonzero(there) if frame_checksum(block[path][i] for path in block) != int(sums[i])]
         if wrong:
             log.warning("seaglint: frames %s do not fit their checksums; they are made again", listed(numbers[places[wrong]]))
             there[wrong] = False
             shards.done[span] = there.astype(np.uint8)
-            found += places[wrong].tolist()
-    return found
+            damaged += places[wrong].tolist()
+    return damaged

@@ -1,4 +1,4 @@
-"""Shares of a sequence for batch arrays: who makes which units, without a scheduler."""
+"""Shares of a sequence for batch arrays: each share has its own units, without a scheduler."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ class Share:
     """Units ``index``, ``index + count``, ... of a sequence."""
 
     index: int
-    """Counted from 0."""
+    """Index of the share, counted from 0."""
     count: int
 
     @classmethod
     def parse(cls, text: str) -> Share:
-        """From ``i/n``.
+        """Parse a text ``i/n``.
 
         >>> Share.parse("2/7")
         Share(index=2, count=7)
@@ -29,16 +29,16 @@ class Share:
         DataError
             Another form, or a share that is not there.
         """
-        found = re.fullmatch(r"\s*(\d{1,9})\s*/\s*(\d{1,9})\s*", text)
-        if found is None or not int(found[1]) < int(found[2]):
-            raise DataError(f"--shard {text}: is no share of the work; give i/n, counted from 0: the first of four is 0/4, the last 3/4")
-        return cls(int(found[1]), int(found[2]))
+        match = re.fullmatch(r"\s*(\d{1,9})\s*/\s*(\d{1,9})\s*", text)
+        if match is None or not int(match[1]) < int(match[2]):
+            raise DataError(f"shard='{text}' is no share of the work; give i/n, counted from 0: the first of four is 0/4, the last 3/4")
+        return cls(int(match[1]), int(match[2]))
 
     def __str__(self) -> str:
         return f"{self.index}/{self.count}"
 
     def units(self, count: int) -> range:
-        """Its units of ``count``; none where there are fewer units than shares.
+        """Return the share's units of ``count``; none where there are fewer units than shares.
 
         >>> list(Share(1, 2).units(5)), list(Share(6, 7).units(5))
         ([1, 3], [])
@@ -47,7 +47,7 @@ class Share:
 
 
 def shares_of(units: Iterable[int], counts: Iterable[int]) -> str:
-    """Whose units these are, for people, where the work was cut into ``counts`` shares.
+    """Return as text the shares to which units belong, where the work was divided into ``counts`` shares.
 
     >>> shares_of([1, 3, 4], [2])
     '0/2, 1/2'

@@ -1,4 +1,4 @@
-"""Image sequences on disk: a Zarr 3 store, whole or plainly unfinished, that one process writes or many.
+"""Image sequences on disk: a Zarr 3 store, complete or marked as unfinished, written by one process or several.
 
 Frames go to ``NAME.partial``; the folder gets its name when the last frame is in. A frame counts once ``frame_done`` says
 so, which is written after its pixels: whatever interrupts the work, a frame is whole or absent. A shard of frames is a unit of work that
@@ -49,7 +49,7 @@ __all__ = [
 log = logging.getLogger(__name__)
 
 _OTHER_KINDS: Final = frozenset({".nc", ".nc4", ".h5", ".hdf5", ".toml", ".csv", ".png", ".mp4", ".html", ".ply", ".npy", ".json"})
-"""Endings that say another kind of file is meant."""
+"""Endings of other kinds of files."""
 
 
 def write_sequence(
@@ -64,7 +64,7 @@ def write_sequence(
     spread: Spread | None = None,
     attempts: int = 1,
 ) -> Path | str:
-    """Compute the frames that are missing, and give the store its name when it is whole.
+    """Compute the missing frames, and give the store its name when it is complete.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ def write_sequence(
     spread : callable, optional
         Has the units made elsewhere; see :data:`seaglint.files.store.filling.Spread`. Without it they are made here, one after the other.
     attempts : int
-        How often a frame that raises here is tried before it is left out and named at the end; at 1 its error is raised at once.
+        Number of attempts of a frame that raises here before it is left out and named at the end; at 1 its error is raised at once.
 
     Returns
     -------
@@ -104,24 +104,24 @@ def write_sequence(
         After SIGINT or SIGTERM, when the frame at hand is in; where others make them, when they had a moment to end their units.
     """
     if share is not None and overwrite:
-        raise DataError(f"--shard {share} joins what is there and --overwrite replaces it; remove the old sequence before the first share")
+        raise DataError(f"share={share} joins what is there and overwrite=True replaces it; remove the old sequence before the first share")
     place = _checked_name(output, resume=resume, overwrite=overwrite)
-    kept = resume or share is not None
+    continued = resume or share is not None
 
     def remedy() -> str:
         if place.resumable():
-            return f"what is done stays in {place.work}: make room and run the same command with --resume"
+            return f"what is done stays in {place.work}: make room and go on with the same settings and resume=True"
         return "nothing was written; make room or choose another place"
 
-    if not _stands(place, layout, resume=kept, overwrite=overwrite):
+    if not _stands(place, layout, resume=continued, overwrite=overwrite):
         with ExitStack() as held:
             with storage_errors(place.work, remedy):
                 claim = held.enter_context(place.claim(share))
             # Another process may have finished between the first look and the claim.
-            if not _stands(place, layout, resume=kept, overwrite=overwrite):
-                _require_free(place, resume=kept, overwrite=overwrite)
+            if not _stands(place, layout, resume=continued, overwrite=overwrite):
+                _require_free(place, resume=continued, overwrite=overwrite)
                 with storage_errors(place.work, remedy):
-                    shards, units = _joined(place, layout, share, kept=kept)
+                    shards, units = _joined(place, layout, share, continued=continued)
 
                 def note(kind: str) -> None:
                     with storage_errors(place.work, remedy):
@@ -143,7 +143,7 @@ def write_sequence(
 
 
 def finish_sequence(output: str | Path, scenario_json: str | None = None) -> bool:
-    """Check an unfinished sequence and give it its name: every frame there, every checksum right.
+    """Check an unfinished sequence and give it its name: every frame exists, every checksum is right.
 
     Parameters
     ----------
@@ -169,7 +169,7 @@ def finish_sequence(output: str | Path, scenario_json: str | None = None) -> boo
         _require_scenario(place.output, scenario_json)
         return False
     if not place.begun():
-        raise DataError(f"{place.work}: no such unfinished sequence; render it, or its shares with --shard")
+        raise DataError(f"{place.work}: no such unfinished sequence; render it first, whole or in shares")
     remedy = f"what is done stays in {place.work}: make room and finish again"
     with storage_errors(place.work, remedy), place.claim() as claim:
         if place.taken():
@@ -184,7 +184,7 @@ def finish_sequence(output: str | Path, scenario_json: str | None = None) -> boo
             counts = attributes(place.work).get(UNFINISHED, {}).get("shares", [])
             absent = sorted({index // shards.frames_per_unit for index in missing})
             of = f" (of shares {shares_of(absent, counts)})" if counts else ""
-            todo = "run these shares again, or all with --resume" if counts else "render again with --resume"
+            todo = "run these shares again, or all with resume=True" if counts else "render again with resume=True"
             raise DataError(f"{place.work}: {len(missing)} of {shards.frames} frames are missing: {listed(numbers[missing])}{of}; {todo}")
         _finish(place, claim)
     return True
@@ -198,7 +198,7 @@ def check_output(
     inputs: Iterable[str | Path] = (),
     share: Share | None = None,
 ) -> Path | str:
-    """Path of a sequence to be written, refused where that can be told without its layout: before anything is computed.
+    """Return the path of a sequence to be written; what its layout does not decide is checked before anything is computed.
 
     Raises
     ------
@@ -218,10 +218,10 @@ def check_output(
 
 
 def _checked_name(output: str | Path, *, resume: bool, overwrite: bool, inputs: Iterable[str | Path] = ()) -> Place:
-    """What can be told from the name and its folder."""
+    """Check the name and its folder."""
     place = place_of(output)
     if resume and overwrite:
-        raise DataError("--resume keeps what is there and --overwrite replaces it; give one of the two")
+        raise DataError("resume=True keeps what is there and overwrite=True replaces it; give one of the two")
     name = Path(str(output))
     if name.suffix.lower() in _OTHER_KINDS:
         raise DataError(
@@ -231,10 +231,10 @@ def _checked_name(output: str | Path, *, resume: bool, overwrite: bool, inputs: 
     return place
 
 
-def _joined(place: Place, layout: Layout, share: Share | None, *, kept: bool) -> tuple[Shards, range]:
-    """The empty store, or what was begun without its damaged frames, and the units that are ours."""
+def _joined(place: Place, layout: Layout, share: Share | None, *, continued: bool) -> tuple[Shards, range]:
+    """Return the empty store, or the begun one without its damaged frames, and the units of this share."""
     with place.settling():
-        joins = kept and place.begun() and (_whole(place) or (share is not None and _wait_for(place)))
+        joins = continued and place.begun() and (_whole(place) or (share is not None and _wait_for(place)))
         if joins:
             _require_same(place.work, layout)
         else:
@@ -248,34 +248,34 @@ def _joined(place: Place, layout: Layout, share: Share | None, *, kept: bool) ->
 
 
 def _whole(place: Place) -> bool:
-    """Whether the empty store was made to its end: in an object store it grows under its name."""
+    """Return true where the empty store is complete: in an object store it grows under its name."""
     return bool(attributes(place.work).get(UNFINISHED, {}).get("made", True))
 
 
 def _wait_for(place: Place) -> bool:
-    """Another share may be making the empty store, where there are no locks."""
+    """Wait for another share that may be making the empty store, where there are no locks."""
     until = time.monotonic() + PATIENCE
     while not _whole(place):
         if time.monotonic() > until:
-            raise DataError(f"{place.work}: was left half-made; begin anew: the command without --shard and with --overwrite, or remove it")
+            raise DataError(f"{place.work}: was begun and not completed; begin anew without a share and with overwrite=True, or remove it")
         time.sleep(0.5)
     return True
 
 
 def _settle(place: Place, kind: str, share: Share | None = None) -> None:
-    """Note in the store which types of processors make it, and into how many shares the work was cut."""
+    """Record in the store the types of processors that make it, and the number of shares of the work."""
     with place.settling():
-        found = attributes(place.work)
-        known = set(filter(None, found.get("processor", "").split("; ")))
+        stored = attributes(place.work)
+        known = set(filter(None, stored.get("processor", "").split("; ")))
         others = known | {kind}
-        counts = found.get(UNFINISHED, {}).get("shares", [])
-        wanted = sorted({*counts, share.count}) if share is not None else counts
+        counts = stored.get(UNFINISHED, {}).get("shares", [])
+        shares = sorted({*counts, share.count}) if share is not None else counts
         changed: dict[str, Any] = {}
         if others != known:
             changed = {"processor": "; ".join(sorted(others)), "processors_mixed": PROCESSORS_MIXED}
             log.warning("seaglint: %s: %s: %s", place.work, PROCESSORS_MIXED, changed["processor"])
-        if wanted != counts:
-            changed[UNFINISHED] = {"shares": wanted}
+        if shares != counts:
+            changed[UNFINISHED] = {"shares": shares}
         if changed:
             _group(place).update_attributes(changed)
 
@@ -287,15 +287,15 @@ def _group(place: Place) -> Any:
 
 
 def _finish(place: Place, claim: Any) -> None:
-    """Nothing gets its final name unless it is still ours and has every frame on disk, whatever was counted on the way."""
+    """Give the store its final name, if it is still claimed and has every frame on disk."""
     claim.require()
     place.require_there()
     group = _group(place)
     shards = Shards(group)
     missing = len(shards.missing(range(shards.count)))
     if missing:
-        told = f"{missing} of {shards.frames} frames are missing"
-        raise DataError(f"{place.work}: {told} though all were written; see that no other program works there and go on with --resume")
+        state = f"{missing} of {shards.frames} frames are missing"
+        raise DataError(f"{place.work}: {state} though all were written; see that no other program works there and go on with resume=True")
     place.sweep()
     group.attrs.put({key: value for key, value in dict(group.attrs).items() if key != UNFINISHED})
     consolidate(place.work)
@@ -303,7 +303,7 @@ def _finish(place: Place, claim: Any) -> None:
 
 
 def _stands(place: Place, layout: Layout, *, resume: bool, overwrite: bool) -> bool:
-    """Refuse what may not be replaced; true when the whole sequence is there already."""
+    """Refuse what may not be replaced; return true when the complete sequence exists already."""
     if not place.taken():
         return False
     if resume:
@@ -315,50 +315,50 @@ def _stands(place: Place, layout: Layout, *, resume: bool, overwrite: bool) -> b
 
 def _require_replaceable(place: Place, *, overwrite: bool) -> None:
     if not overwrite:
-        raise DataError(f"{place}: exists already; choose another name, or replace it with --overwrite")
+        raise DataError(f"{place}: exists already; choose another name, or replace it with overwrite=True")
     _require_ours(place.output)
 
 
 def _require_free(place: Place, *, resume: bool, overwrite: bool) -> None:
-    """Refuse to begin anew where an unfinished sequence lies."""
+    """Refuse to start again where an unfinished sequence lies."""
     if place.begun() and not resume:
         if not overwrite:
-            raise DataError(f"{place.work}: an unfinished sequence is there; go on with --resume, or begin anew with --overwrite")
+            raise DataError(f"{place.work}: an unfinished sequence is there; go on with resume=True, or begin anew with overwrite=True")
         _require_ours(place.work)
 
 
 def _require_ours(path: Path | str) -> None:
-    """Nothing is deleted that seaglint did not write: a mistyped name must not cost a folder."""
+    """Require that a folder was written by seaglint before it is deleted: a mistyped name must not cost a folder."""
     if not is_ours(path):
         raise DataError(f"{path}: is not a seaglint sequence and is left alone; choose another name or remove it yourself")
 
 
 def _require_readable(path: Path | str) -> dict[str, Any]:
-    found = attributes(path)
-    if found.get("seaglint_format") != FORMAT:
+    stored = attributes(path)
+    if stored.get("seaglint_format") != FORMAT:
         raise DataError(f"{path}: is not a readable seaglint sequence; choose another name or remove it yourself")
-    if found.get("seaglint_version") not in (None, __version__):
+    if stored.get("seaglint_version") not in (None, __version__):
         raise DataError(
-            f"{path}: is made by seaglint {found['seaglint_version']}, and this is {__version__}; go on with that version, "
-            "or begin anew with --overwrite"
+            f"{path}: is made by seaglint {stored['seaglint_version']}, and this is {__version__}; go on with that version, "
+            "or begin anew with overwrite=True"
         )
-    return found
+    return stored
 
 
 def _require_scenario(path: Path | str, scenario_json: str | None) -> None:
-    found = _require_readable(path)
+    stored = _require_readable(path)
     if scenario_json is not None:
-        differ = differences({"scenario": found.get("scenario")}, {"scenario": scenario_json})
+        differ = differences({"scenario": stored.get("scenario")}, {"scenario": scenario_json})
         if differ:
             raise DataError(f"{path}: was made with another {', '.join(differ)}; finish it with the scenario that it was begun with")
 
 
 def _require_same(path: Path | str, layout: Layout) -> None:
-    found = _require_readable(path)
+    stored = _require_readable(path)
     import zarr
 
     group: Any = zarr.open_group(path, mode="r", zarr_format=3)
-    differ = differences(found, layout.all_attributes)
+    differ = differences(stored, layout.all_attributes)
     if [int(number) for number in group["frame"][:]] != list(layout.frames):
         differ.append("frames")
     if CHECKSUM not in group:
@@ -366,11 +366,11 @@ def _require_same(path: Path | str, layout: Layout) -> None:
     elif not differ and group[DONE].chunks[0] != layout.frames_per_unit:
         differ.append("size of its shards")
     if differ:
-        raise DataError(f"{path}: was made with another {', '.join(differ)}; resume with the same settings, or begin anew with --overwrite")
+        raise DataError(f"{path}: was made with another {', '.join(differ)}; resume with the same ones, or begin anew with overwrite=True")
 
 
 def is_sequence(path: Path | str) -> bool:
-    """Whether a folder was written by :func:`write_sequence`, finished or not."""
+    """Return true where a folder was written by :func:`write_sequence`, finished or not."""
     return is_ours(path)
 
 
@@ -392,10 +392,10 @@ def open_sequence(path: str | Path, *, allow_partial: bool = False) -> xr.Datase
     place = place_of(path)
     store = place.output
     if not place.taken() and not (place.work == store and place.begun()):
-        hint = f"; {place.work} is there, unfinished: render again with --resume" if place.begun() else ""
+        hint = f"; {place.work} is there, unfinished: render again with resume=True" if place.begun() else ""
         raise DataError(f"{path}: no such sequence{hint}")
-    found = attributes(store)
-    if found.get("seaglint_format") != FORMAT:
+    stored = attributes(store)
+    if stored.get("seaglint_format") != FORMAT:
         raise DataError(f"{path}: is not a seaglint sequence, or its zarr.json is cut; give a folder made by 'seaglint render'")
     import xarray as xr
 
@@ -406,7 +406,9 @@ def open_sequence(path: str | Path, *, allow_partial: bool = False) -> xr.Datase
         raise DataError(f"{path}: the sequence is damaged ({error}); render it again") from error
     if not allow_partial and not done.all():
         missing = f"{int((~done).sum())} of {done.size} frames are missing"
-        raise DataError(f"{path}: is unfinished, {missing}; render again with --resume")
-    if not allow_partial and UNFINISHED in found:
-        raise DataError(f"{path}: is unfinished though all frames are there; finish it with 'seaglint render --finish'")
+        raise DataError(f"{path}: is unfinished, {missing}; render again with resume=True")
+    if not allow_partial and UNFINISHED in stored:
+        raise DataError(
+            f"{path}: is unfinished though all frames are there; complete it with finish_sequence, or 'seaglint render' and finish=True"
+        )
     return dataset

@@ -20,10 +20,10 @@ GROUP: Final = "truth"
 """Name of the group."""
 
 TRUTHS: Final = (*NUMBERS, "object_mask", "object_id")
-"""Its arrays."""
+"""Names of the arrays of the group."""
 
 BITS: Final = 64
-"""Objects in a plane of masks."""
+"""Number of objects in a plane of masks."""
 
 
 @dataclass(frozen=True)
@@ -34,16 +34,16 @@ class Truth:
 
     @property
     def planes(self) -> int:
-        """Planes of masks."""
+        """Return the number of planes of masks."""
         return -(-len(self.names) // BITS)
 
     @property
     def bytes_per_pixel(self) -> int:
-        """Size of masks and numbers in a pixel."""
+        """Return the size of masks and numbers in a pixel."""
         return sum(size * np.dtype(VARIABLES[name].dtype).itemsize for name, size in (("object_mask", self.planes), ("object_id", 1)))
 
     def make(self, group: Any, shape: tuple[int, int, int], shards: Callable[[int, tuple[int, ...]], dict[str, Any]]) -> None:
-        """Make the empty arrays of ``frames, rows, columns``; ``shards(itemsize, size)`` says how images are cut."""
+        """Make the empty arrays of ``frames, rows, columns``; ``shards(itemsize, size)`` returns their division into shards."""
         frames, rows, columns = shape
         count, planes = len(self.names), self.planes
         unit = group["frame_done"].chunks[0]
@@ -76,7 +76,7 @@ class Truth:
 
 
 def packed(masks: Sequence[NDArray[np.bool_]]) -> NDArray[np.uint64]:
-    """Masks (rows, columns) as bits [(planes, rows, columns)]."""
+    """Pack masks (rows, columns) into bits [(planes, rows, columns)]."""
     out = np.zeros((-(-len(masks) // BITS), *masks[0].shape), np.uint64)
     for number, mask in enumerate(masks):
         out[number // BITS][mask] |= np.uint64(1) << np.uint64(number % BITS)

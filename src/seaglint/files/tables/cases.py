@@ -1,4 +1,4 @@
-"""Cases from a spreadsheet: a CSV file whose columns are checked and read as numbers, and written again with results beside them.
+"""Cases of a CSV file: columns are checked and read as numbers, and written again with results beside them.
 
 UTF-8 (with or without its mark), columns parted by comma, semicolon or tab, quoted text and either line ending are read; the output
 keeps separator and line ending. What is not asked for passes through as text, so nothing of it is rounded or lost.
@@ -26,7 +26,7 @@ _SEPARATORS: Final = (",", ";", "\t")
 
 @dataclass(frozen=True)
 class Column:
-    """A column of numbers that a file of cases must have.
+    """Column of numbers that a file of cases must have.
 
     Attributes
     ----------
@@ -35,9 +35,9 @@ class Column:
     low, high : float
         Closed range allowed.
     above : bool
-        Whether ``low`` itself is refused.
+        Flag: ``low`` itself is refused.
     what : str
-        What the range belongs to, for messages: "of the table".
+        Owner of the range, for messages: "of the table".
     """
 
     name: str
@@ -48,7 +48,7 @@ class Column:
 
     @property
     def covered(self) -> str:
-        """The range in words."""
+        """Return the range in words."""
         if self.high == np.inf:
             text = f"{'above' if self.above else 'at least'} {self.low:g}"
         else:
@@ -71,7 +71,7 @@ class Cases:
     lines : list of int
         Line of the file that each case ends on, counted from 1.
     separator, line_end : str
-        As found, used again for the output.
+        Separator and line end of the file, used again for the output.
     """
 
     path: Path
@@ -82,7 +82,7 @@ class Cases:
     line_end: str = "\n"
 
     def __len__(self) -> int:
-        """Number of cases."""
+        """Return the number of cases."""
         return len(self.rows)
 
     def require(self, names: Sequence[str]) -> None:
@@ -95,12 +95,12 @@ class Cases:
             )
 
     def text(self, name: str) -> list[str]:
-        """Cells of a column without blanks around them."""
+        """Return the cells of a column without surrounding blanks."""
         at = self.header.index(name)
         return [row[at].strip() for row in self.rows]
 
     def numbers(self, name: str) -> FloatArray:
-        """Cells of a column as finite numbers [(cases,)]."""
+        """Return the cells of a column as finite numbers [(cases,)]."""
         cells = self.text(name)
         written = "".join(cells)
         try:
@@ -113,21 +113,21 @@ class Cases:
         return values
 
     def within(self, column: Column) -> FloatArray:
-        """Cells of a column as numbers inside its range [(cases,)]."""
+        """Return the cells of a column as numbers inside its range [(cases,)]."""
         values = self.numbers(column.name)
         low = values > column.low if column.above else values >= column.low
         self.check(low & (values <= column.high), column.name, lambda i: f"{values[i]:g} is outside the range allowed: {column.covered}")
         return values
 
     def choice(self, name: str, allowed: Sequence[str]) -> list[str]:
-        """Cells of a column that each are one of ``allowed``."""
+        """Return the cells of a column, each of which is one of ``allowed``."""
         cells = self.text(name)
         known = set(allowed)
         self.check(np.array([cell in known for cell in cells]), name, lambda i: f"'{cells[i]}' is not one of {', '.join(allowed)}")
         return cells
 
     def check(self, good: NDArray[np.bool_], name: str, say: Callable[[int], str]) -> None:
-        """Refuse the first case that is not good, with row, line and column, and say how many more there are."""
+        """Refuse the first bad case, with row, line and column, and state how many more there are."""
         bad = np.flatnonzero(~good)
         if bad.size == 0:
             return
@@ -136,7 +136,7 @@ class Cases:
         raise DataError(f"{self.where(first)}, column {name}: {say(first)}{more}")
 
     def where(self, case: int) -> str:
-        """File, row and line of a case, for messages."""
+        """Return file, row and line of a case, for messages."""
         return f"{self.path}, row {case + 1} (line {self.lines[case]})"
 
 
@@ -209,12 +209,12 @@ def _rows(path: Path, text: str, separator: str) -> tuple[list[str], list[list[s
 def write_cases(
     cases: Cases, results: Mapping[str, Sequence[object] | FloatArray], output: str | Path, *, overwrite: bool = False
 ) -> list[str]:
-    """Write the cases with results, beside its place and moved there when whole.
+    """Write the cases with results, completely or not at all.
 
     Parameters
     ----------
     cases : Cases
-        What was read.
+        Cases that were read.
     results : mapping
         Columns by name; numbers get six digits. A column of that name in ``cases`` is replaced in its place, others follow.
     output : path

@@ -1,4 +1,4 @@
-"""Columns of numbers as a CSV file, written beside its place and moved there when whole."""
+"""Writer of columns of numbers as a CSV file, completely or not at all."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ from seaglint.files.text_file import write_json
 
 @dataclass(frozen=True)
 class DetectionFiles:
-    """Names of the files, refused before the work.
+    """Names of the files, checked before the work.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class DetectionFiles:
 
     @classmethod
     def at(cls, output: Path, *, overwrite: bool = False, inputs: Iterable[str | Path] = ()) -> DetectionFiles:
-        """Files beside each other; the ending .parquet makes the tables Parquet files, .json, .csv or none CSV.
+        """Return names side by side; the ending .parquet makes the tables Parquet files, .json, .csv or none CSV.
 
         Raises
         ------
@@ -60,7 +60,7 @@ class DetectionFiles:
 
     @property
     def paths(self) -> tuple[Path, Path, Path, Path]:
-        """All four."""
+        """Return all four names."""
         return self.result, self.table, self.characteristic, self.picture
 
     def write(
@@ -70,7 +70,7 @@ class DetectionFiles:
         characteristic: Mapping[str, FloatArray],
         draw: Callable[[Path], None],
     ) -> None:
-        """Write all files, each moved to its place when whole.
+        """Write all files, each completely or not at all.
 
         Raises
         ------

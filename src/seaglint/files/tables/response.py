@@ -1,4 +1,4 @@
-"""A sensor's spectral response from a CSV file."""
+"""Reader of a sensor's spectral response from a CSV file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows of results as tables: CSV or Parquet, written beside their place and moved there when whole."""
+"""Rows of results as tables: CSV or Parquet, written completely or not at all."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from seaglint.files.outputs import moved_when_whole
 
 
 def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Write one or more rows of equal columns as CSV or, by the path's ending, Parquet; what is not known is an empty cell.
+    """Write one or more rows of equal columns as CSV or, by the path's ending, Parquet; unknown values are empty cells.
 
     Raises
     ------
@@ -39,7 +39,7 @@ def _both(values: Sequence[Any]) -> bool:
 
 
 def require_parquet() -> Any:
-    """PyArrow.
+    """Check that PyArrow is installed.
 
     Raises
     ------

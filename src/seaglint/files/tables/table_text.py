@@ -1,4 +1,4 @@
-"""Columns of numbers from a CSV file, with errors that name file, line and column."""
+"""Reader of columns of numbers from a CSV file, with errors that name file, line and column."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from seaglint.base.errors import DataError
 
 
 def plain_number(text: str) -> float:
-    """Number of a cell as programs write them; Python takes digits of all scripts and underscores too, which are typing errors here.
+    """Return the number of a cell as programs write it; digits of other scripts and underscores, which Python accepts, are errors.
 
     Raises
     ------
@@ -30,21 +30,21 @@ def plain_number(text: str) -> float:
 
 
 def rows_of_cells(path: Path, lines: Sequence[tuple[int, str]], separator: str = ",") -> list[list[str]]:
-    """Cells of numbered lines, one list a line.
+    """Return the cells of numbered lines, one list a line.
 
     Raises
     ------
     DataError
         Quotes that do not end in their line, or cells that are no text.
     """
-    found = []
+    rows = []
     for number, line in lines:
         try:
             (row,) = csv.reader([line], delimiter=separator, strict=True)
         except (csv.Error, ValueError) as error:
             raise DataError(f"{path}: line {number}: is no row of cells ({error}); repair its quotes") from None
-        found.append(row)
-    return found
+        rows.append(row)
+    return rows
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class TableRow:
 
 @dataclass(frozen=True)
 class TextTable:
-    """A CSV file: comments, column names, rows."""
+    """Text of a CSV file: comments, column names, rows."""
 
     path: Path
     header_line: int
@@ -65,25 +65,25 @@ class TextTable:
     rows: tuple[TableRow, ...]
 
     def error(self, line: int, text: str) -> DataError:
-        """Error at a line of this file."""
+        """Return an error at a line of this file."""
         return DataError(f"{self.path}: line {line}: {text}")
 
     def require(self, *names: str) -> None:
-        """Refuse a file without these columns."""
+        """Refuse a file that lacks these columns."""
         missing = [name for name in names if name not in self.columns]
         if missing:
             raise self.error(self.header_line, f"columns are {', '.join(self.columns)}; missing: {', '.join(missing)}")
 
     def one_of(self, *names: str) -> str:
-        """The one of these columns that the file has."""
-        found = [name for name in names if name in self.columns]
-        if len(found) != 1:
-            what = "both" if found else "none"
+        """Return the one of these columns that the file has."""
+        present = [name for name in names if name in self.columns]
+        if len(present) != 1:
+            what = "both" if present else "none"
             raise self.error(self.header_line, f"columns are {', '.join(self.columns)}; {what} of {', '.join(names)}: give one of them")
-        return found[0]
+        return present[0]
 
     def number(self, row: TableRow, column: str, low: float = -math.inf, high: float = math.inf) -> float:
-        """Finite number within a range."""
+        """Return a finite number within a range."""
         text = row.cells.get(column, "")
         try:
             value = plain_number(text)
@@ -98,7 +98,7 @@ class TextTable:
 
 
 def read_text_table(path: str | Path, needed: Sequence[str]) -> TextTable:
-    """Read a CSV file with a line of column names; lines that begin with ``#`` and empty ones are passed over.
+    """Read a CSV file with a line of column names; empty lines and lines that begin with ``#`` are skipped.
 
     Commas, semicolons or tabs part the cells. ``needed`` is told where the file is empty or missing.
 

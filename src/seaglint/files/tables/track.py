@@ -1,4 +1,4 @@
-"""Keyframes of a moving sensor or object from a CSV file."""
+"""Reader of keyframes of a moving sensor or object from a CSV file."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from seaglint.base.errors import DataError
 from seaglint.files.tables.table_text import plain_number, rows_of_cells
 
 COLUMNS: Final = ("time_s", "east_m", "north_m", "height_m", "azimuth_deg", "elevation_deg", "roll_deg")
-"""Columns a file may have; the time is needed, and one more."""
+"""Columns that a file of a sensor's keyframes may have; the time is required, and one more."""
 
 OBJECT_COLUMNS: Final = (*COLUMNS[:4], "latitude_deg", "longitude_deg", "heading_deg", "pitch_deg", "roll_deg")
-"""The same of an object."""
+"""Columns that a file of an object's keyframes may have."""
 
 
 def read_track(path: str | Path, allowed: Sequence[str] = COLUMNS) -> tuple[dict[str, FloatArray], list[str]]:
@@ -34,19 +34,19 @@ def read_track(path: str | Path, allowed: Sequence[str] = COLUMNS) -> tuple[dict
         Naming the file and the line that cannot be used: another column, a cell that is no finite number.
     """
     path = Path(path)
-    wanted = f"needed are {allowed[0]} and one or more of {', '.join(allowed[1:])}"
+    required = f"needed are {allowed[0]} and one or more of {', '.join(allowed[1:])}"
     try:
         text = path.read_text(encoding="utf-8-sig")
     except FileNotFoundError:
-        raise DataError(f"{path}: no such file; give a CSV file, {wanted}") from None
+        raise DataError(f"{path}: no such file; give a CSV file, {required}") from None
     except (OSError, UnicodeDecodeError) as error:
         raise DataError(f"{path}: cannot be read as text: {error}") from None
     lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
     rows = rows_of_cells(path, lines)
     if not rows:
-        raise DataError(f"{path}: is empty; {wanted}")
+        raise DataError(f"{path}: is empty; {required}")
     header = [name.strip() for name in rows[0]]
-    _check_header(path, lines[0][0], header, allowed, wanted)
+    _check_header(path, lines[0][0], header, allowed, required)
     table = np.empty((len(rows) - 1, len(header)))
     for i, ((number, line), row) in enumerate(zip(lines[1:], rows[1:], strict=True)):
         if len(row) != len(header):
@@ -61,13 +61,13 @@ def read_track(path: str | Path, allowed: Sequence[str] = COLUMNS) -> tuple[dict
     return dict(zip(header, table.T, strict=True)), [f"line {number}" for number, _ in lines[1:]]
 
 
-def _check_header(path: Path, number: int, header: list[str], allowed: Sequence[str], wanted: str) -> None:
+def _check_header(path: Path, number: int, header: list[str], allowed: Sequence[str], required: str) -> None:
     for name in header:
         if name not in allowed:
             near = difflib.get_close_matches(name, allowed, n=1, cutoff=0.5)
-            meant = f"did you mean {near[0]}?" if near else wanted
+            meant = f"did you mean {near[0]}?" if near else required
             raise DataError(f"{path}: line {number}: '{name}' is an unknown column; {meant}")
     if len(set(header)) != len(header):
-        raise DataError(f"{path}: line {number}: a column is named twice; {wanted}")
+        raise DataError(f"{path}: line {number}: a column is named twice; {required}")
     if "time_s" not in header or len(header) < 2:
-        raise DataError(f"{path}: line {number}: columns are {', '.join(header)}; {wanted}")
+        raise DataError(f"{path}: line {number}: columns are {', '.join(header)}; {required}")

@@ -1,4 +1,4 @@
-"""What a file says of the waves of one place and time, in the kinds that files have, and the spectrum made of it.
+"""Wave data of one place and time in the kinds that files have, and their conversion to a spectrum.
 
 Directions here are where waves come FROM, in degrees clockwise from north, as CF and wavespectra have them; they are turned to where
 waves travel TO in one place, :func:`spectrum_of`. Only moments are complex numbers about the azimuth TO.
@@ -21,12 +21,12 @@ from seaglint.sea.spectra.measured import MeasuredSpectrum, possible_moments
 ComplexArray = NDArray[np.complex128]
 
 LOST_SHARE = 0.1
-"""Energy in bands without directions that is tolerated [1]; those bands take the directions of their neighbours."""
+"""Largest share of energy in bands without directions [1]; those bands take the directions of their neighbours."""
 
 
 @dataclass(frozen=True, eq=False)
 class Plain:
-    """Energy alone: ``frequency_hz`` [Hz, (m,)] and ``energy`` [m² Hz⁻¹, (m,)]."""
+    """Wave data with energy alone: ``frequency_hz`` [Hz, (m,)] and ``energy`` [m² Hz⁻¹, (m,)]."""
 
     frequency_hz: FloatArray
     energy: FloatArray
@@ -34,7 +34,7 @@ class Plain:
 
 @dataclass(frozen=True, eq=False)
 class DirectionalMoments(Plain):
-    """Energy and the first two moments of the azimuth waves travel TO, ``int D exp(i n phi) dphi`` [1, (m,)]; NaN where unknown."""
+    """Wave data with the first two moments of the azimuth TO, ``int D exp(i n phi) dphi`` [1, (m,)]; NaN where unknown."""
 
     first: ComplexArray
     second: ComplexArray
@@ -42,7 +42,7 @@ class DirectionalMoments(Plain):
 
 @dataclass(frozen=True, eq=False)
 class Cosine(Plain):
-    """Energy, mean direction FROM and circular width of the directions [deg, (m,)]."""
+    """Wave data with mean direction FROM and circular width of the directions [deg, (m,)]."""
 
     from_deg: FloatArray
     width_deg: FloatArray
@@ -50,7 +50,7 @@ class Cosine(Plain):
 
 @dataclass(frozen=True, eq=False)
 class Bins:
-    """Densities over frequency [Hz, (m,)] and direction FROM [deg, (n,)]: ``density`` [m² Hz⁻¹ deg⁻¹, (m, n)]."""
+    """Wave data as densities over frequency [Hz, (m,)] and direction FROM [deg, (n,)]: ``density`` [m² Hz⁻¹ deg⁻¹, (m, n)]."""
 
     frequency_hz: FloatArray
     from_deg: FloatArray
@@ -61,7 +61,7 @@ Bands = Plain | DirectionalMoments | Cosine | Bins
 
 
 def spectrum_of(bands: Bands, choice: WaveChoice, wind_to_azimuth: float, what: str) -> tuple[MeasuredSpectrum, str]:
-    """Spectrum of what a file says, and in words where its directions are from.
+    """Return the spectrum of wave data, and the source of its directions in words.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def spectrum_of(bands: Bands, choice: WaveChoice, wind_to_azimuth: float, what: 
 
 
 def _stated(bands: Plain, choice: WaveChoice, wind_to_azimuth: float, what: str) -> tuple[MeasuredSpectrum, str]:
-    """Energy alone, with directions that the user states."""
+    """Return energy with directions that the user states."""
     for name, value, hint in (
         ("from_deg", choice.from_deg, "the azimuth the waves come from"),
         ("spreading_deg", choice.spreading_deg, "the width of their directions (wind sea about 30, swell 10 to 20)"),
@@ -117,7 +117,7 @@ def _stated(bands: Plain, choice: WaveChoice, wind_to_azimuth: float, what: str)
 
 
 def _ordered(bands: Bands) -> Bands:
-    """Bands by ascending frequency; a band at 0 Hz is no wave."""
+    """Return bands by ascending frequency; a band at 0 Hz is no wave."""
     order = np.argsort(bands.frequency_hz)
     order = order[bands.frequency_hz[order] > 0.0]
     if isinstance(bands, Bins):
@@ -131,7 +131,7 @@ def _require_energy(bands: Plain, what: str) -> None:
 
 
 def _everywhere(bands: DirectionalMoments, what: str) -> tuple[ComplexArray, ComplexArray]:
-    """Moments of every band, interpolated where they are not known."""
+    """Return moments of every band, interpolated where they are not known."""
     frequency, energy = bands.frequency_hz, bands.energy
     known = np.isfinite(bands.first) & np.isfinite(bands.second)
     share = np.where(known, 0.0, energy) @ np.gradient(frequency) / max(float(energy @ np.gradient(frequency)), 1e-300)

@@ -1,4 +1,4 @@
-"""Datawell Waverider: ``.spt`` files, one record each, whose name tells place and time (``buoy}2024-09-09T01h15Z.spt``).
+"""Reader of Datawell Waverider ``.spt`` files of one record, whose name gives place and time (``buoy}2024-09-09T01h15Z.spt``).
 
 Bands have energy relative to the largest, mean direction waves come FROM and width of the directions [deg].
 """
@@ -21,7 +21,7 @@ _WIDEST: Final = (80.0, 81.1)  # deg: the cosine's limit, and sqrt(2) rad, the w
 
 
 def read(path: Path) -> Held:
-    """The one record of a file."""
+    """Read the only record of a file."""
     name = _NAME.match(path.stem)
     if name is None:
         raise DataError(f"{path}: the name does not tell place and time; Datawell names files such as 'buoy}}2024-09-09T01h15Z.spt'")

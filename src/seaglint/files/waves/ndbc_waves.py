@@ -1,4 +1,4 @@
-"""NDBC: five text files of a buoy (realtime or historical), the first of them alone, or NetCDF.
+"""Reader of NDBC spectra: five text files of a buoy (realtime or historical), the first of them alone, or NetCDF.
 
 Mean and principal directions alpha1 and alpha2 are where waves come FROM, r1 and r2 the lengths of the two moments. Each file is read by
 itself and the moments are taken as they are: a truncated Fourier series of them, as wavespectra builds, has negative energies. Historical
@@ -25,7 +25,7 @@ from seaglint.files.waves.record_choice import WaveChoice
 from seaglint.files.waves.wave_file import Held, parsed, reader
 
 SUFFIXES: Final = (".data_spec", ".swdir", ".swdir2", ".swr1", ".swr2")
-"""Realtime files of one buoy: energy, mean and principal direction, and the lengths of the two moments."""
+"""Suffixes of the realtime files of one buoy: energy, mean and principal direction, and the lengths of the two moments."""
 
 _LETTERS: Final = "wdijk"  # the same five of a year or month, after the five letters of the station: 41010w2019.txt
 _HISTORICAL: Final = re.compile(r"^(.{5})([wdijk])(.*\.txt(?:\.gz)?)$")
@@ -34,7 +34,7 @@ _DIRECTIONAL: Final = ("mean_wave_dir", "principal_wave_dir", "wave_spectrum_r1"
 
 
 def read_text(path: Path, choice: WaveChoice) -> Held:
-    """Records of a buoy's text files; a buoy has many times, so that one must be wanted."""
+    """Read the records of a buoy's text files, which have many times, so that one must be requested."""
     files = _five(path)
     moment = choice.require_time(str(path))
     table = _read(files[0])
@@ -58,7 +58,7 @@ def read_text(path: Path, choice: WaveChoice) -> Held:
 
 
 def read_netcdf(path: Path) -> Held:
-    """Records of a buoy's NetCDF file, also as CDIP names them (whose directions are not read)."""
+    """Read the records of a buoy's NetCDF file, also as CDIP names them (whose directions are not read)."""
     from seaglint.files.waves.netcdf_waves import open_dataset
 
     with open_dataset(path) as data:
@@ -76,7 +76,7 @@ def read_netcdf(path: Path) -> Held:
 
 
 def _five(path: Path) -> list[Path]:
-    """Names of the five files, from that of any of them or from what they have in common."""
+    """Return the names of the five files, from that of any of them or from their common part."""
     historical = _HISTORICAL.match(path.name)
     if historical is not None:
         return [path.with_name(f"{historical[1]}{letter}{historical[3]}") for letter in _LETTERS]
@@ -88,7 +88,7 @@ def _five(path: Path) -> list[Path]:
 
 
 def _read(file: Path) -> Any:
-    """One file as an xarray dataset with ``efth(time, freq, dir)``, whatever quantity it holds."""
+    """Read one file as an xarray dataset with ``efth(time, freq, dir)``, for any quantity."""
     read = reader("read_ndbc_ascii")
     if not file.is_file():
         raise DataError(
@@ -99,7 +99,7 @@ def _read(file: Path) -> Any:
 
 
 def _column(table: Any, moment: np.datetime64, frequency: FloatArray, file: Path) -> FloatArray:
-    """Column of one file at one time, on the frequencies of the energy file."""
+    """Return a column of one file at one time, on the frequencies of the energy file."""
     index = np.flatnonzero(np.asarray(table["time"].values) == moment)
     if index.size == 0:
         raise DataError(f"{file} has no record of {moment}, which the energy file has; the files do not belong together or one is cut")
@@ -114,7 +114,7 @@ def _lacks(values: FloatArray) -> np.ndarray[Any, np.dtype[np.bool_]]:
 
 
 def _moments(frequency: FloatArray, energy: FloatArray, columns: list[FloatArray], historical: bool, what: str) -> DirectionalMoments:
-    """Moments from alpha1, alpha2 [deg, from], r1 and r2 [1; historical files: hundredths]."""
+    """Return moments from alpha1, alpha2 [deg, from], r1 and r2 [1; historical files: hundredths]."""
     alpha1, alpha2, r1, r2 = columns
     absent = 999.0 if historical else _MISSING
     known = np.all([np.isfinite(c) for c in columns], axis=0) & (alpha1 <= 360.0) & (alpha2 <= 360.0) & (r1 < absent) & (r2 < absent)

@@ -1,4 +1,4 @@
-"""NetCDF files of spectra: times, places and one record out of many, whatever the names."""
+"""NetCDF files of spectra: times, places and one record of many, under various names."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _LONGITUDES: Final = ("longitude", "lon", "gpsLongitude")
 
 
 def open_dataset(path: Path) -> Any:
-    """The file as an xarray dataset, nothing of it read yet."""
+    """Open the file as an xarray dataset without reading values."""
     import xarray as xr
 
     # Groups, calendars or packing that xarray cannot read are told as any parser's error.
@@ -27,7 +27,7 @@ def open_dataset(path: Path) -> Any:
 
 
 def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
-    """Records of a NetCDF file.
+    """Return the records of a NetCDF file.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def held_by(path: Path, density: str, convert: Callable[[Any], Bands]) -> Held:
 
 
 def _names(data: Any, site: str | None) -> tuple[str, ...]:
-    """Names of the sites; numbers from 1 where the file has none."""
+    """Return the names of the sites; numbers from 1 where the file has none."""
     if site is None:
         return ("1",)
     for name in ("station_name", site):
@@ -84,7 +84,7 @@ def _names(data: Any, site: str | None) -> tuple[str, ...]:
 
 
 def _placed(data: Any, name: str | None, time: str | None, site: str | None, shape: tuple[int, int]) -> FloatArray | None:
-    """A coordinate of every record and site [deg]."""
+    """Return a coordinate of every record and site [deg]."""
     if name is None:
         return None
     values = data[name]

@@ -1,4 +1,4 @@
-"""Octopus forecast files: variance per band of frequency and direction, directions waves come FROM."""
+"""Reader of Octopus forecast files: variance per band of frequency and direction, directions waves come FROM."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from seaglint.files.waves.wave_file import Held, parsed, reader
 
 
 def read(path: Path) -> Held:
-    """Records of one place."""
+    """Read the records of one place."""
     function = reader("read_octopus")
     data = parsed(path, "an Octopus file", lambda: function(str(path)))
     density = data["efth"].transpose("time", "site", "freq", "dir").values.astype(np.float64)

@@ -1,4 +1,4 @@
-"""Which of a file's records is wanted, and how far from it the one taken may be."""
+"""Choice of a file's record, and tolerances of its time and place."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _LISTED = 8  # sites that an error lists by name
 
 @dataclass(frozen=True)
 class WaveChoice:
-    """Time and place wanted, and what a file without directions lacks.
+    """Requested time and place, and directions for a file that lacks them.
 
     Attributes
     ----------
@@ -46,23 +46,23 @@ class WaveChoice:
     spreading_deg: float | None = None
 
     def require_time(self, what: str) -> np.datetime64:
-        """The time wanted, where a file can only be read with one."""
+        """Return the requested time, where a file can only be read with one."""
         if self.time is None:
             raise DomainError(f"is missing: give the UTC time of the record wanted of {what}, or [time] utc", name="time")
         return as_utc(self.time)
 
     def nearest_time(self, times: NDArray[np.datetime64], what: str) -> tuple[int, float | None]:
-        """Index of the record nearest in time, and how far it is from the time wanted [s]."""
+        """Return the index of the record nearest in time, and its difference from the requested time [s]."""
         if times.size == 0:
             raise DataError(f"{what} holds no record")
         if self.time is None and times.size == 1:
             return 0, None
-        wanted = self.require_time(f"{what}, which has {times.size} from {_text(times.min())} to {_text(times.max())}")
-        index = int(np.argmin(np.abs(times - wanted)))
-        off = float((times[index] - wanted) / np.timedelta64(1, "s"))
+        requested = self.require_time(f"{what}, which has {times.size} from {_text(times.min())} to {_text(times.max())}")
+        index = int(np.argmin(np.abs(times - requested)))
+        off = float((times[index] - requested) / np.timedelta64(1, "s"))
         if abs(off) > self.time_tolerance:
             raise DataError(
-                f"{what} has no record within {self.time_tolerance:g} s of {_text(wanted)}; it covers {_text(times.min())} to "
+                f"{what} has no record within {self.time_tolerance:g} s of {_text(requested)}; it covers {_text(times.min())} to "
                 f"{_text(times.max())}, nearest is {_text(times[index])}: give one of its times or a larger time_tolerance_s"
             )
         return index, off
@@ -70,7 +70,7 @@ class WaveChoice:
     def nearest_site(
         self, names: tuple[str, ...], latitude_deg: FloatArray | None, longitude_deg: FloatArray | None, what: str
     ) -> tuple[int, float | None]:
-        """Index of the site wanted, and how far it is from the place wanted [km]."""
+        """Return the index of the requested site, and its distance from the requested place [km]."""
         if self.site is not None:
             if self.site not in names:
                 shown = f"{', '.join(names[:_LISTED])}{', ...' if len(names) > _LISTED else ''}"
@@ -99,7 +99,7 @@ class WaveChoice:
 
 
 def as_utc(time: str | datetime | np.datetime64) -> np.datetime64:
-    """Time as datetime64 in UTC; text and datetimes without a zone are UTC."""
+    """Return a time as datetime64 in UTC; text and datetimes without a zone are UTC."""
     if isinstance(time, np.datetime64):
         return time
     try:
@@ -112,7 +112,7 @@ def as_utc(time: str | datetime | np.datetime64) -> np.datetime64:
 
 
 def distance_km(latitude: float, longitude: float, latitudes: FloatArray, longitudes: FloatArray) -> FloatArray:
-    """Distance along the Earth from one place to others, all in degrees [km] (haversine).
+    """Return the distance along the Earth from one place to others, all in degrees [km] (haversine).
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Sofar Spotter: JSON of the programming interface, CSV of the dashboard; read by themselves.
+"""Reader of Sofar Spotter data: JSON of the programming interface, CSV of the dashboard.
 
 Both give the moments of every band, a1, b1, a2, b2, about the direction waves travel TO, counter-clockwise from east:
 ``direction = 270 deg - atan2(b1, a1)``, where they come FROM. wavespectra would rebuild them from mean direction and width alone, and
@@ -27,13 +27,13 @@ Record = Mapping[str, Any]
 
 
 def read_json(path: Path) -> Held:
-    """Records of ``data.frequencyData``."""
+    """Read the records of ``data.frequencyData``."""
     records = parsed(path, "a Spotter's JSON", lambda: json.loads(path.read_text(encoding="utf-8"))["data"]["frequencyData"])
     return _held(path, "a Spotter's JSON", records)
 
 
 def read_csv(path: Path) -> Held:
-    """Records of a table with a column a band and quantity, ``f_0``, ``a1_0``, ``varianceDensity_0`` and so on."""
+    """Read the records of a table with a column for each band and quantity: ``f_0``, ``a1_0``, ``varianceDensity_0`` and so on."""
 
     def parse() -> list[Record]:
         rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
@@ -44,11 +44,11 @@ def read_csv(path: Path) -> Held:
 
 
 def _record(row: Mapping[str, str]) -> Record:
-    """One row of the table, laid out as the JSON's records are."""
+    """Return one row of the table, laid out as the JSON's records are."""
     count = sum(name.startswith("f_") for name in row)
-    found: dict[str, Any] = {name: [float(row[f"{'f' if name == 'frequency' else name}_{i}"]) for i in range(count)] for name in _COLUMNS}
+    record: dict[str, Any] = {name: [float(row[f"{'f' if name == 'frequency' else name}_{i}"]) for i in range(count)] for name in _COLUMNS}
     moment = datetime.fromtimestamp(float(row["Epoch Time"]), UTC)
-    return found | {"timestamp": moment.isoformat(), "latitude": row.get("Latitude"), "longitude": row.get("Longitude")}
+    return record | {"timestamp": moment.isoformat(), "latitude": row.get("Latitude"), "longitude": row.get("Longitude")}
 
 
 def _held(path: Path, kind: str, records: Sequence[Record]) -> Held:

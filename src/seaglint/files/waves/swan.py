@@ -1,4 +1,4 @@
-"""SWAN: standard spectral files and NetCDF.
+"""Reader of SWAN's standard spectral files and NetCDF.
 
 In text files nautical directions (``NDIR``) are where waves come FROM, Cartesian ones (``CDIR``) where they travel TO, counter-clockwise
 from the x axis; wavespectra turns these. In NetCDF directions are in radians, and an attribute says which of the two they are;
@@ -23,7 +23,7 @@ _HEADER_END: Final = "QUANT"
 
 
 def read_text(path: Path) -> Held:
-    """Records of a standard spectral file, plain or gzipped; a stationary run has no times."""
+    """Read the records of a standard spectral file, plain or gzipped; a stationary run has no times."""
     header = parsed(path, "a SWAN spectral file", lambda: _header(path))
     if not {"NDIR", "CDIR"} & header:
         raise DataError(
@@ -49,7 +49,7 @@ def read_text(path: Path) -> Held:
 
 
 def _header(path: Path) -> set[str]:
-    """First words of the lines above the quantities."""
+    """Return the first words of the lines above the quantities."""
     words = set()
     with gzip.open(path, "rt") if path.suffix == ".gz" else path.open() as lines:
         for line in lines:
@@ -60,23 +60,25 @@ def _header(path: Path) -> set[str]:
 
 
 def read_netcdf(path: Path) -> Held:
-    """Records of SWAN's NetCDF output of two-dimensional spectra."""
+    """Read the records of SWAN's NetCDF output of two-dimensional spectra."""
 
     def convert(data: Any) -> Bins:
         from wavespectra.input.ncswan import from_ncswan
 
         cartesian = _is_cartesian(data)
-        found = from_ncswan(data)
-        directions = np.asarray(found["dir"].values, dtype=np.float64)
-        density = np.asarray(found["efth"].transpose("freq", "dir").values, dtype=np.float64)
-        return Bins(np.asarray(found["freq"].values, dtype=np.float64), (270.0 - directions) % 360.0 if cartesian else directions, density)
+        converted = from_ncswan(data)
+        directions = np.asarray(converted["dir"].values, dtype=np.float64)
+        density = np.asarray(converted["efth"].transpose("freq", "dir").values, dtype=np.float64)
+        return Bins(
+            np.asarray(converted["freq"].values, dtype=np.float64), (270.0 - directions) % 360.0 if cartesian else directions, density
+        )
 
     reader("read_ncswan")
     return held_by(path, "density", convert)
 
 
 def _is_cartesian(data: Any) -> bool:
-    """Whether directions are where waves travel TO, counter-clockwise from east; nautical where nothing is said."""
+    """Return true where directions are those waves travel TO, counter-clockwise from east; nautical is the default."""
     said = {str(name).lower(): str(value).lower() for name, value in data.attrs.items()}.get("directional_convention", "")
     standard = str(data["direction"].attrs.get("standard_name", "")).lower()
     return said.startswith("cartesian") or (not said and "to_direction" in standard)

@@ -1,4 +1,4 @@
-"""TRIAXYS buoys: directional and non-directional spectra as text. Directions are where waves come FROM, 0 and 360 degrees both listed."""
+"""Reader of TRIAXYS buoys' spectra as text. Directions are where waves come FROM, 0 and 360 degrees both listed."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ZONE = re.compile(r"^\s*DATE\s*=.*\((.*?)\)", re.MULTILINE)
 
 
 def read(path: Path) -> Held:
-    """The one record of a file."""
+    """Read the only record of a file."""
     header = parsed(path, "a TRIAXYS file", lambda: path.read_text(encoding="utf-8")[:4096])
     kind, zone = _TYPE.search(header), _ZONE.search(header)
     if kind is None or kind[1] not in ("DIRECTIONAL SPECTRUM", "NON-DIRECTIONAL SPECTRUM"):

@@ -1,4 +1,4 @@
-"""What a file holds: when, where, and the bands of each record, read when asked for."""
+"""Content of a wave file: times, places, and the bands of each record, read on request."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from seaglint.files.waves.bands import Bands
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """Records of one file.
+    """Records of one file, read on request.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Held:
 
 
 def reader(name: str) -> Callable[..., Any]:
-    """A function of wavespectra.
+    """Return a function of wavespectra.
 
     Raises
     ------
@@ -56,7 +56,7 @@ def reader(name: str) -> Callable[..., Any]:
 
 
 def parsed(path: Path, kind: str, parse: Callable[[], Any]) -> Any:
-    """What a parser makes of a file; its errors, which are of any kind, become one line."""
+    """Return the result of a parser; its exceptions, which are of any type, become an error of one line."""
     try:
         return parse()
     except SeaglintError:

@@ -1,4 +1,4 @@
-"""Wave spectra from a file: its format recognised or told, the record nearest to a time and place, and the spectrum of it."""
+"""Reader of wave spectra from a file: its format, the record nearest to a time and place, and its spectrum."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from seaglint.sea.spectra.measured import MeasuredSpectrum
 Format = Literal["ndbc", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra"]
 
 FORMATS: Final[tuple[Format, ...]] = ("ndbc", "spotter", "swan", "ww3", "era5", "triaxys", "octopus", "datawell", "wavespectra")
-"""Formats by the names that ``sea.spectrum.format`` takes."""
+"""Names of the formats that ``sea.spectrum.format`` takes."""
 
 _NETCDF: Final = (b"\x89HDF\r\n\x1a\n", b"CDF\x01", b"CDF\x02", b"CDF\x05")
 _BEGINNING: Final = 8192
@@ -31,7 +31,7 @@ _BEGINNING: Final = 8192
 
 @dataclass(frozen=True)
 class WavesFromFile:
-    """A spectrum and where it is from.
+    """Spectrum and its source.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class WavesFromFile:
 def read_waves(
     path: str | Path, choice: WaveChoice | None = None, wind_to_azimuth: float = 0.0, *, format: Format | None = None
 ) -> WavesFromFile:
-    """Spectrum of one place and time.
+    """Read the spectrum of one place and time.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def read_waves(
 
 
 def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float) -> WavesFromFile:
-    """The record nearest in time and place, and what to tell of it."""
+    """Return the record nearest in time and place, and notes on it."""
     held, what = _held(path, kind, choice), str(path)
     moment, off = (0, None) if held.times is None else choice.nearest_time(held.times, what)
     latitude, longitude = (None if values is None else values[moment] for values in (held.latitude_deg, held.longitude_deg))
@@ -109,7 +109,7 @@ def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float
 
 
 def recognised(path: Path) -> Format:
-    """Format of a file by what it begins with, and for text that says nothing by its name.
+    """Recognise the format of a file by its beginning, and for plain text by its name.
 
     Raises
     ------
@@ -122,14 +122,14 @@ def recognised(path: Path) -> Format:
         raise DataError(f"{path} does not exist; give the file of a wave spectrum ({', '.join(FORMATS)})")
     with path.open("rb") as file:
         beginning = file.read(_BEGINNING)
-    found = _netcdf_format(path) if beginning.startswith(_NETCDF) else _text_format(path, beginning)
-    if found is None:
+    name = _netcdf_format(path) if beginning.startswith(_NETCDF) else _text_format(path, beginning)
+    if name is None:
         hint = "; GRIB is not read: convert it to NetCDF" if beginning.startswith(b"GRIB") else ""
         raise DataError(
             f"{path} is no file of wave spectra that is recognised{hint}; allowed: {', '.join(FORMATS)}: "
             "set sea.spectrum.format if it is one"
         )
-    return found
+    return name
 
 
 def _netcdf_format(path: Path) -> Format | None:
@@ -168,7 +168,7 @@ def _text_format(path: Path, beginning: bytes) -> Format | None:
 
 
 def _held(path: Path, kind: Format, choice: WaveChoice) -> Held:
-    """What the file holds, by the family of its format."""
+    """Return the records of the file by the family of its format."""
     is_netcdf = False
     if path.is_file():
         with path.open("rb") as file:

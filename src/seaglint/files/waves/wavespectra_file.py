@@ -1,4 +1,4 @@
-"""wavespectra's own NetCDF: ``efth(..., freq, dir)`` in m² s deg⁻¹, directions waves come FROM; without ``dir`` in m² s."""
+"""Reader of wavespectra's own NetCDF: ``efth(..., freq, dir)`` in m² s deg⁻¹, directions FROM; without ``dir`` in m² s."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from seaglint.files.waves.wave_file import Held
 
 
 def read(path: Path) -> Held:
-    """Records of a file."""
+    """Read the records of a file."""
 
     def convert(data: Any) -> Bands:
         frequency = np.asarray(data["freq"].values, dtype=np.float64)

@@ -1,4 +1,4 @@
-"""WAVEWATCH III: NetCDF of the point output and text files of stations.
+"""Reader of WAVEWATCH III: NetCDF of the point output and text files of stations.
 
 Both have directions waves travel TO, clockwise from north; wavespectra turns them to where they come FROM, also for NetCDF whose attribute
 says that they do so already. Text rounds directions to three digits of a radian: they are put back on their even grid.
@@ -21,7 +21,7 @@ _ROUNDED: Final = 0.6  # largest distance of a printed direction from its even g
 
 
 def read_text(path: Path) -> Held:
-    """Records of a station's text file with one point."""
+    """Read the records of a station's text file with one point."""
     header = parsed(path, "a WAVEWATCH III station file", lambda: path.read_text(encoding="utf-8").partition("\n")[0])
     points = parsed(path, "a WAVEWATCH III station file", lambda: int(header.split("'")[2].split()[2]))
     if points != 1:
@@ -38,7 +38,7 @@ def read_text(path: Path) -> Held:
 
 
 def _even(directions: FloatArray, path: Path) -> FloatArray:
-    """Directions of a whole turn that were rounded when printed [deg]."""
+    """Return exact directions of a whole turn that were rounded when printed [deg]."""
     step = 360.0 / directions.size
     turn = np.sign(np.median((np.diff(directions) + 180.0) % 360.0 - 180.0)) * step
     away = (directions - turn * np.arange(directions.size) + 180.0 - directions[0]) % 360.0 - 180.0
@@ -48,16 +48,16 @@ def _even(directions: FloatArray, path: Path) -> FloatArray:
 
 
 def read_netcdf(path: Path) -> Held:
-    """Records of WAVEWATCH III's NetCDF."""
+    """Read the records of WAVEWATCH III's NetCDF."""
 
     def convert(data: Any) -> Bins:
         from wavespectra.input.ww3 import from_ww3
 
         already_from = "from_direction" in str(data["direction"].attrs.get("standard_name", ""))
-        found = from_ww3(data)
-        directions = np.asarray(found["dir"].values, dtype=np.float64) + (180.0 if already_from else 0.0)
-        density = np.asarray(found["efth"].transpose("freq", "dir").values, dtype=np.float64)
-        return Bins(np.asarray(found["freq"].values, dtype=np.float64), directions % 360.0, density)
+        converted = from_ww3(data)
+        directions = np.asarray(converted["dir"].values, dtype=np.float64) + (180.0 if already_from else 0.0)
+        density = np.asarray(converted["efth"].transpose("freq", "dir").values, dtype=np.float64)
+        return Bins(np.asarray(converted["freq"].values, dtype=np.float64), directions % 360.0, density)
 
     reader("read_ww3")
     return held_by(path, "efth", convert)

@@ -1,1 +1,1 @@
-"""Files of weather: one family of formats per file, each with its own missing codes, units and conventions."""
+"""Files of weather: one file per family of formats, each with its own missing codes, units and conventions."""

@@ -1,4 +1,4 @@
-"""Areas of the command line and of files: boxes, polygons as text, CSV or GeoJSON."""
+"""Parsers of areas from text and files: boxes, polygons as text, CSV or GeoJSON."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from seaglint.weather.select import GeographicBox, Polygon
 
 
 def parse_box(text: str) -> GeographicBox:
-    """Box of a text ``west,south,east,north`` [deg].
+    """Parse a box from a text ``west,south,east,north`` [deg].
 
     Raises
     ------
@@ -25,15 +25,15 @@ def parse_box(text: str) -> GeographicBox:
         if len(numbers) != 4:
             raise ValueError
     except ValueError:
-        raise DataError(f"--box '{text}' is not four numbers; write west,south,east,north in degrees, e.g. -60,30,-10,60") from None
+        raise DataError(f"box='{text}' is not four numbers; write west,south,east,north in degrees, e.g. -60,30,-10,60") from None
     try:
         return GeographicBox(*numbers)
     except DomainError as error:
-        raise DataError(f"--box: {error}") from None
+        raise DataError(f"box='{text}': {error}") from None
 
 
 def read_polygon(text: str) -> Polygon:
-    """Polygon of a text ``lon,lat lon,lat lon,lat``, or of a CSV or GeoJSON file.
+    """Read a polygon from a text ``lon,lat lon,lat lon,lat``, or from a CSV or GeoJSON file.
 
     Raises
     ------
@@ -55,37 +55,37 @@ def read_polygon(text: str) -> Polygon:
         try:
             corners = [(plain_number(lon), plain_number(lat)) for lon, lat in (pair.split(",") for pair in text.split())]
         except ValueError:
-            raise DataError(f"--polygon '{text}' is neither 'lon,lat lon,lat lon,lat' in degrees nor a .csv or .geojson file") from None
+            raise DataError(f"polygon='{text}' is neither 'lon,lat lon,lat lon,lat' in degrees nor a .csv or .geojson file") from None
     if len(corners) > 3 and corners[0] == corners[-1]:
         corners = corners[:-1]
     try:
         return Polygon(tuple(corners))
     except DomainError as error:
-        raise DataError(f"--polygon: {error}") from None
+        raise DataError(f"polygon='{text}': {error}") from None
 
 
 def _geojson(path: Path) -> list[tuple[float, float]]:
     try:
-        found: Any = json.loads(path.read_text(encoding="utf-8"))
+        geometry: Any = json.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror}); give a GeoJSON file of one polygon") from None
     except ValueError as error:
         raise DataError(f"{path}: is no JSON ({error}); give a GeoJSON file of one polygon") from None
     try:
-        if found["type"] == "FeatureCollection":
-            (found,) = found["features"]
-        if found["type"] == "Feature":
-            found = found["geometry"]
-        if found["type"] != "Polygon":
+        if geometry["type"] == "FeatureCollection":
+            (geometry,) = geometry["features"]
+        if geometry["type"] == "Feature":
+            geometry = geometry["geometry"]
+        if geometry["type"] != "Polygon":
             raise ValueError
-        (ring,) = found["coordinates"]
+        (ring,) = geometry["coordinates"]
         return [(float(corner[0]), float(corner[1])) for corner in ring]
     except (KeyError, TypeError, ValueError, IndexError):
         raise DataError(f"{path}: is not one GeoJSON polygon without holes; give one, or corners as 'lon,lat lon,lat lon,lat'") from None
 
 
-def parse_cycle(text: str, option: str, low: int, high: int) -> tuple[int, ...]:
-    """Whole numbers of a text such as ``6,7,8``, ``6-8`` or, around the end of the year or day, ``12-2``.
+def parse_cycle(text: str, name: str, low: int, high: int) -> tuple[int, ...]:
+    """Parse whole numbers from a text such as ``6,7,8``, ``6-8`` or, around the end of the year or day, ``12-2``.
 
     Raises
     ------
@@ -94,7 +94,7 @@ def parse_cycle(text: str, option: str, low: int, high: int) -> tuple[int, ...]:
 
     Examples
     --------
-    >>> parse_cycle("12-2,6", "--months", 1, 12)
+    >>> parse_cycle("12-2,6", "months", 1, 12)
     (12, 1, 2, 6)
     """
     out: list[int] = []
@@ -109,6 +109,6 @@ def parse_cycle(text: str, option: str, low: int, high: int) -> tuple[int, ...]:
             out += [low + (a - low + step) % (high - low + 1) for step in range(count + 1)]
     except ValueError:
         raise DataError(
-            f"{option} '{text}' is not whole numbers {low} to {high}; write e.g. {low + 5},{low + 6} or {low + 5}-{low + 7}"
+            f"{name}='{text}' is not whole numbers {low} to {high}; write e.g. {low + 5},{low + 6} or {low + 5}-{low + 7}"
         ) from None
     return tuple(dict.fromkeys(out))

@@ -1,4 +1,4 @@
-"""What a reader takes out of one file: columns, and a count of everything that it left out or could not use."""
+"""Columns read from one weather file, and the number of rows and values that were left out."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from seaglint.weather.weather_table import RANGES, TextArray
 
 @dataclass(frozen=True)
 class WeatherSource:
-    """Rows of one file.
+    """Rows of weather from one file.
 
     Attributes
     ----------
@@ -50,11 +50,11 @@ class WeatherSource:
 
     @property
     def rows(self) -> int:
-        """Number of rows."""
+        """Return the number of rows."""
         return int(next(iter(self.columns.values())).size)
 
     def within_ranges(self) -> WeatherSource:
-        """The same with observations outside the range of their column set missing, and counted."""
+        """Return the rows with observations outside the range of their column set missing, and counted."""
         columns, lost = dict(self.columns), dict(self.set_missing)
         for name, values in self.columns.items():
             low, high = RANGES[name]
@@ -65,7 +65,7 @@ class WeatherSource:
         return replace(self, columns=columns, set_missing=lost)
 
     def selected(self, selection: Selection) -> WeatherSource:
-        """The rows that are wanted; the others are counted."""
+        """Return the selected rows; the others are counted."""
         good, fallen = selection.rows(self.columns, self.rows)
         if good.all():
             return self
@@ -81,7 +81,7 @@ class WeatherSource:
 
 
 def text_of(path: Path) -> str:
-    """Text of a file, also of one packed by gzip.
+    """Return the text of a file, also of one packed by gzip.
 
     Raises
     ------
@@ -97,5 +97,5 @@ def text_of(path: Path) -> str:
     except (OSError, EOFError) as error:
         raise DataError(f"{path}: cannot be read ({error}); is it whole?") from None
     if b"\0" in content[:4096]:
-        raise DataError(f"{path}: is no text; give ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, or a CSV file with --map")
+        raise DataError(f"{path}: is no text; give ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC text, or CSV with map='NAME=COLUMN:UNIT'")
     return content.decode("utf-8-sig" if content[:3] == b"\xef\xbb\xbf" else "latin-1")

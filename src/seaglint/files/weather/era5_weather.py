@@ -1,4 +1,4 @@
-"""ERA5 single levels: NetCDF before and after the change of layout of September 2024, and GRIB through cfgrib (extra ``grib``).
+"""Reader of ERA5 single levels: NetCDF before and after the new layout of September 2024, and GRIB by cfgrib (extra ``grib``).
 
 Before: dimension ``time``, packed shorts with scale and offset, and a dimension ``expver`` where final (1) and preliminary (5) months meet,
 each empty where the other has values. After: dimension ``valid_time``, floats, ``expver`` and ``number`` beside it. Latitudes descend,
@@ -39,22 +39,22 @@ UNITS: Final = {
 """Variables that are read, and the spellings allowed of the unit of each."""
 
 MOST_ROWS: Final = 20_000_000
-"""Rows above which a grid is refused: a dozen columns of that length are 2 GB."""
+"""Largest number of rows of a grid: a dozen columns of that length are 2 GB."""
 
 _WAVE_GRID_DEG: Final = 0.26
-"""How far the nearest place of a coarser grid may be [deg]: half of the 0.5 deg of the wave model, and rounding."""
+"""Largest distance of the nearest place of a coarser grid [deg]: half of the 0.5 deg of the wave model, and rounding."""
 
 _TIMES: Final = ("valid_time", "time")
 _GRID: Final = frozenset({"time", "latitude", "longitude"})
 
 
 def is_grib(path: Path) -> bool:
-    """Whether a file begins as GRIB."""
+    """Return true where a file begins as GRIB."""
     return _magic(path) == b"GRIB"
 
 
 def is_netcdf(path: Path) -> bool:
-    """Whether a file begins as NetCDF, classic or 4."""
+    """Return true where a file begins as NetCDF, classic or 4."""
     return _magic(path)[:3] == b"CDF" or _magic(path) == b"\x89HDF"
 
 
@@ -67,7 +67,7 @@ def _magic(path: Path) -> bytes:
 
 
 def open_era5(path: Path) -> tuple[Any, tuple[str, ...]]:
-    """A file as a dataset over ``time, latitude, longitude``, longitudes in [-180, 180), and what is told of it.
+    """Open a file as a dataset over ``time, latitude, longitude``, longitudes in [-180, 180), with notes on it.
 
     Raises
     ------
@@ -89,7 +89,8 @@ def open_era5(path: Path) -> tuple[Any, tuple[str, ...]]:
         unit = data[name].attrs.get("units")
         if unit is not None and unit not in UNITS[name]:
             raise DataError(
-                f"{path}: {name} has the unknown unit '{unit}'; allowed are {', '.join(UNITS[name])}: convert it, or use CSV and --map"
+                f"{path}: {name} has the unknown unit '{unit}'; allowed are {', '.join(UNITS[name])}: convert it, or use "
+                "CSV with map='NAME=COLUMN:UNIT'"
             )
     if time not in data.dims:
         data = data.expand_dims(time)
@@ -142,13 +143,13 @@ def _opened(path: Path) -> Any:
     except SeaglintError:
         raise
     except Exception as error:  # xarray, h5py and eccodes raise nearly anything
-        told = " ".join(str(error).split())[:200] or type(error).__name__
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
         drop_quietly(error)
-        raise DataError(f"{path}: cannot be read as ERA5 ({told}); is it whole?") from None
+        raise DataError(f"{path}: cannot be read as ERA5 ({reason}); is it whole?") from None
 
 
 def _final_first(path: Path, data: Any, notes: list[str]) -> Any:
-    """Final values where there are any, preliminary ones elsewhere."""
+    """Return final values where there are any, preliminary ones elsewhere."""
     versions = [int(v) for v in np.atleast_1d(data["expver"].values)]
     if not set(versions) <= {1, 5}:
         raise DataError(f"{path}: has expver {versions}; ERA5 has 1 (final) and 5 (preliminary): select one of them")
@@ -162,7 +163,7 @@ def _final_first(path: Path, data: Any, notes: list[str]) -> Any:
 
 
 def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) -> WeatherSource:
-    """Rows of a grid: one for each time and sea point.
+    """Read the rows of a grid: one for each time and sea point.
 
     Parameters
     ----------
@@ -192,7 +193,7 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
         raise DataError(f"{path}: nothing in {' and '.join(selection.words)}; the file covers {covered(there)}; choose inside it")
     cells = int(times.sum() * places.sum())
     if cells > MOST_ROWS:
-        raise DataError(f"{path}: {cells} rows are more than {MOST_ROWS}; choose fewer with --box, --months, or --hours 0,6,12,18")
+        raise DataError(f"{path}: {cells} rows are more than {MOST_ROWS}; choose a smaller box, fewer months, or hours='0,6,12,18'")
     iy, ix = np.flatnonzero(places.any(1)), np.flatnonzero(places.any(0))
     part = data.isel(time=np.flatnonzero(times), latitude=iy, longitude=ix).load()
     own = frozenset(map(str, part.data_vars))
@@ -228,25 +229,25 @@ def read_era5(path: Path, selection: Selection, *, beside: Sequence[Path] = ()) 
 
 
 def has_wind(path: Path) -> bool:
-    """Whether a file has winds; without them it can only stand beside one that has."""
+    """Return true where a file has winds; a file without them must stand beside one that has them."""
     return {"u10", "v10"} <= set(_opened(path).data_vars)
 
 
 def _joined(part: Any, own: frozenset[str], other: Path) -> tuple[Any, tuple[str, ...]]:
-    """The dataset with what another file has beside its own variables; earlier files beside it come first."""
-    found, told = open_era5(other)
-    new = [str(name) for name in found.data_vars if name not in own]
-    common = np.isin(part["time"].values, found["time"].values)
+    """Return the dataset with the variables that another file adds; earlier files take precedence."""
+    added, notes = open_era5(other)
+    new = [str(name) for name in added.data_vars if name not in own]
+    common = np.isin(part["time"].values, added["time"].values)
     if not new or not common.any():
         return part, ()
-    found = found[new].sortby("latitude").sortby("longitude").drop_duplicates("time").reindex(time=part["time"].values)
+    added = added[new].sortby("latitude").sortby("longitude").drop_duplicates("time").reindex(time=part["time"].values)
     for name in ("latitude", "longitude"):
-        found = found.reindex({name: part[name].values}, method="nearest", tolerance=_WAVE_GRID_DEG)
-    values = {name: np.asarray(found[name].values, dtype=np.float64) for name in new}
+        added = added.reindex({name: part[name].values}, method="nearest", tolerance=_WAVE_GRID_DEG)
+    values = {name: np.asarray(added[name].values, dtype=np.float64) for name in new}
     filled = {name: np.where(np.isnan(part[name].values), v, part[name].values) if name in part else v for name, v in values.items()}
     share = f"{int(common.sum())} of {common.size} times"
-    told = (*told, f"{', '.join(new)} from {other.name}, same time and nearest place, {share}")
-    return part.assign({name: (part["u10"].dims, v) for name, v in filled.items()}), told
+    notes = (*notes, f"{', '.join(new)} from {other.name}, same time and nearest place, {share}")
+    return part.assign({name: (part["u10"].dims, v) for name, v in filled.items()}), notes
 
 
 def _columns(grids: dict[str, FloatArray], cells: int) -> dict[str, FloatArray]:

@@ -1,4 +1,4 @@
-"""ICOADS ship reports: the core of IMMA1 records (columns 1-108 of each line), and ICOADS as CSV.
+"""Reader of ICOADS ship reports: the core of IMMA1 records (columns 1-108 of each line), and ICOADS as CSV.
 
 Attachments behind the core are not read. Missing fields are blank. Longitudes run 0 to 359.99, or -179.99 to 180.
 
@@ -77,7 +77,7 @@ LAYOUT: Final = _layout()
 
 
 def looks_like_imma(line: str) -> bool:
-    """Whether a line begins as an IMMA record: year, month or blanks, and a latitude."""
+    """Return true where a line begins as an IMMA record: year, month or blanks, and a latitude."""
     year, month, lat = (line[slice(*LAYOUT[name])].strip() for name in ("YR", "MO", "LAT"))
     return (
         len(line) >= LAYOUT["C1"][1]
@@ -127,12 +127,12 @@ def _field(path: Path, lines: list[tuple[int, str]], name: str) -> FloatArray:
 
 
 def is_icoads_csv(header: tuple[str, ...]) -> bool:
-    """Whether headings are those of ICOADS: IMMA's abbreviations, or NCEI's long names."""
+    """Return true where headings are those of ICOADS: IMMA's abbreviations, or NCEI's long names."""
     return {"MO", "LAT", "LON", "W"} <= set(header) or {"DATE", "LATITUDE", "LONGITUDE", "WIND_SPEED"} <= set(header)
 
 
 def read_icoads_csv(cells: TextColumns) -> WeatherSource:
-    """Columns of an ICOADS CSV file.
+    """Read the columns of an ICOADS CSV file.
 
     IMMA's abbreviations are in plain units (hours, degrees, m/s, degC, oktas, half metres); NCEI's long names (WIND_SPEED, AIR_TEMP, ...)
     keep the tenths of the records.
@@ -149,7 +149,7 @@ def read_icoads_csv(cells: TextColumns) -> WeatherSource:
             if bad.size:
                 raise DataError(
                     f"{cells.where(int(bad[0]))}, column {name}: {report[name][bad[0]]:g} is above {high:g}; with IMMA's abbreviations as "
-                    f"headings values are in degrees, hours, m/s and degC: divide by IMMA's scale, or read it with --map"
+                    f"headings values are in degrees, hours, m/s and degC: divide by IMMA's scale, or read it with map='NAME=COLUMN:UNIT'"
                 )
         times: tuple[str, ...] = ()
     else:

@@ -1,4 +1,4 @@
-"""Any CSV file, its columns told by a map."""
+"""Reader of any CSV file by a map of its columns."""
 
 from __future__ import annotations
 
@@ -16,39 +16,39 @@ from seaglint.weather.weather_table import RANGES, TEXTS
 
 
 def read_mapped(cells: TextColumns, columns: Sequence[MappedColumn], *, naive_is_utc: bool = False) -> WeatherSource:
-    """Columns of a CSV file by a map; headings that are weather columns already are taken as they are.
+    """Read the columns of a CSV file by a map; headings that are weather columns already need no map.
 
     Parameters
     ----------
     cells : TextColumns
         The file.
     columns : sequence of MappedColumn
-        Which of its columns is what.
+        Map of its columns.
     naive_is_utc : bool
-        Whether times without a zone are UTC; else they are refused.
+        Flag: times without a zone are UTC; else they are refused.
 
     Raises
     ------
     DataError
         A column that the file does not have, a cell that is no number or outside its range, a time without a zone, no wind speed.
     """
-    wanted = list(columns)
-    mapped = {column.name for column in wanted}
-    wanted += [MappedColumn(name, name) for name in (*RANGES, *TEXTS) if name in cells.header and name not in mapped]
-    for column in wanted:
+    requested = list(columns)
+    mapped = {column.name for column in requested}
+    requested += [MappedColumn(name, name) for name in (*RANGES, *TEXTS) if name in cells.header and name not in mapped]
+    for column in requested:
         if column.column not in cells.header:
             raise DataError(
-                f"{cells.path}: column '{column.column}' of --map {column.name}={column.column} is not there; columns are "
+                f"{cells.path}: column '{column.column}' of map='{column.name}={column.column}' is not there; columns are "
                 f"{', '.join(cells.header)}"
             )
-    texts = {c.name: np.asarray(cells.text(c.column), dtype=np.str_) for c in wanted if c.name in TEXTS}
-    numbers = {c.name: c.scale * cells.numbers(c.column) + c.offset for c in wanted if c.name not in TEXTS and c.name != "time"}
-    heading = {c.name: c.column for c in wanted}
+    texts = {c.name: np.asarray(cells.text(c.column), dtype=np.str_) for c in requested if c.name in TEXTS}
+    numbers = {c.name: c.scale * cells.numbers(c.column) + c.offset for c in requested if c.name not in TEXTS and c.name != "time"}
+    heading = {c.name: c.column for c in requested}
     notes: list[str] = []
     if "time" in heading:
-        month, hour, told = month_and_hour(cells, heading["time"], naive_is_utc=naive_is_utc)
+        month, hour, time_notes = month_and_hour(cells, heading["time"], naive_is_utc=naive_is_utc)
         numbers = {"month": month, "hour_utc": hour} | numbers
-        notes += told
+        notes += time_notes
     if {"wind_u_m_s", "wind_v_m_s"} <= set(numbers):
         speed, come = wind_from_components(numbers["wind_u_m_s"], numbers["wind_v_m_s"])
         numbers |= {"wind_speed_m_s": speed, "wind_from_deg": come}
@@ -59,7 +59,7 @@ def read_mapped(cells: TextColumns, columns: Sequence[MappedColumn], *, naive_is
     if "wind_speed_m_s" not in numbers:
         raise DataError(
             f"{cells.path}: no column for wind_speed_m_s; columns are {', '.join(cells.header)}; name it with "
-            "--map wind_speed_m_s=COLUMN:UNIT, or its components with wind_u_m_s and wind_v_m_s"
+            "map='wind_speed_m_s=COLUMN:UNIT', or its components with wind_u_m_s and wind_v_m_s"
         )
     if "cloud_cover" not in numbers:
         numbers["cloud_cover"] = np.full(len(cells.rows), np.nan)
@@ -68,14 +68,14 @@ def read_mapped(cells: TextColumns, columns: Sequence[MappedColumn], *, naive_is
         numbers["wind_from_deg"] = numbers["wind_from_deg"] % 360.0
     if "longitude_deg" in numbers:
         numbers["longitude_deg"] = west_east(numbers["longitude_deg"])
-    used = {c.column for c in wanted}
+    used = {c.column for c in requested}
     idle = [name for name in cells.header if name not in used]
     if idle:
         notes.append(f"columns passed over: {', '.join(idle)}")
-    kept = {name: values for name, values in numbers.items() if name not in HELPERS}
-    for name, values in kept.items():
-        cells.within(name, values, heading.get(name, ""), "correct it or its unit in --map, or leave it empty")
-    if np.any(np.isnan(kept.get("weight", np.zeros(1)))):
-        row = int(np.flatnonzero(np.isnan(kept["weight"]))[0])
+    stored = {name: values for name, values in numbers.items() if name not in HELPERS}
+    for name, values in stored.items():
+        cells.within(name, values, heading.get(name, ""), "correct it or its unit in the map of columns, or leave it empty")
+    if np.any(np.isnan(stored.get("weight", np.zeros(1)))):
+        row = int(np.flatnonzero(np.isnan(stored["weight"]))[0])
         raise DataError(f"{cells.where(row)}, column {heading['weight']}: a weight is missing; give a number of 0 or more")
-    return WeatherSource(cells.path, "CSV", kept, len(cells.rows), texts, notes=tuple(notes))
+    return WeatherSource(cells.path, "CSV", stored, len(cells.rows), texts, notes=tuple(notes))

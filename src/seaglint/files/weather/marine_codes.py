@@ -1,4 +1,4 @@
-"""Codes of marine reports that ICOADS hands on: total cloud, visibility, direction and wave height.
+"""Codes of marine reports in ICOADS: total cloud, visibility, direction and wave height.
 
 References
 ----------
@@ -18,7 +18,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.weather.derived import ICE_POINT, relative_humidity, significant_height
 
 CALM: Final = 361.0
-"""Wind direction of a calm; 362 is a variable one, and neither has a direction."""
+"""Code of the wind direction of a calm; 362 is a variable one, and neither has a direction."""
 
 OBSCURED: Final = 9.0
 """Total cloud of a sky that cannot be seen."""
@@ -37,7 +37,7 @@ HALF_METRES: Final = 0.5
 
 
 def columns_of(report: dict[str, FloatArray]) -> tuple[dict[str, FloatArray], dict[str, int], list[str]]:
-    """Columns of a weather table from those of marine reports.
+    """Return the columns of a weather table from those of marine reports.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""NDBC standard meteorological text files of buoys, historical and realtime, of all generations of headings.
+"""Reader of NDBC standard meteorological text files of buoys, historical and realtime, of all generations of headings.
 
 Up to 1998 the year has two digits (``YY MM DD hh``), from 2000 four, minutes come in 2005, and from 2007 headings begin with ``#`` and a
 second line has units. Missing values are filled with nines as wide as the field (99.0, 999, 9999.0) or, in realtime files, ``MM``. The
@@ -29,14 +29,14 @@ from seaglint.weather.derived import ICE_POINT, relative_humidity
 NAUTICAL_MILE_KM: Final = 1.852
 
 _MISSING: Final = {"WDIR": 999.0, "WSPD": 99.0, "WVHT": 99.0, "ATMP": 999.0, "WTMP": 999.0, "DEWP": 999.0, "VIS": 99.0}
-"""What stands for a missing value in each column that is used."""
+"""Code of a missing value in each column that is used."""
 
 _ALSO: Final = {"WD": "WDIR", "#YY": "YY", "YYYY": "YY"}
 """Earlier spellings of headings."""
 
 
 def looks_like_ndbc(line: str) -> bool:
-    """Whether a line is the headings of such a file."""
+    """Return true where a line is the headings of an NDBC file."""
     names = [_ALSO.get(name, name) for name in line.split()]
     return names[:4] == ["YY", "MM", "DD", "hh"] and "WSPD" in names
 
@@ -69,7 +69,7 @@ def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[flo
         if len(cells) != len(header):
             raise DataError(f"{path}, line {number}: {len(cells)} cells under {len(header)} headings; is the file whole?")
     table = {name: _column(path, rows, at, name) for at, name in enumerate(header) if name in {*_MISSING, "YY", "MM", "DD", "hh", "mm"}}
-    month, hour, told = _times(path, rows, table)
+    month, hour, time_notes = _times(path, rows, table)
     get = {name: table.get(name, np.full(len(rows), np.nan)) for name in _MISSING}
     air, dew = get["ATMP"] + ICE_POINT, get["DEWP"] + ICE_POINT
     notes = ["no cloud cover in NDBC files: it is missing throughout; fill it with --fill cloud_cover=0.6, or bring another source"]
@@ -93,11 +93,11 @@ def read_ndbc(path: Path, *, anemometer_m: float | None = None, place: tuple[flo
     }
     if place is not None:
         columns |= {"latitude_deg": np.full(len(rows), place[0]), "longitude_deg": np.full(len(rows), place[1])}
-    return WeatherSource(path, "NDBC standard meteorological", columns, len(rows), notes=(*notes, *told)).within_ranges()
+    return WeatherSource(path, "NDBC standard meteorological", columns, len(rows), notes=(*notes, *time_notes)).within_ranges()
 
 
 def to_ten_metres(speed: FloatArray, height: float) -> FloatArray:
-    """Wind at 10 m of that at another height [m/s], by the logarithmic profile over the sea (:mod:`seaglint.sea.wind_profile`).
+    """Convert wind at another height to wind at 10 m [m/s], by the logarithmic profile of :mod:`seaglint.sea.wind_profile`.
 
     Raises
     ------
@@ -110,12 +110,12 @@ def to_ten_metres(speed: FloatArray, height: float) -> FloatArray:
     [0.0, 10.99]
     """
     if not 1.0 <= height <= 150.0:
-        raise DataError(f"--anemometer-height {height:g} is outside 1 to 150 m; give that of the buoy's page")
+        raise DataError(f"anemometer_height={height:g} is outside 1 to 150 m; give the height on the buoy's page")
     known, at = np.unique(speed, return_inverse=True)  # written in tenths: few values, each an iteration
     try:
         return np.array([math.nan if math.isnan(wind) else u10_of_wind(wind, height) for wind in known.tolist()])[at]
     except DomainError as error:
-        raise DataError(f"{error}; or leave --anemometer-height out") from None
+        raise DataError(f"{error}; or leave anemometer_height out") from None
 
 
 def _column(path: Path, rows: list[tuple[int, list[str]]], at: int, name: str) -> FloatArray:

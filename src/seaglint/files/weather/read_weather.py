@@ -1,4 +1,4 @@
-"""Files of weather, recognised by what they begin with."""
+"""Reader of weather files, whose format is recognised by their beginning."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from seaglint.weather.select import Selection
 
 @dataclass(frozen=True)
 class WeatherReading:
-    """What files do not say.
+    """Properties of weather files that the user states.
 
     Attributes
     ----------
     columns : tuple of MappedColumn
         Columns of CSV files; empty for those that seaglint or ICOADS wrote.
     naive_is_utc : bool
-        Whether times of CSV files without a zone are UTC.
+        Flag: times of CSV files without a zone are UTC.
     anemometer_m : float, optional
         Height of a buoy's anemometer [m].
     place : (float, float), optional
@@ -41,12 +41,12 @@ class WeatherReading:
 
 
 def is_grid(path: Path) -> bool:
-    """Whether a file is an ERA5 grid, NetCDF or GRIB."""
+    """Return true where a file is an ERA5 grid, NetCDF or GRIB."""
     return era5.is_grib(path) or era5.is_netcdf(path)
 
 
 def read_source(path: Path, selection: Selection, reading: WeatherReading, beside: tuple[Path, ...] = ()) -> WeatherSource:
-    """Rows of one file that are wanted.
+    """Read the selected rows of one file.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def read_source(path: Path, selection: Selection, reading: WeatherReading, besid
     selection : Selection
         Places and times wanted; the region is not used here.
     reading : WeatherReading
-        What the file does not say.
+        Properties that the file does not state.
     beside : tuple of Path
         Grids without winds, for one that has them.
 
@@ -79,30 +79,37 @@ def read_source(path: Path, selection: Selection, reading: WeatherReading, besid
     if not any(separator in text for separator in ",;\t"):
         raise DataError(
             f"{path}: begins with '{first[:60]}', which is no weather that is read: ERA5 NetCDF or GRIB, ICOADS IMMA1 or CSV, NDBC "
-            "standard meteorological text, a weather table, or any CSV with --map"
+            "standard meteorological text, a weather table, or any CSV with map='wind_speed_m_s=COLUMN:UNIT'"
         )
     cells = read_cells(path)
     if reading.columns:
-        found = mapped.read_mapped(cells, reading.columns, naive_is_utc=reading.naive_is_utc)
+        source = mapped.read_mapped(cells, reading.columns, naive_is_utc=reading.naive_is_utc)
     elif {"wind_speed_m_s", "cloud_cover"} <= set(cells.header):
-        found = _own(path)
+        source = _own(path)
     elif imma.is_icoads_csv(cells.header):
-        found = imma.read_icoads_csv(cells)
+        source = imma.read_icoads_csv(cells)
     else:
         raise DataError(
-            f"{path}, line 1: columns are {', '.join(cells.header)}; say which is what, e.g. --map wind_speed_m_s=ws:kn --map "
-            "cloud_cover=cloud:percent --map time=date"
+            f"{path}, line 1: columns are {', '.join(cells.header)}; name the columns that are read, e.g. map='wind_speed_m_s=ws:kn', "
+            "map='cloud_cover=cloud:percent', map='time=date'"
         )
-    return _placed(found, reading).selected(selection)
+    return _placed(source, reading).selected(selection)
 
 
 def _own(path: Path) -> WeatherSource:
-    found = own.read_weather(path)
-    return WeatherSource(path, "weather table", found.table.columns, len(found.table), found.table.texts, notes=(*found.notes, *found.told))
+    table_file = own.read_weather(path)
+    return WeatherSource(
+        path,
+        "weather table",
+        table_file.table.columns,
+        len(table_file.table),
+        table_file.table.texts,
+        notes=(*table_file.notes, *table_file.remarks),
+    )
 
 
 def _placed(source: WeatherSource, reading: WeatherReading) -> WeatherSource:
-    """The source at the place given, where it has none."""
+    """Return the source at the given place, where it has none."""
     if reading.place is None or "latitude_deg" in source.columns:
         return source
     from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Times of rows: month and hour of UTC, and what is told of their order."""
+"""Times of rows: month and hour of UTC, and notes on their order."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from seaglint.files.weather.weather_cells import TextColumns
 
 
 def month_and_hour(cells: TextColumns, column: str, *, naive_is_utc: bool) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
-    """Month and hour of UTC of a column of ISO times.
+    """Return month and hour of UTC of a column of ISO times.
 
     Parameters
     ----------
@@ -22,7 +22,7 @@ def month_and_hour(cells: TextColumns, column: str, *, naive_is_utc: bool) -> tu
     column : str
         Heading of the times: ``2019-07-01T06:00Z``, ``2019-07-01 08:00+02:00``.
     naive_is_utc : bool
-        Whether a time without a zone is UTC; else it is refused.
+        Flag: a time without a zone is UTC; else it is refused.
 
     Returns
     -------
@@ -48,8 +48,8 @@ def month_and_hour(cells: TextColumns, column: str, *, naive_is_utc: bool) -> tu
         if moment.tzinfo is None:
             if not naive_is_utc:
                 raise DataError(
-                    f"{cells.where(i)}, column {column}: '{text}' has no time zone; write 2019-07-01T06:00Z or +02:00, or say with --utc "
-                    "that times without one are UTC"
+                    f"{cells.where(i)}, column {column}: '{text}' has no time zone; write 2019-07-01T06:00Z or +02:00, or set utc=True "
+                    "if times without one are UTC"
                 )
             moment = moment.replace(tzinfo=UTC)
         moment = moment.astimezone(UTC)
@@ -59,14 +59,14 @@ def month_and_hour(cells: TextColumns, column: str, *, naive_is_utc: bool) -> tu
 
 
 def order_of(times: Any) -> tuple[str, ...]:
-    """What is told of times [any numbers or datetime64] that go backwards; they are kept, a table of weather has no order."""
+    """Return notes on times [any numbers or datetime64] that go backwards; they are accepted, since a weather table has no order."""
     known = times[~np.isnat(times)] if np.issubdtype(times.dtype, np.datetime64) else times[~np.isnan(times)]
     steps = np.diff(known.astype(np.float64))
     back = int(np.sum(steps < 0))
-    told = []
+    notes = []
     if back:
         first = int(np.flatnonzero(steps < 0)[0]) + 2
-        told.append(
+        notes.append(
             f"times are not sorted: {back} go backwards, the first in record {first}; all rows are kept, a weather table has no order"
         )
-    return tuple(told)
+    return tuple(notes)

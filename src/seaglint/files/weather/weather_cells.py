@@ -1,4 +1,4 @@
-"""Cells of a CSV file of weather by column: numbers with gaps, texts, and where each stands."""
+"""Cells of a CSV file of weather by column: numbers with gaps, texts, and their position in the file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MISSING: Final = frozenset({"", "nan", "NaN", "NA", "null", "None"})
 
 @dataclass(frozen=True)
 class TextColumns:
-    """A CSV file as text, column by column.
+    """Text of a CSV file, column by column.
 
     Attributes
     ----------
@@ -42,12 +42,12 @@ class TextColumns:
     comments: list[str]
 
     def text(self, name: str) -> list[str]:
-        """Cells of a column."""
+        """Return the cells of a column."""
         at = self.header.index(name)
         return [row[at] for row in self.rows]
 
     def numbers(self, name: str) -> FloatArray:
-        """Cells of a column as numbers [(rows,)]; empty ones and NaN are missing.
+        """Return the cells of a column as numbers [(rows,)]; empty ones and NaN are missing.
 
         Raises
         ------
@@ -65,11 +65,11 @@ class TextColumns:
         return out
 
     def where(self, row: int) -> str:
-        """File, row and line, for messages."""
+        """Return file, row and line, for messages."""
         return f"{self.path}, row {row + 1} (line {self.lines[row]})"
 
     def within(self, name: str, values: FloatArray, column: str = "", advice: str = "") -> FloatArray:
-        """Values of a weather column, refused with row and line where one is outside its range."""
+        """Return the values of a weather column; refuse one outside its range with row and line."""
         low, high = RANGES[name]
         bad = np.flatnonzero(~(np.isnan(values) | (np.isfinite(values) & (values >= low) & (values <= high))))
         if bad.size:
@@ -83,7 +83,7 @@ class TextColumns:
 
 
 def read_cells(path: str | Path) -> TextColumns:
-    """Read a CSV file with a line of headings; lines that begin with ``#`` and empty ones are passed over.
+    """Read a CSV file with a line of headings; empty lines and lines that begin with ``#`` are skipped.
 
     Commas, semicolons or tabs part the cells.
 

@@ -1,4 +1,4 @@
-"""Weather tables as seaglint writes them: CSV, or Parquet with the extra ``weather``."""
+"""Weather tables in the format of seaglint: CSV, or Parquet with the extra ``weather``."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _NOTES: Final = b"seaglint_weather_notes"
 
 @dataclass(frozen=True)
 class WeatherFile:
-    """A table and what its file says about it.
+    """Weather table and the notes of its file.
 
     Attributes
     ----------
@@ -35,13 +35,13 @@ class WeatherFile:
         The rows.
     notes : tuple of str
         Source, selections and counts, as the file's comments have them.
-    told : tuple of str
-        What reading it had to decide: columns passed over, weights that do not sum to 1.
+    remarks : tuple of str
+        Remarks of the reader: columns passed over, weights that do not sum to 1.
     """
 
     table: WeatherTable
     notes: tuple[str, ...] = ()
-    told: tuple[str, ...] = ()
+    remarks: tuple[str, ...] = ()
 
 
 def read_weather(path: str | Path) -> WeatherFile:
@@ -59,7 +59,7 @@ def read_weather(path: str | Path) -> WeatherFile:
 
 
 def shipped(name: str) -> Path:
-    """File of a table in the package."""
+    """Return the file of a table in the package."""
     return Path(str(files("seaglint.weather"))) / "data" / f"{name}.csv"
 
 
@@ -69,7 +69,7 @@ def _read_csv(path: Path) -> WeatherFile:
     columns = {name: cells.within(name, cells.numbers(name), advice=_advice(name)) for name in cells.header if name in RANGES}
     _check_weights(cells, columns)
     table = _table(path, columns, {name: cells.text(name) for name in cells.header if name in TEXTS})
-    return WeatherFile(table, tuple(cells.comments), _told(cells.header, table))
+    return WeatherFile(table, tuple(cells.comments), _remarks(cells.header, table))
 
 
 def _check_weights(cells: TextColumns, columns: dict[str, Any]) -> None:
@@ -80,11 +80,11 @@ def _check_weights(cells: TextColumns, columns: dict[str, Any]) -> None:
 
 def _advice(name: str) -> str:
     if name == "cloud_cover":
-        return "cloud cover is a share of 1; convert oktas or percent: 'seaglint weather build FILE --map cloud_cover=NAME:okta -o w.csv'"
+        return "cloud cover is a share of 1; convert oktas or percent: 'seaglint weather build' and map='cloud_cover=NAME:okta'"
     if name == "weight":
         return "weights are 0 or more; any positive sum is normalised"
     if name.endswith("_k"):
-        return f"temperatures are in kelvin; convert with 'seaglint weather build FILE --map {name}=NAME:degC -o w.csv'"
+        return f"temperatures are in kelvin; convert with 'seaglint weather build' and map='{name}=NAME:degC'"
     return ""
 
 
@@ -95,7 +95,7 @@ def _require(path: Path, header: Sequence[str], where: str) -> None:
             other = near[0] if near else "NAME"
             raise DataError(
                 f"{path}{where}: column {name} missing; found: {', '.join(header)}; needed are {', '.join(NEEDED)}; make such a table with "
-                f"'seaglint weather build {path} --map {name}={other}:UNIT -o w.csv'"
+                f"'seaglint weather build' and map='{name}={other}:UNIT'"
             )
 
 
@@ -106,36 +106,36 @@ def _table(path: Path, columns: dict[str, Any], texts: dict[str, Any]) -> Weathe
         raise DataError(f"{path}: {error}") from None
 
 
-def _told(header: Sequence[str], table: WeatherTable) -> tuple[str, ...]:
-    told = []
+def _remarks(header: Sequence[str], table: WeatherTable) -> tuple[str, ...]:
+    notes = []
     unknown = [name for name in header if name not in RANGES and name not in TEXTS]
     if unknown:
-        told.append(f"columns passed over, not of a weather table: {', '.join(unknown)}")
+        notes.append(f"columns passed over, not of a weather table: {', '.join(unknown)}")
     if "weight" not in header:
-        told.append("no column weight: all rows weigh the same")
+        notes.append("no column weight: all rows weigh the same")
     elif abs(table.weight_sum - 1.0) > 1e-6:
-        told.append(f"weights sum to {table.weight_sum:.6g} and are divided by it")
-    return tuple(told)
+        notes.append(f"weights sum to {table.weight_sum:.6g} and are divided by it")
+    return tuple(notes)
 
 
 def _read_parquet(path: Path) -> WeatherFile:
     pyarrow, parquet = _arrow()
     try:
-        found = parquet.read_table(path)
+        parquet_table = parquet.read_table(path)
     except FileNotFoundError:
         raise DataError(f"{path}: no such file; give a weather table") from None
     except (pyarrow.ArrowException, OSError) as error:
         raise DataError(f"{path}: cannot be read as Parquet ({' '.join(str(error).split())[:200]}); make it again") from None
-    header = tuple(found.column_names)
+    header = tuple(parquet_table.column_names)
     _require(path, header, "")
     try:
-        columns = {name: _numbers(found[name]) for name in header if name in RANGES}
+        columns = {name: _numbers(parquet_table[name]) for name in header if name in RANGES}
     except (pyarrow.ArrowException, ValueError, TypeError) as error:
         raise DataError(f"{path}: a column of numbers holds something else ({error}); write numbers or nulls") from None
-    texts = {name: ["" if value is None else str(value) for value in found[name].to_pylist()] for name in header if name in TEXTS}
+    texts = {name: ["" if value is None else str(value) for value in parquet_table[name].to_pylist()] for name in header if name in TEXTS}
     table = _table(path, columns, texts)
-    notes = (found.schema.metadata or {}).get(_NOTES, b"").decode().splitlines()
-    return WeatherFile(table, tuple(notes), _told(header, table))
+    notes = (parquet_table.schema.metadata or {}).get(_NOTES, b"").decode().splitlines()
+    return WeatherFile(table, tuple(notes), _remarks(header, table))
 
 
 def _numbers(column: Any) -> Any:
@@ -152,7 +152,7 @@ def _arrow() -> tuple[Any, Any]:
 
 
 def check_output(output: str | Path, *, overwrite: bool = False, inputs: Sequence[str | Path] = ()) -> Path:
-    """Path of a table to write, checked before the work.
+    """Return the path of a table to write, checked before the work.
 
     Raises
     ------

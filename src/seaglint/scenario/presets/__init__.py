@@ -1,1 +1,1 @@
-"""Scenes, sensors and objects to begin with, each with where its numbers come from."""
+"""Presets of scenes, sensors and objects, each with the source of its numbers."""

@@ -1,4 +1,4 @@
-"""Objects of public dimensions, with the source beside each number.
+"""Presets of objects with public dimensions, with the source of each number.
 
 A number without a published source is marked *assumed*. Temperatures are assumed throughout: surfaces near that of air and sea, warm where
 engines and bodies are. Lengths are [starboard, forward, up]; the origin of what floats is in the plane of its waterline.
@@ -14,7 +14,7 @@ from typing import Any, Final
 
 @dataclass(frozen=True)
 class ObjectPreset:
-    """Keys of an object, and where their numbers come from."""
+    """Keys of an object and the sources of their numbers."""
 
     title: str
     sources: tuple[str, ...]
@@ -26,7 +26,7 @@ def _box(size: list[float], at: list[float], **more: Any) -> dict[str, Any]:
 
 
 def _hull(beam: float, length: float, depth: float, draught: float, bow: float) -> dict[str, Any]:
-    """A box whose bow is cut to a point, with its waterline at z = 0; ``bow`` is the length of the point [m]."""
+    """Return a box whose bow is cut to a point, with its waterline at z = 0; ``bow`` is the length of the point [m]."""
     side, reach = 2.0 * beam + bow, math.hypot(0.5 * beam, bow)
     turn = math.degrees(math.atan2(0.5 * beam, bow))
     cuts = []
@@ -225,4 +225,4 @@ OBJECTS: Final[dict[str, ObjectPreset]] = {
         },
     ),
 }
-"""Objects by the name that the key ``preset`` takes."""
+"""Presets of objects by the name that the key ``preset`` takes."""

@@ -1,4 +1,4 @@
-"""Scenes to begin with, each with where its numbers come from."""
+"""Presets of scenes, with the source of their numbers."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, Final
 
 @dataclass(frozen=True)
 class Preset:
-    """What differs from the defaults, and why."""
+    """Keys of a scenario that differ from the defaults, with the reasons."""
 
     title: str
     notes: tuple[str, ...]
@@ -94,4 +94,4 @@ PRESETS: Final[dict[str, Preset]] = {
         },
     ),
 }
-"""Presets by the name that ``seaglint init --preset`` takes."""
+"""Presets of scenes by the name that the parameter ``preset`` takes."""

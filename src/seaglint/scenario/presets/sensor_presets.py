@@ -1,4 +1,4 @@
-"""Sensors of published data sheets, with the source beside each number.
+"""Presets of sensors from published data sheets, with the source of each number.
 
 What a source says was read there. A number without one that could be read is marked *assumed*, with the reason for it; where a maker's
 data sheet is known to say so but no copy of it was at hand, that is said too.
@@ -15,14 +15,14 @@ from seaglint.base.errors import ScenarioError
 
 @dataclass(frozen=True)
 class SensorPreset:
-    """Tables of a scenario that make a sensor, and where each number comes from."""
+    """Tables of a scenario that describe a sensor, with the source of each number."""
 
     title: str
     sensor: Mapping[str, Any]
-    """What goes into the table ``[sensor]``."""
+    """Content of the table ``[sensor]``."""
     band: Mapping[str, Any]
     sources: Mapping[str, str]
-    """By dotted key below ``[sensor]``, or ``band``."""
+    """Sources by dotted key below ``[sensor]``, or ``band``."""
 
 
 _A6700 = "FLIR, product page of the A6700 MWIR (flir.com/products/a6700-mwir)"
@@ -189,14 +189,14 @@ SENSORS: Final[dict[str, SensorPreset]] = {
         },
     ),
 }
-"""Sensors by the name that ``--sensor`` takes."""
+"""Presets of sensors by the name that the parameter ``sensor`` takes."""
 
 TABLES: Final = ("optics", "detector", "scan", "noise")
 """Tables of ``[sensor]`` that a preset replaces as a whole."""
 
 
 def with_sensor(raw: Mapping[str, Any], name: str) -> dict[str, Any]:
-    """A scenario's raw tables with a preset's sensor in them: its pixels, rate, band and four tables instead of the scenario's own.
+    """Return a scenario's raw tables with the pixels, rate, band and four tables of a preset's sensor in place of its own.
 
     Height, direction and projection stay the scenario's, and so does everything else.
 
@@ -208,9 +208,9 @@ def with_sensor(raw: Mapping[str, Any], name: str) -> dict[str, Any]:
     try:
         chosen = SENSORS[name]
     except KeyError:
-        raise ScenarioError(f"--sensor {name}: is not one of {', '.join(SENSORS)}") from None
+        raise ScenarioError(f"sensor='{name}' is not one of {', '.join(SENSORS)}") from None
     own = raw.get("sensor", {})
     replaced = (*TABLES, "fov_deg", "pixels", "frame_rate_hz")
-    kept = {key: value for key, value in own.items() if key not in replaced} if isinstance(own, Mapping) else {}
+    remaining = {key: value for key, value in own.items() if key not in replaced} if isinstance(own, Mapping) else {}
     new = {key: dict(value) if isinstance(value, Mapping) else value for key, value in chosen.sensor.items()}
-    return {**raw, "sensor": {**kept, **new}, "band": dict(chosen.band)}
+    return {**raw, "sensor": {**remaining, **new}, "band": dict(chosen.band)}

@@ -15,7 +15,7 @@ _Name = Annotated[str, Field(min_length=1, max_length=100)]
 
 
 class Dataset(Record):
-    """What goes with a labelled data set of the ensemble."""
+    """Description of a labelled data set of the ensemble."""
 
     title: Annotated[str | None, Field(description="title of the data card; the file's name where nothing is said")] = None
     description: Annotated[str, Field(description="what the data set is for, in the data card")] = ""

@@ -1,4 +1,4 @@
-"""Laws of varied keys: each turns a uniform number into a value, by the inverse of its distribution function."""
+"""Laws of varied keys: each maps a uniform number to a value by the inverse of its distribution function."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Number = StrictInt | StrictFloat | StrictStr
 """A number in the unit of its key, or text with another unit."""
 
 _INSIDE: Final = 2.0**-53
-"""How near to 0 and 1 uniform numbers come for laws without ends."""
+"""Smallest distance of uniform numbers from 0 and 1 for laws without bounds."""
 
 WEATHER_KEYS: Final = {
     "wind_speed_m_s": "wind.speed_m_s",
@@ -34,7 +34,7 @@ WEATHER_KEYS: Final = {
 
 
 class _OfKey(Record):
-    """What a law is of."""
+    """Base of laws that have a key."""
 
     law: str
     key: Annotated[
@@ -50,7 +50,7 @@ class Uniform(_OfKey):
     max: Annotated[Number, Field(description="greatest value")]
 
     def at(self, uniform: float, quantity: Quantity | None) -> float | int:
-        """Value of a uniform number."""
+        """Return the value at a uniform number."""
         low, high = _ends(self.min, self.max, quantity)
         if quantity is not None and quantity.integer:
             first, last = math.ceil(low), math.floor(high)
@@ -66,12 +66,12 @@ class LogUniform(_OfKey):
     max: Annotated[Number, Field(description="greatest value")]
 
     def at(self, uniform: float, quantity: Quantity | None) -> float | int:
-        """Value of a uniform number."""
+        """Return the value at a uniform number."""
         low, high = _ends(self.min, self.max, quantity)
         if low <= 0.0:
             raise ValueError(f"min = {low:g} has no logarithm; give a min above 0, or law = 'uniform'")
-        found = min(max(math.exp(math.log(low) + uniform * (math.log(high) - math.log(low))), low), high)
-        return round(found) if quantity is not None and quantity.integer else found
+        value = min(max(math.exp(math.log(low) + uniform * (math.log(high) - math.log(low))), low), high)
+        return round(value) if quantity is not None and quantity.integer else value
 
 
 class Normal(_OfKey):
@@ -84,7 +84,7 @@ class Normal(_OfKey):
     max: Annotated[Number | None, Field(description="greatest value")] = None
 
     def at(self, uniform: float, quantity: Quantity | None) -> float | int:
-        """Value of a uniform number."""
+        """Return the value at a uniform number."""
         from scipy.special import ndtr, ndtri
 
         mean, width = in_unit(self.mean, quantity), _difference(self.standard_deviation, quantity)
@@ -99,8 +99,8 @@ class Normal(_OfKey):
         if above - below < 1e-12:
             raise ValueError(f"min = {low:g} and max = {high:g} leave nothing of the normal law; widen them")
         share = below + min(max(uniform, _INSIDE), 1.0 - _INSIDE) * (above - below)
-        found = min(max(mean + width * float(ndtri(share)), low), high)
-        return round(found) if quantity is not None and quantity.integer else found
+        value = min(max(mean + width * float(ndtri(share)), low), high)
+        return round(value) if quantity is not None and quantity.integer else value
 
 
 class Choice(_OfKey):
@@ -121,9 +121,9 @@ class Choice(_OfKey):
         return self
 
     def at(self, uniform: float, quantity: Quantity | None) -> Any:
-        """Value of a uniform number."""
-        found = self.values[chosen(self.weights or (1.0,) * len(self.values), uniform)]
-        return in_unit(found, quantity) if isinstance(found, str) and quantity is not None and quantity.unit else found
+        """Return the value at a uniform number."""
+        value = self.values[chosen(self.weights or (1.0,) * len(self.values), uniform)]
+        return in_unit(value, quantity) if isinstance(value, str) and quantity is not None and quantity.unit else value
 
 
 class Weather(Record):
@@ -156,7 +156,7 @@ class Weather(Record):
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """Keys that it sets."""
+        """Return the keys that the weather sets."""
         return tuple(WEATHER_KEYS[name] for name in self.columns)
 
 
@@ -164,11 +164,11 @@ Law = Annotated[Uniform | LogUniform | Normal | Choice, Field(discriminator="law
 """Laws of a single key."""
 
 Vary = Annotated[Uniform | LogUniform | Normal | Choice | Weather, Field(discriminator="law")]
-"""One of ``[[vary]]``."""
+"""Law of one entry of ``[[vary]]``."""
 
 
 def chosen(weights: Sequence[float], uniform: float) -> int:
-    """Place of a uniform number among weights, by the inverse of their cumulative sum; weights of 0 never come.
+    """Return the index of a uniform number among weights, by the inverse of their cumulative sum; weights of 0 are never chosen.
 
     Examples
     --------
@@ -181,7 +181,7 @@ def chosen(weights: Sequence[float], uniform: float) -> int:
 
 
 def in_unit(value: Number, quantity: Quantity | None) -> float:
-    """A number in the unit of its key.
+    """Convert a number to the unit of its key.
 
     Raises
     ------
@@ -199,7 +199,7 @@ def in_unit(value: Number, quantity: Quantity | None) -> float:
 
 
 def _difference(value: Number, quantity: Quantity | None) -> float:
-    """A difference in the unit of its key: of 2 degC it is 2 K."""
+    """Convert a difference to the unit of its key: a difference of 2 degC is 2 K."""
     if not isinstance(value, str):
         return float(value)
     zero = re.sub(r"[0-9.]+(?:[eE][+-]?[0-9]+)?", "0", value, count=1)
@@ -224,7 +224,7 @@ def _require_ascending(low: float, high: float) -> None:
 
 
 def value_of(law: Uniform | LogUniform | Normal | Choice, uniform: float, quantity: Quantity | None, name: str) -> Any:
-    """Value of a law at a uniform number, as a scenario file has it.
+    """Return the value of a law at a uniform number, as a scenario file has it.
 
     Raises
     ------

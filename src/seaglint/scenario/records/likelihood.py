@@ -12,7 +12,7 @@ from seaglint.scenario.records.record import InputFile, Record, rule
 Case = Literal["single-look", "trajectory", "field-of-view"]
 
 MOST_SAMPLES = 2**26
-"""Looks of one run [1]; some 5 GB."""
+"""Largest number of looks of one run [1]; some 5 GB."""
 
 _Degrees = Annotated[float, Quantity("deg", ge=-360, le=360)]
 _Latitude = Annotated[float, Quantity("deg", ge=-90, le=90)]
@@ -144,11 +144,11 @@ class Likelihood(Record):
 
     @property
     def integrates(self) -> bool:
-        """Whether azimuths can be integrated instead of drawn."""
+        """Return true where azimuths can be integrated instead of drawn."""
         wide = self.azimuth_from_sun_deg[0] < self.azimuth_from_sun_deg[1]
         return self.case == "single-look" and self.quantity == "mean" and wide
 
     @property
     def places_itself(self) -> bool:
-        """Whether the place is no single one of ``[place]``."""
+        """Return true where the places are drawn, and not the single one of ``[place]``."""
         return self.latitudes_deg is not None or self.place_from_weather

@@ -125,7 +125,7 @@ class Object(Record):
 
 
 def _require_place(place: Object | ObjectKeyframe, where: str) -> None:
-    """Metres or degrees, and of degrees both."""
+    """Check that a place is given either in metres or in degrees, and in degrees with both numbers."""
     degrees = (place.latitude_deg is not None, place.longitude_deg is not None)
     if any(degrees) and (place.east_m is not None or place.north_m is not None):
         raise rule(where, "has metres and degrees; give east_m and north_m, or latitude_deg and longitude_deg")
@@ -135,10 +135,10 @@ def _require_place(place: Object | ObjectKeyframe, where: str) -> None:
 
 
 def in_degrees(item: Object) -> bool:
-    """Whether any of an object's places is given by latitude and longitude in the scenario."""
+    """Return true where any of an object's places is given by latitude and longitude in the scenario."""
     return item.latitude_deg is not None or any(keyframe.latitude_deg is not None for keyframe in item.keyframes or ())
 
 
 def parts_of(shape: Shape) -> tuple[Shape, ...]:
-    """What a shape is made of; empty for one that is no combination."""
+    """Return the parts of a combined shape; empty for a single shape."""
     return tuple(getattr(shape, "parts", ())) if isinstance(shape, Part) else ()

@@ -42,7 +42,7 @@ def _registry() -> Any:
 
 
 def convert(text: str, unit: str) -> float:
-    """Value of a text such as ``"12 kn"`` in ``unit``.
+    """Convert a text such as ``"12 kn"`` to a number in ``unit``.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def convert(text: str, unit: str) -> float:
 
 @dataclass(frozen=True)
 class Quantity:
-    """Annotation of a scenario number: its unit and the closed (``ge``, ``le``) or open (``gt``, ``lt``) range allowed."""
+    """Annotation of a scenario number: its unit and its closed (``ge``, ``le``) or open (``gt``, ``lt``) range."""
 
     unit: str = ""
     gt: float | None = None
@@ -89,7 +89,7 @@ class Quantity:
 
     @property
     def allowed(self) -> str:
-        """Range as text, e.g. ``"above 0 to 10000 m"``."""
+        """Return the range as text, e.g. ``"above 0 to 10000 m"``."""
         low = f"above {self.gt:g}" if self.gt is not None else f"{self.ge:g}" if self.ge is not None else ""
         top = "" if self.le is None else f"{self.le:.0f}" if self.integer else f"{self.le:g}"
         high = f"below {self.lt:g}" if self.lt is not None else top if self.le is not None else ""
@@ -101,7 +101,7 @@ class Quantity:
         return f"{high}{unit} or less" if high else f"any finite number{unit}"
 
     def parse(self, raw: object) -> float | int:
-        """Plain number in the key's unit; raises a located pydantic error with the allowed range."""
+        """Return the number in the key's unit; raise a located pydantic error with the allowed range."""
         kind = "a whole number" if self.integer else f"a number{' in ' + self.unit if self.unit else ''}"
         if isinstance(raw, str) and self.unit:
             try:
@@ -139,7 +139,7 @@ class Quantity:
         return core_schema.no_info_before_validator_function(self.parse, handler(source))
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchemaValue:
-        """Number with its range, or text with a unit."""
+        """Return the JSON Schema: a number with its range, or text with a unit."""
         number: JsonSchemaValue = {"type": "integer" if self.integer else "number"}
         for name, value in (("exclusiveMinimum", self.gt), ("minimum", self.ge), ("exclusiveMaximum", self.lt), ("maximum", self.le)):
             if value is not None:

@@ -1,4 +1,4 @@
-"""What all tables of a scenario file share: the frozen record, the error of a rule, times and paths."""
+"""Base of all tables of a scenario file: the frozen record, the error of a rule, times and paths."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class Record(BaseModel):
 
 
 def rule(key: str, text: str, *, value: Any = None, allowed: Allowed = None) -> PydanticCustomError:
-    """Error of a rule that ties several keys together; ``key`` is the full path it is reported under."""
+    """Return the error of a rule that ties several keys together; ``key`` is the full path under which it is reported."""
     return PydanticCustomError("rule", "{text}", {"text": text, "key": key, "value": value, "allowed": allowed})
 
 
 def default_tag(tag: str, value: str) -> BeforeValidator:
-    """Let a table of a union leave its tag out: ``[atmosphere] model = "..."`` is a table atmosphere."""
+    """Let a table of a union omit its tag: ``[atmosphere] model = "..."`` is a table atmosphere."""
 
     def fill(raw: Any) -> Any:
         return {tag: value, **raw} if isinstance(raw, dict) and tag not in raw else raw
@@ -33,11 +33,11 @@ def default_tag(tag: str, value: str) -> BeforeValidator:
 
 
 YEARS = (1800, 2200)
-"""Years for which the Sun's position is computed: the Earth's rotation is known well enough, and no calendar ends."""
+"""Years for which the Sun's position is computed, within which the Earth's rotation is known well enough."""
 
 
 def _moment(raw: Any) -> Any:
-    """Dates and times as TOML or text have them; numbers, which would be seconds since 1970, are mistyped dates."""
+    """Check that a date and time is a TOML date or text; a number, which would be seconds since 1970, is a mistyped date."""
     if isinstance(raw, str) and raw.strip() and not raw.strip().lstrip("+-").replace(".", "").isdecimal():
         return raw
     if isinstance(raw, date):
@@ -53,7 +53,7 @@ def _as_utc(moment: datetime) -> datetime:
 
 
 def _from_scenario_folder(path: Path, info: ValidationInfo) -> Path:
-    """Relative paths count from the scenario file, wherever the program runs."""
+    """Resolve a relative path against the folder of the scenario file."""
     base = (info.context or {}).get("base")
     return path if base is None or path.is_absolute() else Path(base) / path
 

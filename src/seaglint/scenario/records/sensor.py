@@ -25,11 +25,11 @@ MOST_OBLONG = 3.0
 """Ratio of a pixel's sides from which a mistyped number is likelier than a line scanner."""
 
 REVERSED_OBLONG = 1.5
-"""The same where the image is upright in pixels and flat in degrees, or the other way round: swapped numbers."""
+"""Ratio of sides above which an image upright in pixels and wide in degrees (or the reverse) counts as swapped numbers."""
 
 
 AGREEMENT = 0.005
-"""Relative difference up to which two ways of giving the same number agree: data sheets round."""
+"""Relative difference up to which two ways of giving the same number agree, since data sheets round."""
 
 _PIXELS = (512, 256)
 _DETECTOR: TypeAdapter[Detector] = TypeAdapter(Detector)
@@ -80,24 +80,24 @@ class Sensor(Record):
 
     @property
     def ifov_deg(self) -> tuple[float, float]:
-        """Angular size of a pixel (width, height) [deg]."""
+        """Return the angular size of a pixel (width, height) [deg]."""
         return self.fov_deg[0] / self.pixels[0], self.fov_deg[1] / self.pixels[1]
 
     @property
     def senses(self) -> bool:
-        """Whether there is a detector, so that counts are made of radiance."""
+        """Return true where the sensor has a detector, so that radiance becomes counts."""
         return self.detector is not None
 
     @property
     def focal_length_m(self) -> float:
-        """Focal length [m], from whatever gives it; the ways that are given agree."""
+        """Return the focal length [m] from any of the keys that give it; all that are given agree."""
         assert self.optics is not None
         assert self.detector is not None
         return next(iter(_focal_lengths(self.optics, self.detector).values()), _from_view(self.fov_deg, self.pixels, self))
 
     @property
     def aperture_m(self) -> float:
-        """Aperture [m]."""
+        """Return the diameter of the aperture [m]."""
         assert self.optics is not None
         if self.optics.aperture_m is not None:
             return self.optics.aperture_m
@@ -107,7 +107,7 @@ class Sensor(Record):
     @model_validator(mode="before")
     @classmethod
     def _field_of_view_of_the_optics(cls, raw: Any, info: ValidationInfo) -> Any:
-        """Where no field of view is given the pixels and the focal length make it."""
+        """Derive a field of view that is not given from the pixels and the focal length."""
         if not isinstance(raw, dict) or raw.get("fov_deg") is not None or raw.get("optics") is None or raw.get("detector") is None:
             return raw
         try:
@@ -171,7 +171,7 @@ class Sensor(Record):
 
 
 def _focal_lengths(optics: Optics, detector: Detector) -> dict[str, float]:
-    """Focal lengths by the keys that give them [m]; ``focal_length_m`` first."""
+    """Return the focal lengths by the keys that give them [m]; ``focal_length_m`` first."""
     out = {}
     if optics.focal_length_m is not None:
         out["sensor.optics.focal_length_m"] = optics.focal_length_m
@@ -183,21 +183,21 @@ def _focal_lengths(optics: Optics, detector: Detector) -> dict[str, float]:
 
 
 def _from_view(fov_deg: tuple[float, float], pixels: tuple[int, int], sensor: Sensor) -> float:
-    """Focal length that the field of view has with the detector's pixels [m]; its height, which no scan changes."""
+    """Return the focal length that the field of view has with the detector's pixels [m]; its height, which no scan changes."""
     assert sensor.detector is not None
     height, size = math.radians(fov_deg[1]), 1e-6 * sensor.detector.pitch_um * pixels[1]
     return 0.5 * size / math.tan(0.5 * height) if sensor.projection == "pinhole" else size / height
 
 
 def _require_focal_length(sensor: Sensor, optics: Optics, detector: Detector) -> None:
-    """Refuse optics that have no size, or several."""
-    found = _focal_lengths(optics, detector)
-    if not found and "fov_deg" not in sensor.model_fields_set:
+    """Refuse optics without a focal length or with several different ones."""
+    given = _focal_lengths(optics, detector)
+    if not given and "fov_deg" not in sensor.model_fields_set:
         text = "is missing: give it, or sensor.optics.f_number beside aperture_m, or ifov_urad, or sensor.fov_deg"
         raise rule("sensor.optics.focal_length_m", text)
     focal = sensor.focal_length_m
-    for key, value in found.items():
-        first = next(iter(found))
+    for key, value in given.items():
+        first = next(iter(given))
         if abs(value / focal - 1.0) > AGREEMENT:
             text = (
                 f"makes a focal length of {value:.5g} m (f-number times aperture, or pitch over IFOV), and {first} one of {focal:.5g} m; "

@@ -18,7 +18,7 @@ Emissivity = Annotated[float, Quantity(ge=0, le=1)]
 
 
 class Part(Record):
-    """What every shape may say of its place in the object and of its material."""
+    """Base of all shapes: place in the object and material."""
 
     kind: str
     at_m: Annotated[tuple[_Place, _Place, _Place], Field(description="its centre in the object: [starboard, forward, up]")] = (
@@ -144,7 +144,7 @@ class Union(Part):
 
 
 class Intersection(Part):
-    """What all of its parts have in common."""
+    """The volume that all of its parts have in common."""
 
     kind: Literal["intersection"] = "intersection"
     parts: Annotated[tuple[Shape, ...], Field(description="list of shapes, each a table")]

@@ -1,1 +1,1 @@
-"""Scenarios as text and pictures: TOML files, templates, and what notebooks show."""
+"""Scenarios as text and pictures: TOML files, templates, and HTML for notebooks."""

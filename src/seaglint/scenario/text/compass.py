@@ -1,4 +1,4 @@
-"""A compass of a scenario as SVG: wind, Sun and view by their azimuths, clockwise from north."""
+"""Compass of a scenario as SVG: wind, Sun and view by their azimuths, clockwise from north."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _RADIUS: Final = 88.0
 
 
 def _at(azimuth_deg: float, radius: float) -> str:
-    """Point of an azimuth: north up, east to the right."""
+    """Return the point at an azimuth: north up, east to the right."""
     angle, middle = math.radians(azimuth_deg), 0.5 * _SIZE
     return f"{middle + radius * math.sin(angle):.1f},{middle - radius * math.cos(angle):.1f}"
 
 
 def compass(scenario: Scenario, sun: SunPosition | None, azimuth_deg: float | None = None) -> str:
-    """Compass with the wind, the Sun and the field of view.
+    """Return a compass with the wind, the Sun and the field of view as SVG.
 
     The Sun stands on the rim at the horizon and in the middle at the zenith; below the horizon it is a ring outside. The wind's arrow flies
     with the wind, from where it comes.
@@ -34,7 +34,7 @@ def compass(scenario: Scenario, sun: SunPosition | None, azimuth_deg: float | No
     sun : SunPosition or None
         The Sun; None draws none.
     azimuth_deg : float, optional
-        Of the view's middle, where a platform turns it [deg]; the sensor's by default.
+        Azimuth of the view's centre, where a platform turns it [deg]; the sensor's by default.
     """
     ticks = "".join(f'<path d="M{_at(a, _RADIUS)}L{_at(a, _RADIUS + (6 if a % 90 else 9))}"/>' for a in range(0, 360, 10))
     names = "".join(

@@ -1,4 +1,4 @@
-"""What a notebook shows of a scenario: what differs from the defaults, and the compass."""
+"""HTML of a scenario for notebooks: keys that differ from the defaults, and the compass."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from seaglint.base.errors import ScenarioError
-from seaglint.base.representation import ABSENT, card, notes, table, told
+from seaglint.base.representation import ABSENT, as_text, card, notes, table
 from seaglint.scenario.keys import key_at
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.sun import SunPosition, sun_position
@@ -18,7 +18,7 @@ from seaglint.scenario.text.write import differing
 
 
 def scenario_html(scenario: Scenario) -> str:
-    """HTML of a scenario: a table of what differs from the defaults, and a compass of wind, Sun and view."""
+    """Return the HTML of a scenario: a table of keys that differ from the defaults, and a compass of wind, Sun and view."""
     rows = [(key, value, _default(key)) for key, value in _flat(differing(scenario), "")]
     body = table(("key", "value", "default"), rows) if rows else notes(["all values are the defaults"])
     sun = _sun(scenario)
@@ -41,7 +41,7 @@ def _degrees(angle: float) -> str:
 
 
 def _flat(tables: Mapping[str, Any], above: str) -> Iterator[tuple[str, Any]]:
-    """Dotted keys and their values; parts of lists by their place."""
+    """Return dotted keys and their values; items of lists by their index."""
     for name, value in tables.items():
         key = f"{above}.{name}".lstrip(".")
         if isinstance(value, Mapping):
@@ -54,10 +54,10 @@ def _flat(tables: Mapping[str, Any], above: str) -> Iterator[tuple[str, Any]]:
 
 
 def _default(key: str) -> str:
-    found = key_at(tuple(part.split("[")[0] for part in key.split(".")))
-    if found is None or found.info.is_required() or found.info.default is None or isinstance(found.info.default, BaseModel):
+    known = key_at(tuple(part.split("[")[0] for part in key.split(".")))
+    if known is None or known.info.is_required() or known.info.default is None or isinstance(known.info.default, BaseModel):
         return ABSENT
-    return told(found.info.default)
+    return as_text(known.info.default)
 
 
 Scenario.html = scenario_html

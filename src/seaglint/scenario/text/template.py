@@ -1,4 +1,4 @@
-"""What ``seaglint init`` and ``seaglint schema`` write: the commented scenario and its JSON Schema, both read off the models."""
+"""Output of ``seaglint init`` and ``seaglint schema``: the commented scenario and its JSON Schema, both derived from the models."""
 
 from __future__ import annotations
 
@@ -79,17 +79,17 @@ _IN_LISTS = {
     "keyframes": "[{ time_s = 0, east_m = 0, north_m = -2000, height_m = 40, latitude_deg = ..., longitude_deg = ... }, "
     "{ time_s = 4, east_m = 200, north_m = -2000, height_m = 50, heading_deg = 80, pitch_deg = 5, roll_deg = -10 }]",
 }
-"""What one of a list of tables may say."""
+"""Keys of one table in each list of tables."""
 
 
 def json_schema() -> dict[str, Any]:
-    """JSON Schema of scenario files, for editors and other programs."""
+    """Return the JSON Schema of scenario files, for editors and other programs."""
     schema = Scenario.model_json_schema(mode="validation")
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "seaglint scenario"}
 
 
 def template(preset: str = "glint") -> str:
-    """Commented TOML text of a preset.
+    """Return the commented TOML text of a preset.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def template(preset: str = "glint") -> str:
     try:
         chosen = PRESETS[preset]
     except KeyError:
-        raise ScenarioError(f"--preset {preset}: is not one of {', '.join(PRESETS)}") from None
+        raise ScenarioError(f"preset='{preset}' is not one of {', '.join(PRESETS)}") from None
     return "\n".join(_lines(chosen)) + "\n"
 
 
@@ -116,7 +116,7 @@ def write_template(output: str | Path, preset: str = "glint", *, overwrite: bool
     output, text = Path(output), template(preset)
     try:
         if output.exists() and not overwrite:
-            raise DataError(f"{output}: exists already; choose another name, or replace it with --overwrite")
+            raise DataError(f"{output}: exists already; choose another name, or replace it with overwrite=True")
         output.write_text(text, encoding="utf-8")
     except OSError as error:
         raise StorageError(f"{output}: cannot be written: {error.strerror}; choose another place") from error
@@ -132,7 +132,7 @@ def _lines(preset: Preset) -> Iterator[str]:
 
 
 def _table(record: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
-    """Plain keys first, then the tables inside, as TOML wants it."""
+    """Return the lines of a table: plain keys first, then the tables inside, as TOML requires."""
     keys = list(fields_of(type(record), path))
     plain = [key for key in keys if not key.records or isinstance(getattr(record, key.path[-1]), tuple)]
     for key in plain:
@@ -144,7 +144,7 @@ def _table(record: BaseModel, path: tuple[str, ...]) -> Iterator[str]:
 
 
 def _list(key: Key) -> Iterator[str]:
-    """A list of tables that the file may have: one of them, set off, as it is no table that a comment sign less makes valid."""
+    """Yield one example table of a list as a comment, indented because removing a comment sign does not make it valid."""
     record = key.records[0]
     yield f"#   [[{'.'.join(key.path)}]]  # {_first_line(record)}"
     for inner in fields_of(record, key.path):
@@ -157,7 +157,7 @@ def _list(key: Key) -> Iterator[str]:
 
 
 def _kind(name: str, record: type[BaseModel]) -> str:
-    """A table in one line, with all the keys of its kind."""
+    """Return a table in one line, with all keys of its kind."""
     tag = next(iter(record.model_fields.values())).default
     given = [f'kind = "{tag}"']
     for key in fields_of(record):

@@ -1,4 +1,4 @@
-"""TOML text of plain values and tables, as scenario files are laid out."""
+"""Writer of TOML text from plain values and tables, laid out as scenario files are."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _BARE: Final = re.compile(r"[A-Za-z0-9_-]+")
 
 
 def inline(value: Any) -> str:
-    """A value as it stands behind the equals sign.
+    """Return a value as it stands to the right of the equals sign.
 
     Examples
     --------
@@ -39,7 +39,7 @@ def inline(value: Any) -> str:
 
 
 def document(tables: Mapping[str, Any], comment: str = "") -> str:
-    """A whole file: plain keys first, then tables; lists of tables get headings of their own at the top, and a line each below.
+    """Return a whole file: plain keys first, then tables; top-level lists of tables get headings, nested ones a line each.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""The option ``--map NAME=COLUMN:UNIT``: units of a stranger's table, read where units are read."""
+"""Parser of column maps ``NAME=COLUMN:UNIT`` for CSV files of weather."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from seaglint.weather.derived import west_east
 
 
 def parse_map(texts: Sequence[str]) -> tuple[MappedColumn, ...]:
-    """Columns of texts such as ``wind_speed_m_s=ws:kn``.
+    """Parse columns of texts such as ``wind_speed_m_s=ws:kn``.
 
     Raises
     ------
@@ -24,12 +24,12 @@ def parse_map(texts: Sequence[str]) -> tuple[MappedColumn, ...]:
     >>> parse_map(["sea_temperature_k=sst:degC"])[0].offset
     273.15
     """
-    found = [_parsed(text) for text in texts]
-    names = [column.name for column in found]
+    columns = [_parsed(text) for text in texts]
+    names = [column.name for column in columns]
     for name in names:
         if names.count(name) > 1:
-            raise ScenarioError(f"--map: {name} is given twice; give one column for it")
-    return tuple(found)
+            raise ScenarioError(f"map='{name}=...' is given twice; give one column for it")
+    return tuple(columns)
 
 
 def _parsed(text: str) -> MappedColumn:
@@ -38,27 +38,27 @@ def _parsed(text: str) -> MappedColumn:
     column, _, unit = rest.rpartition(":") if ":" in rest else (rest, "", "")
     column, unit = column.strip(), unit.strip()
     if not equals or not column:
-        raise ScenarioError(f"--map '{text}' is not NAME=COLUMN or NAME=COLUMN:UNIT; write e.g. wind_speed_m_s=ws:kn")
+        raise ScenarioError(f"map='{text}' is not NAME=COLUMN or NAME=COLUMN:UNIT; write e.g. wind_speed_m_s=ws:kn")
     if name not in TARGETS:
         near = difflib.get_close_matches(name, TARGETS, n=1, cutoff=0.5)
-        raise ScenarioError(f"--map '{text}': '{name}' is not one of {', '.join(TARGETS)}{f'; did you mean {near[0]}?' if near else ''}")
+        raise ScenarioError(f"map='{text}': '{name}' is not one of {', '.join(TARGETS)}{f'; did you mean {near[0]}?' if near else ''}")
     if not unit:
         return MappedColumn(name, column)
     if name in SHARES:
         if unit not in SHARE_UNITS:
-            raise ScenarioError(f"--map '{text}': '{unit}' is an unknown unit of a share; allowed are {', '.join(SHARE_UNITS)}")
+            raise ScenarioError(f"map='{text}': '{unit}' is an unknown unit of a share; allowed are {', '.join(SHARE_UNITS)}")
         return MappedColumn(name, column, unit, SHARE_UNITS[unit])
     if name not in UNITS:
-        raise ScenarioError(f"--map '{text}': {name} has no unit; write {name}={column}")
+        raise ScenarioError(f"map='{text}': {name} has no unit; write {name}={column}")
     try:
         zero, one = (convert(f"{value} {unit}", UNITS[name]) for value in (0, 1))
     except ValueError as error:
-        raise ScenarioError(f"--map '{text}': {name} {error}") from None
+        raise ScenarioError(f"map='{text}': {name} {error}") from None
     return MappedColumn(name, column, unit, one - zero, zero)
 
 
 def parse_fill(texts: Sequence[str]) -> dict[str, float]:
-    """Values of texts such as ``cloud_cover=0.6``, with a unit where the column has one: ``sea_temperature_k=15 degC``.
+    """Parse values of texts such as ``cloud_cover=0.6``, with a unit where the column has one: ``sea_temperature_k=15 degC``.
 
     Raises
     ------
@@ -71,7 +71,7 @@ def parse_fill(texts: Sequence[str]) -> dict[str, float]:
         try:
             out[name] = float(value) if name not in UNITS or _plain(value) else convert(value, UNITS[name])
         except ValueError:
-            raise ScenarioError(f"--fill '{text}' is not NAME=VALUE with a number; write e.g. cloud_cover=0.6") from None
+            raise ScenarioError(f"fill='{text}' is not NAME=VALUE with a number; write e.g. cloud_cover=0.6") from None
     return out
 
 
@@ -84,7 +84,7 @@ def _plain(text: str) -> bool:
 
 
 def parse_place(text: str) -> tuple[float, float]:
-    """Latitude and longitude of a text ``44.1,-66.6`` [deg], the longitude in [-180, 180).
+    """Parse latitude and longitude of a text ``44.1,-66.6`` [deg]; the longitude is in [-180, 180).
 
     Raises
     ------
@@ -96,5 +96,5 @@ def parse_place(text: str) -> tuple[float, float]:
         if not (-90.0 <= latitude <= 90.0 and -360.0 <= longitude <= 360.0):
             raise ValueError
     except ValueError:
-        raise ScenarioError(f"--place '{text}' is not latitude,longitude in degrees; write e.g. 42.3,-69.7") from None
+        raise ScenarioError(f"place='{text}' is not latitude,longitude in degrees; write e.g. 42.3,-69.7") from None
     return latitude, float(west_east(longitude))

@@ -1,4 +1,4 @@
-"""A scenario becomes the text of a TOML file that says only what differs from the defaults."""
+"""Writer of a scenario as a TOML file that holds only what differs from the defaults."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _HEADER: Final = "seaglint scenario: what differs from the defaults; 'seaglint i
 
 
 def differing(scenario: Scenario) -> dict[str, Any]:
-    """Tables and keys of a scenario that differ from the defaults, laid out as the TOML file.
+    """Return the tables and keys of a scenario that differ from the defaults, laid out as the TOML file.
 
     A key is left out where the scenario reads the same without it: defaults that follow from other keys (a field of view from the optics,
     an object's shape from its preset) are left out too.
@@ -42,7 +42,7 @@ def differing(scenario: Scenario) -> dict[str, Any]:
 
 
 def _thin(table: dict[str, Any], same: Callable[[], bool]) -> None:
-    """Take out of a table every key without which the scenario is the same."""
+    """Remove every key of a table without which the scenario is the same."""
     order = list(table)
     for key in order:
         value = table.pop(key)
@@ -52,13 +52,13 @@ def _thin(table: dict[str, Any], same: Callable[[], bool]) -> None:
         for inner in [value] if isinstance(value, dict) else value if isinstance(value, list | tuple) else []:
             if isinstance(inner, dict):
                 _thin(inner, same)
-    kept = {key: table[key] for key in order if key in table}
+    ordered = {key: table[key] for key in order if key in table}
     table.clear()
-    table.update(kept)
+    table.update(ordered)
 
 
 def scenario_toml(scenario: Scenario, base: str | Path | None = None) -> str:
-    """Text of a TOML file that reads as this scenario: only what differs from the defaults, in the units of the keys.
+    """Return TOML text that reads as this scenario: only what differs from the defaults, in the units of the keys.
 
     Parameters
     ----------
@@ -77,17 +77,17 @@ def scenario_toml(scenario: Scenario, base: str | Path | None = None) -> str:
 
 
 def toml_text(tables: Mapping[str, Any], base: str | Path | None = None) -> str:
-    """TOML text of tables laid out as a scenario file."""
+    """Return the TOML text of tables laid out as a scenario file."""
     return document(_with_paths(tables, None if base is None else Path(base)), _HEADER)
 
 
 def toml_value(value: Any, base: Path | None = None) -> str:
-    """One value as TOML writes it; tables in one line."""
+    """Return one value as TOML writes it; tables in one line."""
     return inline(_with_paths(value, base))
 
 
 def _with_paths(value: Any, base: Path | None) -> Any:
-    """The same with paths as a file in ``base`` has to name them."""
+    """Return tables with paths relative to ``base``, or absolute ones."""
     match value:
         case Path():
             return _from(value, base)
@@ -102,7 +102,7 @@ def _with_paths(value: Any, base: Path | None) -> Any:
 
 
 def _from(path: Path, base: Path | None) -> str:
-    """A path as a file in ``base`` has to name it."""
+    """Return a path as a file in ``base`` has to name it."""
     if base is None:
         return path.as_posix()
     whole, folder = path.resolve(), base.resolve()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DomainError
-from seaglint.base.representation import card, notes, table, told
+from seaglint.base.representation import as_text, card, notes, table
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.clutter.filters import Filter, Unfiltered
 from seaglint.clutter.thresholds import gaussian_rate
@@ -254,7 +254,7 @@ def shown(found: Mapping[str, Any], texts: Iterable[str]) -> str:
     rows = [tuple(line[name] for name in names) for line in found["sweep"]]
     facts = [
         f"detector {found['detector']}, filter {found['filter']}, threshold {found['threshold_sigma']:.4g} sigma",
-        f"false alarms per pixel {told(found['p_fa'])} ({told(found['p_fa_interval'])})",
+        f"false alarms per pixel {as_text(found['p_fa'])} ({as_text(found['p_fa_interval'])})",
     ]
     return card(f"Detection in {found['source']}", notes(facts) + table(names, rows) + notes(texts))
 

@@ -252,7 +252,7 @@ def _weather(wanted: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
         packaged = f"likelihood.weather is not given: the packaged table {SHIPPED[0]}, estimates that say little about any place"
         return read_weather(SHIPPED[0]).table, (packaged,)
     found = read_weather(wanted.weather)
-    return found.table, found.told
+    return found.table, found.remarks
 
 
 def _complete(table: WeatherTable, wanted: Likelihood) -> tuple[WeatherTable, int]:

@@ -246,7 +246,7 @@ def describe(path: str | Path) -> tuple[WeatherFile, dict[str, Any]]:
             "cloud_edges": [float(edge) for edge in CLOUD_EDGES],
             "probability": joint.tolist(),
         },
-        "notes": [*found.notes, *found.told],
+        "notes": [*found.notes, *found.remarks],
     }
     return found, facts
 

@@ -1,4 +1,4 @@
-"""The scenario workbench: a form, and pictures of what it says."""
+"""Scenario workbench: a form, and pictures of its scenario."""
 
 from __future__ import annotations
 

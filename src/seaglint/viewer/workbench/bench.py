@@ -1,4 +1,4 @@
-"""The page: the form at the left, pictures of what it says at the right."""
+"""Page of the workbench: the form at the left, pictures of its scenario at the right."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from seaglint.viewer.workbench.style import CSS
 from seaglint.viewer.workbench.sun_card import Daylight
 
 DEBOUNCE: Final = 0.2
-"""Seconds without a change after which the scenario is read."""
+"""Time without a change after which the scenario is read [s]."""
 
 _TITLES: Final[dict[Job, str]] = {"mean": "Mean map", "frame": "First frame"}
 
 
 @cache
 def painter() -> Painter:
-    """The process of all pages."""
+    """Return the process that computes the pictures of all pages."""
     made = Painter()
     app.on_shutdown(made.stop)
     return made
@@ -76,7 +76,7 @@ def _begin(whole: ui.column, path: str | Path | None, preset: str = "glint") -> 
 
 
 class Bench:
-    """One page's draft and what is drawn of it."""
+    """One page's draft and its pictures."""
 
     status: ui.label
 
@@ -86,14 +86,14 @@ class Bench:
         self._scenario: Scenario | None = None
         self._text = ""
         self._plan: PlanView | None = None
-        self._found: dict[Job, PreviewPicture] = {}
+        self._pictures: dict[Job, PreviewPicture] = {}
         self._quantity: Quantity = "radiance"
         self._whole = False
         self._redraw = Redraw(painter(), self._show, background_tasks.create)
         painter().warm()
 
     def build(self) -> None:
-        """Draw it in the current slot."""
+        """Build the page in the current slot."""
         with ui.element("div").classes("columns"):
             self._left = ui.column().classes("left")
             with ui.column().classes("right"):
@@ -108,7 +108,7 @@ class Bench:
         self.changed()
 
     def _refill(self) -> None:
-        """The form anew: tables came or went."""
+        """Build the form again, since tables were added or removed."""
         self._left.clear()
         with self._left:
             self._form = Form(self._draft, self.changed)
@@ -160,7 +160,7 @@ class Bench:
                     )
 
     def changed(self) -> None:
-        """Something was typed: read it a little later."""
+        """React to a change: the scenario is read a little later."""
         self._dirty = True
         if not self._reads and not self._closed:
             self._reads = True
@@ -178,7 +178,7 @@ class Bench:
         return self._closed
 
     def close(self) -> None:
-        """The browser left: nothing is drawn any more."""
+        """Stop drawing, since the browser has left."""
         self._closed = True
         self._redraw.close()
 
@@ -193,7 +193,7 @@ class Bench:
             self._reads = False
 
     async def _follow(self, draft: Draft) -> None:
-        """Check, and draw what is right."""
+        """Check the draft, and draw it if it is valid."""
         scenario, mistakes = await asyncio.to_thread(draft.check)
         if self._closed:
             return
@@ -217,19 +217,19 @@ class Bench:
         if found is not None and not self._gone():
             self._lay_out(scenario, found)
 
-    def _lay_out(self, scenario: Scenario, found: PlanView) -> None:
-        self._plan = found
-        self._compass.content = compass(scenario, found.sun, found.azimuth)
-        zenith, azimuth = math.degrees(found.sun.zenith), math.degrees(found.sun.azimuth) % 360
+    def _lay_out(self, scenario: Scenario, view: PlanView) -> None:
+        self._plan = view
+        self._compass.content = compass(scenario, view.sun, view.azimuth)
+        zenith, azimuth = math.degrees(view.sun.zenith), math.degrees(view.sun.azimuth) % 360
         facts = [
             f"wind {scenario.wind.speed_m_s:g} m/s from {scenario.wind.from_deg:g}°",
             f"Sun: elevation {90 - zenith:.1f}°, azimuth {azimuth:.1f}°",
-            f"view: azimuth {found.azimuth % 360:g}°, elevation {scenario.sensor.elevation_deg:g}°",
-            f"horizon at {distance(found.horizon)}",
+            f"view: azimuth {view.azimuth % 360:g}°, elevation {scenario.sensor.elevation_deg:g}°",
+            f"horizon at {distance(view.horizon)}",
         ]
         self._facts.set_text("\n".join(facts))
-        self._map_above.content = plan_svg(found, whole=self._whole)
-        self._daylight.show(found.sun if scenario.time is not None else None)
+        self._map_above.content = plan_svg(view, whole=self._whole)
+        self._daylight.show(view.sun if scenario.time is not None else None)
 
     def _far(self, whole: bool) -> None:
         self._whole = whole
@@ -238,26 +238,26 @@ class Bench:
 
     def _of(self, quantity: Quantity) -> None:
         self._quantity = quantity
-        for job, found in self._found.items():
-            self._maps[job][0].content = map_svg(found, quantity, _TITLES[job])
+        for job, picture in self._pictures.items():
+            self._maps[job][0].content = map_svg(picture, quantity, _TITLES[job])
 
-    def _show(self, job: Job, found: PreviewPicture | str | None) -> None:
+    def _show(self, job: Job, result: PreviewPicture | str | None) -> None:
         if self._closed:
             return
         picture, words = self._maps[job]
-        if found is None:
+        if result is None:
             words.set_text("drawing ...")
-        elif isinstance(found, str):
-            words.set_text(found)
+        elif isinstance(result, str):
+            words.set_text(result)
             words.classes(add="wrong")
             picture.classes(add="old")
         else:
-            self._found[job] = found
-            columns, rows = found.radiance.shape[::-1]
-            words.set_text(f"{columns} x {rows} of {found.pixels[0]} x {found.pixels[1]} pixels, {found.seconds:.1f} s")
+            self._pictures[job] = result
+            columns, rows = result.radiance.shape[::-1]
+            words.set_text(f"{columns} x {rows} of {result.pixels[0]} x {result.pixels[1]} pixels, {result.seconds:.1f} s")
             words.classes(remove="wrong")
             picture.classes(remove="old")
-            picture.content = map_svg(found, self._quantity, _TITLES[job])
+            picture.content = map_svg(result, self._quantity, _TITLES[job])
 
     def _tell(self, mistakes: tuple[Mistake, ...], raw: dict[str, Any]) -> None:
         self._form.tell(mistakes, raw)
@@ -271,7 +271,7 @@ class Bench:
         self.status.set_text(f"{len(mistakes)} to correct" if mistakes else "valid")
 
     async def _ask(self) -> None:
-        """Confirm before the file is replaced."""
+        """Ask for confirmation before the file is replaced."""
         scenario = self._scenario
         if scenario is None:
             ui.notify("the scenario is not valid yet; correct it first", type="negative")

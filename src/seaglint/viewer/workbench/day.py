@@ -1,4 +1,4 @@
-"""The Sun over a day at a place: its course, and where it stands at a time of it."""
+"""Course of the Sun over a day at a place, and its position at a time of day."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.scenario.text.compass import SUN
 
 STEP: Final = 10
-"""Minutes between two places of the course."""
+"""Time between two points of the course [min]."""
 
 _WIDTH, _HEIGHT, _LEFT, _TOP = 420.0, 150.0, 34.0, 8.0
 
@@ -25,13 +25,13 @@ class Day:
     azimuth: FloatArray
 
     def at(self, minutes: float) -> tuple[float, float]:
-        """Elevation and azimuth [deg] at a minute of the day."""
+        """Return elevation and azimuth [deg] at a minute of the day."""
         times = STEP * np.arange(self.elevation.size)
         elevation = float(np.interp(minutes, times, self.elevation))
         return elevation, float(np.interp(minutes, times, np.degrees(np.unwrap(np.radians(self.azimuth))))) % 360.0
 
     def risings(self) -> tuple[list[int], list[int]]:
-        """Minutes of the day at which the Sun's middle rises and sets."""
+        """Return the minutes of the day at which the Sun's centre rises and sets."""
         up = self.elevation > 0.0
         turns = np.flatnonzero(up[1:] != up[:-1])
         share = self.elevation[turns] / (self.elevation[turns] - self.elevation[turns + 1])
@@ -42,7 +42,7 @@ class Day:
 
 
 def day_of(day: date, latitude_deg: float, longitude_deg: float) -> Day:
-    """The Sun's course; the same algorithm as :func:`seaglint.scenario.sun.sun_position`.
+    """Return the Sun's course; the same algorithm as :func:`seaglint.scenario.sun.sun_position`.
 
     Examples
     --------
@@ -55,12 +55,12 @@ def day_of(day: date, latitude_deg: float, longitude_deg: float) -> Day:
 
     start = datetime(day.year, day.month, day.day, tzinfo=UTC)
     times = pd.DatetimeIndex([start + timedelta(minutes=STEP * n) for n in range(24 * 60 // STEP + 1)])
-    found = solarposition.get_solarposition(times, latitude_deg, longitude_deg, method="nrel_numpy")
-    return Day(90.0 - found["apparent_zenith"].to_numpy(), found["azimuth"].to_numpy())
+    angles = solarposition.get_solarposition(times, latitude_deg, longitude_deg, method="nrel_numpy")
+    return Day(90.0 - angles["apparent_zenith"].to_numpy(), angles["azimuth"].to_numpy())
 
 
 def clock(minutes: float) -> str:
-    """Hours and minutes of the day.
+    """Return hours and minutes of the day as text.
 
     >>> clock(1050)
     '17:30'
@@ -69,7 +69,7 @@ def clock(minutes: float) -> str:
 
 
 def day_svg(day: Day, minutes: float) -> str:
-    """Elevation over the day, and where the Sun is."""
+    """Return a graph of the elevation over the day with the Sun's position, as SVG."""
     inside = _WIDTH - _LEFT - 12, _HEIGHT - _TOP - 34
     low, high = min(-20.0, float(day.elevation.min())), max(20.0, float(day.elevation.max()))
 

@@ -1,4 +1,4 @@
-"""The scenario being changed: what was typed, what it is found to say, and what is wrong with it."""
+"""Draft of a scenario: its values as typed, the scenario that they give, and its mistakes."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from seaglint.viewer.workbench.fields import Field, file_keys
 from seaglint.viewer.workbench.fields import Path as Keys
 
 MOST_TEXT: Final = 20_000
-"""Signs of one field; more are no scenario."""
+"""Largest number of characters of one field."""
 
 _WORDS: Final = frozenset({"spline", "straight", "north-atlantic"})
-"""What keys named as files hold where they do not mean a file."""
+"""Values of keys for files that do not name a file."""
 
 
 class Draft:
-    """A scenario file's tables as they are typed; it need not be valid.
+    """Tables of a scenario file as typed; they need not be valid.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class Draft:
         self._own = frozenset(value for _, value in _files(self.raw, ())) if self.source is not None else frozenset()
 
     def snapshot(self) -> Draft:
-        """What is typed by now; later changes do not reach it."""
+        """Return a copy of the values; later changes do not reach it."""
         made = copy.copy(self)
         made.raw = copy.deepcopy(self.raw)
         made._unread = dict(self._unread)
@@ -69,16 +69,16 @@ class Draft:
 
     @property
     def name(self) -> str:
-        """Of the file, to save as."""
+        """Return the name of the file to save."""
         return "scenario.toml" if self.source is None else self.source.name
 
     @property
     def folder(self) -> Path | None:
-        """Where the scenario's files are looked for; None without a scenario file."""
+        """Return the folder of the scenario's files; None without a scenario file."""
         return None if self.source is None else self.source.parent
 
     def get(self, keys: Keys) -> Any:
-        """What is typed at a place; None where nothing is."""
+        """Return the value at a place; None where there is none."""
         here: Any = self.raw
         for key in keys:
             if isinstance(here, Mapping):
@@ -90,7 +90,7 @@ class Draft:
         return here
 
     def put(self, keys: Keys, value: Any) -> None:
-        """Say something at a place, or nothing (None); tables on the way are made, and an empty one that is a default goes."""
+        """Set the value at a place, or remove it (None); tables on the way are made, and an empty default one is removed."""
         here: Any = self.raw
         for key in keys[:-1]:
             if isinstance(here, list):
@@ -110,7 +110,7 @@ class Draft:
             here.pop(last, None)
 
     def take(self, entry: Field, keys: Keys, text: str) -> None:
-        """Say what a field's text means; text that cannot be read is a mistake until it is mended, and the value before it stays."""
+        """Set a value from a field's text; text that cannot be read is a mistake until corrected, and the value before it stays."""
         try:
             value = value_of(entry, text)
         except ScenarioError as error:
@@ -120,11 +120,11 @@ class Draft:
         self.put(keys, value)
 
     def forget(self, keys: Keys) -> None:
-        """Texts that cannot be read at a place and below are seen no more: fields there are made anew, with the values."""
+        """Discard unreadable texts at a place and below, since fields there are made again with the values."""
         self._unread = {known: text for known, text in self._unread.items() if known[: len(keys)] != keys}
 
     def check(self) -> tuple[Scenario | None, tuple[Mistake, ...]]:
-        """The scenario, or what is wrong: as the program words it."""
+        """Return the scenario, or its mistakes in the words of the program."""
         refused = (*(Mistake(dotted(keys), None, None, text) for keys, text in self._unread.items()), *self._outside())
         if refused:
             return None, refused
@@ -134,7 +134,7 @@ class Draft:
             return None, error.mistakes or (Mistake("", None, None, str(error)),)
 
     def _outside(self) -> Iterator[Mistake]:
-        """Files that the page may not name: a browser reaches only what stands beside the scenario, or what the file itself named."""
+        """Yield a mistake for each file that the page may not name: allowed are those beside the scenario or named by the file itself."""
         for key, value in _files(self.raw, ()):
             if value in _WORDS or value in self._own:
                 continue
@@ -148,7 +148,7 @@ class Draft:
                 yield Mistake(key, value, None, text)
 
     def toml(self, scenario: Scenario) -> str:
-        """Text to save: only what differs from the defaults, with the units that were typed."""
+        """Return the text to save: only what differs from the defaults, with the units that were typed."""
         tables = differing(scenario)
         typed = _with_units(tables, self.raw)
         try:
@@ -159,14 +159,14 @@ class Draft:
 
     @property
     def changed_outside(self) -> bool:
-        """Whether the file is another than when it was read."""
+        """Return true where the file has changed since it was read."""
         try:
             return self.source is not None and self.source.read_bytes() != self._read
         except OSError:
             return True
 
     def save(self, scenario: Scenario) -> Path:
-        """Write the file that was opened, whole or not at all.
+        """Write the file that was opened, as a whole.
 
         Raises
         ------
@@ -184,14 +184,14 @@ class Draft:
         return self.source
 
     def commands(self) -> list[str]:
-        """Command lines that compute what is seen."""
+        """Return command lines that compute the displayed pictures."""
         stem = Path(self.name).stem
         name, run, mean = (shlex.quote(text) for text in (self.name, f"{stem}.zarr", f"{stem}.nc"))
         return [f"seaglint render {name} -o {run} --preview", f"seaglint mean {name} -o {mean} --preview"]
 
 
 def dotted(keys: Keys) -> str:
-    """A place as the file's errors write it.
+    """Return a place as the file's errors write it.
 
     >>> dotted(("objects", 0, "east_m"))
     'objects[0].east_m'
@@ -200,7 +200,7 @@ def dotted(keys: Keys) -> str:
 
 
 def value_of(entry: Field, text: str) -> Any:
-    """What a field's text says: as in the file, but that quotes may be left out.
+    """Return the value of a field's text: as in the file, but quotes may be omitted.
 
     Raises
     ------
@@ -237,14 +237,14 @@ def _word(text: str) -> Any:
 
 
 def text_of(value: Any) -> str:
-    """What the field shows of a value, as one would type it."""
+    """Return the text of a value in a field, as one would type it."""
     if value is None:
         return ""
     return value if isinstance(value, str) else toml_value(value)
 
 
 def _with_units(value: Any, typed: Any) -> Any:
-    """The value, numbers that were typed as text with a unit as that text."""
+    """Return a value in which numbers that were typed as text with a unit are that text."""
     match value, typed:
         case dict(), dict():
             return {key: _with_units(inner, typed.get(key)) for key, inner in value.items()}
@@ -257,7 +257,7 @@ def _with_units(value: Any, typed: Any) -> Any:
 
 
 def _files(table: Any, keys: tuple[str, ...]) -> Iterator[tuple[str, str]]:
-    """Dotted keys of files and what is said of them, at any depth."""
+    """Yield dotted keys of files and their values, at any depth."""
     if isinstance(table, Mapping):
         for name, value in table.items():
             if name in file_keys() and isinstance(value, str):
@@ -280,7 +280,7 @@ _PLACE = re.compile(r"^(?P<name>[^\[]+)(?P<places>(\[\d+\])*)$")
 
 
 def keys_of(mistake: Mistake, raw: Mapping[str, Any]) -> Keys:
-    """Place that a mistake is about: keys and places in lists; objects that it names are found by their name."""
+    """Return the place of a mistake: keys and indices in lists; objects are identified by their name."""
     text = mistake.key
     named = re.match(r"^objects \('(?P<name>.*)'\)", text, re.DOTALL)
     if named is not None:
@@ -291,9 +291,9 @@ def keys_of(mistake: Mistake, raw: Mapping[str, Any]) -> Keys:
         return ("objects",)
     out: list[str | int] = []
     for part in text.split(".") if text else []:
-        found = _PLACE.match(part)
-        if found is None:
+        match = _PLACE.match(part)
+        if match is None:
             break
-        out.append(found["name"])
-        out.extend(int(place) for place in re.findall(r"\d+", found["places"]))
+        out.append(match["name"])
+        out.extend(int(place) for place in re.findall(r"\d+", match["places"]))
     return tuple(out)

@@ -1,4 +1,4 @@
-"""The form of a scenario, read off its JSON Schema: groups by table, fields by key."""
+"""Form of a scenario, derived from its JSON Schema: groups by table, fields by key."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Path = tuple[str | int, ...]  # where a key stands in the file: names of tables 
 
 @dataclass(frozen=True)
 class Field:
-    """One key.
+    """Field of one key.
 
     Attributes
     ----------
@@ -26,9 +26,9 @@ class Field:
         ``number`` (with a unit as text), ``text``, ``file``, ``list`` and ``tables`` (of numbers, of tables, written as in the file),
         ``switch`` or ``choice``.
     default : object
-        What holds where nothing is said; None where nothing does.
+        Value where none is given; None without a default.
     choices : tuple
-        Of a choice; of a list, what may be in it.
+        Values of a choice; for a list, the allowed items.
     """
 
     name: str
@@ -40,7 +40,7 @@ class Field:
 
     @property
     def placeholder(self) -> str:
-        """The default as one would type it."""
+        """Return the default as one would type it."""
         if self.default is None:
             return "required" if self.required else "not given"
         return self.default if self.kind in ("text", "file") else toml_value(self.default)
@@ -48,16 +48,16 @@ class Field:
 
 @dataclass(frozen=True)
 class Group:
-    """One table, or a list of tables.
+    """Group of one table, or of a list of tables.
 
     Attributes
     ----------
     tag : str
         Key that chooses between ``variants``; empty where there is one variant only, by the name ``""``.
     optional : bool
-        Whether the whole table may be left out and is by default.
+        Flag: the whole table may be omitted and is by default.
     many : bool
-        Whether the file has a list of such tables.
+        Flag: the file has a list of such tables.
     """
 
     name: str
@@ -70,17 +70,17 @@ class Group:
     hints: Mapping[str, str] = field(default_factory=dict)
 
     def entries(self, tag: str = "") -> tuple[Field | Group, ...]:
-        """Keys and tables of a variant; of the first one for a tag that there is not."""
+        """Return keys and tables of a variant; of the first one for an unknown tag."""
         return self.variants.get(tag or self.default_tag, next(iter(self.variants.values())))
 
 
 _DEEPEST: Final = 4
-"""Tables below each other that become groups; what is deeper is typed as in the file."""
+"""Depth of nested tables that become groups; deeper ones are typed as in the file."""
 
 
 @cache
 def form() -> Group:
-    """The whole form."""
+    """Return the whole form."""
     schema = json_schema()
     return Group("", schema.get("description", ""), {"": tuple(_entries(schema, schema["$defs"], 1))})
 
@@ -89,15 +89,15 @@ def _entries(record: Mapping[str, Any], defs: Mapping[str, Any], depth: int) -> 
     required, known = record.get("required", ()), record.get("default") or {}
     for name, own in record.get("properties", {}).items():
         # the table's own default knows more than its keys': the edges of the band
-        told = own if known.get(name) is None else {**own, "default": known[name]}
-        if "const" not in told:  # the tag of a union: its group has it
-            yield _entry(name, told, defs, depth, name in required)
+        schema = own if known.get(name) is None else {**own, "default": known[name]}
+        if "const" not in schema:  # the tag of a union: its group has it
+            yield _entry(name, schema, defs, depth, name in required)
 
 
-def _entry(name: str, told: Mapping[str, Any], defs: Mapping[str, Any], depth: int, required: bool) -> Field | Group:
-    ways = [_resolved(way, defs) for way in told.get("anyOf", [told])]
+def _entry(name: str, schema: Mapping[str, Any], defs: Mapping[str, Any], depth: int, required: bool) -> Field | Group:
+    ways = [_resolved(way, defs) for way in schema.get("anyOf", [schema])]
     given = [way for way in ways if way.get("type") != "null"]
-    hint = str(told.get("description", ""))
+    hint = str(schema.get("description", ""))
     optional = len(given) < len(ways)
     for way in given:
         many = way.get("type") == "array" and "items" in way
@@ -105,9 +105,9 @@ def _entry(name: str, told: Mapping[str, Any], defs: Mapping[str, Any], depth: i
         if not _is_table(inner):
             continue
         if depth >= _DEEPEST or (many and depth > 1):
-            return Field(name, "tables", hint, told.get("default"), required=required)
-        return _group(name, inner, defs, depth, hint, optional=optional or (many and told.get("default") is None), many=many)
-    return _field(name, told, given, hint, required)
+            return Field(name, "tables", hint, schema.get("default"), required=required)
+        return _group(name, inner, defs, depth, hint, optional=optional or (many and schema.get("default") is None), many=many)
+    return _field(name, schema, given, hint, required)
 
 
 def _group(name: str, table: Mapping[str, Any], defs: Mapping[str, Any], depth: int, hint: str, *, optional: bool, many: bool) -> Group:
@@ -132,8 +132,8 @@ def _group(name: str, table: Mapping[str, Any], defs: Mapping[str, Any], depth: 
     )
 
 
-def _field(name: str, told: Mapping[str, Any], ways: list[dict[str, Any]], hint: str, required: bool) -> Field:
-    default = told.get("default")
+def _field(name: str, schema: Mapping[str, Any], ways: list[dict[str, Any]], hint: str, required: bool) -> Field:
+    default = schema.get("default")
     kinds = {way.get("type") for way in ways}
     for way in ways:
         if "enum" in way:
@@ -146,16 +146,16 @@ def _field(name: str, told: Mapping[str, Any], ways: list[dict[str, Any]], hint:
     return Field(name, kind, hint, default, required=required)
 
 
-def _resolved(told: Mapping[str, Any], defs: Mapping[str, Any]) -> dict[str, Any]:
-    """What a reference stands for, with what is said beside it."""
-    if "$ref" not in told:
-        return dict(told)
-    rest = {key: value for key, value in told.items() if key != "$ref"}
-    return {**defs[told["$ref"].rsplit("/", 1)[-1]], **rest}
+def _resolved(schema: Mapping[str, Any], defs: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the schema behind a reference, with the attributes beside it."""
+    if "$ref" not in schema:
+        return dict(schema)
+    rest = {key: value for key, value in schema.items() if key != "$ref"}
+    return {**defs[schema["$ref"].rsplit("/", 1)[-1]], **rest}
 
 
-def _is_table(told: Mapping[str, Any]) -> bool:
-    return "oneOf" in told or "properties" in told
+def _is_table(schema: Mapping[str, Any]) -> bool:
+    return "oneOf" in schema or "properties" in schema
 
 
 def _first_line(record: Mapping[str, Any]) -> str:
@@ -164,10 +164,10 @@ def _first_line(record: Mapping[str, Any]) -> str:
 
 @cache
 def file_keys() -> frozenset[str]:
-    """Names of the keys that hold paths of files, wherever they stand."""
-    found = set()
+    """Return the names of the keys that hold paths of files, at any depth."""
+    keys = set()
     for record in json_schema()["$defs"].values():
-        for name, told in record.get("properties", {}).items():
-            if any(way.get("format") in ("path", "file-path") for way in told.get("anyOf", [told])):
-                found.add(name)
-    return frozenset(found)
+        for name, schema in record.get("properties", {}).items():
+            if any(way.get("format") in ("path", "file-path") for way in schema.get("anyOf", [schema])):
+                keys.add(name)
+    return frozenset(keys)

@@ -1,4 +1,4 @@
-"""The form: a field for every key, drawn from the JSON Schema, with what is wrong below each."""
+"""Form of the workbench: a field for every key, from the JSON Schema, with its mistakes below it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Form:
     Parameters
     ----------
     draft : Draft
-        What they change.
+        Draft that the fields change.
     changed : callable
         Called after every change.
     """
@@ -38,7 +38,7 @@ class Form:
         draft.forget(())
 
     def build(self) -> None:
-        """Draw it in the current slot."""
+        """Build the form in the current slot."""
         whole = form()
         self._section(Group("general", whole.hint, {"": tuple(e for e in whole.entries() if isinstance(e, Field))}), ())
         for entry in whole.entries():
@@ -46,7 +46,7 @@ class Form:
                 self._section(entry, (entry.name,))
 
     def _section(self, group: Group, keys: Keys) -> None:
-        """A group that opens and closes; its fields are made when it opens first."""
+        """Build a group that opens and closes; its fields are made when it is first opened."""
         with ui.expansion(value=group.name in _OPEN).classes("group").props(f'dense data-group="{group.name}"') as section:
             with section.add_slot("header"), ui.row().classes("head"):
                 ui.label(group.name).classes("name")
@@ -64,7 +64,7 @@ class Form:
         fill()
 
     def _group(self, group: Group, keys: Keys, *, named: bool = True) -> None:
-        """A table's fields, made anew when its kind changes."""
+        """Build a table's fields, again when its kind changes."""
         with ui.column().classes("table" if named else "fields") as box:
             self._fill(group, keys, box, named)
 
@@ -91,7 +91,7 @@ class Form:
         self._entries(group, keys, again)
 
     def _toggle(self, group: Group, keys: Keys, again: Callable[[], None]) -> bool:
-        """A switch for a table that may be left out; whether it is there."""
+        """Build a switch for an optional table; return true where the table exists."""
         needless = group.name == "sun" and self._draft.get(("time",)) is None and self._draft.get(("place",)) is None
         there = self._draft.get(keys) is not None
 
@@ -109,10 +109,10 @@ class Form:
 
             def choose(word: str) -> None:
                 said = self._draft.get(keys)
-                kept = said if isinstance(said, dict) else {}
+                previous = said if isinstance(said, dict) else {}
                 names = {entry.name for entry in group.entries(word)}
                 # what both kinds know stays
-                self._draft.put(keys, {group.tag: word} | {key: value for key, value in kept.items() if key in names})
+                self._draft.put(keys, {group.tag: word} | {key: value for key, value in previous.items() if key in names})
                 again()
 
             chosen = tag if tag in group.variants else None
@@ -127,7 +127,7 @@ class Form:
                 self._field(entry, (*keys, entry.name))
 
     def _items(self, group: Group, keys: Keys, again: Callable[[], None]) -> None:
-        """A list of tables: each with its fields, to add and to remove."""
+        """Build a list of tables: each with its fields, to add and to remove."""
         items = self._draft.get(keys)
         items = items if isinstance(items, list) else []
         for place, item in enumerate(items):
@@ -211,7 +211,7 @@ class Form:
         self._marked.append(keys)
 
     def sync(self, keys: Keys) -> None:
-        """Show in a field what the draft says by now: something else changed it."""
+        """Show the present value of the draft in a field, since something else changed it."""
         widget = self._widgets.get(keys)
         if widget is None or widget.is_deleted:
             return
@@ -223,7 +223,7 @@ class Form:
             self._quiet = False
 
     def tell(self, mistakes: Iterable[Mistake], raw: dict[str, Any]) -> None:
-        """Show what is wrong below the fields, or below the table that holds them, and take the old texts away."""
+        """Show mistakes below their fields, or below the table that holds them, and remove the old texts."""
         for keys in self._marked:
             label, hint = self._notes[keys]
             if not label.is_deleted:

@@ -1,4 +1,4 @@
-"""A small picture as SVG: pixels, axes and the scale of its colours."""
+"""Small picture as SVG: pixels, axes and colour bar."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _WIDTH, _LEFT, _RIGHT, _TOP, _BOTTOM = 620.0, 52.0, 92.0, 8.0, 40.0
 _LOW, _HIGH = 120.0, 420.0  # least and greatest height of the pixels
 
 
-def map_svg(found: PreviewPicture, quantity: Quantity = "radiance", title: str = "map") -> str:
-    """The picture with azimuth and elevation [deg] on its axes, or columns and rows of the whole picture, and the scale of its colours."""
-    values = found.radiance if quantity == "radiance" else found.temperature
-    scale = scale_of(values, found.sea)
+def map_svg(picture: PreviewPicture, quantity: Quantity = "radiance", title: str = "map") -> str:
+    """Return the picture with azimuth and elevation [deg] on its axes, or columns and rows of the whole picture, and a colour bar."""
+    values = picture.radiance if quantity == "radiance" else picture.temperature
+    scale = scale_of(values, picture.sea)
     rows, columns = values.shape
     width = _WIDTH - _LEFT - _RIGHT
-    x, y, names = _axes(found)
+    x, y, names = _axes(picture)
     shape = abs((y[1] - y[0]) / (x[1] - x[0]))
     height = min(max(width * shape, _LOW), _HIGH)
     if height == _HIGH and 0.2 < shape < 5.0:
@@ -52,15 +52,15 @@ def map_svg(found: PreviewPicture, quantity: Quantity = "radiance", title: str =
     )
 
 
-def _axes(found: PreviewPicture) -> tuple[tuple[float, float], tuple[float, float], tuple[str, str]]:
-    if found.azimuth is not None and found.elevation is not None:
-        return found.azimuth, found.elevation, ("azimuth [deg]", "elevation [deg]")
-    columns, rows = found.pixels
+def _axes(picture: PreviewPicture) -> tuple[tuple[float, float], tuple[float, float], tuple[str, str]]:
+    if picture.azimuth is not None and picture.elevation is not None:
+        return picture.azimuth, picture.elevation, ("azimuth [deg]", "elevation [deg]")
+    columns, rows = picture.pixels
     return (0.0, float(columns)), (0.0, float(rows)), ("column [px]", "row [px]")
 
 
 def even(low: float, high: float, most: int = 7) -> list[float]:
-    """Round numbers between two others, at most so many.
+    """Return round numbers between two others, at most a given number.
 
     >>> even(172.0, 188.0)
     [172.5, 175.0, 177.5, 180.0, 182.5, 185.0, 187.5]
@@ -109,7 +109,7 @@ def _colours(quantity: Quantity) -> NDArray[np.uint8]:
 
 
 def _png(share: NDArray[Any], colours: NDArray[np.uint8]) -> str:
-    """A data address of pixels of this brightness; without a number they are green."""
+    """Return a data address of pixels of this brightness; those without a number are green."""
     from PIL import Image
 
     known = np.isfinite(share)

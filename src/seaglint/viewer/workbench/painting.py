@@ -1,4 +1,4 @@
-"""The process that computes the workbench's pictures: orders come on its standard input, pictures leave on its standard output."""
+"""Process that computes the workbench's pictures: it reads orders from standard input and writes pictures to standard output."""
 
 from __future__ import annotations
 

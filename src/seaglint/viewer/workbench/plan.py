@@ -1,4 +1,4 @@
-"""What stands where: the plan from above, with the sensor's view, range rings, horizon, objects and their ways."""
+"""Plan of a scenario from above: the sensor's view, range rings, horizon, objects and their ways."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from seaglint.studies.prepare import prepare
 from seaglint.studies.prepare.bodies import bodies
 
 _TIMES: Final = 41
-"""Places along a way."""
+"""Number of points along a way."""
 
 _SIZE, _RADIUS = 420.0, 186.0
 
@@ -32,7 +32,7 @@ class PlanView:
     Attributes
     ----------
     ways : dict of str to ndarray, shape (times, 2)
-        Of the objects, by name, over the time of the frames.
+        Ways of the objects, by name, over the time of the frames.
     own : ndarray, shape (times, 2)
         The sensor's way.
     horizon : float
@@ -40,7 +40,7 @@ class PlanView:
     nearest : float
         Range of the nearest sea in view [m]; NaN where no sea is.
     azimuth : float
-        Of the view's middle at the start [deg].
+        Azimuth of the view's centre at the start [deg].
     """
 
     ways: dict[str, FloatArray]
@@ -53,7 +53,7 @@ class PlanView:
 
 
 def plan(scenario: Scenario) -> PlanView:
-    """Lay out a scenario, on a flat sea.
+    """Lay out a scenario on a flat sea.
 
     Raises
     ------
@@ -75,14 +75,14 @@ def plan(scenario: Scenario) -> PlanView:
     return PlanView(ways, own - own[0], horizon_range(height), nearest, azimuth, scenario.sensor.fov_deg[0], sun_position(scenario))
 
 
-def reach(found: PlanView, whole: bool) -> float:
-    """Range shown [m]: up to the farthest object, or the horizon where ``whole`` or there is none."""
-    far = max((float(np.hypot(way[:, 0], way[:, 1]).max()) for way in found.ways.values()), default=0.0)
-    return found.horizon * 1.05 if whole or not found.ways else max(far * 1.12, 20.0)
+def reach(view: PlanView, whole: bool) -> float:
+    """Return the displayed range [m]: up to the farthest object, or the horizon where ``whole`` or there is no object."""
+    far = max((float(np.hypot(way[:, 0], way[:, 1]).max()) for way in view.ways.values()), default=0.0)
+    return view.horizon * 1.05 if whole or not view.ways else max(far * 1.12, 20.0)
 
 
 def rings(far: float) -> list[float]:
-    """Three to six round ranges up to one [m].
+    """Return three to six round ranges up to a range [m].
 
     >>> rings(6500.0)
     [1000.0, 2000.0, 3000.0, 4000.0, 5000.0, 6000.0]
@@ -93,7 +93,7 @@ def rings(far: float) -> list[float]:
 
 
 def distance(metres: float) -> str:
-    """A range as text.
+    """Return a range as text.
 
     >>> distance(500.0), distance(14280.0)
     ('500 m', '14.3 km')
@@ -101,13 +101,13 @@ def distance(metres: float) -> str:
     return f"{metres:.3g} m" if metres < 1000.0 else f"{metres / 1000.0:.3g} km"
 
 
-def plan_svg(found: PlanView, *, whole: bool = False) -> str:
-    """The plan as SVG, north up, the sensor's start in the middle."""
-    far = reach(found, whole)
+def plan_svg(view: PlanView, *, whole: bool = False) -> str:
+    """Return the plan as SVG, north up, the sensor's start in the middle."""
+    far = reach(view, whole)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_SIZE:g} {_SIZE:g}" width="100%" role="img" '
         f'aria-label="plan: north up" font-family="system-ui, sans-serif" font-size="11" fill="currentColor">'
-        + "".join(_pieces(found, far))
+        + "".join(_pieces(view, far))
         + "</svg>"
     )
 
@@ -121,46 +121,46 @@ def _polar(azimuth: float, radius: float) -> str:
     return f"{0.5 * _SIZE + radius * math.sin(angle):.1f},{0.5 * _SIZE - radius * math.cos(angle):.1f}"
 
 
-def _pieces(found: PlanView, far: float) -> Iterator[str]:
+def _pieces(view: PlanView, far: float) -> Iterator[str]:
     middle = 0.5 * _SIZE
-    yield _wedge(found, far)
+    yield _wedge(view, far)
     for ring in rings(far):
         r = _RADIUS * ring / far
         yield f'<circle cx="{middle:g}" cy="{middle:g}" r="{r:.1f}" fill="none" stroke="currentColor" stroke-opacity=".22"/>'
         yield f'<text x="{middle + 4:g}" y="{middle - r - 3:.1f}" opacity=".65">{distance(ring)}</text>'
-    if found.horizon <= far:
-        r = _RADIUS * found.horizon / far
+    if view.horizon <= far:
+        r = _RADIUS * view.horizon / far
         yield f'<circle class="horizon" cx="{middle:g}" cy="{middle:g}" r="{r:.1f}" fill="none" stroke="{VIEW}" stroke-dasharray="6 4"/>'
         place = _polar(135.0, r + 4)
-        yield f'<text x="{place.split(",")[0]}" y="{place.split(",")[1]}" fill="{VIEW}">horizon {distance(found.horizon)}</text>'
+        yield f'<text x="{place.split(",")[0]}" y="{place.split(",")[1]}" fill="{VIEW}">horizon {distance(view.horizon)}</text>'
     for azimuth, name in ((0, "N"), (90, "E"), (180, "S"), (270, "W")):
         x, y = _polar(azimuth, _RADIUS + 14).split(",")
         yield f'<text x="{x}" y="{y}" text-anchor="middle" dominant-baseline="central" font-weight="600">{name}</text>'
-    if found.sun.zenith < 0.5 * math.pi:
-        x, y = _polar(math.degrees(found.sun.azimuth), _RADIUS).split(",")
+    if view.sun.zenith < 0.5 * math.pi:
+        x, y = _polar(math.degrees(view.sun.azimuth), _RADIUS).split(",")
         yield f'<circle cx="{x}" cy="{y}" r="6" fill="{SUN}"><title>towards the Sun</title></circle>'
-    yield from _line(found.own, "sensor", "currentColor", far)
+    yield from _line(view.own, "sensor", "currentColor", far)
     used: list[tuple[float, float]] = []
     # names from the top down, so that those moved down keep their order
-    for number, (name, way) in enumerate(sorted(found.ways.items(), key=lambda item: -float(item[1][0, 1]))):
+    for number, (name, way) in enumerate(sorted(view.ways.items(), key=lambda item: -float(item[1][0, 1]))):
         colour = _COLOURS[number % len(_COLOURS)]
         yield from _line(way, name, colour, far)
         yield _name(_point(float(way[0, 0]), float(way[0, 1]), far), name, colour, used)
 
 
-def _wedge(found: PlanView, far: float) -> str:
-    """Sea in view: from the nearest to the horizon."""
-    half, top = 0.5 * min(found.width, 359.9), _RADIUS * min(found.horizon, far) / far
-    bottom = min(_RADIUS * found.nearest / far, top) if math.isfinite(found.nearest) else top
-    left, right = found.azimuth - half, found.azimuth + half
-    large = int(found.width > 180.0)
+def _wedge(view: PlanView, far: float) -> str:
+    """Return the sea in view: from the nearest point to the horizon."""
+    half, top = 0.5 * min(view.width, 359.9), _RADIUS * min(view.horizon, far) / far
+    bottom = min(_RADIUS * view.nearest / far, top) if math.isfinite(view.nearest) else top
+    left, right = view.azimuth - half, view.azimuth + half
+    large = int(view.width > 180.0)
     outer = f"L{_polar(left, top)}A{top:.1f},{top:.1f} 0 {large} 1 {_polar(right, top)}"
     inner = f"M{_polar(right, bottom)}A{bottom:.1f},{bottom:.1f} 0 {large} 0 {_polar(left, bottom)}"
     return f'<path class="sea" d="{inner}{outer}Z" fill="{VIEW}" fill-opacity=".2" stroke="{VIEW}" stroke-opacity=".6"/>'
 
 
 def _line(way: FloatArray, name: str, colour: str, far: float) -> Iterator[str]:
-    """A way: a dot where it begins, an arrow's head where it ends."""
+    """Yield a way: a dot at its beginning, an arrowhead at its end."""
     points = [_point(float(east), float(north), far) for east, north in way]
     (x, y), (u, v) = points[0], points[-1]
     text = escape(name)
@@ -173,7 +173,7 @@ def _line(way: FloatArray, name: str, colour: str, far: float) -> Iterator[str]:
 
 
 def _name(place: tuple[float, float], name: str, colour: str, used: list[tuple[float, float]]) -> str:
-    """A name beside its place, moved down where another one is, with a line to where it belongs."""
+    """Return a name beside its place, moved down where another one is, with a line to its place."""
     x, y = place[0] + 26.0, place[1]
     while any(abs(y - other[1]) < 12.0 and abs(x - other[0]) < 90.0 for other in used):
         y += 3.0

@@ -1,4 +1,4 @@
-"""Pictures follow changes: a little after the last one, and a newer change overtakes what is under way."""
+"""Redrawing of pictures a little after the last change; a newer change replaces a picture in progress."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from seaglint.viewer.workbench.small_pictures import Job, Order, Overtaken, Pain
 JOBS: Final[tuple[Job, ...]] = ("mean", "frame")
 
 Show = Callable[[Job, "PreviewPicture | str | None"], None]
-"""Told a picture, why there is none, or None where one is begun."""
+"""Callback that takes a picture, the reason why there is none, or None where one is begun."""
 
 
 class Redraw:
-    """The pictures of one page.
+    """Pictures of one page.
 
     Parameters
     ----------
@@ -31,35 +31,35 @@ class Redraw:
 
     def __init__(self, painter: Painter, show: Show, start: Callable[[Coroutine[Any, Any, None]], object]) -> None:
         self._painter, self._show, self._start = painter, show, start
-        self._wanted: Scenario | None = None
+        self._requested: Scenario | None = None
         self._order: Order | None = None
         self._works = self._closed = False
 
     def want(self, scenario: Scenario) -> None:
-        """Draw this one; what was wanted before is not any more."""
+        """Request the pictures of a scenario, in place of earlier requests."""
         if self._closed:
             return
         self.drop()
-        self._wanted = scenario
+        self._requested = scenario
         if not self._works:
             self._works = True
             self._start(self._work())
 
     def drop(self) -> None:
-        """Nothing is wanted."""
-        self._wanted = None
+        """Cancel all requests."""
+        self._requested = None
         if self._order is not None:
             self._order.drop()
 
     def close(self) -> None:
-        """The page is gone."""
+        """Stop, since the page is closed."""
         self._closed = True
         self.drop()
 
     async def _work(self) -> None:
         try:
-            while self._wanted is not None:
-                scenario, self._wanted = self._wanted, None
+            while self._requested is not None:
+                scenario, self._requested = self._requested, None
                 for job in JOBS:
                     if not await self._draw(job, scenario):
                         break
@@ -67,7 +67,7 @@ class Redraw:
             self._works = False
 
     async def _draw(self, job: Job, scenario: Scenario) -> bool:
-        """One picture; False where it was overtaken."""
+        """Draw one picture; return False where a newer request replaced it."""
         self._order = order = Order(job, scenario)
         self._show(job, None)
         try:

@@ -1,4 +1,4 @@
-"""Small pictures of a scenario, computed in a process of their own so that the page stays alive."""
+"""Small pictures of a scenario, computed in a process of their own so that the page stays responsive."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from seaglint.scenario.model import Scenario
 Job = Literal["mean", "frame"]
 
 MOST_PIXELS: Final = 160 * 80
-"""Pixels of a small picture; most of the time goes into tables that do not depend on them."""
+"""Largest number of pixels of a small picture; most of the time goes into tables that do not depend on it."""
 
 _COARSE: Final = {"lines_per_column": 2, "variance_error": 0.2, "layers": (), "apparent_temperature": False}
 
@@ -38,7 +38,7 @@ class PreviewPicture:
     pixels : (int, int)
         Width and height of the whole picture.
     seconds : float
-        What it took to compute [s].
+        Time of the computation [s].
     """
 
     radiance: NDArray[np.float32]
@@ -51,7 +51,7 @@ class PreviewPicture:
 
 
 def reduced(scenario: Scenario, most: int = MOST_PIXELS) -> Scenario:
-    """The same view in few pixels and coarse waves: radiance at the aperture, without a detector.
+    """Return a scenario with few pixels and coarse waves: radiance at the aperture, without a detector.
 
     Examples
     --------
@@ -70,7 +70,7 @@ def reduced(scenario: Scenario, most: int = MOST_PIXELS) -> Scenario:
 
 
 def picture(job: Job, scenario: Scenario) -> PreviewPicture:
-    """Compute one.
+    """Compute one small picture.
 
     Raises
     ------
@@ -85,14 +85,16 @@ def picture(job: Job, scenario: Scenario) -> PreviewPicture:
 
     begin = time.perf_counter()
     small = reduced(scenario)
-    found = mean(small) if job == "mean" else image(small)
-    radiance = np.asarray(found["radiance"].values, np.float32)
+    dataset = mean(small) if job == "mean" else image(small)
+    radiance = np.asarray(dataset["radiance"].values, np.float32)
     if job == "mean":
-        temperature = np.asarray(found["apparent_temperature"].values, np.float32)
+        temperature = np.asarray(dataset["apparent_temperature"].values, np.float32)
     else:
-        temperature = np.asarray(to_temperature(radiance, stored_band(found.attrs)), np.float32)
-    edges = [_edges(found[name].values) if found[name].ndim == 1 else None for name in ("azimuth", "elevation")]
-    return PreviewPicture(radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, sea_pixels(found), time.perf_counter() - begin)
+        temperature = np.asarray(to_temperature(radiance, stored_band(dataset.attrs)), np.float32)
+    edges = [_edges(dataset[name].values) if dataset[name].ndim == 1 else None for name in ("azimuth", "elevation")]
+    return PreviewPicture(
+        radiance, temperature, edges[0], edges[1], scenario.sensor.pixels, sea_pixels(dataset), time.perf_counter() - begin
+    )
 
 
 def _edges(centres: NDArray[Any]) -> tuple[float, float]:
@@ -101,11 +103,11 @@ def _edges(centres: NDArray[Any]) -> tuple[float, float]:
 
 
 class Overtaken(Exception):  # noqa: N818 - no error: a newer change made the picture needless
-    """A newer change came."""
+    """Error of a picture that a newer change replaces."""
 
 
 class Order:
-    """One picture asked for; :meth:`drop` it when a newer one is wanted."""
+    """Request of one picture; :meth:`drop` it when a newer one is requested."""
 
     def __init__(self, job: Job, scenario: Scenario) -> None:
         self.job: Job = job
@@ -113,12 +115,12 @@ class Order:
         self.dropped = threading.Event()
 
     def drop(self) -> None:
-        """Not wanted any more."""
+        """Cancel the request."""
         self.dropped.set()
 
 
 class Painter:
-    """A process that computes pictures, one after the other; started with the first, and anew where it died.
+    """Process that computes pictures one after the other; started with the first, and again where it died.
 
     A picture that is not wanted any more is not begun. One that is under way is finished, which takes a second: its tables are kept for the
     next. After :attr:`patience` seconds its process is ended.
@@ -133,7 +135,7 @@ class Painter:
 
     @property
     def line(self) -> ThreadPoolExecutor:
-        """The thread in which :meth:`paint` waits for the process."""
+        """Return the thread in which :meth:`paint` waits for the process."""
         return self._line
 
     def paint(self, order: Order) -> PreviewPicture:
@@ -157,7 +159,7 @@ class Painter:
             assert process.stdout is not None
             pickle.dump((order.job, order.scenario), process.stdin)
             process.stdin.flush()
-            kind, found = pickle.load(process.stdout)
+            kind, result = pickle.load(process.stdout)
         except (OSError, EOFError, pickle.UnpicklingError):
             self.stop()
             if order.dropped.is_set():
@@ -168,9 +170,9 @@ class Painter:
         finally:
             done.set()
         if kind == "error":
-            raise found
-        assert isinstance(found, PreviewPicture)
-        return found
+            raise result
+        assert isinstance(result, PreviewPicture)
+        return result
 
     def _watch(self, process: subprocess.Popen[bytes], order: Order, begin: float, done: threading.Event) -> None:
         while not done.wait(0.2):
@@ -186,7 +188,7 @@ class Painter:
             return self._process
 
     def warm(self) -> None:
-        """Start the process, which loads for a second."""
+        """Start the process in advance, since loading takes a second."""
         self._running()
 
     def stop(self) -> None:

@@ -1,4 +1,4 @@
-"""How the workbench looks: the colours of the viewer's other pages."""
+"""Style of the workbench: the colours of the viewer's other pages."""
 
 from __future__ import annotations
 

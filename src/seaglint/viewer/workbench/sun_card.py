@@ -1,4 +1,4 @@
-"""The card of the Sun: its angles, or its course over a day at a place with a slider."""
+"""Card of the Sun: its angles, or its course over a day at a place with a slider."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from seaglint.viewer.workbench.draft import Draft
 from seaglint.viewer.workbench.fields import Path as Keys
 
 _BEGIN = ("2026-06-21T17:30:00Z", 36.8, -75.9)
-"""Where and when the slider begins: off the coast of Virginia, at the article's season."""
+"""Place and time at which the slider begins: off the coast of Virginia, in the season of the article."""
 
 
 class Daylight:
-    """The card; ``changed`` is called with the keys that it changed, ``rebuilt`` where tables came or went."""
+    """Card of the Sun; ``changed`` is called with the keys that it changed, ``rebuilt`` where tables were added or removed."""
 
     def __init__(self, draft: Draft, changed: Callable[[Keys], None], rebuilt: Callable[[], None]) -> None:
         self._draft, self._changed, self._rebuilt = draft, changed, rebuilt
@@ -34,10 +34,10 @@ class Daylight:
     def _moment(self) -> datetime | None:
         given = self._draft.get(("time", "utc"))
         try:
-            found = given if isinstance(given, datetime) else datetime.fromisoformat(str(given).strip().replace("Z", "+00:00"))
+            moment = given if isinstance(given, datetime) else datetime.fromisoformat(str(given).strip().replace("Z", "+00:00"))
         except ValueError:
             return None
-        return found.replace(tzinfo=UTC) if found.tzinfo is None else found.astimezone(UTC)
+        return moment.replace(tzinfo=UTC) if moment.tzinfo is None else moment.astimezone(UTC)
 
     def _build(self) -> None:
         self._box.clear()
@@ -82,7 +82,7 @@ class Daylight:
         self._changed(("time", "utc"))
 
     def show(self, sun: SunPosition | None) -> None:
-        """The scenario is valid, and this is its Sun."""
+        """Show the Sun of a valid scenario."""
         self._sun = sun
         moment = self._moment()
         if (moment is not None) != (self._parts is not None):
@@ -93,7 +93,7 @@ class Daylight:
         background_tasks.create(self._follow(moment))
 
     async def _follow(self, moment: datetime) -> None:
-        """Lay out the day where it is another one."""
+        """Compute the day again where it is another one."""
         from seaglint.scenario.records.place import Place
 
         place = Place.model_validate(self._draft.get(("place",)))
