@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+import re
 import subprocess
 import sys
 from contextlib import nullcontext
@@ -102,8 +104,16 @@ def test_render_is_a_function_and_a_room_whatever_was_imported_before(before: st
 
 def test_every_name_is_there_and_documented() -> None:
     assert set(sg.__all__) <= set(dir(sg))
-    for name in set(sg.__all__) - {"__version__", "render", "sensor"}:
-        assert "Examples" in getattr(sg, name).__doc__
+    for name in set(sg.__all__) - {"__version__"}:
+        function = getattr(sg, name)
+        assert inspect.isfunction(function)
+        assert "Examples" in function.__doc__
+        parameters = inspect.signature(function).parameters
+        assert not {p.kind for p in parameters.values()} & {inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD}
+        assert all(p.annotation is not inspect.Parameter.empty for p in parameters.values())
+        # the text names every parameter
+        described = function.__doc__.partition("    Parameters\n")[2].partition("    Returns\n")[0]
+        assert [p for p in parameters if not re.search(rf"\b{p}\b", described)] == []
     with pytest.raises(AttributeError, match=r"'rendering'; it has .*render"):
         sg.rendering  # noqa: B018
 
@@ -238,7 +248,6 @@ def test_options_go_by_the_fields_of_the_record(run) -> None:
 @pytest.mark.parametrize(
     ("options", "match"),
     [
-        ({"sigma": "frame"}, "option 'sigma' is not one of filter, thresholds"),
         ({"scope": "frames"}, "scope = 'frames' is not one of frame, sequence, local"),
         ({"border": "cut"}, "border = 'cut' is not one of auto, keep, drop"),
         ({"filter": "laplace"}, "'laplace' is unknown"),
