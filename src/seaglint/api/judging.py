@@ -128,7 +128,7 @@ def detect(
     if threshold_law not in ("sigma", "frame", "fixed", "design"):
         raise DataError(f"threshold_law = {threshold_law!r} is not one of sigma, frame, fixed, design; give one of them")
     if psf is not None and object_sigma_px is not None:
-        raise DataError("psf and object_sigma_px are two shapes of one object; give one of them")
+        raise DataError("`psf` and `object_sigma_px` are two shapes of one object; give one of them")
     shape = SampledSpot(psf) if psf is not None else GaussianSpot(0.8 if object_sigma_px is None else object_sigma_px)
     contrasts = None if contrast is None else tuple(float(c) for c in np.atleast_1d(np.asarray(contrast, float)))
     template = InjectedObjects(

@@ -45,8 +45,8 @@ def spelled_as_options(text: str, options: Mapping[str, str], *, of_file: bool =
     """Return an error's text with parameters spelled as the options that set them.
 
     Errors speak of parameters, which a user of the command line never sees: ``name = value`` and ``name=True`` anywhere, and a name alone
-    where its underscore tells it from a word. Keys of a scenario file, which have a dot before them, stay. In the error of a file
-    (``of_file``), which has keys without a dot too, only ``name=value`` without spaces is a parameter.
+    that stands in backticks, or whose underscore tells it from a word. Keys of a scenario file, which have a dot before them, stay. In the
+    error of a file (``of_file``), which has keys without a dot too, ``name=value`` without spaces is a parameter and ``name = value`` none.
 
     Examples
     --------
@@ -56,10 +56,11 @@ def spelled_as_options(text: str, options: Mapping[str, str], *, of_file: bool =
     >>> spelled_as_options("out.json exists already; give overwrite=True, or another frame_rate", names)
     'out.json exists already; give --overwrite, or another --frame-rate'
     """
-    if not options:
+    if not options or text.startswith("--"):  # the command line itself speaks, of what it read in an option
         return text
     alone = r"(?<![\w.\-/\[\"'`])"
     names = "|".join(sorted(map(re.escape, options), key=len, reverse=True))
+    text = re.sub(r"`(\w+)`", lambda match: options.get(match[1], match[0]), text)
     equals = "=" if of_file else "(?: = |=)"
     text = re.sub(rf"{alone}({names}){equals}True\b", lambda match: options[match[1]], text)
     text = re.sub(rf"{alone}({names}){equals}(?![= ])", lambda match: f"{options[match[1]]} ", text)
