@@ -127,13 +127,13 @@ def functions(tree: Trees) -> Iterator[tuple[Path, ast.FunctionDef | ast.AsyncFu
 def commands(tree: Trees) -> list[tuple[int, str]]:
     """Return the number of options and arguments of each command that a help page lists, most first.
 
-    Commands are what ``.command`` decorates or is called with; hidden ones are left out. A parameter whose type is a class stands for the
-    fields of the class and of those that it inherits from; fields that ``Without`` names are counted all the same.
+    Commands are what ``.command`` decorates or is called with; hidden ones are left out. A parameter whose type is a record of the
+    commands' room, or of a file of requests, stands for its fields and those that it inherits; those that ``Without`` names count as well.
     """
     classes: dict[str, tuple[list[str], set[str]]] = {}
     names: set[str] = set()
     for path, node in nodes(tree):
-        if isinstance(node, ast.ClassDef):
+        if isinstance(node, ast.ClassDef) and (path.parts[0] == "cli" or path.name == "requests.py"):
             fields = {ast.unparse(field.target) for field in node.body if isinstance(field, ast.AnnAssign)}
             classes[node.name] = [ast.unparse(base) for base in node.bases], fields
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Call) and ast.unparse(node.func.func).endswith(".command"):
