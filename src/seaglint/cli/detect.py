@@ -31,7 +31,8 @@ class DetectGroup(TyperGroup):
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
         """Return the context of the group, or of the command without a name."""
         group = not args or args[0] in self.commands or args[0] == "--help"
-        return (super() if group else self.bare).make_context(info_name, args, parent=parent, **extra)
+        make = super().make_context if group else self.bare.make_context
+        return make(info_name, args, parent=parent, **extra)
 
     def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
         """Return the commands, and the options of the command without a name."""

@@ -86,7 +86,7 @@ def takes_records(command: Callable[..., None]) -> Callable[..., None]:
 def _option(field: Field[Any], hint: Any) -> tuple[inspect.Parameter, Callable[[Any], Any]]:
     """Return the parameter of a command for a field of a record, and what reads its text."""
     kind, *extras = get_args(hint) if get_origin(hint) is Annotated else (hint,)
-    default = inspect.Parameter.empty if field.default is MISSING else field.default
+    default: Any = inspect.Parameter.empty if field.default is MISSING else field.default
     described = next((extra for extra in extras if isinstance(extra, Parameter)), None)
     if described is None:  # an option as Typer has it
         return inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint), lambda value: value
@@ -95,12 +95,12 @@ def _option(field: Field[Any], hint: Any) -> tuple[inspect.Parameter, Callable[[
     if field.default is MISSING:
         info: Any = typer.Argument(help=help_text, **more)
     else:
-        limit = {} if described.least is None else {"min": described.least}
+        limit: dict[str, Any] = {} if described.least is None else {"min": described.least}
         info = typer.Option(option, help=help_text, rich_help_panel=described.group, **limit, **more)
     if described.form:
         kind = Path | None if described.form == "weights" else str | None
         default = None if default is None else ",".join(f"{value:g}" for value in default)
-    reader = READERS.get(described.form, lambda value, _: value)
+    reader: Callable[[Any, str], Any] = READERS.get(described.form, lambda value, _: value)
     parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info])
     return parameter, lambda value: None if value is None else reader(value, option)
 
