@@ -36,7 +36,7 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
     o = request
     if o.contrast is None:
         raise DataError("--contrast is missing: what an object adds to its pixel, in the recording's units; give e.g. --contrast 4")
-    inputs = [o.source, *o.files]
+    inputs: list[str | Path] = [o.source, *o.files]
     files = None if results.output is None else DetectionFiles.at(results.output, overwrite=run.overwrite, inputs=inputs)
     if results.report is not None:
         refuse_existing(results.report, overwrite=run.overwrite, inputs=inputs)
