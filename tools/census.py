@@ -125,25 +125,34 @@ def functions(tree: Trees) -> Iterator[tuple[Path, ast.FunctionDef | ast.AsyncFu
 
 
 def commands(tree: Trees) -> list[tuple[int, str]]:
-    """Return the number of options and arguments of each command, most first.
+    """Return the number of options and arguments of each command that a help page lists, most first.
 
-    Commands are what ``.command`` decorates or is called with. A parameter whose type is a class of the commands' room stands for as many
-    as the class has fields.
+    Commands are what ``.command`` decorates or is called with; hidden ones are left out. A parameter whose type is a record of the
+    commands' room, or of a file of requests, stands for its fields and those that it inherits; those that ``Without`` names count as well.
     """
-    records: dict[str, int] = {}
+    classes: dict[str, tuple[list[str], set[str]]] = {}
     names: set[str] = set()
     for path, node in nodes(tree):
-        if isinstance(node, ast.ClassDef) and path.parts[0] == "cli":
-            records[node.name] = sum(isinstance(field, ast.AnnAssign) for field in node.body)
+        if isinstance(node, ast.ClassDef) and (path.parts[0] == "cli" or path.name == "requests.py"):
+            fields = {ast.unparse(field.target) for field in node.body if isinstance(field, ast.AnnAssign)}
+            classes[node.name] = [ast.unparse(base) for base in node.bases], fields
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Call) and ast.unparse(node.func.func).endswith(".command"):
             names |= {argument.id for argument in node.args if isinstance(argument, ast.Name)}
+
+    def options(name: str) -> set[str]:
+        bases, own = classes.get(name, ([], set()))
+        return own.union(*map(options, bases))
+
     out = []
     for path, function in functions(tree):
-        decorated = any(re.search(r"\.command\b", ast.unparse(decorator)) for decorator in function.decorator_list)
+        decorators = " ".join(map(ast.unparse, function.decorator_list))
+        decorated = re.search(r"\.command\b", decorators) and "hidden=True" not in decorators
         if path.parts[0] == "cli" and (decorated or function.name in names):
-            given = [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]
-            count = sum(records.get(ast.unparse(a.annotation), 0) or 1 if a.annotation else 1 for a in given)
-            out.append((count, f"{place(path, function)}: {function.name}"))
+            shown: set[str] = set()
+            for given in [*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs]:
+                kind = "" if given.annotation is None else ast.unparse(given.annotation).removeprefix("Annotated[").partition(",")[0]
+                shown |= options(kind) or {given.arg}
+            out.append((len(shown), f"{place(path, function)}: {function.name}"))
     return sorted(out, reverse=True)
 
 

@@ -86,8 +86,8 @@ def test_a_point_spread_from_a_file_is_the_object(seaglint, white: Path, tmp_pat
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (("--contrast", "0"), "contrast = 0: an object must add something"),
-        (("--contrast", "1,1e39"), "contrast = 1e+39 is beyond what frames hold"),
+        (("--contrast", "0"), "--contrast 0: an object must add something"),
+        (("--contrast", "1,1e39"), "--contrast 1e+39 is beyond what frames hold"),
         (("--contrast", "bright"), "FIRST:LAST:STEP"),
         (("--contrast", "1:2:0"), "FIRST:LAST:STEP"),
         (("--contrast", "4", "--detector", "radar"), "'radar' is unknown; choose"),

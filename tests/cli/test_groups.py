@@ -82,7 +82,15 @@ def question(shell: str, words: str) -> dict[str, str]:
 
 @pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
 @pytest.mark.parametrize(
-    ("words", "found"), [("seaglint dete", "detect"), ("seaglint texture co", "compare"), ("seaglint detect --match", "--match-radius")]
+    ("words", "found"),
+    [
+        ("seaglint dete", "detect"),
+        ("seaglint texture co", "compare"),
+        ("seaglint detect --match", "--match-radius"),
+        ("seaglint detect run.zarr --match", "--match-radius"),
+        ("seaglint detect ra", "range"),
+        ("seaglint detect range --bear", "--bearings"),
+    ],
 )
 def test_the_shell_completes_commands_and_options(shell: str, words: str, found: str, seaglint, monkeypatch) -> None:
     for name, value in question(shell, words).items():
@@ -91,7 +99,7 @@ def test_the_shell_completes_commands_and_options(shell: str, words: str, found:
 
 
 def test_the_tab_key_is_answered_without_the_pipeline() -> None:
-    """The answer stands between two keystrokes: nothing heavy is loaded, nor any room but the commands' own."""
+    """The answer stands between two keystrokes: nothing heavy is loaded, and of the studies only the records of requests."""
     code = (
         "import atexit, sys; sys.argv = ['seaglint']; from seaglint.cli.app import main\n"
         "atexit.register(lambda: print(*sorted(sys.modules), file=sys.stderr)); main()"
@@ -101,5 +109,6 @@ def test_the_tab_key_is_answered_without_the_pipeline() -> None:
     assert sorted(done.stdout.split()) == ["render", "reproduce"]
     loaded = done.stderr.splitlines()[-1].split()
     own = {name for name in loaded if name.startswith("seaglint.") and not name.startswith("seaglint.cli")}
-    assert own <= {"seaglint.base", "seaglint.base.errors"}
+    requests = {"seaglint.studies", "seaglint.studies.detect", "seaglint.studies.detect.requests"}
+    assert own <= {"seaglint.base", "seaglint.base.errors", "seaglint.base.parameters", *requests}
     assert not {"numpy", "scipy", "numba", "pandas", "xarray", "dask", "zarr", "matplotlib"} & set(loaded)

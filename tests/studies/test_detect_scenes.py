@@ -398,8 +398,37 @@ def test_command_writes_tidy_tables_pictures_and_a_report(path: Path, tmp_path: 
     assert "--contrast is missing" in seaglint("detect", tmp_path / "clip.npy")[2]
 
 
+@pytest.mark.parametrize(
+    ("command", "bare"),
+    [
+        ("scene", ("--objects", "gaussian", "--contrast", "4,8", "--vary", "wind.speed_m_s=4,8")),
+        ("design", ("--design", "--objects", "gaussian", "--p-fa", "1e-2")),
+        ("range", ("--range", "--object", "boat", "--p-fa", "1e-2", "--bearings", "0,90", "--range-limits", "500:20000")),
+    ],
+)
+@pytest.mark.parametrize("form", [(), ("--json",)])
+def test_both_spellings_of_a_command_print_the_same(
+    command: str, bare: tuple[str, ...], form: tuple[str, ...], path: Path, capsys, monkeypatch
+) -> None:
+    import sys
+
+    from seaglint.cli.app import main
+
+    seen = Seen(GaussianSpot(0.8), 5.0, 20.0, 24.0)
+    monkeypatch.setattr(detect_range, "seen_object", lambda scene, name: replace(seen, contrast=2e7 / math.hypot(*_place(scene)) ** 2))
+    printed = []
+    for words in (("detect", command, *(word for word in bare if word != f"--{command}")), ("detect", *bare)):
+        common = ("--threshold", "3", "--frames", "6", "--injections", "100", "--progress", "none", *form)
+        monkeypatch.setattr(sys, "argv", ["seaglint", *words, str(path), *common])
+        with pytest.raises(SystemExit) as left:
+            main()
+        assert not left.value.code
+        printed.append(capsys.readouterr().out)
+    assert printed[0] == printed[1] != ""
+
+
 def test_strength_in_watts_needs_a_range() -> None:
-    with pytest.raises(DomainError, match="--range-m"):
+    with pytest.raises(DomainError, match="give range_m"):
         Strength((5.0,), "W/sr")
     with pytest.raises(DomainError, match="contrast = 0"):
         Strength((0.0,))

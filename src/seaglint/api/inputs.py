@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import fields
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
     from seaglint.analysis import AnalysisOptions, Recording
+    from seaglint.analysis.run import Border
+    from seaglint.clutter.filters import Filter
+    from seaglint.clutter.thresholds import Scope
+    from seaglint.detection.interface import Detector
     from seaglint.optics.band import Band
 
 
@@ -19,7 +22,17 @@ AXES = ("time", "y", "x")
 """Names of the last axes of an array without names."""
 
 
-def options_of(given: Mapping[str, Any]) -> AnalysisOptions:
+def analysis_options(
+    *,
+    filter: str | Filter,
+    thresholds: Sequence[float],
+    scope: Scope,
+    rows: tuple[float, float],
+    mask: ArrayLike | None,
+    border: Border,
+    detectors: str | Detector | Sequence[str | Detector],
+    seed: int,
+) -> AnalysisOptions:
     """Return the options as a record: filters and detectors from names, sequences as tuples, masks as plain arrays."""
     from typing import get_args
 
@@ -32,22 +45,20 @@ def options_of(given: Mapping[str, Any]) -> AnalysisOptions:
     from seaglint.clutter.thresholds import Scope
     from seaglint.detection import named_detectors as choice
 
-    known = [field.name for field in fields(AnalysisOptions)]
-    for name in given:
-        if name not in known:
-            raise DataError(f"option '{name}' is not one of {', '.join(known)}; leave it out or give one of them")
-    for name, allowed in (("scope", get_args(Scope)), ("border", get_args(Border))):
-        if name in given and given[name] not in allowed:
-            raise DataError(f"{name} = {given[name]!r} is not one of {', '.join(allowed)}; give one of them or leave it out")
-    out: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in given.items()}
-    if isinstance(out.get("filter"), str):
-        out["filter"] = filters.named(out["filter"])
-    if "detectors" in out:
-        names = (out["detectors"],) if isinstance(out["detectors"], str) else out["detectors"]
-        out["detectors"] = tuple(choice.named(d) if isinstance(d, str) else d for d in names)
-    if out.get("mask") is not None:
-        out["mask"] = np.asarray(out["mask"], dtype=np.bool_)
-    return AnalysisOptions(**out)
+    for name, value, allowed in (("scope", scope, get_args(Scope)), ("border", border, get_args(Border))):
+        if value not in allowed:
+            raise DataError(f"{name} = {value!r} is not one of {', '.join(allowed)}; give one of them or leave it out")
+    several = detectors if isinstance(detectors, list | tuple) else (detectors,)
+    return AnalysisOptions(
+        filter=filters.named(filter) if isinstance(filter, str) else filter,
+        thresholds=tuple(thresholds),
+        scope=scope,
+        rows=(rows[0], rows[1]),
+        mask=None if mask is None else np.asarray(mask, dtype=np.bool_),
+        detectors=tuple(choice.named(d) if isinstance(d, str) else d for d in several),
+        seed=seed,
+        border=border,
+    )
 
 
 def recording_of(given: Any, frame_rate: float | None, units: str | None, variable: str | None) -> Recording:

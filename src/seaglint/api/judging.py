@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,9 +44,13 @@ def detect(
     frame_rate: float | None = None,
     units: str | None = None,
     variable: str | None = None,
+    placement: Literal["random", "centre"] = "random",
+    match_radius: float = 1.0,
+    velocity: tuple[float, float] = (0.0, 0.0),
+    pointing: Literal["least-squares", "centroid"] = "least-squares",
+    duration: int = 0,
     seed: int = 0,
     progress: Progress | None = None,
-    **more: Any,
 ) -> dict[str, Any]:
     """Probabilities of detection and false alarm, and errors of place, of a detector.
 
@@ -77,13 +81,20 @@ def detect(
         Contrast of a scenario's object for P_d 0.9 at one false alarm per hour and field, or at ``p_fa``, and the loss against white noise.
     frame_rate, units, variable
         Properties of the recording, as for :func:`seaglint.api.analyze`.
+    placement : {"random", "centre"}
+        Places of the objects: anywhere within pixels, or at their centres.
+    match_radius : float
+        Largest distance of a detection from the object's pixel [px].
+    velocity : (float, float)
+        Motion of the objects down and to the right [px a frame].
+    pointing : {"least-squares", "centroid"}
+        Estimate of the place of a detection.
+    duration : int
+        Frames for which an object is there, up to the one judged; 0 for all that the detector sees.
     seed : int
         Seed of the places.
     progress : callable, optional
         Called with (done, in all).
-    **more
-        Other fields of :class:`seaglint.detection.trials.InjectedObjects`: ``placement``, ``match_radius``, ``velocity``, ``pointing``,
-        ``duration``.
 
     Returns
     -------
@@ -114,17 +125,15 @@ def detect(
     from seaglint.studies.detect.performance import DetectionOptions
     from seaglint.studies.detect.performance import detect as judged
 
-    known = ("placement", "match_radius", "velocity", "pointing", "duration")
-    for name in more:
-        if name not in known:
-            raise DataError(f"option '{name}' is not one of {', '.join(known)}; leave it out or give one of them")
     if threshold_law not in ("sigma", "frame", "fixed", "design"):
         raise DataError(f"threshold_law = {threshold_law!r} is not one of sigma, frame, fixed, design; give one of them")
     if psf is not None and object_sigma_px is not None:
-        raise DataError("psf and object_sigma_px are two shapes of one object; give one of them")
+        raise DataError("`psf` and `object_sigma_px` are two shapes of one object; give one of them")
     shape = SampledSpot(psf) if psf is not None else GaussianSpot(0.8 if object_sigma_px is None else object_sigma_px)
     contrasts = None if contrast is None else tuple(float(c) for c in np.atleast_1d(np.asarray(contrast, float)))
-    template = InjectedObjects(shape, contrasts or (1.0,), injections, seed=seed, **more)
+    template = InjectedObjects(
+        shape, contrasts or (1.0,), injections, placement, match_radius, velocity, pointing, seed=seed, duration=duration
+    )
     law: Any = threshold_law
     options = DetectionOptions(template, detector, filter_named(filter), threshold, law)
     if not isinstance(source, Scenario):

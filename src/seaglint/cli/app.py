@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperGroup
 
-from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.errors import DataError, ScenarioError, SeaglintError
 from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
 from seaglint.cli.dataset import dataset
@@ -35,7 +35,7 @@ from seaglint.cli.sensor import line as counts_line
 from seaglint.cli.terminal.completion import InstallCompletion, ShowCompletion
 from seaglint.cli.terminal.examples import add_examples
 from seaglint.cli.terminal.groups import write_groups
-from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
+from seaglint.cli.terminal.messages import files_read, log, naming_file, option_names, print_json, spelled_as_options
 from seaglint.cli.terminal.options import Overwrite, PreviewScale, ProgressOption, ShardOption, place_given
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen
@@ -77,11 +77,13 @@ class _Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command chosen."""
+        words = [*ctx._protected_args, *ctx.args]
         try:
             with _termination():
                 return super().invoke(ctx)
         except SeaglintError as error:
-            for line in str(error).splitlines():
+            text = spelled_as_options(str(error), option_names(self, words), of_file=isinstance(error, ScenarioError))
+            for line in text.splitlines():
                 log(f"seaglint: {line}")
             sys.exit(error.exit_code)
         except OSError as error:
@@ -111,9 +113,9 @@ app.add_typer(evaluate, name="evaluate")
 app.add_typer(atmosphere, name="atmosphere")
 app.add_typer(weather, name="weather")
 app.add_typer(texture, name="texture")
+app.add_typer(detect, name="detect")
 app.command()(analyze)
 app.command()(dataset)
-app.command()(detect)
 app.command()(ensemble)
 app.command()(export)
 app.command("export-sea")(export_sea)

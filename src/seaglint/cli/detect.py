@@ -1,21 +1,148 @@
-"""``seaglint detect``: probabilities of detection and false alarm of a detector, on a recording or in rendered scenes."""
+"""``seaglint detect``: probabilities of detection and false alarm of a detector, on a recording or in rendered scenes.
+
+Four commands, each with the options of its own request; ``seaglint detect SOURCE`` takes all options and chooses by the file's ending.
+"""
 
 from __future__ import annotations
 
-from seaglint.cli.detect_options import DetectOptions, with_options
+from dataclasses import fields
+from pathlib import Path
+from typing import Annotated, Any, Final
+
+import typer
+from typer.core import TyperGroup
+
+from seaglint.base.errors import DataError
+from seaglint.cli.terminal.records import RecordCommand, Without, option_of, takes_records
+from seaglint.cli.terminal.run_options import ALONE, ResultOptions, RunOptions
+from seaglint.studies.detect.requests import DesignRequest, RangeRequest, RecordingRequest, SceneRequest
+
+BARE: Final = "SOURCE"
+"""Name under which the command without a name is registered; nobody types it."""
 
 
-@with_options
-def detect(options: DetectOptions) -> None:
+class DetectGroup(TyperGroup):
+    """Group whose first word may be a file instead of a command: then it is the command without a name, with all options."""
+
+    def __init__(self, **given: Any) -> None:
+        super().__init__(**given)
+        self.bare = self.commands.pop(BARE)
+
+    def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
+        """Return the context of the group, or of the command without a name."""
+        group = not args or args[0] in self.commands or args[0] == "--help"
+        make = super().make_context if group else self.bare.make_context
+        return make(info_name, args, parent=parent, **extra)
+
+    def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
+        """Return the commands, and the options of the command without a name."""
+        return [*super().shell_complete(ctx, incomplete), *(self.bare.shell_complete(ctx, incomplete) if incomplete else ())]
+
+
+detect = typer.Typer(
+    cls=DetectGroup,
+    rich_markup_mode=None,
+    no_args_is_help=True,
+    help="Probabilities of detection and false alarm of a detector.\n\n"
+    "Objects are injected into a recording or into rendered scenes; errors of place are told as well. "
+    "'seaglint detect SOURCE' takes the options of all four and chooses by the file: SCENARIO.toml, "
+    "with --design or --range, or a recording. A file that is called like a command is given as ./range.",
+)
+
+
+@detect.command("recording", cls=RecordCommand)
+@takes_records
+def recording(request: RecordingRequest, results: ResultOptions, run: Annotated[RunOptions, Without((*ALONE, "resume"))]) -> None:
+    """Detection on a recording without objects."""
+    from seaglint.cli.detect_recording import detect_recording
+
+    detect_recording(request, results, run)
+
+
+@detect.command("scene", cls=RecordCommand)
+@takes_records
+def scene(request: SceneRequest, results: ResultOptions, run: RunOptions) -> None:
+    """Detection in independent rendered seas of a scenario."""
+    from seaglint.cli.detect_scene import detect_scene
+
+    detect_scene(request, results, run)
+
+
+@detect.command("design", cls=RecordCommand)
+@takes_records
+def design(request: DesignRequest, results: ResultOptions, run: RunOptions) -> None:
+    """Contrast that an object needs, and loss against white noise.
+
+    For P_d 0.9 at one false alarm per hour and field, where nothing else is said.
+    """
+    from seaglint.cli.detect_scene import detect_scene
+
+    detect_scene(request, results, run)
+
+
+@detect.command("range", cls=RecordCommand)
+@takes_records
+def detection_range(
+    request: RangeRequest, results: Annotated[ResultOptions, Without(("report",))], run: Annotated[RunOptions, Without(ALONE)]
+) -> None:
+    """Range up to which an object of a scenario is detected."""
+    from seaglint.cli.detect_range import detect_range
+
+    detect_range(request, results, run)
+
+
+@detect.command(BARE, cls=RecordCommand, hidden=True)
+@takes_records
+def detect_source(
+    recorded: RecordingRequest,
+    rendered: DesignRequest,
+    far: RangeRequest,
+    results: ResultOptions,
+    run: RunOptions,
+    as_design: Annotated[
+        bool,
+        typer.Option(
+            "--design",
+            help="contrast for P_d 0.9 at one false alarm per hour and field, and the loss against white noise",
+            rich_help_panel="Design",
+        ),
+    ] = False,
+    find_range: Annotated[
+        bool, typer.Option("--range", help="range up to which an object of the scenario is detected", rich_help_panel="Range")
+    ] = False,
+) -> None:
     """Probabilities of detection and false alarm of a detector.
 
-    With errors of place, of objects injected into a recording or into rendered scenes.
+    INPUT is a recording without objects, or SCENARIO.toml. Each kind has a command with its own options alone: seaglint detect --help.
     """
-    if options.of_scenario:
+    if Path(recorded.source).suffix.lower() == ".toml":
+        wrong = given(recorded, besides=(rendered, far))
+        if wrong:
+            raise DataError(f"{', '.join(wrong)}: says something of a recording, which a scenario says itself; leave it out")
+        if find_range:
+            from seaglint.cli.detect_range import detect_range
+
+            run.done_here("ranges are found")
+            detect_range(far, results, run)
+            return
         from seaglint.cli.detect_scene import detect_scene
 
-        detect_scene(options)
-    else:
-        from seaglint.cli.detect_recording import detect_recording
+        asked = as_design or any(value is not None for value in (far.p_fa, far.alarms_per_hour, far.p_d))
+        own = {field.name: getattr(rendered, field.name) for field in fields(SceneRequest)}
+        detect_scene(rendered if asked else SceneRequest(**own), results, run)
+        return
+    flags = (("--resume", run.resume), ("--design", as_design), ("--range", find_range))
+    wrong = [*given(rendered, far, besides=(recorded,)), *(option for option, on in flags if on)]
+    if wrong:
+        raise DataError(f"{', '.join(wrong)}: for scenarios, and {recorded.source} is a recording; give SCENARIO.toml, or leave it out")
+    from seaglint.cli.detect_recording import detect_recording
 
-        detect_recording(options)
+    run.done_here("a recording is judged")
+    detect_recording(recorded, results, run)
+
+
+def given(*requests: Any, besides: tuple[Any, ...]) -> list[str]:
+    """Return the options that were set of some requests and that others do not have."""
+    known = {field.name for other in besides for field in fields(other)}
+    own = {field.name: (field.default, getattr(request, field.name)) for request in requests for field in fields(request)}
+    return [option_of(name) for name, (default, value) in own.items() if name not in known and value != default]

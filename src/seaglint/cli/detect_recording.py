@@ -1,4 +1,4 @@
-"""``seaglint detect RECORDING``: a detector judged on frames that are there, or several settings of it."""
+"""``seaglint detect recording``: a detector judged on frames that are there, or several settings of it."""
 
 from __future__ import annotations
 
@@ -7,72 +7,67 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from seaglint.cli.analyze import raw_layout
-from seaglint.cli.detect_options import OF_SCENARIOS, DetectOptions
 from seaglint.cli.terminal.numbers import between
 
 if TYPE_CHECKING:
+    from seaglint.cli.terminal.run_options import ResultOptions, RunOptions
+    from seaglint.studies.detect.requests import RecordingRequest
     from seaglint.studies.detect.study import Study
 
 
-def detect_recording(options: DetectOptions) -> None:
-    """Judge a detector on a recording and write what was asked for.
+def detect_recording(request: RecordingRequest, results: ResultOptions, run: RunOptions) -> None:
+    """Evaluate a detector on a recording and write the results.
 
     Raises
     ------
     DataError
-        Options of scenarios, no contrast, or what the study refuses.
+        No contrast, or what the study refuses.
     """
     import warnings
 
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.messages import log, print_json
     from seaglint.cli.terminal.progress import patient_progress
-    from seaglint.cli.terminal.workers import done_here
     from seaglint.files.outputs import refuse_existing
     from seaglint.files.recording import open_recording
     from seaglint.files.tables.detection_tables import DetectionFiles
     from seaglint.studies.detect.recordings import run_recording, settings_of
 
-    o = options
-    wrong = o.given(OF_SCENARIOS)
-    if wrong:
-        raise DataError(f"{', '.join(wrong)}: for scenarios, and {o.recording} is a recording; give SCENARIO.toml, or leave it out")
-    if o.contrasts is None:
+    o = request
+    if o.contrast is None:
         raise DataError("--contrast is missing: what an object adds to its pixel, in the recording's units; give e.g. --contrast 4")
-    inputs = [path for path in (o.recording, o.kernel, o.signature, o.psf) if path is not None]
-    files = None if o.output is None else DetectionFiles.at(o.output, overwrite=o.overwrite, inputs=inputs)
-    if o.report is not None:
-        refuse_existing(o.report, overwrite=o.overwrite, inputs=inputs)
-    done_here(o.workers, o.dask, o.dask_slurm, "a recording is judged")
+    inputs: list[str | Path] = [o.source, *o.files]
+    files = None if results.output is None else DetectionFiles.at(results.output, overwrite=run.overwrite, inputs=inputs)
+    if results.report is not None:
+        refuse_existing(results.report, overwrite=run.overwrite, inputs=inputs)
     settings = settings_of(o.vary or ())
     opened = open_recording(
-        o.recording,
+        o.source,
         frame_rate=o.frame_rate,
         units=o.units,
-        raw=raw_layout(o.raw),
+        raw=o.raw,
         variable=o.variable,
         channel=o.channel,
         axes=o.axes,
         saturation=o.saturation,
     )
-    judged = o.judged(o.objects(o.contrasts), opened.frame_rate, _pixel(o.recording, o.pixel_mrad))
+    judged = o.detection(o.contrast, opened.frame_rate, _pixel(o.source, o.pixel_mrad))
     with warnings.catch_warnings():
         # Of numbers that do not exist (a detector that divides by 0): the result says what is absent and why.
         warnings.simplefilter("ignore", RuntimeWarning)
-        with patient_progress(o.show, "frames and objects") as progress:
+        with patient_progress(run.show, "frames and objects") as progress:
             study = run_recording(opened, judged, settings, progress=progress)
     result = study.as_dict() if o.vary else study.good[0]["result"]
     if files is not None:
         _write(study, result, files, single=not o.vary)
         log(f"{', '.join(str(path) for path in files.paths)} written")
-    if o.report is not None:
+    if results.report is not None:
         from seaglint.files.text_file import write_text
         from seaglint.plot.detection_report import study_report
 
-        write_text(study_report(f"Detection: {o.recording}", study.cases, None), o.report)
-        log(f"{o.report} written")
-    if o.as_json:
+        write_text(study_report(f"Detection: {o.source}", study.cases, None), results.report)
+        log(f"{results.report} written")
+    if results.as_json:
         print_json(result)
     else:
         for case in study.good:

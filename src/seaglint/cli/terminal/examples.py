@@ -14,7 +14,7 @@ import typer
 _SCENE = "seaglint init example.toml --overwrite"
 _RUN = (_SCENE, "seaglint render example.toml -o example.zarr --frames 0:8 --resume")
 # A part of the picture that is stationary, without which the fit is refused.
-_FIT = (*_RUN, "seaglint texture fit example.zarr -o model.json --region 160:256,160:352 --overwrite")
+_FIT = (*_RUN, "seaglint texture fit example.zarr -o model.json \\", "    --region 160:256,160:352 --overwrite")
 _ANGLES = "printf 'wavelength_um,wind_speed_m_s,zenith_deg\\n4,5,70\\n' > angles.csv"
 _AIR = (
     "printf 'atmosphere,wind_speed_m_s,sensor_height_m,depression_deg,' > air.csv",
@@ -96,7 +96,11 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "texture place": (*_FIT, "seaglint texture place model.json example.toml -o placed.zarr"),
     "ensemble": (*_WINDS, "seaglint ensemble winds.toml -o scenes --draw-only"),
     "analyze": (*_RUN, "seaglint analyze example.zarr --report clutter.html"),
-    "detect": (*_RUN, "seaglint detect example.zarr --contrast 0.05:0.4:0.05 --detector matched -o found"),
+    "detect": (*_RUN, "seaglint detect recording example.zarr --contrast 0.05:0.4:0.05 -o found"),
+    "detect recording": (*_RUN, "seaglint detect recording example.zarr --contrast 0.1,0.2 --report detected.html"),
+    "detect scene": (*_BOAT, "seaglint detect scene boat.toml --contrast 0.2,0.5 --frames 4 -o seas"),
+    "detect design": (*_BOAT, "seaglint detect design boat.toml --p-fa 3e-3 --frames 4 -o need"),
+    "detect range": (*_BOAT, "seaglint detect range boat.toml --p-fa 3e-3 --frames 2 --range-limits 500:4000 -o far"),
     "likelihood": (
         "printf '[likelihood]\\nthreshold_w_m2_sr = [0.25, 2.5]\\n' > looks.toml",
         "seaglint likelihood looks.toml -o likelihood",

@@ -1,12 +1,13 @@
-"""What commands tell: lines for the user on stderr, results for a program on stdout, refusals with the file's name."""
+"""Messages of the commands: lines for the user on stderr, results for a program on stdout, errors in the words of the command line."""
 
 from __future__ import annotations
 
+import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 import typer
 
@@ -16,8 +17,61 @@ if TYPE_CHECKING:
     from seaglint.scenario.model import Scenario
 
 
+RENAMED: Final[Mapping[str, Mapping[str, str]]] = {"export": {"limits": "--range", "colours": "--map", "rate": "--fps"}}
+"""Parameters of Python whose options have another name, by command; all others are spelled as their option with underscores."""
+
+
+def option_names(group: Any, words: Sequence[str]) -> dict[str, str]:
+    """Return the options of a command by the parameter that each sets: ``{"frame_rate": "--frame-rate"}``.
+
+    Parameters
+    ----------
+    group : click group
+        Program, with groups of commands in it.
+    words : sequence of str
+        Words behind the program's name, as typed.
+    """
+    command, rest = group, list(words)
+    name = ""
+    while command is not None and hasattr(command, "commands") and rest:
+        name, *rest = rest
+        command = command.commands.get(name) or getattr(command, "bare", None)
+    options = [max(parameter.opts, key=len) for parameter in getattr(command, "params", ())]
+    spelled = {option[2:].replace("-", "_"): option for option in options if option.startswith("--")}
+    return {**spelled, **RENAMED.get(name, {})}
+
+
+def spelled_as_options(text: str, options: Mapping[str, str], *, of_file: bool = False) -> str:
+    """Return an error's text with parameters spelled as the options that set them.
+
+    Errors speak of parameters, which a user of the command line never sees: ``name = value`` and ``name=True`` anywhere, and a name alone
+    that stands in backticks, or whose underscore tells it from a word. Keys of a scenario file, which have a dot before them, stay. In the
+    error of a file (``of_file``), which has keys without a dot too, ``name=value`` without spaces is a parameter and ``name = value`` none.
+
+    Examples
+    --------
+    >>> names = {"frame_rate": "--frame-rate", "overwrite": "--overwrite", "format": "--format"}
+    >>> spelled_as_options("format = 'voc' is unknown; see sensor.format = 'raw'", names)
+    "--format 'voc' is unknown; see sensor.format = 'raw'"
+    >>> spelled_as_options("out.json exists already; give overwrite=True, or another frame_rate", names)
+    'out.json exists already; give --overwrite, or another --frame-rate'
+    """
+    if not options or text.startswith("--"):  # the command line itself speaks, of what it read in an option
+        return text
+    alone = r"(?<![\w.\-/\[\"'`])"
+    names = "|".join(sorted(map(re.escape, options), key=len, reverse=True))
+    text = re.sub(r"`(\w+)`", lambda match: options.get(match[1], match[0]), text)
+    equals = "=" if of_file else "(?: = |=)"
+    text = re.sub(rf"{alone}({names}){equals}True\b", lambda match: options[match[1]], text)
+    text = re.sub(rf"{alone}({names}){equals}(?![= ])", lambda match: f"{options[match[1]]} ", text)
+    if of_file:
+        return text
+    long = "|".join(sorted((re.escape(name) for name in options if "_" in name), key=len, reverse=True))
+    return re.sub(rf"{alone}({long})(?![\w\-/(=]|\.\w)", lambda match: options[match[1]], text) if long else text
+
+
 def log(text: str) -> None:
-    """One line for the user, on stderr."""
+    """Print one line for the user, on stderr."""
     print(text, file=sys.stderr, flush=True)
 
 

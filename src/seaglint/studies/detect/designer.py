@@ -79,7 +79,7 @@ def wanted_rate(found: Performance, wanted: Design) -> float:
         return wanted.p_fa
     rate = found.options.frame_rate
     if rate is None:
-        raise DomainError("false alarms an hour need the frame rate; give --frame-rate, or --p-fa")
+        raise DomainError("false alarms an hour need the frame rate; give frame_rate, or p_fa")
     index = found.tail.extremal_index
     events = index if index == index and 0.0 < index <= 1.0 else 1.0
     pixels = found.alarms.cells.pixels / found.judged.windows

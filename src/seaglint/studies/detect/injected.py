@@ -61,7 +61,7 @@ class Strength:
             given = f"contrast = {wrong[0]:g}" if wrong else "no contrast given"
             raise DomainError(f"{given}: an object must differ from what is behind it; give a finite number other than 0")
         if self.unit == "W/sr" and (self.range_m is None or not self.range_m > 0):
-            raise DomainError("an intensity in W/sr is seen from a range; give --range-m, above 0")
+            raise DomainError("an intensity in W/sr is seen from a range; give range_m, above 0")
 
     def at_aperture(self, seas: IndependentSeas, mean: float) -> tuple[float, ...]:
         """In-band contrast at the aperture, over the angle of a pixel [W m-2 sr-1]; ``mean``: the field's [W m-2 sr-1].

@@ -33,7 +33,7 @@ def settings_of(vary: Sequence[str]) -> list[dict[str, Any]]:
     found = parse_vary(vary)
     for key, _ in found:
         if key not in STUDY_KEYS:
-            raise DataError(f"--vary {key}: of a recording {', '.join(STUDY_KEYS)} may be varied; give one of them, or SCENARIO.toml")
+            raise DataError(f"vary = {key}: of a recording {', '.join(STUDY_KEYS)} may be varied; give one of them, or SCENARIO.toml")
     keys = [key for key, _ in found]
     return [dict(zip(keys, values, strict=True)) for values in itertools.product(*(values for _, values in found))]
 

@@ -62,9 +62,9 @@ def parse_vary(texts: Sequence[str]) -> list[tuple[str, list[Any]]]:
         key, sign, values = text.partition("=")
         key = key.strip()
         if not sign or not key or not values.strip():
-            raise DataError(f"--vary {text}: give key=value,value,..., e.g. wind.speed_m_s=2,5,10")
+            raise DataError(f"vary = {text}: give key=value,value,..., e.g. wind.speed_m_s=2,5,10")
         if any(key == known for known, _ in out):
-            raise DataError(f"--vary {text}: {key} is varied twice; give all its values at once")
+            raise DataError(f"vary = {text}: {key} is varied twice; give all its values at once")
         out.append((key, [plain_value(part) for part in _parts(values)]))
     return out
 

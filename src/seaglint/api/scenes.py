@@ -1,0 +1,116 @@
+"""Functions of one scene without files: ``sg.load``, ``sg.mean`` and ``sg.image``."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from seaglint.scenario.model import Scenario
+
+
+def load(source: str | Path | Mapping[str, Any]) -> Scenario:
+    """Read and check a scenario.
+
+    Parameters
+    ----------
+    source : path or mapping
+        A TOML file, or its content as tables in a mapping.
+
+    Returns
+    -------
+    Scenario
+        Frozen; defaults filled in.
+
+    Raises
+    ------
+    ScenarioError
+        One line for each mistake.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> round(sg.load({"sensor": {"height_m": "100 ft"}}).sensor.height_m, 2)
+    30.48
+    """
+    from seaglint.scenario.load import load_scenario, parse_scenario
+
+    return parse_scenario(source) if isinstance(source, Mapping) else load_scenario(source)
+
+
+def mean(scenario: Scenario) -> xr.Dataset:
+    """Mean radiance over the field of view, its parts, apparent temperature and the standard deviation of glint.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        See :func:`load`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Maps (y, x) with units, coordinates and provenance, as ``seaglint mean`` writes them; radiances [W m-2 sr-1].
+
+    Raises
+    ------
+    SeaglintError
+        A condition outside the models; see :mod:`seaglint.studies.prepare.prepare`.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> found = sg.mean(sg.load({"sensor": {"pixels": [8, 4]}}))
+    >>> found.radiance.dims, found.radiance.units
+    (('y', 'x'), 'W m-2 sr-1')
+    """
+    from seaglint.api.inputs import with_band
+    from seaglint.files.netcdf import labelled
+    from seaglint.studies.mean.mean_map import mean as computed
+
+    return with_band(labelled(computed(scenario)))
+
+
+def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -> xr.Dataset:
+    """Image at one time, without a file.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        See :func:`load`; its ``render.layers`` are left aside.
+    time : float
+        Time from the start [s]; any, frames are not more than instants.
+    layers : collection of str
+        Images to be there beside the radiance, of :data:`seaglint.base.schema.LAYERS`: the radiance's four parts, distance and slope of
+        the sea, the share of a pixel that it fills, that of glint in the radiance, the number of the object in it.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``radiance`` [W m-2 sr-1, (y, x)] and the layers, with units, coordinates and provenance. It is the frame that :func:`render`
+        writes for this time.
+
+    Raises
+    ------
+    SeaglintError
+        A condition outside the models, a time outside the platform's track, or an unknown layer.
+
+    Notes
+    -----
+    Each call prepares everything; for many times take :func:`seaglint.studies.sequence.render_sequence.prepare_sequence`, ``at(time)``.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> scene = sg.load({"sensor": {"pixels": [8, 4]}, "sea": {"resolve_waves": False}})
+    >>> found = sg.image(scene, time=0.5, layers=["range"])
+    >>> found["range"].units, float(found.time)
+    ('m', 0.5)
+    """
+    from seaglint.api.inputs import with_band
+    from seaglint.files.netcdf import labelled
+    from seaglint.studies.sequence.image import image as drawn
+
+    return with_band(labelled(drawn(scenario, time, layers)))

@@ -1,0 +1,124 @@
+"""Functions of recordings: ``sg.analyze`` and ``sg.apparent_temperature``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import ArrayLike, NDArray
+
+    from seaglint.analysis import Analysis, Recording
+    from seaglint.base.conventions import Progress
+    from seaglint.clutter.filters import Filter
+    from seaglint.detection.interface import Detector
+    from seaglint.optics.band import Band
+
+
+def analyze(
+    recording: xr.Dataset | xr.DataArray | NDArray[Any] | str | Path | Recording,
+    *,
+    frame_rate: float | None = None,
+    units: str | None = None,
+    variable: str | None = None,
+    filter: str | Filter = "laplacian",
+    thresholds: Sequence[float] = (),
+    scope: Literal["frame", "sequence", "local"] = "frame",
+    rows: tuple[float, float] = (0.0, 1.0),
+    mask: ArrayLike | None = None,
+    border: Literal["auto", "keep", "drop"] = "auto",
+    detectors: str | Detector | Sequence[str | Detector] = (),
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Analysis:
+    """Clutter statistics and false alarms, by region.
+
+    Parameters
+    ----------
+    recording : xarray.Dataset, xarray.DataArray, ndarray, path or Recording
+        What :func:`render` gives or a part of it, an array (rows, columns) or (frames, rows, columns), or a file of any format that
+        :func:`seaglint.files.recording.open_recording` reads.
+    frame_rate : float, optional
+        Frames per second [Hz], where attributes and time coordinate do not tell it or tell it wrong.
+    units : str, optional
+        Units of the values, likewise.
+    variable : str, optional
+        Which image of several; ``radiance`` by default.
+    filter : str or Filter
+        Filter before the thresholds, or its name: the article's Laplacian by default, "none" for none.
+    thresholds : sequence of float
+        Thresholds beside 3.0 and 3.5 [standard deviations].
+    scope : {"frame", "sequence", "local"}
+        Whose standard deviation: of the region in each frame, in the whole sequence, or around each pixel.
+    rows : (float, float)
+        Part of the rows to analyse, as shares of the height from the top [1].
+    mask : array_like of bool, optional
+        Glinting pixels, instead of the segmentation.
+    border : {"auto", "keep", "drop"}
+        Treatment of pixels whose filter reaches beyond the border; see :class:`seaglint.analysis.AnalysisOptions`.
+    detectors : str, Detector or sequence of them
+        Detectors, or their names, that are counted like the filter.
+    seed : int
+        Seed of the samples that are drawn.
+    progress : callable, optional
+        Called with (frames read, frames to read in all).
+
+    Returns
+    -------
+    Analysis
+        The regions' numbers, ``as_dict()`` of them for a file, and what :mod:`seaglint.plot.analysis_report` writes a report of.
+
+    Raises
+    ------
+    DataError
+        A filter, detector or word that there is not, or a recording that holds no images or nothing finite.
+
+    Examples
+    --------
+    >>> import numpy as np, seaglint as sg
+    >>> frames = np.random.default_rng(1).normal(1.0, 0.1, (20, 32, 32))
+    >>> found = sg.analyze(frames, frame_rate=25.0, thresholds=[4.0], filter="none")
+    >>> round(found.regions["all"].moments.std, 2)
+    0.1
+    """
+    from seaglint.analysis import analyze as analysed
+    from seaglint.api.inputs import analysis_options, recording_of
+
+    resolved = analysis_options(
+        filter=filter, thresholds=thresholds, scope=scope, rows=rows, mask=mask, border=border, detectors=detectors, seed=seed
+    )
+    opened = recording_of(recording, frame_rate, units, variable)
+    return analysed(opened, resolved) if progress is None else analysed(opened, resolved, progress)
+
+
+def apparent_temperature(radiance: xr.Dataset | xr.DataArray | ArrayLike, band: Band | tuple[float, float] | None = None) -> xr.DataArray:
+    """Temperature of the blackbody whose radiance in the band is that of each pixel.
+
+    Parameters
+    ----------
+    radiance : xarray.Dataset, xarray.DataArray or array_like
+        In-band radiance [W m-2 sr-1], or a dataset that holds it as ``radiance``, or counts as ``signal``.
+    band : Band or (float, float), optional
+        Spectral band that it is integrated over, or the edges of a rectangular one [um]; what the attributes say by default.
+
+    Returns
+    -------
+    xarray.DataArray
+        Kelvin, same shape, coordinates and other attributes; NaN for radiances of no temperature between 100 and 6500 K.
+
+    Raises
+    ------
+    DataError
+        No band given, and none in the attributes.
+
+    Examples
+    --------
+    >>> import seaglint as sg
+    >>> round(float(sg.apparent_temperature(1.45, band=(3.0, 5.0))), 1)
+    293.2
+    """
+    from seaglint.api.inputs import kelvin_of
+
+    return kelvin_of(radiance, band)

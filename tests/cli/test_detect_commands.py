@@ -1,0 +1,121 @@
+"""``seaglint detect``: a command for each kind of request, and the spelling without a command, which chooses by the file."""
+
+from __future__ import annotations
+
+import inspect
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from seaglint.studies.detect.requests import DesignRequest, RangeRequest, RecordingRequest, SceneRequest
+
+REQUESTS = {"recording": RecordingRequest, "scene": SceneRequest, "design": DesignRequest, "range": RangeRequest}
+OF_ONE = {
+    "recording": ("--raw", "--pixel-mrad"),
+    "scene": ("--intensity", "--time-budget"),
+    "design": ("--alarms-per-hour", "--precision-fa"),
+    "range": ("--bearings", "--range-limits"),
+}
+
+
+@pytest.fixture
+def clip(tmp_path: Path) -> Path:
+    path = tmp_path / "clip.npy"
+    np.save(path, np.random.default_rng(5).normal(100.0, 2.0, (6, 48, 48)).astype(np.float32))
+    return path
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--contrast", "8", "--json"),
+        ("--contrast", "4:12:4", "--detector", "matched", "--velocity", "0.5,0", "--placement", "centre"),
+        ("--contrast", "8", "--vary", "threshold=3,4", "--frame-rate", "25", "--json"),
+    ],
+)
+def test_a_recording_gives_the_same_with_and_without_the_command(seaglint, clip: Path, options: tuple[str, ...]) -> None:
+    common = (*options, "--injections", "100", "--threshold", "3", "--progress", "none")
+    named, bare = seaglint("detect", "recording", clip, *common), seaglint("detect", clip, *common)
+    assert named.code == bare.code == 0, named.err
+    assert named.out == bare.out != ""
+    # options may stand before the file
+    assert seaglint("detect", *common, clip).out == bare.out
+
+
+def test_the_files_of_both_spellings_are_the_same(seaglint, clip: Path, tmp_path: Path) -> None:
+    common = ("--contrast", "8", "--injections", "100", "--threshold", "3", "--progress", "none")
+    assert seaglint("detect", "recording", clip, *common, "-o", tmp_path / "named").code == 0
+    assert seaglint("detect", clip, *common, "-o", tmp_path / "bare").code == 0
+    for ending in (".json", ".csv", "_roc.csv", "_roc.png"):
+        assert (tmp_path / f"named{ending}").read_bytes() == (tmp_path / f"bare{ending}").read_bytes()
+
+
+def test_velocity_is_to_the_right_and_down_on_the_command_line() -> None:
+    from seaglint.cli.terminal.records import READERS
+
+    assert READERS["pair"]("0.5,2", "--velocity") == (2.0, 0.5)
+    assert RecordingRequest("clip.npy", velocity=(2.0, 0.5)).injected((1.0,)).velocity == (2.0, 0.5)
+
+
+def test_a_file_that_is_called_like_a_command_is_reached_by_its_folder(seaglint, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("range").write_text("[sensor]\n")
+    answer = seaglint("detect", "./range", "--contrast", "4")
+    assert answer.code == 2
+    assert "range" in answer.err
+    assert "Missing argument" in seaglint("detect", "range").err
+
+
+@pytest.mark.parametrize("name", REQUESTS)
+def test_the_help_of_a_command_has_its_own_options_alone(name: str, seaglint) -> None:
+    told = seaglint("detect", name, "--help").out
+    for other, options in OF_ONE.items():
+        for option in options:
+            has = option[2:].replace("-", "_") in {field.name for field in fields(REQUESTS[name])}
+            assert (f"{option} " in told) == has, option
+            assert has or other != name
+    headings = [line for line in told.splitlines() if line.endswith(":") and not line.startswith(" ")]
+    assert headings[:2] == ["Arguments:", "Object:"]
+    assert "Results:" in headings
+
+
+@pytest.mark.parametrize("name", REQUESTS)
+def test_options_are_the_parameters_of_python(name: str, seaglint) -> None:
+    told = seaglint("detect", name, "--help").out
+    for parameter in list(inspect.signature(REQUESTS[name]).parameters)[1:]:
+        assert f"  --{parameter.replace('_', '-')} " in told
+
+
+def test_the_help_of_the_group_tells_the_four_and_the_spelling_without_them(seaglint) -> None:
+    told = seaglint("detect", "--help").out
+    assert [line.split()[0] for line in told.partition("Commands:\n")[2].partition("\n\n")[0].splitlines()] == list(REQUESTS)
+    assert "seaglint detect SOURCE" in told
+    # the options of all four are told behind a file
+    assert all(option in seaglint("detect", "clip.npy", "--help").out for options in OF_ONE.values() for option in options)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("recording", "clip.npy"), "--contrast is missing"),
+        (("recording", "clip.npy", "--contrast", "4", "--bearings", "0"), "--bearings"),
+        (("recording", "clip.npy", "--contrast", "4", "--vary", "wind.speed_m_s=2"), "--vary wind.speed_m_s: of a recording"),
+        (("recording", "clip.npy", "--contrast", "4", "--psf", "psf.csv", "--object-sigma-px", "1"), "--psf and --object-sigma-px are two"),
+        (("recording", "clip.npy", "--contrast", "4", "--filter", "matched"), "--filter matched needs"),
+        (("scene", "boat.toml", "--contrast", "4", "--intensity", "3"), "--temperature-difference and"),
+        (("scene", "boat.toml", "--intensity", "3"), "give --range-m, above 0"),
+        (("scene", "boat.toml", "--intensity", "3", "--objects", "boat"), "--objects boat; give --objects point"),
+        (("range", "boat.toml"), "name one of the scenario's with --object NAME"),
+        (("range", "boat.toml", "--range-limits", "far"), "--range-limits far: give NEAR:FAR"),
+        (("range", "boat.toml", "--level", "3"), "--level 3 of the intervals"),
+    ],
+)
+def test_errors_speak_of_options(seaglint, clip: Path, arguments: tuple[str, ...], says: str, monkeypatch) -> None:
+    monkeypatch.chdir(clip.parent)
+    np.savetxt("psf.csv", np.ones((3, 3)), delimiter=",")
+    Path("boat.toml").write_text("[sensor]\npixels = [8, 4]\n")
+    answer = seaglint("detect", *arguments, "--progress", "none")
+    assert answer.code == 2
+    assert says in answer.err
