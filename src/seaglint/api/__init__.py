@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from seaglint.analysis import Analysis, Recording
     from seaglint.base.conventions import Progress
     from seaglint.cluster import Workers
-    from seaglint.files.export import Exported
+    from seaglint.files.export.stack import Exported
     from seaglint.optics.band import Band
     from seaglint.scenario.model import Scenario
 
