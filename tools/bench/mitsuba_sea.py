@@ -3,7 +3,8 @@
 Mitsuba finds what is seen and what is lit: primary rays through random points of every pixel against a triangle mesh of the tile, repeated
 as instances, and from each hit a ray to a random point of the solar disc. The facet is ours, evaluated at the hit for the sampled point of
 the disc: Gaussian roughness about the lattice's slope, read bilinearly as our renderer reads it, over the visible area A+ and with the
-roughness' own shadowing of both legs. Mitsuba's own microfacet models are other functions.
+roughness' own shadowing of both legs, by the law of nested bands off the Sun's plane as in it. Mitsuba's own microfacet models are other
+functions.
 
 The Earth is bent as in our renderer: each instance is sheared so that its corners lie on the parabola of the effective Earth, and the mesh
 has the parabola over its chord, which is the same for all tiles, so that neighbours join exactly; the shading is done in the local frame
@@ -14,7 +15,9 @@ Written to Mitsuba 3.9; it needs an LLVM library (Debian: libllvm19; 15 and 16 c
 
 from __future__ import annotations
 
+import ctypes
 import ctypes.util
+import importlib.util
 import math
 import os
 from glob import glob
@@ -23,15 +26,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from bench.scene import RANGE
+from bench.scene import RANGE, facets_left
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.optics.fresnel import reflectance
 from seaglint.sea.field import WaveField
-from seaglint.sea.shadowing.nested import HIGHEST, between_bands, nested_ratio
-from seaglint.sea.shadowing.seen_and_lit import lit_table
-from seaglint.sea.slopes.slope_statistics import SlopeStatistics
+from seaglint.sea.shadowing.nested import HIGHEST, nested_ratio
+from seaglint.sea.shadowing.seen_and_lit import coupling_table
 
 INCIDENCE_NODES = 1025
 LIFT = 3e-4
@@ -41,7 +43,14 @@ a lift of 2 mm lights 0.15 % too much under a Sun at 80 deg, this one 0.03 %."""
 SLOPE_AXIS, EDGE_AXIS = (-6.5, 6.5, 521), (0.0, 6.0, 241)
 """First, last and number of nodes of the table of nested shadowing; read linearly, within 1e-4."""
 
+LLVM_VERSIONS = (19, 20, 18, 17)
+"""Versions of LLVM looked for, best first."""
+
 RAYS_AT_ONCE = 4 * 1024 * 512
+
+
+class MitsubaMissingError(RuntimeError):
+    """Mitsuba or its LLVM library is missing; the text says which, and how to get it."""
 
 
 def load_mitsuba() -> tuple[Any, Any]:
@@ -49,22 +58,36 @@ def load_mitsuba() -> tuple[Any, Any]:
 
     Raises
     ------
-    RuntimeError
+    MitsubaMissingError
         With what is missing and how to get it.
     """
-    if "DRJIT_LIBLLVM_PATH" not in os.environ:
-        found = [path for n in (19, 20, 18, 17) for path in glob(f"/usr/lib/*/libLLVM*{n}*") + glob(f"/usr/lib/llvm-{n}/lib/libLLVM*{n}*")]
-        if found:
-            os.environ["DRJIT_LIBLLVM_PATH"] = found[0]
-        elif ctypes.util.find_library("LLVM") is None:
-            raise RuntimeError("no LLVM library: apt-get install libllvm19, or set DRJIT_LIBLLVM_PATH")
+    if importlib.util.find_spec("mitsuba") is None:
+        raise MitsubaMissingError("Mitsuba is not installed: pip install 'mitsuba>=3.9'")
+    library = os.environ.get("DRJIT_LIBLLVM_PATH") or llvm_library()
+    if library is None:
+        raise MitsubaMissingError("no LLVM library for Mitsuba: apt-get install libllvm19, or set DRJIT_LIBLLVM_PATH")
+    try:
+        ctypes.CDLL(library)
+    except OSError as error:
+        raise MitsubaMissingError(f"the LLVM library {library} cannot be loaded ({error}): apt-get install libllvm19") from error
+    os.environ["DRJIT_LIBLLVM_PATH"] = library
     try:
         import drjit as dr
         import mitsuba as mi
-    except ImportError as error:
-        raise RuntimeError("Mitsuba is not installed: pip install mitsuba==3.9.1") from error
-    mi.set_variant("llvm_ad_mono")
+
+        mi.set_variant("llvm_ad_mono")
+    except (ImportError, AttributeError) as error:
+        raise MitsubaMissingError(f"Mitsuba cannot be loaded ({error}): pip install 'mitsuba>=3.9'") from error
     return mi, dr
+
+
+def llvm_library() -> str | None:
+    """Path or name of an LLVM library that Mitsuba works with; None where there is none."""
+    for n in LLVM_VERSIONS:
+        for folder in ("/usr/lib/*", f"/usr/lib/llvm-{n}/lib"):
+            for path in sorted(glob(f"{folder}/libLLVM*{n}*")):
+                return path
+    return ctypes.util.find_library("LLVM")
 
 
 class MitsubaSea:
@@ -80,8 +103,8 @@ class MitsubaSea:
         One tile without turn.
     threads : int, optional
         Threads of Dr.Jit and Embree.
-    nested_bands : float
-        Bands of the facets' nested shadowing, as the renderer compared has them; 1 for Smith's.
+    nested_bands : float, optional
+        Bands of the facets' nested shadowing; those that the renderer compared has, where none are given, and 1 for Smith's.
     subdivision : int
         Parts of a lattice cell's side in the mesh. A cell is a curved bilinear patch to the sweep; two flat triangles in its place
         move what is seen at a grazing view, and more of them come closer to the patch.
@@ -94,7 +117,7 @@ class MitsubaSea:
         waves: WaveField,
         threads: int | None = None,
         *,
-        nested_bands: float = 1.0,
+        nested_bands: float | None = None,
         subdivision: int = 1,
     ) -> None:
         self.mi, self.dr = load_mitsuba()
@@ -104,13 +127,13 @@ class MitsubaSea:
             raise ValueError("one tile without turn is wanted")
         self.camera, self.waves, self.tile = camera, waves, waves.tiles[0]
         self.parts = subdivision
-        up, cross = waves.resolved_mss()
-        self.roughness = SlopeStatistics(
-            view.slopes.mss_up - up, view.slopes.mss_cross - cross, wind_to_azimuth=waves.spectrum.wind_to_azimuth
-        )
-        self.nested = self._nested_table(nested_bands)
-        lit = between_bands(lit_table, nested_bands)
-        self.lit, self.lit_shape = self.mi.Float(lit.astype(np.float32).ravel()), lit.shape
+        self.roughness, bands = facets_left(view, waves)
+        bands = bands if nested_bands is None else nested_bands
+        self.nested = self._nested_table(bands)
+        coupling = coupling_table(bands)
+        self.coupling = self.mi.Float(coupling.astype(np.float32).ravel()) if coupling.size else None
+        self.coupling_shape = coupling.shape
+        self.in_the_way = min(bands, 1.0)
         index = view.water.index(view.in_band.wavenumber_cm)
         cosines = np.linspace(0.0, 1.0, INCIDENCE_NODES)
         sunlight = reflectance(cosines[:, None], index) @ (view.irradiance * view.in_band.weights)
@@ -280,9 +303,11 @@ class MitsubaSea:
 
         return read(self.slope_east), read(self.slope_north)
 
-    def _nested_factor(self, slope: Any, edge: Any, horizontal: Any) -> Any:
-        """Visible density over Smith's for a slope towards the viewer and the edge, both from the facet's tilt and in rms slopes."""
+    def _nested_factor(self, slope: Any, edge: Any) -> Any:
+        """Density over Smith's that one leg leaves, for a slope towards it and the edge, both from the facet's tilt and in rms slopes."""
         mi, dr = self.mi, self.dr
+        if self.nested is None:
+            return mi.Float(1.0)
 
         def place(value: Any, axis: tuple[float, float, int]) -> tuple[Any, Any]:
             x = (dr.clip(value, axis[0], axis[1]) - axis[0]) * ((axis[2] - 1) / (axis[1] - axis[0]))
@@ -296,14 +321,14 @@ class MitsubaSea:
             return (1.0 - f) * dr.gather(mi.Float, self.nested, i * n + j) + f * dr.gather(mi.Float, self.nested, i * n + j + 1)
 
         ratio = dr.exp((1.0 - g) * row(i) + g * row(i + 1))
-        return dr.select((edge < EDGE_AXIS[1]) & (horizontal > 0.0), ratio, 1.0)
+        return dr.select(edge < EDGE_AXIS[1], ratio, 1.0)
 
-    def _lit_factor(self, slope: Any, view: Any, sun: Any, passage: Any) -> Any:
-        """Facets seen that are lit too over Smith's; slope and elevations of viewer and Sun from the facet's tilt, in rms slopes."""
+    def _coupling_factor(self, slope: Any, view: Any, sun: Any) -> Any:
+        """Facets seen and lit over the product of both legs alone; slope and elevations of viewer and Sun from the facet, in rms slopes."""
         mi, dr = self.mi, self.dr
-        if self.nested is None:
+        if self.coupling is None:
             return 1.0
-        n, _, m = self.lit_shape
+        n, _, m = self.coupling_shape
         a, b = dr.clip(view, 0.0, HIGHEST), dr.clip(sun, 0.0, HIGHEST)
         share = dr.clip((slope + b) / dr.maximum(a + b, 2e-3), 0.0, 1.0)
         x, y, z = a * ((n - 1) / HIGHEST), b * ((n - 1) / HIGHEST), share * (m - 1)
@@ -312,10 +337,25 @@ class MitsubaSea:
 
         def along(i: Any, j: Any) -> Any:
             first = (i * n + j) * m + k
-            return (1.0 - h) * dr.gather(mi.Float, self.lit, first) + h * dr.gather(mi.Float, self.lit, first + 1)
+            return (1.0 - h) * dr.gather(mi.Float, self.coupling, first) + h * dr.gather(mi.Float, self.coupling, first + 1)
 
         low, high = (1.0 - g) * along(i, j) + g * along(i, j + 1), (1.0 - g) * along(i + 1, j) + g * along(i + 1, j + 1)
-        return dr.select(sun < HIGHEST, dr.exp(passage * ((1.0 - f) * low + f * high)), 1.0)
+        return dr.select(view < HIGHEST, dr.exp((1.0 - f) * low + f * high), 1.0)
+
+    def _seen_and_lit(self, angle: Any, slopes: tuple[Any, Any], edges: tuple[Any, Any], upright: Any, hidden: Any) -> Any:
+        """Facets seen and lit over those that stand alone, ``S (1 + Lambda_v)``, of both legs at an ``angle`` of azimuth.
+
+        Either leg alone, the Sun's leg on the viewer's side and independent legs, of which the harmonic mean is taken with the weight of
+        Heitz et al. 2014. ``slopes`` and ``edges`` from the facet's tilt towards viewer and Sun, in rms slopes; ``upright``: projection of
+        the tilt over the visible area; ``hidden``: Smith's Lambda of the Sun.
+        """
+        dr = self.dr
+        seen, lit = self._nested_factor(slopes[0], edges[0]), self._nested_factor(slopes[1], edges[1])
+        pair = self._coupling_factor(0.5 * (slopes[0] - slopes[1]), *edges)
+        passage = angle / (4.41 * angle + 1.0) * ((4.41 * math.pi + 1.0) / math.pi)
+        one_side = dr.maximum(dr.minimum(seen, lit / dr.maximum(upright * (1.0 + hidden), 1e-12)), 1e-30)
+        apart = dr.maximum(dr.minimum(seen * lit * pair / (1.0 + upright * hidden), one_side), 1e-30)
+        return dr.select(edges[1] < HIGHEST, 1.0 / ((1.0 - passage) / one_side + passage / apart), seen)
 
     def _facet(self, p: Any, view: Any, sun: Any) -> Any:
         """Radiance of the facet at ``p`` for one point of the disc, in local directions to the viewer and the Sun."""
@@ -330,31 +370,28 @@ class MitsubaSea:
         exponent = 0.5 * (nn * de * de - 2.0 * en * de * dn + ee * dn * dn) / determinant
         density = dr.exp(-exponent) / (2.0 * math.pi * math.sqrt(determinant))
 
-        def area(to: Any) -> tuple[Any, Any]:
-            """Mean of the projection of the level patch's slopes on a direction, and A+."""
+        def area(to: Any, part: float = 1.0) -> tuple[Any, Any, Any]:
+            """Mean and deviation of the projection of the level patch's slopes on a direction, and A+."""
             mean = to.z - to.x * slope_e - to.y * slope_n
-            deviation = dr.sqrt(to.x * to.x * ee + 2.0 * to.x * to.y * en + to.y * to.y * nn)
+            deviation = dr.maximum(part * dr.sqrt(to.x * to.x * ee + 2.0 * to.x * to.y * en + to.y * to.y * nn), 1e-12)
             t = mean / deviation
-            return mean, dr.maximum(
-                0.5 * mean * (1.0 + dr.erf(t * math.sqrt(0.5))) + deviation * (1.0 / math.sqrt(2.0 * math.pi)) * dr.exp(-0.5 * t * t), 1e-9
+            return (
+                mean,
+                deviation,
+                dr.maximum(
+                    0.5 * mean * (1.0 + dr.erf(t * math.sqrt(0.5))) + deviation * (1.0 / math.sqrt(2.0 * math.pi)) * dr.exp(-0.5 * t * t),
+                    1e-9,
+                ),
             )
 
-        view_mean, view_area = area(view)
-        sun_mean, sun_area = area(sun)
-        # S (1 + Lambda_v)/A+ with the passage between both legs; where the patch itself is turned away one leg's Lambda is infinite
-        lambda_view = view_area / dr.maximum(view_mean, 1e-9) - 1.0
-        lambda_sun = sun_area / dr.maximum(sun_mean, 1e-9) - 1.0
-        between = dr.abs(dr.atan2(view.x * sun.y - view.y * sun.x, view.x * sun.x + view.y * sun.y))
-        passage = between / (4.41 * between + 1.0) * ((4.41 * math.pi + 1.0) / math.pi)
-        both = (1.0 + lambda_view) / (1.0 + dr.maximum(lambda_view, lambda_sun) + passage * dr.minimum(lambda_view, lambda_sun))
-        both = dr.select(sun_mean > 0.0, dr.select(view_mean > 0.0, both, 1.0), 0.0)
-        if self.nested is not None:
-            horizontal = dr.sqrt(view.x * view.x + view.y * view.y)
-            along = dr.sqrt(view.x * view.x * ee + 2.0 * view.x * view.y * en + view.y * view.y * nn)
-            towards = dr.sqrt(sun.x * sun.x * ee + 2.0 * sun.x * sun.y * en + sun.y * sun.y * nn)
-            mirroring = (view.x * de + view.y * dn) / along
-            density = density * self._nested_factor(mirroring, view_mean / along, horizontal)
-            both = both * self._lit_factor(mirroring, view_mean / along, sun_mean / towards, passage)
+        view_mean, view_deviation, view_area = area(view)
+        sun_mean, sun_deviation, sun_area = area(sun, self.in_the_way)
+        angle = dr.abs(dr.atan2(view.x * sun.y - view.y * sun.x, view.x * sun.x + view.y * sun.y))
+        slopes = ((view.x * de + view.y * dn) / view_deviation, (sun.x * de + sun.y * dn) / sun_deviation)
+        edges = (view_mean / view_deviation, sun_mean / sun_deviation)
+        upright = dr.maximum(view_mean, 0.0) / view_area
+        hidden = sun_area / dr.maximum(sun_mean, 1e-9) - 1.0
+        both = dr.select(sun_mean > 0.0, self._seen_and_lit(angle, slopes, edges, upright, hidden), 0.0)
         factor = 0.25 * density * both * (1.0 + tan2) * (1.0 + tan2) / view_area
         cosine = dr.sqrt(dr.maximum(0.5 * (1.0 + dr.dot(view, sun)), 0.0)) * (INCIDENCE_NODES - 1)
         i = mi.UInt32(dr.clip(cosine, 0.0, INCIDENCE_NODES - 1.001))

@@ -12,12 +12,14 @@ import math
 import numpy as np
 
 from seaglint.base.conventions import FloatArray, horizon_depression
+from seaglint.facet.facet_tables import facet_slopes
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.accuracy import Accuracy
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.imaging.swept import SweptScene
 from seaglint.scenario.load import parse_scenario
 from seaglint.sea.field import WaveField
+from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 from seaglint.sea.tiles import Tile
 from seaglint.studies.prepare import prepare
 
@@ -57,9 +59,10 @@ def renderer(view: SeaView, camera: Camera, waves: WaveField, *, step: float | N
     return SweptScene.prepare(view, camera, waves, accuracy=accuracy)
 
 
-def facet_bands(view: SeaView, waves: WaveField) -> float:
-    """Bands of the facets' nested shadowing where all waves of the tile are geometry, as the renderer has them."""
-    return max(view.shadowing.bands_for(view.slopes) * (1.0 - sum(waves.resolved_mss()) / view.slopes.mss), 1.0)
+def facets_left(view: SeaView, waves: WaveField) -> tuple[SlopeStatistics, float]:
+    """Slopes and bands of nested shadowing of the facets where all waves of the tile are geometry, as the renderer has them."""
+    facets = facet_slopes(view.slopes, waves.resolved_mss(), waves.spectrum.wind_to_azimuth, waves.resolved_covariance())
+    return facets, view.shadowing.facet_bands(view.slopes, facets)
 
 
 def compared_rows(camera: Camera) -> slice:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.base.jit import kernel
-from seaglint.sea.shadowing.nested import HIGHEST, bands_of, between_bands, nested_area, nested_ratio_kernel, ratio_table
+from seaglint.sea.shadowing.nested import HIGHEST, bands_of, bands_of_facets, between_bands, nested_area, nested_ratio_kernel, ratio_table
 from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel
 from seaglint.sea.shadowing.smith import leg_passage_kernel, visible_area_kernel
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
@@ -71,6 +71,14 @@ class Shadowing:
     def law_bands(self, slopes: SlopeStatistics) -> float:
         """Number of bands of the law for a sea [1]: 1 for Smith's."""
         return self.bands_for(slopes) if self.law == "nested" else 1.0
+
+    def facet_bands(self, slopes: SlopeStatistics, facets: SlopeStatistics) -> float:
+        """Bands of the law on facets that carry what is left of a sea's slopes while longer waves are geometry [1].
+
+        Every renderer asks here, references too, so that all of them draw the same facets.
+        """
+        share = facets.mss / slopes.mss if slopes.mss > 0.0 else 1.0
+        return bands_of_facets(share, self.law_bands(slopes))
 
     def area(self, zenith: ArrayLike, azimuth: ArrayLike, slopes: SlopeStatistics) -> FloatArray:
         """Area that normalises the density of the slopes seen from a direction [rad], per unit area of sea [1]."""

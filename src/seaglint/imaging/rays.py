@@ -31,7 +31,6 @@ from seaglint.facet.thermal import azimuth_node, facet_thermal, thermal_line
 from seaglint.imaging.layers import CHANNELS, COVERAGE, DISTANCE, EMITTED, PATH, SLOPE, SUN, TOTAL
 from seaglint.imaging.wave_shadow import sun_share
 from seaglint.imaging.wave_surface import Bounds, Surface, SurfaceLine, course, height, lay_course, slopes
-from seaglint.sea.shadowing.nested import bands_of_facets
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
 PATH_NODES = 2048
@@ -274,8 +273,7 @@ class WalkedRays:
         places = np.maximum(arcs, 1e-3 * eye)
         basis = path_basis(view.atmosphere, view.band, eye, places)
         lowest = max(float(np.cos(view_zenith_of_range(eye, farthest))), 0.0) if -elevation > 1.05 * dip else 0.0
-        bands = bands_of_facets(facets.mss / max(view.slopes.mss, 1e-12), view.shadowing.law_bands(view.slopes))
-        domain = FacetDomain(facets, resolved, bands, (lowest, 1.0))
+        domain = FacetDomain(facets, resolved, view.shadowing.facet_bands(view.slopes, facets), (lowest, 1.0))
         sun, levels, path = facet_tables(view, basis, places, [domain], azimuths, emitted=emitted)
         shape = levels.shape[0, 1:]
 

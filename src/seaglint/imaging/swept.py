@@ -33,7 +33,6 @@ from seaglint.imaging.sweep.walk import PATH_EVERY, Walk, calm_ranges, graded_ra
 from seaglint.imaging.wave_surface import Surface, course, height
 from seaglint.sea.detail import Detail
 from seaglint.sea.field import WaveField
-from seaglint.sea.shadowing.nested import bands_of_facets
 from seaglint.sea.shadowing.smith import smith_lambda
 from seaglint.sea.slopes.slope_statistics import gaussian_slopes
 
@@ -351,17 +350,16 @@ class SweptScene:
         """Facets of every level, and their grazing angles, with the crests' own."""
         view, waves, levels, eye = self.view, self.waves, self._levels, self.camera.height
         crest = 0.0 if waves is None else waves.significant_height
-        bands = view.shadowing.law_bands(view.slopes)
         towards = view.slopes.wind_to_azimuth if waves is None else waves.spectrum.wind_to_azimuth
         floor = float(np.cos(view_zenith_of_range(eye, arcs[-1:]))[0])
         last = [*levels.begins[1:], arcs[-1]]
         out = []
         for level, begin, end in zip(levels.detail.levels, levels.begins, last, strict=True):
             facets = facet_slopes(view.slopes, level.mss, towards, level.covariance)
-            share = facets.mss / view.slopes.mss if view.slopes.mss > 0.0 else 1.0
+            bands = view.shadowing.facet_bands(view.slopes, facets)
             ends = np.clip([begin, end], arcs[0], arcs[-1])
             high, low = np.cos(view_zenith_of_range(eye, ends)) + np.array([1.0, -1.0]) * crest / np.maximum(ends, eye)
-            out.append(FacetDomain(facets, level.mss, bands_of_facets(share, bands), (max(float(low), floor), min(float(high), 1.0))))
+            out.append(FacetDomain(facets, level.mss, bands, (max(float(low), floor), min(float(high), 1.0))))
         return out
 
     def _shadows(self, sun: Sunlight) -> tuple[FloatArray, FloatArray]:
