@@ -14,8 +14,10 @@ from PIL import Image
 
 from seaglint.base.errors import BackendError, DataError
 from seaglint.base.schema import VARIABLES
-from seaglint.files.export import select, tiff, write_stack
+from seaglint.files.export import tiff
 from seaglint.files.export.encoding import Counts
+from seaglint.files.export.stack import select
+from seaglint.files.export.write_stack import write_stack
 from seaglint.files.recording import open_recording
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.store import open_sequence, write_sequence
@@ -351,7 +353,8 @@ def test_a_header_that_is_there_is_not_replaced(run, tmp_path):
 FULL = """
 import resource, signal, sys, numpy as np, xarray as xr
 from seaglint.base.errors import StorageError
-from seaglint.files.export import select, write_stack
+from seaglint.files.export.stack import select
+from seaglint.files.export.write_stack import write_stack
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
 noise = np.random.default_rng(1).random((40, 64, 64), np.float32)

@@ -22,10 +22,12 @@ from typer.core import TyperGroup
 from seaglint.base.errors import DataError, ScenarioError, SeaglintError
 from seaglint.cli.analyze import analyze
 from seaglint.cli.atmosphere import atmosphere
+from seaglint.cli.dataset import Command as DatasetCommand
 from seaglint.cli.dataset import dataset
 from seaglint.cli.detect import detect
 from seaglint.cli.ensemble import ensemble
 from seaglint.cli.evaluate import evaluate
+from seaglint.cli.export import Command as ExportCommand
 from seaglint.cli.export import export, export_sea
 from seaglint.cli.labels import labels
 from seaglint.cli.likelihood import likelihood
@@ -115,9 +117,9 @@ app.add_typer(weather, name="weather")
 app.add_typer(texture, name="texture")
 app.add_typer(detect, name="detect")
 app.command()(analyze)
-app.command()(dataset)
+app.command(cls=DatasetCommand)(dataset)
 app.command()(ensemble)
-app.command()(export)
+app.command(cls=ExportCommand)(export)
 app.command("export-sea")(export_sea)
 app.command()(labels)
 app.command()(sense)

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from seaglint.base.errors import DataError
+from seaglint.cli.terminal.derived_help import derived_help, listed
 from seaglint.cli.terminal.messages import log
 from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
@@ -17,13 +18,34 @@ MOST_TOLD = 20
 """Lines of what is wrong with a data set, of which more are only counted."""
 
 
+def _formats() -> str:
+    """Return the names of the formats with their remarks: ``coco, yolo, sirst, or zarr: the scenes' stores as they are``."""
+    from seaglint.files.dataset import FORMATS
+
+    return listed(tuple(f"{form.name}: {form.note}" if form.note else form.name for form in FORMATS))
+
+
+def _bits() -> str:
+    """Return the bits of a pixel that each format has by default: ``16 for coco, 8 for yolo and sirst``."""
+    from seaglint.files.dataset import FORMATS
+
+    names: dict[int, tuple[str, ...]] = {}
+    for form in FORMATS:
+        if form.pictures:
+            names[form.bits] = (*names.get(form.bits, ()), form.name)
+    return ", ".join(f"{bits} for {listed(those, 'and')}" for bits, those in names.items())
+
+
+Command = derived_help(formats=_formats, bits=_bits)
+
+
 def dataset(
     source: Annotated[
         Path, typer.Argument(metavar="ENSEMBLE.toml", help="ensemble file, or the folder of a rendered one; with --check a data set")
     ],
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="folder to make")] = None,
-    form: Annotated[str, typer.Option("--format", help="coco, yolo, sirst, or zarr: the scenes' stores as they are")] = "coco",
-    bits: Annotated[int | None, typer.Option("--bits", help="8 or 16 bits of a pixel; 16 for coco, 8 for yolo and sirst")] = None,
+    form: Annotated[str, typer.Option("--format", help="{formats}")] = "coco",
+    bits: Annotated[int | None, typer.Option("--bits", help="8 or 16 bits of a pixel; {bits}")] = None,
     image: Annotated[str | None, typer.Option("--image", help="png or tiff; png where nothing is said")] = None,
     workers: WorkersOption = None,
     dask: DaskOption = None,

@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from seaglint.base.errors import DataError
+from seaglint.cli.terminal.derived_help import derived_help, listed
 from seaglint.cli.terminal.messages import files_read, log, naming_file
 from seaglint.cli.terminal.options import Overwrite, PreviewScale, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
@@ -31,26 +32,44 @@ class ColourMap(StrEnum):
     PERCEPTUAL = "perceptual"
 
 
+def _endings() -> str:
+    """Return the endings of all files that can be written, with remarks; second endings of a format's files are left out."""
+    from seaglint.files.export import FORMATS
+    from seaglint.plot.video_formats import VIDEO_ENDINGS
+
+    numbers = (f"{ending} ({form.note})" if form.note else ending for form in FORMATS for ending in form.endings)
+    return listed((*numbers, *VIDEO_ENDINGS))
+
+
+def _videos() -> str:
+    from seaglint.plot.video_formats import VIDEO_ENDINGS
+
+    return listed(VIDEO_ENDINGS, "and")
+
+
+Command = derived_help(endings=_endings, videos=_videos)
+
+
 def export(
     run: Annotated[Path, typer.Argument(metavar="RUN.zarr", help="finished sequence of 'seaglint render'")],
     output: Annotated[
         Path,
-        typer.Option("-o", "--output", help="file to write: .nc, .h5, .tif, .fits, .npy, .raw (with a JSON header), .mp4 or .gif"),
+        typer.Option("-o", "--output", help="file to write: {endings}"),
     ],
     variable: Annotated[str | None, typer.Option("--variable", help="images to export; signal if there, else radiance")] = None,
     frames: Annotated[
         str | None, typer.Option("--frames", help="frames to export, by number: 37, 37:38 (end not included), 0:100:2")
     ] = None,
     dtype: Annotated[
-        NumberType | None, typer.Option("--dtype", help="type of the numbers; as stored where nothing is said (not .mp4, .gif)")
+        NumberType | None, typer.Option("--dtype", help="type of the numbers; as stored where nothing is said (not of {videos})")
     ] = None,
     limits: Annotated[
         tuple[float, float] | None,
         typer.Option("--range", metavar="LOW HIGH", help="values of the first and last count of uint16, or of black and white"),
     ] = None,
-    colours: Annotated[ColourMap | None, typer.Option("--map", help="colours of .mp4 and .gif; white-hot")] = None,
-    rate: Annotated[float | None, typer.Option("--fps", help="frames per second shown by .mp4 and .gif; those of the run")] = None,
-    scale: Annotated[PreviewScale | None, typer.Option("--scale", help="brightness of .mp4 and .gif; auto")] = None,
+    colours: Annotated[ColourMap | None, typer.Option("--map", help="colours of {videos}; white-hot")] = None,
+    rate: Annotated[float | None, typer.Option("--fps", help="frames per second shown by {videos}; those of the run")] = None,
+    scale: Annotated[PreviewScale | None, typer.Option("--scale", help="brightness of {videos}; auto")] = None,
     overwrite: Overwrite = False,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:

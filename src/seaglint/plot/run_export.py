@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, get_args
+from typing import TYPE_CHECKING, Any, get_args
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import BackendError, DataError
-from seaglint.files.export import Exported, Stack, select, write_stack
+from seaglint.files.export import endings
 from seaglint.files.export.encoding import Kind as NumberKind
 from seaglint.files.export.encoding import check_limits
-from seaglint.files.export.endings import WRITERS, output_files
+from seaglint.files.export.stack import Exported, Stack, select
+from seaglint.files.export.write_stack import write_stack
 from seaglint.files.outputs import refuse_existing
 from seaglint.plot import video
 from seaglint.plot.scale import Kind as ScaleKind
+from seaglint.plot.video_formats import VIDEO_ENDINGS, video_format
 
 if TYPE_CHECKING:
     import xarray as xr
-
-ENDINGS: Final = (*WRITERS, *video.ENDINGS)
-"""Endings that say what is written."""
 
 
 def export_run(
@@ -44,11 +43,11 @@ def export_run(
     dataset : xarray.Dataset
         A run, opened lazily.
     output : path
-        File to write; its ending, one of :data:`ENDINGS`, is the format.
+        File to write; its ending is the format: one of :func:`seaglint.files.export.endings` or of a video.
     variable, frames
-        As in :func:`seaglint.files.export.select`.
+        As in :func:`seaglint.files.export.stack.select`.
     dtype, limits
-        As in :func:`seaglint.files.export.write_stack`; ``limits`` are also the ends of a video's scale, which is then linear.
+        As in :func:`seaglint.files.export.write_stack.write_stack`; ``limits`` are also the ends of a video's scale, which is then linear.
     colours, rate, scale
         As in :func:`seaglint.plot.video.write_video`.
     overwrite : bool
@@ -67,9 +66,10 @@ def export_run(
     """
     output = Path(output)
     ending = output.suffix.lower()
-    if ending not in ENDINGS:
-        raise DataError(f"{output}: the ending says what is written; allowed are {', '.join(ENDINGS)}")
-    shows = ending in video.ENDINGS
+    allowed = (*endings(), *VIDEO_ENDINGS)
+    if ending not in allowed:
+        raise DataError(f"{output}: the ending says what is written; allowed are {', '.join(allowed)}")
+    shows = ending in VIDEO_ENDINGS
     _require_unused(output, {"--dtype": dtype} if shows else {"--map": colours, "--fps": rate, "--scale": scale}, shows=shows)
     source = str(dataset.encoding.get("source", "dataset"))
     if Path(source).resolve() in output.resolve().parents:
@@ -84,7 +84,7 @@ def _require_unused(output: Path, options: Mapping[str, Any], *, shows: bool) ->
     given = [name for name, value in options.items() if value is not None]
     if given:
         kind = "shows levels of brightness" if shows else "holds numbers"
-        others = ", ".join(WRITERS) if shows else ", ".join(video.ENDINGS)
+        others = ", ".join(endings() if shows else VIDEO_ENDINGS)
         raise DataError(f"{output}: {output.suffix} {kind} and takes no {given[0]}; leave it out, or choose {others}")
 
 
@@ -106,17 +106,16 @@ def _show(
         limits = check_limits(limits)
         if scale == "log":
             raise DataError("--range gives the ends of a linear scale, --scale log finds its own; give one of the two")
-    low, high = video.RATES[output.suffix.lower()]
+    low, high = video_format(output.suffix.lower()).rates
     if rate is not None and not low <= rate <= high:
         raise DataError(f"--fps {rate:g}: is outside {low:g}-{high:g} frames per second that {output.suffix} holds; give one of these")
     if not video.video_available():
         raise BackendError(f"{output}: a video needs PyAV, which is not installed; pip install 'seaglint[video]'")
-    (file,) = output_files(output)
-    refuse_existing(file, overwrite=overwrite)
-    shown = rate or video.shown_rate(stack.dataset, stack.variable, file.suffix.lower())
+    refuse_existing(output, overwrite=overwrite)
+    shown = rate or video.shown_rate(stack.dataset, stack.variable, output.suffix.lower())
     video.write_video(
-        stack.dataset, file, scale or "auto", variable=stack.variable, colours=colours, limits=limits, rate=shown, progress=progress
+        stack.dataset, output, scale or "auto", variable=stack.variable, colours=colours, limits=limits, rate=shown, progress=progress
     )
     own = stack.frame_rate
     other = f" (the run has {own:g})" if own is not None and abs(shown / own - 1.0) > 1e-3 else ""
-    return Exported((file,), stack.variable, stack.units, stack.shape, f"{colours} pictures, {shown:g} per second{other}")
+    return Exported((output,), stack.variable, stack.units, stack.shape, f"{colours} pictures, {shown:g} per second{other}")

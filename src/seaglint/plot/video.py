@@ -19,6 +19,7 @@ from seaglint.files.provenance import stored_band
 from seaglint.files.recording.arrays import stored_frame_rate
 from seaglint.plot.scale import Kind, Scale, scale_of, sea_pixels
 from seaglint.plot.sequence_summary import Images, images, to_temperature
+from seaglint.plot.video_formats import video_format
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,15 +29,8 @@ _MAX_SIDE: Final = 4096  # what H.264 decoders take; wider panoramas are average
 _SAMPLED_FRAMES: Final = 16  # frames that set the grey scale
 _CAPTION: Final = 56  # px; two lines of text
 _LEAST_WIDTH: Final = 480  # px that the caption takes; narrower pictures get black beside them
-_CODECS: Final = {".mp4": ("libx264", "yuv420p", {"crf": "18", "preset": "veryfast"}), ".gif": ("gif", "pal8", {})}
 _USUAL_RATE: Final = 25.0  # Hz, where the run does not tell its own
 _REMEDY: Final = "make room or choose another place; nothing was written"
-
-ENDINGS: Final = tuple(_CODECS)
-"""Endings of what :func:`write_video` writes."""
-
-RATES: Final = {".mp4": (0.01, 1000.0), ".gif": (0.01, 50.0)}
-"""Frames per second that a format holds [Hz]; players show GIFs of shorter delays than 20 ms at a tenth of their speed."""
 
 Colours = Literal["white-hot", "black-hot", "perceptual"]
 """Colours of brightness: grey, dark to bright or the other way, or an even rise of lightness and hue (Matplotlib's inferno)."""
@@ -59,7 +53,7 @@ def palette(colours: Colours) -> NDArray[np.uint8]:
 
 def shown_rate(dataset: xr.Dataset, variable: str, ending: str) -> float:
     """Frames per second of a video [Hz]: that of the run, within what the format holds."""
-    low, high = RATES[ending]
+    low, high = video_format(ending).rates
     return min(max(stored_frame_rate(dataset, dataset[variable]) or _USUAL_RATE, low), high)
 
 
@@ -146,7 +140,7 @@ def write_video(
 
     output = Path(output)
     ending = output.suffix.lower()
-    codec, pixels, options = _CODECS[ending]
+    form = video_format(ending)
     frames, stored = images(dataset, variable), pictures(dataset) if variable is None else dataset[variable]
     count = len(frames)
     shown_scale = Scale(*limits) if limits is not None else _scale(dataset, frames, scale)
@@ -157,14 +151,14 @@ def write_video(
     if progress is not None:
         progress(0, count)
     with moved_when_whole(output, remedy) as partial, av.open(str(partial), mode="w", format=ending[1:]) as container:
-        stream: Any = container.add_stream(codec, rate=hertz, options=options)
-        stream.pix_fmt = pixels
+        stream: Any = container.add_stream(form.codec, rate=hertz, options=dict(form.options))
+        stream.pix_fmt = form.pixels
         for index in range(count):
             shown = grey(shown_scale.share(frames[index]), 0.0, 1.0)
             picture = captioned(shown, shown_scale, ends, None if times is None else float(times[index]))
             if index == 0:
                 stream.height, stream.width = picture.shape
-            for packet in stream.encode(_coloured(picture, levels, pixels)):
+            for packet in stream.encode(_coloured(picture, levels, form.pixels)):
                 container.mux(packet)
             if progress is not None:
                 progress(index + 1, count)

@@ -1,1 +1,32 @@
 """Labelled data sets for detectors: pictures with a scale, masks, boxes and tables, in the layouts that training programs read."""
+
+from typing import Final
+
+from seaglint.base.errors import DataError
+from seaglint.files.dataset.coco import Coco
+from seaglint.files.dataset.dataset_format import DatasetFormat
+from seaglint.files.dataset.sirst import Sirst
+from seaglint.files.dataset.stores import Stores
+from seaglint.files.dataset.yolo import Yolo
+
+FORMATS: Final[tuple[type[DatasetFormat], ...]] = (Coco, Yolo, Sirst, Stores)
+"""All formats. Help texts, lists in errors, writing and checking follow from it."""
+
+
+def format_named(name: str) -> type[DatasetFormat]:
+    """Return the format of a name.
+
+    Raises
+    ------
+    DataError
+        There is none of this name.
+
+    Examples
+    --------
+    >>> format_named("yolo").bits
+    8
+    """
+    for form in FORMATS:
+        if form.name == name:
+            return form
+    raise DataError(f"--format {name}: is not one of {', '.join(form.name for form in FORMATS)}; give one of them")

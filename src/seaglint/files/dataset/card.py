@@ -8,19 +8,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from seaglint.files.dataset.convert import Format
+from seaglint.files.dataset.dataset_format import DatasetFormat
 from seaglint.files.dataset.part import Catalogue
 from seaglint.files.dataset.split import SPLITS
 
 _SNR_EDGES: Final = (0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 50.0, float("inf"))
 _SIZE_EDGES: Final = (0.0, 0.01, 0.1, 1.0, 4.0, 9.0, 25.0, 81.0, float("inf"))
-
-_LAYOUTS: Final[Mapping[str, str]] = {
-    "coco": "`images/` and `annotations.json` (all), `annotations_train.json`, `annotations_val.json`, `annotations_test.json`",
-    "yolo": "`images/SPLIT/`, `labels/SPLIT/` (class, middle and size of boxes over those of the picture), `data.yaml`",
-    "sirst": "`images/`, `masks/` (0 and 255), `img_idx/SPLIT.txt`",
-    "zarr": "`scenes/NAME.zarr`, sequences as seaglint writes them, with their truth",
-}
 
 
 def statistics(catalogue: Catalogue) -> dict[str, Any]:
@@ -73,7 +66,7 @@ def _ranges(catalogue: Catalogue) -> dict[str, Any]:
     return out
 
 
-def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: Format) -> str:
+def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: type[DatasetFormat]) -> str:
     """Text of ``README.md``.
 
     Parameters
@@ -82,7 +75,7 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: Format) -> 
         ``title``, ``description``, ``licence``, ``licence_note``, ``version``, ``seed``, ``bits``, ``image``, ``counts``, ``split``.
     found : mapping
         As :func:`statistics` gives it.
-    form : str
+    form : type of DatasetFormat
         Format.
     """
     total = {name: sum(numbers[name].values()) for name in ("scenes", "images", "annotated_objects")}
@@ -98,14 +91,14 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: Format) -> 
         "",
         f"- {total['images']} pictures of {total['scenes']} scenes, {', '.join(numbers['picture_sizes'])} pixels, with "
         f"{total['annotated_objects']} annotated objects; {numbers['images_without_objects']} pictures have none.",
-        f"- Layout `{form}`: {_LAYOUTS[form]}. {_pixels(about, form)}",
+        f"- Layout `{form.name}`: {form.layout}. {_pixels(about, form)}",
         "- `parameters.csv`: a row for each scene. `truth.csv` (and `truth.parquet`): a row for each object and frame, also of those "
         "out of view, which have no annotation.",
         "- `dataset.json`: all of this for programs. `SHA256SUMS`: checksums, for `sha256sum -c`.",
         "",
         "## How",
         "",
-        f"- Made by seaglint {about['version']} with `seaglint dataset ensemble.toml --format {form}` from the file `ensemble.toml`; "
+        f"- Made by seaglint {about['version']} with `seaglint dataset ensemble.toml --format {form.name}` from the file `ensemble.toml`; "
         f"seed {about['seed']}. The same file, version and kind of processor give the same bytes.",
         f"- Split by scene, {' / '.join(f'{fraction:g}' for fraction in about['split'])}, a function of the seed and the scene's number: "
         "no scene has pictures in two splits.",
@@ -136,8 +129,8 @@ def card(about: Mapping[str, Any], numbers: Mapping[str, Any], form: Format) -> 
     return "\n".join(lines).rstrip("\n") + "\n"
 
 
-def _pixels(about: Mapping[str, Any], form: Format) -> str:
-    if form == "zarr":
+def _pixels(about: Mapping[str, Any], form: type[DatasetFormat]) -> str:
+    if not form.pictures:
         return "Counts or radiance as the scenes have them."
     made = "counts" if about["counts"] else "radiance"
     lines = (

@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.errors import DataError
-from seaglint.files.dataset import coco, sirst, yolo
-from seaglint.files.dataset.convert import image_path
+from seaglint.files.dataset import format_named
+from seaglint.files.dataset.dataset_format import DatasetFormat
 from seaglint.files.dataset.grey_picture import read_picture
-from seaglint.files.store.store import open_sequence
 from seaglint.files.text_file import write_text
 
 SUMS: Final = "SHA256SUMS"
@@ -78,19 +77,10 @@ def problems(folder: Path) -> Iterator[str]:
     if missing:
         return
     yield from _split_problems(folder, about)
-    if about["format"] == "zarr":
-        yield from _store_problems(folder, about)
-        return
-    yield from _picture_problems(folder, about)
-    match about["format"]:
-        case "coco":
-            yield from coco.problems(folder)
-        case "yolo":
-            yield from yolo.problems(folder, about["image"])
-        case "sirst":
-            yield from sirst.problems(folder, about["image"])
-    if about["format"] == "sirst":
-        yield from _box_problems(folder)
+    form = format_named(about["format"])
+    if form.pictures:
+        yield from _picture_problems(folder, about, form)
+    yield from form.problems(folder, about)
 
 
 def _split_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
@@ -103,10 +93,10 @@ def _split_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
                     yield f"{name}: scene {row['scene']} is in '{row['split']}' and in '{recorded}' of {ABOUT}"
 
 
-def _picture_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+def _picture_problems(folder: Path, about: Mapping[str, Any], form: type[DatasetFormat]) -> Iterator[str]:
     for one in about["scenes"].values():
         for picture in one["images"]:
-            path = image_path(folder, about["format"], one["split"], picture, about["image"])
+            path = form.image_path(folder, one["split"], picture, about["image"])
             try:
                 levels = read_picture(path)
             except DataError as error:
@@ -115,36 +105,3 @@ def _picture_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
             if levels.shape != (one["height"], one["width"]) or 8 * levels.dtype.itemsize != about["bits"]:
                 size = f"{levels.shape[1]} x {levels.shape[0]} pixels of {8 * levels.dtype.itemsize} bits"
                 yield f"{path.name}: has {size}, not {one['width']} x {one['height']} of {about['bits']}"
-
-
-def _box_problems(folder: Path) -> Iterator[str]:
-    """Masks have something of every annotated object's box, and nothing outside of them."""
-    boxes: dict[str, list[tuple[int, int, int, int]]] = {}
-    with (folder / "truth.csv").open(newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            placed = boxes.setdefault(row["image"], [])
-            if row["annotated"] == "True":
-                left, top, width, height = (int(float(row[f"bbox_{side}_px"])) for side in ("left", "top", "width", "height"))
-                placed.append((left, top, width, height))
-    for path in sorted((folder / "masks").glob("*.png")):
-        mask = read_picture(path) > 0
-        left_over = mask.copy()
-        for left, top, width, height in boxes.get(path.stem, ()):
-            # a box over the seam of a panorama goes on at the left
-            columns = [column % mask.shape[1] for column in range(left, left + width)]
-            if not mask[top : top + height, columns].any():
-                yield f"masks/{path.name}: has nothing in the box of an object of truth.csv"
-            left_over[top : top + height, columns] = False
-        if left_over.any():
-            yield f"masks/{path.name}: has pixels outside of the boxes of truth.csv"
-
-
-def _store_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
-    for scene, one in about["scenes"].items():
-        path = folder / "scenes" / f"{scene}.zarr"
-        try:
-            with open_sequence(path) as dataset:
-                if dataset.sizes["time"] != len(one["images"]) or (dataset.sizes["y"], dataset.sizes["x"]) != (one["height"], one["width"]):
-                    yield f"{path.name}: has not the frames and pixels that {ABOUT} tells"
-        except DataError as error:
-            yield str(error)

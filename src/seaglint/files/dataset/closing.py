@@ -7,17 +7,14 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from seaglint.base.errors import BackendError
-from seaglint.files.dataset import coco, sirst, yolo
+from seaglint.files.dataset import format_named
 from seaglint.files.dataset.card import card, statistics
 from seaglint.files.dataset.check import ABOUT, KIND, write_sums
-from seaglint.files.dataset.convert import ConversionSettings, image_path
-from seaglint.files.dataset.grey_picture import read_picture
+from seaglint.files.dataset.convert import ConversionSettings
 from seaglint.files.dataset.part import TRUTH_COLUMNS, Catalogue, DatasetScene
 from seaglint.files.dataset.sheet import Example, write_sheet
-from seaglint.files.store.store import open_sequence
 from seaglint.files.tables.rows import require_parquet, write_parquet, write_rows
 from seaglint.files.text_file import write_json, write_text
 from seaglint.version import __version__
@@ -53,20 +50,12 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
         "seed": catalogue.seed,
         "split": list(about["split"]),
     }
-    match settings.format:
-        case "coco":
-            info = {"description": catalogue.title, "version": f"seaglint {__version__}, seed {catalogue.seed}", "contributor": "simulated"}
-            coco.write(folder, catalogue, info, licence)
-        case "yolo":
-            yolo.write(folder, catalogue)
-        case "sirst":
-            sirst.write(folder, catalogue)
-        case "zarr":
-            pass
+    form = format_named(settings.format)
+    form.write(folder, catalogue, shared)
     _write_tables(folder, catalogue)
     write_sheet(_examples(folder, catalogue, settings), folder / "examples.png")
     numbers = statistics(catalogue)
-    pictured = {} if settings.format == "zarr" else {"bits": settings.bits, "image": settings.image}
+    pictured = {"bits": settings.bits, "image": settings.image} if form.pictures else {}
     document = {
         "kind": KIND,
         "format": settings.format,
@@ -83,7 +72,7 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
         if about["licence"]
         else ". The ensemble's file names no licence; this is seaglint's default, and yours to change with `[dataset] licence`."
     )
-    write_text(card({**shared, **pictured, "licence_note": note, "counts": counts}, numbers, settings.format), folder / "README.md")
+    write_text(card({**shared, **pictured, "licence_note": note, "counts": counts}, numbers, form), folder / "README.md")
     write_sums(folder)
 
 
@@ -120,12 +109,6 @@ def _examples(folder: Path, catalogue: Catalogue, settings: ConversionSettings) 
         rows = [row for row in part.rows if row.frame == place and row.pieces]
         most = max((row.snr for row in rows if row.snr is not None), default=None)
         title = f"{part.pictures[place].name} {part.split}" + (f", SNR to {most:.3g}" if most is not None else "")
-        out.append(Example(_picture(folder, part, place, settings), [piece.box for row in rows for piece in row.pieces], title))
+        picture = format_named(settings.format).picture(folder, part, place, settings.image)
+        out.append(Example(picture, [piece.box for row in rows for piece in row.pieces], title))
     return out
-
-
-def _picture(folder: Path, part: DatasetScene, place: int, settings: ConversionSettings) -> NDArray[Any]:
-    if settings.format != "zarr":
-        return read_picture(image_path(folder, settings.format, part.split, part.pictures[place].name, settings.image))
-    with open_sequence(folder / "scenes" / f"{part.scene}.zarr") as dataset:
-        return np.asarray(dataset["signal" if "signal" in dataset else "radiance"][place].to_numpy())

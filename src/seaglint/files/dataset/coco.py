@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from seaglint.base.errors import DataError
+from seaglint.files.dataset.dataset_format import DatasetFormat
+from seaglint.files.dataset.grey_levels import Bits
 from seaglint.files.dataset.masks import box_of, decoded
 from seaglint.files.dataset.part import Catalogue, DatasetFrame, DatasetObject, DatasetScene, Piece
 from seaglint.files.dataset.split import SPLITS
@@ -16,9 +18,31 @@ from seaglint.files.text_file import write_json
 ANNOTATIONS = "annotations.json"
 
 
-def write(folder: Path, catalogue: Catalogue, info: Mapping[str, Any], licence: str) -> None:
-    """Write ``annotations.json`` and ``annotations_train.json``, ``_val``, ``_test``, which have its numbers."""
-    whole = _document(catalogue, info, licence)
+class Coco(DatasetFormat):
+    """Pictures in one folder, and annotations as JSON."""
+
+    name: ClassVar[str] = "coco"
+    bits: ClassVar[Bits] = 16
+    layout: ClassVar[str] = (
+        "`images/` and `annotations.json` (all), `annotations_train.json`, `annotations_val.json`, `annotations_test.json`"
+    )
+    folders: ClassVar[tuple[str, ...]] = ("images",)
+
+    @classmethod
+    def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
+        """Write ``annotations.json`` and ``annotations_train.json``, ``_val``, ``_test``, which have its numbers."""
+        _write(folder, catalogue, about)
+
+    @classmethod
+    def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+        """Yield the faults of annotations: boxes outside pictures, masks that are not of their boxes, splits that share scenes."""
+        return _problems(folder)
+
+
+def _write(folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
+    version = f"seaglint {about['version']}, seed {about['seed']}"
+    info = {"description": about["title"], "version": version, "contributor": "simulated"}
+    whole = _document(catalogue, info, about["licence"])
     write_json(whole, folder / ANNOTATIONS, indent=None)
     for split in SPLITS:
         images = [image for image in whole["images"] if image["split"] == split]
@@ -80,8 +104,7 @@ def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> dict[st
     }
 
 
-def problems(folder: Path) -> Iterator[str]:
-    """What is wrong with the annotations: boxes outside pictures, masks that are not of their boxes, splits that share scenes."""
+def _problems(folder: Path) -> Iterator[str]:
     names = (ANNOTATIONS, *(f"annotations_{split}.json" for split in SPLITS))
     documents: dict[str, Any] = {}
     for name in names:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from scipy.ndimage import binary_dilation
 
 from seaglint.base.errors import DataError
 from seaglint.files.counts import count_line
+from seaglint.files.dataset import format_named
 from seaglint.files.dataset.grey_levels import Bits, PictureLevels
 from seaglint.files.dataset.grey_picture import write_picture
 from seaglint.files.dataset.masks import box_of, compressed
@@ -25,8 +26,6 @@ from seaglint.objects.drawing.truth import LEAST_CLUTTER, SURROUND
 
 if TYPE_CHECKING:
     import xarray as xr
-
-Format = Literal["coco", "yolo", "sirst", "zarr"]
 
 BLUR: Final = 2
 """Pixels around masks into which optics spread an object: left out of its surroundings."""
@@ -41,7 +40,7 @@ class ConversionSettings:
     folder : str
         Of the data set, or of the unfinished one.
     format : str
-        ``coco``, ``yolo``, ``sirst`` or ``zarr``.
+        Name of one of :data:`seaglint.files.dataset.FORMATS`.
     bits : 8 or 16
         Of a pixel.
     image : str
@@ -51,16 +50,10 @@ class ConversionSettings:
     """
 
     folder: str
-    format: Format
+    format: str
     bits: Bits
     image: str
     classes: Mapping[str, str]
-
-
-def image_path(folder: Path, form: Format, split: str, name: str, image: str) -> Path:
-    """Where a picture lies."""
-    below = folder / "images" / split if form == "yolo" else folder / "images"
-    return below / f"{name}.{image}"
 
 
 def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
@@ -73,10 +66,10 @@ def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
     StorageError
         No room or no rights.
     """
-    folder = Path(settings.folder)
+    folder, form = Path(settings.folder), format_named(settings.format)
     with open_sequence(entry.store) as dataset:
         variable = dataset["signal" if "signal" in dataset else "radiance"]
-        levels = None if settings.format == "zarr" else _levels(variable, settings.bits, entry)
+        levels = _levels(variable, settings.bits, entry) if form.pictures else None
         frames = [int(number) for number in dataset["frame"].to_numpy()]
         times = [float(time) for time in dataset["time"].to_numpy()]
         pictures = tuple(
@@ -87,7 +80,7 @@ def convert(entry: Entry, settings: ConversionSettings) -> DatasetScene:
         for index, picture in enumerate(pictures):
             if levels is not None:
                 about = {"scene": entry.name, "frame": picture.frame, "time_s": picture.time_s, **levels.attributes}
-                path = image_path(folder, settings.format, entry.split, picture.name, settings.image)
+                path = form.image_path(folder, entry.split, picture.name, settings.image)
                 write_picture(path, levels.of(variable[index].to_numpy()), about)
         rows = tuple(_rows(Labels.of(entry.store), variable)) if objects else ()
         part = DatasetScene(

@@ -3,16 +3,42 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any, ClassVar
 
+from seaglint.files.dataset.dataset_format import DatasetFormat
+from seaglint.files.dataset.grey_levels import Bits
 from seaglint.files.dataset.part import Catalogue, DatasetScene
 from seaglint.files.dataset.split import SPLITS
 from seaglint.files.text_file import write_text
 
 
-def write(folder: Path, catalogue: Catalogue) -> None:
-    """Write ``labels/SPLIT/NAME.txt``, empty where nothing is in a picture, and ``data.yaml``."""
+class Yolo(DatasetFormat):
+    """Pictures and boxes in a folder for each split."""
+
+    name: ClassVar[str] = "yolo"
+    bits: ClassVar[Bits] = 8
+    layout: ClassVar[str] = "`images/SPLIT/`, `labels/SPLIT/` (class, middle and size of boxes over those of the picture), `data.yaml`"
+    folders: ClassVar[tuple[str, ...]] = tuple(f"{kind}/{split}" for kind in ("images", "labels") for split in SPLITS)
+
+    @classmethod
+    def image_path(cls, folder: Path, split: str, name: str, image: str) -> Path:
+        """Return the place of a picture, in the folder of its split."""
+        return folder / "images" / split / f"{name}.{image}"
+
+    @classmethod
+    def write(cls, folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None:
+        """Write ``labels/SPLIT/NAME.txt``, empty where nothing is in a picture, and ``data.yaml``."""
+        _write(folder, catalogue)
+
+    @classmethod
+    def problems(cls, folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
+        """Yield the faults of labels: pictures without labels, labels without pictures, lines that are no boxes in the picture."""
+        return _problems(folder, about["image"])
+
+
+def _write(folder: Path, catalogue: Catalogue) -> None:
     numbers = {name: number for number, name in enumerate(catalogue.categories)}
     for split in SPLITS:
         for part in catalogue.of_split(split):
@@ -36,8 +62,7 @@ def _lines(part: DatasetScene, numbers: dict[str, int]) -> dict[str, list[str]]:
     return lines
 
 
-def problems(folder: Path, image: str) -> Iterator[str]:
-    """What is wrong: pictures without labels, labels without pictures, lines that are no boxes in the picture."""
+def _problems(folder: Path, image: str) -> Iterator[str]:
     classes = sum(1 for line in (folder / "data.yaml").read_text(encoding="utf-8").splitlines() if line.startswith("  "))
     for split in SPLITS:
         pictures = {path.stem for path in (folder / "images" / split).glob(f"*.{image}")}

@@ -1,6 +1,26 @@
 """Frames of stored runs written as files of other programs, one frame after the other: one file per family of formats."""
 
-from seaglint.files.export.endings import write_stack
-from seaglint.files.export.stack import Exported, Stack, select
+from typing import Final
 
-__all__ = ["Exported", "Stack", "select", "write_stack"]
+from seaglint.files.export.export_format import ExportFormat
+from seaglint.files.export.fits_cube import Fits
+from seaglint.files.export.hdf5 import Hdf5
+from seaglint.files.export.plain import Npy, Raw
+from seaglint.files.export.tiff import Tiff
+
+FORMATS: Final[tuple[type[ExportFormat], ...]] = (Hdf5, Tiff, Fits, Npy, Raw)
+"""All formats of numbers. Help texts, lists in errors and writing follow from it."""
+
+
+def endings() -> tuple[str, ...]:
+    """Return all endings of files of numbers.
+
+    >>> ".tiff" in endings()
+    True
+    """
+    return tuple(ending for form in FORMATS for ending in (*form.endings, *form.aliases))
+
+
+def format_of(ending: str) -> type[ExportFormat] | None:
+    """Return the format of an ending in lower case; None of one that no format has."""
+    return next((form for form in FORMATS if ending in (*form.endings, *form.aliases)), None)

@@ -8,18 +8,20 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from seaglint.base.errors import BackendError
-from seaglint.files.export.encoding import NumberFormat
-from seaglint.files.export.stack import Stack
+from seaglint.files.export.export_format import ExportFormat
 from seaglint.version import __version__
 
 if TYPE_CHECKING:
     import xarray as xr
+    from numpy.typing import NDArray
+
+    from seaglint.files.export.encoding import NumberFormat
+    from seaglint.files.export.stack import Stack
 
 _EVEN: Final = 1e-3
 """Part of a step by which a coordinate may be off its linear axis."""
@@ -27,22 +29,32 @@ _EVEN: Final = 1e-3
 Card = tuple[str, Any, str]
 
 
-def require_fits() -> None:
-    """Refuse before the work where FITS cannot be written.
+class Fits(ExportFormat):
+    """FITS cube; needs Astropy."""
 
-    Raises
-    ------
-    BackendError
-        Astropy is not installed.
-    """
-    try:
-        import astropy.io.fits  # noqa: F401
-    except ImportError as error:
-        raise BackendError("FITS needs astropy, which is not installed; pip install 'seaglint[fits]'") from error
+    endings: ClassVar[tuple[str, ...]] = (".fits",)
+
+    @classmethod
+    def require(cls) -> None:
+        """Refuse before the work where FITS cannot be written.
+
+        Raises
+        ------
+        BackendError
+            Astropy is not installed.
+        """
+        try:
+            import astropy.io.fits  # noqa: F401
+        except ImportError as error:
+            raise BackendError("FITS needs astropy, which is not installed; pip install 'seaglint[fits]'") from error
+
+    @classmethod
+    def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
+        """Write the cube, and directions that are no linear axis as images ``AZIMUTH`` and ``ELEVATION`` behind it."""
+        _write(path, stack, numbers, frames)
 
 
-def write_fits(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
-    """Write the cube, and directions that are no linear axis as images ``AZIMUTH`` and ``ELEVATION`` behind it."""
+def _write(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
     from astropy.io import fits
 
     header = fits.Header()

@@ -10,14 +10,15 @@ import io
 import signal
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from numpy.typing import NDArray
+from seaglint.files.export.export_format import ExportFormat
 
-from seaglint.files.export.encoding import NumberFormat
-from seaglint.files.export.stack import AXES, Stack
-from seaglint.files.netcdf import plain_attributes
-from seaglint.files.stopping import stop_on_signal
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from seaglint.files.export.encoding import NumberFormat
+    from seaglint.files.export.stack import Stack
 
 
 class _Disk(io.RawIOBase):
@@ -76,9 +77,24 @@ class _Disk(io.RawIOBase):
             raise self.failure
 
 
-def write_hdf5(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
-    """Write coordinates, then the images one by one."""
+class Hdf5(ExportFormat):
+    """NetCDF 4 and HDF5."""
+
+    endings: ClassVar[tuple[str, ...]] = (".nc", ".h5")
+    aliases: ClassVar[tuple[str, ...]] = (".hdf5",)
+
+    @classmethod
+    def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
+        """Write coordinates, then the images one by one."""
+        _write(path, stack, numbers, frames)
+
+
+def _write(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
     import h5netcdf
+
+    from seaglint.files.export.stack import AXES
+    from seaglint.files.netcdf import plain_attributes
+    from seaglint.files.stopping import stop_on_signal
 
     rest = stack.dataset.drop_vars(stack.variable)
     rest.attrs = plain_attributes(rest.attrs)

@@ -5,22 +5,58 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from seaglint.files.export.encoding import NumberFormat
-from seaglint.files.export.stack import Stack
+from seaglint.files.export.export_format import ExportFormat
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from seaglint.files.export.encoding import NumberFormat
+    from seaglint.files.export.stack import Stack
 
 
-def header_path(output: Path) -> Path:
-    """File of the header: ``X.json`` of ``X.raw``, where raw data are expected to have it; ``X.npy.json`` of ``X.npy``.
+class Npy(ExportFormat):
+    """Array (time, y, x) as ``numpy.save`` writes it."""
 
-    >>> header_path(Path("X.raw")).name, header_path(Path("X.npy")).name
-    ('X.json', 'X.npy.json')
-    """
-    return output.with_suffix(".json") if output.suffix.lower() == ".raw" else output.with_name(output.name + ".json")
+    endings: ClassVar[tuple[str, ...]] = (".npy",)
+
+    @classmethod
+    def header_path(cls, output: Path) -> Path:
+        """Return ``X.npy.json`` of ``X.npy``.
+
+        >>> Npy.header_path(Path("X.npy")).name
+        'X.npy.json'
+        """
+        return output.with_name(output.name + ".json")
+
+    @classmethod
+    def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
+        """Write the array's header and the numbers."""
+        _write(path, numbers, frames, stack.shape)
+
+
+class Raw(ExportFormat):
+    """The numbers and nothing else."""
+
+    endings: ClassVar[tuple[str, ...]] = (".raw",)
+    note: ClassVar[str] = "with a JSON header"
+
+    @classmethod
+    def header_path(cls, output: Path) -> Path:
+        """Return ``X.json`` of ``X.raw``, where raw data are expected to have it.
+
+        >>> Raw.header_path(Path("X.raw")).name
+        'X.json'
+        """
+        return output.with_suffix(".json")
+
+    @classmethod
+    def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
+        """Write the numbers."""
+        _write(path, numbers, frames, None)
 
 
 def header(stack: Stack, numbers: NumberFormat) -> dict[str, Any]:
@@ -43,16 +79,6 @@ def header(stack: Stack, numbers: NumberFormat) -> dict[str, Any]:
 def write_header(path: Path, stack: Stack, numbers: NumberFormat) -> None:
     """Write the JSON header."""
     path.write_text(json.dumps(header(stack, numbers), indent=1, allow_nan=False) + "\n", encoding="utf-8")
-
-
-def write_raw(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
-    """Write the numbers and nothing else."""
-    _write(path, numbers, frames, None)
-
-
-def write_npy(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
-    """Write an array (time, y, x) as ``numpy.save`` does."""
-    _write(path, numbers, frames, stack.shape)
 
 
 def _write(path: Path, numbers: NumberFormat, frames: Iterable[NDArray[Any]], shape: tuple[int, ...] | None) -> None:

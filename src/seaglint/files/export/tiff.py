@@ -5,20 +5,34 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
-from numpy.typing import NDArray
-
-from seaglint.files.export.encoding import NumberFormat
-from seaglint.files.export.stack import Stack
+from seaglint.files.export.export_format import ExportFormat
 from seaglint.version import __version__
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from seaglint.files.export.encoding import NumberFormat
+    from seaglint.files.export.stack import Stack
 
 _SMALL: Final = (1 << 32) - (1 << 25)
 """Bytes that places of 32 bits reach, less the pages' own tables; larger files are BigTIFF."""
 
 
-def write_tiff(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
-    """Write a stack of pages."""
+class Tiff(ExportFormat):
+    """Stack of TIFF pages."""
+
+    endings: ClassVar[tuple[str, ...]] = (".tif",)
+    aliases: ClassVar[tuple[str, ...]] = (".tiff",)
+
+    @classmethod
+    def write(cls, path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
+        """Write a page for each frame."""
+        _write(path, stack, numbers, frames)
+
+
+def _write(path: Path, stack: Stack, numbers: NumberFormat, frames: Iterable[NDArray[Any]]) -> None:
     import tifffile
 
     count, rows, columns = stack.shape

@@ -7,16 +7,16 @@ import json
 import shutil
 import tomllib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, StorageError
 from seaglint.cluster import Done, Here, Job, Workers
-from seaglint.files.dataset import check
+from seaglint.files.dataset import check, format_named
 from seaglint.files.dataset.closing import finish
-from seaglint.files.dataset.convert import ConversionSettings, Format, convert
+from seaglint.files.dataset.convert import ConversionSettings, convert
 from seaglint.files.dataset.grey_levels import Bits
 from seaglint.files.dataset.grey_picture import ImageKind
 from seaglint.files.dataset.part import FOLDER, Catalogue, DatasetScene, Entry, part_path
@@ -30,9 +30,6 @@ from seaglint.scenario.ensemble import read_toml
 from seaglint.scenario.records.dataset import Dataset
 from seaglint.studies.ensemble.ensemble_folder import differences
 from seaglint.version import __version__
-
-FORMATS: Final[dict[str, Bits]] = {"coco": 16, "yolo": 8, "sirst": 8, "zarr": 16}
-"""Formats, and the bits of a pixel where nothing is said: what the programs that read them expect."""
 
 SCENES: Final = ".ensemble"
 """Folder of the scenes' stores while a data set is made."""
@@ -52,14 +49,14 @@ class DatasetOptions:
     Attributes
     ----------
     format : str
-        ``coco``, ``yolo``, ``sirst`` or ``zarr``.
+        Name of one of :data:`seaglint.files.dataset.FORMATS`.
     bits : 8 or 16
         Of a pixel.
     image : str
         ``png`` or ``tiff``.
     """
 
-    format: Format
+    format: str
     bits: Bits
     image: ImageKind
 
@@ -72,15 +69,14 @@ class DatasetOptions:
         DataError
             A format, number of bits or kind of picture that there is not.
         """
-        if form not in FORMATS:
-            raise DataError(f"--format {form}: is not one of {', '.join(FORMATS)}; give one of them")
-        if form == "zarr" and (bits is not None or image is not None):
-            raise DataError("--bits and --image go with pictures, and --format zarr keeps the scenes' stores as they are; leave them out")
+        chosen = format_named(form)
+        if not chosen.pictures and (bits is not None or image is not None):
+            raise DataError(f"--bits and --image go with pictures, and --format {form} keeps {chosen.note}; leave them out")
         if bits not in (None, 8, 16):
             raise DataError(f"--bits {bits}: is neither 8 nor 16; give one of them")
         if image not in (None, "png", "tiff"):
             raise DataError(f"--image {image}: is not one of png, tiff; give one of them")
-        return cls(form, bits or FORMATS[form], image or "png")  # type: ignore[arg-type]
+        return cls(form, bits or chosen.bits, image or "png")  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -213,7 +209,7 @@ def make_dataset(
 def _settings(plan: DatasetPlan, options: DatasetOptions) -> dict[str, Any]:
     """What two halves of a data set must have in common."""
     digest = hashlib.sha256(plan.source.encode("utf-8")).hexdigest()
-    shown = {"bits": options.bits, "image": options.image} if options.format != "zarr" else {}
+    shown = {"bits": options.bits, "image": options.image} if format_named(options.format).pictures else {}
     return {"format": options.format, **shown, "version": __version__, "ensemble": digest}
 
 
@@ -275,35 +271,19 @@ def _start(settings: ConversionSettings) -> Callable[[Entry], str]:
     """What a worker does with a scene: write its pictures and its record; what comes back is its name."""
 
     def work(entry: Entry) -> str:
-        folder = Path(settings.folder)
-        place = folder / "images" / entry.split if settings.format == "yolo" else folder / "images"
-        if settings.format == "zarr":
-            stored = folder / "scenes" / f"{entry.name}.zarr"
-            _keep(Path(entry.store), stored)
-            return convert(replace(entry, store=str(stored)), settings).scene
-        place.mkdir(parents=True, exist_ok=True)
-        return convert(entry, settings).scene
+        folder, form = Path(settings.folder), format_named(settings.format)
+        for name in form.folders:
+            (folder / name).mkdir(parents=True, exist_ok=True)
+        return convert(form.placed(folder, entry), settings).scene
 
     return work
-
-
-def _keep(store: Path, stored: Path) -> None:
-    """Copy a store to its place, whole or not at all."""
-    if stored.exists():
-        return
-    stored.parent.mkdir(parents=True, exist_ok=True)
-    fresh = stored.with_name(stored.name + ".partial")
-    if fresh.exists():
-        shutil.rmtree(fresh)
-    shutil.copytree(store, fresh)
-    fresh.rename(stored)
 
 
 def _write_scenes(
     partial: Path, entries: Sequence[Entry], settings: ConversionSettings, workers: Workers | None, progress: Progress | None
 ) -> None:
     """Write what is missing."""
-    for name in _folders(settings.format):
+    for name in format_named(settings.format).folders:
         (partial / name).mkdir(parents=True, exist_ok=True)
     missing = [entry for entry in entries if not part_path(partial, entry.name).is_file()]
     done = len(entries) - len(missing)
@@ -329,19 +309,6 @@ def _write_scenes(
     if failed:
         error = StorageError if any("StorageError" in line for line in failed) else DataError
         raise error("\n".join([*failed[:20], f"{len(failed)} of {len(entries)} scenes failed; the others stay in {partial}, for --resume"]))
-
-
-def _folders(form: Format) -> tuple[str, ...]:
-    splits = ("train", "val", "test")
-    match form:
-        case "yolo":
-            return tuple(f"{kind}/{split}" for kind in ("images", "labels") for split in splits)
-        case "sirst":
-            return "images", "masks", "img_idx"
-        case "zarr":
-            return ("scenes",)
-        case "coco":
-            return ("images",)
 
 
 def _give_name(partial: Path, output: Path) -> None:

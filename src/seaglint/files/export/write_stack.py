@@ -1,46 +1,23 @@
-"""Which writer an ending needs, and what the user wants of the numbers."""
+"""Frames written in the format of a file's ending, as the numbers of the run, single precision or counts."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Any, Final, get_args
+from typing import Any, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
+from seaglint.files.export import endings, format_of
 from seaglint.files.export.encoding import Counts, Kind, NumberFormat, check_limits
-from seaglint.files.export.fits_cube import require_fits, write_fits
-from seaglint.files.export.hdf5 import write_hdf5
-from seaglint.files.export.plain import header_path, write_header, write_npy, write_raw
+from seaglint.files.export.plain import write_header
 from seaglint.files.export.stack import Exported, Stack
-from seaglint.files.export.tiff import write_tiff
 from seaglint.files.outputs import moved_when_whole, refuse_existing
 from seaglint.files.recording.raw import TYPES
-
-Writer = Callable[[Path, Stack, NumberFormat, Iterable[NDArray[Any]]], None]
-
-WRITERS: Final[dict[str, Writer]] = {
-    ".nc": write_hdf5,
-    ".h5": write_hdf5,
-    ".hdf5": write_hdf5,
-    ".tif": write_tiff,
-    ".tiff": write_tiff,
-    ".fits": write_fits,
-    ".npy": write_npy,
-    ".raw": write_raw,
-}
-"""Writer of an ending."""
-
-_WITH_HEADER: Final = (".npy", ".raw")
-
-
-def output_files(output: Path) -> tuple[Path, ...]:
-    """Files that an export makes: the one asked for, and its header where the format has none of its own."""
-    return (output, header_path(output)) if output.suffix.lower() in _WITH_HEADER else (output,)
 
 
 def write_stack(
@@ -59,7 +36,7 @@ def write_stack(
     stack : Stack
         The images.
     output : path
-        File to write, with one of the endings of :data:`WRITERS`.
+        File to write, with one of the endings of :func:`seaglint.files.export.endings`.
     dtype : {"uint16", "float32"}, optional
         Type of the numbers; that of the run by default. Counts of 16 bits stay as they are, other values become
         :class:`~seaglint.files.export.encoding.Counts`.
@@ -80,9 +57,9 @@ def write_stack(
         No room or no rights; nothing is left behind.
     """
     output = Path(output)
-    ending = output.suffix.lower()
-    if ending not in WRITERS:
-        raise DataError(f"{output}: the ending says what is written; allowed are {', '.join(WRITERS)}")
+    form = format_of(output.suffix.lower())
+    if form is None:
+        raise DataError(f"{output}: the ending says what is written; allowed are {', '.join(endings())}")
     if dtype is not None and dtype not in get_args(Kind):
         raise DataError(f"dtype = {dtype!r}; allowed are {', '.join(get_args(Kind))}")
     scaled = dtype == "uint16" and stack.dtype != np.uint16
@@ -92,9 +69,9 @@ def write_stack(
             raise DataError("--range is that of counts made of other values; give it with --dtype uint16 and values of another type")
     if dtype is None and stack.dtype.name not in TYPES:
         raise DataError(f"{stack.variable} is {stack.dtype}, which not all formats hold; give --dtype float32 or uint16")
-    if ending == ".fits":
-        require_fits()
-    files = output_files(output)
+    form.require()
+    header = form.header_path(output)
+    files = (output,) if header is None else (output, header)
     for file in files:
         refuse_existing(file, overwrite=overwrite)
     total = stack.shape[0]
@@ -128,7 +105,7 @@ def write_stack(
             partial.unlink(missing_ok=True)  # left by a process that was killed
         if len(partials) > 1:
             write_header(partials[1], stack, numbers)
-        WRITERS[ending](partials[0], stack, numbers, encoded())
+        form.write(partials[0], stack, numbers, encoded())
     scale, offset = (None, None) if counts is None else (counts.scale, counts.offset)
     return Exported(files, stack.variable, stack.units, stack.shape, numbers.dtype.name, scale, offset, cut)
 

@@ -1,0 +1,49 @@
+"""Formats of videos: their endings, codecs, and the frame rates that they hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+
+@dataclass(frozen=True)
+class VideoFormat:
+    """Format of a video.
+
+    Attributes
+    ----------
+    ending : str
+        Ending of its files, and without the dot its name in PyAV.
+    codec, pixels : str
+        Codec and type of pixels of PyAV.
+    rates : (float, float)
+        Least and greatest number of frames per second [Hz].
+    options : mapping
+        Options of the codec.
+    """
+
+    ending: str
+    codec: str
+    pixels: str
+    rates: tuple[float, float]
+    options: Mapping[str, str] = field(default_factory=dict)
+
+
+VIDEOS: Final = (
+    VideoFormat(".mp4", "libx264", "yuv420p", (0.01, 1000.0), {"crf": "18", "preset": "veryfast"}),
+    # players show GIFs of shorter delays than 20 ms at a tenth of their speed
+    VideoFormat(".gif", "gif", "pal8", (0.01, 50.0)),
+)
+"""All formats of videos. Help texts, lists in errors and writing follow from it."""
+
+VIDEO_ENDINGS: Final = tuple(form.ending for form in VIDEOS)
+
+
+def video_format(ending: str) -> VideoFormat:
+    """Return the format of an ending, which one of the formats has.
+
+    >>> video_format(".gif").codec
+    'gif'
+    """
+    return next(form for form in VIDEOS if form.ending == ending)
