@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
     from seaglint.base.conventions import Progress
     from seaglint.cluster import Workers
-    from seaglint.files.export import Exported
+    from seaglint.files.export.stack import Exported
     from seaglint.scenario.model import Scenario
 
 
