@@ -1,4 +1,4 @@
-"""What commands tell: lines for the user on stderr, results for a program on stdout, refusals with the file's name."""
+"""Messages of the commands: lines for the user on stderr, results for a program on stdout, errors with the file's name."""
 
 from __future__ import annotations
 
