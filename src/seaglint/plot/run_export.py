@@ -109,7 +109,7 @@ def _show(
     low, high = video.RATES[output.suffix.lower()]
     if rate is not None and not low <= rate <= high:
         raise DataError(
-            f"fps = {rate:g} is outside the {low:g} to {high:g} frames per second that {output.suffix} holds; give a rate within them"
+            f"fps = {rate:g} is outside {low:g}-{high:g}, the frames per second that {output.suffix} holds; give a rate within them"
         )
     if not video.video_available():
         raise BackendError(f"{output}: a video needs PyAV, which is not installed; pip install 'seaglint[video]'")
