@@ -45,7 +45,7 @@ def test_an_ensemble_returns_what_it_drew(tmp_path):
     wind = {"key": "wind.speed_m_s", "law": "uniform", "min": 2, "max": 12}
     rows = sg.ensemble({"base": SCENE, "ensemble": {"scenes": 3}, "vary": [wind]}, tmp_path / "few", draw_only=True)
     assert [row["wind.speed_m_s"] for row in rows] == [sg.load(tmp_path / f"few/scenes/{n:04d}.toml").wind.speed_m_s for n in range(3)]
-    with pytest.raises(DataError, match="--format voc"):
+    with pytest.raises(DataError, match="format = 'voc'"):
         sg.dataset(tmp_path / "few", tmp_path / "D", format="voc")
 
 

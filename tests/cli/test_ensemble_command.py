@@ -53,7 +53,7 @@ def test_scenes_are_drawn_and_rendered_later(seaglint, tmp_path: Path) -> None:
         (TEXT.replace("max = 9", "max = inf"), (), "vary[0] (wind.speed_m_s): max = inf is not finite"),
         (TEXT.replace("min = 3", "min = nan"), (), "vary[0] (wind.speed_m_s): min = nan is no number"),
         ("[ensemble", (), "e.toml: is not valid TOML"),
-        (TEXT, ("--resume", "--overwrite"), "--resume keeps what is there and --overwrite replaces it"),
+        (TEXT, ("--resume", "--overwrite"), "resume keeps what is there and overwrite replaces it"),
         (TEXT, ("--workers", "2", "--dask", "tcp://nowhere:1"), "--workers and --dask: work is shared out in one way"),
     ],
 )

@@ -264,7 +264,7 @@ def test_bad_rows_are_one_line_and_leave_nothing(seaglint, cases, tmp_path, line
 @pytest.mark.parametrize(
     ("bands", "told"),
     [
-        ([], "say --band 3.0-5.0"),
+        ([], "give at least one band, such as 3.0-5.0"),
         (["5-3"], "'5-3'"),
         (["3.0um-5.0um"], "write it as 3.0-5.0"),
         (["3-5", "3-5"], "twice"),

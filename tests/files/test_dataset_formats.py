@@ -235,7 +235,7 @@ def test_a_data_set_taken_up_again_has_the_same_bytes(stores, tmp_path):
     with pytest.raises(Interrupted, match="stopped after 2 of 4 scenes"):
         made(stores, tmp_path / "D", form, progress=stop)
     assert not (tmp_path / "D").exists()
-    with pytest.raises(DataError, match="go on with --resume"):
+    with pytest.raises(DataError, match="continue it with resume"):
         made(stores, tmp_path / "D", form)
     seen = []
     again = made(stores, tmp_path / "D", form, resume=True, progress=lambda done, _: seen.append(done))
@@ -288,7 +288,7 @@ def test_a_data_set_killed_as_it_gets_its_name_is_not_made_again(stores, tmp_pat
 def test_a_data_set_killed_as_it_begins_is_begun_again(stores, tmp_path):
     (tmp_path / "D.partial" / ".parts").mkdir(parents=True)
     (tmp_path / "D.partial" / ".parts" / "settings.json.partial").write_text("{")
-    with pytest.raises(DataError, match="go on with --resume"):
+    with pytest.raises(DataError, match="continue it with resume"):
         made(stores, tmp_path / "D", "coco")
     assert made(stores, tmp_path / "D", "coco", resume=True).is_dir()
 

@@ -54,7 +54,7 @@ def test_a_signal_leaves_the_scenes_that_are_done(stores, tmp_path, workers):
         if done == 2:
             os.kill(os.getpid(), signal.SIGTERM)
 
-    with pytest.raises(Interrupted, match=r"stopped after 2 of 4 scenes, kept in .*D\.partial; go on with the same command and --resume"):
+    with pytest.raises(Interrupted, match=r"stopped after 2 of 4 scenes, kept in .*D\.partial; run the same again with resume"):
         make_dataset(tmp_path / "D", PLAN, DatasetOptions.of("coco"), lambda _: stores, workers=workers, progress=stop)
     seen: list[int] = []
     make_dataset(tmp_path / "D", PLAN, DatasetOptions.of("coco"), lambda _: stores, resume=True, progress=lambda done, _: seen.append(done))

@@ -271,7 +271,7 @@ def test_another_ensemble_is_told_by_its_keys(rendered: Path, other: Ensemble, t
 
 
 def test_what_stands_there_is_not_lost(rendered: Path, tmp_path: Path) -> None:
-    with pytest.raises(DataError, match="holds an ensemble already; go on with --resume"):
+    with pytest.raises(DataError, match="holds an ensemble already; continue it with resume"):
         render_ensemble(drawn(), rendered)
     (tmp_path / "mine.txt").write_text("mine")
     with pytest.raises(DataError, match="is not empty and holds no ensemble"):
@@ -309,7 +309,7 @@ def test_a_request_to_stop_leaves_what_is_done(tmp_path: Path, monkeypatch: pyte
         output.mkdir()
 
     monkeypatch.setattr(module, "render_scene", stopped)
-    with pytest.raises(Interrupted, match=r"stopped after 1 of 3 scenes, kept in .*run; go on with the same command and --resume"):
+    with pytest.raises(Interrupted, match=r"stopped after 1 of 3 scenes, kept in .*run; run the same again with resume"):
         render_ensemble(ensemble(WIND), tmp_path / "run")
 
 

@@ -97,19 +97,19 @@ def analyze(
         # Of numbers that do not exist (a constant frame, a detector that divides by 0): the result says what is absent and why.
         warnings.simplefilter("ignore", RuntimeWarning)
         with patient_progress(show, "frames") as progress:
-            found = run(opened, options, progress)
+            analysis = run(opened, options, progress)
         if report is not None:
             from seaglint.plot.analysis_report import write_report
 
-            write_report(found, report, overwrite=overwrite)
+            write_report(analysis, report, overwrite=overwrite)
     if report is not None:
         typer.echo(f"{report} written", err=True)
     if as_json:
         import json
 
-        typer.echo(json.dumps(found.as_dict(), indent=2, ensure_ascii=False, allow_nan=False))
+        typer.echo(json.dumps(analysis.as_dict(), indent=2, ensure_ascii=False, allow_nan=False))
     else:
-        typer.echo("\n".join(lines(found.as_dict())))
+        typer.echo("\n".join(lines(analysis.as_dict())))
 
 
 def _options(

@@ -140,8 +140,8 @@ ScaleOption = Annotated[
 ]
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
+def _version(requested: bool) -> None:
+    if requested:
         from seaglint.version import __version__
 
         typer.echo(f"seaglint {__version__}")
@@ -157,12 +157,12 @@ def _seaglint(
     pass
 
 
-def _list_presets(wanted: bool) -> None:
-    if wanted:
+def _list_presets(requested: bool) -> None:
+    if requested:
         from seaglint.scenario.presets.scene_presets import PRESETS
 
-        for name, found in PRESETS.items():
-            typer.echo(f"{name:16} {found.title}")
+        for name, preset in PRESETS.items():
+            typer.echo(f"{name:16} {preset.title}")
         raise typer.Exit
 
 
@@ -276,7 +276,7 @@ def render(
     share = None if shard is None else Share.parse(shard)
     file = Path(scenario)
     loaded = load_scenario(file, sensor=sensor_preset)
-    wanted = parse_frames(frames, loaded.sensor.frames)
+    numbers = parse_frames(frames, loaded.sensor.frames)
     store = place_given(output)
     inputs = files_read(file, loaded)
     check_output(store, resume=resume, overwrite=overwrite, inputs=inputs, share=share)
@@ -294,7 +294,7 @@ def render(
         more: dict[str, Any] = {"share": share} if share is not None else {}
         more |= {"workers": others} if others is not None else {}
         alone = None if others is not None else threads
-        render_sequence(loaded, store, frames=wanted, threads=alone, resume=resume, overwrite=overwrite, progress=report, **more)
+        render_sequence(loaded, store, frames=numbers, threads=alone, resume=resume, overwrite=overwrite, progress=report, **more)
     if share is not None:
         tell_share(store, share)
         return
@@ -372,11 +372,11 @@ def info(
     """Say what a sequence or map holds and how it was made."""
     from seaglint.cli.info import describe, lines
 
-    found = describe(place_given(path))
+    facts = describe(place_given(path))
     if as_json:
-        print_json(found)
+        print_json(facts)
     else:
-        typer.echo("\n".join(lines(found)))
+        typer.echo("\n".join(lines(facts)))
 
 
 @app.command()

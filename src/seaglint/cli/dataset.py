@@ -14,7 +14,7 @@ from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption
 
-MOST_TOLD = 20
+MOST_LISTED = 20
 """Lines of what is wrong with a data set, of which more are only counted."""
 
 
@@ -90,8 +90,8 @@ def dataset(
             overwrite=overwrite,
             progress=report,
         )
-    found = read_about(output)["statistics"]
-    images, objects = (sum(found[name].values()) for name in ("images", "annotated_objects"))
+    statistics = read_about(output)["statistics"]
+    images, objects = (sum(statistics[name].values()) for name in ("images", "annotated_objects"))
     log(f"{output}: {images} images with {objects} annotated objects, checked; {output / 'README.md'} says what is in it")
 
 
@@ -99,11 +99,11 @@ def _check(folder: Path) -> None:
     """Say what is wrong with a data set, and leave with 2 where something is."""
     from seaglint.files.dataset.check import problems
 
-    found = list(problems(folder))
-    for line in found[:MOST_TOLD]:
+    faults = list(problems(folder))
+    for line in faults[:MOST_LISTED]:
         log(f"seaglint: {folder}: {line}")
-    if len(found) > MOST_TOLD:
-        log(f"seaglint: {folder}: and {len(found) - MOST_TOLD} more")
-    if found:
+    if len(faults) > MOST_LISTED:
+        log(f"seaglint: {folder}: and {len(faults) - MOST_LISTED} more")
+    if faults:
         raise typer.Exit(2)
     log(f"{folder}: is whole: files, checksums, pictures, boxes, masks and splits")

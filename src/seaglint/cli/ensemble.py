@@ -48,5 +48,5 @@ def ensemble(
             progress=report,
         )
     count = loaded.ensemble.scenes
-    told = f"drawn; render them with --resume, or one with: seaglint render {output}/scenes/0000.toml" if draw_only else "rendered"
-    log(f"{output}: {count} scene{'s' if count > 1 else ''} {told}; what was drawn is in {output / 'parameters.csv'}")
+    outcome = f"drawn; render them with --resume, or one with: seaglint render {output}/scenes/0000.toml" if draw_only else "rendered"
+    log(f"{output}: {count} scene{'s' if count > 1 else ''} {outcome}; what was drawn is in {output / 'parameters.csv'}")

@@ -81,13 +81,13 @@ def export(
     from seaglint.plot.run_export import export_run
 
     with open_sequence(run) as dataset:
-        wanted = parse_frames(frames, held_frames(dataset), steps=True)
+        numbers = parse_frames(frames, held_frames(dataset), steps=True)
         with patient_progress(show, "frames") as report:
             written = export_run(
                 dataset,
                 output,
                 variable=variable,
-                frames=wanted,
+                frames=numbers,
                 dtype=dtype.value if dtype else None,
                 limits=limits,
                 colours=colours.value if colours else None,

@@ -1,4 +1,4 @@
-"""What a sequence or a map holds and how it was made."""
+"""Contents of a sequence or a map, and how it was made."""
 
 from __future__ import annotations
 
@@ -40,8 +40,8 @@ def describe(path: Path | str) -> dict[str, Any]:
         except SeaglintError:
             raise
         except Exception as error:  # what a damaged file holds may be of any type, and h5py raises nearly anything
-            told = " ".join(str(error).split())[:200] or type(error).__name__
-            raise DataError(f"{path}: cannot be read as a seaglint file ({told}); make it again") from error
+            reason = " ".join(str(error).split())[:200] or type(error).__name__
+            raise DataError(f"{path}: cannot be read as a seaglint file ({reason}); make it again") from error
 
 
 def _size(path: Path | str) -> int:
@@ -75,8 +75,8 @@ def _facts(path: Path | str, dataset: xr.Dataset) -> dict[str, Any]:
         "bytes": _size(path),
     }
     if len(images(dataset)):
-        found = summarise(dataset)
-        facts |= {"statistics": found.as_dict(), "summary": found.line}
+        summary = summarise(dataset)
+        facts |= {"statistics": summary.as_dict(), "summary": summary.line}
     if "saturated_share" in dataset:
         shares = dataset["saturated_share"].to_numpy()
         facts["saturated_share"] = [float(share) for share in shares[shares == shares]]
@@ -113,7 +113,7 @@ def _plain(value: Any) -> Any:
 
 
 def lines(facts: dict[str, Any]) -> list[str]:
-    """The same for people."""
+    """Return the facts as lines of text."""
     nx, ny = facts["pixels"]
     out = [f"{facts['path']}: {facts['title']}"]
     if "frames" in facts:

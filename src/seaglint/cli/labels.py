@@ -25,6 +25,6 @@ def labels(
     from seaglint.files.store.object_labels import Labels, require_labels_name, write_labels
 
     refuse_existing(require_labels_name(output), overwrite=overwrite, inputs=[run])
-    found = Labels.of(run)
-    write_labels(found, output, overwrite=overwrite)
-    log(f"{output} written: {len(found.names)} object{'s' * (len(found.names) != 1)} in {len(found.frames)} frames")
+    truth = Labels.of(run)
+    write_labels(truth, output, overwrite=overwrite)
+    log(f"{output} written: {len(truth.names)} object{'s' * (len(truth.names) != 1)} in {len(truth.frames)} frames")

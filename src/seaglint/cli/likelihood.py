@@ -60,30 +60,32 @@ def likelihood(
 
     with naming_file(scenario, loaded), progress(show, "steps") as report:
         result = compute(loaded, progress=report)
-    found = result.as_dict()
-    for note in found["notes"]:
+    values = result.as_dict()
+    for note in values["notes"]:
         log(note)
-    _write(result, found, files, overwrite)
+    _write(result, values, files, overwrite)
     if as_json:
-        print_json(found)
+        print_json(values)
     else:
-        typer.echo("\n".join(lines(found)))
+        typer.echo("\n".join(lines(values)))
 
 
-def lines(found: dict[str, Any]) -> list[str]:
+def lines(data: dict[str, Any]) -> list[str]:
     """A result for people."""
-    out = [f"{found['case']}, {found['quantity']}; {found['samples']} draws, clouds by '{found['clouds']}'"]
+    out = [f"{data['case']}, {data['quantity']}; {data['samples']} draws, clouds by '{data['clouds']}'"]
     out += [f"  {'threshold [W m-2 sr-1]':>24}  {'probability':>12}  95 % interval"]
-    for row in found["results"]:
+    for row in data["results"]:
         more = f"  {row['false_alarms_per_hour']:.4g} false alarms an hour" if "false_alarms_per_hour" in row else ""
         out.append(
             f"  {row['threshold_w_m2_sr']:>24g}  {row['probability']:>12.5g}  {row['interval'][0]:.5g} to {row['interval'][1]:.5g}{more}"
         )
     out.append(
-        f"  Sun up in {100 * found['sun_up']['share']:.4g} % of the draws, free of clouds in {100 * found['sun_free_of_clouds']:.4g} %"
+        f"  Sun up in {100 * data['sun_up']['share']:.4g} % of the draws, free of clouds in {100 * data['sun_free_of_clouds']:.4g} %"
     )
-    told = ", ".join(f"{row['radiance_w_m2_sr']:.3g} in {100 * row['share_of_looks']:g} %" for row in found["contrast_exceeded_by_glint"])
-    return [*out, f"  glint exceeds [W m-2 sr-1]: {told} of the looks"]
+    exceeded = ", ".join(
+        f"{row['radiance_w_m2_sr']:.3g} in {100 * row['share_of_looks']:g} %" for row in data["contrast_exceeded_by_glint"]
+    )
+    return [*out, f"  glint exceeds [W m-2 sr-1]: {exceeded} of the looks"]
 
 
 def _files(output: Path | None, overwrite: bool, inputs: list[Path]) -> list[Path]:
@@ -108,20 +110,20 @@ def _make(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
 
 
-def _write(result: Any, found: dict[str, Any], files: list[Path], overwrite: bool) -> None:
+def _write(result: Any, values: dict[str, Any], files: list[Path], overwrite: bool) -> None:
     from seaglint.files.tables.likelihood_tables import write_table
     from seaglint.files.text_file import write_json
 
     for path in files:
         match path.suffix:
             case ".json":
-                write_json(found, path)
+                write_json(values, path)
             case ".csv":
-                write_table(found["strata" if path.name == "strata.csv" else "results"], path)
+                write_table(values["strata" if path.name == "strata.csv" else "results"], path)
             case _:
                 from seaglint.plot.likelihood_charts import write_charts
 
-                write_charts(found, result.month_by_hour(), path)
+                write_charts(values, result.month_by_hour(), path)
         log(f"{path} written")
 
 
@@ -172,19 +174,19 @@ def _along(path: Path, loaded: Scenario, track: Path, output: Path | None, as_js
     if output is not None:
         refuse_existing(output, overwrite=overwrite, inputs=inputs)
     with naming_file(path, loaded):
-        found = along_track(loaded, track)
+        way = along_track(loaded, track)
     if output is not None:
         if output.suffix == ".json":
-            write_json(found, output)
+            write_json(way, output)
         else:
-            write_table(found["way"], output)
+            write_table(way["way"], output)
         log(f"{output} written")
     if as_json:
-        print_json(found)
+        print_json(way)
         return
-    for row in found["results"]:
+    for row in way["results"]:
         typer.echo(
-            f"{row['threshold_w_m2_sr']:g} W m-2 sr-1: {row['hours']:.3g} of {found['hours']:.3g} h; glint lasts "
+            f"{row['threshold_w_m2_sr']:g} W m-2 sr-1: {row['hours']:.3g} of {way['hours']:.3g} h; glint lasts "
             f"{_hours(row['mean_duration_hours'])} and comes back after {_hours(row['mean_return_hours'])}"
         )
 

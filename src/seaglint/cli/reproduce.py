@@ -22,13 +22,13 @@ def headline(as_json: Annotated[bool, typer.Option("--json", help="print JSON")]
     """Print the article's headline numbers beside ours."""
     from seaglint.studies.article.headline import headline as rows
 
-    found = rows()
+    computed = rows()
     if as_json:
-        print_json(found)
+        print_json(computed)
         return
     from seaglint.cli.terminal.text_table import table
 
-    typer.echo("\n".join(table(found)))
+    typer.echo("\n".join(table(computed)))
 
 
 @reproduce.command()
@@ -80,16 +80,16 @@ def fig5(
     from seaglint.studies.article.fig5 import PRINTED, figure_5
 
     with progress(show, "azimuths") as report:
-        found = figure_5(weather, mode="spectral" if spectral else "article", report=report)
-    write_columns(found.columns, numbers, overwrite=overwrite)
+        result = figure_5(weather, mode="spectral" if spectral else "article", report=report)
+    write_columns(result.columns, numbers, overwrite=overwrite)
     log(f"{numbers} written")
     from seaglint.plot.likelihood_charts import write_fig5
 
-    write_fig5(found.columns, picture)
+    write_fig5(result.columns, picture)
     log(f"{picture} written")
     log(
-        f"the caption's 0.25 W cm-2 sr-1 is {PRINTED:g} W m-2 sr-1: exceeded in {100 * found.printed:.2g} % of looks; the brightest "
-        f"glint of all draws is {found.brightest:.3g} W m-2 sr-1"
+        f"the caption's 0.25 W cm-2 sr-1 is {PRINTED:g} W m-2 sr-1: exceeded in {100 * result.printed:.2g} % of looks; the brightest "
+        f"glint of all draws is {result.brightest:.3g} W m-2 sr-1"
     )
 
 
@@ -129,7 +129,7 @@ def fig12(
     from seaglint.studies.article import fig12 as engagement
 
     show_logs(quiet=show is ProgressMode.NONE)
-    wanted = parse_frames(frames, engagement.FRAMES)
+    selected = parse_frames(frames, engagement.FRAMES)
     _made(output)
     store = check_output(output / "fig12.zarr", resume=resume, overwrite=overwrite)
     picture, numbers, video = (refuse_existing(output / f"fig12.{kind}", overwrite=overwrite or resume) for kind in ("png", "csv", "mp4"))
@@ -137,18 +137,18 @@ def fig12(
     if not with_video:
         log(f"no {video}: PyAV is not installed; pip install 'seaglint[video]' adds it")
     with progress(show, "frames") as report:
-        scenario = engagement.sequence(store, wanted, pixels or engagement.PIXELS, resume=resume, overwrite=overwrite, progress=report)
+        scenario = engagement.sequence(store, selected, pixels or engagement.PIXELS, resume=resume, overwrite=overwrite, progress=report)
     log(f"{store} written")
     from seaglint.files.store.object_labels import Labels, write_labels
     from seaglint.files.store.store import open_sequence
     from seaglint.plot.engagement import write
     from seaglint.plot.video import write_video
 
-    labels, shown = Labels.of(store), engagement.shown_frame(wanted)
+    labels, shown = Labels.of(store), engagement.shown_frame(selected)
     write_labels(labels, numbers, overwrite=overwrite or resume)
     log(f"{numbers} written")
     with open_sequence(store) as dataset:
-        write(dataset, shown, [label for label in labels if label.frame == wanted[shown]], engagement.ways(scenario, wanted), picture)
+        write(dataset, shown, [label for label in labels if label.frame == selected[shown]], engagement.ways(scenario, selected), picture)
         log(f"{picture} written")
         if with_video:
             write_video(dataset, video, "linear", remedy="make room and run the same command with --resume")
@@ -174,17 +174,17 @@ def table1(
     from seaglint.studies.article.table1 import table1 as compute
 
     with progress(show, "frames") as report:
-        found = compute(report)
+        result = compute(report)
     if numbers is not None:
-        write_columns(found.columns(), numbers, overwrite=overwrite)
+        write_columns(result.columns(), numbers, overwrite=overwrite)
         log(f"{numbers} written")
     if as_json:
-        print_json({"rows": found.rows(), "settings": found.settings(), "notes": list(found.analysis.notes)})
+        print_json({"rows": result.rows(), "settings": result.settings(), "notes": list(result.analysis.notes)})
         return
     from seaglint.cli.terminal.text_table import table
 
-    typer.echo("\n".join(table(found.rows())))
-    typer.echo("; ".join(f"{key} = {value}" for key, value in found.settings().items()))
+    typer.echo("\n".join(table(result.rows())))
+    typer.echo("; ".join(f"{key} = {value}" for key, value in result.settings().items()))
 
 
 def _made(folder: Path) -> Path:

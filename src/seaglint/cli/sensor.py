@@ -23,12 +23,12 @@ SensorPreset = Annotated[
 ]
 
 
-def _list_presets(wanted: bool) -> None:
-    if wanted:
+def _list_presets(requested: bool) -> None:
+    if requested:
         from seaglint.scenario.presets.sensor_presets import SENSORS
 
-        for name, found in SENSORS.items():
-            typer.echo(f"{name:24} {found.title}")
+        for name, preset in SENSORS.items():
+            typer.echo(f"{name:24} {preset.title}")
         raise typer.Exit
 
 
@@ -100,11 +100,11 @@ def line(dataset: xr.Dataset) -> str:
 
     signal, share = dataset["signal"], dataset["saturated_share"].to_numpy()
     first = signal.isel(time=0).to_numpy()
-    told = f"{signal.sizes['time']} frames of {signal.sizes['x']} x {signal.sizes['y']} pixels, counts {first.min()} to {first.max()}"
+    message = f"{signal.sizes['time']} frames of {signal.sizes['x']} x {signal.sizes['y']} pixels, counts {first.min()} to {first.max()}"
     if float(np.nanmax(share)) == 0.0:
-        return f"{told} in the first; no pixel is saturated"
+        return f"{message} in the first; no pixel is saturated"
     worst = int(np.nanargmax(share))
-    return f"{told} in the first; saturated {100 * float(np.nanmean(share)):.3g} % of the pixels, most in frame {worst}: " + (
+    return f"{message} in the first; saturated {100 * float(np.nanmean(share)):.3g} % of the pixels, most in frame {worst}: " + (
         f"{100 * float(share[worst]):.3g} %"
     )
 
@@ -132,46 +132,46 @@ def sensor(
             raise DataError(f"--plot {plot}: give a name that ends in .png, .pdf or .svg")
         refuse_existing(plot, overwrite=overwrite, inputs=files_read(scenario, loaded))
     with naming_file(scenario, loaded):
-        found = describe_sensor(loaded, frequency or ())
+        values = describe_sensor(loaded, frequency or ())
     if plot is not None:
         from seaglint.plot.sensor_figure import write_sensor_plot
 
-        write_sensor_plot(found, plot)
+        write_sensor_plot(values, plot)
         log(f"{plot} written")
     if as_json:
-        print_json(found)
+        print_json(values)
     else:
-        typer.echo("\n".join(lines(found)))
+        typer.echo("\n".join(lines(values)))
 
 
-def lines(found: dict[str, Any]) -> list[str]:
-    """The same for people."""
+def lines(values: dict[str, Any]) -> list[str]:
+    """Return the figures of merit as lines of text."""
     from seaglint.instrument.figures_of_merit import MTF_POINTS
 
-    unit = "electrons" if found["detector"] == "photon" else "nW"
-    key = "electrons" if found["detector"] == "photon" else "nw"
-    budget, mtf = found[f"noise_budget_{key}"], found["mtf"]
-    low, high = found["band_um"]
+    unit = "electrons" if values["detector"] == "photon" else "nW"
+    key = "electrons" if values["detector"] == "photon" else "nw"
+    budget, mtf = values[f"noise_budget_{key}"], values["mtf"]
+    low, high = values["band_um"]
     out = [
-        f"{found['detector']} detector, {low:g} to {high:g} um, F/{found['f_number']:.3g}, "
-        f"focal length {1e3 * found['focal_length_m']:.4g} mm",
-        f"  IFOV                    {found['ifov_mrad']:.5g} mrad, pictures drawn {found['oversampling']} times finer",
-        f"  NETD                    {1e3 * found['netd_k']:.4g} mK at {found['background_k']:g} K",
-        f"  SiTF                    {found['sitf_counts_per_k']:.5g} counts/K",
-        f"  gain                    {found['electrons_per_count'] or found['nw_per_count']:.5g} {unit}/count",
-        f"  NEI                     {found['nei_w_m2']:.4g} W m-2 at the aperture "
-        f"({100 * found['point_share']:.3g} % of a point in its pixel)",
-        f"  NEP                     {found['nep_w']:.4g} W on the pixel",
+        f"{values['detector']} detector, {low:g} to {high:g} um, F/{values['f_number']:.3g}, "
+        f"focal length {1e3 * values['focal_length_m']:.4g} mm",
+        f"  IFOV                    {values['ifov_mrad']:.5g} mrad, pictures drawn {values['oversampling']} times finer",
+        f"  NETD                    {1e3 * values['netd_k']:.4g} mK at {values['background_k']:g} K",
+        f"  SiTF                    {values['sitf_counts_per_k']:.5g} counts/K",
+        f"  gain                    {values['electrons_per_count'] or values['nw_per_count']:.5g} {unit}/count",
+        f"  NEI                     {values['nei_w_m2']:.4g} W m-2 at the aperture "
+        f"({100 * values['point_share']:.3g} % of a point in its pixel)",
+        f"  NEP                     {values['nep_w']:.4g} W on the pixel",
     ]
-    if found["dynamic_range_db"] is not None:
-        out.append(f"  dynamic range           {found['dynamic_range_db']:.4g} dB")
-    if found["saturation_temperature_k"] is not None:
-        out.append(f"  saturates at            {found['saturation_temperature_k']:.5g} K")
+    if values["dynamic_range_db"] is not None:
+        out.append(f"  dynamic range           {values['dynamic_range_db']:.4g} dB")
+    if values["saturation_temperature_k"] is not None:
+        out.append(f"  saturates at            {values['saturation_temperature_k']:.5g} K")
     out.append(f"  MTF [cycles/mrad]       along   across  (Nyquist {mtf['nyquist_cycles_per_mrad']:.4g})")
     for i in range(0, len(mtf["along"]), 5 if len(mtf["along"]) == MTF_POINTS else 1):
         out.append(f"    {mtf['frequency_cycles_per_mrad'][i]:<21.4g} {mtf['along'][i]:<7.3f} {mtf['across'][i]:.3f}")
     scene = budget["scene_apparent_temperature_k"]
-    full = found["saturation_radiance"] is not None and budget["scene_radiance"] > found["saturation_radiance"]
+    full = values["saturation_radiance"] is not None and budget["scene_radiance"] > values["saturation_radiance"]
     out.append(
         f"  noise budget [{unit}] at the scene's mean of {budget['scene_radiance']:.4g} W m-2 sr-1"
         + (f" ({scene:.4g} K)" if scene else "")
@@ -180,10 +180,10 @@ def lines(found: dict[str, Any]) -> list[str]:
     for name, value in budget.items():
         if not name.startswith("scene_") and (value or name in ("signal", "total_temporal")):
             out.append(f"    {name.replace('_', ' '):<21} {value:.5g}")
-    told = ", ".join(f"{name} {value:.4g}" for name, value in found[f"three_d_noise_{key}"].items())
-    out.append(f"  3-D noise [{unit}]  {told}")
-    error = found["conversion_error"]
-    if found["detector"] == "photon":
+    parts = ", ".join(f"{name} {value:.4g}" for name, value in values[f"three_d_noise_{key}"].items())
+    out.append(f"  3-D noise [{unit}]  {parts}")
+    error = values["conversion_error"]
+    if values["detector"] == "photon":
         out.append(
             f"  photons of other spectra  {100 * error['280_k']:+.2f} % at 280 K, {100 * error['320_k']:+.2f} % at 320 K, "
             f"{100 * error['sunlight']:+.3g} % for sunlight"

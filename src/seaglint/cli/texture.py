@@ -45,7 +45,7 @@ class MethodOption(StrEnum):
 
 
 class Product(StrEnum):
-    """Whether a slow field multiplies the fast one."""
+    """Choices of a slow field that multiplies the fast one."""
 
     AUTO = "auto"
     ALWAYS = "always"
@@ -53,7 +53,7 @@ class Product(StrEnum):
 
 
 class Contrast(StrEnum):
-    """What sets the standard deviation of a pixel."""
+    """Sources of the standard deviation of a pixel."""
 
     AUTO = "auto"
     GLINT = "glint"
@@ -131,19 +131,19 @@ def fit(
         product={Product.AUTO: None, Product.ALWAYS: True, Product.NEVER: False}[product],
         seed=seed,
     )
-    found = fitted(opened, options)
-    write_texture(found.stored, output, overwrite=overwrite)
+    result = fitted(opened, options)
+    write_texture(result.stored, output, overwrite=overwrite)
     log(f"{output} written")
     if report is not None:
         from seaglint.plot.texture_report import write_comparison
 
-        about = [*model_lines(found.stored.to_dict()), *found.stored.notes]
-        write_comparison(found.comparison, found.data, found.sample, report, gaussian=found.gaussian, about=about, overwrite=overwrite)
+        about = [*model_lines(result.stored.to_dict()), *result.stored.notes]
+        write_comparison(result.comparison, result.data, result.sample, report, gaussian=result.gaussian, about=about, overwrite=overwrite)
         log(f"{report} written")
     if as_json:
-        print_json(found.stored.to_dict())
+        print_json(result.stored.to_dict())
     else:
-        typer.echo("\n".join(fit_lines(found.stored.to_dict())))
+        typer.echo("\n".join(fit_lines(result.stored.to_dict())))
 
 
 @texture.command()
@@ -213,12 +213,12 @@ def compare(
     def opened(path: str | Path) -> Recording:
         return _opened(str(path), frame_rate, units, variable, channel, axes, raw)
 
-    found, one, other, likelihood = compare_files(first, second, opened, regions=parts, seed=seed)
-    result = {**found.as_dict(), "likelihood": likelihood}
+    comparison, one, other, likelihood = compare_files(first, second, opened, regions=parts, seed=seed)
+    result = {**comparison.as_dict(), "likelihood": likelihood}
     if report is not None:
         from seaglint.plot.texture_report import write_comparison
 
-        write_comparison(found, one, other, report, overwrite=overwrite)
+        write_comparison(comparison, one, other, report, overwrite=overwrite)
         log(f"{report} written")
     if as_json:
         print_json(result)
@@ -257,13 +257,13 @@ def place(
     columns, rows = _size(size)
     stored, loaded = read_texture(model), load_scenario(scenario)
     check_output(output, overwrite=overwrite, inputs=[*files_read(scenario, loaded), model])
-    wanted = parse_frames(frames, loaded.sensor.frames)
+    numbers = parse_frames(frames, loaded.sensor.frames)
     with naming_file(scenario, loaded), patient_progress(show, "frames") as report:
         placed(
             stored,
             loaded,
             output,
-            frames=wanted,
+            frames=numbers,
             size=(columns, rows),
             cell=cell,
             contrast=contrast.value,
@@ -322,7 +322,7 @@ def fit_lines(held: dict[str, Any]) -> list[str]:
 
 
 def model_lines(held: dict[str, Any]) -> list[str]:
-    """What was fitted to what."""
+    """Return the model, its parameters and the data of a fit as lines of text."""
     model, source = held["model"], held["source"]
     out = [f"{source['input']}: {source['frames']} frames of {source['columns']} x {source['rows']} pixels, region {source['region']}"]
     if model["kind"] == "gauss-markov":
@@ -335,8 +335,8 @@ def model_lines(held: dict[str, Any]) -> list[str]:
         out.append(f"correlations of the output are met to {max(held['fit']['correlation_error'], 1e-9):.1g} of the variance")
     else:
         errors = held["fit"]["standard_errors"]
-        told = [f"{v:.4g}" + ("" if e is None else f" +- {e:.2g}") for v, e in zip(held["fit"]["parameters"], errors, strict=True)]
-        out.append(f"autobinomial field of {model['levels']} levels: alpha {told[0]}; beta {', '.join(told[1:])}")
+        parameters = [f"{v:.4g}" + ("" if e is None else f" +- {e:.2g}") for v, e in zip(held["fit"]["parameters"], errors, strict=True)]
+        out.append(f"autobinomial field of {model['levels']} levels: alpha {parameters[0]}; beta {', '.join(parameters[1:])}")
         out.append(f"couplings by {held['fit']['method']}, samples by {model['sampler']}")
     return out
 

@@ -104,7 +104,7 @@ def _number(value: float | None) -> str:
 
 
 def lines(facts: dict[str, Any]) -> list[str]:
-    """What is told of a table, for people."""
+    """Return the facts of a weather table as lines of text."""
     out = [f"{facts['path']}: {facts['rows']} rows, effectively {facts['effective_rows']:.0f}, weights sum to {facts['weight_sum']:.6g}"]
     out.append(f"  covers {facts['covers']}")
     if facts["regions"]:

@@ -112,7 +112,7 @@ def _summary(results: dict[str, Any]) -> str:
         for entry in region["false_alarms"]:
             time = entry["correlation_time_s"]
             frames = entry["correlation_time_frames"]
-            told = [text for text in (entry["note"], entry["correlation_note"]) if text]
+            notes = [text for text in (entry["note"], entry["correlation_note"]) if text]
             rows.append(
                 [
                     name,
@@ -125,7 +125,7 @@ def _summary(results: dict[str, Any]) -> str:
                     number(entry["ratio"]),
                     number(entry["inflation"]),
                     number(time) if time is not None or results["frame_rate_hz"] is not None else number(frames),
-                    "; ".join(dict.fromkeys(told)),
+                    "; ".join(dict.fromkeys(notes)),
                 ]
             )
     seconds = "s" if results["frame_rate_hz"] is not None else "frames"
@@ -135,18 +135,18 @@ def _summary(results: dict[str, Any]) -> str:
 
 
 def _segmentation(results: dict[str, Any]) -> str:
-    found = results["segmentation"]
-    text = f"Method: {found['method']}."
-    if found["separability"] is not None:
-        text += f" Separability {number(found['separability'])} (a corridor has at least 0.69), contrast {number(found['contrast'])}"
+    result = results["segmentation"]
+    text = f"Method: {result['method']}."
+    if result["separability"] is not None:
+        text += f" Separability {number(result['separability'])} (a corridor has at least 0.69), contrast {number(result['contrast'])}"
         text += " standard deviations of the background (at least 2)"
-        text += "." if found["border_step"] is None else f", {100 * found['border_step']:.0f} % of the step at the border (at most 44 %)."
-    if found["reason"]:
-        text += f" No corridor: {found['reason']}."
-    if found["doubt"]:
-        text += f" The corridor is not sure: {found['doubt']}."
-    if found["sky_pixels"]:
-        text += f" {number(found['sky_pixels'])} pixels lie in smooth rows on top, sky or far sea, and belong to neither region."
+        text += "." if result["border_step"] is None else f", {100 * result['border_step']:.0f} % of the step at the border (at most 44 %)."
+    if result["reason"]:
+        text += f" No corridor: {result['reason']}."
+    if result["doubt"]:
+        text += f" The corridor is not sure: {result['doubt']}."
+    if result["sky_pixels"]:
+        text += f" {number(result['sky_pixels'])} pixels lie in smooth rows on top, sky or far sea, and belong to neither region."
     return text
 
 

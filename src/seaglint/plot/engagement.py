@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS: Final = ("tab:red", "tab:green", "tab:orange", "tab:purple")
-"""Of the bodies in their order: the article's attacking one is red, the defending one green."""
+"""Colours of the bodies in their order: the article's attacking one is red, the defending one green."""
 
 _CLOSE: Final = 24
 """Pixels along each side of a close view."""
@@ -34,11 +34,11 @@ _SECOND_MARKS: Final = 1.0
 
 
 class EngagementWays(Protocol):
-    """Where sensor and bodies are in the vertical plane of the line of sight, as :func:`seaglint.studies.article.fig12.ways` tells it."""
+    """Positions of sensor and bodies in the vertical plane of the line of sight, from :func:`seaglint.studies.article.fig12.ways`."""
 
     @property
     def time(self) -> FloatArray:
-        """Of the frames [s]."""
+        """Times of the frames [s]."""
         ...
 
     @property
@@ -48,7 +48,7 @@ class EngagementWays(Protocol):
 
     @property
     def height(self) -> dict[str, FloatArray]:
-        """Height above the mean sea likewise [m]."""
+        """Height above the mean sea by name [m, (frames,)]."""
         ...
 
     @property

@@ -19,34 +19,34 @@ if TYPE_CHECKING:
 _DPI = 130
 
 
-def write_charts(found: dict[str, Any], month_by_hour: FloatArray | None, output: Path) -> None:
+def write_charts(result: dict[str, Any], month_by_hour: FloatArray | None, output: Path) -> None:
     """Draw chances by threshold, by bearing (polar), by wind and, where the time varies, by month and hour."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10.0, 8.0), layout="constrained")
-    first = found["results"][0]["threshold_w_m2_sr"]
-    _thresholds(figure.add_subplot(2, 2, 1), found)
-    _bearings(figure.add_subplot(2, 2, 2, projection="polar"), found, first)
-    _causes(figure.add_subplot(2, 2, 3), found, first)
+    first = result["results"][0]["threshold_w_m2_sr"]
+    _thresholds(figure.add_subplot(2, 2, 1), result)
+    _bearings(figure.add_subplot(2, 2, 2, projection="polar"), result, first)
+    _causes(figure.add_subplot(2, 2, 3), result, first)
     axes = figure.add_subplot(2, 2, 4)
     if month_by_hour is None:
-        _bars(axes, _of(found, "sun_elevation_deg", first), "Sun's elevation [deg]")
+        _bars(axes, _of(result, "sun_elevation_deg", first), "Sun's elevation [deg]")
     else:
         image = axes.pcolormesh(np.arange(25), np.arange(13), month_by_hour, cmap="magma", vmin=0.0)
         axes.set(xlabel="hour of the Sun's day [h]", title="by month and hour", xticks=range(0, 25, 4))
         axes.set_yticks(np.arange(12) + 0.5, [name[:3] for name in MONTHS])
         axes.invert_yaxis()
         figure.colorbar(image, ax=axes, label="probability [1]")
-    figure.suptitle(f"{found['case']}: glint above {first:g} W m⁻² sr⁻¹")
+    figure.suptitle(f"{result['case']}: glint above {first:g} W m⁻² sr⁻¹")
     _save(figure, output)
 
 
-def _of(found: dict[str, Any], by: str, threshold: float) -> list[dict[str, Any]]:
-    return [row for row in found["strata"] if row["by"] == by and row["threshold_w_m2_sr"] == threshold]
+def _of(result: dict[str, Any], by: str, threshold: float) -> list[dict[str, Any]]:
+    return [row for row in result["strata"] if row["by"] == by and row["threshold_w_m2_sr"] == threshold]
 
 
-def _thresholds(axes: Axes, found: dict[str, Any]) -> None:
-    rows = sorted(found["results"], key=lambda row: row["threshold_w_m2_sr"])
+def _thresholds(axes: Axes, result: dict[str, Any]) -> None:
+    rows = sorted(result["results"], key=lambda row: row["threshold_w_m2_sr"])
     x, p = np.array([r["threshold_w_m2_sr"] for r in rows]), np.array([r["probability"] for r in rows])
     low, high = np.array([r["interval"] for r in rows]).T
     axes.errorbar(x, p, yerr=[np.maximum(p - low, 0.0), np.maximum(high - p, 0.0)], marker="o", capsize=3)
@@ -55,8 +55,8 @@ def _thresholds(axes: Axes, found: dict[str, Any]) -> None:
     )
 
 
-def _bearings(axes: Axes, found: dict[str, Any], threshold: float) -> None:
-    rows = _of(found, "azimuth_from_sun_deg", threshold)
+def _bearings(axes: Axes, result: dict[str, Any], threshold: float) -> None:
+    rows = _of(result, "azimuth_from_sun_deg", threshold)
     axes.set_theta_zero_location("N")  # type: ignore[attr-defined]
     axes.set_theta_direction(-1)  # type: ignore[attr-defined]
     middle = [math.radians(0.5 * (row["low"] + row["high"])) for row in rows]
@@ -64,8 +64,8 @@ def _bearings(axes: Axes, found: dict[str, Any], threshold: float) -> None:
     axes.set_title("probability [1] by azimuth from the Sun [deg]")
 
 
-def _causes(axes: Axes, found: dict[str, Any], threshold: float) -> None:
-    _bars(axes, _of(found, "wind_speed_m_s", threshold), "wind [m/s]")
+def _causes(axes: Axes, result: dict[str, Any], threshold: float) -> None:
+    _bars(axes, _of(result, "wind_speed_m_s", threshold), "wind [m/s]")
 
 
 def _bars(axes: Axes, rows: list[dict[str, Any]], label: str) -> None:
@@ -100,13 +100,13 @@ def write_map(dataset: xr.Dataset, output: Path) -> None:
     _save(figure, output)
 
 
-def write_regions(found: dict[str, dict[str, FloatArray]], output: Path) -> None:
+def write_regions(result: dict[str, dict[str, FloatArray]], output: Path) -> None:
     """Draw chances by threshold and by month of several sea regions, :func:`seaglint.studies.likelihood.sea_regions.regions`."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(10.0, 4.0), layout="constrained")
     left, right = figure.subplots(1, 2)
-    for name, columns in found.items():
+    for name, columns in result.items():
         left.loglog(columns["threshold"], np.maximum(columns["probability"], 1e-6), label=name)
         right.plot(np.arange(12), columns["by_month"], marker="o", label=name)
     left.set(xlabel="threshold [W m⁻² sr⁻¹]", ylabel="probability of a look [1]", ylim=(1e-4, 1.0))

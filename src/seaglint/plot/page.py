@@ -10,7 +10,7 @@ from typing import Any, Final
 from seaglint.version import __version__
 
 ABSENT: Final = "–"
-"""What stands for a number that does not exist."""
+"""Text in place of a number that does not exist."""
 
 WIDE: Final = 9
 """Columns from which a table is set smaller, and its numbers may break, so that the last ones stay in view."""

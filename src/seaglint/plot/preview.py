@@ -66,7 +66,7 @@ def _panel(
 
 
 def _norms(scale: Scale, band: Band) -> tuple[Normalize, Normalize]:
-    """Of radiance and of apparent temperature: on a logarithmic scale a temperature is as bright as its radiance."""
+    """Colour scales of radiance and of apparent temperature: on a logarithmic scale a temperature is as bright as its radiance."""
     from matplotlib.colors import FuncNorm, Normalize
 
     low, high = (float(t) for t in to_temperature(np.array([max(scale.low, 0.0), scale.high]), band))

@@ -105,10 +105,12 @@ def _show(
     if limits is not None:
         limits = check_limits(limits)
         if scale == "log":
-            raise DataError("--range gives the ends of a linear scale, --scale log finds its own; give one of the two")
+            raise DataError("range gives the ends of a linear scale, and scale = 'log' chooses its own; give one of the two")
     low, high = video_format(output.suffix.lower()).rates
     if rate is not None and not low <= rate <= high:
-        raise DataError(f"--fps {rate:g}: is outside {low:g}-{high:g} frames per second that {output.suffix} holds; give one of these")
+        raise DataError(
+            f"fps = {rate:g} is outside {low:g}-{high:g}, the frames per second that {output.suffix} holds; give a rate within them"
+        )
     if not video.video_available():
         raise BackendError(f"{output}: a video needs PyAV, which is not installed; pip install 'seaglint[video]'")
     refuse_existing(output, overwrite=overwrite)

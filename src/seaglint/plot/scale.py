@@ -52,7 +52,7 @@ class Scale(NamedTuple):
 
     @property
     def logarithmic(self) -> bool:
-        """Whether it is a logarithm."""
+        """True for a logarithmic scale."""
         return self.width is not None
 
     def share(self, values: NDArray[Any]) -> FloatArray:

@@ -11,7 +11,7 @@ SIZE = (11.0, 4.2)
 """Width and height [in]."""
 
 
-def write_sensor_plot(found: dict[str, Any], path: Path) -> None:
+def write_sensor_plot(values: dict[str, Any], path: Path) -> None:
     """Draw what :func:`seaglint.studies.mean.sensor_figures.describe_sensor` tells into a picture file."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
@@ -19,7 +19,7 @@ def write_sensor_plot(found: dict[str, Any], path: Path) -> None:
     figure = Figure(figsize=SIZE, layout="constrained")
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2)
-    mtf = found["mtf"]
+    mtf = values["mtf"]
     frequency = mtf["frequency_cycles_per_mrad"]
     for name, part in mtf["parts"]["along"].items():
         left.plot(frequency, part, linewidth=0.9, linestyle="--", label=name)
@@ -30,8 +30,8 @@ def write_sensor_plot(found: dict[str, Any], path: Path) -> None:
     left.annotate("Nyquist", (mtf["nyquist_cycles_per_mrad"], 0.96), fontsize=8, color="0.4")
     left.set(xlabel="frequency [cycles/mrad]", ylabel="MTF", ylim=(min(-0.05, min(mtf["along"])), 1.02), xlim=(0, frequency[-1]))
     left.legend(fontsize=8, frameon=False)
-    unit = "electrons" if found["detector"] == "photon" else "nW"
-    budget = found["noise_budget_electrons" if found["detector"] == "photon" else "noise_budget_nw"]
+    unit = "electrons" if values["detector"] == "photon" else "nW"
+    budget = values["noise_budget_electrons" if values["detector"] == "photon" else "noise_budget_nw"]
     names = [name for name, value in budget.items() if value and name != "signal" and not name.startswith("scene_")]
     right.barh([name.replace("_", " ") for name in names], [budget[name] for name in names], color="0.45")
     right.invert_yaxis()
@@ -39,6 +39,6 @@ def write_sensor_plot(found: dict[str, Any], path: Path) -> None:
     for place, name in enumerate(names):
         right.text(budget[name], place, f" {budget[name]:.3g}", va="center", fontsize=8)
     right.margins(x=0.15)
-    right.set_title(f"NETD {1e3 * found['netd_k']:.3g} mK at {found['background_k']:g} K", fontsize=10)
+    right.set_title(f"NETD {1e3 * values['netd_k']:.3g} mK at {values['background_k']:g} K", fontsize=10)
     with moved_when_whole(path) as partial:
         figure.savefig(partial, dpi=120, format=path.suffix.lstrip(".").lower())

@@ -1,4 +1,4 @@
-"""The few numbers that say whether a sequence is what one wanted."""
+"""Statistics of a sequence in a few numbers: mean, peak, apparent temperatures, share of glint."""
 
 from __future__ import annotations
 
@@ -43,13 +43,13 @@ class Summary:
 
     frames: int
     mean: float
-    """[W m-2 sr-1]."""
+    """Mean radiance [W m-2 sr-1]."""
     peak: float
-    """[W m-2 sr-1]."""
+    """Largest radiance [W m-2 sr-1]."""
     mean_apparent_temperature: float
-    """Of the mean radiance [K]."""
+    """Apparent temperature of the mean radiance [K]."""
     peak_apparent_temperature: float
-    """[K]."""
+    """Apparent temperature of the largest radiance [K]."""
     glint_fraction: float
     """Share of the pixels more than :data:`GLINT_FACTOR` times as bright as a blackbody at the water's temperature."""
     non_finite: int
@@ -108,9 +108,9 @@ class Images:
         return int(self.indices.size)
 
     def __getitem__(self, position: int) -> NDArray[np.float32]:
-        found = self._variable[int(self.indices[position])].to_numpy()
+        values = self._variable[int(self.indices[position])].to_numpy()
         scale, offset = self._line
-        return np.asarray(found if self._line == (1.0, 0.0) else found * scale + offset, dtype=np.float32)
+        return np.asarray(values if self._line == (1.0, 0.0) else values * scale + offset, dtype=np.float32)
 
     def __iter__(self) -> Iterator[NDArray[np.float32]]:
         return (self[position] for position in range(len(self)))

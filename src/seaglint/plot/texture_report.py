@@ -96,9 +96,9 @@ def comparison_report(
     comparison: Comparison, first: Frames, second: Frames, gaussian: Comparison | None = None, about: Sequence[str] = ()
 ) -> str:
     """The report as text; ``about`` are sentences on the fit."""
-    found = comparison.as_dict()
-    title = f"Textures: {found['second']} against {found['first']}"
-    fails = found["fails"]
+    result = comparison.as_dict()
+    title = f"Textures: {result['second']} against {result['first']}"
+    fails = result["fails"]
     verdict = (
         '<ul class="notes">' + "".join(f"<li>{escape(text)}</li>" for text in fails) + "</ul>"
         if fails
@@ -109,20 +109,20 @@ def comparison_report(
         verdict,
         *([section("The fit", "<ul>" + "".join(f"<li>{escape(text)}</li>" for text in about) + "</ul>")] if about else []),
         section("Side by side", figure(png(draw_pictures(comparison, first, second)), "pictures", "Middle frames, and their Laplacians.")),
-        section("False alarms of the filtered picture", _rates(found, gaussian)),
-        section("Measures", _measures(found), figure(png(draw_measures(comparison, gaussian)), "measures", "Both textures in numbers.")),
+        section("False alarms of the filtered picture", _rates(result, gaussian)),
+        section("Measures", _measures(result), figure(png(draw_measures(comparison, gaussian)), "measures", "Both textures in numbers.")),
         section("How it was done", _methods()),
     ]
     return page(title, body)
 
 
-def _rates(found: dict[str, Any], gaussian: Comparison | None) -> str:
-    head = ["threshold [σ]", "Gaussian tail", found["first"], "95 % interval", found["second"], "95 % interval", "second / first"]
+def _rates(result: dict[str, Any], gaussian: Comparison | None) -> str:
+    head = ["threshold [σ]", "Gaussian tail", result["first"], "95 % interval", result["second"], "95 % interval", "second / first"]
     plain = None if gaussian is None else gaussian.as_dict()["filtered_rates"]
     if plain is not None:
         head += ["Gaussian field", "Gaussian field / first"]
     rows = []
-    for i, entry in enumerate(found["filtered_rates"]):
+    for i, entry in enumerate(result["filtered_rates"]):
         row = [number(entry["threshold_sigma"]), number(entry["gaussian_rate"])]
         for name in ("first", "second"):
             low, high = entry[f"{name}_interval"]
@@ -134,21 +134,21 @@ def _rates(found: dict[str, Any], gaussian: Comparison | None) -> str:
     return table(head, rows)
 
 
-def _measures(found: dict[str, Any]) -> str:
-    values = found["marginal"]
+def _measures(result: dict[str, Any]) -> str:
+    values = result["marginal"]
     rows = [
         ["distribution functions, largest distance", number(values["ks"]), number(LIMITS["ks"])],
         ["values, Wasserstein [standard deviations]", number(values["wasserstein_std"]), ""],
-        ["spectra, rms [dB]", number(found["spectrum_distance_db"]), number(LIMITS["spectrum_db"])],
-        ["correlations in space, rms", number(found["correlation_distance"]), number(LIMITS["correlation"])],
-        ["correlations in time, rms", number(found["time_correlation_distance"]), number(LIMITS["time_correlation"])],
+        ["spectra, rms [dB]", number(result["spectrum_distance_db"]), number(LIMITS["spectrum_db"])],
+        ["correlations in space, rms", number(result["correlation_distance"]), number(LIMITS["correlation"])],
+        ["correlations in time, rms", number(result["time_correlation_distance"]), number(LIMITS["time_correlation"])],
     ]
     rows += [
         [f"co-occurrence, {name}, relative", number(pair["relative"]), number(LIMITS["cooccurrence"])]
-        for name, pair in found["cooccurrence"].items()
+        for name, pair in result["cooccurrence"].items()
     ]
     keys = ("mean", "std", "skewness", "excess_kurtosis")
-    moments = [[found[name], *(number(values[name][key], 4) for key in keys)] for name in ("first", "second")]
+    moments = [[result[name], *(number(values[name][key], 4) for key in keys)] for name in ("first", "second")]
     return table(["distance", "found", "limit"], rows) + table(
         ["texture", "mean", "standard deviation", "skewness", "excess kurtosis"], moments
     )

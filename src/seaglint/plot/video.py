@@ -37,7 +37,7 @@ Colours = Literal["white-hot", "black-hot", "perceptual"]
 
 
 def video_available() -> bool:
-    """Whether PyAV is installed."""
+    """Return True where PyAV is installed."""
     return find_spec("av") is not None
 
 

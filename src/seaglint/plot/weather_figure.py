@@ -35,21 +35,28 @@ def _classes(edges: list[float | None]) -> list[str]:
 
 
 def _rose(axes: Any, rose: dict[str, Any]) -> None:
-    found = 100.0 * np.array(rose["probability"])
+    percent = 100.0 * np.array(rose["probability"])
     angle, width = np.radians(rose["sector_centre_deg"]), 2.0 * np.pi / len(rose["sector_centre_deg"])
     axes.set_theta_zero_location("N")
     axes.set_theta_direction(-1)
     axes.set_title("where the wind comes from [% of the weight]", fontsize=10)
-    if not found.any():
+    if not percent.any():
         axes.text(0.5, 0.5, "no directions in the table", ha="center", va="center", transform=axes.transAxes)
         axes.set_axis_off()
         return
     bottom = np.zeros(angle.size)
     for k, label in enumerate(_classes(rose["speed_edges_m_s"])):
         axes.bar(
-            angle, found[:, k], 0.9 * width, bottom=bottom, color=_shade(k, found.shape[1]), edgecolor="white", linewidth=0.4, label=label
+            angle,
+            percent[:, k],
+            0.9 * width,
+            bottom=bottom,
+            color=_shade(k, percent.shape[1]),
+            edgecolor="white",
+            linewidth=0.4,
+            label=label,
         )
-        bottom += found[:, k]
+        bottom += percent[:, k]
     axes.legend(title="m/s", fontsize=7, loc="center right", bbox_to_anchor=(-0.12, 0.5), frameon=False)
 
 
@@ -61,13 +68,13 @@ def _shade(k: int, count: int) -> Any:
 
 def _joint(figure: Any, axes: Any, facts: dict[str, Any]) -> None:
     joint = facts["wind_cloud"]
-    found = 100.0 * np.array(joint["probability"])
-    shown = axes.imshow(found, origin="lower", aspect="auto", cmap="Blues", vmin=0.0)
-    axes.set_xticks(range(found.shape[1]), [f"{k}" for k in range(found.shape[1])])
-    axes.set_yticks(range(found.shape[0]), _classes(joint["speed_edges_m_s"]))
-    for (row, column), value in np.ndenumerate(found):
+    percent = 100.0 * np.array(joint["probability"])
+    shown = axes.imshow(percent, origin="lower", aspect="auto", cmap="Blues", vmin=0.0)
+    axes.set_xticks(range(percent.shape[1]), [f"{k}" for k in range(percent.shape[1])])
+    axes.set_yticks(range(percent.shape[0]), _classes(joint["speed_edges_m_s"]))
+    for (row, column), value in np.ndenumerate(percent):
         if value >= 0.5:
-            colour = "white" if value > 0.6 * found.max() else "black"
+            colour = "white" if value > 0.6 * percent.max() else "black"
             axes.text(column, row, f"{value:.0f}" if value >= 10 else f"{value:.1f}", ha="center", va="center", fontsize=7, color=colour)
     linked = facts["wind_cloud_correlation"]
     axes.set(xlabel="cloud cover [eighths]", ylabel="wind speed [m/s]")

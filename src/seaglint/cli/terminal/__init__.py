@@ -1,1 +1,1 @@
-"""What the commands share: options, messages, progress, tables and the help page."""
+"""Parts that the commands share: options, messages, progress, tables and the help page."""

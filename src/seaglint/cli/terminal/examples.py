@@ -114,7 +114,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
 
 
 def epilog(command: str) -> str | None:
-    """What the help of a command ends with; nothing where it has no example."""
+    """Return the example at the end of a command's help; nothing where it has none."""
     lines = EXAMPLES.get(command)
     # \b keeps the lines as they are
     return None if lines is None else "\b\n" + "\n".join(["Example:", *(f"  {line}" for line in lines)])

@@ -1,4 +1,4 @@
-"""The end of a work that was cut into shares: what is told of a share, and the check of the whole."""
+"""The end of a work that was cut into shares: the message after a share, and the check of the whole."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ def finish_store(scenario: str, output: str | None, sensor: str | None) -> Path 
     if output is None and scenario.lower().endswith(".toml"):
         raise DataError(f"--finish: which store of {scenario}? Name it with -o run.zarr, or alone: seaglint render --finish run.zarr")
     store = place_given(scenario if output is None else output)
-    wanted = None if output is None else load_scenario(Path(scenario), sensor=sensor).model_dump_json(exclude_none=True)
-    if not finish_sequence(store, wanted):
+    expected = None if output is None else load_scenario(Path(scenario), sensor=sensor).model_dump_json(exclude_none=True)
+    if not finish_sequence(store, expected):
         log(f"{store}: is finished already")
         return store
     with open_sequence(store) as dataset:
@@ -56,5 +56,5 @@ def tell_share(store: Path | str, share: object) -> None:
         return
     with open_sequence(place.work, allow_partial=True) as dataset:
         done = dataset["frame_done"].to_numpy()
-    told = f"{place.work}: share {share} is done; {int(done.sum())} of {done.size} frames are there"
-    log(f"{told}; next: seaglint render --finish {store}" if done.all() else told)
+    message = f"{place.work}: share {share} is done; {int(done.sum())} of {done.size} frames are there"
+    log(f"{message}; next: seaglint render --finish {store}" if done.all() else message)

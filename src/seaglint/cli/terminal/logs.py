@@ -1,4 +1,4 @@
-"""What the rooms below log, as plain lines on stderr."""
+"""Log messages of the package, printed as plain lines on stderr."""
 
 from __future__ import annotations
 

@@ -20,16 +20,16 @@ def contrasts_of(text: str, option: str = "--contrast") -> tuple[float, ...]:
     wrong = DataError(f"{option} {text}: give a number, several as 1,2,4, or FIRST:LAST:STEP as 1:8:0.5, at most {MOST_CONTRASTS}")
     try:
         if ":" not in text:
-            found = tuple(float(part) for part in text.split(","))
+            contrasts = tuple(float(part) for part in text.split(","))
         else:
             first, last, step = (float(part) for part in text.split(":"))
             count = int((last - first) / step + 1.0 + 1e-9) if step and (last - first) / step < MOST_CONTRASTS else 0
-            found = tuple(float(v) for v in np.round(first + step * np.arange(max(count, 0)), 12))
+            contrasts = tuple(float(v) for v in np.round(first + step * np.arange(max(count, 0)), 12))
     except ValueError:
         raise wrong from None
-    if not 0 < len(found) <= MOST_CONTRASTS:
+    if not 0 < len(contrasts) <= MOST_CONTRASTS:
         raise wrong
-    return found
+    return contrasts
 
 
 def between(ends: list[float] | None) -> str:

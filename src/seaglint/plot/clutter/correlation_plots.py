@@ -36,19 +36,19 @@ def draw_exceedances(analysis: Analysis) -> Figure:
                 continue
             time, _ = joint.correlation_time()
             longest = max(longest, 10.0 * time if time is not None else 10.0)
-            told = f"{name}, {threshold:g} σ" + ("" if time is None else f": {time * seconds:.3g} {label}")
-            lines.append((told, COLOURS[name], style, joint.joint, joint.correlation, joint.rate))
+            legend = f"{name}, {threshold:g} σ" + ("" if time is None else f": {time * seconds:.3g} {label}")
+            lines.append((legend, COLOURS[name], style, joint.joint, joint.correlation, joint.rate))
     if not lines:
         why = "a single frame: nothing can be said of time" if analysis.recording.frames == 1 else "no exceedances"
         say(left, why)
         say(right, why)
         return figure
-    for told, colour, style, probability, correlation, rate in lines:
+    for legend, colour, style, probability, correlation, rate in lines:
         lag = seconds * np.arange(probability.size)
         # Lag 0 is the rate itself; a logarithmic axis keeps the level of chance, rate squared, in sight.
-        left.plot(lag, np.where(probability > 0, probability, np.nan), color=colour, linestyle=style, label=told)
+        left.plot(lag, np.where(probability > 0, probability, np.nan), color=colour, linestyle=style, label=legend)
         left.axhline(rate**2, color=colour, linestyle=style, linewidth=0.5)
-        right.plot(lag, correlation, color=colour, linestyle=style, label=told)
+        right.plot(lag, correlation, color=colour, linestyle=style, label=legend)
     left.set_yscale("log", subs=[])
     left.set_ylabel("P(above now and later) [1]; thin: by chance")
     right.axhline(math.exp(-1.0), color="k", linewidth=0.8, linestyle=":")
@@ -72,14 +72,14 @@ def draw_memory(analysis: Analysis) -> Figure:
         colour = COLOURS[name]
         both = ("x", region.spatial.x, region.spatial.length_x, "-"), ("y", region.spatial.y, region.spatial.length_y, "--")
         for axis, rho, length, style in both:
-            told = f"{length:.3g} px" if math.isfinite(length) else "no 1/e"
-            space.plot(np.arange(rho.size), rho, color=colour, linestyle=style, label=f"{name}, {axis}: {told}")
+            legend = f"{length:.3g} px" if math.isfinite(length) else "no 1/e"
+            space.plot(np.arange(rho.size), rho, color=colour, linestyle=style, label=f"{name}, {axis}: {legend}")
             reach = max(reach, min(5.0 * length, rho.size - 1.0) if math.isfinite(length) else 10.0)
         rho = region.temporal.rho
         if np.isfinite(rho).sum() > 1:
             frames = region.temporal.time * (analysis.recording.frame_rate or 1.0)
-            told = f"{frames * seconds:.3g} {label}" if math.isfinite(frames) else "no 1/e"
-            time.plot(seconds * np.arange(rho.size), rho, color=colour, label=f"{name}: {told}")
+            legend = f"{frames * seconds:.3g} {label}" if math.isfinite(frames) else "no 1/e"
+            time.plot(seconds * np.arange(rho.size), rho, color=colour, label=f"{name}: {legend}")
             last = max(last, min(10.0 * frames if math.isfinite(frames) else math.inf, rho.size - 1.0))
         if region.spectrum is not None and region.spectrum.segments:
             frequency, density = region.spectrum.radial()

@@ -1,4 +1,4 @@
-"""What the pictures of clutter share: figures as bytes, panels, colours of the regions, units on labels, words instead of an empty axis."""
+"""Parts that the pictures of clutter share: figures as bytes, panels, colours of the regions, units on labels, text on an empty axis."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLOURS: Final = {"all": "0.25", "glint": "#d95f02", "background": "#1f78b4"}
-"""Of the regions, in every picture; told apart by colour-blind readers and in print."""
+"""Colours of the regions, in every picture; distinct for colour-blind readers and in print."""
 
 _DOTS_PER_INCH: Final = 100
 
@@ -51,7 +51,7 @@ def panels_of(analysis: Analysis, height: float) -> tuple[Figure, list[tuple[Axe
 
 
 def say(axes: Axes, text: str) -> None:
-    """Words instead of an empty axis."""
+    """Write text on an empty axis."""
     axes.set(xticks=[], yticks=[])
     axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes, fontsize=10, color="0.35", wrap=True)
 

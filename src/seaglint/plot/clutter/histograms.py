@@ -41,12 +41,12 @@ def draw_histograms(analysis: Analysis) -> Figure:
         lowest, highest = 0.3 / (x.size * float(np.diff(edges).min())), 3.0 * float(density.max())
         grid = np.linspace(edges[0], edges[-1], 800)
         for family in FAMILIES:
-            found = region.fits.get(family)
-            if found is None or not found.is_valid:
+            fit = region.fits.get(family)
+            if fit is None or not fit.is_valid:
                 continue
-            inside = grid if family == "gaussian" else grid[grid > (found.loc or 0.0)]
+            inside = grid if family == "gaussian" else grid[grid > (fit.loc or 0.0)]
             with np.errstate(all="ignore"):
-                values = found.pdf(inside)
+                values = fit.pdf(inside)
             good = region.goodness.get(family)
             label = FAMILY_NAMES[family]
             if good is not None:

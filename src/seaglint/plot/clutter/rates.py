@@ -70,7 +70,7 @@ def _rate_panel(axes: Axes, region: Region, colour: str) -> None:
 
 def _counted(axes: Axes, alarms: FalseAlarms, colour: str, *, label: bool) -> None:
     """Counted thresholds with their 95 % intervals; an open circle has none."""
-    told = not label
+    labelled = not label
     for rate in alarms.rates():
         if not rate.rate > 0.0:
             continue
@@ -78,9 +78,9 @@ def _counted(axes: Axes, alarms: FalseAlarms, colour: str, *, label: bool) -> No
         axes.plot(rate.threshold_sigma, rate.rate, "o", color=colour, markersize=4.5, markerfacecolor=colour if known else "w")
         if rate.rate_low is not None and rate.rate_high is not None:
             ends = [max(rate.rate_low, 1e-300), rate.rate_high]
-            name = None if told else "95 % intervals"
+            name = None if labelled else "95 % intervals"
             axes.plot([rate.threshold_sigma] * 2, ends, color=colour, linewidth=1.8, marker="_", markersize=7, label=name)
-            told = True
+            labelled = True
 
 
 def _extrapolated(axes: Axes, tail: TailFit, pixels: int) -> float:

@@ -47,7 +47,7 @@ MOLTEN_SLOPE: Final = 0.8
 
 
 def _silent(done: int, total: int) -> None:
-    """Report of nobody."""
+    """Ignore progress."""
 
 
 def glint_from_above() -> NDArray[np.float64]:
@@ -79,12 +79,12 @@ def figure_10(report: Progress = _silent) -> xr.Dataset:
     grey = GreyLevels.of(radiance, LEVELS)
     sea = grey.to_levels(radiance)
     offsets = [offset for one in classes(ORDER, isotropic=False) for offset in one]
-    found = []
+    results = []
     for done, name in enumerate(TEXTURES):
         report(done, len(TEXTURES))
-        found.append(_texture(sea, isotropic=name == "isotropic"))
+        results.append(_texture(sea, isotropic=name == "isotropic"))
     report(len(TEXTURES), len(TEXTURES))
-    pictures, fits, regimes = [row[0] for row in found], [row[1] for row in found], [row[2] for row in found]
+    pictures, fits, regimes = [row[0] for row in results], [row[1] for row in results], [row[2] for row in results]
     couplings = np.array([[[_of(one, offset, one.parameters) for offset in offsets] for one in pair] for pair in fits])
     errors = np.array([[[_of(one, offset, one.standard_errors) for offset in offsets] for one in pair] for pair in fits])
     ties = np.array([[correlations(picture, classes(ORDER, isotropic=False)) for picture in row] for row in pictures])
@@ -135,10 +135,10 @@ def _texture(
     return [sea, *drawn], (pseudo, given), (pseudo.regime, regime(sea, weak, seed=10))
 
 
-def _of(found: AutobinomialFit, offset: tuple[int, int], values: NDArray[np.float64]) -> float:
-    """What a fit has for a pair."""
-    return float(values[1 + next(k for k, one in enumerate(found.model.neighbours) if offset in one)])
+def _of(result: AutobinomialFit, offset: tuple[int, int], values: NDArray[np.float64]) -> float:
+    """Return a fit's value for a pair."""
+    return float(values[1 + next(k for k, one in enumerate(result.model.neighbours) if offset in one)])
 
 
-def _slope(found: AutobinomialFit, sea: NDArray[np.int16]) -> float:
-    return mean_field(found.model, float(sea.mean()) / found.model.most)[0]
+def _slope(result: AutobinomialFit, sea: NDArray[np.int16]) -> float:
+    return mean_field(result.model, float(sea.mean()) / result.model.most)[0]

@@ -30,7 +30,7 @@ FRAME_RATE: Final = 10.0
 """Frames per second [Hz]; the article does not tell its own."""
 
 SPEED: Final = 50.0
-"""Of the viewpoint [m/s]."""
+"""Speed of the viewpoint [m/s]."""
 
 _ATTACKING: Final[dict[str, Any]] = {
     "name": "attacking body",
@@ -119,7 +119,7 @@ def scene(pixels: int = PIXELS) -> Scenario:
 
 @dataclass(frozen=True, eq=False)
 class Ways:
-    """Where sensor and bodies are, in the vertical plane of the line of sight.
+    """Positions of sensor and bodies in the vertical plane of the line of sight.
 
     Attributes
     ----------

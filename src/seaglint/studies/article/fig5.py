@@ -50,16 +50,16 @@ class Fig5:
 
 def scenario(case: str, weather: Path | None, mode: str = "article", samples: int = SAMPLES) -> dict[str, Any]:
     """Mapping of the scenario of one case."""
-    wanted: dict[str, Any] = {"case": case, "samples": samples, "threshold_w_m2_sr": list(THRESHOLDS), **NORTH_ATLANTIC}
+    table: dict[str, Any] = {"case": case, "samples": samples, "threshold_w_m2_sr": list(THRESHOLDS), **NORTH_ATLANTIC}
     if weather is not None:
-        wanted["weather"] = str(weather)
+        table["weather"] = str(weather)
     sea: dict[str, Any] = {"water": "article", "slopes": {"kind": "cox-munk-isotropic"}} if mode == "article" else {}
     return {
         "band": {"min_um": 3.0, "max_um": 5.0},
         "sensor": {"height_m": HEIGHT},
         "mean": {"mode": mode},
         "sea": sea,
-        "likelihood": wanted,
+        "likelihood": table,
     }
 
 

@@ -164,7 +164,7 @@ def figure_3(report: Progress = _silent) -> xr.Dataset:
     ways: tuple[tuple[str, Callable[[SeaView, FloatArray, FloatArray], SeaRadiance]], ...]
     ways = (("", mean_radiance), ("_band_means", article_radiance))
     shape = (len(SURFACE_WINDS), sun.size, depression.size)
-    found = {name + way: np.zeros(shape) for way, _ in ways for name in ("solar_radiance_W_m2_sr", "apparent_temperature_k")}
+    maps = {name + way: np.zeros(shape) for way, _ in ways for name in ("solar_radiance_W_m2_sr", "apparent_temperature_k")}
     background = np.zeros((len(SURFACE_WINDS), depression.size))
     for i, wind in enumerate(SURFACE_WINDS):
         report(i, len(SURFACE_WINDS))
@@ -173,13 +173,13 @@ def figure_3(report: Progress = _silent) -> xr.Dataset:
         for j, zenith in enumerate(np.radians(sun)):
             for way, radiance in ways:
                 seen = radiance(replace(view, solar_zenith=float(zenith)), -depression, np.zeros(1))
-                found["solar_radiance_W_m2_sr" + way][i, j] = seen.sun[:, 0]
-                found["apparent_temperature_k" + way][i, j] = inverse(seen.total[:, 0])
+                maps["solar_radiance_W_m2_sr" + way][i, j] = seen.sun[:, 0]
+                maps["apparent_temperature_k" + way][i, j] = inverse(seen.total[:, 0])
                 if way == "":
                     background[i] = inverse((seen.path + seen.emission + seen.sky)[:, 0])
     report(len(SURFACE_WINDS), len(SURFACE_WINDS))
     return xr.Dataset(
-        {name: (("wind_speed_m_s", "solar_zenith_deg", "sensor_zenith_deg"), values) for name, values in found.items()}
+        {name: (("wind_speed_m_s", "solar_zenith_deg", "sensor_zenith_deg"), values) for name, values in maps.items()}
         | {"background_temperature_k": (("wind_speed_m_s", "sensor_zenith_deg"), background)},
         coords={
             "wind_speed_m_s": list(SURFACE_WINDS),
@@ -219,9 +219,9 @@ def figure_4(report: Progress = _silent) -> xr.Dataset:
         calm = replace(_view(band, wind, GLINT_HEIGHT), solar_zenith=float(np.radians(IMAGE_SUN)))
         for j, wind_from in enumerate(IMAGE_WIND_DIRECTIONS):
             view = replace(calm, slopes=cox_munk_anisotropic(wind, np.radians(wind_from + 180.0), height=WIND_HEIGHT))
-            found = mean_radiance(view, rows, np.radians(azimuth))
-            mean[i, j] = found.sun
-            deviation[i, j] = np.sqrt(sea_variance(view, found, rows, solid_angle, length))
+            components = mean_radiance(view, rows, np.radians(azimuth))
+            mean[i, j] = components.sun
+            deviation[i, j] = np.sqrt(sea_variance(view, components, rows, solid_angle, length))
     report(len(IMAGE_WINDS), len(IMAGE_WINDS))
     dims = ("wind_speed_m_s", "wind_from_sun_deg", "elevation_deg", "azimuth_from_sun_deg")
     return xr.Dataset(

@@ -54,7 +54,7 @@ ARTICLE: Final[dict[str, dict[float, tuple[float | None, float | None]]]] = {
 
 
 def _silent(done: int, total: int) -> None:
-    """Report of nobody."""
+    """Ignore progress."""
 
 
 def scene(wind_speed: float = IMAGE_WINDS[1], solar_zenith_deg: float = SUN, frames: int = FRAMES) -> Scenario:
@@ -106,7 +106,7 @@ def sequence(scene: Scene, times: FloatArray, report: Progress = _silent) -> NDA
 
 
 def corridor(view: SeaView, camera: Camera) -> NDArray[np.bool_]:
-    """Where the mean picture says that the sea glints: at least half of the row's brightest mirrored Sun, (rows, columns).
+    """Mask of the glint corridor: at least half of the row's brightest mean mirrored Sun, (rows, columns).
 
     The mean-radiance model knows nothing of the frames, so that no bright wave puts itself into the region.
     """
@@ -136,19 +136,19 @@ class Table1:
         return out
 
     def columns(self) -> dict[str, FloatArray]:
-        """The same as columns of a CSV file, one row for each threshold."""
+        """Return the rows as columns of a CSV file, one row for each threshold."""
         thresholds = sorted(ARTICLE["glint"])
-        found = {(region, threshold): alarm for region, threshold, alarm in self._alarms()}
-        columns = {"threshold_sigma": thresholds, "gaussian_rate": [found["glint", m]["gaussian_rate"] for m in thresholds]}
+        alarms = {(region, threshold): alarm for region, threshold, alarm in self._alarms()}
+        columns = {"threshold_sigma": thresholds, "gaussian_rate": [alarms["glint", m]["gaussian_rate"] for m in thresholds]}
         for region, article in ARTICLE.items():
             columns[f"{region}_article_rate"] = [article[m][0] for m in thresholds]
             columns[f"{region}_article_correlation_time_s"] = [article[m][1] for m in thresholds]
             for key in ("rate", "rate_low", "rate_high", "ratio", "correlation_time_s"):
-                columns[f"{region}_{key}"] = [found[region, m][key] for m in thresholds]
+                columns[f"{region}_{key}"] = [alarms[region, m][key] for m in thresholds]
         return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}  # None becomes NaN
 
     def settings(self) -> dict[str, Any]:
-        """What all rows share."""
+        """Return the settings that all rows share."""
         s, sun = self.scenario, self.scenario.sun
         recording = self.analysis.recording
         return {

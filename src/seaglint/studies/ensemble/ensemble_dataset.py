@@ -133,6 +133,6 @@ def _require_rendered(folder: Folder, labels: Sequence[str]) -> None:
         raise DataError(f"{folder.path}: is a data set, whose scenes are gone; give the file {folder.file} to make it in another way")
     if missing:
         raise DataError(
-            f"{folder.path}: {missing} of {len(labels)} scenes are not rendered; render them with: seaglint ensemble {folder.file} "
-            f"-o {folder.path} --resume"
+            f"{folder.path}: {missing} of {len(labels)} scenes are not rendered; render the ensemble {folder.file} into this folder "
+            "with resume"
         )

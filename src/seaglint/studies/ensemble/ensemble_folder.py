@@ -22,7 +22,7 @@ from seaglint.studies.ensemble.law_draws import EnsembleScene
 _REMEDY: Final = "make room and run the same command with --resume"
 _TABLES: Final = ("parameters", "objects")
 _ENDINGS: Final = (".csv", ".parquet")
-_MOST_TOLD: Final = 5
+_MOST_LISTED: Final = 5
 """Keys that differ, of which more are only counted."""
 
 
@@ -45,7 +45,7 @@ class Folder:
 
     @property
     def _begun(self) -> Path:
-        """What a process killed in its first moments leaves."""
+        """Remains of a process that was killed in its first moments."""
         return self.file.with_name(f"{self.file.name}.partial")
 
     def scenario(self, label: str) -> Path:
@@ -61,7 +61,7 @@ class Folder:
         return self.path / "failures" / f"{label}.txt"
 
     def check(self, *, resume: bool, overwrite: bool) -> None:
-        """Refuse what stands there and may be neither gone on with nor replaced.
+        """Refuse a folder that may be neither resumed nor replaced.
 
         Raises
         ------
@@ -69,7 +69,7 @@ class Folder:
             Another ensemble, or something else.
         """
         if resume and overwrite:
-            raise DataError("--resume keeps what is there and --overwrite replaces it; give one of the two")
+            raise DataError("resume keeps what is there and overwrite replaces it; give one of the two")
         if not self.path.parent.is_dir():
             raise DataError(f"{self.path}: the folder {self.path.parent} does not exist; make it first")
         if not self.path.exists():
@@ -78,7 +78,7 @@ class Folder:
             raise DataError(f"{self.path}: is a file; an ensemble needs a folder: give another name")
         if self.file.is_file():
             if not (resume or overwrite):
-                raise DataError(f"{self.path}: holds an ensemble already; go on with --resume, or begin anew with --overwrite")
+                raise DataError(f"{self.path}: holds an ensemble already; continue it with resume, or start again with overwrite")
         elif any(path != self._begun for path in self.path.iterdir()):
             raise DataError(f"{self.path}: is not empty and holds no ensemble; it is left alone: give another folder")
 
@@ -131,10 +131,10 @@ class Folder:
                     differ = [f"{key} of scene {scene.number}" for key in differ]
                     break
         if differ:
-            more = f" and {len(differ) - _MOST_TOLD} more" if len(differ) > _MOST_TOLD else ""
+            more = f" and {len(differ) - _MOST_LISTED} more" if len(differ) > _MOST_LISTED else ""
             raise DataError(
-                f"{self.path}: was made with another {', '.join(differ[:_MOST_TOLD])}{more}; resume with the same ensemble, or begin anew "
-                "with --overwrite"
+                f"{self.path}: was made with another {', '.join(differ[:_MOST_LISTED])}{more}; resume with the same ensemble, or start "
+                "again with overwrite"
             )
 
 
@@ -153,9 +153,9 @@ def ensemble_text(ensemble: Ensemble) -> str:
 
 def object_rows(scenes: Sequence[EnsembleScene]) -> list[dict[str, Any]]:
     """Objects of all scenes, a row each, with every key that any of them has; lists as JSON."""
-    found = [{"scene": scene.number, **_flat(item)} for scene in scenes for item in scene.objects]
-    columns = dict.fromkeys(name for row in found for name in row)
-    return [{name: row.get(name) for name in columns} for row in found]
+    rows = [{"scene": scene.number, **_flat(item)} for scene in scenes for item in scene.objects]
+    columns = dict.fromkeys(name for row in rows for name in row)
+    return [{name: row.get(name) for name in columns} for row in rows]
 
 
 def _flat(value: Mapping[str, Any], above: str = "") -> dict[str, Any]:

@@ -28,7 +28,7 @@ MOST_TRIES: Final = 200
 """How often a place is drawn before objects count as too many to stand apart."""
 
 _SEED_BITS: Final = 53
-"""Of the seeds of seas: whole numbers that every reader of tables keeps."""
+"""Bits of the seeds of seas: whole numbers that every reader of tables keeps."""
 
 SingleLaw = Uniform | LogUniform | Normal | Choice
 
@@ -62,7 +62,7 @@ class EnsembleScene:
 
     @property
     def seed(self) -> int:
-        """Of its sea."""
+        """Seed of the scene's sea."""
         return self.scenario.seed
 
     @property
@@ -74,8 +74,8 @@ class EnsembleScene:
     def row(self) -> dict[str, Any]:
         """Its row of the table of parameters; lists and tables as JSON."""
         drawn = {key: value for key, value in self.parameters.items() if key != "seed"}
-        found = {"scene": self.number, "seed": self.seed, **drawn}
-        return {key: json.dumps(value) if isinstance(value, list | tuple | Mapping) else value for key, value in found.items()}
+        columns = {"scene": self.number, "seed": self.seed, **drawn}
+        return {key: json.dumps(value) if isinstance(value, list | tuple | Mapping) else value for key, value in columns.items()}
 
 
 def sea_seed(seed: int, number: int) -> int:
@@ -93,8 +93,8 @@ def quantity_of(key: str) -> Quantity | None:
 
 @cache
 def _quantity_at(location: tuple[str, ...]) -> Quantity | None:
-    found = key_at(location)
-    return next(iter(found.quantities), None) if found is not None else None
+    key = key_at(location)
+    return next(iter(key.quantities), None) if key is not None else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,18 +114,18 @@ class UniformNumbers:
 
     @cached_property
     def _spread(self) -> Mapping[str, FloatArray]:
-        wanted, scenes = self.ensemble.ensemble, self.ensemble.ensemble.scenes
-        if wanted.sampling == "random" or not self.keys:
+        settings, scenes = self.ensemble.ensemble, self.ensemble.ensemble.scenes
+        if settings.sampling == "random" or not self.keys:
             return {}
         from scipy.stats import qmc
 
-        if wanted.sampling == "latin_hypercube":
+        if settings.sampling == "latin_hypercube":
             # Columns of a Latin hypercube are independent: one by one, a further key leaves the others as they were.
             return {
-                key: qmc.LatinHypercube(1, rng=stream(wanted.seed, f"ensemble hypercube {key}")).random(scenes)[:, 0] for key in self.keys
+                key: qmc.LatinHypercube(1, rng=stream(settings.seed, f"ensemble hypercube {key}")).random(scenes)[:, 0] for key in self.keys
             }
         exponent = max(scenes - 1, 1).bit_length()
-        points = qmc.Sobol(len(self.keys), scramble=True, rng=stream(wanted.seed, "ensemble sobol")).random_base2(exponent)
+        points = qmc.Sobol(len(self.keys), scramble=True, rng=stream(settings.seed, "ensemble sobol")).random_base2(exponent)
         return {key: points[:scenes, i] for i, key in enumerate(self.keys)}
 
     def of(self, key: str, scene: int, *more: int) -> float:
@@ -181,22 +181,22 @@ class WeatherRows:
 
 @dataclass(eq=False)
 class DrawnObjects:
-    """What templates make of a scene: objects with names, places and values."""
+    """Objects of a scene, drawn from templates: names, places and values."""
 
     ensemble: Ensemble
     numbers: UniformNumbers
     _laws: dict[str, dict[str, Any]] = field(default_factory=dict)
 
     def count(self, template: Template, scene: int) -> int:
-        """How many there are."""
+        """Return the number of objects of a template."""
         law, where = template.count, f"{self.ensemble.name}: objects ('{template.name}').count"
         if isinstance(law, int):
             return law
-        found = value_of(law, self.numbers.of(count_key(template), scene), COUNT, where)
+        value = value_of(law, self.numbers.of(count_key(template), scene), COUNT, where)
         try:
-            return int(COUNT.parse(found))
+            return int(COUNT.parse(value))
         except Exception as error:
-            raise ScenarioError(f"{where} = {found} {error} (scene {scene})") from None
+            raise ScenarioError(f"{where} = {value} {error} (scene {scene})") from None
 
     def draw(
         self, template: Template, count: int, scene: int, picture: PixelGrid, taken: list[tuple[float, float]]
@@ -229,15 +229,15 @@ class DrawnObjects:
             except ScenarioError as error:
                 raise ScenarioError(f"{self.ensemble.name}, scene {scene}: objects ('{name}'): {error}") from None
             taken.append(at)
-            told = {"east_m": east, "north_m": north}
-            return told if "height_m" in item or "draught_m" in item or item.get("floats") is True else {**told, "height_m": up}
+            position = {"east_m": east, "north_m": north}
+            return position if "height_m" in item or "draught_m" in item or item.get("floats") is True else {**position, "height_m": up}
         raise ScenarioError(
             f"{self.ensemble.name}, scene {scene}: objects ('{name}'): no place {template.apart_px:g} px from the others in {MOST_TRIES} "
             "draws; draw fewer, or give a lesser apart_px"
         )
 
     def _drawn(self, raw: Any, key: str, scene: int) -> Any:
-        """The same tables with their laws drawn."""
+        """Return the tables with their laws drawn."""
         law = self._law(raw, key)
         if law is not None:
             return self._value(law, key, scene, 0, quantity_of(key))

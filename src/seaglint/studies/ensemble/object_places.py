@@ -28,12 +28,12 @@ class PixelGrid:
 
     @cached_property
     def pose(self) -> Pose:
-        """Of the sensor at the first frame, a floating one at rest."""
+        """Pose of the sensor at the first frame; a floating sensor at rest."""
         return prepare.track(self.scenario).at(0.0)
 
     @cached_property
     def pixels(self) -> Imager:
-        """The camera's."""
+        """Pixel model of the camera."""
         return prepare.imager(self.scenario)
 
     def place(
@@ -65,19 +65,19 @@ class PixelGrid:
         elevation, eye = math.atan2(up, math.hypot(east, north)), EFFECTIVE_EARTH_RADIUS + self.pose.height
         if row is None:
             assert range_m is not None  # the template has two of row, range_m and height
-            arc, found = range_m, height or 0.0
+            arc, height_m = range_m, height or 0.0
         elif range_m is None:
-            arc, found = self._arc(elevation, height or 0.0, row), height or 0.0
+            arc, height_m = self._arc(elevation, height or 0.0, row), height or 0.0
         else:
             arc = range_m
-            found = eye * math.cos(elevation) / math.cos(elevation + arc / EFFECTIVE_EARTH_RADIUS) - EFFECTIVE_EARTH_RADIUS
-            if found <= 0.0:
+            height_m = eye * math.cos(elevation) / math.cos(elevation + arc / EFFECTIVE_EARTH_RADIUS) - EFFECTIVE_EARTH_RADIUS
+            if height_m <= 0.0:
                 raise ScenarioError(
-                    f"row = {row:.6g} looks {-found:.4g} m under the sea at range_m = {range_m:.6g}; give a lesser range_m, or a height_m "
-                    "instead of one of the two"
+                    f"row = {row:.6g} looks {-height_m:.4g} m under the sea at range_m = {range_m:.6g}; give a lesser range_m, or a "
+                    "height_m instead of one of the two"
                 )
         level = math.hypot(east, north)
-        return self.pose.east + arc * east / level, self.pose.north + arc * north / level, found
+        return self.pose.east + arc * east / level, self.pose.north + arc * north / level, height_m
 
     def _arc(self, elevation: float, height: float, row: float) -> float:
         """Arc to where a line of sight first comes to a height [m]."""

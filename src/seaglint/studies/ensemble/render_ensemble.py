@@ -84,7 +84,7 @@ def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
 
 
 def _value(ensemble: Ensemble, place: int, law: SingleLaw, numbers: UniformNumbers, scene: int) -> Any:
-    """What a law of ``[[vary]]`` makes of a scene."""
+    """Return the value that a law of ``[[vary]]`` gives a scene."""
     key = law.key or ""
     quantity = quantity_of(key)
     try:
@@ -106,10 +106,10 @@ def _checked(ensemble: Ensemble, tables: Mapping[str, Any], parameters: Mapping[
             raise
         first = error.mistakes[0]
         drawn = parameters.get(first.key)
-        told = "" if drawn is None or f"{drawn}" in first.text else f" (drawn: {first.key} = {drawn})"
+        detail = "" if drawn is None or f"{drawn}" in first.text else f" (drawn: {first.key} = {drawn})"
         if first.key not in parameters and parameters:
-            told = f" (drawn: {', '.join(f'{key} = {value}' for key, value in parameters.items())})"
-        raise ScenarioError(f"{where}: {first.text}{told}", mistakes=(first,)) from None
+            detail = f" (drawn: {', '.join(f'{key} = {value}' for key, value in parameters.items())})"
+        raise ScenarioError(f"{where}: {first.text}{detail}", mistakes=(first,)) from None
 
 
 def render_ensemble(
@@ -172,7 +172,7 @@ def render_ensemble(
 
 @dataclass(frozen=True)
 class Rendering:
-    """What a worker needs to know to render scenes."""
+    """Settings that a worker needs to render scenes."""
 
     folder: Path
     threads: int | None
@@ -180,12 +180,12 @@ class Rendering:
 
 def scene_renderer(settings: Rendering) -> Callable[[str], int]:
     """Function that renders the scene of a label, or the rest of it, and returns its number of frames."""
-    folder, kept = Folder(settings.folder), Kept()
+    folder, cached = Folder(settings.folder), Kept()
 
     def work(label: str) -> int:
         scenario = load_scenario(folder.scenario(label))
         try:
-            render_scene(scenario, folder.store(label), settings.threads, kept)
+            render_scene(scenario, folder.store(label), settings.threads, cached)
         except Interrupted:
             raise KeyboardInterrupt from None  # no failure of the scene
         finally:
@@ -195,11 +195,11 @@ def scene_renderer(settings: Rendering) -> Callable[[str], int]:
     return work
 
 
-def render_scene(scenario: Scenario, output: Path, threads: int | None, kept: Kept) -> None:
+def render_scene(scenario: Scenario, output: Path, threads: int | None, cached: Kept) -> None:
     """Render a scene, or the rest of it: what 'seaglint render' writes of its scenario, with what it shares with the one before."""
     check_output(output, resume=True)
     with thread_limit(threads):
-        run = prepare_sensed(scenario, kept=kept) if scenario.sensor.senses else prepare_sequence(scenario, kept=kept)
+        run = prepare_sensed(scenario, cached=cached) if scenario.sensor.senses else prepare_sequence(scenario, cached=cached)
         write_sequence(output, run.layout, run.images, resume=True)
 
 
@@ -227,12 +227,12 @@ def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, thre
                     raise KeyboardInterrupt
         except KeyboardInterrupt:
             raise Interrupted(
-                f"stopped after {done} of {len(labels)} scenes, kept in {folder.path}; go on with the same command and --resume"
+                f"stopped after {done} of {len(labels)} scenes, kept in {folder.path}; run the same again with resume"
             ) from None
     if failed:
         named = "; ".join(f"scene {label}: {error}" for label, error in list(failed.items())[:_MOST_NAMED])
         more = f"; and {len(failed) - _MOST_NAMED} more" if len(failed) > _MOST_NAMED else ""
         raise DataError(
             f"{folder.path}: {len(failed)} of {len(labels)} scenes failed, the others are there; {named}{more}; tracebacks are in "
-            f"{folder.path / 'failures'}; --resume tries them again"
+            f"{folder.path / 'failures'}; resume renders them again"
         )

@@ -38,7 +38,7 @@ SOURCE: Final = "ensemble.toml"
 
 _SETTINGS: Final = "settings.json"
 _REPLACED: Final = ".replaced"
-_MOST_TOLD: Final = 5
+_MOST_LISTED: Final = 5
 """Keys that differ, of which more are only counted."""
 
 
@@ -62,7 +62,7 @@ class DatasetOptions:
 
     @classmethod
     def of(cls, form: str, bits: int | None = None, image: str | None = None) -> DatasetOptions:
-        """Options as a command gives them.
+        """Return checked options.
 
         Raises
         ------
@@ -71,17 +71,17 @@ class DatasetOptions:
         """
         chosen = format_named(form)
         if not chosen.pictures and (bits is not None or image is not None):
-            raise DataError(f"--bits and --image go with pictures, and --format {form} keeps {chosen.note}; leave them out")
+            raise DataError(f"bits and image apply to pictures, and format = {form!r} keeps {chosen.note}; leave them out")
         if bits not in (None, 8, 16):
-            raise DataError(f"--bits {bits}: is neither 8 nor 16; give one of them")
+            raise DataError(f"bits = {bits}: is neither 8 nor 16; give one of them")
         if image not in (None, "png", "tiff"):
-            raise DataError(f"--image {image}: is not one of png, tiff; give one of them")
+            raise DataError(f"image = {image!r}: is not one of png, tiff; give one of them")
         return cls(form, bits or chosen.bits, image or "png")  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
 class DatasetPlan:
-    """What a data set is made of.
+    """Ensemble, scenes and folders of a data set.
 
     Attributes
     ----------
@@ -113,18 +113,18 @@ def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
     """
     partial = partial_path(output)
     if resume and overwrite:
-        raise DataError("--resume keeps what is there and --overwrite replaces it; give one of the two")
+        raise DataError("resume keeps what is there and overwrite replaces it; give one of the two")
     with storage_errors(output, ELSEWHERE):
         require_folder(output)
         if output.exists() and not output.is_dir():
             raise DataError(f"{output}: is a file; a data set is a folder, give another name")
         if output.exists() and any(output.iterdir()) and not resume:
             if not overwrite:
-                raise DataError(f"{output}: is not empty; choose another name, or replace a data set with --overwrite")
+                raise DataError(f"{output}: is not empty; choose another name, or replace a data set with overwrite")
             check.read_about(output)
         if partial.exists() and not resume:
             if not overwrite:
-                raise DataError(f"{partial}: an unfinished data set is there; go on with --resume, or begin anew with --overwrite")
+                raise DataError(f"{partial}: an unfinished data set is there; continue it with resume, or start again with overwrite")
             _require_ours(partial)
     return partial
 
@@ -179,29 +179,29 @@ def make_dataset(
     """
     output = Path(output)
     partial = require_output(output, resume=resume, overwrite=overwrite)
-    wanted = _settings(plan, options)
+    made_from = _settings(plan, options)
     if resume and output.is_dir() and any(output.iterdir()):
-        _require_same(check.read_about(output)["made_from"], wanted, output, plan.source)
+        _require_same(check.read_about(output)["made_from"], made_from, output, plan.source)
         return output
     remedy = f"what is done stays in {partial}: make room and run the same command with --resume"
     with storage_errors(partial, remedy), exclusive(partial):
         if partial.exists() and not resume:
             _clear(partial)
-        if _is_whole(partial, wanted):
+        if _is_whole(partial, made_from):
             _give_name(partial, output)
             return output
-        _begin(partial, wanted, plan.source)
+        _begin(partial, made_from, plan.source)
         entries = scenes(partial / SCENES)
         settings = ConversionSettings(str(partial.absolute()), options.format, options.bits, options.image, dict(plan.table.classes))
         _write_scenes(partial, entries, settings, workers, progress)
         parts = [DatasetScene.read(partial, entry.name) for entry in entries]
         catalogue = Catalogue(plan.table.title or plan.title, plan.seed, options.image, parts)
         table = plan.table
-        about = {"description": table.description, "licence": table.licence, "split": table.split, "made_from": wanted}
+        about = {"description": table.description, "licence": table.licence, "split": table.split, "made_from": made_from}
         finish(partial, catalogue, settings, about)
-        found = list(check.problems(partial))
-        if found:
-            raise DataError("\n".join(f"{partial}: {line}" for line in found[:20]))
+        faults = list(check.problems(partial))
+        if faults:
+            raise DataError("\n".join(f"{partial}: {line}" for line in faults[:20]))
         _give_name(partial, output)
     return output
 
@@ -218,12 +218,10 @@ def _require_same(old: Any, new: dict[str, Any], where: Path, source: str) -> No
     differ = [name for name in {**old, **new} if old.get(name) != new.get(name)]
     if "ensemble" in differ and (where / SOURCE).is_file():
         keys = differences(read_toml(where / SOURCE, "ensemble"), tomllib.loads(source))
-        more = [f"{len(keys) - _MOST_TOLD} more"] if len(keys) > _MOST_TOLD else []
-        differ = [name for name in differ if name != "ensemble"] + (keys[:_MOST_TOLD] + more or ["ensemble"])
+        more = [f"{len(keys) - _MOST_LISTED} more"] if len(keys) > _MOST_LISTED else []
+        differ = [name for name in differ if name != "ensemble"] + (keys[:_MOST_LISTED] + more or ["ensemble"])
     if differ:
-        raise DataError(
-            f"{where}: was made with another {', '.join(differ)}; resume with the same settings, or begin anew with --overwrite"
-        )
+        raise DataError(f"{where}: was made with another {', '.join(differ)}; resume with the same settings, or start again with overwrite")
 
 
 def _clear(partial: Path) -> None:
@@ -238,37 +236,37 @@ def _clear(partial: Path) -> None:
     shutil.rmtree(partial)
 
 
-def _is_whole(partial: Path, wanted: dict[str, Any]) -> bool:
-    """Whether all that is left is to give it its name; the checksums are written last."""
+def _is_whole(partial: Path, made_from: dict[str, Any]) -> bool:
+    """Return True where the data set only has to be renamed; the checksums are written last."""
     return (
         (partial / check.SUMS).is_file()
         and not (partial / FOLDER / _SETTINGS).is_file()
-        and check.read_about(partial)["made_from"] == wanted
+        and check.read_about(partial)["made_from"] == made_from
         and not any(check.problems(partial))
     )
 
 
-def _begin(partial: Path, wanted: dict[str, Any], source: str) -> None:
+def _begin(partial: Path, made_from: dict[str, Any], source: str) -> None:
     """Make the folder, or see that an unfinished one is of the same settings."""
     path = partial / FOLDER / _SETTINGS
     if path.is_file():
         try:
             old = json.loads(path.read_text(encoding="utf-8"))
         except ValueError as error:
-            raise DataError(f"{path}: is not readable ({error}); begin anew with --overwrite") from error
-        _require_same(old, wanted, partial, source)
+            raise DataError(f"{path}: is not readable ({error}); start again with overwrite") from error
+        _require_same(old, made_from, partial, source)
     else:
         if partial.exists():
             _require_ours(partial)
         if (partial / check.SUMS).is_file():
-            _require_same(check.read_about(partial)["made_from"], wanted, partial, source)
+            _require_same(check.read_about(partial)["made_from"], made_from, partial, source)
         path.parent.mkdir(parents=True, exist_ok=True)
-        write_json(wanted, path)
+        write_json(made_from, path)
     write_text(source, partial / SOURCE)
 
 
 def _start(settings: ConversionSettings) -> Callable[[Entry], str]:
-    """What a worker does with a scene: write its pictures and its record; what comes back is its name."""
+    """Return the function of a worker that writes the pictures and the record of a scene and returns its name."""
 
     def work(entry: Entry) -> str:
         folder, form = Path(settings.folder), format_named(settings.format)
@@ -303,12 +301,14 @@ def _write_scenes(
                 if stopped:
                     raise KeyboardInterrupt
     except KeyboardInterrupt:
-        raise Interrupted(
-            f"stopped after {done} of {len(entries)} scenes, kept in {partial}; go on with the same command and --resume"
-        ) from None
+        raise Interrupted(f"stopped after {done} of {len(entries)} scenes, kept in {partial}; run the same again with resume") from None
     if failed:
         error = StorageError if any("StorageError" in line for line in failed) else DataError
-        raise error("\n".join([*failed[:20], f"{len(failed)} of {len(entries)} scenes failed; the others stay in {partial}, for --resume"]))
+        raise error(
+            "\n".join(
+                [*failed[:20], f"{len(failed)} of {len(entries)} scenes failed; the others stay in {partial}; resume continues from them"]
+            )
+        )
 
 
 def _give_name(partial: Path, output: Path) -> None:

@@ -32,7 +32,7 @@ SAMPLES: Final = 512
 """Draws for each cell and month: chances within 0.02."""
 
 INTEGRATED: Final = 64
-"""The same where each draw brings the share of its azimuths: standard error a tenth of the chance."""
+"""Draws for each cell and month where each draw integrates over azimuths: standard error a tenth of the chance."""
 
 _SHARED: Final = 2048
 """Most draws for all cells of a latitude where longitude does not matter."""
@@ -94,8 +94,8 @@ def likelihood_map(
     pieces = [(m, first) for m in range(len(months)) for first in range(0, latitude.size, cells.together)]
     left = Counter(m for m, _ in pieces)
     tell(0, len(months))
-    with _outcomes(cells, settings, pieces, workers) as found:
-        for (m, first), values in found:
+    with _outcomes(cells, settings, pieces, workers) as outcomes:
+        for (m, first), values in outcomes:
             out[:, m, first : first + cells.together] = values
             left[m] -= 1
             if not left[m]:
@@ -124,7 +124,7 @@ def likelihood_map(
 
 
 class MapSettings(NamedTuple):
-    """What a map is computed of; see :func:`likelihood_map`."""
+    """Settings of a map; see :func:`likelihood_map`."""
 
     scenario: Scenario
     step: float
@@ -171,25 +171,23 @@ class PreparedMap:
         """Read the weather and lay out the cells."""
         step = settings.step
         model = LikelihoodModel.of(settings.scenario, settings.weather)
-        wanted = model.wanted
+        likelihood = model.wanted
         if not isinstance(model.where, GeographicRegion):
             raise ScenarioError("likelihood.latitudes_deg and longitudes_deg are missing: a map needs the region's borders")
         region = model.where
         wide = region.east - region.west if region.east > region.west else region.east - region.west + 360.0
         north, east = (np.arange(0.5 * step, size + 1e-9, step) for size in (region.north - region.south, wide))
         if north.size == 0 or east.size == 0 or north.size * east.size > _MOST:
-            raise ScenarioError(
-                f"the map has {north.size} x {east.size} cells of {step:g} deg; choose --step so that there are 1 to {_MOST}"
-            )
+            raise ScenarioError(f"the map has {north.size} x {east.size} cells of {step:g} deg; choose step so that there are 1 to {_MOST}")
         latitude, longitude = region.south + north, (region.west + east + 180.0) % 360.0 - 180.0
         rows = _cells(model.table, latitude, longitude)
-        whole = wanted.integrates and wanted.azimuths != "drawn" and "azimuth_from_sun_deg" not in model.looks
+        whole = likelihood.integrates and likelihood.azimuths != "drawn" and "azimuth_from_sun_deg" not in model.looks
         samples = settings.samples or (INTEGRATED if whole else SAMPLES)
         known = isinstance(model.when, Times) and model.when.hours == (0.0, 24.0) and np.isnan(model.table["hour_utc"]).all()
         alike = bool(rows is None and known)
         each = min(samples * longitude.size, max(samples, _SHARED)) if alike else samples
         plan = SamplingPlan(1, 2 ** round(math.log2(each)))
-        months = tuple(wanted.months or range(1, 13))
+        months = tuple(likelihood.months or range(1, 13))
         return cls(model, latitude, longitude, months, rows, longitude[:1] if alike else longitude, plan, whole, step)
 
     @property
@@ -246,8 +244,8 @@ def _outcomes(
     if workers is None:
         yield ((piece, cells.piece(*piece)) for piece in pieces)
         return
-    with workers.map(Job(mapper, settings), pieces) as found:
-        yield ((outcome.unit, record_of(outcome)) for outcome in found)
+    with workers.map(Job(mapper, settings), pieces) as outcomes:
+        yield ((outcome.unit, record_of(outcome)) for outcome in outcomes)
 
 
 def _drawn(

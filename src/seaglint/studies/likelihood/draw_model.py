@@ -45,7 +45,7 @@ LOOK_COLUMNS = ("depression_deg", "azimuth_from_sun_deg", "height_m", "weight")
 
 @dataclass(frozen=True, eq=False)
 class LikelihoodModel:
-    """What the draws of one scenario need. Make it with :meth:`of`.
+    """Weather, times, places, seas and sunlight for the draws of one scenario. Make it with :meth:`of`.
 
     Attributes
     ----------
@@ -82,16 +82,16 @@ class LikelihoodModel:
         ScenarioError, DataError, DomainError
             What files and models refuse.
         """
-        wanted = wanted_of(scenario)
+        settings = wanted_of(scenario)
         notes: list[str] = []
         if weather is None:
-            weather, told = _weather(wanted)
-            notes += told
-        table, dropped = _complete(weather, wanted)
+            weather, source = _weather(settings)
+            notes += source
+        table, dropped = _complete(weather, settings)
         if dropped:
             notes.append(f"{dropped} of {len(weather)} rows of weather left out: wind speed or cloud cover missing")
-        table = _of_region(table, wanted, notes).ordered("wind_speed_m_s", "cloud_cover")
-        if table.missing_months and wanted.months != () and scenario.sun is None and not wanted.place_from_weather:
+        table = _of_region(table, settings, notes).ordered("wind_speed_m_s", "cloud_cover")
+        if table.missing_months and settings.months != () and scenario.sun is None and not settings.place_from_weather:
             used = table.month_used
             notes.append(
                 "no weather of " + ", ".join(f"{MONTHS[m - 1]} (rows of {MONTHS[used[m] - 1]} serve)" for m in table.missing_months)
@@ -103,7 +103,7 @@ class LikelihoodModel:
             )
         models, row_model = _models(scenario, table)
         winds = _winds(scenario, table, notes)
-        return cls(scenario, table, models, row_model, winds, _looks(wanted, notes), tuple(notes))
+        return cls(scenario, table, models, row_model, winds, _looks(settings, notes), tuple(notes))
 
     @property
     def wanted(self) -> Likelihood:
@@ -127,9 +127,9 @@ class LikelihoodModel:
     @cached_property
     def where(self) -> GeographicRegion | tuple[float, float] | None:
         """Law of the place."""
-        wanted, place = self.wanted, self.scenario.place
-        if wanted.latitudes_deg is not None and wanted.longitudes_deg is not None:
-            return GeographicRegion(*wanted.latitudes_deg, *wanted.longitudes_deg)
+        settings, place = self.wanted, self.scenario.place
+        if settings.latitudes_deg is not None and settings.longitudes_deg is not None:
+            return GeographicRegion(*settings.latitudes_deg, *settings.longitudes_deg)
         return None if place is None else (place.latitude_deg, place.longitude_deg)
 
     @cached_property
@@ -204,7 +204,7 @@ class LikelihoodModel:
 
     @cached_property
     def bandwidth(self) -> dict[str, float]:
-        """Of the smooth bootstrap, by column; empty without."""
+        """Bandwidth of the smooth bootstrap, by column; empty without."""
         return bandwidths(self.table) if self.wanted.smooth else {}
 
     @cached_property
@@ -224,7 +224,7 @@ class LikelihoodModel:
 
     @property
     def gives_wind_direction(self) -> bool:
-        """Whether the scenario says where the wind comes from."""
+        """True where the scenario gives the wind's direction."""
         return "wind" in self.scenario.model_fields_set and "from_deg" in self.scenario.wind.model_fields_set
 
     def share(self, other: LikelihoodModel) -> None:
@@ -232,9 +232,9 @@ class LikelihoodModel:
         self.__dict__.update({name: getattr(other, name) for name in _SHARED})
 
     def of_months(self, months: tuple[int, ...]) -> LikelihoodModel:
-        """The same for other months; tables of air and sea are shared."""
-        wanted = self.wanted.model_copy(update={"months": months})
-        new = replace(self, scenario=self.scenario.model_copy(update={"likelihood": wanted}))
+        """Return the model for other months; tables of air and sea are shared."""
+        settings = self.wanted.model_copy(update={"months": months})
+        new = replace(self, scenario=self.scenario.model_copy(update={"likelihood": settings}))
         new.share(self)
         return new
 
@@ -246,34 +246,34 @@ def wanted_of(scenario: Scenario) -> Likelihood:
     return scenario.likelihood
 
 
-def _weather(wanted: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
+def _weather(settings: Likelihood) -> tuple[WeatherTable, tuple[str, ...]]:
     """The table named, or the one of the package."""
-    if wanted.weather is None:
+    if settings.weather is None:
         packaged = f"likelihood.weather is not given: the packaged table {SHIPPED[0]}, estimates that say little about any place"
         return read_weather(SHIPPED[0]).table, (packaged,)
-    found = read_weather(wanted.weather)
-    return found.table, found.remarks
+    file = read_weather(settings.weather)
+    return file.table, file.remarks
 
 
-def _complete(table: WeatherTable, wanted: Likelihood) -> tuple[WeatherTable, int]:
+def _complete(table: WeatherTable, settings: Likelihood) -> tuple[WeatherTable, int]:
     """Rows with wind and cover, and how many have not; an error names the file."""
     try:
         return table.complete()
     except DomainError as error:
-        raise DataError(f"{wanted.weather or 'weather'}: {error}") from error
+        raise DataError(f"{settings.weather or 'weather'}: {error}") from error
 
 
-def _of_region(table: WeatherTable, wanted: Likelihood, notes: list[str]) -> WeatherTable:
+def _of_region(table: WeatherTable, settings: Likelihood, notes: list[str]) -> WeatherTable:
     """Rows inside the region, where both are known."""
-    if wanted.latitudes_deg is None or wanted.longitudes_deg is None or "latitude_deg" not in table or "longitude_deg" not in table:
+    if settings.latitudes_deg is None or settings.longitudes_deg is None or "latitude_deg" not in table or "longitude_deg" not in table:
         return table
-    box = GeographicBox(wanted.longitudes_deg[0], wanted.latitudes_deg[0], wanted.longitudes_deg[1], wanted.latitudes_deg[1])
+    box = GeographicBox(settings.longitudes_deg[0], settings.latitudes_deg[0], settings.longitudes_deg[1], settings.latitudes_deg[1])
     unknown = np.isnan(table["latitude_deg"]) | np.isnan(table["longitude_deg"])
     inside = unknown | box.holds(table["latitude_deg"], table["longitude_deg"])
     if not np.any(inside & (table["weight"] > 0.0)):
         raise DataError(
-            f"{wanted.weather}: no row lies in likelihood.latitudes_deg = {list(wanted.latitudes_deg)}, longitudes_deg = "
-            f"{list(wanted.longitudes_deg)}; choose another region or another weather table"
+            f"{settings.weather}: no row lies in likelihood.latitudes_deg = {list(settings.latitudes_deg)}, longitudes_deg = "
+            f"{list(settings.longitudes_deg)}; choose another region or another weather table"
         )
     if not inside.all():
         notes.append(f"{int((~inside).sum())} of {len(table)} rows of weather left out: outside the region")
@@ -322,16 +322,16 @@ def _winds(scenario: Scenario, table: WeatherTable, notes: list[str]) -> tuple[f
     return 0.0, min(top, max(float(table["wind_speed_m_s"].max()) + 2.0, 4.0))
 
 
-def _looks(wanted: Likelihood, notes: list[str]) -> dict[str, FloatArray]:
+def _looks(settings: Likelihood, notes: list[str]) -> dict[str, FloatArray]:
     """Columns of a table of looks."""
-    if wanted.looks is None:
+    if settings.looks is None:
         return {}
-    cells = read_cells(wanted.looks)
+    cells = read_cells(settings.looks)
     columns = {name: cells.numbers(name) for name in LOOK_COLUMNS if name in cells.header}
     unknown = [name for name in cells.header if name not in LOOK_COLUMNS]
     if unknown or not set(columns) - {"weight"}:
         raise DataError(
-            f"{wanted.looks}: columns are {', '.join(cells.header)}; allowed: {', '.join(LOOK_COLUMNS)}, one of the first three at least"
+            f"{settings.looks}: columns are {', '.join(cells.header)}; allowed: {', '.join(LOOK_COLUMNS)}, one of the first three at least"
         )
     ranges = {
         "depression_deg": (-10.0, 90.0),
@@ -345,6 +345,6 @@ def _looks(wanted: Likelihood, notes: list[str]) -> dict[str, FloatArray]:
         if bad.size:
             raise DataError(f"{cells.where(int(bad[0]))}, column {name}: {values[bad[0]]:g} is outside {low:g} to {high:g}; correct it")
     if "weight" in columns and not columns["weight"].sum() > 0.0:
-        raise DataError(f"{wanted.looks}: all weights are 0; give at least one look a weight above 0")
-    notes.append(f"looks drawn from {len(cells.rows)} rows of {wanted.looks}")
+        raise DataError(f"{settings.looks}: all weights are 0; give at least one look a weight above 0")
+    notes.append(f"looks drawn from {len(cells.rows)} rows of {settings.looks}")
     return {name: np.radians(values) if name.endswith("_deg") else values for name, values in columns.items()}

@@ -34,7 +34,7 @@ DIMENSIONS: Final = ("hour", "row", "depression", "day", "across", "azimuth", "c
 """Uniform numbers of a draw, those that matter most first."""
 
 NEEDED_SHARES: Final = (0.5, 0.1, 0.05, 0.01, 0.001)
-"""Shares of looks in which glint is brighter than the contrasts that are told."""
+"""Shares of looks for which the contrast exceeded by glint is reported."""
 
 INTEGRATED: Final = 131_072
 """Draws up to which azimuths = 'auto' integrates: some 4 s of processor time. A million looks of their own take less."""
@@ -45,7 +45,7 @@ _SHINES: Final = 0.5 * math.pi + 0.3
 
 @dataclass(frozen=True, eq=False)
 class Draws:
-    """What was drawn and seen [(total,) each]; NaN times and places where the Sun is given."""
+    """Drawn conditions and the radiance of each look [(total,) each]; NaN times and places where the Sun is given."""
 
     plan: SamplingPlan
     radiance: FloatArray
@@ -62,9 +62,9 @@ class Draws:
     height: FloatArray
     found: Looks
     weight: FloatArray
-    """What each draw stands for [1], 1 on average: more hours are drawn while the Sun is low than there are."""
+    """Weight of each draw [1], 1 on average: more hours are drawn while the Sun is low than there are."""
     shares: Mapping[float, FloatArray]
-    """By threshold above 0 [W m-2 sr-1] the share of the azimuths that exceed it [1]; empty where azimuths are drawn."""
+    """Share of the azimuths [1] that exceed each threshold above 0 [W m-2 sr-1]; empty where azimuths are drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,9 +76,9 @@ class GlintLikelihood:
     thresholds: tuple[float, ...]
     estimates: tuple[Estimate, ...]
     strata: tuple[tuple[Stratum, ...], ...]
-    """Of every threshold."""
+    """Strata of every threshold."""
     values: tuple[FloatArray, ...]
-    """Of every threshold and draw."""
+    """Values of every threshold and draw."""
 
     @property
     def sun_up(self) -> Estimate:
@@ -87,20 +87,20 @@ class GlintLikelihood:
 
     def as_dict(self) -> dict[str, Any]:
         """Everything but the draws, for JSON."""
-        wanted, plan = self.model.wanted, self.draws.plan
-        rate = self._looks_per_hour if wanted.quantity == "false-alarms" else None
+        settings, plan = self.model.wanted, self.draws.plan
+        rate = self._looks_per_hour if settings.quantity == "false-alarms" else None
         results = []
-        for threshold, found in zip(self.thresholds, self.estimates, strict=True):
-            row: dict[str, Any] = {"threshold_w_m2_sr": threshold, "probability": found.value, "interval": [found.low, found.high]}
+        for threshold, chance in zip(self.thresholds, self.estimates, strict=True):
+            row: dict[str, Any] = {"threshold_w_m2_sr": threshold, "probability": chance.value, "interval": [chance.low, chance.high]}
             if rate is not None:
-                row["false_alarms_per_hour"] = found.value * rate
-                row["false_alarms_per_hour_interval"] = [found.low * rate, found.high * rate]
+                row["false_alarms_per_hour"] = chance.value * rate
+                row["false_alarms_per_hour_interval"] = [chance.low * rate, chance.high * rate]
             results.append(row)
         up = self.sun_up
         needed = exceeded_by(self.draws.radiance, self.draws.illuminated, NEEDED_SHARES, self.draws.weight)
         return {
-            "quantity": wanted.quantity,
-            "case": wanted.case,
+            "quantity": settings.quantity,
+            "case": settings.case,
             "results": results,
             "sun_up": {"share": up.value, "interval": [up.low, up.high]},
             "sun_free_of_clouds": float(np.average(self.draws.illuminated, weights=self.draws.weight)),
@@ -113,7 +113,7 @@ class GlintLikelihood:
             "confidence": 0.95,
             "clouds": cloud_law(self.model),
             "weather": {
-                "file": None if wanted.weather is None else str(wanted.weather),
+                "file": None if settings.weather is None else str(settings.weather),
                 "rows": len(self.model.table),
                 "models": list(self.model.models),
             },
@@ -122,7 +122,7 @@ class GlintLikelihood:
                 for threshold, of in zip(self.thresholds, self.strata, strict=True)
                 for s in of
             ],
-            "notes": [*self.model.notes, *self._told_of_azimuths],
+            "notes": [*self.model.notes, *self._azimuth_notes],
         }
 
     def month_by_hour(self) -> FloatArray | None:
@@ -136,9 +136,9 @@ class GlintLikelihood:
         return np.asarray(np.divide(total, count, out=np.full(288, np.nan), where=count > 0.0)).reshape(12, 24)
 
     @property
-    def _told_of_azimuths(self) -> list[str]:
-        wanted = self.model.wanted
-        if self.draws.shares or wanted.azimuths == "drawn" or not wanted.integrates or self.draws.plan.total <= INTEGRATED:
+    def _azimuth_notes(self) -> list[str]:
+        settings = self.model.wanted
+        if self.draws.shares or settings.azimuths == "drawn" or not settings.integrates or self.draws.plan.total <= INTEGRATED:
             return []
         return [f"azimuths drawn: more than {INTEGRATED} draws; likelihood.azimuths = 'integrated' has narrower intervals and takes longer"]
 
@@ -181,20 +181,20 @@ def likelihood(
     estimates = tuple(estimate(v, drawn.plan, weight=drawn.weight) for v in values)
     classes, of_looks = _classes(model, drawn), _classes_of_looks(drawn)
     one_look = values if not drawn.shares else tuple(measured(model, replace(drawn, shares={}), t) for t in model.wanted.threshold_w_m2_sr)
-    found = tuple(
+    by_threshold = tuple(
         (*strata(v, drawn.plan, classes, weight=drawn.weight), *strata(one, drawn.plan, of_looks, weight=drawn.weight))
         for v, one in zip(values, one_look, strict=True)
     )
     tell(3, 3)
-    return GlintLikelihood(model, drawn, model.wanted.threshold_w_m2_sr, estimates, found, values)
+    return GlintLikelihood(model, drawn, model.wanted.threshold_w_m2_sr, estimates, by_threshold, values)
 
 
 def cloud_law(model: LikelihoodModel) -> CloudLaw:
     """Law of clouds of the scenario's case."""
-    wanted = model.wanted
-    if wanted.clouds != "auto":
-        return wanted.clouds
-    return "cover" if wanted.case == "single-look" else "overcast"
+    settings = model.wanted
+    if settings.clouds != "auto":
+        return settings.clouds
+    return "cover" if settings.case == "single-look" else "overcast"
 
 
 def draw(
@@ -204,11 +204,11 @@ def draw(
 
     ``plain`` takes random numbers instead of Sobol points for the same integrand.
     """
-    wanted = model.wanted
-    plan = SamplingPlan.of(wanted.samples if samples is None else samples)
+    settings = model.wanted
+    plan = SamplingPlan.of(settings.samples if samples is None else samples)
     u = numbers(model, plan, model.scenario.seed if seed is None else seed, plain=plain)
-    whole = wanted.azimuths == "integrated" or (wanted.azimuths == "auto" and plan.total <= INTEGRATED)
-    whole = whole and wanted.integrates and azimuth is None and "azimuth_from_sun_deg" not in model.looks
+    whole = settings.azimuths == "integrated" or (settings.azimuths == "auto" and plan.total <= INTEGRATED)
+    whole = whole and settings.integrates and azimuth is None and "azimuth_from_sun_deg" not in model.looks
     where = conditions(model.table, u, model.when, model.where, by_daylight=True)
     return seen(model, u, where, plan, azimuth, integrated=whole)
 
@@ -229,8 +229,8 @@ def seen(
     *,
     integrated: bool = False,
 ) -> Draws:
-    """What looks see in conditions that are drawn already; ``integrated`` finds the shares of their azimuths too."""
-    wanted, table = model.wanted, model.table
+    """Evaluate looks in conditions that are drawn already; ``integrated`` evaluates the shares of their azimuths too."""
+    settings, table = model.wanted, model.table
     wind, cover, wind_from = (table[name][where.rows] for name in ("wind_speed_m_s", "cloud_cover", "wind_from_deg"))
     if model.bandwidth:
         noise = np.clip(np.column_stack([u[f"smooth_{name}"] for name in model.bandwidth]), 1e-12, 1.0 - 1e-12)
@@ -246,17 +246,17 @@ def seen(
     depression, beside, height = _geometry(model, u)
     if azimuth is not None:
         beside = np.full(wind.size, azimuth)
-    free = illuminated(cloud_law(model), cover, 0.5 * math.pi - zenith, overcast=wanted.overcast_cover, aspect=wanted.cloud_aspect)
+    free = illuminated(cloud_law(model), cover, 0.5 * math.pi - zenith, overcast=settings.overcast_cover, aspect=settings.cloud_aspect)
     columns = [model.row_model[where.rows].astype(np.float64), wind, wind_to, height, zenith, towards, factor, towards + beside, depression]
     at = np.flatnonzero((zenith < _SHINES) & (free > 0.0))
     chosen = np.empty((at.size, len(columns)))
     for i, column in enumerate(columns):
         chosen[:, i] = column[at]
-    found = _everywhere(looks(chosen, model.light, model.seas, model.search), at, wind.size)
+    sighted = _everywhere(looks(chosen, model.light, model.seas, model.search), at, wind.size)
     weight = np.ones(wind.size) if where.weight is None else where.weight
     return Draws(
         plan,
-        found.radiance,
+        sighted.radiance,
         free,
         wind,
         cover,
@@ -267,7 +267,7 @@ def seen(
         beside,
         towards,
         height,
-        found,
+        sighted,
         weight,
         _shares(model, chosen, at, wind.size) if integrated else {},
     )
@@ -288,16 +288,16 @@ def _shares(model: LikelihoodModel, chosen: FloatArray, at: NDArray[np.intp], to
 
 def _varying(model: LikelihoodModel) -> list[str]:
     """Uniform numbers on which the draws of a scenario depend: points of fewer dimensions are more even."""
-    wanted, (lowest, highest) = model.wanted, model.heights
-    alone = wanted.case == "single-look"
+    settings, (lowest, highest) = model.wanted, model.heights
+    alone = settings.case == "single-look"
     times, places = isinstance(model.when, Times), isinstance(model.where, GeographicRegion) and model.sun is None
     depends = {
-        "azimuth": wanted.azimuth_from_sun_deg[0] < wanted.azimuth_from_sun_deg[1],
+        "azimuth": settings.azimuth_from_sun_deg[0] < settings.azimuth_from_sun_deg[1],
         "hour": times,
         "row": True,
         "cover": len(model.table) > 1,
         "day": times,
-        "depression": bool(model.looks) or (alone and wanted.depression_deg[0] < wanted.depression_deg[1]),
+        "depression": bool(model.looks) or (alone and settings.depression_deg[0] < settings.depression_deg[1]),
         "across": places,
         "wind": not model.gives_wind_direction,
         "height": lowest < highest or bool(model.looks),
@@ -317,10 +317,10 @@ def _everywhere(some: Looks, at: NDArray[np.intp], total: int) -> Looks:
 
 def _geometry(model: LikelihoodModel, u: dict[str, FloatArray]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Depression and azimuth from the Sun [rad], and height [m]."""
-    wanted = model.wanted
+    settings = model.wanted
     (low, high), (first, last), (lowest, highest) = (
-        np.radians(wanted.depression_deg),
-        np.radians(wanted.azimuth_from_sun_deg),
+        np.radians(settings.depression_deg),
+        np.radians(settings.azimuth_from_sun_deg),
         model.heights,
     )
     depression = low + (high - low) * u["depression"]
@@ -340,14 +340,14 @@ def _geometry(model: LikelihoodModel, u: dict[str, FloatArray]) -> tuple[FloatAr
 
 
 def measured(model: LikelihoodModel, drawn: Draws, threshold: float) -> FloatArray:
-    """What is averaged, of every draw [1]: chances between 0 and 1."""
-    wanted = model.wanted
-    match wanted.quantity:
+    """Return the averaged quantity of every draw [1]: chances between 0 and 1."""
+    settings = model.wanted
+    match settings.quantity:
         case "mean":
             share = drawn.shares.get(threshold)
             return drawn.illuminated * (exceeds(drawn.radiance, threshold) if share is None else share)
         case "mean-plus-sigma":
-            return drawn.illuminated * exceeds(drawn.radiance + wanted.sigmas * pixel_deviation(model, drawn), threshold)
+            return drawn.illuminated * exceeds(drawn.radiance + settings.sigmas * pixel_deviation(model, drawn), threshold)
         case "false-alarms":
             return drawn.illuminated * passes(drawn.radiance, pixel_deviation(model, drawn), threshold)
         case "detection":
@@ -363,18 +363,18 @@ def pixel_deviation(model: LikelihoodModel, drawn: Draws) -> FloatArray:
 
 def _classes(model: LikelihoodModel, drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:
     """Quantities by which results are told apart, with the edges of their classes."""
-    found = {
+    classes = {
         "wind_speed_m_s": (drawn.wind, by.WINDS),
         "sun_elevation_deg": (90.0 - np.degrees(drawn.solar_zenith), by.SUNS),
     }
     if model.when is not None:
-        found |= {
+        classes |= {
             "month": (months_of(drawn.time).astype(np.float64), np.arange(1.0, 14.0)),
             "hour_utc": (drawn.time % 86_400.0 / 3600.0, np.arange(25.0)),
             "hour_solar": ((drawn.time / 3600.0 + drawn.longitude / 15.0) % 24.0, np.arange(25.0)),
             "latitude_deg": (drawn.latitude, by.LATITUDES),
         }
-    return found
+    return classes
 
 
 def _classes_of_looks(drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:

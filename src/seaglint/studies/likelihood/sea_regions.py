@@ -25,10 +25,10 @@ _MONTHLY: Final = THRESHOLDS.index(0.25)
 
 def regions(samples: int = 131_072) -> dict[str, dict[str, FloatArray]]:
     """Chances by threshold, and by month at 0.25 W m-2 sr-1, of a single look towards the Sun within 15 deg; packaged weather for all."""
-    found = {}
+    results = {}
     first: LikelihoodModel | None = None
     for name, (latitudes, longitudes) in REGIONS.items():
-        wanted = {
+        settings = {
             "threshold_w_m2_sr": list(THRESHOLDS),
             "latitudes_deg": list(latitudes),
             "longitudes_deg": list(longitudes),
@@ -36,7 +36,7 @@ def regions(samples: int = 131_072) -> dict[str, dict[str, FloatArray]]:
             "samples": samples,
         }
         model = LikelihoodModel.of(
-            parse_scenario({"band": {"min_um": 3.0, "max_um": 5.0}, "sensor": {"height_m": 30.0}, "likelihood": wanted})
+            parse_scenario({"band": {"min_um": 3.0, "max_um": 5.0}, "sensor": {"height_m": 30.0}, "likelihood": settings})
         )
         if first is not None:
             model.share(first)
@@ -44,9 +44,9 @@ def regions(samples: int = 131_072) -> dict[str, dict[str, FloatArray]]:
         drawn = draw(model)
         values = [measured(model, drawn, threshold) for threshold in THRESHOLDS]
         month = months_of(drawn.time)
-        found[name] = {
+        results[name] = {
             "threshold": np.array(THRESHOLDS),
             "probability": np.array([np.average(v, weights=drawn.weight) for v in values]),
             "by_month": np.array([np.average(values[_MONTHLY][month == m], weights=drawn.weight[month == m]) for m in range(1, 13)]),
         }
-    return found
+    return results

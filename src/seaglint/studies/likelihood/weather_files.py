@@ -1,4 +1,4 @@
-"""Weather tables of files: read, select, derive, join; and what is told of a table."""
+"""Weather tables from files: read, select, derive, join and describe."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def build(
         notes.append("selected: " + "; ".join(words))
     sources = [_of_region(source, selection.region) for source in _sources(paths, selection, reading)]
     for source in sources:
-        notes += _told(source)
+        notes += _record_counts(source)
     with_rows = [source for source in sources if source.rows]
     if not with_rows:
         raise DataError(_nothing(sources, selection))
@@ -106,9 +106,9 @@ def _sources(paths: Sequence[Path], selection: Selection, reading: WeatherReadin
     if windless and len(windless) == len(grids):
         raise DataError(f"{windless[0]}: has no wind (u10, v10); give the file with the winds of the same times beside it")
     out = [read_source(path, selection, reading, windless if path in grids else ()) for path in paths if path not in windless]
-    told = " ".join(note for source in out for note in source.notes)
+    notes = " ".join(note for source in out for note in source.notes)
     for path in windless:
-        if f"from {path.name}," not in told:
+        if f"from {path.name}," not in notes:
             raise DataError(
                 f"{path}: nothing of it is used: it has no times in common with the winds, or nothing that they lack; leave it out"
             )
@@ -135,8 +135,8 @@ def _of_region(source: WeatherSource, region: str | None) -> WeatherSource:
     )
 
 
-def _told(source: WeatherSource) -> list[str]:
-    """What became of the records of one file."""
+def _record_counts(source: WeatherSource) -> list[str]:
+    """Return how many records of one file were used and lost."""
     line = f"{source.path.name}: {source.kind}, {source.read} records, {source.rows} rows"
     if source.left_out:
         line += "; left out: " + ", ".join(f"{count} {reason}" for reason, count in source.left_out.items())
@@ -146,10 +146,10 @@ def _told(source: WeatherSource) -> list[str]:
 
 
 def _nothing(sources: Sequence[WeatherSource], selection: Selection) -> str:
-    wanted = " and ".join(selection.words) or "the files"
-    lost = "; ".join(_told(source)[0] for source in sources)
+    selected = " and ".join(selection.words) or "the files"
+    lost = "; ".join(_record_counts(source)[0] for source in sources)
     place = "; give a source without places its own with --place LAT,LON" if any("without a place" in s.left_out for s in sources) else ""
-    return f"no rows in {wanted} ({lost}){place}; choose inside what the files cover"
+    return f"no rows in {selected} ({lost}){place}; choose inside what the files cover"
 
 
 def _together(sources: Sequence[WeatherSource]) -> tuple[dict[str, FloatArray], dict[str, TextArray]]:
@@ -172,11 +172,11 @@ def _filled(columns: dict[str, FloatArray], fill: Mapping[str, float]) -> list[s
     for name, value in fill.items():
         if name not in RANGES or name == "weight":
             raise DataError(
-                f"--fill {name}={value:g}: '{name}' cannot be filled; allowed are {', '.join(n for n in RANGES if n != 'weight')}"
+                f"fill {name} = {value:g}: '{name}' cannot be filled; allowed are {', '.join(n for n in RANGES if n != 'weight')}"
             )
         low, high = RANGES[name]
         if not low <= value <= high:
-            raise DataError(f"--fill {name}={value:g} is outside the range allowed: {low:g} to {high:g}")
+            raise DataError(f"fill {name} = {value:g} is outside the range allowed: {low:g} to {high:g}")
         values = columns.get(name, np.full(columns["weight"].size, np.nan))
         lacks = np.isnan(values)
         columns[name] = np.where(lacks, value, values)
@@ -185,7 +185,7 @@ def _filled(columns: dict[str, FloatArray], fill: Mapping[str, float]) -> list[s
 
 
 def _lacking(table: WeatherTable, selection: Selection) -> list[str]:
-    """What a table cannot answer: rows without wind or cloud, months without rows."""
+    """Return the gaps of a table: rows without wind or cloud, months without rows."""
     notes = []
     for name in NEEDED:
         count = int(np.sum(np.isnan(table[name])))
@@ -203,15 +203,15 @@ def _lacking(table: WeatherTable, selection: Selection) -> list[str]:
 
 
 def describe(path: str | Path) -> tuple[WeatherFile, dict[str, Any]]:
-    """A table and what is told of it, as plain values.
+    """Read a table and return its facts as plain values.
 
     Raises
     ------
     DataError
         A file that cannot be read.
     """
-    found = read_weather(path)
-    table = found.table
+    file = read_weather(path)
+    table = file.table
     rose, joint = wind_rose(table), joint_density(table)
     facts: dict[str, Any] = {
         "path": str(path),
@@ -246,9 +246,9 @@ def describe(path: str | Path) -> tuple[WeatherFile, dict[str, Any]]:
             "cloud_edges": [float(edge) for edge in CLOUD_EDGES],
             "probability": joint.tolist(),
         },
-        "notes": [*found.notes, *found.remarks],
+        "notes": [*file.notes, *file.remarks],
     }
-    return found, facts
+    return file, facts
 
 
 def _plain(value: float) -> float | None:

@@ -84,13 +84,13 @@ def parse_bands(texts: Sequence[str]) -> list[NamedBand]:
     [('3.0-5.0', (3.0, 5.0))]
     """
     if not texts:
-        raise DomainError("no band given; say --band 3.0-5.0, and again for further bands")
+        raise DomainError("no band given; give at least one band, such as 3.0-5.0")
     bands = []
     for text in texts:
-        found = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)-(\d+\.?\d*|\.\d+)\s*", text)
-        if not found or not 0.0 < float(found[1]) < float(found[2]):
+        match = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)-(\d+\.?\d*|\.\d+)\s*", text)
+        if not match or not 0.0 < float(match[1]) < float(match[2]):
             raise DomainError(f"band '{text}' is not two ascending wavelengths in um; write it as 3.0-5.0")
-        bands.append(NamedBand(text.strip(), Band.rectangular(float(found[1]), float(found[2]))))
+        bands.append(NamedBand(text.strip(), Band.rectangular(float(match[1]), float(match[2]))))
     twice = {b.label for b in bands if sum(other.label == b.label for other in bands) > 1}
     if twice:
         raise DomainError(f"band {min(twice)} is asked for twice; name each band once")
@@ -191,7 +191,7 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
     wavelength = cases.within(Column("wavelength_um", low, high, what="um of the water's index"))
     zenith = _angles(cases, "zenith_deg", 0.0, 90.0)
     wind, beyond = _ranged(cases, "wind_speed_m_s", COX_MUNK_WIND, WIND_PROFILE, "m/s of the Cox-Munk fit", extrapolate)
-    found = np.empty(len(cases))
+    values = np.empty(len(cases))
     done = 0
     for key, all_rows in groups_of(wind.tolist()):
         slopes = cox_munk_isotropic(float(str(key)), height=WIND_HEIGHT, extrapolate=extrapolate)
@@ -200,10 +200,10 @@ def evaluate_emissivity(cases: Cases, *, extrapolate: bool = False, progress: Pr
             _tell(progress, done, len(cases))
             angles, angle = np.unique(zenith[rows], return_inverse=True)
             waves, wave = np.unique(wavelength[rows], return_inverse=True)
-            found[rows] = emissivity(angles, slopes, water, 1e4 / waves)[angle, wave]
+            values[rows] = emissivity(angles, slopes, water, 1e4 / waves)[angle, wave]
             done += rows.size
     _tell(progress, done, len(cases))
-    return {"emissivity": found, **({EXTRAPOLATED: _marks({"wind_speed_m_s": beyond})} if extrapolate else {})}
+    return {"emissivity": values, **({EXTRAPOLATED: _marks({"wind_speed_m_s": beyond})} if extrapolate else {})}
 
 
 def evaluate_mean(cases: Cases, bands: Sequence[NamedBand], *, extrapolate: bool = False, progress: Progress | None = None) -> Columns:
@@ -359,8 +359,8 @@ def evaluate_scattered(cases: Cases, bands: Sequence[NamedBand], *, extrapolate:
             )
             columns[f"thermal_W_m2_sr[{band.label}]"][rows] = thermal @ band.band.weights(air.wavenumber_cm)
         lines = np.stack([wind, height, elevation, azimuth, sun], axis=1)[rows]
-        for band, found in zip(seen, scattered_cases(_model_of(key), lines, [band.band for band in seen]), strict=True):
-            columns[f"scattered_W_m2_sr[{band.label}]"][rows] = found
+        for band, values in zip(seen, scattered_cases(_model_of(key), lines, [band.band for band in seen]), strict=True):
+            columns[f"scattered_W_m2_sr[{band.label}]"][rows] = values
         done += rows.size * len(bands)
     _tell(progress, done, total)
     return {**columns, **({EXTRAPOLATED: _marks({"wind_speed_m_s": windy, "sensor_height_m": high})} if extrapolate else {})}
@@ -376,10 +376,10 @@ def groups_of(keys: Iterable[Hashable]) -> list[tuple[Hashable, NDArray[np.intp]
     >>> [(key, rows.tolist()) for key, rows in groups_of("abca")]
     [('a', [0, 3]), ('b', [1]), ('c', [2])]
     """
-    found: dict[Hashable, list[int]] = {}
+    groups: dict[Hashable, list[int]] = {}
     for row, key in enumerate(keys):
-        found.setdefault(key, []).append(row)
-    return [(key, np.array(rows)) for key, rows in found.items()]
+        groups.setdefault(key, []).append(row)
+    return [(key, np.array(rows)) for key, rows in groups.items()]
 
 
 def _tell(progress: Progress | None, done: int, total: int) -> None:
@@ -390,12 +390,12 @@ def _tell(progress: Progress | None, done: int, total: int) -> None:
 def _airs(cases: Cases, bands: Sequence[NamedBand], extrapolate: bool) -> dict[str, dict[str, BatchAtmosphere]]:
     """Tables by band and model; bands and names are refused here, before any work."""
     names = sorted(set(cases.choice("atmosphere", table_models())))
-    found: dict[str, dict[str, BatchAtmosphere]] = {}
+    tables: dict[str, dict[str, BatchAtmosphere]] = {}
     with ThreadPoolExecutor(_THREADS) as pool:  # unpacking takes most of it, several at a time
         for band in bands:
             loaded = pool.map(lambda name, band=band: BatchAtmosphere.load(name, band.edges, extrapolate=extrapolate), names)
-            found[band.label] = dict(zip(names, loaded, strict=True))
-    return found
+            tables[band.label] = dict(zip(names, loaded, strict=True))
+    return tables
 
 
 def _wind_and_height(cases: Cases, air: BatchAtmosphere, extrapolate: bool) -> tuple[FloatArray, FloatArray, Columns]:

@@ -115,8 +115,8 @@ def _of_rows(scenario: Scenario, camera: Camera, view: SeaView, length: float) -
     shape = (camera.rows, camera.columns)
     maps = {}
     for name, part in zip(MAPS, (fine.path, fine.emission, fine.sky, fine.sun, variance), strict=True):
-        found = rows(part)
-        maps[name] = np.broadcast_to(found if found.shape[1] == 1 else found.reshape(*shape, across).mean(axis=2), shape)
+        values = rows(part)
+        maps[name] = np.broadcast_to(values if values.shape[1] == 1 else values.reshape(*shape, across).mean(axis=2), shape)
     return maps | {MAPS[-1]: np.sqrt(maps[MAPS[-1]])}
 
 
@@ -129,7 +129,7 @@ def azimuths_across(view: SeaView, step: float) -> int:
 
 
 def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:
-    """The same at lines of sight in no order, the variance of glint in place of its root."""
+    """Components at scattered lines of sight, with the variance of glint in place of its root."""
     along: Callable[[FloatArray, FloatArray], SeaRadiance]
     match scenario.mean.mode:
         case "spectral":
@@ -143,9 +143,9 @@ def _seen(scenario: Scenario, view: SeaView, length: float) -> Sights:
             assert_never(other)
 
     def seen(elevation: FloatArray, azimuth: FloatArray, solid_angle: FloatArray) -> FloatArray:
-        found = along(elevation, azimuth)
-        variance = sea_variance(view, found, elevation, solid_angle, length)
-        return np.concatenate([found.path, found.emission, found.sky, found.sun, variance], axis=1).T
+        components = along(elevation, azimuth)
+        variance = sea_variance(view, components, elevation, solid_angle, length)
+        return np.concatenate([components.path, components.emission, components.sky, components.sun, variance], axis=1).T
 
     return seen
 
@@ -175,11 +175,11 @@ class RowAverage:
 
     def __call__(self, values: FloatArray) -> FloatArray:
         """Mean of (elevations, columns) over the elevations of each row (rows, columns)."""
-        found = values[self.starts]
+        averaged = values[self.starts]
         several = np.flatnonzero(self.points > 1)
         for row in several:  # few: those next to the horizon
-            found[row] = values[self.starts[row] : self.starts[row] + self.points[row]].mean(axis=0)
-        return found
+            averaged[row] = values[self.starts[row] : self.starts[row] + self.points[row]].mean(axis=0)
+        return averaged
 
 
 def pixel_solid_angle(camera: Camera) -> FloatArray:

@@ -12,7 +12,7 @@ from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.camera.view import Attitude, Imager
 
 MAPS: Final = ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance", "glint_std")
-"""What is mapped, beside the sum of the radiances and its temperature."""
+"""Mapped components, beside the sum of the radiances and its temperature."""
 
 ROW_SHARE: Final = 0.02
 """Height of a pixel, or of a part of it, over its distance from the horizon, from which it is sampled more finely: below it the middle is
@@ -25,7 +25,7 @@ CUT_POINTS: Final = 64
 """Elevations averaged in a whole row that the horizon cuts: the share of it that is sea is within 1/128."""
 
 EDGE_POINTS: Final = 24
-"""The same along each side of a pixel that the horizon cuts: glint of a low Sun may end there, and 8 are up to 3 % off."""
+"""Points along each side of a pixel that the horizon cuts: glint of a low Sun may end there, and 8 are up to 3 % off."""
 
 SIDE: Final = 3
 """Lines of sight along each side of any other pixel that is not small, as many as the cells of a turned image."""
@@ -80,10 +80,10 @@ def _rise_and_run(sight: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _means(imager: Imager, attitude: Attitude, points: tuple[FloatArray, FloatArray], seen: Sights) -> FloatArray:
-    """What is seen, averaged over the points of each pixel by the solid angle that they stand for [(5, pixels)]."""
+    """Return means over the points of each pixel, weighted by the solid angle of each point [(5, pixels)]."""
     sight, weight = imager.directions(attitude, *points), imager.solid_angle(attitude, *points)
     pixel = weight.mean(axis=1)
     elevation, azimuth = np.arctan2(*_rise_and_run(sight)), np.arctan2(sight[..., 0], sight[..., 1])
     of_pixel = np.repeat(pixel, weight.shape[1])
-    found = seen(elevation.ravel(), azimuth.ravel(), of_pixel).reshape(-1, *weight.shape)
-    return np.asarray((found * weight).mean(axis=2) / pixel)
+    values = seen(elevation.ravel(), azimuth.ravel(), of_pixel).reshape(-1, *weight.shape)
+    return np.asarray((values * weight).mean(axis=2) / pixel)

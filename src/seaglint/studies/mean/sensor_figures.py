@@ -35,8 +35,8 @@ def describe_sensor(scenario: Scenario, frequencies: Sequence[float] = ()) -> di
     (0.075, 3)
     """
     model = sensor_model(scenario)
-    found = figures(model, mean_radiance(scenario), frequencies=[1e3 * frequency for frequency in frequencies])
-    return {"seed": model.seed, **found, "scenario": json.loads(scenario.model_dump_json(exclude_none=True))}
+    computed = figures(model, mean_radiance(scenario), frequencies=[1e3 * frequency for frequency in frequencies])
+    return {"seed": model.seed, **computed, "scenario": json.loads(scenario.model_dump_json(exclude_none=True))}
 
 
 def mean_radiance(scenario: Scenario) -> float:
@@ -51,6 +51,6 @@ def mean_radiance(scenario: Scenario) -> float:
             "elevation_deg": float(np.clip(sensor.elevation_deg, -90.0 + 0.5 * sensor.fov_deg[1], 90.0 - 0.5 * sensor.fov_deg[1])),
         }
     )
-    found = mean(scenario.model_copy(update={"sensor": plain, "platform": None}))
-    radiance = np.asarray(found["radiance"] if not hasattr(found, "radiance") else found.radiance, np.float64)
+    result = mean(scenario.model_copy(update={"sensor": plain, "platform": None}))
+    radiance = np.asarray(result["radiance"] if not hasattr(result, "radiance") else result.radiance, np.float64)
     return float(np.nanmean(radiance))

@@ -82,15 +82,15 @@ def bodies(scenario: Scenario, waves: WaveField | None = None) -> tuple[Body, ..
             swells[narrow] = Swell.of(waves, (narrow, narrow))
         return swells[narrow]
 
-    found = []
+    placed = []
     for item in scenario.objects:
         with _naming(item):
             parts = tuple(shape_parts(item))
             base = _motion(scenario, item, parts, origin)
             _require_seen(scenario, parts, base, times)
-            found.append(Body(item.name, parts, _ridden(item, parts, base, swell) if item.floats else base))
-    _require_apart(found, track, times)
-    return tuple(found)
+            placed.append(Body(item.name, parts, _ridden(item, parts, base, swell) if item.floats else base))
+    _require_apart(placed, track, times)
+    return tuple(placed)
 
 
 @contextmanager
@@ -104,7 +104,7 @@ def _naming(item: Object) -> Iterator[None]:
 
 
 def shape_parts(item: Object) -> Parts:
-    """What an object is made of, in its own axes.
+    """Return the parts of an object, in its own axes.
 
     Raises
     ------
@@ -112,11 +112,11 @@ def shape_parts(item: Object) -> Parts:
         A shape that cannot be built.
     """
     assert item.shape is not None  # the model refuses an object without one
-    found = _built(item.shape, (item.temperature_k, item.emissivity))
-    for part in found:
+    parts = _built(item.shape, (item.temperature_k, item.emissivity))
+    for part in parts:
         if isinstance(part, Solid):
             require_materials(part)
-    return found
+    return parts
 
 
 def _built(shape: shapes.Shape, above: Material) -> Parts:
@@ -170,9 +170,9 @@ def _unplaced(shape: shapes.Shape, material: Material) -> Parts:
 
 
 def _together(parts: tuple[shapes.Shape, ...], material: Material) -> Parts:
-    found = [part for shape in parts for part in _built(shape, material)]
-    solids = [part for part in found if isinstance(part, Solid)]
-    rest = [part for part in found if not isinstance(part, Solid)]
+    built = [part for shape in parts for part in _built(shape, material)]
+    solids = [part for part in built if isinstance(part, Solid)]
+    rest = [part for part in built if not isinstance(part, Solid)]
     if any(isinstance(part, PointSource) for part in rest):
         raise DomainError("shape: a point has no place among other parts; give it an object of its own")
     whole: Parts = [combined("union", solids)] if solids or not rest else []
@@ -180,9 +180,9 @@ def _together(parts: tuple[shapes.Shape, ...], material: Material) -> Parts:
 
 
 def _combined(operation: Operation, parts: tuple[shapes.Shape, ...], material: Material) -> Solid:
-    found = [part for shape in parts for part in _built(shape, material)]
-    solids = [part for part in found if isinstance(part, Solid)]
-    if len(solids) < len(found):
+    built = [part for shape in parts for part in _built(shape, material)]
+    solids = [part for part in built if isinstance(part, Solid)]
+    if len(solids) < len(built):
         raise DomainError(f"shape: plumes and points cannot be parts of a {operation}; put them into a union, or an object of their own")
     return combined(operation, solids)
 
@@ -212,7 +212,7 @@ def _from_file(shape: shapes.MeshFile, material: Material) -> Solid:
 
 
 def _motion(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume | PointSource, ...], origin: FloatArray) -> Steered:
-    """Its way on a flat sea."""
+    """Motion of an object on a flat sea."""
     trim = tuple(float(np.radians(angle)) for angle in (item.pitch_deg, item.roll_deg))
     if item.track is not None or item.keyframes is not None:
         return _keyframed(scenario, item, parts, origin)
@@ -252,14 +252,14 @@ def _keyframed(scenario: Scenario, item: Object, parts: tuple[Solid | GasPlume |
     angles = np.radians(np.stack([columns.get(name, np.full(size, value)) for name, value in rest_angles.items()], axis=1))
     follows = "heading_deg" not in columns and item.heading_deg is None
     try:
-        found = Keyframed.create(
+        motion = Keyframed.create(
             np.asarray(columns["time_s"]), np.column_stack([place + origin, height]), angles, names, follows=follows, path=item.path
         )
-        found.at(0.0)
-        found.at((scenario.sensor.frames - 1) / scenario.sensor.frame_rate_hz)
+        motion.at(0.0)
+        motion.at((scenario.sensor.frames - 1) / scenario.sensor.frame_rate_hz)
     except DomainError as error:
         raise DomainError(f"{where}{error}", name=error.name, value=error.value, allowed=error.allowed) from error
-    return found
+    return motion
 
 
 def _start(scenario: Scenario) -> tuple[float, float]:
@@ -277,7 +277,7 @@ def _place(scenario: Scenario, item: Object) -> FloatArray:
 
 
 def _height(item: Object, parts: tuple[Solid | GasPlume | PointSource, ...]) -> float:
-    """Height of its origin [m]."""
+    """Height of an object's origin [m]."""
     if item.height_m is not None:
         return item.height_m
     if item.draught_m is None:
@@ -293,10 +293,10 @@ def _height(item: Object, parts: tuple[Solid | GasPlume | PointSource, ...]) -> 
 
 def _corners(parts: tuple[Solid | GasPlume | PointSource, ...]) -> FloatArray:
     """Vertices of the solids and of boxes around the plumes [m, (corners, 3)]."""
-    found = [part.vertices for part in parts if isinstance(part, Solid)]
+    corners = [part.vertices for part in parts if isinstance(part, Solid)]
     signs = np.stack(np.meshgrid((-1.0, 1.0), (-1.0, 1.0), (-1.0, 1.0)), axis=-1).reshape(-1, 3)
-    found += [np.asarray(part.centre) + signs * np.asarray(part.semi_axes) for part in parts if isinstance(part, GasPlume)]
-    return np.concatenate(found) if found else np.zeros((0, 3))
+    corners += [np.asarray(part.centre) + signs * np.asarray(part.semi_axes) for part in parts if isinstance(part, GasPlume)]
+    return np.concatenate(corners) if corners else np.zeros((0, 3))
 
 
 def _ridden(
@@ -306,13 +306,13 @@ def _ridden(
     first = base.at(0.0)
     trim = rotation(0.0, *(float(np.radians(angle)) for angle in (item.pitch_deg, item.roll_deg)))
     cuts = [waterline(placed(part, np.zeros(3), trim), -float(first.position[2])) for part in parts if isinstance(part, Solid)]
-    found = [cut for cut in cuts if cut is not None]
-    if not found and any(isinstance(part, Solid) for part in parts):
+    waterlines = [cut for cut in cuts if cut is not None]
+    if not waterlines and any(isinstance(part, Solid) for part in parts):
         raise DomainError(
             f"floats, but the water does not cut it: its centre is {first.position[2]:g} m above the mean sea; correct height_m, or give "
             "draught_m instead"
         )
-    centre, half = max(found, key=lambda cut: float(np.prod(cut[1]))) if found else (np.zeros(2), np.zeros(2))
+    centre, half = max(waterlines, key=lambda cut: float(np.prod(cut[1]))) if waterlines else (np.zeros(2), np.zeros(2))
     waves = swell(half)
     return base if waves is None else Afloat(base, waves, centre, half)
 
@@ -339,21 +339,21 @@ def _require_seen(scenario: Scenario, parts: tuple[Solid | GasPlume | PointSourc
             )
 
 
-def _require_apart(found: list[Body], track: Track, times: FloatArray) -> None:
+def _require_apart(placed: list[Body], track: Track, times: FloatArray) -> None:
     """Refuse objects in the sensor and in each other."""
-    reach = [float(np.linalg.norm(_corners(body.parts), axis=1).max(initial=0.0)) for body in found]
+    reach = [float(np.linalg.norm(_corners(body.parts), axis=1).max(initial=0.0)) for body in placed]
     for time in times:
-        pose, now = track.at(float(time)), [body.motion.at(float(time)) for body in found]
+        pose, now = track.at(float(time)), [body.motion.at(float(time)) for body in placed]
         eye = np.array([pose.east, pose.north, pose.height])
-        for body, at, far in zip(found, now, reach, strict=True):
+        for body, at, far in zip(placed, now, reach, strict=True):
             if np.linalg.norm(eye - at.position) <= far + CLEARANCE and _holds(body, at.rotation.T @ (eye - at.position)):
                 raise _refused(body.name, f"at {time:g} s the sensor is inside it; move one of them by east_m, north_m or height_m")
-        for i, one in enumerate(found):
+        for i, one in enumerate(placed):
             for j in range(i):
                 near = np.linalg.norm(now[i].position - now[j].position) < reach[i] + reach[j]
-                if near and _overlap(one, now[i], found[j], now[j]):
+                if near and _overlap(one, now[i], placed[j], now[j]):
                     text = (
-                        f"at {time:g} s it overlaps '{found[j].name}'; move one of them by east_m, north_m or height_m, "
+                        f"at {time:g} s it overlaps '{placed[j].name}'; move one of them by east_m, north_m or height_m, "
                         "or make them parts of one union"
                     )
                     raise _refused(one.name, text)

@@ -14,7 +14,7 @@ from seaglint.scenario.records.sensor import HIGHEST_SENSOR
 from seaglint.sea.field import WaveField
 
 
-def afloat(scenario: Scenario, found: Track, waves: WaveField | None, where: str) -> Track:
+def afloat(scenario: Scenario, floating: Track, waves: WaveField | None, where: str) -> Track:
     """The track itself, or afloat.
 
     Raises
@@ -27,12 +27,12 @@ def afloat(scenario: Scenario, found: Track, waves: WaveField | None, where: str
         width, length = platform.waterline_m
         heading = None if platform.heading_deg is None else float(np.radians(platform.heading_deg))
         times = np.linspace(0.0, (sensor.frames - 1) / sensor.frame_rate_hz, min(sensor.frames, MOST_SAMPLES))
-        found = FloatingTrack.create(found, Swell.of(waves, (0.5 * width, 0.5 * length)), (width, length), heading, times)
+        floating = FloatingTrack.create(floating, Swell.of(waves, (0.5 * width, 0.5 * length)), (width, length), heading, times)
     covered = {"table": TABLE_HEIGHTS, "lowtran": (LOWTRAN_HEIGHTS[0], HIGHEST_SENSOR)}
     lowest, highest = covered.get(scenario.atmosphere.source, (0.0, HIGHEST_SENSOR))
-    if found.lowest < lowest or found.highest > highest:
+    if floating.lowest < lowest or floating.highest > highest:
         raise ScenarioError(
-            f"{where}heights of {found.lowest:g} to {found.highest:g} m leave those of atmosphere.source = '{scenario.atmosphere.source}'; "
-            f"allowed: {lowest:g} to {highest:g} m"
+            f"{where}heights of {floating.lowest:g} to {floating.highest:g} m leave those of "
+            f"atmosphere.source = '{scenario.atmosphere.source}'; allowed: {lowest:g} to {highest:g} m"
         )
-    return found
+    return floating

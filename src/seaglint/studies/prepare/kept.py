@@ -1,4 +1,4 @@
-"""What scenes rendered one after the other share: everything that seed and objects do not change."""
+"""Prepared scenes reused for scenarios that differ in seed and objects alone."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class Shareable(Protocol):
     """A scene made ready, from which others can be had."""
 
     def with_sea_of(self, scenario: Scenario) -> Self:
-        """The same with another scenario's seed and objects."""
+        """Return the scene with another scenario's seed and objects."""
         ...
 
 
@@ -22,7 +22,7 @@ Made = TypeVar("Made", bound=Shareable)
 
 @dataclass(eq=False)
 class Kept:
-    """The latest scene that was made ready; memory does not grow with the number of scenes.
+    """Cache of the latest prepared scene; memory does not grow with the number of scenes.
 
     Notes
     -----

@@ -16,7 +16,7 @@ BYTES_PER_PIXEL = 80
 """Images of one frame on the sweep's own grid: two of doubles by column, two of floats by row, and what is written."""
 
 BYTES_PER_RESAMPLED_PIXEL = 1000
-"""The same for a turned camera: corners (50), nine or more cells of the sweep (9 x 40), weights of about 25 cells (25 x 16)."""
+"""Bytes per pixel of a turned camera: corners (50), nine or more cells of the sweep (9 x 40), weights of about 25 cells (25 x 16)."""
 
 BYTES_PER_SENSED_PIXEL = 60
 """Images that a detector sees: the picture, its spectrum and the transfer. 49 measured for staring arrays, 38 for scanners."""
@@ -43,22 +43,22 @@ def memory_needed(scenario: Scenario, oversampling: int = 1) -> int:
 
 def memory_available() -> int | None:
     """Memory that can be had now [bytes]: the system's, or a container's limit where that is less; None where it cannot be told."""
-    found = []
+    limits = []
     try:
         for line in Path("/proc/meminfo").read_text().splitlines():
             if line.startswith("MemAvailable:"):
-                found.append(1024 * int(line.split()[1]))
+                limits.append(1024 * int(line.split()[1]))
     except (OSError, ValueError):
         pass
     try:
         limit = Path("/sys/fs/cgroup/memory.max").read_text().strip()
         if limit != "max":
-            found.append(int(limit) - int(Path("/sys/fs/cgroup/memory.current").read_text()))
+            limits.append(int(limit) - int(Path("/sys/fs/cgroup/memory.current").read_text()))
     except (OSError, ValueError):
         pass
-    if not found and hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
-        found.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    return max(min(found), 0) if found else None
+    if not limits and hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
+        limits.append(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    return max(min(limits), 0) if limits else None
 
 
 def require_memory(scenario: Scenario, oversampling: int = 1) -> None:

@@ -44,12 +44,12 @@ REFRACTION_BAND: Final = (3.5, 5.0)
 
 @dataclass(frozen=True)
 class Decks:
-    """What was written."""
+    """Written decks and their manifest."""
 
     deck: Path
     cases: int
     solar_zenith_deg: float | None
-    """Of the Sun whose scattered light the cases ask for; None: for none."""
+    """Zenith angle of the Sun whose scattered light the cases include [deg]; None without."""
 
 
 def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered: bool = True, overwrite: bool = False) -> Decks:

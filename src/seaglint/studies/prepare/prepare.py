@@ -47,18 +47,18 @@ RESOLVED_SHARE = 0.8
 """Largest share of either direction's slope variance that geometry takes (energy rule); facets keep the rest."""
 
 ANGLES = ("azimuth", "elevation", "roll")
-"""Of the sensor, by the names of its keys without their unit."""
+"""Angles of the sensor, by the names of its keys without their unit."""
 
 
 @dataclass(frozen=True)
 class PreparedSea:
-    """The waves that are geometry, and what was decided about them."""
+    """Resolved waves, and the decisions behind them."""
 
     waves: WaveField | None
     report: dict[str, Any]
     """For the provenance: cut wavenumber and why, tiles, resolved and remaining slope variances."""
     reason: str = ""
-    """Why there are none although they were asked for."""
+    """Reason why no waves are resolved although the scenario requests them."""
 
 
 def band(scenario: Scenario) -> Band:
@@ -89,10 +89,10 @@ def atmosphere(scenario: Scenario, over: Band) -> Atmosphere:
         case wanted_air.FileAtmosphere(path=path):
             from seaglint.files.air.air_file import read_atmosphere
 
-            found, seen = read_atmosphere(path, scenario.sensor.height_m), sea_in_view(scenario)
-            if found.scattered is not None:
-                found.scattered.require_sun(sun_position(scenario).zenith, str(path))
-            return found if seen is None else found.seen_between(*seen)
+            air, seen = read_atmosphere(path, scenario.sensor.height_m), sea_in_view(scenario)
+            if air.scattered is not None:
+                air.scattered.require_sun(sun_position(scenario).zenith, str(path))
+            return air if seen is None else air.seen_between(*seen)
         case wanted_air.IsothermalAtmosphereSettings(temperature_k=temperature, extinction_per_km=extinction):
             return IsothermalAtmosphere(temperature, wavenumber_grid(over.min_um, over.max_um), extinction * 1e-3)
         case wanted_air.NoAtmosphere():
@@ -114,20 +114,20 @@ def sea_in_view(scenario: Scenario) -> tuple[float, float | None] | None:
     return (float(arc[sea].min()), float(arc.max()) if sea.all() else None) if sea.any() else None
 
 
-def _lowtran(scenario: Scenario, wanted: wanted_air.LowtranAtmosphere, over: Band) -> Atmosphere:
-    """LOWTRAN7's runs for this sensor height, band and wind, or those kept."""
+def _lowtran(scenario: Scenario, source: wanted_air.LowtranAtmosphere, over: Band) -> Atmosphere:
+    """LOWTRAN7's runs for this sensor height, band and wind, from the cache where it has them."""
     from seaglint.files.lowtran.deck import Aerosol
     from seaglint.files.lowtran.sample import lowtran_atmosphere
     from seaglint.files.lowtran.sounding import read_sounding
 
-    wind, longer = scenario.wind.speed_m_s, wanted.wind_24h_m_s
+    wind, longer = scenario.wind.speed_m_s, source.wind_24h_m_s
     return lowtran_atmosphere(
-        wanted.model,
-        Aerosol(wanted.haze, wanted.visibility_km, wanted.air_mass_character, wind, wind if longer is None else longer),
+        source.model,
+        Aerosol(source.haze, source.visibility_km, source.air_mass_character, wind, wind if longer is None else longer),
         scenario.sensor.height_m,
         (over.min_um, over.max_um),
-        levels=() if wanted.sounding is None else read_sounding(wanted.sounding),
-        name=f"LOWTRAN7 ({wanted.model if wanted.sounding is None else wanted.sounding})",
+        levels=() if source.sounding is None else read_sounding(source.sounding),
+        name=f"LOWTRAN7 ({source.model if source.sounding is None else source.sounding})",
     )
 
 
@@ -183,9 +183,9 @@ def glint_length(scenario: Scenario) -> float:
 
 def sparkles(scenario: Scenario) -> Sparkles:
     """Sparkles below a pixel, as the scenario wants them; none by themselves in the mean picture, without resolved waves."""
-    wanted = scenario.render.subpixel_glint
-    wanted = "off" if wanted == "auto" and not scenario.sea.resolve_waves else wanted
-    return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, wanted)
+    mode = scenario.render.subpixel_glint
+    mode = "off" if mode == "auto" and not scenario.sea.resolve_waves else mode
+    return Sparkles(scenario.seed, glint_length(scenario), scenario.sea.glint.correlation_time_s, mode)
 
 
 def view_at(scenario: Scenario) -> Callable[[float], SeaView]:
@@ -245,17 +245,17 @@ def track(scenario: Scenario, waves: WaveField | None = None) -> Track:
     filled = {name: columns.get(name, np.full(size, value)) for name, value in ({"time_s": 0.0} | rest).items()}
     values = {name.rsplit("_", 1)[0]: np.radians(v) if name.endswith("_deg") else v for name, v in filled.items()}
     try:
-        found = Track.create(values, names)
-        found.at(0.0)
-        found.at((sensor.frames - 1) / sensor.frame_rate_hz)
+        keyframed = Track.create(values, names)
+        keyframed.at(0.0)
+        keyframed.at((sensor.frames - 1) / sensor.frame_rate_hz)
     except DomainError as error:
         mistake = Mistake("platform", error.value, error.allowed, f"{where}{error}")
         raise ScenarioError(mistake.text, mistakes=(mistake,)) from error
-    return afloat(scenario, found, waves, where)
+    return afloat(scenario, keyframed, waves, where)
 
 
 def scatters(scenario: Scenario) -> bool:
-    """Whether sunlight that the air scatters counts; kinds of air that scatter none have no say."""
+    """Return True where sunlight scattered by the air is included; kinds of air that scatter none ignore the key."""
     return bool(getattr(scenario.atmosphere, "scattered_sunlight", False))
 
 
@@ -279,7 +279,7 @@ def view(scenario: Scenario) -> SeaView:
 
 
 def under(view: SeaView, sun: SunPosition) -> SeaView:
-    """The same sea and air under another Sun."""
+    """Return a view with another Sun over the same sea and air."""
     return replace(view, solar_zenith=sun.zenith, solar_azimuth=sun.azimuth, sun_distance_factor=sun.irradiance_factor)
 
 
@@ -340,30 +340,30 @@ def _level_camera(scenario: Scenario) -> Camera | None:
 
 
 def camera(scenario: Scenario) -> Camera:
-    """The same, where nothing else will do.
+    """Return the image grid of a standing, upright sensor; refuse any other sensor.
 
     Raises
     ------
     ScenarioError
         For any other sensor.
     """
-    found = upright_camera(scenario)
-    if found is None:
+    upright = upright_camera(scenario)
+    if upright is None:
         raise ScenarioError(
             "sensor.projection, sensor.roll_deg or [platform] leave no grid of equal steps of azimuth and elevation, which is wanted here; "
             "leave them out"
         )
-    return found
+    return upright
 
 
 def accuracy(scenario: Scenario) -> Accuracy:
     """How finely images are drawn."""
-    wanted = scenario.render
+    settings = scenario.render
     return Accuracy(
-        step=wanted.step_m,
-        lines_per_column=wanted.lines_per_column,
-        shortest_wave_columns=wanted.shortest_wave_columns,
-        variance_error=wanted.variance_error,
+        step=settings.step_m,
+        lines_per_column=settings.lines_per_column,
+        shortest_wave_columns=settings.shortest_wave_columns,
+        variance_error=settings.variance_error,
     )
 
 
@@ -375,17 +375,17 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
     DomainError
         If waves are to be resolved on a mirror, or the tiles cannot hold them.
     """
-    wanted = waves(scenario) if scenario.sea.resolve_waves else Waves(None)
-    spectral = wanted.spectrum
-    told: dict[str, Any] = {"facet_density": facet_density(statistics)}
-    if wanted.sources:
-        told["wave_spectra"] = json.dumps(wanted.sources)  # NetCDF has no lists of tables
+    resolved = waves(scenario) if scenario.sea.resolve_waves else Waves(None)
+    spectral = resolved.spectrum
+    facts: dict[str, Any] = {"facet_density": facet_density(statistics)}
+    if resolved.sources:
+        facts["wave_spectra"] = json.dumps(resolved.sources)  # NetCDF has no lists of tables
     none = {
         "resolved_mss_up": 0.0,
         "resolved_mss_cross": 0.0,
         "facet_mss_up": statistics.mss_up,
         "facet_mss_cross": statistics.mss_cross,
-        **told,
+        **facts,
     }
     if spectral is None:
         return PreparedSea(None, {"waves": "none", **none})
@@ -393,9 +393,9 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
         raise DomainError(
             'sea.slopes.kind = "flat" leaves no slopes for waves; set sea.spectrum.kind = "flat" or sea.resolve_waves = false'
         )
-    asked = 2.0 * np.pi / scenario.sea.shortest_wave_m
+    requested = 2.0 * np.pi / scenario.sea.shortest_wave_m
     limit = resolve_limit(spectral, statistics, RESOLVED_SHARE)
-    cut = min(asked, limit, spectral.wavenumber_range[1])
+    cut = min(requested, limit, spectral.wavenumber_range[1])
     if cut <= longest_wave_number(spectral):
         reason = f"all waves are facets: the longest already carry {100 * RESOLVED_SHARE:g} % of a direction's slope variance"
         return PreparedSea(None, {"waves": reason, **none}, reason)
@@ -406,7 +406,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
         {
             "waves": "geometry down to the cut, facets below it",
             "cut_wavenumber_rad_m": cut,
-            "cut_by": "sea.shortest_wave_m" if cut == asked else f"{100 * RESOLVED_SHARE:g} % of the slope variance",
+            "cut_by": "sea.shortest_wave_m" if cut == requested else f"{100 * RESOLVED_SHARE:g} % of the slope variance",
             "tile_length_m": [t.length for t in field.tiles],
             "tile_turn_deg": [float(np.degrees(t.rotation)) for t in field.tiles],
             "tile_shortest_wave_m": [2.0 * np.pi / t.k_max for t in field.tiles],
@@ -416,7 +416,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
             "resolved_slope_covariance": field.resolved_covariance(),
             "facet_mss_up": statistics.mss_up - up,
             "facet_mss_cross": statistics.mss_cross - cross,
-            **told,
+            **facts,
         },
     )
 
@@ -438,12 +438,12 @@ def require_drawable(scenario: Scenario, statistics: SlopeStatistics) -> None:
 
 
 def facet_density(statistics: SlopeStatistics) -> str:
-    """What the facets of an image are drawn from, in words: Gaussian always, which leaves something out of other slope models."""
+    """Return the slope density from which image facets are drawn, in words: always Gaussian."""
     if statistics.is_gaussian:
         return "Gaussian"
     return "Gaussian of the slope model's variances; its skewness and peakedness are in mean maps only"
 
 
 def atmosphere_provenance(air: Atmosphere) -> dict[str, Any]:
-    """What the atmosphere's table says of itself."""
+    """Return the provenance that the atmosphere's table holds."""
     return dict(getattr(air, "provenance", {"table": type(air).__name__}))

@@ -51,7 +51,7 @@ class SeaPatch:
     spacing: float
 
     def __post_init__(self) -> None:
-        """Refuse what is no patch."""
+        """Refuse a patch without area or smaller than its spacing."""
         numbers = (*self.centre, *self.extent, self.spacing)
         if not all(math.isfinite(value) for value in numbers) or min(*self.extent, self.spacing) <= 0.0:
             raise DomainError(
@@ -61,7 +61,7 @@ class SeaPatch:
         if min(self.extent) < self.spacing:
             raise DomainError(
                 f"a patch of {self.extent[0]:g} x {self.extent[1]:g} m is smaller than its spacing of {self.spacing:g} m; "
-                "give a larger --extent or a smaller --spacing"
+                "give a larger extent or a smaller spacing"
             )
 
     @property
@@ -213,7 +213,7 @@ def _require_room(patch: SeaPatch) -> None:
         limit = f"{(room or 0) / 1e9:.1f} GB are free" if full else f"a mesh holds {MOST_VERTICES} points at most"
         raise DomainError(
             f"a patch of {columns} x {rows} points needs {need / 1e9:.3g} GB of memory and {ply_bytes(rows, columns) / 1e9:.3g} GB as PLY, "
-            f"and {limit}; give a smaller --extent or a larger --spacing than {patch.spacing:g} m"
+            f"and {limit}; give a smaller extent or a spacing larger than {patch.spacing:g} m"
         )
 
 

@@ -1,4 +1,4 @@
-"""From a scenario's sensor tables to the sensor of physics, and what is told of it."""
+"""From a scenario's sensor tables to the sensor of physics, and the attributes of its counts."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def require_sensor(scenario: Scenario) -> None:
     if not scenario.sensor.senses:
         raise ScenarioError(
             "sensor.optics and sensor.detector are missing: a sensor needs both; add the tables [sensor.optics] and [sensor.detector], or "
-            "take a preset with --sensor"
+            "choose a preset as sensor"
         )
 
 
@@ -55,12 +55,12 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         No detector, or one whose response is not that of the scene's band.
     """
     require_sensor(scenario)
-    sensor, wanted = scenario.sensor, scenario.sensor.detector
+    sensor, source = scenario.sensor, scenario.sensor.detector
     assert sensor.optics is not None
-    assert wanted is not None
-    photons = _photons(prepare.band(scenario) if over is None else over, wanted)
+    assert source is not None
+    photons = _photons(prepare.band(scenario) if over is None else over, source)
     frame = 1.0 / sensor.frame_rate_hz
-    pitch, given = 1e-6 * wanted.pitch_um, sensor.optics
+    pitch, given = 1e-6 * source.pitch_um, sensor.optics
     optics = SensorOptics(
         aperture=sensor.aperture_m,
         focal_length=sensor.focal_length_m,
@@ -79,33 +79,33 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
         solid_angle_law=given.solid_angle,
     )
     detector: PhotonPixels | ThermalPixels
-    if isinstance(wanted, PhotonDetector):
+    if isinstance(source, PhotonDetector):
         detector = PhotonPixels(
             pitch=pitch,
-            fill_factor=wanted.fill_factor,
-            integration_time=_dwell(scenario) if wanted.integration_time_s is None else wanted.integration_time_s,
-            quantum_efficiency=wanted.quantum_efficiency,
-            well_capacity=wanted.well_capacity_e,
-            read_noise=wanted.read_noise_e,
-            dark_current=wanted.dark_current_e_s,
-            bit_depth=wanted.bit_depth,
-            gain=wanted.gain_e_per_count,
-            offset=wanted.offset_counts,
-            crosstalk=wanted.crosstalk,
-            short_time=wanted.short_integration_time_s,
+            fill_factor=source.fill_factor,
+            integration_time=_dwell(scenario) if source.integration_time_s is None else source.integration_time_s,
+            quantum_efficiency=source.quantum_efficiency,
+            well_capacity=source.well_capacity_e,
+            read_noise=source.read_noise_e,
+            dark_current=source.dark_current_e_s,
+            bit_depth=source.bit_depth,
+            gain=source.gain_e_per_count,
+            offset=source.offset_counts,
+            crosstalk=source.crosstalk,
+            short_time=source.short_integration_time_s,
         )
     else:
         detector = ThermalPixels(
             pitch=pitch,
-            netd=wanted.netd_k,
-            netd_f_number=wanted.netd_f_number,
-            netd_temperature=wanted.netd_temperature_k,
-            time_constant=wanted.time_constant_s,
-            fill_factor=wanted.fill_factor,
-            absorptance=wanted.absorptance,
-            full_scale_temperature=wanted.full_scale_k,
-            bit_depth=wanted.bit_depth,
-            offset=wanted.offset_counts,
+            netd=source.netd_k,
+            netd_f_number=source.netd_f_number,
+            netd_temperature=source.netd_temperature_k,
+            time_constant=source.time_constant_s,
+            fill_factor=source.fill_factor,
+            absorptance=source.absorptance,
+            full_scale_temperature=source.full_scale_k,
+            bit_depth=source.bit_depth,
+            offset=source.offset_counts,
         )
     model = SensorModel(
         photons,
@@ -120,75 +120,75 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
     return _with_noise(model, scenario)
 
 
-def _photons(over: Band, wanted: Any) -> Photons:
-    if not isinstance(wanted, PhotonDetector):
+def _photons(over: Band, detector: Any) -> Photons:
+    if not isinstance(detector, PhotonDetector):
         return Photons(over)
-    if wanted.quantum_efficiency_file is None:
-        return Photons(over, None, wanted.quantum_efficiency)
+    if detector.quantum_efficiency_file is None:
+        return Photons(over, None, detector.quantum_efficiency)
     try:
-        return Photons(over, read_response(wanted.quantum_efficiency_file, whole=True), wanted.quantum_efficiency)
+        return Photons(over, read_response(detector.quantum_efficiency_file, whole=True), detector.quantum_efficiency)
     except DomainError as error:
         key = "sensor.detector.quantum_efficiency_file"
-        mistake = Mistake(key, error.value, error.allowed, f"{key} = '{wanted.quantum_efficiency_file}': {error}")
+        mistake = Mistake(key, error.value, error.allowed, f"{key} = '{detector.quantum_efficiency_file}': {error}")
         raise ScenarioError(mistake.text, mistakes=(mistake,)) from error
 
 
 def _with_noise(model: SensorModel, scenario: Scenario) -> SensorModel:
-    wanted = scenario.sensor.noise
-    if wanted is None:
+    settings = scenario.sensor.noise
+    if settings is None:
         return model
     line, corrected = model.readout, None
-    if wanted.corrected_at_k is not None:
-        first, second = (float(line.units(model.photons.radiance(t))) - line.dark for t in wanted.corrected_at_k)
+    if settings.corrected_at_k is not None:
+        first, second = (float(line.units(model.photons.radiance(t))) - line.dark for t in settings.corrected_at_k)
         corrected = (first, second)
     noise = DetectorNoise(
-        temporal=wanted.temporal,
-        fixed_pattern=wanted.fixed_pattern,
-        one_over_f=wanted.one_over_f,
-        frame=wanted.frame,
-        row=wanted.row,
-        column=wanted.column,
-        row_temporal=wanted.row_temporal,
-        column_temporal=wanted.column_temporal,
-        gain_spread=wanted.gain_spread,
-        offset_spread=wanted.offset_spread,
-        curvature_spread=wanted.curvature_spread,
+        temporal=settings.temporal,
+        fixed_pattern=settings.fixed_pattern,
+        one_over_f=settings.one_over_f,
+        frame=settings.frame,
+        row=settings.row,
+        column=settings.column,
+        row_temporal=settings.row_temporal,
+        column_temporal=settings.column_temporal,
+        gain_spread=settings.gain_spread,
+        offset_spread=settings.offset_spread,
+        curvature_spread=settings.curvature_spread,
         corrected_at=corrected,
-        drift=wanted.drift_per_hour,
-        dead_share=wanted.dead_share,
-        hot_share=wanted.hot_share,
-        blinking_share=wanted.blinking_share,
-        hot_signal=wanted.hot_signal,
-        blinking_signal=wanted.blinking_signal,
-        blinking_time=wanted.blinking_time_s,
+        drift=settings.drift_per_hour,
+        dead_share=settings.dead_share,
+        hot_share=settings.hot_share,
+        blinking_share=settings.blinking_share,
+        hot_signal=settings.hot_signal,
+        blinking_signal=settings.blinking_signal,
+        blinking_time=settings.blinking_time_s,
     )
     return replace(model, noise=noise)
 
 
 def scan(scenario: Scenario) -> ScanPattern:
     """When columns and rows are taken."""
-    wanted = scenario.sensor.scan
-    if wanted is None:
+    settings = scenario.sensor.scan
+    if settings is None:
         return ScanPattern()
-    period = 1.0 / scenario.sensor.frame_rate_hz if wanted.period_s is None else wanted.period_s
-    return ScanPattern(wanted.kind, 0.0 if wanted.kind == "staring" else period, wanted.direction == "left", wanted.row_time_s)
+    period = 1.0 / scenario.sensor.frame_rate_hz if settings.period_s is None else settings.period_s
+    return ScanPattern(settings.kind, 0.0 if settings.kind == "staring" else period, settings.direction == "left", settings.row_time_s)
 
 
 def scan_rate(scenario: Scenario) -> float:
     """Movement of a scanner's line of sight along rows [rad s-1]; 0 where all columns have one instant."""
-    found = scan(scenario)
-    if found.kind == "staring" or found.period == 0.0:
+    pattern = scan(scenario)
+    if pattern.kind == "staring" or pattern.period == 0.0:
         return 0.0
-    rate = math.radians(scenario.sensor.fov_deg[0]) / found.period
-    return -rate if found.leftwards else rate
+    rate = math.radians(scenario.sensor.fov_deg[0]) / pattern.period
+    return -rate if pattern.leftwards else rate
 
 
 def _dwell(scenario: Scenario) -> float:
     """Integration time where none is given [s]: a whole frame, of a scanner the time in which it moves on by a pixel."""
-    found = scan(scenario)
-    if found.kind == "staring" or found.period == 0.0:
+    pattern = scan(scenario)
+    if pattern.kind == "staring" or pattern.period == 0.0:
         return 1.0 / scenario.sensor.frame_rate_hz
-    return found.period / scenario.sensor.pixels[0]
+    return pattern.period / scenario.sensor.pixels[0]
 
 
 def line_of_sight_rates(track: Track, time: float, exposure: float, projection: str) -> tuple[float, float]:
@@ -212,7 +212,7 @@ def line_of_sight_rates(track: Track, time: float, exposure: float, projection: 
 
 
 def sensor_attributes(model: SensorModel, oversampling: int) -> dict[str, Any]:
-    """What a file of counts says, so that radiance and temperature can be had from it."""
+    """Return the attributes with which a file of counts is converted to radiance and temperature."""
     line, photon = model.readout, isinstance(model.detector, PhotonPixels)
     unit = "electrons" if photon else "nanowatts absorbed"
     return {

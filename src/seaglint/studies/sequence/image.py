@@ -54,15 +54,15 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
 
     if not math.isfinite(time):
         raise DomainError(f"time = {time:g} s is not finite; give seconds from the start")
-    wanted = require_layers([layers] if isinstance(layers, str) else layers)
-    settings = scenario.render.model_copy(update={"layers": wanted, "apparent_temperature": False})
+    requested = require_layers([layers] if isinstance(layers, str) else layers)
+    settings = scenario.render.model_copy(update={"layers": requested, "apparent_temperature": False})
     run = prepare_sequence(scenario.model_copy(update={"render": settings}), range(1))
-    found = run.at(time)
+    layer_values = run.at(time)
     azimuth, elevation = directions(run.scene_at(time), run.track.at(time))
     whole = azimuth.ndim == 2
     place = {name: float(values[0]) for name, values in poses(run.track, np.array([time])).items()} if run.track.moves else {}
     return xr.Dataset(
-        {name: (("y", "x"), found[name].astype(VARIABLES[name].dtype, copy=False)) for name in ("radiance", *wanted)},
+        {name: (("y", "x"), layer_values[name].astype(VARIABLES[name].dtype, copy=False)) for name in ("radiance", *requested)},
         coords={
             "azimuth": (("y", "x") if whole else "x", np.degrees(azimuth)),
             "elevation": (("y", "x") if whole else "y", np.degrees(elevation)),

@@ -121,7 +121,7 @@ class MovingSun:
         return latest[1]
 
     def reseeded(self, seed: int) -> MovingSun:
-        """The same for another realisation of the sea."""
+        """Return the scenes of another realisation of the sea."""
         return MovingSun(self._scenario, lambda sun: self._prepared(sun).reseeded(seed))
 
 
@@ -178,16 +178,16 @@ class Sequence:
 
     @single_threaded_algebra()
     def with_sea_of(self, scenario: Scenario) -> Sequence:
-        """The same sea state, air, Sun and sensor with the seed and the objects of another scenario, which differs in nothing else."""
-        found = replace(self, objects=None).reseeded(scenario.seed)
-        objects = SceneObjects.of(bodies_of(scenario), found.scene.waves, shadows=scenario.render.object_shadows)
-        told = found.layout.attributes
-        attributes = {**told, **provenance(told["title"], scenario.model_dump_json(exclude_none=True), scenario.seed)}
-        layout = replace(found.layout, truth=None if objects is None else objects.layout(), attributes=attributes)
-        return replace(found, objects=objects, layout=layout)
+        """Return this sequence with the seed and the objects of another scenario, which differs in nothing else."""
+        reseeded = replace(self, objects=None).reseeded(scenario.seed)
+        objects = SceneObjects.of(bodies_of(scenario), reseeded.scene.waves, shadows=scenario.render.object_shadows)
+        previous = reseeded.layout.attributes
+        attributes = {**previous, **provenance(previous["title"], scenario.model_dump_json(exclude_none=True), scenario.seed)}
+        layout = replace(reseeded.layout, truth=None if objects is None else objects.layout(), attributes=attributes)
+        return replace(reseeded, objects=objects, layout=layout)
 
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
-        """What is stored of a frame, by variable.
+        """Return the stored arrays of a frame, by variable.
 
         Raises
         ------
@@ -196,7 +196,7 @@ class Sequence:
         """
         time = number / self.layout.frame_rate
         drawn = self.drawn(time)
-        found: dict[str, NDArray[Any]] = dict(drawn.layers)
+        arrays: dict[str, NDArray[Any]] = dict(drawn.layers)
         radiance = drawn.layers.radiance
         bad = int(radiance.size - np.isfinite(radiance).sum())
         if bad > NON_FINITE_SHARE * radiance.size:
@@ -205,11 +205,11 @@ class Sequence:
                 "nothing of it is written. This is a fault of the program: please report the scenario"
             )
         if self.objects is not None:
-            found |= self.objects.truth(drawn, self.scene_at(time))
+            arrays |= self.objects.truth(drawn, self.scene_at(time))
         if "apparent_temperature" in self.layout.variables:
             view = self.scene.view
-            found["apparent_temperature"] = apparent_temperature(radiance, view.band, view.atmosphere.wavenumber_cm)
-        return found
+            arrays["apparent_temperature"] = apparent_temperature(radiance, view.band, view.atmosphere.wavenumber_cm)
+        return arrays
 
 
 def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
@@ -225,12 +225,12 @@ def _require_step(scenario: Scenario, waves: WaveField | None) -> None:
 
 
 def prepare_sequence(
-    scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False, kept: Kept | None = None
+    scenario: Scenario, frames: range | None = None, *, scanned: bool = False, fits: bool = False, cached: Kept | None = None
 ) -> Sequence:
     """Everything that is made before the first frame; also the way to single frames in Python.
 
     ``scanned`` prepares for columns that have poses of their own (:func:`seaglint.studies.prepare.prepare.gliding_camera`); ``fits`` says
-    that the memory was seen to be enough; ``kept`` is what scenes prepared one after the other share.
+    that the memory was seen to be enough; ``cached`` holds what scenes prepared one after the other share.
 
     Examples
     --------
@@ -241,9 +241,9 @@ def prepare_sequence(
     """
     if not fits:
         require_memory(scenario)
-    if kept is None:
+    if cached is None:
         return _prepared(scenario, frames, scanned)
-    return kept.sequence(scenario, f"{frames} {scanned}", lambda: _prepared(scenario, frames, scanned))
+    return cached.sequence(scenario, f"{frames} {scanned}", lambda: _prepared(scenario, frames, scanned))
 
 
 @single_threaded_algebra()
@@ -315,13 +315,13 @@ def directions(scene: SweptScene | TurnedScene, pose: Pose) -> tuple[FloatArray,
 
 
 def poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:
-    """Where the sensor is and how it is turned at some times [m, deg, (times,)], by the names of the store's variables."""
-    found = [track.at(float(t)) for t in times]
+    """Positions and attitudes of the sensor at some times [m, deg, (times,)], by the names of the store's variables."""
+    sampled = [track.at(float(t)) for t in times]
     return {
-        "sensor_east": np.array([p.east for p in found]),
-        "sensor_north": np.array([p.north for p in found]),
-        "sensor_height": np.array([p.height for p in found]),
-        "sensor_azimuth": np.degrees([p.attitude.azimuth for p in found]),
-        "sensor_elevation": np.degrees([p.attitude.elevation for p in found]),
-        "sensor_roll": np.degrees([p.attitude.roll for p in found]),
+        "sensor_east": np.array([p.east for p in sampled]),
+        "sensor_north": np.array([p.north for p in sampled]),
+        "sensor_height": np.array([p.height for p in sampled]),
+        "sensor_azimuth": np.degrees([p.attitude.azimuth for p in sampled]),
+        "sensor_elevation": np.degrees([p.attitude.elevation for p in sampled]),
+        "sensor_roll": np.degrees([p.attitude.roll for p in sampled]),
     }

@@ -72,16 +72,16 @@ class SceneObjects:
     @classmethod
     def of(cls, bodies: BodiesOf, waves: WaveField | None, *, shadows: bool = False) -> SceneObjects | None:
         """Objects over a sea, with ``shadows`` on its glint or without; None where there are none."""
-        found = bodies(waves)
-        return cls(Drawer.of(found), bodies, shadows) if found else None
+        placed = bodies(waves)
+        return cls(Drawer.of(placed), bodies, shadows) if placed else None
 
     def over(self, waves: WaveField | None) -> SceneObjects:
-        """The same over another realisation of the sea."""
+        """Return the objects over another realisation of the sea."""
         return replace(self, drawer=self.drawer.moved(self._bodies(waves)))
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the objects."""
+        """Names of the objects."""
         return tuple(body.name for body in self.drawer.bodies)
 
     def draw(
@@ -106,13 +106,13 @@ class SceneObjects:
         return Drawn(out, layers.radiance, sights)
 
     def truth(self, drawn: Drawn, scene: SweptScene | TurnedScene, oversampling: int = 1) -> Mapping[str, NDArray[Any]]:
-        """What is stored of the objects of a frame, by variable of the group ``truth``."""
+        """Return the stored arrays of the objects of a frame, by variable of the group ``truth``."""
         kelvin = self.drawer.light(scene.view).kelvin
         numbers, masks, which = labels(drawn.sights, drawn.sea, kelvin, oversampling, around=scene.pixels.goes_round)
         return {**numbers, "object_mask": packed(masks), "object_id": which}
 
     def layout(self) -> Truth:
-        """What the group holds."""
+        """Return the layout of the group ``truth``."""
         return Truth(self.names)
 
 

@@ -1,4 +1,4 @@
-"""A sensor put on frames of radiance: of a scenario that is rendered, or of anybody's recording."""
+"""A sensor applied to frames of radiance: of a rendered scenario, or of any recording."""
 
 from __future__ import annotations
 
@@ -82,27 +82,27 @@ class SensedFrames:
         seen = np.zeros(1, np.float64)
         # The frame itself last: what else is asked of it is then at hand.
         for back in range(len(weights) - 1, -1, -1):
-            seen = seen + weights[back] * self._kept(max(number - back, self.first), len(weights))
+            seen = seen + weights[back] * self._cached(max(number - back, self.first), len(weights))
         return self.model.expose(seen.astype(np.float32), number)
 
     def _focal_plane(self, number: int) -> NDArray[np.float32]:
         return self.model.focal_plane(self.fine(number), self.oversampling, self.rates(number))
 
-    def _kept(self, number: int, most: int) -> NDArray[np.float32]:
+    def _cached(self, number: int, most: int) -> NDArray[np.float32]:
         if number not in self._seen:
             self._seen[number] = self._focal_plane(number)
         self._seen.move_to_end(number)
-        found = self._seen[number]
+        cached = self._seen[number]
         while len(self._seen) > most:
             self._seen.popitem(last=False)
-        return found
+        return cached
 
-    def images(self, number: int, wanted: tuple[str, ...]) -> dict[str, NDArray[Any]]:
-        """What is stored of a frame by itself: ``signal``, ``electrons`` where wanted, ``saturated_share``."""
-        found = self.exposure(number)
-        out: dict[str, NDArray[Any]] = {"signal": found.signal, "saturated_share": np.float32(found.saturated_share)}  # type: ignore[dict-item]
-        if "electrons" in wanted:
-            out["electrons"] = found.units
+    def images(self, number: int, requested: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+        """Return the stored arrays of a frame: ``signal``, ``electrons`` where requested, ``saturated_share``."""
+        exposed = self.exposure(number)
+        out: dict[str, NDArray[Any]] = {"signal": exposed.signal, "saturated_share": np.float32(exposed.saturated_share)}  # type: ignore[dict-item]
+        if "electrons" in requested:
+            out["electrons"] = exposed.units
         return out
 
 
@@ -115,7 +115,7 @@ def require_electrons(scenario: Scenario, electrons: bool) -> None:
         A thermal detector.
     """
     if electrons and scenario.sensor.detector is not None and scenario.sensor.detector.kind == "thermal":
-        raise DataError("--electrons: sensor.detector.kind = 'thermal' absorbs power and has no electrons; leave --electrons out")
+        raise DataError("electrons: a detector of sensor.detector.kind = 'thermal' absorbs power and has no electrons; leave electrons out")
 
 
 def sense(
@@ -176,7 +176,7 @@ def sense(
         frames.fine(frames.first)  # what is no radiance is told before anything is written
         settings = (reopen, scenario, seed, oversampling, electrons)
         return write_sequence(
-            output, layout, partial(frames.images, wanted=layout.variables), resume=resume, overwrite=overwrite, progress=progress,
+            output, layout, partial(frames.images, requested=layout.variables), resume=resume, overwrite=overwrite, progress=progress,
             share=share, spread=over(workers, _reopened_frames, settings), attempts=ATTEMPTS,
         )  # fmt: skip
 
@@ -199,7 +199,7 @@ def _reopened_frames(settings: tuple[Reopen, Scenario, int | None, int | None, b
     opened = open_recording(str(file.path), frame_rate=file.frame_rate, variable=file.variable)
     known = source_of(file.path)
     frames, layout = prepare_sense(opened, scenario, source=known, seed=seed, oversampling=oversampling, electrons=electrons)
-    return layout, partial(frames.images, wanted=layout.variables)
+    return layout, partial(frames.images, requested=layout.variables)
 
 
 def prepare_sense(
@@ -253,7 +253,7 @@ def prepare_sense(
             radiance_source=recording.source,
         ),
     ).in_units(recording.frames)
-    return SensedFrames(_told(model, recording), fine, times, numbers.start), layout
+    return SensedFrames(_require_radiance(model, recording), fine, times, numbers.start), layout
 
 
 def signal_attributes(model: SensorModel) -> dict[str, Any]:
@@ -276,13 +276,13 @@ def sensed_dataset(frames: SensedFrames, layout: Layout) -> xr.Dataset:
     from seaglint.base.schema import VARIABLES
     from seaglint.files.netcdf import plain_attributes
 
-    found: list[Mapping[str, Any]] = [frames.images(number, layout.variables) for number in layout.frames]
+    images: list[Mapping[str, Any]] = [frames.images(number, layout.variables) for number in layout.frames]
     data: dict[str, Any] = {
-        name: (("time", "y", "x"), np.stack([f[name] for f in found]), {**VARIABLES[name].attributes, **layout.details.get(name, {})})
+        name: (("time", "y", "x"), np.stack([f[name] for f in images]), {**VARIABLES[name].attributes, **layout.details.get(name, {})})
         for name in layout.variables
     }
     for name in layout.per_frame:
-        data[name] = ("time", np.array([f[name] for f in found], np.float32), VARIABLES[name].attributes)
+        data[name] = ("time", np.array([f[name] for f in images], np.float32), VARIABLES[name].attributes)
     numbers = np.asarray(layout.frames, np.int64)
     coordinates = {
         "time": ("time", numbers / layout.frame_rate, VARIABLES["time"].attributes),
@@ -293,14 +293,14 @@ def sensed_dataset(frames: SensedFrames, layout: Layout) -> xr.Dataset:
     return xr.Dataset(data, coords=coordinates, attrs=plain_attributes(layout.all_attributes))
 
 
-def _told(model: SensorModel, recording: Recording) -> SensorModel:
-    """The model, refused where the recording says that its numbers are no radiances."""
+def _require_radiance(model: SensorModel, recording: Recording) -> SensorModel:
+    """Return the model, or refuse a recording whose values are no radiances."""
     units = (recording.units or "").strip()
     wrong = {"K", "kelvin", "degC", "count", "counts", "DN", "1"}
     if units in wrong:
         raise DataError(
             f"{recording.source}: its values are in '{units}'; a sensor is put on radiance at the aperture, W m-2 sr-1: give another "
-            "variable with --variable, or convert it"
+            "variable, or convert it"
         )
     return model
 
@@ -309,7 +309,7 @@ def _require_exposure(model: SensorModel, recording: Recording) -> None:
     if model.exposure_time > model.frame_interval * (1.0 + 1e-9):
         raise DataError(
             f"{recording.source}: its frames are {model.frame_interval:g} s apart, and sensor.detector.integration_time_s is "
-            f"{model.exposure_time:g} s, longer than a frame; shorten it, or give --frame-rate"
+            f"{model.exposure_time:g} s, longer than a frame; shorten it, or give frame_rate"
         )
 
 
@@ -322,7 +322,7 @@ def _require_band(given: Band, own: Band) -> None:
 
 
 def _oversampling(model: SensorModel, known: Source, given: int | None) -> int:
-    """What was said, or what the pixels of the recording say."""
+    """Return the given oversampling, or that of the recording's pixels."""
     if given is not None or known.step is None:
         return 1 if given is None else given
     ratio = model.ifov / known.step[1]
@@ -330,7 +330,7 @@ def _oversampling(model: SensorModel, known: Source, given: int | None) -> int:
     if abs(ratio / nearest - 1.0) > AGREEMENT:
         raise DataError(
             f"pixels of the radiance are {1e3 * known.step[1]:.5g} mrad and those of the sensor {1e3 * model.ifov:.5g} mrad, no whole "
-            "number of them; give --oversampling, or correct sensor.optics"
+            "number of them; give oversampling, or correct sensor.optics"
         )
     return nearest
 
@@ -339,7 +339,7 @@ def _divided(shape: tuple[int, int], oversampling: int, source: str) -> tuple[in
     try:
         return require_divides(shape, oversampling)
     except DomainError as error:
-        raise DataError(f"{source}: --{error}") from error
+        raise DataError(f"{source}: {error}") from error
 
 
 def _directions(

@@ -68,8 +68,8 @@ def render(
     if not scenario.sensor.senses:
         if electrons or radiance:
             raise DataError(
-                "--electrons and --radiance go with a sensor, and the scenario has no [sensor.detector]; leave them out, or add one "
-                "(radiance is written without)"
+                "electrons and radiance need a detector, and the scenario has no [sensor.detector]; leave them out, or add one "
+                "(radiance is written without them)"
             )
         return plain.render(
             scenario, output, frames=frames, threads=threads, resume=resume, overwrite=overwrite, progress=progress,
@@ -117,7 +117,7 @@ class SensedSequence:
     fine_scenario: Scenario
 
     def images(self, number: int) -> Mapping[str, NDArray[Any]]:
-        """What is stored of a frame, by variable."""
+        """Return the stored arrays of a frame, by variable."""
         out = self.sensed.images(number, self.layout.variables)
         drawn: Any = self.sensed.fine
         if self.fine.objects is not None:
@@ -138,7 +138,7 @@ class SensedSequence:
 
 @dataclass(eq=False)
 class _Drawn:
-    """Fine pictures by number; the latest is kept, for what else is asked of it."""
+    """Fine pictures by number; the latest is cached."""
 
     sequence: Sequence
     scan: ScanPattern
@@ -214,9 +214,9 @@ def binned(layers: Layers, oversampling: int) -> dict[str, NDArray[np.float32]]:
 
 
 def prepare_sensed(
-    scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, kept: Kept | None = None
+    scenario: Scenario, frames: range | None = None, *, electrons: bool = False, radiance: bool = False, cached: Kept | None = None
 ) -> SensedSequence:
-    """The scene drawn finer and the sensor on it; also the way to single frames in Python. ``kept`` is what scenes share.
+    """Prepare the scene, drawn finer, and its sensor; also the way to single frames in Python. ``cached`` holds what scenes share.
 
     Examples
     --------
@@ -236,7 +236,7 @@ def prepare_sensed(
     settings = scenario.render.model_copy(update={"apparent_temperature": False})
     scanned = way.kind != "staring" and way.period > 0.0
     fine = scenario.model_copy(update={"sensor": finer, "render": settings})
-    sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True, kept=kept)
+    sequence = prepare_sequence(fine, frames, scanned=scanned, fits=True, cached=cached)
     _require_track(sequence, way, sensor.pixels)
     drawn = _Drawn(sequence, way, n)
 

@@ -19,7 +19,7 @@ Prepare = Callable[[Any], tuple[Layout, Frame]]
 
 @dataclass(frozen=True)
 class UnitJob:
-    """What a worker is told before its first unit."""
+    """Settings that a worker receives before its first unit."""
 
     task: UnitTask
     prepare: Prepare

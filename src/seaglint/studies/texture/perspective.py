@@ -78,7 +78,7 @@ def place(
     numbers = frames if frames is not None else range(sensor.frames)
     if sensor.frames > 1 and len(numbers) > 1 and field.reach[0] == 0:
         raise DataError(
-            f"{len(numbers)} frames: the texture is that of one picture and has no time; give --frames 0, or fit it to a sequence"
+            f"{len(numbers)} frames: the texture is that of one picture and has no time; choose frame 0 alone, or fit it to a sequence"
         )
     rate = stored.frame_rate
     if rate is not None and field.reach[0] > 0 and abs(rate / sensor.frame_rate_hz - 1.0) > SAME_RATE:
@@ -144,6 +144,6 @@ def _contrast(variance: float, mean: float) -> float:
     if not mean > 0.0:
         raise DataError(
             f"the texture's mean is {mean:g}: its ratio to the standard deviation means nothing; fit it to radiances or counts, or take "
-            "--contrast glint"
+            "contrast = 'glint'"
         )
     return float(np.sqrt(variance) / mean)

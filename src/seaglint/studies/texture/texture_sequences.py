@@ -47,7 +47,7 @@ AVERAGED: Final = 8
 """Part of a side over which the local contrast is averaged before its slow change is taken off."""
 
 NOMINAL_RATE: Final = 25.0
-"""Of a sample whose data had none [Hz]."""
+"""Frame rate of a sample whose data had none [Hz]."""
 
 BYTES_PER_PIXEL: Final = 13
 """Memory that a sample takes at most: field, its transform and the noise."""
@@ -150,9 +150,9 @@ def fit(recording: Recording, options: FitOptions) -> Fitted:
         notes.append(f"{len(data)} frames are too few for correlations in time (at least {STILL}): frames count as pictures of their own")
     texture: GaussianTexture | AutobinomialTexture
     if options.model == "autobinomial":
-        texture, told, made = _autobinomial(data, options)
+        texture, fitted, made = _autobinomial(data, options)
     else:
-        texture, told, made = _gauss_markov(data, options)
+        texture, fitted, made = _gauss_markov(data, options)
     notes += made
     sample = sample_like(texture, data, options.seed)
     comparison = compare(data, sample, ("data", "sample"), consecutive=len(data) >= STILL)
@@ -173,26 +173,26 @@ def fit(recording: Recording, options: FitOptions) -> Fitted:
         "frame_rate_hz": recording.frame_rate,
         "seed": options.seed,
     }
-    return Fitted(StoredTexture(texture, source, told, quality, tuple(notes)), data, sample, comparison, gaussian)
+    return Fitted(StoredTexture(texture, source, fitted, quality, tuple(notes)), data, sample, comparison, gaussian)
 
 
 def _gauss_markov(data: Frames, options: FitOptions) -> tuple[GaussianTexture, dict[str, Any], tuple[str, ...]]:
-    found = fit_texture(data, options.tails, product=options.product, seed=options.seed)
-    field = found.field
-    told = {
+    result = fit_texture(data, options.tails, product=options.product, seed=options.seed)
+    field = result.field
+    values = {
         "standard_errors": list(field.standard_errors),
         "variance_error": field.variance_error,
         "log_likelihood": field.log_likelihood,
         "bic": field.bic,
         "pixels": field.pixels,
         "likelihood": "Whittle's, covariances corrected for the border",
-        "correlation_error": found.correlation_error,
+        "correlation_error": result.correlation_error,
     }
-    return found.texture, told, found.notes
+    return result.texture, values, result.notes
 
 
 def _autobinomial(data: Frames, options: FitOptions) -> tuple[AutobinomialTexture, dict[str, Any], tuple[str, ...]]:
-    found = fit_autobinomial(
+    result = fit_autobinomial(
         data[len(data) // 2],
         options.levels,
         options.order,
@@ -201,8 +201,8 @@ def _autobinomial(data: Frames, options: FitOptions) -> tuple[AutobinomialTextur
         keep_histogram=options.keep_histogram,
         seed=options.seed,
     )
-    told = {name: value for name, value in found.found.as_dict().items() if name not in ("model", "notes")}
-    return found.texture, {**told, "asked": found.tried}, found.notes
+    values = {name: value for name, value in result.found.as_dict().items() if name not in ("model", "notes")}
+    return result.texture, {**values, "asked": result.tried}, result.notes
 
 
 def _plain(texture: GaussianTexture | AutobinomialTexture, data: Frames) -> GaussianTexture | None:
@@ -227,19 +227,19 @@ def _held_out(data: Frames, options: FitOptions, texture: GaussianTexture | Auto
     """Pseudo-likelihood of the half that a fit has not seen, beside that of independent Gaussian pixels."""
     half = len(data) // 2
     if len(data) >= 2 * STILL:
-        seen, kept = data[:half], data[half:]
+        seen, unseen = data[:half], data[half:]
     else:
         middle = data.shape[2] // 2
-        seen, kept = data[:, :, :middle], data[:, :, middle:]
+        seen, unseen = data[:, :, :middle], data[:, :, middle:]
     try:
         if isinstance(texture, GaussianTexture):
-            value = _refit(texture, seen, texture.marginal.kind).pseudo_log_likelihood(kept)
-            alone = float(-0.5 * np.log(2.0 * np.pi * seen.var()) - 0.5 * np.mean((kept - seen.mean()) ** 2) / seen.var())
+            value = _refit(texture, seen, texture.marginal.kind).pseudo_log_likelihood(unseen)
+            alone = float(-0.5 * np.log(2.0 * np.pi * seen.var()) - 0.5 * np.mean((unseen - seen.mean()) ** 2) / seen.var())
         else:
             half_fit = _autobinomial(seen, replace(options, method="pseudo-likelihood"))[0]
-            value = half_fit.pseudo_log_likelihood(kept)
+            value = half_fit.pseudo_log_likelihood(unseen)
             shares = np.maximum(half_fit.histogram, 0.5 / seen.size)
-            alone = float(np.mean(np.log(shares)[half_fit.grey.to_levels(kept)]))
+            alone = float(np.mean(np.log(shares)[half_fit.grey.to_levels(unseen)]))
     except (DataError, ValueError) as error:
         return {"log_pseudo_likelihood": None, "independent_pixels": None, "reason": str(error)}
     return {"log_pseudo_likelihood": value, "independent_pixels": alone, "reason": None}
@@ -317,7 +317,7 @@ def _layout(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int
 
 
 def loop(stored: StoredTexture, *, size: tuple[int, int], frames: int, seed: int) -> xr.Dataset:
-    """The same in memory, labelled as the store is; arguments and errors of :func:`sample`."""
+    """Sample a texture in memory, labelled as the store is; arguments and errors of :func:`sample`."""
     import xarray as xr
 
     field = draw(stored, size, frames, seed)
@@ -345,11 +345,11 @@ def draw(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int) -
     texture = stored.texture
     far = texture.reach
     if frames < 1:
-        raise DataError(f"--frames {frames}: give 1 or more")
+        raise DataError(f"frames = {frames}: give 1 or more")
     if frames > 1 and far[0] == 0:
         kind = "an autobinomial field" if isinstance(texture, AutobinomialTexture) else f"a texture fitted to {_what(stored)}"
         raise DataError(
-            f"--frames {frames}: {kind} has no time; ask for 1 frame, or fit gauss-markov to a sequence of {STILL} frames or more"
+            f"frames = {frames}: {kind} has no time; ask for 1 frame, or fit gauss-markov to a sequence of {STILL} frames or more"
         )
     from seaglint.studies.prepare.memory import memory_available
 
@@ -359,7 +359,7 @@ def draw(stored: StoredTexture, size: tuple[int, int], frames: int, seed: int) -
     if available is not None and needed > available:
         raise DataError(
             f"{frames} frames of {columns} x {rows} pixels take {needed / 1e9:.3g} GB, and {available / 1e9:.3g} GB are free; "
-            "ask for fewer frames or a smaller --size"
+            "ask for fewer frames or a smaller size"
         )
     return texture.sample((deep, rows, columns), seed)[:frames]
 
@@ -431,5 +431,5 @@ def latent_model(stored: StoredTexture) -> tuple[GaussMarkov, GaussianTexture]:
     """
     texture = stored.texture
     if not isinstance(texture, GaussianTexture):
-        raise DataError("an autobinomial texture has no Gaussian field to lay on the sea; fit one with --model gauss-markov")
+        raise DataError("an autobinomial texture has no Gaussian field to lay on the sea; fit one with model = 'gauss-markov'")
     return texture.field, texture
