@@ -2,20 +2,15 @@
 
 import numpy as np
 import pytest
-from render_scenes import SEA_TEMPERATURE, Furnace, WarmSky, elfouhaily, one_tile, sea_view, shown, swept_scene, turned_scene
+from render_scenes import SEA_TEMPERATURE, Furnace, WarmSky, elfouhaily, one_tile, sea_view, shown, swept_scene
+from view_scenes import COARSE, SLOPES, WIND, attitude, imager, likeness, moving, scene
 
 from seaglint.base.conventions import horizon_depression
 from seaglint.base.errors import DomainError
 from seaglint.facet.legs import Shadowing
 from seaglint.imaging.camera.image_grid import Camera
-from seaglint.imaging.camera.pose import Track
-from seaglint.imaging.camera.view import Attitude, Imager, Resampling, cells_of, inside, quads
+from seaglint.imaging.camera.view import Resampling, cells_of, inside, quads
 from seaglint.radiance.mean import mean_radiance
-from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
-
-WIND = 5.0
-COARSE = np.arange(1990.0, 2900.0, 60.0)
-SLOPES = cox_munk_anisotropic(WIND, np.radians(30.0))
 
 
 @pytest.fixture(scope="module")
@@ -26,24 +21,6 @@ def air():
 @pytest.fixture(scope="module")
 def waves():
     return elfouhaily(WIND, shortest_wave=8.0)
-
-
-def attitude(azimuth, elevation, roll=0.0):
-    return Attitude(*(float(np.radians(a)) for a in (azimuth, elevation, roll)))
-
-
-def imager(projection="pinhole", width=12.0, height=9.0, columns=32, rows=24):
-    return Imager(projection, float(np.radians(width)), float(np.radians(height)), columns, rows)
-
-
-def scene(air, eye, pointing, waves=None, *, height=30.0, sun=(60.0, 0.0), place=(0.0, 0.0), **options):
-    still = Track.standing(height, pointing)
-    track = Track(still.time, still.values + np.array([*place, 0.0, 0.0, 0.0, 0.0]))
-    return turned_scene(lambda h: sea_view(air, SLOPES, h, *sun, shadowing=Shadowing(bands=1)), eye, track, waves, **options)
-
-
-def likeness(one, other):
-    return np.corrcoef(one.ravel(), other.ravel())[0, 1]
 
 
 def test_equal_angles_without_roll_are_the_cameras_grid():
@@ -199,15 +176,6 @@ def test_a_sensor_moved_by_the_seas_period_sees_the_same(air, elevation):
     )
     np.testing.assert_allclose(there, here, rtol=1e-4)  # float32 lattices, positions to nanometres
     assert np.abs(between / here - 1.0).max() > 1e-3
-
-
-def moving(air, waves, **options):
-    columns = {"time": [0.0, 1.0], "east": [0.0, 20.0], "north": [0.0, 5.0], "height": [30.0, 31.5], "azimuth": np.radians([350.0, 20.0])}
-    columns |= {"elevation": np.radians([-8.0, -6.0]), "roll": np.radians([10.0, -10.0])}
-    track = Track.create({name: np.asarray(values) for name, values in columns.items()}, ["a", "b"])
-    return turned_scene(
-        lambda h: sea_view(air, SLOPES, h, shadowing=Shadowing(bands=1)), imager(columns=24, rows=18), track, waves, **options
-    )
 
 
 def test_a_frame_alone_is_that_of_the_sequence(air, waves):

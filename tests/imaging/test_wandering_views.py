@@ -4,7 +4,7 @@ import numba
 import numpy as np
 import pytest
 from render_scenes import WarmSky, camera, elfouhaily, sea_view, shown, swept_scene
-from test_views import COARSE, SLOPES, WIND, attitude, imager, likeness, moving, scene
+from view_scenes import COARSE, SLOPES, WIND, attitude, imager, likeness, moving, scene
 
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import horizon_range
