@@ -134,5 +134,5 @@ def _require_rendered(folder: Folder, labels: Sequence[str]) -> None:
     if missing:
         raise DataError(
             f"{folder.path}: {missing} of {len(labels)} scenes are not rendered; render the ensemble {folder.file} into this folder "
-            "with resume"
+            "with resume=True"
         )

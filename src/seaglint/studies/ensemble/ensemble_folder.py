@@ -78,7 +78,7 @@ class Folder:
             raise DataError(f"{self.path}: is a file; an ensemble needs a folder: give another name")
         if self.file.is_file():
             if not (resume or overwrite):
-                raise DataError(f"{self.path}: holds an ensemble already; continue it with resume, or start again with overwrite")
+                raise DataError(f"{self.path}: holds an ensemble already; continue it with resume=True, or start again with overwrite=True")
         elif any(path != self._begun for path in self.path.iterdir()):
             raise DataError(f"{self.path}: is not empty and holds no ensemble; it is left alone: give another folder")
 

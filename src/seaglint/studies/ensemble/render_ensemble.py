@@ -227,7 +227,7 @@ def _render(folder: Folder, labels: Sequence[str], workers: Workers | None, thre
                     raise KeyboardInterrupt
         except KeyboardInterrupt:
             raise Interrupted(
-                f"stopped after {done} of {len(labels)} scenes, kept in {folder.path}; run the same again with resume"
+                f"stopped after {done} of {len(labels)} scenes, kept in {folder.path}; run the same again with resume=True"
             ) from None
     if failed:
         named = "; ".join(f"scene {label}: {error}" for label, error in list(failed.items())[:_MOST_NAMED])
