@@ -44,7 +44,7 @@ def test_a_picture_that_is_not_stationary_is_named_with_a_region_that_is() -> No
     image = NOISE.copy()
     image[:, :, 60:] *= 3.0
     image[:, :, 60:] += 2.0
-    with pytest.raises(DataError, match=r"mean .* variance .* choose --region") as told:
+    with pytest.raises(DataError, match=r"mean .* variance .* choose region") as told:
         require_stationary(image)
     region = parse_region(re.search(r"--region (\S+),", str(told.value) + ",")[1].rstrip(","), 96, 96)
     assert region.right <= 60 or region.left >= 60
@@ -54,7 +54,7 @@ def test_a_picture_that_is_not_stationary_is_named_with_a_region_that_is() -> No
 
 @pytest.mark.parametrize("text", ["5", "0:10", "a:b,0:5", "50:10,:", ":200,:"])
 def test_regions_of_another_form_are_refused(text: str) -> None:
-    with pytest.raises(DataError, match=r"--region .* give"):
+    with pytest.raises(DataError, match=r"region = .* give"):
         parse_region(text, 96, 96)
 
 
@@ -70,7 +70,7 @@ def test_effects_count_and_not_levels() -> None:
     assert require_stationary(with_share(0.03)) == ()
     (told,) = require_stationary(with_share(0.2))
     assert re.search(r"mean .* \(20 % of the variance\); --region \S+ is even, and --detrend takes", told)
-    with pytest.raises(DataError, match=r"60 % of the variance.*take slow changes off with --detrend"):
+    with pytest.raises(DataError, match=r"60 % of the variance.*take slow changes off with detrend=True"):
         require_stationary(with_share(0.6))
 
 

@@ -1,1 +1,1 @@
-"""What every room stands on: constants, errors, ranges, units, random numbers, compiled kernels and threads."""
+"""Foundations of all rooms: constants, errors, ranges, units, random numbers, compiled kernels and threads."""

@@ -1,4 +1,4 @@
-"""What a tilted patch of sea mirrors and emits, for means and for images.
+"""Light that a tilted patch of sea mirrors and emits, for means and for images.
 
 It stands here in two quadratures, each the other's check: averages over slope statistics
 (:mod:`~seaglint.facet.legs`, :mod:`~seaglint.facet.mirror`, :mod:`~seaglint.facet.emissivity`, :mod:`~seaglint.facet.scattered`), and

@@ -115,7 +115,7 @@ class Autobinomial:
             Another kind of model, a key that is missing or of the wrong type.
         """
         if held.get("kind") != KIND:
-            raise DataError(f"kind = {held.get('kind')!r}: not an autobinomial field; fit one with --model autobinomial")
+            raise DataError(f"kind = {held.get('kind')!r}: not an autobinomial field; fit one with model = 'autobinomial'")
         try:
             neighbours = tuple(tuple((int(dy), int(dx)) for dy, dx in one) for one in held["neighbours"])
             return cls(int(held["levels"]), neighbours, float(held["alpha"]), tuple(map(float, held["beta"])))

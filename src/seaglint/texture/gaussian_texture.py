@@ -82,7 +82,7 @@ class GaussianTexture:
             Another kind of model, or one that is not whole.
         """
         if held.get("kind") != KIND:
-            raise DataError(f"kind = {held.get('kind')!r}: not a Gauss-Markov texture; fit one with --model gauss-markov")
+            raise DataError(f"kind = {held.get('kind')!r}: not a Gauss-Markov texture; fit one with model = 'gauss-markov'")
         try:
             slow = held.get("modulation")
             return cls(

@@ -90,9 +90,9 @@ def parse_region(text: str, rows: int, columns: int) -> PixelRegion:
         top, left = (int(first or 0) for first, _ in ends)
         bottom, right = (int(last) if last else size for (_, last), size in zip(ends, (rows, columns), strict=True))
     except ValueError:
-        raise DataError(f"--region {text}: give rows and columns in pixels as FIRST:END,FIRST:END, e.g. 120:248,64:192") from None
+        raise DataError(f"region = {text}: give rows and columns in pixels as FIRST:END,FIRST:END, e.g. 120:248,64:192") from None
     if not (0 <= top < bottom <= rows and 0 <= left < right <= columns):
-        raise DataError(f"--region {text}: the picture has {rows} rows and {columns} columns; give FIRST below END within them")
+        raise DataError(f"region = {text}: the picture has {rows} rows and {columns} columns; give FIRST below END within them")
     return PixelRegion(top, bottom, left, right)
 
 
@@ -131,7 +131,7 @@ def require_values(frames: ArrayLike, *, two: bool = False) -> None:
     if few.size == 2 and not two:
         raise DataError(
             f"there are two values only, {few[0]:g} and {few[1]:g} (a mask, or a saturated picture); give the picture itself, or fit "
-            "--model autobinomial --levels 2"
+            "an autobinomial field: model = 'autobinomial', levels = 2"
         )
 
 
@@ -240,9 +240,9 @@ def require_stationary(frames: NDArray[np.floating], within: PixelRegion | None 
     if not changes.beyond(REFUSED):
         advice = "no part of it is even" if part is None else f"--region {part} is even"
         return (f"the picture's {changes.text}; {advice}" + ("" if detrended else ", and --detrend takes such changes off"),)
-    advice = "no part of it is even: choose a smaller --region" if part is None else f"choose --region {part}"
+    advice = "no part of it is even: choose a smaller region" if part is None else f"choose region = '{part}'"
     raise DataError(
         f"the picture is not stationary: its {changes.text}; {advice}, "
-        + ("" if detrended else "take slow changes off with --detrend, ")
-        + "or fit one texture all the same with --any-region"
+        + ("" if detrended else "take slow changes off with detrend=True, ")
+        + "or fit one texture all the same with any_region=True"
     )

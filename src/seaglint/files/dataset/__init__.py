@@ -29,4 +29,4 @@ def format_named(name: str) -> type[DatasetFormat]:
     for form in FORMATS:
         if form.name == name:
             return form
-    raise DataError(f"--format {name}: is not one of {', '.join(form.name for form in FORMATS)}; give one of them")
+    raise DataError(f"format = {name!r}: is not one of {', '.join(form.name for form in FORMATS)}; give one of them")

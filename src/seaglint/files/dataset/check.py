@@ -1,4 +1,4 @@
-"""Whether a data set is whole: files and checksums, pictures, boxes and masks, and splits that share nothing."""
+"""Check of a data set: files and checksums, pictures, boxes and masks, and splits that share nothing."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def read_about(folder: Path) -> dict[str, Any]:
 
 
 def problems(folder: Path) -> Iterator[str]:
-    """What is wrong with a data set, a line each; nothing where it is whole.
+    """Return the faults of a data set, a line each; nothing where it is whole.
 
     Raises
     ------

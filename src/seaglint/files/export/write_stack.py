@@ -66,9 +66,11 @@ def write_stack(
     if limits is not None:
         limits = check_limits(limits)
         if not scaled:
-            raise DataError("--range is that of counts made of other values; give it with --dtype uint16 and values of another type")
+            raise DataError(
+                "`limits` are the ends of counts made of other values; give them with dtype = 'uint16' and values of another type"
+            )
     if dtype is None and stack.dtype.name not in TYPES:
-        raise DataError(f"{stack.variable} is {stack.dtype}, which not all formats hold; give --dtype float32 or uint16")
+        raise DataError(f"{stack.variable} is {stack.dtype}, which not all formats hold; give dtype = 'float32' or 'uint16'")
     form.require()
     header = form.header_path(output)
     files = (output,) if header is None else (output, header)

@@ -1,4 +1,4 @@
-"""What is shown of a judged detector: its characteristic, misses and false alarms cut out of the frames, where in the field they are."""
+"""Pictures of a judged detector: its characteristic, misses and false alarms cut out of the frames, where in the field they are."""
 
 from __future__ import annotations
 

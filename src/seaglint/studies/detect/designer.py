@@ -36,7 +36,7 @@ FEWEST_PIXELS: Final = 200
 
 @dataclass(frozen=True)
 class Design:
-    """What is asked.
+    """Request for the contrast that a designer needs.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is injected into the frames of a scenario: its shape behind the sensor, and its contrast from what the user states."""
+"""Signal injected into the frames of a scenario: its shape behind the sensor, and its contrast from what the user states."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def transmittance(seas: IndependentSeas, range_m: float, height_m: float) -> flo
 
 
 def fine_response(picture: NDArray[np.float64], steps: int, blur: Callable[[NDArray[np.float32]], NDArray[Any]]) -> FloatArray:
-    """What pixels see, at every fine place, of a picture that has ``steps`` x ``steps`` values to a pixel; blur brings it to pixels.
+    """Signal of the pixels, at every fine place, from a picture that has ``steps`` x ``steps`` values to a pixel; blur brings it to pixels.
 
     Element (i, j) is the value of a pixel centred on the picture's element i, j; half a fine pixel beside it where ``steps`` is even.
     """
@@ -194,7 +194,7 @@ class Seen:
     among: Scenario | None = None
 
     def visible_shares(self, count: int, seas: IndependentSeas) -> FloatArray:
-        """What independent seas leave in view of the object, against the mean sea, which hides only what is under the horizon [1].
+        """Share of the object that independent seas leave in view, against the mean sea, which hides only what is under the horizon [1].
 
         Parameters
         ----------

@@ -34,12 +34,12 @@ ROWS: Final = 1
 
 @dataclass(frozen=True)
 class RangeOptions:
-    """What range is looked for.
+    """Request for a range of detection.
 
     Attributes
     ----------
     name : str
-        Of the object.
+        Name of the object.
     limits : (float, float)
         Nearest and farthest range tried [m].
     design : Design

@@ -75,7 +75,7 @@ def run_recording(
 
 
 def case_of(found: Performance, source: Recording) -> dict[str, Any]:
-    """What :func:`seaglint.studies.detect.rendered_seas.run_scene` gives of a scene, of a recording."""
+    """Return the case of a judged recording, as :func:`seaglint.studies.detect.rendered_seas.run_scene` gives that of a scene."""
     result = found.as_dict() | {"units": source.units, "frame_rate_hz": source.frame_rate}
     result["notes"] += list(source.notes)
     rows = found.rows()

@@ -89,7 +89,7 @@ class Clock:
 
     @property
     def over(self) -> bool:
-        """Whether it is gone."""
+        """Return whether the time of the case is used up."""
         return self.budget is not None and self.now() - self.begin >= self.budget
 
 

@@ -37,9 +37,9 @@ def bare(scenario: Scenario) -> Scenario:
 
 
 def frames_key(scenario: Scenario, length: int) -> str:
-    """What frames of a scenario depend on, as a short name."""
-    told = f"{__version__} {length} {bare(scenario).model_dump_json(exclude_none=True)}"
-    return hashlib.sha256(told.encode()).hexdigest()[:16]
+    """Short name of all that frames of a scenario depend on."""
+    content = f"{__version__} {length} {bare(scenario).model_dump_json(exclude_none=True)}"
+    return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
 def sea_seed(seed: int, number: int) -> int:
@@ -116,7 +116,7 @@ class IndependentSeas:
 
     @property
     def pixel_solid_angle(self) -> float:
-        """Of a pixel in the middle of the picture [sr]."""
+        """Solid angle of a pixel in the middle of the picture [sr]."""
         down, across = (math.radians(v) for v in self.pixel_deg)
         return down * across
 

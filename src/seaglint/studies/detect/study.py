@@ -23,7 +23,7 @@ from seaglint.studies.detect.varied_cases import StudyCase, flattened
 
 @dataclass(frozen=True)
 class Study:
-    """What came of all cases.
+    """Results of all cases.
 
     Attributes
     ----------
@@ -32,7 +32,7 @@ class Study:
     stopped : str or None
         Why some cases were not begun.
     unfinished : bool
-        Whether --resume has something to go on with.
+        Whether a resumed study has something left to compute.
     """
 
     cases: list[dict[str, Any]]
@@ -41,7 +41,7 @@ class Study:
 
     @property
     def errors(self) -> list[str]:
-        """Of the cases that failed."""
+        """Messages of the cases that failed."""
         return [case["error"] for case in self.cases if "error" in case]
 
     @property
@@ -110,14 +110,14 @@ def with_settings(options: DetectionOptions, settings: Mapping[str, Any]) -> Det
 
 
 def with_case(wanted: SceneOptions, case: StudyCase) -> SceneOptions:
-    """What is wanted of a case, see :func:`with_settings`."""
+    """Return the settings of a case, see :func:`with_settings`."""
     return replace(wanted, options=with_settings(wanted.options, case.study))
 
 
 def case_key(case: StudyCase, wanted: SceneOptions) -> str:
-    """What the result of a case depends on, as a short name."""
-    told = pickle.dumps((case.parameters, case.scenario.model_dump_json(), wanted), protocol=5)
-    return f"{frames_key(case.scenario, 0)}-{hashlib.sha256(told).hexdigest()[:16]}"
+    """Return the short name of all that the result of a case depends on."""
+    content = pickle.dumps((case.parameters, case.scenario.model_dump_json(), wanted), protocol=5)
+    return f"{frames_key(case.scenario, 0)}-{hashlib.sha256(content).hexdigest()[:16]}"
 
 
 def run_study(

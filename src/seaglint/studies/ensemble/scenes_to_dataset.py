@@ -124,7 +124,9 @@ def require_output(output: Path, *, resume: bool, overwrite: bool) -> Path:
             check.read_about(output)
         if partial.exists() and not resume:
             if not overwrite:
-                raise DataError(f"{partial}: an unfinished data set is there; continue it with resume=True, or start again with overwrite=True")
+                raise DataError(
+                    f"{partial}: an unfinished data set is there; continue it with resume=True, or start again with overwrite=True"
+                )
             _require_ours(partial)
     return partial
 
@@ -301,7 +303,9 @@ def _write_scenes(
                 if stopped:
                     raise KeyboardInterrupt
     except KeyboardInterrupt:
-        raise Interrupted(f"stopped after {done} of {len(entries)} scenes, kept in {partial}; run the same again with resume=True") from None
+        raise Interrupted(
+            f"stopped after {done} of {len(entries)} scenes, kept in {partial}; run the same again with resume=True"
+        ) from None
     if failed:
         error = StorageError if any("StorageError" in line for line in failed) else DataError
         raise error(
