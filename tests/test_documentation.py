@@ -150,7 +150,8 @@ def command_named(words: list[str]) -> tuple[object, list[str]]:
     found, rest = get_command(app), words
     while rest and rest[0] in getattr(found, "commands", {}):
         found, rest = found.commands[rest[0]], rest[1:]
-    return found, rest
+    # a group that takes a file in the place of a command
+    return (found.bare if rest and rest != ["--help"] and hasattr(found, "bare") else found), rest
 
 
 def options_of(command: object) -> set[str]:
