@@ -3,7 +3,8 @@
 A ray goes in fixed small steps where it is near the water; higher up the step is what it can go without meeting a surface that is nowhere
 steeper than the tiles' steepest slopes together. The crossing is then halved until it is known to a tenth of a millimetre. Heights and
 slopes are read bilinearly. The Earth is a sphere of a given radius: the sea's coordinates are arcs along the ray's azimuth, its height is
-the distance from the sphere, and what a facet does is worked out in the frame of its own vertical.
+the distance from the sphere, and what a facet does is worked out in the frame of its own vertical, which is turned against the Sun by the
+arc over the true radius: the given one stands for refraction of the line of sight.
 
 The facet: Gaussian unresolved slopes of a given covariance about the slope that is read, their visible area ``A+``, their own two-leg
 shadowing, and where it is wanted the density of nested bands. The Sun's disc is sampled: one point of it for each ray, used for the
@@ -25,7 +26,10 @@ from seaglint.sea.shadowing.nested import HIGHEST, nested_ratio
 from seaglint.sea.shadowing.seen_and_lit import coupling_table, lit_exponent_kernel
 
 SUN_RADIUS = 4.65e-3
-EARTH = 7.0 / 6.0 * 6.371e6
+REFRACTION = 7.0 / 6.0
+"""Radius of the sphere over that of the Earth."""
+
+EARTH = REFRACTION * 6.371e6
 SLOPE_END, EDGE_END, NODES = 6.5, 6.0, (481, 1041)
 """Nested table: edges 0 to EDGE_END in rows, slopes -SLOPE_END to SLOPE_END in columns, in rms slopes."""
 
@@ -221,8 +225,8 @@ def trace(
 ) -> np.ndarray:
     """Radiance of single rays through ``pixel = (azimuth, its width, elevation, its height)``.
 
-    ``sun = (zenith, azimuth)``; ``reflected`` is reflectance times irradiance on even cosines of incidence; ``points`` (rays, 4) are
-    places in the pixel and on the disc, each in 0-1.
+    ``sun = (zenith, azimuth)`` at the sensor's foot; ``reflected`` is reflectance times irradiance on even cosines of incidence; ``points``
+    (rays, 4) are places in the pixel and on the disc, each in 0-1.
     """
     out = np.zeros(points.shape[0])
     sz, cz, sa, ca = math.sin(sun[0]), math.cos(sun[0]), math.sin(sun[1]), math.cos(sun[1])
@@ -241,7 +245,7 @@ def trace(
         a, b = r * math.cos(turn), r * math.sin(turn)
         lx, ly, lz = sz * sa - a * cz * sa + b * ca, sz * ca - a * cz * ca - b * sa, cz + a * sz
         norm = math.sqrt(lx * lx + ly * ly + lz * lz)
-        light = (lx / norm, ly / norm, lz / norm)
+        light = turned((lx / norm, ly / norm, lz / norm), azimuth, REFRACTION * angle)
         factor, cosine = facet_glint(facets, view, light, (read(sea, 1, east, north), read(sea, 2, east, north)))
         if factor <= 0.0:
             continue

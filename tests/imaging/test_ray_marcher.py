@@ -57,13 +57,24 @@ def test_rays_above_the_horizon_meet_nothing():
 @pytest.mark.parametrize("sun_zenith", [70.0, pytest.param(40.0, marks=pytest.mark.validation)])
 def test_all_slopes_on_facets_give_the_mean_model(sun_zenith):
     """No resolved waves: a pixel is the mean-radiance model's, whose own Sun is one of the two independent ways here."""
+    _compare_with_mean_model(sun_zenith, 20.0, 0.0)
+
+
+def test_the_marchers_sun_is_higher_at_places_towards_it():
+    """At 3.8 km and 6 deg off a Sun at 80 deg the glint is 3 % more than with the Sun of the sensor's foot: local verticals turn."""
+    _compare_with_mean_model(80.0, 0.5, 6.0)
+
+
+def _compare_with_mean_model(sun_zenith, depression, azimuth):
     slopes = cox_munk_anisotropic(8.0, 0.6)
     view = sea_view(VacuumAtmosphere.for_band(3.5, 5.0), slopes, 30.0, sun_zenith, shadowing=BOTH)
-    eye = camera(30.0, -19.9, -20.1, 1, width=0.2)
+    half = 0.005 * depression
+    eye = camera(30.0, half - depression, -half - depression, 1, width=0.05, azimuth=azimuth)
     found, error = mean_radiance(
-        FLAT, facets_of(slopes.covariance()), 30.0, pixel(eye, 0, 0), (view.solar_zenith, 0.0), 4000, reflected=reflected(view)
+        FLAT, facets_of(slopes.covariance()), 30.0, pixel(eye, 0, 0), (view.solar_zenith, 0.0), 100_000, reflected=reflected(view)
     )
-    assert found == pytest.approx(float(model_radiance(view, eye.elevations, eye.azimuths).sun[0, 0]), rel=2e-3, abs=3.0 * error)
+    expected = float(model_radiance(view, eye.elevations, eye.azimuths).sun[0, 0])
+    assert found == pytest.approx(expected, rel=2e-3, abs=3.0 * error)
 
 
 def test_a_wave_in_front_hides_and_shades():
@@ -146,32 +157,30 @@ def sweep_over_marcher(sun_zenith, row, rays, azimuths=AZIMUTHS):
 
 @pytest.mark.validation
 @pytest.mark.parametrize(
-    ("sun_zenith", "row", "azimuths"),
+    ("sun_zenith", "row", "azimuths", "rays"),
     [
-        (50.0, 60, AZIMUTHS),
-        (50.0, 120, AZIMUTHS),
-        (50.0, 300, AZIMUTHS),
-        (80.0, 60, (0.0,)),
-        (80.0, 120, (-2.75, 0.0, 2.75)),
-        (80.0, 300, AZIMUTHS),
+        (50.0, 60, AZIMUTHS, 8192),
+        (50.0, 120, AZIMUTHS, 8192),
+        (50.0, 300, AZIMUTHS, 8192),
+        (80.0, 60, (0.0,), 16384),
+        (80.0, 120, (-2.75, 0.0, 2.75), 8192),
+        (80.0, 300, AZIMUTHS, 8192),
     ],
 )
-def test_sweep_and_marcher_agree_on_the_comparison_scene(sun_zenith, row, azimuths):
+def test_sweep_and_marcher_agree_on_the_comparison_scene(sun_zenith, row, azimuths, rays):
     """Blocks of the scene that is compared with the general ray tracer, waves shading waves included."""
-    ratios, errors = sweep_over_marcher(sun_zenith, row, 16384 if (sun_zenith, row) == (80.0, 60) else 8192, azimuths)
+    ratios, errors = sweep_over_marcher(sun_zenith, row, rays, azimuths)
     assert errors.max() < 2e-3  # the scatter of eight sets: half a per cent is decided
     assert ratios == pytest.approx(np.ones(len(azimuths)), abs=5e-3)
 
 
 @pytest.mark.validation
-@pytest.mark.xfail(
-    strict=True,
-    reason="sweep over marcher far off a low Sun: 1.010 at 2.75 deg, 1.03 at 5, 1.05 at 7.25 in rows 60-76; 1.007 and 1.02 in rows 120-136",
+@pytest.mark.parametrize(
+    ("row", "azimuth", "rays"), [(60, 2.75, 32768), (60, 5.0, 32768), (60, 7.25, 65536), (120, 5.0, 32768), (120, 7.25, 32768)]
 )
-@pytest.mark.parametrize(("row", "azimuths"), [(60, (-5.0, -2.75, 2.75, 5.0)), (120, (-7.25, 7.25))])
-def test_sweep_and_marcher_agree_far_off_a_low_sun(row, azimuths):
+def test_sweep_and_marcher_agree_far_off_a_low_sun(row, azimuth, rays):
     """Radiance falls by a factor of 200 from 5 to 7.25 deg off the Sun: within half a per cent, or four standard errors of a block."""
-    ratios, errors = sweep_over_marcher(80.0, row, 8192, azimuths)
+    ratios, errors = sweep_over_marcher(80.0, row, rays, (-azimuth, azimuth))
     together = np.average(ratios, weights=errors**-2.0)
     assert together == pytest.approx(1.0, abs=5e-3)
     # the scatter of eight sets follows Student's law of 7 degrees of freedom: beyond four standard errors lies one block in 200

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from bench.scene import RANGE, facets_left
-from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
+from seaglint.base.constants import EARTH_RADIUS, EFFECTIVE_EARTH_RADIUS, SOLAR_ANGULAR_RADIUS
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.optics.fresnel import reflectance
@@ -266,7 +266,12 @@ class MitsubaSea:
         tilt_e, tilt_n = p.x / radius, p.y / radius
         d = ray.d
         view = mi.Vector3f(d.z * tilt_e - d.x, d.z * tilt_n - d.y, -d.z - d.x * tilt_e - d.y * tilt_n)
-        sun = self._sun_sample(random)
+        # carried along the line of sight to a vertical that turns with the true radius: the effective one stands for refraction
+        turn_e, turn_n = p.x / EARTH_RADIUS, p.y / EARTH_RADIUS
+        foot = self._sun_sample(random)
+        sun = dr.normalize(
+            mi.Vector3f(foot.x - foot.z * turn_e, foot.y - foot.z * turn_n, foot.z + foot.x * turn_e + foot.y * turn_n),
+        )
         shadow = mi.Ray3f(
             mi.Point3f(p.x, p.y, p.z + LIFT),
             mi.Vector3f(sun.x + sun.z * tilt_e, sun.y + sun.z * tilt_n, sun.z - sun.x * tilt_e - sun.y * tilt_n),
@@ -276,7 +281,7 @@ class MitsubaSea:
         return dr.block_sum(value, batch)
 
     def _sun_sample(self, random: Any) -> Any:
-        """A direction to a point of the disc, evenly over it."""
+        """A direction to a point of the disc at the sensor's foot, evenly over it."""
         mi, dr = self.mi, self.dr
         z, a = self.sun_zenith, self.sun_azimuth
         radius = SOLAR_ANGULAR_RADIUS * dr.sqrt(random.next_float32())
