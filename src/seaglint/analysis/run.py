@@ -210,7 +210,7 @@ def _interior(recording: Recording, options: AnalysisOptions, used: BoolArray) -
     wide = share > 0.5
     if options.border == "drop" and wide:
         raise DataError(
-            f"the border of {margin} px holds {100 * share:.3g} % of the pixels: too little is left; take a smaller filter or border = 'keep'"
+            f"the border of {margin} px holds {100 * share:.3g} % of the pixels: too little; take a smaller filter or border = 'keep'"
         )
     if options.border == "keep" or (options.border == "auto" and (recording.frames == 1 or wide)):
         return everything, [_border_bias(options.filter, share)]
