@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import seaglint
-from census import census, repeated_classes, trees
+from census import census, options_below, repeated_classes, trees
 from seaglint.base.kernel_cache import ROOMS, sources_digest
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -296,6 +296,11 @@ def test_rooms_are_not_crowded() -> None:
 
 def test_class_names_mean_one_thing() -> None:
     assert repeated_classes(trees(SOURCE)) == {}
+
+
+def test_errors_below_the_command_line_speak_of_parameters() -> None:
+    """Options are spelled in ``cli`` alone: a caller from Python has none."""
+    assert options_below(trees(SOURCE)) == []
 
 
 def test_the_census_counts_what_is_there(tmp_path: Path) -> None:
