@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import seaglint
-from census import census, options_below, repeated_classes, trees
+from census import census, options_below, repeated_classes, riddles, trees
 from seaglint.base.kernel_cache import ROOMS, sources_digest
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -301,6 +301,11 @@ def test_class_names_mean_one_thing() -> None:
 def test_errors_below_the_command_line_speak_of_parameters() -> None:
     """Options are spelled in ``cli`` alone: a caller from Python has none."""
     assert options_below(trees(SOURCE)) == []
+
+
+def test_public_docstrings_open_with_a_subject() -> None:
+    """A first sentence stands alone in an editor: none opens with "Of", "The same", "What" and their like."""
+    assert riddles(trees(SOURCE)) == []
 
 
 def test_the_census_counts_what_is_there(tmp_path: Path) -> None:
