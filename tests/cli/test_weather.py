@@ -92,7 +92,7 @@ def test_winds_alone_make_no_table_of_waves_and_files_beside_are_joined(tmp_path
         (["--months", "3"], "no rows in months March"),
         (["--box", "0,0,1,1"], "give a source without places its own with --place LAT,LON"),
         (["--fill", "cloud=1"], "'cloud' cannot be filled; allowed are"),
-        (["--fill", "cloud_cover=60"], "--fill cloud_cover=60 is outside the range allowed: 0 to 1"),
+        (["--fill", "cloud_cover=60"], "fill cloud_cover = 60 is outside the range allowed: 0 to 1"),
         (["--fill", "cloud_cover=much"], "is not NAME=VALUE with a number"),
         (["--place", "100,0"], "--place '100,0' is not latitude,longitude"),
         (["--map", "wind=ws"], "'wind' is not one of weight, wind_speed_m_s"),
