@@ -187,7 +187,7 @@ def test_the_digest_opens_each_source_once(monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_a_process_makes_the_digest_once(package: Path) -> None:
     code = (
-        "from seaglint import _kernel_cache as cache; made = []; digest = cache.sources_digest\n"
+        "from seaglint.base import kernel_cache as cache; made = []; digest = cache.sources_digest\n"
         "cache.sources_digest = lambda *which: made.append(which) or digest(*which)\n"
         "from seaglint.outer import outer; outer(3.0); outer(3); print(len(made))"
     )
@@ -224,7 +224,7 @@ def test_nobody_waits_for_a_process_that_was_killed_while_it_compiled(package: P
     assert holder.stdout is not None
     assert holder.stdout.readline() == "held\n"
     waits = (
-        "import types, time; from seaglint import _kernel_cache\n"
+        "import types, time; from seaglint.base import kernel_cache as _kernel_cache\n"
         "pause = lambda seconds: (print('waits', flush=True), time.sleep(seconds))\n"
         "_kernel_cache.time = types.SimpleNamespace(sleep=pause, monotonic=lambda: 0.0, time=time.time)  # whose patience has no end\n"
         "from seaglint.outer import outer; print(outer(3.0))"

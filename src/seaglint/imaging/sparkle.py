@@ -40,20 +40,15 @@ from seaglint.imaging.layers import FEWEST, SPREAD, SUN, TOTAL
 from seaglint.radiance.variance import patches
 
 MOST_CELLS = 10.0
-"""Number of cells in one direction up to which a pixel is their average.
+"""Number of cells in one direction up to which a pixel is their average; beyond, pixels are independent.
 
-Beyond, pixels are independent, and a box of 10 x 10 cells has 7 % less variance than independent cells: half of that is left to the pixel
-and half to the average of many.
-"""
+A box of 10 x 10 cells has 7 % less variance than independent ones; the pixel and the average of many each take half of that."""
 
 BORDER = 1.0 / 6.0
 """Half of the extra cells of a random box: over n cells in a row it has the variance of n + 1/3 independent ones (1/n - 1/(3 n^2))."""
 
 COMPONENTS = 2
-"""Number of independent parts of a pixel of many cells, on lattices shifted against each other.
-
-It changes in steps of half its fluctuation.
-"""
+"""Number of independent parts of a pixel of many cells; it changes in steps of half its fluctuation."""
 
 SECTORS = 64
 """Number of lattice directions in a full circle; a pixel is then at most 2.8 deg from one."""
@@ -300,8 +295,7 @@ def sparkle_factor(
     length, width = footprint
     cell = sparkle.cell
     cells_along, cells_across = length / (cell * stretch), width / cell
-    shape = 1.0 / (variance * cells_along * cells_across)  # of one cell
-    # effect of a direction of many cells on the shape
+    shape = 1.0 / (variance * cells_along * cells_across)  # of one cell; a direction of many cells changes it
     many_along, many_across = cells_along > MOST_CELLS, cells_across > MOST_CELLS
     doublings_across, side_across = 0, cell
     if many_across:

@@ -49,8 +49,9 @@ def mtf(model: SensorModel, frequency: ArrayLike, rates: tuple[float, float] = (
 
     >>> from seaglint.optics.band import Band
     >>> from seaglint.instrument.optics import SensorOptics
+    >>> from seaglint.instrument.detector import PhotonPixels
     >>> from seaglint.instrument.photons import Photons
-    >>> eye = SensorModel(Photons(Band.rectangular(3.5, 5.0)), SensorOptics(0.05, 0.2), Detector(15e-6))
+    >>> eye = SensorModel(Photons(Band.rectangular(3.5, 5.0)), SensorOptics(0.05, 0.2), PhotonPixels(15e-6))
     >>> round(float(mtf(eye, [0.5 / eye.ifov])["along"]["detector"][0]), 4)
     0.6366
     """

@@ -47,7 +47,7 @@ class ScanPattern:
     def column_delays(self, columns: int) -> FloatArray:
         """Time of each column after the frame's [s, (columns,)].
 
-        >>> Scan("line", 0.4).column_delays(4)
+        >>> ScanPattern("line", 0.4).column_delays(4)
         array([0. , 0.1, 0.2, 0.3])
         """
         if self.kind == "staring":

@@ -1,13 +1,13 @@
 """Fit of a Gauss-Markov field by maximum likelihood, and of its neighbourhood by an information criterion.
 
-In the precisions ``theta = (1, b) / v`` a Gauss-Markov field is an exponential family: its log likelihood
-``n/2 [mean log(lambda) - sum_k c_k theta_k]``, ``lambda(w) = theta_0 - 2 sum_k theta_k cos(w . d_k)``, needs of the data only their
-covariances at the neighbours, is concave, and has one optimum where the model has those covariances too (Dempster 1972). Newton's method
-finds it from anywhere; its matrices are covariances of covariances, a transform of ``1/lambda²``.
+In the precisions ``theta = (1, b) / v`` a Gauss-Markov field is an exponential family: its log likelihood ``n/2 [mean log(lambda) - sum_k
+c_k theta_k]``, ``lambda(w) = theta_0 - 2 sum_k theta_k cos(w . d_k)``, needs of the data only their covariances at the neighbours, is
+concave, and has one optimum where the model has those covariances too (Dempster 1972). Newton's method finds it from anywhere; its matrices
+are covariances of covariances, a transform of ``1/lambda²``.
 
-A picture is no torus: what lies at its left border is no neighbour of what lies at its right one. There covariances are sums over the
-pairs inside, over their number (Guyon 1982), which takes away the error of the border that the plain periodogram has; the integral over the
-frequencies is over a torus as large as the picture.
+A picture is no torus: what lies at its left border is no neighbour of what lies at its right one. There covariances are sums over the pairs
+inside, over their number (Guyon 1982), without the plain periodogram's error at the border; frequencies are those of a torus as large as
+the picture.
 """
 
 from __future__ import annotations
@@ -46,11 +46,9 @@ class Covariances:
     values : ndarray, shape (2 reach + 1, ...)
         Covariance by distance (frames, rows, columns), the variance in the middle [u²].
     mean : float
-        [u].
-    shape : (int, int, int)
-        Shape of the field.
-    periodic : bool
-        Whether the field is a torus.
+        Mean of the field [u].
+    shape, periodic : (int, int, int), bool
+        Shape of the field, and whether it is a torus.
     """
 
     values: FloatArray
@@ -75,10 +73,7 @@ class Covariances:
         return float(self.values[t, y, x])
 
     def damped(self) -> Covariances:
-        """Return the covariances reduced at large, uncertain distances: the nearest ones that surely belong to a field.
-
-        Times a triangle along each axis, and a spectrum without negative values.
-        """
+        """Return the covariances times a triangle along each axis, with a spectrum without negative values: those of a field."""
         out = self.values.copy()
         for axis, reach in enumerate(self.reach):
             lags = np.abs(np.arange(-reach, reach + 1))

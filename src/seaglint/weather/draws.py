@@ -25,8 +25,8 @@ _FEW: Final = 10
 class SamplingPlan:
     """Number of points: ``scramblings`` times ``points``, the latter a power of two.
 
-    >>> Plan.of(100_000)
-    Plan(scramblings=25, points=4096)
+    >>> SamplingPlan.of(100_000)
+    SamplingPlan(scramblings=25, points=4096)
     """
 
     scramblings: int
@@ -82,7 +82,7 @@ def estimate(values: FloatArray, plan: SamplingPlan, *, weight: FloatArray | Non
 
     Examples
     --------
-    >>> plan = Plan(16, 64)
+    >>> plan = SamplingPlan(16, 64)
     >>> estimate(np.zeros(plan.total), plan)
     Estimate(value=0.0, low=0.0, high=0.0029296875)
     """

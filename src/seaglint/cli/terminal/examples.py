@@ -89,7 +89,7 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "weather": ("seaglint weather info north-atlantic",),
     "weather build": _SHIP,
     "weather info": ("seaglint weather info north-atlantic",),
-    "texture": _FIT,
+    "texture": (*_RUN, "seaglint texture fit example.zarr -o texture.json --region 160:256,160:352"),
     "texture fit": _FIT,
     "texture sample": (*_FIT, "seaglint texture sample model.json -o loop.zarr --size 256x256 --frames 32"),
     "texture compare": (*_FIT, "seaglint texture compare example.zarr model.json"),

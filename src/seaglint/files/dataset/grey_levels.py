@@ -43,7 +43,7 @@ class PictureLevels:
         In 16 bits levels are the counts themselves. In 8 bits the scene's least to greatest count fill the levels; steps are never finer
         than a count.
 
-        >>> Levels.of_counts(1000, 1100, 8, (2.0, 5.0)).radiance_offset
+        >>> PictureLevels.of_counts(1000, 1100, 8, (2.0, 5.0)).radiance_offset
         2005.0
         """
         scale, offset = (1.0, 0.0) if bits == 16 else (max((high - low) / 255.0, 1.0), float(low))

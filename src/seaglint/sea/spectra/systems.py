@@ -33,7 +33,7 @@ class CombinedSpectrum(DirectionalSpectrum):
     Examples
     --------
     >>> from seaglint.sea.spectra import ElfouhailySpectrum, JonswapSpectrum
-    >>> sea = WaveSystems((JonswapSpectrum(2.0, 12.0, 1.0), ElfouhailySpectrum(10.0)))
+    >>> sea = CombinedSpectrum((JonswapSpectrum(2.0, 12.0, 1.0), ElfouhailySpectrum(10.0)))
     >>> round(sea.significant_height(), 2), round((2.0**2 + ElfouhailySpectrum(10.0).significant_height()**2)**0.5, 2)
     (3.31, 3.31)
     """
