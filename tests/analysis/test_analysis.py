@@ -13,6 +13,7 @@ from scipy.stats import norm
 
 from seaglint.analysis import AnalysisOptions, analyze, run
 from seaglint.analysis.recording import Recording
+from seaglint.analysis.survey import survey
 from seaglint.base.errors import DataError, DomainError
 from seaglint.clutter.goodness import goodness
 from seaglint.files.recording import open_recording
@@ -424,3 +425,32 @@ def test_large_levels_of_few_values_are_not_given() -> None:
     assert fit["effective_count"] < 50
     assert fit["ks"] is not None
     assert fit["ks_p"] is None or fit["ks_p"] <= 0.05
+
+
+@quick
+def test_blocks_of_the_fits_are_five_correlation_lengths_a_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sides of the blocks that are drawn for the fits' intervals, beside the lengths that the result gives."""
+    from scipy.ndimage import gaussian_filter
+
+    from seaglint.analysis import region
+
+    sides: list[tuple[float, float]] = []
+    labels = region.block_labels
+    monkeypatch.setattr(region, "FAMILIES", ("gaussian",))
+    monkeypatch.setattr(region, "block_labels", lambda shape, given: sides.append(given) or labels(shape, given))
+    waves = gaussian_filter(np.random.default_rng(5).standard_normal((2, 48, 64)), (0.0, 0.7, 1.2)).astype(np.float32)
+    found = result(10.0 + waves, AnalysisOptions(mask=np.ones((48, 64), bool)))["regions"]
+    lengths = found["all"]["correlation_length_px"]
+    assert lengths["x"] > 1.3 * lengths["y"]
+    assert (5.0 * lengths["y"], 5.0 * lengths["x"]) in [pytest.approx(pair) for pair in sides]
+
+
+@quick
+@pytest.mark.parametrize("repeated", [(0,), (0, 4), (10,)])
+def test_each_repeated_frame_is_counted_once(repeated: tuple[int, ...]) -> None:
+    frames = SMALL.copy()
+    for k in repeated:
+        frames[k + 1] = frames[k]
+    assert any(
+        note.startswith(f"{len(repeated)} frames repeat the one before") for note in survey(recording(frames), lambda done: None).notes
+    )

@@ -147,3 +147,11 @@ def test_gamma_field_gives_back_what_it_was_made_of():
     assert found.shape == pytest.approx(1.0, rel=0.03)
     assert (space.length_x, space.length_y) == pytest.approx((np.sqrt(2) * sigma,) * 2, rel=0.03)
     assert time.time == pytest.approx(tau / 2.0, rel=0.03)
+
+
+def test_decay_within_the_first_lag():
+    """With a second value above the noise by the exponential through both, else along a straight line from 1."""
+    assert decay(np.exp(-np.arange(8) / 0.8)) == pytest.approx(0.8, rel=1e-6)
+    assert decay(np.array([1.0, 0.3, 0.01, 0.0])) == pytest.approx((1.0 - np.exp(-1.0)) / 0.7)
+    assert decay(np.array([1.0, 0.3])) == pytest.approx((1.0 - np.exp(-1.0)) / 0.7)
+    assert decay(np.array([1.0, 0.01, 0.2, 0.1])) == pytest.approx((1.0 - np.exp(-1.0)) / 0.99)

@@ -221,3 +221,35 @@ def test_frames_of_another_size_are_refused() -> None:
     alarms = count(np.zeros((1, 5, 5)))
     with pytest.raises(DataError, match="one size"):
         alarms.add(np.zeros((1, 5, 6)))
+
+
+def test_local_deviations_are_those_of_each_pixels_square() -> None:
+    """Mean and deviation of the valid pixels of the square written out, with missing pixels, a mask and the picture's corner."""
+    x = np.random.default_rng(31).standard_normal((2, 40, 50)).astype(np.float32)
+    x[0, 20:24, 10:30] = np.nan
+    mask = np.ones((40, 50), bool)
+    mask[:, 40:] = False
+    z = standardise(x, mask, scope="local", window=9)
+    assert np.isnan(z[:, ~mask]).all()
+    for row, column in ((0, 0), (19, 20), (25, 38), (39, 17)):
+        square = np.where(mask, x[0], np.nan)[max(row - 4, 0) : row + 5, max(column - 4, 0) : column + 5].astype(float)
+        expected = (x[0, row, column] - np.nanmean(square)) / np.nanstd(square)
+        assert z[0, row, column] == pytest.approx(expected, abs=1e-4)
+
+
+def test_local_deviations_need_16_pixels() -> None:
+    x = np.full((1, 60, 30), np.nan, np.float32)
+    values = np.random.default_rng(32).standard_normal(16)
+    x[0, 10:14, 10:14] = values.reshape(4, 4)
+    x[0, 40:44, 10:14] = values.reshape(4, 4)
+    x[0, 40, 10] = np.nan
+    z = standardise(x, scope="local", window=11)
+    assert np.isfinite(z[0, 10:14, 10:14]).all()
+    assert np.isnan(z[0, 30:]).all()
+
+
+def test_local_deviations_of_a_bright_frame_keep_their_digits() -> None:
+    """Steps of one on a level of 4 million, all that single precision holds."""
+    x = np.random.default_rng(33).integers(-3, 4, (1, 50, 50)).astype(np.float32)
+    level = np.float32(2.0**22)
+    assert standardise(x + level, scope="local", window=11) == pytest.approx(standardise(x, scope="local", window=11), abs=1e-4)

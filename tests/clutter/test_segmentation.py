@@ -177,3 +177,54 @@ def test_noise_has_no_border_to_speak_of():
     found = segment(noise(1))
     assert not found.found
     assert np.isnan(found.border_step)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1000.0])
+def test_a_gap_changes_nothing_beside_it(offset):
+    """A block without data at the corridor's flank, at any level of the picture: what is left is found as in the whole picture."""
+    picture = corridor(4) + offset
+    whole = segment(picture)
+    picture[80:110, 130:170] = np.nan
+    found = segment(picture)
+    assert found.found, found.reason
+    there = np.isfinite(picture)
+    assert np.sum(found.glint & whole.glint) / np.sum((found.glint | whole.glint) & there) > 0.9
+    assert found.separability == pytest.approx(whole.separability, abs=0.03)
+    assert found.contrast == pytest.approx(whole.contrast, rel=0.1)
+
+
+def in_noise(strength):
+    return strength * corridor(5) + 0.8 * noise(6, 1.0) + 0.4 * noise(7, 2.0)
+
+
+def as_wide_as(width):
+    glint = np.exp(-(((X - 128.0) / width) ** 2))
+    return 10.0 * glint + 0.3 * noise(1) * (1.0 + 2.0 * glint)
+
+
+@pytest.mark.parametrize(
+    ("picture", "ends", "says", "number", "limit"),
+    [
+        (in_noise, (0.09, 0.16), "no two classes", "separability", 0.69),
+        (in_noise, (0.2, 0.32), "standard deviations above the background", "contrast", 2.0),
+        (in_noise, (0.45, 0.6), "sharp border", "border_step", 0.44),
+        (in_noise, (0.6, 0.9), "at the border", "border_step", 0.38),
+        (as_wide_as, (120.0, 145.0), "contrast", "contrast", 3.0),
+        (as_wide_as, (70.0, 100.0), "texture", "texture_ratio", 1.6),
+        (as_wide_as, (150.0, 175.0), "background's texture", "texture_ratio", 1.2),
+    ],
+)
+def test_verdicts_change_at_the_limits_of_the_method(picture, ends, says, number, limit):
+    """Halving the way between two pictures of other verdicts, six times: there the number passes its limit."""
+
+    def said(of):
+        return says in of.reason + of.doubt
+
+    low, high = ends
+    first, last = segment(picture(low)), segment(picture(high))
+    assert said(first) is not said(last)
+    for _ in range(6):
+        middle = 0.5 * (low + high)
+        found = segment(picture(middle))
+        low, high, first, last = (middle, high, found, last) if said(found) is said(first) else (low, middle, first, found)
+    assert np.mean([getattr(first, number), getattr(last, number)]) == pytest.approx(limit, rel=0.02)

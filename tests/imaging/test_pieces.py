@@ -105,3 +105,18 @@ def test_slopes_of_pieces_are_those_of_single_reads():
     # positions are told in single precision: 3e-4 of a cell at the end of the longest strips
     np.testing.assert_allclose(made.slope[:count], expected, atol=4e-3)
     np.testing.assert_allclose(made.slope[:64], expected[:64], atol=3e-4)
+
+
+@pytest.mark.kernel
+def test_pieces_are_read_in_their_middle():
+    """Half way between both ends of each."""
+    rng = np.random.default_rng(9)
+    sea = surface.surface_of((rng.normal(size=(16, 16, 3)).astype(np.float32),), np.array([2.0]), np.array([0.3]))
+    line = surface.course(sea, 0, np.sin(0.4), np.cos(0.4))
+    near = 50.0 + np.cumsum(rng.uniform(0.5, 1.0, 20))
+    far = near + rng.uniform(0.1, 0.5, 20)
+    made = pieces.new_pieces(3)
+    made.sample[:20], made.extent[:20, 0] = np.arange(20), far - near
+    pieces.read_slopes(sea, line, far, made, 20, surface.new_strip())
+    assert made.arc[:20] == pytest.approx(0.5 * (near + far), rel=1e-12)
+    np.testing.assert_allclose(made.slope[:20], [surface.slopes(sea, line, r) for r in 0.5 * (near + far)], atol=4e-3)

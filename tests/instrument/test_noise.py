@@ -224,3 +224,59 @@ def test_lag_keeps_the_exponential_share() -> None:
 def test_impossible_detectors_are_refused(values) -> None:
     with pytest.raises(DomainError):
         camera(**values)
+
+
+def test_warm_optics_bring_the_electrons_of_a_blackbody_in_their_place() -> None:
+    """A blackbody at the optics' temperature that fills the field, and optics that emit what they do not transmit: a closed cavity."""
+    black = camera(dark_current=0.0)
+    optics = replace(black.optics, transmission=0.7, emissivity=0.3, temperature=300.0)
+    warm = camera(optics=optics, dark_current=1e6)
+    scene = float(black.photons.radiance(300.0))
+    line = warm.readout
+    assert line.dark == pytest.approx(1e6 * 2e-3)
+    assert line.units(scene) - line.dark == pytest.approx(black.readout.units(scene), rel=1e-12)
+    # A shield as wide as one at F/1.5 adds the housing: as many electrons as a faster lens would have brought.
+    wide, fast = camera(optics=replace(optics, shield_f_number=1.5)), camera(optics=replace(black.optics, aperture=0.1 / 1.5))
+    assert wide.readout.units(scene) == pytest.approx(fast.readout.units(scene), rel=1e-12)
+
+
+def test_figures_agree_with_each_other_and_with_the_line_to_counts() -> None:
+    model = camera(DetectorNoise(gain_spread=0.01, frame=30.0, one_over_f=20.0), read_noise=200.0, dark_current=1e6)
+    line, told = model.readout, figures(model, scene_radiance=2.0)
+    optics = model.optics
+    budget = told["noise_budget_electrons"]
+    assert told["nei_w_m2"] * optics.pupil_area * optics.transmission * told["point_share"] == pytest.approx(told["nep_w"])
+    # A power of one NEP on a pixel for an integration time is as many electrons as the noise has.
+    at_300 = figures(model)
+    noise = at_300["noise_budget_electrons"]["total_temporal"]
+    assert told["nep_w"] * model.photons.electrons_per_joule * model.detector.integration_time == pytest.approx(noise)
+    assert told["netd_k"] * told["sitf_counts_per_k"] * line.gain == pytest.approx(noise)
+    assert told["sitf_counts_per_k"] == pytest.approx(
+        float(np.diff(line.units(model.photons.radiance([299.5, 300.5])))[0]) / line.gain, rel=1e-4
+    )
+    assert float(line.units(told["saturation_radiance"])) == pytest.approx(line.full_scale)
+    assert float(model.photons.radiance(told["saturation_temperature_k"])) == pytest.approx(told["saturation_radiance"], rel=1e-4)
+    floor = figures(model, scene_radiance=0.0)["noise_budget_electrons"]["total_temporal"]
+    assert 10.0 ** (told["dynamic_range_db"] / 20.0) == pytest.approx((line.full_scale - line.background) / floor)
+    # Shot noise of all electrons, and the others by root of the sum of squares.
+    assert budget["scene"] ** 2 + budget["dark"] ** 2 + budget["optics"] ** 2 == pytest.approx(budget["signal"])
+    others = 200.0**2 + 30.0**2 + 20.0**2 + line.gain**2 / 12.0
+    assert budget["total_temporal"] ** 2 == pytest.approx(budget["signal"] + others)
+    assert budget["fixed_pattern"] == pytest.approx(0.01 * (budget["signal"] - line.dark))
+    parts = told["three_d_noise_electrons"]
+    assert parts["TVH"] ** 2 + parts["T"] ** 2 == pytest.approx(budget["total_temporal"] ** 2)
+    assert parts["VH"] == budget["fixed_pattern"]
+    f = np.array(told["mtf"]["frequency_cycles_per_mrad"])
+    assert f[-1] == pytest.approx(2.0 * told["mtf"]["nyquist_cycles_per_mrad"])
+    assert told["mtf"]["nyquist_cycles_per_mrad"] * told["ifov_mrad"] == pytest.approx(0.5)
+
+
+def test_corrected_patterns_vanish_where_they_were_corrected() -> None:
+    from seaglint.instrument.figures_of_merit import fixed_pattern
+
+    model = camera(DetectorNoise(gain_spread=0.01, offset_spread=50.0, curvature_spread=0.02, corrected_at=(2e5, 8e5)))
+    line = model.readout
+    radiance = [(electrons + line.dark - line.background) / line.per_radiance for electrons in (2e5, 5e5, 8e5)]
+    low, middle, high = (fixed_pattern(model, one) for one in radiance)
+    assert (low, high) == (pytest.approx(0.0, abs=1e-6), pytest.approx(0.0, abs=1e-6))
+    assert middle == pytest.approx(0.02 * 3e5**2 / line.full_scale)

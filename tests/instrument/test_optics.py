@@ -11,7 +11,7 @@ import pytest
 
 from seaglint.base.errors import DomainError
 from seaglint.instrument.chain import SensorModel
-from seaglint.instrument.detector import PhotonPixels, square_mtf
+from seaglint.instrument.detector import PhotonPixels, crosstalk_mtf, square_mtf
 from seaglint.instrument.figures_of_merit import mtf
 from seaglint.instrument.optics import Blur, SensorOptics, cone, distorted_places, jitter_mtf, motion_mtf, pupil_mtf, wavefront_mtf
 from seaglint.instrument.photons import Photons
@@ -130,3 +130,37 @@ def test_distortion_moves_corners_by_its_share() -> None:
 def test_impossible_optics_are_refused(values) -> None:
     with pytest.raises(DomainError, match="give"):
         SensorOptics(0.05, 0.2, **values)
+
+
+def test_crosstalk_is_the_transform_of_what_each_neighbour_gets():
+    """A quarter of the share to each of the four neighbours, the rest to the pixel itself."""
+    share, pitch = 0.2, 1.5e-4
+    x, y = np.random.default_rng(2).uniform(0.0, 1.0 / pitch, (2, 30))
+    places = np.array([(0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)]) * pitch
+    weights = np.array([1.0 - share, *[0.25 * share] * 4])
+    expected = np.exp(2j * np.pi * (np.outer(x, places[:, 0]) + np.outer(y, places[:, 1]))) @ weights
+    assert crosstalk_mtf(x, y, share, pitch) == pytest.approx(expected.real, abs=1e-12)
+    assert np.abs(expected.imag).max() < 1e-12
+
+
+def test_a_defocused_band_is_the_sum_over_its_wavelengths():
+    """The path error is one length at all of them: fewer waves at longer ones."""
+    optics = SensorOptics(0.05, 0.1, obscuration=0.3, defocus=0.35)
+    rng = np.random.default_rng(1)
+    wavelength, share = 1e-6 * rng.permutation(np.linspace(3.6, 4.8, 16)), rng.dirichlet(np.ones(16))
+    mean = float(wavelength @ share)
+    blur = Blur.of(optics, wavelength, share)
+    f = np.linspace(0.0, 0.6, 13) * optics.cutoff(3.6e-6)
+    expected = sum(s * pupil_mtf(f * w / 0.05, 0.3, 0.35 * mean / w) for w, s in zip(wavelength, share, strict=True))
+    parts = blur.parts(f)
+    assert parts["diffraction"] * parts["defocus"] == pytest.approx(expected, abs=2e-4)
+    assert blur.wavelength == pytest.approx(mean)
+    assert blur.table()[1][0] == pytest.approx(1.0, abs=5e-5)
+
+
+@pytest.mark.parametrize("law", ["sine", "thin-lens"])
+def test_a_cold_shield_too_wide_lets_in_the_housing_around_the_optics(law):
+    optics = SensorOptics(0.05, 0.1, shield_f_number=1.4, solid_angle_law=law)
+    assert optics.housing_solid_angle + cone(2.0, law) == pytest.approx(cone(1.4, law))
+    assert SensorOptics(0.05, 0.1, shield_f_number=2.0, solid_angle_law=law).housing_solid_angle == 0.0
+    assert SensorOptics(0.05, 0.1, shield_f_number=3.0, solid_angle_law=law).housing_solid_angle == 0.0

@@ -24,7 +24,7 @@ from seaglint.imaging.wave_surface import surface_of
 from seaglint.objects import primitives
 from seaglint.objects.body import Body, GasPlume, Placement, PointSource
 from seaglint.objects.drawing.compose import composed
-from seaglint.objects.drawing.draw import Drawer, DrawnBodies, Stage
+from seaglint.objects.drawing.draw import Drawer, DrawnBodies, Stage, solid_angle
 from seaglint.objects.drawing.sample_sums import COVER, SUN
 from seaglint.objects.drawing.truth import labels
 from seaglint.objects.solids import placed, solid
@@ -262,6 +262,18 @@ def test_a_plume_takes_its_share_of_what_is_behind():
     behind = draw(gas, body(primitives.sphere(1.0), (1.0, 950.0, 11.8)), at=at)
     alone = covered(draw(body(primitives.sphere(1.0), (1.0, 950.0, 11.8)), at=at), at)
     assert covered(behind, at, 1) == pytest.approx(alone * (1.0 - emissivity), rel=0.05)
+
+
+@pytest.mark.parametrize("semi_axes", [(3.0, 3.0, 3.0), (1.0, 6.0, 2.0)])
+def test_the_whole_of_a_plume_is_what_it_covers_and_of_a_solid_too(semi_axes):
+    """The solid angle that is told without looking at pixels, against the sum over the pixels of a picture that nothing hides."""
+    at = stage()
+    turned = Rotation.from_euler("zyx", [0.4, 0.2, 0.3]).as_matrix()
+    gas = Body("gas", (GasPlume((0.0, 0.0, 0.0), semi_axes, 600.0, 0.4),), Still((1.0, 900.0, 12.0), turned))
+    hull = body(primitives.ellipsoid(semi_axes), (1.0, 900.0, 12.0), turned)
+    for one in (gas, hull):
+        picture = draw(one, at=at)
+        assert solid_angle(picture.placed[0]) == pytest.approx(covered(picture, at), rel=3e-3)
 
 
 def test_a_point_sends_its_intensity_through_the_air():

@@ -109,3 +109,34 @@ def test_degrees_become_metres_of_the_geodesic():
     near = SEMI_MAJOR_AXIS * np.cos(start[0]) / np.sqrt(1.0 - FLATTENING * (2.0 - FLATTENING) * np.sin(start[0]) ** 2)
     assert east_north(start[0], start[1] + 1e-4, tuple(start))[0] == pytest.approx(near * 1e-4, rel=1e-7)
     assert east_north(*start, tuple(start)) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("degrees", [(-37.95103341666667, 144.42486788888888, -37.65282113888889, 143.92649552777778)])
+def test_the_survey_line_of_the_series_own_example(degrees):
+    """Flinders Peak to Buninyong, 54972.271 m at 306 deg 52' 05.37'' (Geoscience Australia's test line, GRS 80)."""
+    start, end = np.radians(degrees[:2]), np.radians(degrees[2:])
+    east, north = east_north(end[0], end[1], tuple(start))
+    assert np.hypot(east, north) == pytest.approx(54972.271, abs=1e-3)
+    assert np.degrees(np.arctan2(east, north)) % 360.0 == pytest.approx(306.0 + 52.0 / 60.0 + 5.37 / 3600.0, abs=1e-5)
+
+
+@pytest.mark.parametrize("end", [(60.0, 40.0), (-50.0, 30.0), (5.0, 140.0), (80.0, -100.0)])
+def test_long_geodesics_end_where_they_lead(end):
+    """The equations of a geodesic on the ellipsoid integrated over the length and first azimuth found, some thousand kilometres."""
+    from scipy.integrate import solve_ivp
+
+    square = FLATTENING * (2.0 - FLATTENING)
+    start, wanted = np.radians([20.0, -10.0]), np.radians(end)
+    east, north = east_north(wanted[0], wanted[1], tuple(start))
+
+    def along(_, state):
+        latitude, _, azimuth = state
+        w = np.sqrt(1.0 - square * np.sin(latitude) ** 2)
+        across, meridional = SEMI_MAJOR_AXIS / w, SEMI_MAJOR_AXIS * (1.0 - square) / w**3
+        turn = np.sin(azimuth) / across
+        return np.cos(azimuth) / meridional, turn / np.cos(latitude), turn * np.tan(latitude)
+
+    length = np.hypot(east, north)
+    found = solve_ivp(along, (0.0, length), [*start, np.arctan2(east, north)], "DOP853", rtol=1e-12, atol=1e-13).y[:2, -1]
+    miss = SEMI_MAJOR_AXIS * np.array([found[0] - wanted[0], (found[1] - wanted[1]) * np.cos(wanted[0])])
+    assert np.abs(miss).max() < 2e-3  # Vincenty: within 0.5 mm

@@ -12,7 +12,7 @@ from seaglint.objects import primitives
 from seaglint.objects.drawing.crests import calm, in_sight
 from seaglint.objects.drawing.eye import Grid, image_point, lens, project
 from seaglint.objects.drawing.parts import Mesh
-from seaglint.objects.drawing.raster import Faces, Samples, chord, meet, outline
+from seaglint.objects.drawing.raster import Faces, Samples, chord, lay_samples, meet, outline, sample_place
 from seaglint.objects.solids import solid
 
 pytestmark = pytest.mark.kernel
@@ -98,3 +98,22 @@ def test_a_calm_sea_hides_what_is_under_it_and_behind_its_horizon():
     assert not in_sight(sea, 0.0, 1000.0, -0.1, -0.02)
     assert in_sight(sea, 0.0, far, 30.0, sea.horizon[1] + 1e-9)
     assert not in_sight(sea, 0.0, far, 10.0, sea.horizon[1] - 1e-9)
+
+
+@pytest.mark.parametrize("projection", ["pinhole", "equal-angle"])
+def test_samples_lie_where_the_camera_images_them(projection):
+    """Directions of samples of coarse pixels back through the camera: to third order in the angle of a cell, 5e-6 pixels here."""
+    eye = lens(Imager(projection, 1.0, 0.8, 8, 8), Attitude(0.5, -0.1, 0.3))
+    axes = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))[0]
+    axes[2] = eye.turn @ np.array([0.0, 1.0, 0.0])  # a plane across about the middle of the picture
+    axes[0] -= (axes[0] @ axes[2]) * axes[2]
+    axes[0] /= np.linalg.norm(axes[0])
+    axes[1] = np.cross(axes[2], axes[0])
+    grid = Grid((1, 2), (6, 5), (8, 9), (8, 18), (48, 45))
+    found = lay_samples(grid, eye, axes)
+    for j, i in ((0, 0), (7, 40), (44, 47), (30, 3)):
+        direction = tuple(axes.T @ (found.x[j, i], found.y[j, i], 1.0))
+        down, right = sample_place(8 + i, 18 + j)[1], sample_place(8 + i, 18 + j)[0]
+        column, row, seen = image_point(eye, direction, 4.0)
+        assert seen
+        assert (column, row) == pytest.approx(((8 + i + right) / 8, (18 + j + down) / 9), abs=1.5e-5)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
+
 import numpy as np
 import pytest
 
@@ -131,3 +133,38 @@ def test_what_is_inside_and_where_the_water_cuts():
     _, half = waterline(solid(primitives.sphere(2.0), 280.0, 1.0), 1.0)
     np.testing.assert_allclose(half, np.sqrt(0.75 * 3.0), rtol=3e-3)
     assert waterline(hull, 5.0) is None
+
+
+def test_boxes_cross_where_they_overlap_in_part():
+    """Convex surfaces cross where they have a part in common, but not where one holds the other: by the volume of the intersection."""
+    rng, crossed = np.random.default_rng(4), []
+    for _ in range(30):
+        sides = rng.uniform(0.3, 1.6, (2, 3))
+        one, other = (solid(primitives.box(tuple(s)), 280.0, 1.0) for s in sides)
+        other = placed(other, tuple(rng.uniform(-1.2, 1.2, 3)), rotation(*rng.uniform(-3.0, 3.0, 3)))
+        common, least = common_volume(one, other), float(np.prod(sides, axis=1).min())
+        mesh = np.concatenate([one.vertices, other.vertices]), np.concatenate([one.triangles, other.triangles + len(one.vertices)])
+        crosses = 1e-6 < common < (1.0 - 1e-6) * least
+        with pytest.raises(DomainError, match="crosses itself") if crosses else nullcontext():
+            oriented(mesh)
+        crossed.append(crosses)
+    assert 8 < sum(crossed) < 25
+
+
+def test_boxes_that_touch_do_not_cross():
+    corners, triangles = primitives.box((1.0, 1.0, 1.0))
+    for shift in ((1.0, 0.3, 0.2), (1.0, 1.0, 0.4), (1.0, 0.0, 0.0)):
+        oriented((np.concatenate([corners, corners + shift]), np.concatenate([triangles, triangles + 8])))
+
+
+@pytest.mark.parametrize("level", [-0.7, -0.2, 0.0, 0.45])
+def test_sections_of_a_turned_box_by_counting(level):
+    """Centre and second moments of the places inside at that height, on a fine lattice."""
+    hull = placed(solid(primitives.box((3.0, 1.0, 2.0)), 280.0, 1.0), (0.4, -0.2, 0.1), rotation(0.3, 0.2, 0.5))
+    centre, half = waterline(hull, level)
+    axis = np.linspace(-2.5, 2.5, 1001)
+    x, y = np.meshgrid(axis, axis, indexing="ij")
+    places = np.stack([x - 0.4, y + 0.2, np.full_like(x, level - 0.1)], axis=-1) @ rotation(0.3, 0.2, 0.5)
+    there = (np.abs(places) <= (1.5, 0.5, 1.0)).all(axis=-1)
+    assert centre == pytest.approx([x[there].mean(), y[there].mean()], abs=5e-3)
+    assert half == pytest.approx(np.sqrt(3.0) * np.array([x[there].std(), y[there].std()]), rel=5e-3)

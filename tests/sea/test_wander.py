@@ -136,3 +136,31 @@ def test_versions_of_a_tile_share_its_displacement(wandering):
         assert field.wander[0] is wandering.wander[1]
     assert not np.array_equal(wandering.reseeded(5).wander[0].phase, wandering.wander[0].phase)
     assert wandering.reseeded(0).wander[0].phase.tobytes() == wandering.wander[0].phase.tobytes()
+
+
+def test_gradients_are_2_5_per_cent_in_each_part_and_those_of_the_displacement():
+    """Root mean square over all places: half the sum of squares of sines of other waves."""
+    tile = Tile(400.0, 128, 0.0, 0.1, 0.4)
+    wander = Wander.of(tile, 3, 1)
+    parts = wander.amplitude[:, :, None] * wander.wave_vector[:, None, :]
+    assert np.sqrt(0.5 * (parts**2).sum(axis=0)) == pytest.approx(np.full((2, 2), 0.025), rel=0.03)
+    periods = 2.0 * np.pi / np.hypot(*wander.wave_vector.T) / tile.length
+    assert 3.0 < periods.min() < periods.max() < 14.0
+    turned = Wander.of(Tile(400.0, 128, 0.7, 0.1, 0.4), 3, 1)
+    step = 1e-3
+    slopes = [
+        [(a - b) / (2.0 * step) for a, b in zip(turned(*plus), turned(*minus), strict=True)]
+        for plus, minus in (((100.0 + step, 50.0), (100.0 - step, 50.0)), ((100.0, 50.0 + step), (100.0, 50.0 - step)))
+    ]
+    assert turned.gradient(100.0, 50.0) == pytest.approx(np.array(slopes).T, abs=1e-8)
+
+
+def test_the_displacement_of_a_turned_tile_is_turned():
+    """A tile turned by an angle: the displacement at places turned with it is that of the tile at rest, turned."""
+    angle = 0.7
+    rest, turned = (Wander.of(Tile(400.0, 128, rotation, 0.1, 0.4), 3, 1) for rotation in (0.0, angle))
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = np.random.default_rng(1).uniform(-500.0, 500.0, (2, 20))
+    east, north = rest(x, y)
+    found = turned(c * x - s * y, s * x + c * y)
+    assert np.array(found) == pytest.approx(np.array([c * east - s * north, s * east + c * north]), abs=1e-9)

@@ -18,6 +18,7 @@ from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.random import stream
 from seaglint.detection.background import Background, Windows, count_false_alarms
+from seaglint.detection.counting import Counting
 from seaglint.detection.design import WhiteFrames, as_threshold, contrast_for, gaussian_threshold, loss_db
 from seaglint.detection.fine_spot import FineSpot
 from seaglint.detection.level import Rescaled, level_shift
@@ -310,6 +311,21 @@ def test_the_level_of_a_recording_is_in_a_fixed_threshold() -> None:
     turned = Rescaled(source, -1.0)
     assert turned.saturation is None
     np.testing.assert_array_equal(turned.read(0, 2), -frames)
+
+
+def test_a_rescaled_source_counts_the_same_electrons() -> None:
+    """Light of one unit of the source is ``factor`` units of the rescaled one: its electrons and its steps of the converter stay."""
+    frames = np.random.default_rng(1).normal(0.0, 1.0, (2, 32, 32)).astype(np.float32)
+    source = SimpleNamespace(
+        frames=2, rows=32, columns=32, saturation=8.0, counting=Counting(50.0, 0.5), read=lambda start, stop: frames[start:stop].copy()
+    )
+    doubled = Rescaled(source, 2.0, 3.0)
+    assert doubled.saturation == 19.0
+    assert doubled.counting == Counting(25.0, 1.0)
+    np.testing.assert_allclose(doubled.read(0, 2), 2.0 * frames + 3.0, rtol=1e-6)
+    assert Rescaled(source, -2.0).counting == Counting(None, 1.0)
+    assert Rescaled(SimpleNamespace(saturation=None), 2.0, 3.0).saturation is None
+    assert Rescaled(SimpleNamespace()).counting is None
 
 
 def test_a_rate_of_few_pixels_is_told_and_not_believed() -> None:

@@ -10,10 +10,11 @@ from seaglint.base.errors import DataError, DomainError
 from seaglint.texture.autobinomial import Autobinomial
 from seaglint.texture.autobinomial_fit import fit
 from seaglint.texture.autobinomial_sampler import exchange, sample
+from seaglint.texture.monte_carlo import inside_products
 from seaglint.texture.neighbourhood import classes
 from seaglint.texture.pseudo_likelihood import conditional_log_likelihood
 from seaglint.texture.quantisation import GreyLevels
-from seaglint.texture.regime import mean_field, regime
+from seaglint.texture.regime import correlations, mean_field, regime
 
 KNOWN = Autobinomial.of(8, 2, -1.4, (0.09, 0.05, -0.02, 0.03), isotropic=False)
 
@@ -266,3 +267,56 @@ def test_intervals_of_95_percent_hold_90_to_99_of_100_times(model: Autobinomial,
         assert (distance < 4.0).all()  # once in 5000 parameters by chance
     assert (held >= 90).all(), held
     assert (held <= 99).all(), held
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "own", "name"),
+    [
+        (7.8, 8.2, 8.0, "usable"),
+        (7.64, 8.36, 8.0, "usable"),  # 4.8 % of the largest level apart
+        (7.61, 8.39, 8.0, "frozen"),  # 5.2 %
+        (8.0, 8.0, 10.1, "usable"),  # 14 % of the largest level from the picture's mean
+        (8.0, 8.0, 10.4, "frozen"),  # 16 %
+        (8.0, 8.0, 5.6, "frozen"),
+    ],
+)
+def test_samples_that_remember_or_drift_are_frozen(monkeypatch: pytest.MonkeyPatch, low: float, high: float, own: float, name: str) -> None:
+    picture = np.random.default_rng(1).normal(8.0, 2.0, (100, 100))
+    picture += 8.0 - picture.mean()
+    made = iter([picture + (low - 8.0), picture + (high - 8.0), picture + (own - 8.0)])
+    monkeypatch.setattr("seaglint.texture.regime.sampler.sample", lambda *given, **more: next(made))
+    model = Autobinomial.of(16, 1, 0.0, (0.0,))
+    found = regime(picture, model, seed=1)  # type: ignore[arg-type]
+    assert found.name == name
+    assert found.memory == pytest.approx((high - low) / 15.0)
+    assert found.sample_mean - found.data_mean == pytest.approx(own - 8.0)
+
+
+@pytest.mark.parametrize(("gain", "name"), [(0.68, "molten"), (0.72, "usable"), (1.40, "usable"), (1.45, "molten"), (2.5, "frozen")])
+def test_samples_of_another_contrast_are_molten_or_in_domains(monkeypatch: pytest.MonkeyPatch, gain: float, name: str) -> None:
+    """Ratios of standard deviations beyond 0.7 and its inverse; beyond twice that of pixels without neighbours, here 1.94, frozen."""
+    picture = np.random.default_rng(1).normal(7.5, 1.7, (100, 100))
+    picture += 7.5 - picture.mean()
+    spread = 1.7 / picture.std()
+    picture = 7.5 + spread * (picture - 7.5)
+    monkeypatch.setattr("seaglint.texture.regime.sampler.sample", lambda *given, **more: 7.5 + gain * (picture - 7.5))
+    found = regime(picture, Autobinomial.of(16, 1, 0.0, (0.0,)), seed=1)  # type: ignore[arg-type]
+    assert found.name == name
+    assert found.sample_std / found.data_std == pytest.approx(gain)
+
+
+def test_correlations_are_those_of_the_pairs() -> None:
+    """A plane wave: the correlation of pixels d apart is cos(k.d); each class takes the mean over its pairs."""
+    y, x = np.mgrid[:120, :120]
+    wave = np.cos(2.0 * np.pi * (x / 10.0 + y / 15.0))
+    expected = [0.5 * (np.cos(0.2 * np.pi) + np.cos(2.0 * np.pi / 15.0)), np.cos(2.0 * np.pi * (1.0 / 10.0 + 1.0 / 15.0))]
+    found = correlations(wave, (((0, 1), (1, 0)), ((1, 1),)))  # type: ignore[arg-type]
+    assert found == pytest.approx(expected, abs=0.01)
+    assert correlations(np.ones((9, 9)), (((0, 1),),)).tolist() == [0.0]  # type: ignore[arg-type]
+
+
+def test_inside_products_are_those_of_a_torus_without_its_seams(texture: np.ndarray) -> None:
+    """A large texture: the mean product of pairs inside it is that of all pairs of the torus, within the few that cross the edges."""
+    levels = texture.astype(np.int64)
+    expected = [sum(float(np.mean(levels * np.roll(levels, (-dy, -dx), (0, 1)))) for dy, dx in one) for one in KNOWN.neighbours]
+    assert inside_products(texture, KNOWN.neighbours) == pytest.approx(expected, rel=5e-3)

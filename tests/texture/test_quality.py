@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from seaglint.base.errors import DataError
 from seaglint.texture.gauss_markov import GaussMarkov
@@ -78,3 +79,55 @@ def test_spectra_of_another_slope_are_told() -> None:
     smooth = GaussMarkov(((0, 0, 1), (0, 1, 0)), (0.24, 0.24), 1.0)
     one, other = (GaussianTexture(field, Marginal()).sample((1, 64, 64), 1) for field in (FIELD_OF_NOISE, smooth))
     assert any("spectra differ" in sentence for sentence in compare(one, other).as_dict()["fails"])
+
+
+def test_cooccurrence_pair_by_pair() -> None:
+    """Features from the levels of every pair, both ways, without a matrix."""
+    picture = frames(3)[:2, :40, :30].astype(float)
+    low, high = np.quantile(picture, [0.001, 0.999])
+    grey = np.minimum(np.maximum(np.floor((picture - low) / (high - low) * 16), 0), 15)
+    expected = dict.fromkeys(("contrast", "homogeneity", "energy", "entropy", "correlation"), 0.0)
+    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        moved = np.roll(grey, (-down, -right), axis=(1, 2))
+        inside = (slice(None), slice(0, 40 - down), slice(1, None) if right < 0 else slice(0, 30 - right))
+        a, b = grey[inside].ravel(), moved[inside].ravel()
+        first, second = np.concatenate([a, b]), np.concatenate([b, a])
+        shares = np.unique(np.stack([first, second]), axis=1, return_counts=True)[1] / first.size
+        expected["contrast"] += np.mean((a - b) ** 2) / 4.0
+        expected["homogeneity"] += np.mean(1.0 / (1.0 + (a - b) ** 2)) / 4.0
+        expected["energy"] += np.sum(shares**2) / 4.0
+        expected["entropy"] -= np.sum(shares * np.log(shares)) / 4.0
+        expected["correlation"] += np.corrcoef(first, second)[0, 1] / 4.0
+    assert cooccurrence(picture, (low, high)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_values_are_compared_as_scipy_does() -> None:
+    one, other = frames(4)[:1], 1.3 * frames(5)[:1] + 0.4
+    found = compare(one, other).as_dict()["marginal"]
+    a, b = one.ravel().astype(float), other.ravel().astype(float)
+    assert found["ks"] == pytest.approx(stats.ks_2samp(a, b).statistic)
+    assert found["wasserstein_std"] == pytest.approx(stats.wasserstein_distance(a, b) / a.std(), rel=0.01)
+    for name, v in (("first", a), ("second", b)):
+        told = [found[name][key] for key in ("mean", "std", "skewness", "excess_kurtosis")]
+        assert told == pytest.approx([v.mean(), v.std(), stats.skew(v), stats.kurtosis(v)], rel=1e-4)
+
+
+def test_units_do_not_count_where_likeness_is_in_standard_deviations() -> None:
+    one = frames(6)
+    found = compare(one, 3.0 * one + 7.0).as_dict()
+    assert found["spectrum_distance_db"] == pytest.approx(0.0, abs=1e-3)
+    assert found["correlation_distance"] == pytest.approx(0.0, abs=1e-5)
+    assert found["time_correlation_distance"] == pytest.approx(0.0, abs=1e-5)
+    assert [entry["second_over_first"] for entry in found["filtered_rates"]] == pytest.approx([1.0, 1.0], rel=0.01)
+
+
+def test_a_spectrum_of_known_gain_is_that_many_decibels_away() -> None:
+    """White noise and its sums over two neighbours: 10 log10 of 2 cos^2(k/2) in standard deviations, rms over frequencies."""
+    noise = np.random.default_rng(7).normal(size=(12, 192, 193))
+    k = 2.0 * np.pi * np.fft.fftfreq(64)
+    ratio = np.maximum(np.cos(0.5 * k) ** 2 * 2.0, 1e-3)
+    expected = np.sqrt(np.mean((10.0 * np.log10(ratio)) ** 2))
+    found = compare(noise[..., 1:], noise[..., 1:] + noise[..., :-1]).as_dict()
+    # Windows of the periodogram fill the zero at the highest frequency.
+    assert found["spectrum_distance_db"] == pytest.approx(expected, rel=0.15)
+    assert found["correlation_distance"] == pytest.approx(0.5 / np.sqrt(2.0 * 13.0), abs=0.01)  # 1/2 at one of 13 distances of one axis

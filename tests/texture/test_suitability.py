@@ -10,7 +10,7 @@ import pytest
 from seaglint.base.errors import DataError
 from seaglint.texture.gauss_markov import GaussMarkov
 from seaglint.texture.marginals import Marginal
-from seaglint.texture.suitability import REFUSED, PixelRegion, examine, parse_region, require_stationary, require_values
+from seaglint.texture.suitability import REFUSED, Changes, PixelRegion, examine, parse_region, require_stationary, require_values
 from seaglint.texture.synthesis import latent
 
 NOISE = np.random.default_rng(3).normal(size=(1, 96, 96)).astype(np.float32)
@@ -100,3 +100,44 @@ def test_the_part_is_named_in_rows_and_columns_of_the_picture() -> None:
     region = parse_region(re.search(r"--region (\S+),", str(told.value))[1], 196, 296)
     assert region.top >= 100
     assert 200 <= region.left < region.right <= 260
+
+
+@pytest.mark.parametrize(
+    ("mean", "spread", "verdict"),
+    [
+        (0.098, 1.38, "passes"),
+        (0.102, 1.0, "told"),
+        (0.0, 1.42, "told"),
+        (0.49, 1.0, "told"),
+        (0.0, 1.97, "told"),
+        (0.51, 1.0, "refused"),
+        (0.0, 2.03, "refused"),
+    ],
+)
+def test_small_changes_are_told_and_gross_ones_refused(monkeypatch: pytest.MonkeyPatch, mean: float, spread: float, verdict: str) -> None:
+    monkeypatch.setattr("seaglint.texture.suitability.examine", lambda frames: Changes(mean, spread))
+    if verdict == "refused":
+        with pytest.raises(DataError, match="not stationary"):
+            require_stationary(NOISE)
+    else:
+        notes = require_stationary(NOISE)
+        assert len(notes) == (verdict == "told")
+        assert all(("mean changes" in note) is (mean > 0.1) and ("variance differs" in note) is (spread > 1.4) for note in notes)
+
+
+def test_chance_alone_shows_in_one_picture_of_twenty() -> None:
+    """White noise: upper 95 % of both measures; of 200 pictures 10 are expected, standard error 3."""
+    found = [examine(picture) for picture in np.random.default_rng(9).normal(size=(200, 1, 48, 48))]
+    assert 2 <= sum(changes.mean > 0.0 for changes in found) <= 20
+    assert 2 <= sum(changes.spread > 1.0 for changes in found) <= 20
+
+
+def test_the_share_of_a_slope_is_its_share_of_the_variance() -> None:
+    ramp = np.sqrt(12.0 * 0.6) * np.linspace(-0.5, 0.5, 64)[:, None] + np.zeros(64)
+    noise = np.random.default_rng(10).normal(size=(64, 64))
+    # What chance does is taken off, 14 * 1.7 independent values' worth of 4096; the surface holds 14 of them.
+    assert examine((ramp + noise)[None]).mean == pytest.approx(0.6 / 1.6, abs=0.02)
+
+
+def test_a_constant_picture_does_not_change() -> None:
+    assert examine(np.full((1, 40, 40), 3.0)) == Changes(0.0, 1.0)

@@ -85,6 +85,8 @@ def test_places_of_a_region_are_even_by_area_and_cross_the_date_line():
     latitude, longitude = GeographicRegion(0.0, 90.0, 170.0, -170.0).draw(u, u)
     assert np.mean(latitude < 30.0) == pytest.approx(0.5, abs=1e-3)  # half of a hemisphere lies below 30 deg
     assert np.all((longitude >= 170.0) | (longitude <= -170.0))
+    assert -180.0 <= longitude.min() < longitude.max() < 180.0
+    assert np.mean(longitude > 0.0) == pytest.approx(0.5, abs=1e-3)
 
 
 def test_rows_places_bring_their_month_and_hour():
@@ -139,3 +141,27 @@ def test_strata_add_up_to_the_whole():
     assert sum(s.share * s.value for s in found) == pytest.approx(values.mean())
     assert sum(s.contribution for s in found) == pytest.approx(1.0)
     assert all(s.interval_low <= 0.3 <= s.interval_high for s in found)
+
+
+def test_hours_of_rows_stand_for_the_hours_around_them():
+    """Rows of four hours: each for three hours before and after, around midnight too, evenly."""
+    count = 4000
+    table = WeatherTable(
+        {
+            "wind_speed_m_s": np.array([3.0, 8.0, 5.0, 6.0]),
+            "cloud_cover": np.zeros(4),
+            "month": np.full(4, 3.0),
+            "hour_utc": np.array([0.0, 6.0, 12.0, 18.0]),
+            "latitude_deg": np.full(4, 10.0),
+            "longitude_deg": np.zeros(4),
+        }
+    )
+    rng = np.random.default_rng(3)
+    u = {name: rng.random(count) for name in ("row", "cover", "day", "hour", "across", "along")}
+    found = conditions(table, u, Times(2025), None)
+    assert np.array_equal(months_of(found.time), np.full(count, 3))
+    for row, hour in enumerate(table["hour_utc"]):
+        away = (found.time[found.rows == row] % 86_400.0 / 3600.0 - hour + 12.0) % 24.0 - 12.0
+        assert np.quantile(away, [0.0, 0.25, 0.5, 0.75, 1.0]) == pytest.approx([-3.0, -1.5, 0.0, 1.5, 3.0], abs=0.3)
+    days = np.unique(found.time // 86_400.0)
+    assert days.size == 31

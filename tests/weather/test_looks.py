@@ -7,6 +7,7 @@ import pytest
 
 from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.table.table_file import BandTable
+from seaglint.base.conventions import horizon_depression, view_zenith
 from seaglint.facet.legs import NESTED
 from seaglint.facet.sea_view import SeaView
 from seaglint.optics.band import Band
@@ -17,7 +18,15 @@ from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic, cox_munk_gram_cha
 from seaglint.weather.draws import SamplingPlan
 from seaglint.weather.looks import Search, looks
 from seaglint.weather.measures import DetectionCurve, detected, deviation, exceeded_by, passes
-from seaglint.weather.mirrored_sunlight import mirrored_light
+from seaglint.weather.mirrored_sunlight import (
+    between_kernel,
+    elevation_kernel,
+    height_coordinate,
+    mirrored_light,
+    place_even,
+    place_in_pieces,
+    view_elevations,
+)
 from seaglint.weather.seas import seas
 
 BAND = (3.5, 5.0)
@@ -185,3 +194,66 @@ def test_even_points_beat_random_ones(light, sea):
         return (looks(rows, light, sea["gaussian"]).radiance > 0.25).reshape(64, -1).mean(axis=1)
 
     assert np.var(means(True), ddof=1) > 5.0 * np.var(means(False), ddof=1)
+
+
+@pytest.mark.parametrize("power", [0, 1, 2, 3])
+def test_cubics_through_four_nodes_are_exact_for_cubics(power):
+    nodes = np.array([0.0, 0.4, 1.0, 1.3, 2.0, 2.1, 3.0, 3.7, 4.0])
+    pieces = np.array([0.0, 4.0, 8.0])
+    weights = np.empty(4)
+    for x in np.linspace(0.0, 4.0, 41):
+        start = place_in_pieces(x, nodes, pieces, weights)
+        assert weights @ nodes[start : start + 4] ** power == pytest.approx(x**power, abs=1e-12)
+        assert start + 3 <= 4 if x <= 2.0 else start >= 4  # never across the kink
+        nearest = np.sort(np.argsort(np.abs(nodes[:5] - x))[:2]) if x <= 2.0 else nodes.searchsorted(x) - np.array([1, 0])
+        assert set(nearest) <= set(range(start, start + 4))
+    for x in np.linspace(0.0, 1.0, 23):
+        start = place_even(x, 8, weights)
+        assert weights @ (np.arange(start, start + 4) / 7.0) ** power == pytest.approx(x**power, abs=1e-12)
+        assert start <= 7.0 * x <= start + 3
+    assert place_in_pieces(9.0, nodes, pieces, weights) == 5  # beyond the nodes the last one counts
+    assert weights == pytest.approx([0.0, 0.0, 0.0, 1.0], abs=1e-12)
+
+
+def test_places_between_nodes_are_those_of_linear_interpolation():
+    nodes = np.array([0.0, 0.5, 2.0, 2.5])
+    x = np.array([-1.0, 0.0, 0.2, 0.5, 1.7, 2.4, 2.5, 9.0])
+    assert [between_kernel(one, nodes) for one in x] == pytest.approx(np.interp(x, nodes, np.arange(4.0)), abs=1e-12)
+
+
+def test_layers_of_air_begin_at_whole_coordinates_of_height():
+    coordinate = height_coordinate([1e3, 2e3, 3e3, 7e3])
+    assert coordinate == pytest.approx([0.0, 1.0, 2.0, 6.0], abs=1e-12)
+    assert height_coordinate([1e3 / np.e, 1e3 / np.e**2]) == pytest.approx([-1.0, -2.0])
+    # Within a layer the square of the coordinate grows evenly.
+    assert (height_coordinate([3100.0, 3500.0, 3900.0]) - 2.0) ** 2 == pytest.approx([0.1, 0.5, 0.9])
+
+
+def test_elevations_of_looks_are_those_of_a_round_sea():
+    for height, depression in ((30.0, 0.02), (3000.0, 0.04), (3000.0, 1.2)):
+        assert elevation_kernel(height, depression) == pytest.approx(0.5 * np.pi - float(view_zenith(height, depression)), abs=1e-9)
+    assert elevation_kernel(3000.0, 0.9 * horizon_depression(3000.0)) < 0.0
+    shares = np.linspace(0.0, 1.0, 5)
+    ends = view_elevations(500.0, (0.03, 0.3), shares)
+    assert ends[[0, -1]] == pytest.approx([elevation_kernel(500.0, 0.03), elevation_kernel(500.0, 0.3)], rel=1e-9)
+    stretched = np.arcsinh(ends / horizon_depression(500.0))
+    assert np.diff(stretched) == pytest.approx(np.full(4, stretched[-1] - stretched[0]) / 4.0)
+
+
+def test_looks_from_many_heights_equal_the_model(sea):
+    """Air of one wind, so that few tables are made: heights of two layers of air and the ground's."""
+    still = TableAtmosphere.load("midlatitude-summer", 5.0, BAND)
+    water, band = hale_querry_sea(), Band.rectangular(*BAND)
+    table = mirrored_light(lambda model, wind: still, ["any"], None, (300.0, 2600.0), DEPRESSION, band, water)
+    rows = drawn(40, 15, (300.0, 2600.0), suns=(40.0, 80.0), beside=10.0)
+    found = looks(rows, table, sea["gaussian"]).radiance
+    exact = np.empty(40)
+    for n, row in enumerate(rows):
+        view = SeaView(
+            still, band, water, cox_munk_anisotropic(row[1], row[2]), 288.15, row[3], row[4], row[5], sun_distance_factor=row[6],
+            scattering=False, background="blackbody",
+        )  # fmt: skip
+        exact[n] = mean_radiance(view, [-row[8]], [row[7]]).sun[0, 0]
+    bright = exact > 1e-4
+    assert bright.sum() > 10
+    assert np.quantile(np.abs(found[bright] / exact[bright] - 1.0), 0.95) < STATED
