@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
@@ -141,27 +141,9 @@ def _with_noise(model: SensorModel, scenario: Scenario) -> SensorModel:
     if wanted.corrected_at_k is not None:
         first, second = (float(line.units(model.photons.radiance(t))) - line.dark for t in wanted.corrected_at_k)
         corrected = (first, second)
-    noise = DetectorNoise(
-        temporal=wanted.temporal,
-        fixed_pattern=wanted.fixed_pattern,
-        one_over_f=wanted.one_over_f,
-        frame=wanted.frame,
-        row=wanted.row,
-        column=wanted.column,
-        row_temporal=wanted.row_temporal,
-        column_temporal=wanted.column_temporal,
-        gain_spread=wanted.gain_spread,
-        offset_spread=wanted.offset_spread,
-        curvature_spread=wanted.curvature_spread,
-        corrected_at=corrected,
-        drift=wanted.drift_per_hour,
-        dead_share=wanted.dead_share,
-        hot_share=wanted.hot_share,
-        blinking_share=wanted.blinking_share,
-        hot_signal=wanted.hot_signal,
-        blinking_signal=wanted.blinking_signal,
-        blinking_time=wanted.blinking_time_s,
-    )
+    # terms whose values go over as they are bear one name in the scenario and in the detector
+    shared = {one.name: getattr(wanted, one.name) for one in fields(DetectorNoise) if one.name in type(wanted).model_fields}
+    noise = DetectorNoise(**shared, corrected_at=corrected, drift=wanted.drift_per_hour, blinking_time=wanted.blinking_time_s)
     return replace(model, noise=noise)
 
 
