@@ -17,7 +17,7 @@ from seaglint.base.schema import VARIABLES
 from seaglint.files.export import tiff
 from seaglint.files.export.encoding import Counts
 from seaglint.files.export.stack import select
-from seaglint.files.export.write_stack import write_stack
+from seaglint.files.export.stack_writing import write_stack
 from seaglint.files.recording import open_recording
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.store import open_sequence, write_sequence
@@ -354,7 +354,7 @@ FULL = """
 import resource, signal, sys, numpy as np, xarray as xr
 from seaglint.base.errors import StorageError
 from seaglint.files.export.stack import select
-from seaglint.files.export.write_stack import write_stack
+from seaglint.files.export.stack_writing import write_stack
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))
 noise = np.random.default_rng(1).random((40, 64, 64), np.float32)

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.pose import Pose
@@ -15,6 +16,7 @@ from seaglint.imaging.camera.view import Imager
 from seaglint.imaging.detail_levels import Levels
 from seaglint.imaging.layers import Layers
 from seaglint.imaging.wave_surface import Surface
+from seaglint.sea.field import WaveField
 
 
 class Instant(NamedTuple):
@@ -44,6 +46,11 @@ class Scene(Protocol):
         ...
 
     @property
+    def waves(self) -> WaveField | None:
+        """Part of the slopes that is geometry; None where no waves are resolved."""
+        ...
+
+    @property
     def report(self) -> Mapping[str, Any]:
         """Settings chosen during preparation, for the provenance."""
         ...
@@ -67,6 +74,14 @@ class Scene(Protocol):
 
     def drawn(self, pose: Pose, time: float, sea: Instant | None = None) -> Layers:
         """Image of the scene; see :func:`image`."""
+        ...
+
+    def columns(self, pose: Pose, time: float, part: tuple[int, int], sea: Instant | None = None) -> Layers:
+        """Image of the columns ``part = (first, end)`` alone."""
+        ...
+
+    def directions(self, pose: Pose) -> tuple[FloatArray, FloatArray]:
+        """Azimuth and elevation of pixel centres [rad]: of columns and rows of an upright camera, else of all pixels."""
         ...
 
 

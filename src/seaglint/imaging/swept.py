@@ -213,7 +213,11 @@ class SweptScene:
         camera = self.camera
         return Imager("equal-angle", camera.width, camera.height_angle, camera.columns, camera.rows)
 
-    def seen_from(self, _: Pose) -> SeaView:
+    def directions(self, pose: Pose) -> tuple[FloatArray, FloatArray]:
+        """Azimuths of the columns and elevations of the rows [rad]."""
+        return self.camera.azimuths, self.camera.elevations
+
+    def seen_from(self, pose: Pose) -> SeaView:
         """View of sea, air and Sun."""
         return self.view
 

@@ -367,6 +367,10 @@ class TurnedScene:
         """Pixels of the camera."""
         return self.imager
 
+    def directions(self, pose: Pose) -> tuple[FloatArray, FloatArray]:
+        """Azimuth and elevation of all pixel centres [rad, (rows, columns)]."""
+        return self.imager.centres(pose.attitude)
+
     def seen_from(self, pose: Pose) -> SeaView:
         """View of sea, air and Sun from a pose's height."""
         return self._prepared(pose.height).view

@@ -12,7 +12,7 @@ from seaglint.files.export import endings
 from seaglint.files.export.encoding import Kind as NumberKind
 from seaglint.files.export.encoding import check_limits
 from seaglint.files.export.stack import Exported, Stack, select
-from seaglint.files.export.write_stack import write_stack
+from seaglint.files.export.stack_writing import write_stack
 from seaglint.files.outputs import refuse_existing
 from seaglint.plot import video
 from seaglint.plot.scale import Kind as ScaleKind
@@ -47,7 +47,8 @@ def export_run(
     variable, frames
         As in :func:`seaglint.files.export.stack.select`.
     dtype, limits
-        As in :func:`seaglint.files.export.write_stack.write_stack`; ``limits`` are also the ends of a video's scale, which is then linear.
+        As for :func:`seaglint.files.export.stack_writing.write_stack`;
+        ``limits`` are also the ends of a video's scale, which is then linear.
     colours, rate, scale
         As in :func:`seaglint.plot.video.write_video`.
     overwrite : bool

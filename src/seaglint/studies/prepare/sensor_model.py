@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
@@ -141,27 +141,9 @@ def _with_noise(model: SensorModel, scenario: Scenario) -> SensorModel:
     if settings.corrected_at_k is not None:
         first, second = (float(line.units(model.photons.radiance(t))) - line.dark for t in settings.corrected_at_k)
         corrected = (first, second)
-    noise = DetectorNoise(
-        temporal=settings.temporal,
-        fixed_pattern=settings.fixed_pattern,
-        one_over_f=settings.one_over_f,
-        frame=settings.frame,
-        row=settings.row,
-        column=settings.column,
-        row_temporal=settings.row_temporal,
-        column_temporal=settings.column_temporal,
-        gain_spread=settings.gain_spread,
-        offset_spread=settings.offset_spread,
-        curvature_spread=settings.curvature_spread,
-        corrected_at=corrected,
-        drift=settings.drift_per_hour,
-        dead_share=settings.dead_share,
-        hot_share=settings.hot_share,
-        blinking_share=settings.blinking_share,
-        hot_signal=settings.hot_signal,
-        blinking_signal=settings.blinking_signal,
-        blinking_time=settings.blinking_time_s,
-    )
+    # terms whose values go over as they are bear one name in the scenario and in the detector
+    shared = {one.name: getattr(settings, one.name) for one in fields(DetectorNoise) if one.name in type(settings).model_fields}
+    noise = DetectorNoise(**shared, corrected_at=corrected, drift=settings.drift_per_hour, blinking_time=settings.blinking_time_s)
     return replace(model, noise=noise)
 
 

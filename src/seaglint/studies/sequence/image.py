@@ -14,7 +14,7 @@ from seaglint.files.netcdf import plain_attributes
 from seaglint.files.provenance import band_attributes
 from seaglint.imaging.layers import require_layers
 from seaglint.scenario.model import Scenario
-from seaglint.studies.sequence.render_sequence import directions, poses, prepare_sequence
+from seaglint.studies.sequence.render_sequence import poses, prepare_sequence
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,7 +58,7 @@ def image(scenario: Scenario, time: float = 0.0, layers: Collection[str] = ()) -
     settings = scenario.render.model_copy(update={"layers": requested, "apparent_temperature": False})
     run = prepare_sequence(scenario.model_copy(update={"render": settings}), range(1))
     layer_values = run.at(time)
-    azimuth, elevation = directions(run.scene_at(time), run.track.at(time))
+    azimuth, elevation = run.scene_at(time).directions(run.track.at(time))
     whole = azimuth.ndim == 2
     place = {name: float(values[0]) for name, values in poses(run.track, np.array([time])).items()} if run.track.moves else {}
     return xr.Dataset(

@@ -22,9 +22,9 @@ from seaglint.files.provenance import provenance
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.share import Share
 from seaglint.files.store.store import Frame, check_output, write_sequence
-from seaglint.imaging.camera.pose import Pose, Track
+from seaglint.imaging.camera.pose import Track
 from seaglint.imaging.layers import Layers
-from seaglint.imaging.scene import image
+from seaglint.imaging.scene import Scene, image
 from seaglint.imaging.swept import SweptScene
 from seaglint.imaging.turned import TurnedScene
 from seaglint.optics.band import apparent_temperature
@@ -105,11 +105,11 @@ class MovingSun:
     A scene is a function of the time asked for, so that any frame alone is that of its sequence. Waves and seed are those of the start.
     """
 
-    def __init__(self, scenario: Scenario, prepared: Callable[[SunPosition], SweptScene | TurnedScene]) -> None:
+    def __init__(self, scenario: Scenario, prepared: Callable[[SunPosition], Scene]) -> None:
         self._scenario, self._prepared = scenario, prepared
-        self._latest: tuple[int, SweptScene | TurnedScene] | None = None
+        self._latest: tuple[int, Scene] | None = None
 
-    def scene(self, first: SweptScene | TurnedScene, time: float) -> SweptScene | TurnedScene:
+    def scene(self, first: Scene, time: float) -> Scene:
         """The scene of a time from the start [s]; ``first`` is that of the start."""
         step = sun_step(self._scenario, time)
         if step == 0:
@@ -131,7 +131,7 @@ class Sequence:
 
     Attributes
     ----------
-    scene : SweptScene or TurnedScene
+    scene : Scene
         Sea, air, Sun and camera, at the start.
     track : Track
         Where the sensor is and how it is turned.
@@ -143,7 +143,7 @@ class Sequence:
         What stands or flies in the scene.
     """
 
-    scene: SweptScene | TurnedScene
+    scene: Scene
     track: Track
     layout: Layout
     sun: MovingSun | None = None
@@ -164,7 +164,7 @@ class Sequence:
         window = (columns or (0, scene.pixels.columns), (0, scene.pixels.rows))
         return self.objects.draw(scene, pose, time, (layers, sea), window)
 
-    def scene_at(self, time: float) -> SweptScene | TurnedScene:
+    def scene_at(self, time: float) -> Scene:
         """The scene under the Sun of a time from the start [s]."""
         return self.scene if self.sun is None else self.sun.scene(self.scene, time)
 
@@ -258,14 +258,14 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
         sea = prepare.sea(scenario, first.slopes)
         track = prepare.track(scenario)
 
-        def prepared(sun: SunPosition) -> SweptScene | TurnedScene:
+        def prepared(sun: SunPosition) -> Scene:
             view = prepare.under(first, sun)
             return SweptScene.prepare(view, camera, sea.waves, accuracy=accuracy, layers=layers, sparkles=sparkles)
     else:
         sea, imager, at = prepare.sea(scenario, prepare.slopes(scenario)), prepare.imager(scenario), prepare.view_at(scenario)
         track = prepare.track(scenario, sea.waves)
 
-        def prepared(sun: SunPosition) -> SweptScene | TurnedScene:
+        def prepared(sun: SunPosition) -> Scene:
             def view(height: float) -> SeaView:
                 return prepare.under(at(height), sun)
 
@@ -275,7 +275,7 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
     view = scene.view
     objects = SceneObjects.of(bodies_of(scenario), sea.waves, shadows=scenario.render.object_shadows)
     places = poses(track, np.asarray(numbers) / sensor.frame_rate_hz) if track.moves else {}
-    azimuth, elevation = directions(scene, track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0))
+    azimuth, elevation = scene.directions(track.at(numbers[0] / sensor.frame_rate_hz if numbers else 0.0))
     _require_step(scenario, sea.waves)
     derived = ("apparent_temperature",) if scenario.render.apparent_temperature else ()
     layout = Layout(
@@ -303,15 +303,6 @@ def _prepared(scenario: Scenario, frames: range | None, scanned: bool) -> Sequen
     )
     layout = layout.in_units(sensor.frames)
     return Sequence(scene, track, layout, None if scenario.time is None else MovingSun(scenario, prepared), objects)
-
-
-def directions(scene: SweptScene | TurnedScene, pose: Pose) -> tuple[FloatArray, FloatArray]:
-    """Azimuth and elevation of the pixel centres [rad]: of columns and rows of an upright camera, else of all pixels (rows, columns)."""
-    match scene:
-        case SweptScene(camera=camera):
-            return camera.azimuths, camera.elevations
-        case TurnedScene(imager=imager):
-            return imager.centres(pose.attitude)
 
 
 def poses(track: Track, times: FloatArray) -> dict[str, FloatArray]:

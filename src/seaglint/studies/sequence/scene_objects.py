@@ -13,9 +13,7 @@ from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.files.store.stored_truth import Truth, packed
 from seaglint.imaging.camera.pose import Pose
 from seaglint.imaging.layers import Layers
-from seaglint.imaging.scene import Instant, joined
-from seaglint.imaging.swept import SweptScene
-from seaglint.imaging.turned import TurnedScene
+from seaglint.imaging.scene import Instant, Scene, joined
 from seaglint.objects.body import Body
 from seaglint.objects.drawing.compose import BodySight, composed
 from seaglint.objects.drawing.draw import Drawer, Stage
@@ -86,7 +84,7 @@ class SceneObjects:
 
     def draw(
         self,
-        scene: SweptScene | TurnedScene,
+        scene: Scene,
         pose: Pose,
         time: float,
         image: tuple[Layers, Instant],
@@ -105,7 +103,7 @@ class SceneObjects:
             out = Layers({**out, "object_id": whole[slice(*window[1]), slice(*window[0])].astype(np.float32)})
         return Drawn(out, layers.radiance, sights)
 
-    def truth(self, drawn: Drawn, scene: SweptScene | TurnedScene, oversampling: int = 1) -> Mapping[str, NDArray[Any]]:
+    def truth(self, drawn: Drawn, scene: Scene, oversampling: int = 1) -> Mapping[str, NDArray[Any]]:
         """Return the stored arrays of the objects of a frame, by variable of the group ``truth``."""
         kelvin = self.drawer.light(scene.view).kelvin
         numbers, masks, which = labels(drawn.sights, drawn.sea, kelvin, oversampling, around=scene.pixels.goes_round)
