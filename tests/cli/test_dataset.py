@@ -133,9 +133,9 @@ def test_bytes_depend_neither_on_the_workers_nor_on_which_file_tells_the_ensembl
 @pytest.mark.parametrize(
     ("arguments", "table", "told"),
     [
-        (("--format", "voc"), "", "--format voc: is not one of coco, yolo, sirst, zarr"),
+        (("--format", "voc"), "", "--format 'voc': is not one of coco, yolo, sirst, zarr"),
         (("--bits", "12"), "", "--bits 12: is neither 8 nor 16"),
-        (("--image", "jpg"), "", "--image jpg: is not one of png, tiff"),
+        (("--image", "jpg"), "", "--image 'jpg': is not one of png, tiff"),
         ((), "[dataset]\nsplit = [0.7, 0.2, 0.2]", r"dataset.split = \[0.7, 0.2, 0.2\] adds up to 1.1"),
         ((), "[dataset]\nlicense = 'MIT'", "dataset.license is an unknown key; did you mean licence"),
         (
@@ -172,7 +172,7 @@ def test_a_folder_without_its_scenes_is_told_before_anything_is_written(seaglint
     assert seaglint("ensemble", file, "-o", tmp_path / "E", "--draw-only").code == 0
     answer = seaglint("dataset", tmp_path / "E", "-o", tmp_path / "D", "--progress", "none")
     assert (answer.code, answer.err.count("\n")) == (2, 1)
-    assert "4 of 4 scenes are not rendered; render them with: seaglint ensemble" in answer.err
+    assert "4 of 4 scenes are not rendered; render the ensemble" in answer.err
     assert os.listdir(tmp_path) == ["E"]
     (tmp_path / "E" / "dataset.json").touch()
     answer = seaglint("dataset", tmp_path / "E", "-o", tmp_path / "D", "--progress", "none")

@@ -130,7 +130,7 @@ def test_a_stored_frame_alone_has_the_noise_of_its_sequence(seaglint, scenario, 
     [
         (np.full((1, 8, 8), np.nan), (), "not finite"),
         (np.full((1, 8, 8), -1.0), (), "negative"),
-        (np.ones((1, 8, 8)), ("--oversampling", 3), "oversampling = 3 does not divide"),
+        (np.ones((1, 8, 8)), ("--oversampling", 3), "--oversampling 3 does not divide"),
         (np.ones((1, 8, 8)), ("--sensor", "nix"), "is not one of"),
         (np.ones((1, 8, 8)), ("--frame-rate", 1000), "integration_time_s"),
     ],

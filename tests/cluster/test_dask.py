@@ -152,7 +152,7 @@ def test_no_scheduler_is_told(monkeypatch):
 
 @pytest.mark.parametrize("address", ["host", "http://host:80", "tcp://host"])
 def test_what_is_no_address(address):
-    with pytest.raises(DataError, match="give the scheduler's address"), connected(address):
+    with pytest.raises(DataError, match="is no address of a Dask scheduler; give one such as tcp://host:8786"), connected(address):
         pass
 
 

@@ -124,7 +124,7 @@ def test_other_variables_have_their_units_below(run, tmp_path, monkeypatch):
         ("x.mp4", {"colours": "rainbow"}, "allowed are white-hot, black-hot, perceptual"),
         ("x.mp4", {"limits": (1.0, 0.0)}, "is no range"),
         ("x.mp4", {"limits": (0.0, 1.0), "scale": "log"}, "one of the two"),
-        ("x.tif", {"limits": (0.0, 1.0)}, "--dtype uint16"),
+        ("x.tif", {"limits": (0.0, 1.0)}, "dtype = 'uint16'"),
         ("missing/x.gif", {}, "does not exist"),
     ],
 )

@@ -46,7 +46,7 @@ def test_a_picture_that_is_not_stationary_is_named_with_a_region_that_is() -> No
     image[:, :, 60:] += 2.0
     with pytest.raises(DataError, match=r"mean .* variance .* choose region") as told:
         require_stationary(image)
-    region = parse_region(re.search(r"--region (\S+),", str(told.value) + ",")[1].rstrip(","), 96, 96)
+    region = parse_region(re.search(r"region = '(\S+)',", str(told.value))[1], 96, 96)
     assert region.right <= 60 or region.left >= 60
     assert region.pixels >= 24 * 24
     assert require_stationary(region.of(image)) == ()
@@ -97,7 +97,7 @@ def test_the_part_is_named_in_rows_and_columns_of_the_picture() -> None:
     image[:, :, 60:] *= 3.0
     with pytest.raises(DataError) as told:
         require_stationary(image, PixelRegion(100, 196, 200, 296))
-    region = parse_region(re.search(r"--region (\S+),", str(told.value))[1], 196, 296)
+    region = parse_region(re.search(r"region = '(\S+)',", str(told.value))[1], 196, 296)
     assert region.top >= 100
     assert 200 <= region.left < region.right <= 260
 
