@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import uuid
 
@@ -96,6 +97,7 @@ def test_urls_of_files_are_folders_and_unknown_ones_are_refused(tmp_path, monkey
 
 
 @pytest.mark.validation
+@pytest.mark.filterwarnings("ignore::ResourceWarning")
 def test_a_sequence_in_a_bucket(monkeypatch):
     server = pytest.importorskip("moto.server").ThreadedMotoServer(port=0)
     pytest.importorskip("s3fs")
@@ -111,4 +113,6 @@ def test_a_sequence_in_a_bucket(monkeypatch):
         with pytest.raises(StorageError, match="cannot be reached"):
             write_sequence("s3://nowhere/run.zarr", layout(), frame)
     finally:
+        fsspec.get_filesystem_class("s3").clear_instance_cache()
         server.stop()
+        gc.collect()  # s3fs leaves open sessions to the collector, whose warning belongs to no later test

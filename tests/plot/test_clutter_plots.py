@@ -32,7 +32,8 @@ from seaglint.plot.clutter import (
     unit_of,
 )
 
-pytestmark = pytest.mark.filterwarnings("error")
+# Warnings of drawing are errors; garbage of other tests, collected meanwhile, is none of it.
+pytestmark = pytest.mark.filterwarnings("error", "ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning")
 FRAMES, SIDE, RATE = 40, 64, 20.0
 SHAPE = 4.0
 MASK = np.zeros((SIDE, SIDE), np.bool_)
