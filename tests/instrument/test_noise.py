@@ -89,7 +89,7 @@ def test_3d_noise_of_pure_components() -> None:
 def test_a_frame_alone_is_that_of_its_sequence_and_seeds_differ() -> None:
     every = DetectorNoise(
         one_over_f=50.0, frame=10.0, row=20.0, column=30.0, row_temporal=40.0, column_temporal=50.0, gain_spread=0.01, offset_spread=60.0,
-        drift=1e5, dead_share=0.01, hot_share=0.01, blinking_share=0.02, hot_signal=1e5, blinking_signal=2e4, blinking_time=0.1,
+        drift_per_hour=1e5, dead_share=0.01, hot_share=0.01, blinking_share=0.02, hot_signal=1e5, blinking_signal=2e4, blinking_time=0.1,
     )  # fmt: skip
     sequence, alone = camera(every, read_noise=100.0), camera(every, read_noise=100.0)
     radiance = flat(sequence, 295.0, 48)
@@ -170,7 +170,7 @@ def test_one_over_f_noise_falls_with_frequency() -> None:
 
 
 def test_two_integration_times_widen_the_range() -> None:
-    model = camera(DetectorNoise(), read_noise=200.0, short_time=1e-4, bit_depth=16)
+    model = camera(DetectorNoise(), read_noise=200.0, short_integration_time=1e-4, bit_depth=16)
     narrow = camera(DetectorNoise(), read_noise=200.0, bit_depth=16)
     for temperature, wide_only in ((300.0, False), (400.0, True)):
         radiance = flat(model, temperature)
@@ -181,7 +181,7 @@ def test_two_integration_times_widen_the_range() -> None:
 
 
 def test_the_noise_of_a_short_reading_is_multiplied_with_its_light() -> None:
-    model = camera(DetectorNoise(), read_noise=5000.0, short_time=2e-4, bit_depth=16)
+    model = camera(DetectorNoise(), read_noise=5000.0, short_integration_time=2e-4, bit_depth=16)
     electrons = model.sense(flat(model, 400.0)).units.astype(float)
     assert electrons.mean() > 7e6
     # ten times the shot noise of a tenth of the light, and ten times that of a reading
@@ -218,7 +218,7 @@ def test_lag_keeps_the_exponential_share() -> None:
 
 @pytest.mark.parametrize(
     "values",
-    [{"bit_depth": 17}, {"bit_depth": 0}, {"well_capacity": 100.0, "read_noise": 200.0}, {"short_time": 1.0}],
+    [{"bit_depth": 17}, {"bit_depth": 0}, {"well_capacity": 100.0, "read_noise": 200.0}, {"short_integration_time": 1.0}],
     ids=["too many bits", "no bit", "well below the read noise", "long short time"],
 )
 def test_impossible_detectors_are_refused(values) -> None:
@@ -236,7 +236,7 @@ def test_warm_optics_bring_the_electrons_of_a_blackbody_in_their_place() -> None
     assert line.dark == pytest.approx(1e6 * 2e-3)
     assert line.units(scene) - line.dark == pytest.approx(black.readout.units(scene), rel=1e-12)
     # A shield as wide as one at F/1.5 adds the housing: as many electrons as a faster lens would have brought.
-    wide, fast = camera(optics=replace(optics, shield_f_number=1.5)), camera(optics=replace(black.optics, aperture=0.1 / 1.5))
+    wide, fast = camera(optics=replace(optics, cold_shield_f_number=1.5)), camera(optics=replace(black.optics, aperture=0.1 / 1.5))
     assert wide.readout.units(scene) == pytest.approx(fast.readout.units(scene), rel=1e-12)
 
 

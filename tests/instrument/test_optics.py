@@ -160,7 +160,7 @@ def test_a_defocused_band_is_the_sum_over_its_wavelengths():
 
 @pytest.mark.parametrize("law", ["sine", "thin-lens"])
 def test_a_cold_shield_too_wide_lets_in_the_housing_around_the_optics(law):
-    optics = SensorOptics(0.05, 0.1, shield_f_number=1.4, solid_angle_law=law)
+    optics = SensorOptics(0.05, 0.1, cold_shield_f_number=1.4, solid_angle_law=law)
     assert optics.housing_solid_angle + cone(2.0, law) == pytest.approx(cone(1.4, law))
-    assert SensorOptics(0.05, 0.1, shield_f_number=2.0, solid_angle_law=law).housing_solid_angle == 0.0
-    assert SensorOptics(0.05, 0.1, shield_f_number=3.0, solid_angle_law=law).housing_solid_angle == 0.0
+    assert SensorOptics(0.05, 0.1, cold_shield_f_number=2.0, solid_angle_law=law).housing_solid_angle == 0.0
+    assert SensorOptics(0.05, 0.1, cold_shield_f_number=3.0, solid_angle_law=law).housing_solid_angle == 0.0

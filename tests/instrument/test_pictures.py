@@ -159,7 +159,7 @@ def test_a_picture_that_oversampling_does_not_divide_is_refused() -> None:
 
 def test_stages_take_sequences_and_stand_alone() -> None:
     # Optics alone: a detector as fine as the picture adds nothing. Then the rest, stage by stage, is the whole chain.
-    model = camera(DetectorNoise(gain_spread=0.01, drift=1e6), optics=SensorOptics(0.05, 0.1, stray_share=0.1))
+    model = camera(DetectorNoise(gain_spread=0.01, drift_per_hour=1e6), optics=SensorOptics(0.05, 0.1, stray_share=0.1))
     radiance = (1.5 + np.random.default_rng(2).random((3, 30, 30))).astype(np.float32)
     blur = Transfer.of(model.blur, Sampling(model.ifov / 3, model.ifov / 3, 1), (30, 30))
     soft = blur(radiance)

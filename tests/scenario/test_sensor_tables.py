@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 
 import numpy as np
 import pytest
 from scipy import constants
 
 from seaglint.base.errors import ScenarioError
+from seaglint.instrument.bolometer import ThermalPixels
 from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.figures_of_merit import figures
+from seaglint.instrument.noise import DetectorNoise
+from seaglint.instrument.optics import SensorOptics
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.presets.sensor_presets import SENSORS, with_sensor
 from seaglint.studies.prepare.sensor_model import sensor_model
@@ -70,6 +74,63 @@ def test_what_is_not_given_is_neutral() -> None:
     assert (detector.read_noise, detector.dark_current, detector.integration_time) == (0.0, 0.0, 0.04)
     assert (noise.temporal, noise.fixed_pattern, noise.one_over_f, noise.gain_spread, noise.dead_share) == (True, True, 0.0, 0.0, 0.0)
     assert model.readout.background == 0.0
+
+
+BOLOMETER = {"kind": "thermal", "pitch_um": 15.0, "netd_k": 0.05}
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value", "part", "name", "expected"),
+    [
+        ("optics", "transmission", 0.7, "optics", "transmission", 0.7),
+        ("optics", "wavefront_error_waves", 0.1, "optics", "wavefront_error", 0.1),
+        ("optics", "defocus_waves", 0.2, "optics", "defocus", 0.2),
+        ("optics", "jitter_urad", 20.0, "optics", "jitter", 1e-6 * 20.0),
+        ("optics", "drift_along_urad_s", 20.0, "optics", "drift", (1e-6 * 20.0, 0.0)),
+        ("optics", "drift_across_urad_s", 20.0, "optics", "drift", (0.0, 1e-6 * 20.0)),
+        ("optics", "temperature_k", 280.0, "optics", "temperature", 280.0),
+        ("optics", "cold_shield_f_number", 1.5, "optics", "cold_shield_f_number", 1.5),
+        ("optics", "solid_angle", "thin-lens", "optics", "solid_angle_law", "thin-lens"),
+        ("optics", "cos4", True, "optics", "cos4", True),
+        ("photon", "integration_time_s", 0.002, "detector", "integration_time", 0.002),
+        ("photon", "read_noise_e", 30.0, "detector", "read_noise", 30.0),
+        ("photon", "dark_current_e_s", 1e6, "detector", "dark_current", 1e6),
+        ("photon", "gain_e_per_count", 40.0, "detector", "gain", 40.0),
+        ("photon", "offset_counts", 100.0, "detector", "offset", 100.0),
+        ("photon", "crosstalk", 0.1, "detector", "crosstalk", 0.1),
+        ("thermal", "netd_k", 0.03, "detector", "netd", 0.03),
+        ("thermal", "netd_f_number", 1.4, "detector", "netd_f_number", 1.4),
+        ("thermal", "netd_temperature_k", 310.0, "detector", "netd_temperature", 310.0),
+        ("thermal", "time_constant_s", 0.01, "detector", "time_constant", 0.01),
+        ("thermal", "full_scale_k", 500.0, "detector", "full_scale_temperature", 500.0),
+        ("thermal", "pitch_um", 12.0, "detector", "pitch", 12e-6),
+        ("noise", "temporal", False, "noise", "temporal", False),
+        ("noise", "row", 7.0, "noise", "row", 7.0),
+        ("noise", "hot_signal", 7.0, "noise", "hot_signal", 7.0),
+        ("noise", "drift_per_hour", 7.0, "noise", "drift_per_hour", 7.0),
+        ("noise", "blinking_time_s", 7.0, "noise", "blinking_time", 7.0),
+    ],
+)
+def test_a_key_reaches_the_sensor_in_si_units(table, key: str, value, part: str, name: str, expected) -> None:
+    """Keys that name a unit are converted; the rest go over as they are."""
+    tables = {"optics": OPTICS, "detector": BOLOMETER if table == "thermal" else PIXELS, "noise": {}}
+    place = "detector" if table in ("photon", "thermal") else table
+    model = sensor_model(parsed(**(tables | {place: tables[place] | {key: value}})))
+    assert getattr(getattr(model, part), name) == expected  # bit for bit: the unit is one factor
+
+
+def test_no_key_is_forgotten() -> None:
+    """Each key is a field of the sensor's records, or one of those that the scenario itself turns into them."""
+    own = {"kind", "focal_length", "aperture", "f_number", "ifov", "drift_along", "drift_across", "solid_angle", "quantum_efficiency_file"}
+    tables = parsed(noise={}).sensor, parsed(detector=BOLOMETER).sensor
+    pairs = [
+        (tables[0].optics, SensorOptics),
+        (tables[0].detector, PhotonPixels),
+        (tables[1].detector, ThermalPixels),
+        (tables[0].noise, DetectorNoise),
+    ]
+    for record, kind in pairs:
+        assert set(record.in_si()) - {one.name for one in fields(kind)} - own <= {"full_scale"}
 
 
 def test_a_well_fills_the_counts() -> None:

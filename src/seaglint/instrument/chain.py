@@ -234,7 +234,7 @@ class SensorModel:
             mean, well = light + dark, math.inf if detector.well_capacity is None else detector.well_capacity
             units = self._collected(mean, frame, well, 0)
             full = units >= well
-            if detector.short_time is not None:
+            if detector.short_integration_time is not None:
                 factor = detector.range_factor
                 second = self._collected(mean / factor, frame, well, 1) * factor
                 short = units > SHORT_BELOW * well

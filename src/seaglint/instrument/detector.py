@@ -80,7 +80,7 @@ class PhotonPixels(Pixels):
         Counts without electrons.
     crosstalk : float
         Share of a pixel's electrons that is collected by its four neighbours [1].
-    short_time : float or None
+    short_integration_time : float or None
         Second, shorter integration, taken where the long one saturates [s].
     """
 
@@ -95,7 +95,7 @@ class PhotonPixels(Pixels):
     gain: float | None = None
     offset: float = 0.0
     crosstalk: float = 0.0
-    short_time: float | None = None
+    short_integration_time: float | None = None
 
     def __post_init__(self) -> None:
         self.require_bits()
@@ -106,18 +106,19 @@ class PhotonPixels(Pixels):
                 value=self.well_capacity,
                 allowed=f"above {self.read_noise:g}",
             )
-        if self.short_time is not None and not 0.0 < self.short_time < self.integration_time:
+        if self.short_integration_time is not None and not 0.0 < self.short_integration_time < self.integration_time:
             raise DomainError(
-                f"short integration time = {self.short_time:g} s is not below the long one of {self.integration_time:g} s; shorten it",
-                name="short_time",
-                value=self.short_time,
+                f"short integration time = {self.short_integration_time:g} s is not below the long one of {self.integration_time:g} s; "
+                "shorten it",
+                name="short_integration_time",
+                value=self.short_integration_time,
                 allowed=f"0 to {self.integration_time:g} s",
             )
 
     @property
     def range_factor(self) -> float:
         """Factor by which the second integration time widens the range of electrons."""
-        return 1.0 if self.short_time is None else self.integration_time / self.short_time
+        return 1.0 if self.short_integration_time is None else self.integration_time / self.short_integration_time
 
 
 @dataclass(frozen=True)

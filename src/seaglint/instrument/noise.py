@@ -49,7 +49,7 @@ class DetectorNoise:
         Rms spread of the relative deviation from a straight line at full scale [1].
     corrected_at : (float, float) or None
         Signals of a two-point correction.
-    drift : float
+    drift_per_hour : float
         Rms of the offsets' change in an hour.
     dead_share, hot_share, blinking_share : float
         Shares of the pixels that see nothing, that have a high dark signal, or that jump between two levels [1].
@@ -71,7 +71,7 @@ class DetectorNoise:
     offset_spread: float = 0.0
     curvature_spread: float = 0.0
     corrected_at: tuple[float, float] | None = None
-    drift: float = 0.0
+    drift_per_hour: float = 0.0
     dead_share: float = 0.0
     hot_share: float = 0.0
     blinking_share: float = 0.0
@@ -126,7 +126,7 @@ class Pattern:
             None if corrected else spread(noise.gain_spread, "sensor gain"),
             offset,
             spread(noise.curvature_spread, "sensor curvature"),
-            spread(noise.drift / 3600.0, "sensor drift"),
+            spread(noise.drift_per_hour / 3600.0, "sensor drift"),
             place < dead if dead > 0.0 else None,
             (place >= dead) & (place < hot) if noise.hot_share > 0.0 else None,
             blinks if blinks.size else None,

@@ -62,7 +62,7 @@ class SensorOptics:
         Steady movement of the line of sight, along and across rows [rad s-1].
     temperature, emissivity : float
         Temperature and emissivity of warm optics, which radiate into the detector themselves [K, 1].
-    shield_f_number : float or None
+    cold_shield_f_number : float or None
         F-number of the cold shield; where it is lower than that of the optics, the housing (black, at ``temperature``) is seen around
         them. None is a shield that fits.
     stray_share : float
@@ -85,7 +85,7 @@ class SensorOptics:
     drift: tuple[float, float] = (0.0, 0.0)
     temperature: float = 293.15
     emissivity: float = 0.0
-    shield_f_number: float | None = None
+    cold_shield_f_number: float | None = None
     stray_share: float = 0.0
     cos4: bool = False
     distortion: float = 0.0
@@ -130,9 +130,9 @@ class SensorOptics:
     @property
     def housing_solid_angle(self) -> float:
         """Solid angle of warm housing seen through an oversized cold shield [sr]."""
-        if self.shield_f_number is None or self.shield_f_number >= self.f_number:
+        if self.cold_shield_f_number is None or self.cold_shield_f_number >= self.f_number:
             return 0.0
-        return cone(self.shield_f_number, self.solid_angle_law) - cone(self.f_number, self.solid_angle_law)
+        return cone(self.cold_shield_f_number, self.solid_angle_law) - cone(self.f_number, self.solid_angle_law)
 
     def cutoff(self, wavelength: float) -> float:
         """Cut-off frequency of the optics [cycles rad-1]."""

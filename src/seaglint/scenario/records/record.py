@@ -2,20 +2,52 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from datetime import UTC, date, datetime
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Final, TypeVar
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, ValidationInfo
 from pydantic_core import PydanticCustomError
 
 from seaglint.base.errors import Allowed
 
+_UNITS: Final = {
+    "e_per_count": 1,
+    "urad_s": 1e-6,
+    "urad": 1e-6,
+    "um": 1e-6,
+    "e_s": 1,
+    "counts": 1,
+    "waves": 1,
+    "m": 1,
+    "s": 1,
+    "k": 1,
+    "e": 1,
+}
+"""Endings of keys that name a unit, the longest first, and the unit in SI."""
+
+_Built = TypeVar("_Built")
+
 
 class Record(BaseModel):
     """Frozen; unknown keys are errors."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, validate_default=True)
+
+    def in_si(self) -> dict[str, Any]:
+        """Return the values in SI units, by their keys without the unit: ``pitch_um = 15`` is ``pitch = 1.5e-5``."""
+        out = {}
+        for key in type(self).model_fields:
+            value, unit = getattr(self, key), next((unit for unit in _UNITS if key.endswith(f"_{unit}")), None)
+            scaled = unit is not None and isinstance(value, int | float) and _UNITS[unit] != 1
+            out[key.removesuffix(f"_{unit}")] = _UNITS[unit] * value if scaled else value
+        return out
+
+    def build(self, kind: type[_Built], **derived: Any) -> _Built:
+        """Return the data class of the physics that has these values, by name in SI units; ``derived`` are what no key states."""
+        values = self.in_si() | derived
+        return kind(**{one.name: values[one.name] for one in fields(kind) if one.name in values})  # type: ignore[arg-type]
 
 
 def rule(key: str, text: str, *, value: Any = None, allowed: Allowed = None) -> PydanticCustomError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields, replace
+from dataclasses import replace
 from typing import Any
 
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
@@ -60,53 +60,20 @@ def sensor_model(scenario: Scenario, seed: int | None = None, over: Band | None 
     assert source is not None
     photons = _photons(prepare.band(scenario) if over is None else over, source)
     frame = 1.0 / sensor.frame_rate_hz
-    pitch, given = 1e-6 * source.pitch_um, sensor.optics
-    optics = SensorOptics(
+    given = sensor.optics
+    optics = given.build(
+        SensorOptics,
         aperture=sensor.aperture_m,
         focal_length=sensor.focal_length_m,
-        transmission=given.transmission,
-        obscuration=given.obscuration,
-        wavefront_error=given.wavefront_error_waves,
-        defocus=given.defocus_waves,
-        jitter=1e-6 * given.jitter_urad,
         drift=(1e-6 * given.drift_along_urad_s + scan_rate(scenario), 1e-6 * given.drift_across_urad_s),
-        temperature=given.temperature_k,
-        emissivity=given.emissivity,
-        shield_f_number=given.cold_shield_f_number,
-        stray_share=given.stray_share,
-        cos4=given.cos4,
-        distortion=given.distortion,
         solid_angle_law=given.solid_angle,
     )
     detector: PhotonPixels | ThermalPixels
     if isinstance(source, PhotonDetector):
-        detector = PhotonPixels(
-            pitch=pitch,
-            fill_factor=source.fill_factor,
-            integration_time=_dwell(scenario) if source.integration_time_s is None else source.integration_time_s,
-            quantum_efficiency=source.quantum_efficiency,
-            well_capacity=source.well_capacity_e,
-            read_noise=source.read_noise_e,
-            dark_current=source.dark_current_e_s,
-            bit_depth=source.bit_depth,
-            gain=source.gain_e_per_count,
-            offset=source.offset_counts,
-            crosstalk=source.crosstalk,
-            short_time=source.short_integration_time_s,
-        )
+        dwell = _dwell(scenario) if source.integration_time_s is None else source.integration_time_s
+        detector = source.build(PhotonPixels, integration_time=dwell)
     else:
-        detector = ThermalPixels(
-            pitch=pitch,
-            netd=source.netd_k,
-            netd_f_number=source.netd_f_number,
-            netd_temperature=source.netd_temperature_k,
-            time_constant=source.time_constant_s,
-            fill_factor=source.fill_factor,
-            absorptance=source.absorptance,
-            full_scale_temperature=source.full_scale_k,
-            bit_depth=source.bit_depth,
-            offset=source.offset_counts,
-        )
+        detector = source.build(ThermalPixels, full_scale_temperature=source.full_scale_k)
     model = SensorModel(
         photons,
         optics,
@@ -141,10 +108,7 @@ def _with_noise(model: SensorModel, scenario: Scenario) -> SensorModel:
     if settings.corrected_at_k is not None:
         first, second = (float(line.units(model.photons.radiance(t))) - line.dark for t in settings.corrected_at_k)
         corrected = (first, second)
-    # terms whose values go over as they are bear one name in the scenario and in the detector
-    shared = {one.name: getattr(settings, one.name) for one in fields(DetectorNoise) if one.name in type(settings).model_fields}
-    noise = DetectorNoise(**shared, corrected_at=corrected, drift=settings.drift_per_hour, blinking_time=settings.blinking_time_s)
-    return replace(model, noise=noise)
+    return replace(model, noise=settings.build(DetectorNoise, corrected_at=corrected))
 
 
 def scan(scenario: Scenario) -> ScanPattern:
@@ -153,7 +117,7 @@ def scan(scenario: Scenario) -> ScanPattern:
     if settings is None:
         return ScanPattern()
     period = 1.0 / scenario.sensor.frame_rate_hz if settings.period_s is None else settings.period_s
-    return ScanPattern(settings.kind, 0.0 if settings.kind == "staring" else period, settings.direction == "left", settings.row_time_s)
+    return settings.build(ScanPattern, period=0.0 if settings.kind == "staring" else period, leftwards=settings.direction == "left")
 
 
 def scan_rate(scenario: Scenario) -> float:
