@@ -59,8 +59,8 @@ def test_files_that_are_refused(file, content, told):
 
 
 def test_a_missing_file_and_a_folder(tmp_path):
-    for path in (tmp_path / "nix.csv", tmp_path):
-        with pytest.raises(DataError, match="cannot be read"):
+    for path, words in ((tmp_path / "nix.csv", "no such file"), (tmp_path, "cannot be read")):
+        with pytest.raises(DataError, match=f"{words}.*give a CSV file"):
             read_cases(path)
 
 

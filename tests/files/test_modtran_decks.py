@@ -128,7 +128,7 @@ def test_the_manifest_comes_back(tmp_path):
         ('"kind": "sky"', '"kind": "ray"', "is damaged"),
         ('"height_m": 0.0', '"height_m": "low"', "is damaged"),
         ('"range_m"', '"arc"', "is damaged"),
-        ("]", "", "is damaged"),
+        ("]", "", "cut short"),
     ],
 )
 def test_a_damaged_manifest_is_one_line(tmp_path, old, new, told):

@@ -323,7 +323,7 @@ def test_report_leaves_nothing_behind_on_a_full_disk(constant, tmp_path, monkeyp
         self.touch()
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("pathlib.Path.write_text", full)
+    monkeypatch.setattr("pathlib.Path.write_bytes", full)
     with pytest.raises(StorageError, match="no room left"):
         write_report(constant, tmp_path / "out.html")
     assert list(tmp_path.iterdir()) == []

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 from seaglint.base.errors import DataError
 from seaglint.files.failures import storage_errors
 from seaglint.files.outputs import moved_when_whole
-from seaglint.files.text_file import write_json
+from seaglint.files.text_file import read_json, write_json
 
 _MARK = "seaglint-detection-parts"
 
@@ -69,8 +68,8 @@ class Parts:
     def case(self, key: str) -> dict[str, Any] | None:
         """Return a finished case; None where it is missing or incomplete."""
         try:
-            stored: dict[str, Any] = json.loads((self.folder / f"case-{key}.json").read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+            stored: dict[str, Any] = read_json(self.folder / f"case-{key}.json", "compute it again")
+        except DataError:
             return None
         return stored
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import Any, Final
 
 from seaglint.base.errors import DataError, DomainError
 from seaglint.files.outputs import refuse_existing
-from seaglint.files.text_file import write_json
+from seaglint.files.text_file import read_json, write_json
 from seaglint.texture.autobinomial import KIND as AUTOBINOMIAL
 from seaglint.texture.autobinomial_texture import AutobinomialTexture
 from seaglint.texture.gaussian_texture import KIND as GAUSS_MARKOV
@@ -101,12 +100,7 @@ def read_texture(path: str | Path) -> StoredTexture:
         Nothing there, no texture, one of another version, or one that is not whole.
     """
     path = Path(path)
-    try:
-        held = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise DataError(f"{path}: no such file; 'seaglint texture fit' makes one") from None
-    except (OSError, ValueError) as error:
-        raise DataError(f"{path}: cannot be read as JSON ({str(error).splitlines()[0]}); give a file of 'seaglint texture fit'") from error
+    held = read_json(path, "give a file of 'seaglint texture fit'")
     if not isinstance(held, dict) or held.get("format") != FORMAT:
         raise DataError(f"{path}: is no texture; give a file of 'seaglint texture fit'")
     if held.get("version") != VERSION:

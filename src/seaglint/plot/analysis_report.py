@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from html import escape
 from pathlib import Path
 from typing import Any, Final
@@ -10,7 +9,7 @@ from typing import Any, Final
 from seaglint.analysis import Analysis
 from seaglint.base.conventions import Progress
 from seaglint.files.outputs import refuse_existing
-from seaglint.files.text_file import write_text
+from seaglint.files.text_file import json_text, write_text
 from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
 from seaglint.plot.page import ABSENT, figure, interval, number, page, section, table
 from seaglint.version import __version__
@@ -74,7 +73,7 @@ def report(analysis: Analysis, progress: Progress = lambda done, total: None) ->
         section("Correlation, spectrum, stationarity", _memory(results), images["memory"]),
         section("How it was done", *_methods(analysis, results)),
         "<details><summary>All numbers as JSON</summary><pre>",
-        escape(json.dumps(results, indent=1, ensure_ascii=False, allow_nan=False)),
+        escape(json_text(results, indent=1)),
         "</pre></details>",
     ]
     return page(title, body)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from html import escape
 from typing import Any
 
+from seaglint.files.text_file import json_text
 from seaglint.plot.clutter import png
 from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map, draw_sweep
 from seaglint.plot.page import figure, interval, number, page, section, table
@@ -35,8 +35,7 @@ def study_report(title: str, cases: Sequence[dict[str, Any]], stopped: str | Non
     for case in good:
         body.append(_case(case))
     numbers = [{"parameters": case["parameters"], "result": case.get("result"), "error": case.get("error")} for case in cases]
-    told = escape(json.dumps(numbers, indent=1, ensure_ascii=False, allow_nan=False))
-    body.append(f"<details><summary>All numbers as JSON</summary><pre>{told}</pre></details>")
+    body.append(f"<details><summary>All numbers as JSON</summary><pre>{escape(json_text(numbers, indent=1))}</pre></details>")
     return page(title, body)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import json
 import tempfile
@@ -13,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.errors import DataError
+from seaglint.files.tables.table_text import csv_text
 from seaglint.plot.video import Colours, palette, write_video
 from seaglint.viewer.picture import Scales, Show
 from seaglint.viewer.scaling import Scaling
@@ -88,11 +88,7 @@ def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) ->
 
 def table(result: dict[str, Any]) -> str:
     """Return statistics as CSV, one row for each number: ``fits.gamma.shape,3.21``."""
-    out = io.StringIO()
-    writer = csv.writer(out, lineterminator="\n")
-    writer.writerow(("quantity", "value"))
-    writer.writerows(_flat("", result))
-    return out.getvalue()
+    return csv_text([("quantity", "value"), *_flat("", result)])
 
 
 def _flat(prefix: str, value: Any) -> Iterator[tuple[str, Any]]:

@@ -38,8 +38,9 @@ from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DataError, SeaglintError
 from seaglint.files.air import scattered_columns as atmosphere_scattered
 from seaglint.files.netcdf import open_netcdf, write_netcdf
-from seaglint.files.outputs import moved_when_whole, refuse_existing
+from seaglint.files.outputs import refuse_existing
 from seaglint.files.tables.table_text import TableRow, TextTable, read_text_table
+from seaglint.files.text_file import write_text
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -134,8 +135,7 @@ def write_atmosphere(dataset: xr.Dataset, output: str | Path, *, overwrite: bool
         add("sky", height, "sensor_sky_zenith_deg", "sensor_sky_radiance", cells=",,{},")
     add("sun", "", "sun_zenith_deg", "sun_irradiance", cells=",,,{}")
     lines.extend(atmosphere_scattered.csv_lines(dataset, height))
-    with moved_when_whole(output) as partial:
-        partial.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    write_text("\n".join(lines) + "\n", output)
     return output
 
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
@@ -13,7 +11,8 @@ from seaglint.base.errors import DataError
 from seaglint.files.dataset import format_named
 from seaglint.files.dataset.dataset_format import DatasetFormat
 from seaglint.files.dataset.grey_picture import read_picture
-from seaglint.files.text_file import write_text
+from seaglint.files.tables.rows import read_rows
+from seaglint.files.text_file import read_json, read_text, write_text
 
 SUMS: Final = "SHA256SUMS"
 ABOUT: Final = "dataset.json"
@@ -46,10 +45,10 @@ def read_about(folder: Path) -> dict[str, Any]:
         No data set of ours.
     """
     try:
-        about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
+        about = read_json(folder / ABOUT, "")
         if about["kind"] == KIND:
             return dict(about)
-    except (OSError, ValueError, KeyError, TypeError):
+    except (DataError, KeyError, TypeError):
         pass
     raise DataError(f"{folder}: is no data set of seaglint: it has no readable {ABOUT}; give a folder that 'seaglint dataset' made")
 
@@ -64,9 +63,9 @@ def problems(folder: Path) -> Iterator[str]:
     """
     about = read_about(folder)
     try:
-        lines = (folder / SUMS).read_text(encoding="utf-8").splitlines()
+        lines = read_text(folder / SUMS, "").splitlines()
         sums = {name: digest for digest, name in (line.split("  ", 1) for line in lines)}
-    except (OSError, ValueError):
+    except (DataError, ValueError):
         yield f"{SUMS}: is missing or cut"
         return
     here = files(folder)
@@ -86,11 +85,10 @@ def problems(folder: Path) -> Iterator[str]:
 def _split_problems(folder: Path, about: Mapping[str, Any]) -> Iterator[str]:
     """No scene in two splits, whichever file is asked."""
     for name in ("parameters.csv", "truth.csv"):
-        with (folder / name).open(newline="", encoding="utf-8") as file:
-            for row in csv.DictReader(file):
-                recorded = about["scenes"].get(row["scene"], {}).get("split")
-                if recorded != row["split"]:
-                    yield f"{name}: scene {row['scene']} is in '{row['split']}' and in '{recorded}' of {ABOUT}"
+        for row in read_rows(folder / name):
+            recorded = about["scenes"].get(row["scene"], {}).get("split")
+            if recorded != row["split"]:
+                yield f"{name}: scene {row['scene']} is in '{row['split']}' and in '{recorded}' of {ABOUT}"
 
 
 def _picture_problems(folder: Path, about: Mapping[str, Any], form: type[DatasetFormat]) -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
@@ -13,7 +12,7 @@ from seaglint.files.dataset.grey_levels import Bits
 from seaglint.files.dataset.masks import box_of, decoded
 from seaglint.files.dataset.part import Catalogue, DatasetFrame, DatasetObject, DatasetScene, Piece
 from seaglint.files.dataset.split import SPLITS
-from seaglint.files.text_file import write_json
+from seaglint.files.text_file import read_json, write_json
 
 ANNOTATIONS = "annotations.json"
 
@@ -109,9 +108,9 @@ def _problems(folder: Path) -> Iterator[str]:
     documents: dict[str, Any] = {}
     for name in names:
         try:
-            documents[name] = json.loads((folder / name).read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            yield f"{name}: cannot be read ({error})"
+            documents[name] = read_json(folder / name, "make the data set again")
+        except DataError as error:
+            yield str(error)
     whole = documents.get(ANNOTATIONS)
     if whole is None or len(documents) < len(names):
         return

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -11,7 +10,7 @@ from typing import Any, Final
 
 from seaglint.base.errors import DataError
 from seaglint.files.dataset.grey_levels import PictureLevels
-from seaglint.files.text_file import write_json
+from seaglint.files.text_file import read_json, write_json
 from seaglint.objects.drawing.truth_names import NUMBERS
 
 FOLDER: Final = ".parts"
@@ -103,8 +102,9 @@ class DatasetScene:
             It is not one.
         """
         path = part_path(folder, scene)
+        again = "remove it and go on with resume=True"
+        raw = read_json(path, again)
         try:
-            raw = json.loads(path.read_text(encoding="utf-8"))
             rows = tuple(
                 DatasetObject(
                     r["frame"],
@@ -125,8 +125,8 @@ class DatasetScene:
                 "rows": rows,
             }
             return cls(**{**raw, **changed})
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise DataError(f"{path}: is not readable ({error}); remove it and go on with resume=True") from error
+        except (ValueError, KeyError, TypeError) as error:
+            raise DataError(f"{path}: is not readable ({error}); {again}") from error
 
 
 def part_path(folder: Path, scene: str) -> Path:

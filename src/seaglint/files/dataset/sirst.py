@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar
@@ -17,6 +16,7 @@ from seaglint.files.dataset.grey_picture import read_picture, write_picture
 from seaglint.files.dataset.masks import decoded
 from seaglint.files.dataset.part import Catalogue, DatasetScene
 from seaglint.files.dataset.split import SPLITS
+from seaglint.files.tables.rows import read_rows
 from seaglint.files.text_file import write_text
 
 
@@ -82,12 +82,11 @@ def _problems(folder: Path, image: str) -> Iterator[str]:
 def _box_problems(folder: Path) -> Iterator[str]:
     """Masks have something of every annotated object's box, and nothing outside of them."""
     boxes: dict[str, list[tuple[int, int, int, int]]] = {}
-    with (folder / "truth.csv").open(newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            found = boxes.setdefault(row["image"], [])
-            if row["annotated"] == "True":
-                left, top, width, height = (int(float(row[f"bbox_{side}_px"])) for side in ("left", "top", "width", "height"))
-                found.append((left, top, width, height))
+    for row in read_rows(folder / "truth.csv"):
+        annotated = boxes.setdefault(row["image"], [])
+        if row["annotated"] == "True":
+            left, top, width, height = (int(float(row[f"bbox_{side}_px"])) for side in ("left", "top", "width", "height"))
+            annotated.append((left, top, width, height))
     for path in sorted((folder / "masks").glob("*.png")):
         mask = read_picture(path) > 0
         left_over = mask.copy()

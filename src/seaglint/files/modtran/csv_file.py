@@ -7,7 +7,6 @@ or of tape7; see :mod:`seaglint.files.modtran.modtran_spectrum` for the source o
 
 from __future__ import annotations
 
-import csv
 import re
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from seaglint.base.errors import DataError
 from seaglint.files.modtran.modtran_spectrum import SPECTRAL, Column, ModtranSpectrum, Table, column_of, spectrum_of
+from seaglint.files.tables.table_text import cells_of
 
 _FRAME = re.compile(r"^\s*(\}|case\b.*|num \w+.*|#.*|\[.*|\(.*|cm-1\b.*)?$", re.IGNORECASE)
 
@@ -50,10 +50,7 @@ def read_csv(path: Path, text: str) -> list[ModtranSpectrum]:
         elif not _FRAME.match(line):
             if not cases:
                 raise DataError(f"{path}: line {number}: numbers before a line of column names; give the CSV file as MODTRAN 6 wrote it")
-            try:
-                cells = next(csv.reader([line], strict=True))
-            except (csv.Error, StopIteration) as error:
-                raise DataError(f"{path}: line {number}: is no row of cells ({error}); give the CSV file as MODTRAN 6 wrote it") from None
+            cells = cells_of(path, number, line, remedy="give the CSV file as MODTRAN 6 wrote it")
             cases[-1][2].append([str(number), *cells])
     if not cases:
         raise DataError(f"{path}: has no line of column names (FREQ, TOT_TRANS, ...); give MODTRAN 6's CSV output (CSVPRNT)")

@@ -8,7 +8,6 @@ case's ``MODTRANINPUT`` stands beside it and tells its geometry and spectral gri
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any, Final
 
@@ -17,6 +16,7 @@ import numpy as np
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
 from seaglint.files.modtran.modtran_spectrum import SPECTRAL, Column, ModtranSight, ModtranSpectrum, Table, column_of, spectrum_of
+from seaglint.files.text_file import parsed_json
 
 MODES: Final = {
     "RT_TRANSMITTANCE": 0,
@@ -46,11 +46,7 @@ def read_json(path: Path, text: str) -> list[ModtranSpectrum]:
     DataError
         Naming file, case and key of what cannot be used.
     """
-    try:
-        content = json.loads(text)
-    except (json.JSONDecodeError, RecursionError) as error:
-        at = f"line {error.lineno}: {error.msg}" if isinstance(error, json.JSONDecodeError) else "nested too deeply"
-        raise DataError(f"{path}: is no JSON, or is cut short ({at}); {_AS_WRITTEN}") from None
+    content = parsed_json(path, text, _AS_WRITTEN)
     cases = content.get("MODTRAN") if isinstance(content, dict) else None
     if not isinstance(cases, list) or not cases:
         raise DataError(f"{path}: has no list MODTRAN of cases; {_AS_WRITTEN}")

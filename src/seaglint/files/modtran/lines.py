@@ -14,6 +14,7 @@ from seaglint.air.coordinates import Refraction, elevation_of_coordinate, straig
 from seaglint.air.sky_spline import grazing_share
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DataError
+from seaglint.files.text_file import read_json
 
 MANIFEST: Final = "manifest.json"
 
@@ -87,18 +88,16 @@ def read_manifest(path: Path) -> Manifest:
         Not a manifest, or damaged.
     """
     again = "write the decks again with seaglint atmosphere write"
+    content = read_json(path, again)
+    if not isinstance(content, dict) or content.get("seaglint_manifest") != VERSION:
+        raise DataError(f"{path}: is no manifest of this version of seaglint; {again}")
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        if not isinstance(content, dict) or content.get("seaglint_manifest") != VERSION:
-            raise DataError(f"{path}: is no manifest of this version of seaglint; {again}")
         lines = tuple(_line(entry) for entry in content["lines"])
         height, solar = content["sensor_height_m"], content["solar_zenith_deg"]
         if not lines or not isinstance(height, int | float) or not (solar is None or 0.0 <= solar <= 90.0):
             raise ValueError("no lines")
         return Manifest(lines, float(height), solar, tuple(map(str, content["outputs"])))
-    except OSError as error:
-        raise DataError(f"{path}: cannot be read: {error.strerror}; {again}") from None
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError) as error:
         raise DataError(f"{path}: is damaged ({' '.join(str(error).split())[:80] or type(error).__name__}); {again}") from None
 
 

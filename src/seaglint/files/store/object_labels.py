@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -13,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
-from seaglint.files.outputs import moved_when_whole, refuse_existing
+from seaglint.files.outputs import refuse_existing
 from seaglint.files.store.store import open_sequence
 from seaglint.files.store.stored_truth import BITS, GROUP
-from seaglint.files.text_file import write_json
+from seaglint.files.tables.table_text import csv_text
+from seaglint.files.text_file import write_json, write_text
 from seaglint.objects.drawing.truth_names import NUMBERS
 
 
@@ -95,11 +95,8 @@ def write_labels(labels: Labels, output: str | Path, *, overwrite: bool = False)
     if output.suffix.lower() != ".csv":
         write_json(_coco(labels), output, indent=None)
         return output
-    with moved_when_whole(output) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        writer.writerow(("frame", "object", *NUMBERS))
-        for label in labels:
-            writer.writerow((label.frame, label.name, *(_cell(label.values[name]) for name in NUMBERS)))
+    cells = ((label.frame, label.name, *(_cell(label.values[name]) for name in NUMBERS)) for label in labels)
+    write_text(csv_text([("frame", "object", *NUMBERS), *cells]), output)
     return output
 
 

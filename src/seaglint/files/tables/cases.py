@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.files.outputs import moved_when_whole, refuse_existing
-from seaglint.files.tables.table_text import plain_number
+from seaglint.files.outputs import refuse_existing
+from seaglint.files.tables.table_text import csv_text, plain_number
+from seaglint.files.text_file import read_text, write_text
 
 _SEPARATORS: Final = (",", ";", "\t")
 
@@ -163,12 +164,7 @@ def read_cases(path: str | Path) -> Cases:
         A file that is missing, empty, not UTF-8 text, without cases, with headings twice, or with rows of another length.
     """
     path = Path(path)
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise DataError(f"{path}: is not UTF-8 text (byte {error.start}); save it as 'CSV UTF-8'") from error
-    except OSError as error:
-        raise DataError(f"{path}: cannot be read ({error.strerror}); give a CSV file") from error
+    text = read_text(path, "give a CSV file saved as 'CSV UTF-8'")
     if not text.strip():
         raise DataError(f"{path}: line 1: the file is empty; the first line must name the columns")
     if "\0" in text:
@@ -239,12 +235,7 @@ def write_cases(
     header = [*cases.header, *(name for name in results if name not in cases.header)]
     columns = {name: _cells(values) for name, values in results.items()}
     parts = [columns.get(name) or [row[at] for row in cases.rows] for at, name in enumerate(header)]
-    text = io.StringIO(newline="")
-    writer = csv.writer(text, delimiter=cases.separator, lineterminator=cases.line_end)
-    writer.writerow(header)
-    writer.writerows(zip(*parts, strict=True))
-    with moved_when_whole(output) as partial:
-        partial.write_bytes(text.getvalue().encode())
+    write_text(csv_text([header, *zip(*parts, strict=True)], cases.separator, cases.line_end), output)
     return replaced
 
 

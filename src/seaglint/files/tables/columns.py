@@ -8,7 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
-from seaglint.files.outputs import moved_when_whole, refuse_existing
+from seaglint.files.outputs import refuse_existing
+from seaglint.files.tables.table_text import csv_text
+from seaglint.files.text_file import write_text
 
 
 def write_columns(columns: Mapping[str, FloatArray], output: str | Path, *, overwrite: bool = False) -> Path:
@@ -23,7 +25,5 @@ def write_columns(columns: Mapping[str, FloatArray], output: str | Path, *, over
     """
     output = refuse_existing(output, overwrite=overwrite)
     cells = [["" if np.isnan(value) else f"{value:.6g}" for value in values.tolist()] for values in columns.values()]
-    lines = [",".join(columns), *(",".join(row) for row in zip(*cells, strict=True))]
-    with moved_when_whole(output) as partial:
-        partial.write_bytes(("\n".join(lines) + "\n").encode())
+    write_text(csv_text([columns, *zip(*cells, strict=True)]), output)
     return output

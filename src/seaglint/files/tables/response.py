@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from seaglint.base.errors import DataError
-from seaglint.files.tables.table_text import plain_number, rows_of_cells
+from seaglint.files.tables.table_text import plain_number, read_cell_lines
 from seaglint.optics.band import Band
 
 
@@ -20,23 +20,14 @@ def read_response(path: str | Path, *, whole: bool = False) -> Band:
         Naming the file and the line that cannot be used.
     """
     path = Path(path)
+    (head, *rest), _ = read_cell_lines(path, "it needs columns wavelength_um, response", ",")
     try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise DataError(f"{path}: no such file; give a CSV file with columns wavelength_um, response") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataError(f"{path}: cannot be read as text: {error}") from None
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.startswith("#")]
-    rows = rows_of_cells(path, lines)
-    if not rows:
-        raise DataError(f"{path}: is empty; it needs columns wavelength_um, response")
-    header = [name.strip() for name in rows[0]]
-    try:
-        columns = header.index("wavelength_um"), header.index("response")
+        columns = head.cells.index("wavelength_um"), head.cells.index("response")
     except ValueError:
-        raise DataError(f"{path}: line {lines[0][0]}: columns are {', '.join(header)}; needed are wavelength_um, response") from None
+        names = ", ".join(head.cells)
+        raise DataError(f"{path}: line {head.number}: columns are {names}; needed are wavelength_um, response") from None
     points: list[tuple[float, float]] = []
-    for (number, line), row in zip(lines[1:], rows[1:], strict=True):
+    for number, line, row in rest:
         try:
             points.append((plain_number(row[columns[0]]), plain_number(row[columns[1]])))
         except (ValueError, IndexError):

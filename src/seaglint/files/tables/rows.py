@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from seaglint.base.errors import BackendError
 from seaglint.files.outputs import moved_when_whole
+from seaglint.files.tables.table_text import csv_text
+from seaglint.files.text_file import read_text, write_text
 
 
 def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
@@ -27,10 +30,18 @@ def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
         }
         write_parquet({n: [None if v is None else str(v) for v in c] if mixed[n] else c for n, c in columns.items()}, path)
         return
-    with moved_when_whole(path) as partial, partial.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({k: "" if v is None else v for k, v in row.items()} for row in rows)
+    write_text(csv_text([rows[0], *(row.values() for row in rows)]), path)
+
+
+def read_rows(path: Path) -> list[dict[str, str]]:
+    """Return the rows of a CSV file that :func:`write_rows` wrote, as texts by column.
+
+    Raises
+    ------
+    DataError
+        A file that is missing or no text.
+    """
+    return list(csv.DictReader(io.StringIO(read_text(path, "make it again"), newline="")))
 
 
 def _both(values: Sequence[Any]) -> bool:

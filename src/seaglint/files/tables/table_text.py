@@ -1,14 +1,17 @@
-"""Reader of columns of numbers from a CSV file, with errors that name file, line and column."""
+"""Reader and writer of CSV: cells by line, tables with a line of column names, errors that name file, line and column."""
 
 from __future__ import annotations
 
 import csv
+import io
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 from seaglint.base.errors import DataError
+from seaglint.files.text_file import read_text
 
 
 def plain_number(text: str) -> float:
@@ -29,22 +32,53 @@ def plain_number(text: str) -> float:
     return float(text)
 
 
-def rows_of_cells(path: Path, lines: Sequence[tuple[int, str]], separator: str = ",") -> list[list[str]]:
-    """Return the cells of numbered lines, one list a line.
+class CellLine(NamedTuple):
+    """Line of a CSV file: its number from 1, its text, and its cells without the blanks around them."""
+
+    number: int
+    text: str
+    cells: list[str]
+
+
+def cells_of(path: Path, number: int, line: str, separator: str = ",", remedy: str = "repair its quotes") -> list[str]:
+    """Return the cells of a line.
 
     Raises
     ------
     DataError
         Quotes that do not end in their line, or cells that are no text.
     """
-    rows = []
-    for number, line in lines:
-        try:
-            (row,) = csv.reader([line], delimiter=separator, strict=True)
-        except (csv.Error, ValueError) as error:
-            raise DataError(f"{path}: line {number}: is no row of cells ({error}); repair its quotes") from None
-        rows.append(row)
-    return rows
+    try:
+        (row,) = csv.reader([line], delimiter=separator, strict=True)
+    except (csv.Error, ValueError) as error:
+        raise DataError(f"{path}: line {number}: is no row of cells ({error}); {remedy}") from None
+    return row
+
+
+def read_cell_lines(path: Path, hint: str, separators: str = ",;\t") -> tuple[list[CellLine], list[str]]:
+    """Read the lines of a CSV file, one or more, and its comments; empty lines are skipped, lines that begin with ``#`` are comments.
+
+    The first line shows which of the ``separators`` parts the cells.
+
+    Raises
+    ------
+    DataError
+        Naming the file and, where there is one, the line; the message of an empty or missing file ends with ``hint``.
+    """
+    lines = [(number, line) for number, line in enumerate(read_text(path, hint).splitlines(), 1) if line.strip()]
+    comments = [line.lstrip()[1:].strip() for _, line in lines if line.lstrip().startswith("#")]
+    lines = [(number, line) for number, line in lines if not line.lstrip().startswith("#")]
+    if not lines:
+        raise DataError(f"{path}: is empty; {hint}")
+    separator = max(separators, key=lines[0][1].count)
+    return [CellLine(n, line, [cell.strip() for cell in cells_of(path, n, line, separator)]) for n, line in lines], comments
+
+
+def csv_text(rows: Iterable[Iterable[object]], separator: str = ",", line_end: str = "\n") -> str:
+    """Return rows of cells as CSV, quoted where a cell needs it; None is an empty cell."""
+    text = io.StringIO(newline="")
+    csv.writer(text, delimiter=separator, lineterminator=line_end).writerows(rows)
+    return text.getvalue()
 
 
 @dataclass(frozen=True)
@@ -100,7 +134,7 @@ class TextTable:
 def read_text_table(path: str | Path, needed: Sequence[str]) -> TextTable:
     """Read a CSV file with a line of column names; empty lines and lines that begin with ``#`` are skipped.
 
-    Commas, semicolons or tabs part the cells. ``needed`` is told where the file is empty or missing.
+    Commas, semicolons or tabs part the cells. Messages name the columns ``needed`` where the file is empty or missing.
 
     Raises
     ------
@@ -108,27 +142,15 @@ def read_text_table(path: str | Path, needed: Sequence[str]) -> TextTable:
         Naming the file and, where there is one, the line.
     """
     path, hint = Path(path), f"it needs columns {', '.join(needed)}"
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise DataError(f"{path}: no such file; {hint}") from None
-    except UnicodeDecodeError as error:
-        raise DataError(f"{path}: is not UTF-8 text (byte {error.start}); {hint}") from None
-    except OSError as error:
-        raise DataError(f"{path}: cannot be read: {error.strerror}") from None
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
-    if not lines:
-        raise DataError(f"{path}: is empty; {hint}")
-    separator = max(",;\t", key=lines[0][1].count)
-    cells = [[cell.strip() for cell in row] for row in rows_of_cells(path, lines, separator)]
-    names = tuple(cells[0])
+    (head, *rest), _ = read_cell_lines(path, hint)
+    names = tuple(head.cells)
     if len(set(names)) < len(names):
-        raise DataError(f"{path}: line {lines[0][0]}: a column name stands twice: {', '.join(names)}")
+        raise DataError(f"{path}: line {head.number}: a column name stands twice: {', '.join(names)}")
     rows = []
-    for (number, _), row in zip(lines[1:], cells[1:], strict=True):
-        if len(row) != len(names):
-            raise DataError(f"{path}: line {number}: {len(row)} cells under {len(names)} column names; is the file whole?")
-        rows.append(TableRow(number, dict(zip(names, row, strict=True))))
+    for number, _, cells in rest:
+        if len(cells) != len(names):
+            raise DataError(f"{path}: line {number}: {len(cells)} cells under {len(names)} column names; is the file whole?")
+        rows.append(TableRow(number, dict(zip(names, cells, strict=True))))
     if not rows:
         raise DataError(f"{path}: has column names and no rows; {hint}")
-    return TextTable(path, lines[0][0], names, tuple(rows))
+    return TextTable(path, head.number, names, tuple(rows))

@@ -11,7 +11,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.files.tables.table_text import plain_number, rows_of_cells
+from seaglint.files.tables.table_text import plain_number, read_cell_lines
 
 COLUMNS: Final = ("time_s", "east_m", "north_m", "height_m", "azimuth_deg", "elevation_deg", "roll_deg")
 """Columns that a file of a sensor's keyframes may have; the time is required, and one more."""
@@ -35,30 +35,21 @@ def read_track(path: str | Path, allowed: Sequence[str] = COLUMNS) -> tuple[dict
     """
     path = Path(path)
     required = f"needed are {allowed[0]} and one or more of {', '.join(allowed[1:])}"
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except FileNotFoundError:
-        raise DataError(f"{path}: no such file; give a CSV file, {required}") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise DataError(f"{path}: cannot be read as text: {error}") from None
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
-    rows = rows_of_cells(path, lines)
-    if not rows:
-        raise DataError(f"{path}: is empty; {required}")
-    header = [name.strip() for name in rows[0]]
-    _check_header(path, lines[0][0], header, allowed, required)
-    table = np.empty((len(rows) - 1, len(header)))
-    for i, ((number, line), row) in enumerate(zip(lines[1:], rows[1:], strict=True)):
+    (head, *rest), _ = read_cell_lines(path, required, ",")
+    header = head.cells
+    _check_header(path, head.number, header, allowed, required)
+    table = np.empty((len(rest), len(header)))
+    for i, (number, line, row) in enumerate(rest):
         if len(row) != len(header):
             raise DataError(f"{path}: line {number}: '{line.strip()}' has {len(row)} cells, the header {len(header)}; is the file whole?")
         for j, cell in enumerate(row):
             try:
                 table[i, j] = plain_number(cell)
             except ValueError:
-                raise DataError(f"{path}: line {number}: {header[j]} = '{cell.strip()}' is not a number; correct it") from None
+                raise DataError(f"{path}: line {number}: {header[j]} = '{cell}' is not a number; correct it") from None
             if not np.isfinite(table[i, j]):
-                raise DataError(f"{path}: line {number}: {header[j]} = {cell.strip()} is not finite; correct or remove the line")
-    return dict(zip(header, table.T, strict=True)), [f"line {number}" for number, _ in lines[1:]]
+                raise DataError(f"{path}: line {number}: {header[j]} = {cell} is not finite; correct or remove the line")
+    return dict(zip(header, table.T, strict=True)), [f"line {line.number}" for line in rest]
 
 
 def _check_header(path: Path, number: int, header: list[str], allowed: Sequence[str], required: str) -> None:

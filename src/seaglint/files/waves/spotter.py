@@ -7,8 +7,6 @@ takes the times of the wave heights for those of the spectra, which lie an hour 
 
 from __future__ import annotations
 
-import csv
-import json
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -17,18 +15,22 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.errors import DataError
+from seaglint.files import text_file
+from seaglint.files.tables.table_text import read_cell_lines
 from seaglint.files.waves.bands import Bands, DirectionalMoments
 from seaglint.files.waves.record_choice import as_utc
 from seaglint.files.waves.wave_file import Held, parsed
 
 _COLUMNS: Final = ("frequency", "varianceDensity", "a1", "b1", "a2", "b2")
 
+_AGAIN: Final = "give a Spotter's file as its dashboard or programming interface wrote it, or see sea.spectrum.format"
+
 Record = Mapping[str, Any]
 
 
 def read_json(path: Path) -> Held:
     """Read the records of ``data.frequencyData``."""
-    records = parsed(path, "a Spotter's JSON", lambda: json.loads(path.read_text(encoding="utf-8"))["data"]["frequencyData"])
+    records = parsed(path, "a Spotter's JSON", lambda: text_file.read_json(path, _AGAIN)["data"]["frequencyData"])
     return _held(path, "a Spotter's JSON", records)
 
 
@@ -36,9 +38,9 @@ def read_csv(path: Path) -> Held:
     """Read the records of a table with a column for each band and quantity: ``f_0``, ``a1_0``, ``varianceDensity_0`` and so on."""
 
     def parse() -> list[Record]:
-        rows = list(csv.reader(path.read_text(encoding="utf-8-sig").splitlines()))
-        header = [name.split("(")[0].strip() for name in rows[0]]
-        return [_record(dict(zip(header, (cell.strip() for cell in row), strict=True))) for row in rows[1:] if row]
+        (head, *rest), _ = read_cell_lines(path, _AGAIN, ",")
+        header = [name.split("(")[0].strip() for name in head.cells]
+        return [_record(dict(zip(header, line.cells, strict=True))) for line in rest]
 
     return _held(path, "a Spotter's CSV", parsed(path, "a Spotter's CSV", parse))
 

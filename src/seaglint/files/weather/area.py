@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 from seaglint.base.errors import DataError, DomainError
 from seaglint.files.tables.table_text import plain_number
+from seaglint.files.text_file import read_json
 from seaglint.files.weather.weather_cells import read_cells
 from seaglint.weather.select import GeographicBox, Polygon
 
@@ -65,12 +64,7 @@ def read_polygon(text: str) -> Polygon:
 
 
 def _geojson(path: Path) -> list[tuple[float, float]]:
-    try:
-        geometry: Any = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise DataError(f"{path}: cannot be read ({error.strerror}); give a GeoJSON file of one polygon") from None
-    except ValueError as error:
-        raise DataError(f"{path}: is no JSON ({error}); give a GeoJSON file of one polygon") from None
+    geometry = read_json(path, "give a GeoJSON file of one polygon")
     try:
         if geometry["type"] == "FeatureCollection":
             (geometry,) = geometry["features"]

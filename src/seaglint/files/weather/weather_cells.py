@@ -10,10 +10,9 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
-from seaglint.files.tables.table_text import plain_number, rows_of_cells
+from seaglint.files.tables.table_text import plain_number, read_cell_lines
 from seaglint.weather.weather_table import RANGES
 
-_SEPARATORS: Final = (",", ";", "\t")
 _MISSING: Final = frozenset({"", "nan", "NaN", "NA", "null", "None"})
 
 
@@ -93,26 +92,14 @@ def read_cells(path: str | Path) -> TextColumns:
         A file that is missing, empty or no text, headings twice, or a row of another length.
     """
     path = Path(path)
-    try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except FileNotFoundError:
-        raise DataError(f"{path}: no such file; give a CSV file of weather") from None
-    except UnicodeDecodeError as error:
-        raise DataError(f"{path}: is not UTF-8 text (byte {error.start}); save it as 'CSV UTF-8'") from None
-    except OSError as error:
-        raise DataError(f"{path}: cannot be read ({error.strerror}); give a CSV file of weather") from None
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip()]
-    comments = [line.lstrip()[1:].strip() for _, line in lines if line.lstrip().startswith("#")]
-    lines = [(number, line) for number, line in lines if not line.lstrip().startswith("#")]
-    if len(lines) < 2:
+    (head, *rest), comments = read_cell_lines(path, "give a CSV file of weather")
+    if not rest:
         raise DataError(f"{path}: holds no rows; the first line names the columns, each further one is a row")
-    separator = max(_SEPARATORS, key=lines[0][1].count)
-    cells = [[cell.strip() for cell in row] for row in rows_of_cells(path, lines, separator)]
-    header = tuple(cells[0])
+    header = tuple(head.cells)
     twice = sorted({name for name in header if name and header.count(name) > 1})
     if twice:
-        raise DataError(f"{path}, line {lines[0][0]}: column {', '.join(twice)} is there twice; rename or remove one")
-    for (number, _), row in zip(lines[1:], cells[1:], strict=True):
+        raise DataError(f"{path}, line {head.number}: column {', '.join(twice)} is there twice; rename or remove one")
+    for number, _, row in rest:
         if len(row) != len(header):
             raise DataError(f"{path}, line {number}: {len(row)} cells under {len(header)} headings; is the file whole?")
-    return TextColumns(path, header, cells[1:], [number for number, _ in lines[1:]], comments)
+    return TextColumns(path, header, [line.cells for line in rest], [line.number for line in rest], comments)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import shutil
 import tomllib
 from collections.abc import Callable, Sequence
@@ -25,7 +24,7 @@ from seaglint.files.outputs import ELSEWHERE, require_folder
 from seaglint.files.stopping import stop_on_signal
 from seaglint.files.store.claim import exclusive
 from seaglint.files.store.store import Interrupted, partial_path
-from seaglint.files.text_file import write_json, write_text
+from seaglint.files.text_file import read_json, write_json, write_text
 from seaglint.scenario.ensemble import read_toml
 from seaglint.scenario.records.dataset import Dataset
 from seaglint.studies.ensemble.ensemble_folder import differences
@@ -252,11 +251,7 @@ def _begin(partial: Path, made_from: dict[str, Any], source: str) -> None:
     """Make the folder, or see that an unfinished one is of the same settings."""
     path = partial / FOLDER / _SETTINGS
     if path.is_file():
-        try:
-            old = json.loads(path.read_text(encoding="utf-8"))
-        except ValueError as error:
-            raise DataError(f"{path}: is not readable ({error}); start again with overwrite") from error
-        _require_same(old, made_from, partial, source)
+        _require_same(read_json(path, "start again with overwrite=True"), made_from, partial, source)
     else:
         if partial.exists():
             _require_ours(partial)

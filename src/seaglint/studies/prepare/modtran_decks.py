@@ -18,7 +18,8 @@ from seaglint.files.lowtran.sounding import read_sounding
 from seaglint.files.modtran.json_deck import json_deck
 from seaglint.files.modtran.lines import MANIFEST, Manifest, needed_lines
 from seaglint.files.modtran.tape5 import deck
-from seaglint.files.outputs import ELSEWHERE, moved_when_whole, refuse_existing
+from seaglint.files.outputs import ELSEWHERE, refuse_existing
+from seaglint.files.text_file import write_text
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import atmosphere as wanted_air
 from seaglint.scenario.sun import sun_position
@@ -98,8 +99,7 @@ def write_decks(scenario: Scenario, folder: Path, form: DeckFormat, *, scattered
     for name in contents:
         refuse_existing(folder / name, overwrite=overwrite)
     for name, content in contents.items():
-        with moved_when_whole(folder / name) as partial:
-            partial.write_text(content, encoding="utf-8")
+        write_text(content, folder / name)
     return Decks(folder / DECKS[form], len(lines), solar_deg)
 
 

@@ -88,15 +88,11 @@ def _file(scenario: Scenario, system: wanted.SpectrumFile, wind_to: float, key: 
     from seaglint.files.waves import WaveChoice, read_waves
 
     place = scenario.place if system.latitude_deg is None and system.site is None else None
-    choice = WaveChoice(
+    choice = system.build(
+        WaveChoice,
         time=system.time if system.time is not None else (scenario.time.utc if scenario.time is not None else None),
         latitude_deg=place.latitude_deg if place is not None else system.latitude_deg,
         longitude_deg=place.longitude_deg if place is not None else system.longitude_deg,
-        site=system.site,
-        time_tolerance=system.time_tolerance_s,
-        distance_tolerance_km=system.distance_tolerance_km,
-        from_deg=system.from_deg,
-        spreading_deg=system.spreading_deg,
     )
     try:
         read = read_waves(system.path, choice, wind_to, format=None if system.format == "auto" else system.format)
