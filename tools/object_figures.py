@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from seaglint.base.brightness import scale_limits
 from seaglint.base.schema import VARIABLES
-from seaglint.plot.scale import scale_limits
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.studies.sequence.render_sequence import Sequence, prepare_sequence
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from seaglint.base.brightness import Scale, scale_limits
 from seaglint.base.errors import BackendError, StorageError
 from seaglint.files.provenance import band_attributes
 from seaglint.files.store.layout import Layout
@@ -16,7 +17,7 @@ from seaglint.files.store.store import open_sequence, write_sequence
 from seaglint.optics.band import Band
 from seaglint.plot import preview, video
 from seaglint.plot.preview import draw, write_picture
-from seaglint.plot.scale import Scale, scale_limits, scale_of, sea_pixels
+from seaglint.plot.scale import scale_of, sea_pixels
 from seaglint.plot.sequence_summary import GLINT_FACTOR, grid_of, summarise, to_temperature
 from seaglint.plot.video import captioned, grey, video_available, write_video
 

@@ -9,9 +9,9 @@ from typing import Any, Final
 from seaglint.analysis import Analysis
 from seaglint.base.conventions import Progress
 from seaglint.files.outputs import refuse_existing
-from seaglint.files.text_file import json_text, write_text
+from seaglint.files.text_file import write_text
 from seaglint.plot.clutter import FAMILY_NAMES, PICTURES, png, unit_of
-from seaglint.plot.page import ABSENT, figure, interval, number, page, section, table
+from seaglint.plot.page import ABSENT, all_numbers, bullets, figure, interval, notes, number, page, section, table
 from seaglint.version import __version__
 
 _SIGMA: Final = {
@@ -72,9 +72,7 @@ def report(analysis: Analysis, progress: Progress = lambda done, total: None) ->
         section("Distributions", images["histograms"], *_fits(analysis, results)),
         section("Correlation, spectrum, stationarity", _memory(results), images["memory"]),
         section("How it was done", *_methods(analysis, results)),
-        "<details><summary>All numbers as JSON</summary><pre>",
-        escape(json_text(results, indent=1)),
-        "</pre></details>",
+        all_numbers(results),
     ]
     return page(title, body)
 
@@ -99,10 +97,7 @@ def _facts(results: dict[str, Any]) -> str:
 
 def _notes(results: dict[str, Any]) -> str:
     own = [f"{name}: {note}" for name, region in _regions(results) for note in region["notes"]]
-    notes = [*results["notes"], *own]
-    if not notes:
-        return '<div class="notes none">Nothing unusual was found in the data.</div>'
-    return '<ul class="notes">' + "".join(f"<li>{escape(note)}</li>" for note in notes) + "</ul>"
+    return notes([*results["notes"], *own], "Nothing unusual was found in the data.")
 
 
 def _summary(results: dict[str, Any]) -> str:
@@ -260,4 +255,4 @@ def _methods(analysis: Analysis, results: dict[str, Any]) -> list[str]:
         ["seed", str(options.seed)],
         ["seaglint", __version__],
     ]
-    return ["<ul>" + "".join(f"<li>{escape(text)}</li>" for text in done) + "</ul>", table(["option", "value"], used, words=(1,))]
+    return [bullets(done), table(["option", "value"], used, words=(1,))]

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from html import escape
 from typing import Any
 
-from seaglint.files.text_file import json_text
 from seaglint.plot.clutter import png
 from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map, draw_sweep
-from seaglint.plot.page import figure, interval, number, page, section, table
+from seaglint.plot.page import all_numbers, bullets, figure, interval, notes, number, page, section, table
 from seaglint.version import __version__
 
 
@@ -26,16 +25,16 @@ def study_report(title: str, cases: Sequence[dict[str, Any]], stopped: str | Non
         Why some cases are missing.
     """
     good = [case for case in cases if "error" not in case]
-    notes = [*([stopped] if stopped else []), *(case["error"] for case in cases if "error" in case)]
+    remarks = [*([stopped] if stopped else []), *(case["error"] for case in cases if "error" in case)]
     body = [f"<h1>{escape(title)}</h1>", f'<p class="facts">{len(good)} cases · seaglint {__version__}</p>']
-    if notes:
-        body.append('<ul class="notes">' + "".join(f"<li>{escape(text)}</li>" for text in notes) + "</ul>")
+    if remarks:
+        body.append(notes(remarks))
     body.append(section("Results", _summary(good)))
     body += [section(f"Against {key}", figure(png(draw_sweep(rows, key)), key, "Bands: intervals of P_d.")) for key, rows in _swept(good)]
     for case in good:
         body.append(_case(case))
     numbers = [{"parameters": case["parameters"], "result": case.get("result"), "error": case.get("error")} for case in cases]
-    body.append(f"<details><summary>All numbers as JSON</summary><pre>{escape(json_text(numbers, indent=1))}</pre></details>")
+    body.append(all_numbers(numbers))
     return page(title, body)
 
 
@@ -107,5 +106,4 @@ def _case(case: dict[str, Any]) -> str:
     if chips is not None:
         caption = "Missed objects (they are in the middle), the nearest and the farthest from the threshold, and the highest false alarms."
         pictures.append(figure(png(chips), "misses and false alarms", caption))
-    notes = "".join(f"<li>{escape(text)}</li>" for text in result["notes"])
-    return section(_named(case), *pictures, f"<ul>{notes}</ul>")
+    return section(_named(case), *pictures, bullets(result["notes"]))

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any, Final
 
+from seaglint.files.text_file import json_text
 from seaglint.version import __version__
 
 ABSENT: Final = "–"
@@ -81,6 +82,22 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], words: Sequence[in
     top = "<tr>" + "".join(cell("th", i, text) for i, text in enumerate(head)) + "</tr>"
     kind = "table wide" if len(head) >= WIDE else "table"
     return f'<div class="{kind}"><table>\n<thead>' + top + "</thead>\n<tbody>\n" + "\n".join(lines) + "\n</tbody></table></div>"
+
+
+def bullets(texts: Iterable[str], kind: str = "") -> str:
+    """Return sentences as a list; ``kind`` is its style."""
+    opening = f'<ul class="{kind}">' if kind else "<ul>"
+    return opening + "".join(f"<li>{escape(text)}</li>" for text in texts) + "</ul>"
+
+
+def notes(texts: Sequence[str], none: str = "") -> str:
+    """Return remarks in a box; where there are none, the sentence ``none``."""
+    return bullets(texts, "notes") if texts else f'<div class="notes none">{escape(none)}</div>'
+
+
+def all_numbers(results: Any) -> str:
+    """Return everything that a report is made from, as JSON that opens on a click."""
+    return f"<details><summary>All numbers as JSON</summary><pre>\n{escape(json_text(results, indent=1))}\n</pre></details>"
 
 
 def section(title: str, *parts: str) -> str:

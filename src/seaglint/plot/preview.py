@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.brightness import Scale
 from seaglint.base.conventions import FloatArray
 from seaglint.base.schema import ARTICLE_RADIANCE_PER_SI, ARTICLE_RADIANCE_SYMBOL, VARIABLES
 from seaglint.files.counts import pictures
 from seaglint.files.directions import directions
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
-from seaglint.plot.scale import Kind, Scale, scale_of, sea_pixels
+from seaglint.plot.scale import Kind, scale_of, sea_pixels
 from seaglint.plot.sequence_summary import images, to_temperature
 
 if TYPE_CHECKING:

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, Final, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.brightness import Scale, scale_limits
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
-from seaglint.base.conventions import FloatArray
 from seaglint.files.directions import directions
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Kind = Literal["auto", "linear", "log"]
-
-PERCENTILES: Final = (0.2, 99.8)
-"""Scale limits: a few sparkles are tens of times brighter than the sea and would turn the rest black."""
 
 _NEAR_HORIZON: Final = 0.1
 """Share of the depressions in view, from the horizon on, that sets no limits: the sea is as warm as the air there, in long wave a few
@@ -29,56 +26,6 @@ _WIDER: Final = 1.5
 
 _FLAT: Final = 0.1
 """Share of a linear scale that the middle half of the sea's pixels has to span; else the scale is logarithmic."""
-
-
-class Scale(NamedTuple):
-    """Brightness scale: linear, or the logarithm of what a value lies above the lower limit.
-
-    ``share = ln(1 + (x - low) / width) / ln(1 + (high - low) / width)``
-
-    which is linear within ``width`` of the lower limit and even in decades far above it.
-
-    Attributes
-    ----------
-    low, high : float
-        Limits.
-    width : float or None
-        As above; None for a linear scale.
-    """
-
-    low: float
-    high: float
-    width: float | None = None
-
-    @property
-    def logarithmic(self) -> bool:
-        """True for a logarithmic scale."""
-        return self.width is not None
-
-    def share(self, values: NDArray[Any]) -> FloatArray:
-        """Brightness of values, 0 at the lower limit and 1 at the upper one [1]; not clipped, NaN stays."""
-        x = np.asarray(values, np.float64) - self.low
-        if self.width is None:
-            return np.asarray(x / (self.high - self.low))
-        # Below the limit all is black; the logarithm ends one width below.
-        return np.asarray(np.log1p(np.maximum(x / self.width, -0.5)) / np.log1p((self.high - self.low) / self.width))
-
-    def value(self, share: NDArray[Any]) -> FloatArray:
-        """Values of this brightness, the inverse of :meth:`share`."""
-        s = np.asarray(share, np.float64)
-        if self.width is None:
-            return np.asarray(self.low + s * (self.high - self.low))
-        return np.asarray(self.low + self.width * np.expm1(s * np.log1p((self.high - self.low) / self.width)))
-
-
-def scale_limits(values: NDArray[Any]) -> tuple[float, float]:
-    """Limits of a colour scale, never empty."""
-    finite = values[np.isfinite(values)]
-    if finite.size == 0:
-        return 0.0, 1.0
-    low, high = (float(v) for v in np.percentile(finite, PERCENTILES))
-    margin = 1e-4 * max(abs(low), abs(high), 1e-12)  # a flat image must not show its rounding errors
-    return (low, high) if high - low > margin else (low - margin, high + margin)
 
 
 def scale_of(values: NDArray[Any], sea: NDArray[np.bool_] | None = None, kind: Kind = "auto") -> Scale:

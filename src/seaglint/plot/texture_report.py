@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.brightness import scale_limits
 from seaglint.files.outputs import refuse_existing
 from seaglint.files.text_file import write_text
 from seaglint.plot.clutter import png
-from seaglint.plot.page import figure, number, page, section, table
+from seaglint.plot.page import bullets, figure, notes, number, page, section, table
 from seaglint.texture.long_tails import interior
 from seaglint.texture.quality import LIMITS, Comparison
 
@@ -39,7 +40,7 @@ def draw_pictures(comparison: Comparison, first: Frames, second: Frames) -> Figu
     figure = _figure(12.0, 8.0)
     axes = figure.subplots(2, 2)
     images = [frames[len(frames) // 2] for frames in (first, second)]
-    low, high = np.quantile(np.concatenate([image.ravel() for image in images]), [0.002, 0.998])
+    low, high = scale_limits(np.stack(images))
     for column, (image, one) in enumerate(zip(images, (comparison.first, comparison.second), strict=True)):
         shown = axes[0, column].imshow(image, cmap="gray", vmin=low, vmax=high, interpolation="nearest")
         figure.colorbar(shown, ax=axes[0, column], shrink=0.8, label="value")
@@ -98,16 +99,10 @@ def comparison_report(
     """The report as text; ``about`` are sentences on the fit."""
     result = comparison.as_dict()
     title = f"Textures: {result['second']} against {result['first']}"
-    fails = result["fails"]
-    verdict = (
-        '<ul class="notes">' + "".join(f"<li>{escape(text)}</li>" for text in fails) + "</ul>"
-        if fails
-        else '<div class="notes none">Nothing is farther apart than the limits.</div>'
-    )
     body = [
         f"<h1>{escape(title)}</h1>",
-        verdict,
-        *([section("The fit", "<ul>" + "".join(f"<li>{escape(text)}</li>" for text in about) + "</ul>")] if about else []),
+        notes(result["fails"], "Nothing is farther apart than the limits."),
+        *([section("The fit", bullets(about))] if about else []),
         section("Side by side", figure(png(draw_pictures(comparison, first, second)), "pictures", "Middle frames, and their Laplacians.")),
         section("False alarms of the filtered picture", _rates(result, gaussian)),
         section("Measures", _measures(result), figure(png(draw_measures(comparison, gaussian)), "measures", "Both textures in numbers.")),
@@ -160,7 +155,7 @@ def _methods() -> str:
         "Spectra are of Hann windowed squares, in units of each texture's variance; two samples of one texture differ by about 1 dB.",
         "Correlations in space are to 12 px, in time to 25 frames. Co-occurrence: 16 common levels, four neighbours (Haralick 1973).",
     )
-    return "<ul>" + "".join(f"<li>{escape(text)}</li>" for text in texts) + "</ul>"
+    return bullets(texts)
 
 
 def write_comparison(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.brightness import Scale, eight_bit
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import BackendError
 from seaglint.base.schema import VARIABLES
@@ -17,7 +18,7 @@ from seaglint.files.counts import pictures
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.provenance import stored_band
 from seaglint.files.recording.arrays import stored_frame_rate
-from seaglint.plot.scale import Kind, Scale, scale_of, sea_pixels
+from seaglint.plot.scale import Kind, scale_of, sea_pixels
 from seaglint.plot.sequence_summary import Images, images, to_temperature
 from seaglint.plot.video_formats import video_format
 
@@ -69,7 +70,7 @@ def grey(image: NDArray[np.floating], low: float, high: float) -> NDArray[np.uin
     enlarged = np.repeat(np.repeat(scaled, grow, axis=0), grow, axis=1)
     # H.264 with halved colour resolution takes even sides only.
     even = np.pad(enlarged, [(0, size % 2) for size in enlarged.shape], mode="edge")
-    return np.asarray(np.rint(255.0 * even), dtype=np.uint8)
+    return eight_bit(even)
 
 
 def captioned(picture: NDArray[np.uint8], scale: Scale, ends: str, time: float | None) -> NDArray[np.uint8]:

@@ -11,11 +11,11 @@ from typing import Any, Final
 
 import numpy as np
 
+from seaglint.base.brightness import Scale
 from seaglint.base.errors import DataError
 from seaglint.files.tables.table_text import csv_text
 from seaglint.plot.video import Colours, palette, write_video
 from seaglint.viewer.picture import Scales, Show
-from seaglint.viewer.scaling import Scaling
 
 MOST_CLIP: Final = 400_000_000
 """Largest size of a clip's frames in memory [bytes]."""
@@ -24,7 +24,7 @@ TYPES: Final = {".png": "image/png", ".npy": "application/octet-stream", ".tif":
 """Media types by ending."""
 
 
-def frame_file(show: Show, index: int, ending: str, scaling: Scaling, colours: Colours) -> bytes:
+def frame_file(show: Show, index: int, ending: str, scaling: Scale, colours: Colours) -> bytes:
     """Return one frame as a file: PNG as shown, one pixel a pixel; NumPy or TIFF with the values and their unit.
 
     Raises

@@ -11,9 +11,10 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.brightness import Scale
 from seaglint.base.errors import DataError
 from seaglint.viewer.frame_source import ViewerSource
-from seaglint.viewer.scaling import Scaling, scaling_of
+from seaglint.viewer.scaling import scaling_of
 
 SAMPLED: Final = 12
 """Number of frames that set a scale for all."""
@@ -84,9 +85,9 @@ class Scales:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._cached: OrderedDict[tuple[Any, ...], Scaling] = OrderedDict()
+        self._cached: OrderedDict[tuple[Any, ...], Scale] = OrderedDict()
 
-    def of(self, show: Show, index: int) -> Scaling:
+    def of(self, show: Show, index: int) -> Scale:
         """Return the scaling of a frame."""
         symmetric = show.minus is not None
         if show.limits is not None:
@@ -120,7 +121,7 @@ def sampled(show: Show) -> NDArray[np.int64]:
     return done[np.unique(np.linspace(0, max(done.size - 1, 0), min(done.size, SAMPLED)).astype(np.int64))]
 
 
-def tag(show: Show, index: int, scaling: Scaling) -> str:
+def tag(show: Show, index: int, scaling: Scale) -> str:
     """Return the ETag of a picture; equal pictures have equal tags."""
     steps = b"" if scaling.steps is None else scaling.steps.tobytes()
     content = repr((show.key, index, scaling.low, scaling.high)).encode() + steps

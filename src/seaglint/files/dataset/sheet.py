@@ -11,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.brightness import Scale, eight_bit, scale_limits
 from seaglint.files.outputs import moved_when_whole
 
 WIDTH: Final = 240
@@ -71,6 +72,4 @@ def _zoom(example: Example) -> float:
 
 
 def _grey(values: NDArray[Any]) -> NDArray[np.uint8]:
-    low, high = np.percentile(values, (1.0, 99.8))
-    share = (np.asarray(values, np.float64) - low) / max(high - low, 1e-300)
-    return np.asarray(np.rint(255.0 * np.clip(share, 0.0, 1.0)), np.uint8)
+    return eight_bit(Scale(*scale_limits(values, (1.0, 99.8))).share(values))

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.analysis import Analysis
+from seaglint.base.brightness import scale_limits
 from seaglint.plot.clutter.figure import COLOURS, beyond, new_figure, say, unit_of, values_label
-from seaglint.plot.scale import scale_limits
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -11,8 +11,9 @@ from typing import Any, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from seaglint.base.brightness import Scale, eight_bit
 from seaglint.base.schema import VARIABLES
-from seaglint.plot.scale import Scale, scale_of
+from seaglint.plot.scale import scale_of
 from seaglint.viewer.workbench.small_pictures import PreviewPicture
 
 Quantity = Literal["radiance", "apparent_temperature"]
@@ -113,8 +114,7 @@ def _png(share: NDArray[Any], colours: NDArray[np.uint8]) -> str:
     from PIL import Image
 
     known = np.isfinite(share)
-    index = np.asarray(255.0 * np.clip(np.where(known, share, 0.0), 0.0, 1.0), np.uint8)
-    pixels = colours[index]
+    pixels = colours[eight_bit(share)]
     pixels[~known] = (40, 140, 90)
     out = io.BytesIO()
     Image.fromarray(pixels).save(out, format="png")
