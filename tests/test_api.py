@@ -73,13 +73,13 @@ def test_a_number_of_workers_is_that_of_processes(tmp_path, monkeypatch, workers
 
 
 @pytest.fixture(scope="module")
-def scene():
+def still_scene():
     return sg.load(SCENE)
 
 
 @pytest.fixture(scope="module")
-def run(scene, tmp_path_factory) -> xr.Dataset:
-    return sg.render(scene, tmp_path_factory.mktemp("api") / "run.zarr")
+def run(still_scene, tmp_path_factory) -> xr.Dataset:
+    return sg.render(still_scene, tmp_path_factory.mktemp("api") / "run.zarr")
 
 
 def in_new_interpreter(code: str) -> str:
@@ -116,25 +116,25 @@ def test_scenarios_come_from_files_and_mappings(tmp_path) -> None:
         sg.load({"wind": {"sped_m_s": 9.0}})
 
 
-def test_mean_is_that_of_the_pipeline_with_units_at_every_variable(scene) -> None:
-    found, expected = sg.mean(scene), pipeline_mean(scene)
+def test_mean_is_that_of_the_pipeline_with_units_at_every_variable(still_scene) -> None:
+    found, expected = sg.mean(still_scene), pipeline_mean(still_scene)
     for name in expected.data_vars:
         np.testing.assert_array_equal(found[name], expected[name])
         assert found[name].attrs["units"] == ("K" if name == "apparent_temperature" else "W m-2 sr-1")
     assert found.elevation.attrs["units"] == "degree"
 
 
-def test_the_store_comes_back_opened_and_is_read_frame_by_frame(scene, run) -> None:
+def test_the_store_comes_back_opened_and_is_read_frame_by_frame(still_scene, run) -> None:
     assert dict(run.radiance.sizes) == {"time": 4, "y": 40, "x": 32}
     assert set(run.data_vars) >= {"radiance", "apparent_temperature", "glint_radiance"}
     assert not run.radiance.variable._in_memory
     with pytest.raises(DataError, match="exists already"):
-        sg.render(scene, run.encoding["source"])
+        sg.render(still_scene, run.encoding["source"])
 
 
 @pytest.mark.parametrize("number", [0, 3])
-def test_image_is_the_frame_of_its_time(scene, run, number: int) -> None:
-    found = sg.image(scene, time=number / RATE, layers=["range", "glint_radiance"])
+def test_image_is_the_frame_of_its_time(still_scene, run, number: int) -> None:
+    found = sg.image(still_scene, time=number / RATE, layers=["range", "glint_radiance"])
     frame = run.isel(time=number)
     for name in ("radiance", "glint_radiance"):
         np.testing.assert_array_equal(found[name], frame[name])
@@ -144,8 +144,8 @@ def test_image_is_the_frame_of_its_time(scene, run, number: int) -> None:
     assert float(found.time) == number / RATE
 
 
-def test_parts_of_an_image_add_up(scene) -> None:
-    found = sg.image(scene, layers=LAYERS)
+def test_parts_of_an_image_add_up(still_scene) -> None:
+    found = sg.image(still_scene, layers=LAYERS)
     parts = sum(found[name] for name in ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance"))
     np.testing.assert_allclose(parts, found.radiance, rtol=1e-6)
     assert bool(np.isnan(found["range"]).equals(found.coverage == 0.0))
@@ -165,9 +165,9 @@ def test_image_of_a_turning_sensor_names_the_directions_of_its_time() -> None:
 @pytest.mark.parametrize(
     ("more", "match"), [({"time": float("nan")}, "seconds from the start"), ({"layers": ["rnage"]}, "'rnage' is not one of")]
 )
-def test_images_that_there_are_not_are_refused(scene, more, match: str) -> None:
+def test_images_that_there_are_not_are_refused(still_scene, more, match: str) -> None:
     with pytest.raises(DomainError, match=match):
-        sg.image(scene, **more)
+        sg.image(still_scene, **more)
 
 
 def test_apparent_temperature_is_that_of_the_store(run) -> None:

@@ -146,7 +146,7 @@ def test_angles_outside_the_samples_are_refused():
 def test_the_sky_of_a_sensor_that_ends_at_the_horizontal_is_asked_for_down_to_the_sea_horizon():
     """The angle told, as printed, is enough; from 100 m the horizon is 0.297 deg below the horizontal."""
 
-    def air(lowest):
+    def grey_air_from(lowest):
         ends = np.radians([90.0 - lowest, 90.0])
         return grey(
             skies=[SkySamples(0.0, np.radians([0.0, 90.0]), np.ones((2, NU.size))), SkySamples(HEIGHT, ends, np.ones((2, NU.size)), DIP)]
@@ -154,10 +154,10 @@ def test_the_sky_of_a_sensor_that_ends_at_the_horizontal_is_asked_for_down_to_th
 
     horizon = 0.5 * np.pi + DIP
     with pytest.raises(DomainError, match=r"sky seen from the sensor at 100 m: zenith angles outside 0-90 deg") as error:
-        air(90.0).sky_radiance(horizon, HEIGHT)
+        grey_air_from(90.0).sky_radiance(horizon, HEIGHT)
     told = float(str(error.value).split("sea horizon at ")[1].removesuffix(" deg"))
     assert np.radians(told) == pytest.approx(horizon, abs=np.radians(0.005))
-    assert np.all(np.isfinite(air(told).sky_radiance(horizon, HEIGHT)))
+    assert np.all(np.isfinite(grey_air_from(told).sky_radiance(horizon, HEIGHT)))
 
 
 @pytest.mark.parametrize(

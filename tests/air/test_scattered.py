@@ -31,14 +31,14 @@ HIGHEST_KM = 100.0
 
 
 @pytest.fixture(scope="module")
-def air():
+def scattering_air():
     table = TableAtmosphere.load("midlatitude-summer", 7.0, (3.5, 4.2))
     return table.scattering(BandSum.of(BAND, table).grid)
 
 
 @pytest.fixture(scope="module")
-def weights(air):
-    return BAND.weights(air.wavenumber_cm)
+def weights(scattering_air):
+    return BAND.weights(scattering_air.wavenumber_cm)
 
 
 def line_by_line(air, weights, height, elevation, azimuth, solar_zenith):
@@ -91,9 +91,9 @@ def test_molecular_phase_function_is_normalised():
     assert float(2.0 * np.pi * weight @ molecular_phase(np.arccos(cosine))) == pytest.approx(1.0, rel=1e-3)
 
 
-def test_mie_phase_functions_are_normalised_and_peak_forward(air):
+def test_mie_phase_functions_are_normalised_and_peak_forward(scattering_air):
     angle = np.radians(np.linspace(0.0, 180.0, 3601))
-    phase = air.phase(angle)
+    phase = scattering_air.phase(angle)
     total = 2.0 * np.pi * np.trapezoid(phase * np.sin(angle)[:, None, None], angle, axis=0)
     np.testing.assert_allclose(total, 1.0, rtol=0.06)  # LOWTRAN7's own, on its 34 angles
     assert np.all(phase[0, : KINDS - 2] > 2.0 * phase[1800, : KINDS - 2])
@@ -105,9 +105,9 @@ def test_sun_at_a_place_is_the_one_of_the_glint():
 
 
 @pytest.mark.parametrize("apparent", [0.0, 0.5, 1.4, 1.55, 0.5 * np.pi + 0.003])
-def test_refraction_there_and_back(air, apparent):
-    true = air.unrefracted_zenith(apparent)
-    assert float(air.apparent_zenith(true)) == pytest.approx(apparent, abs=1e-8)
+def test_refraction_there_and_back(scattering_air, apparent):
+    true = scattering_air.unrefracted_zenith(apparent)
+    assert float(scattering_air.apparent_zenith(true)) == pytest.approx(apparent, abs=1e-8)
     assert apparent <= true < apparent + np.radians(0.7)
 
 
@@ -118,11 +118,11 @@ def test_azimuth_is_symmetric_and_periodic():
     assert third == pytest.approx(one, rel=1e-12)
 
 
-def test_more_air_scatters_more_and_the_aureole_is_brightest(air, weights):
+def test_more_air_scatters_more_and_the_aureole_is_brightest(scattering_air, weights):
     elevation = -np.radians([60.0, 20.0, 5.0, 2.0, 1.0])
-    path, _ = line_by_line(air, weights, 30.0, elevation, 0.5, 1.3)
+    path, _ = line_by_line(scattering_air, weights, 30.0, elevation, 0.5, 1.3)
     assert np.all(np.diff(path) > 0.0)
-    aside, _ = line_by_line(air, weights, 0.0, 0.2, np.radians([0.0, 3.0, 10.0, 30.0, 90.0]), 1.4)
+    aside, _ = line_by_line(scattering_air, weights, 0.0, 0.2, np.radians([0.0, 3.0, 10.0, 30.0, 90.0]), 1.4)
     assert np.all(np.diff(aside) < 0.0)
 
 
@@ -139,11 +139,11 @@ def test_sun_sets_without_a_step():
 
 
 @pytest.mark.validation
-def test_tables_of_a_setting_sun_have_no_step(air, weights):
+def test_tables_of_a_setting_sun_have_no_step(scattering_air, weights):
     """Path, sky and mirrored sky as the disc sets: every 0.05 deg a fifth less at most, of what it was at first, down to darkness."""
     seen = []
     for zenith in np.radians(np.arange(89.5, 90.31, 0.05)):
-        light = scattered_in(_Only(air), slice(None), weights, 30.0, float(zenith), 0.002)
+        light = scattered_in(_Only(scattering_air), slice(None), weights, 30.0, float(zenith), 0.002)
         mirrored = in_band(light.sea_sky, weights)
         seen.append(
             [
@@ -172,48 +172,48 @@ class _Only:
 
 
 @pytest.mark.parametrize(("height", "sun", "turn"), [(30.0, 76.0, 0.004), (2.0, 30.0, 0.0), (900.0, 85.0, 0.02), (9000.0, 60.0, 0.055)])
-def test_tables_against_line_by_line(air, weights, height, sun, turn):
+def test_tables_against_line_by_line(scattering_air, weights, height, sun, turn):
     """0.3 %: path and sky from the horizontal up; twice that among Suns of places in view."""
     sun = np.radians(sun)
-    light = ScatteredLight(air, weights, height, sun, turn)
+    light = ScatteredLight(scattering_air, weights, height, sun, turn)
     rng = np.random.default_rng(3)
     azimuth = np.pi * rng.random(24) ** 2
     elevation = 0.5 * np.pi * rng.random(24) ** 3
-    direct, _ = line_by_line(air, weights, height, elevation, azimuth, sun)
+    direct, _ = line_by_line(scattering_air, weights, height, elevation, azimuth, sun)
     tabled = [scattered_sky_at(e, a, light.sky) for e, a in zip(elevation.tolist(), azimuth.tolist(), strict=True)]
     np.testing.assert_allclose(tabled, direct, rtol=3e-3)
     np.testing.assert_allclose(scattered_shares(elevation, azimuth, light.sky)[:, 0], direct, rtol=3e-3)
-    dip = horizon_zenith(air.laws, 1e-3 * height) - 0.5 * np.pi
+    dip = horizon_zenith(scattering_air.laws, 1e-3 * height) - 0.5 * np.pi
     down = -dip - (0.5 * np.pi - dip) * (1e-3 + 0.999 * rng.random(24) ** 4)
-    direct, arc = line_by_line(air, weights, height, down, azimuth, sun)
-    arc *= 1e3 * air.laws.earth_radius
+    direct, arc = line_by_line(scattering_air, weights, height, down, azimuth, sun)
+    arc *= 1e3 * scattering_air.laws.earth_radius
     np.testing.assert_allclose(scattered_path(arc, down, azimuth, light.path), direct, rtol=3e-3)
     assert scattered_path_at(float(arc[0]), float(down[0]), float(azimuth[0]), light.path) == pytest.approx(float(direct[0]), rel=3e-3)
     for there in (sun - turn, sun, sun + 0.5 * turn):
-        direct, _ = line_by_line(air, weights, 0.0, elevation, azimuth, there)
+        direct, _ = line_by_line(scattering_air, weights, 0.0, elevation, azimuth, there)
         spectra = scattered_shares(elevation, azimuth, light.sea_sky, there) @ light.sea_sky.spectral
         np.testing.assert_allclose(spectra @ weights, direct, rtol=6e-3)
         mirrored = scattered_shares(elevation, azimuth, in_band(light.sea_sky, weights), there)[:, 0]
         np.testing.assert_allclose(mirrored, spectra @ weights, rtol=1e-9)
 
 
-def test_spectral_shapes_hold_the_spectrum(air, weights):
+def test_spectral_shapes_hold_the_spectrum(scattering_air, weights):
     """Products with a reflectance that doubles through the band are as good as the band's own sums."""
-    light = ScatteredLight(air, weights, 30.0, 1.3)
+    light = ScatteredLight(scattering_air, weights, 30.0, 1.3)
     slope = np.linspace(1.0, 2.0, weights.size) * weights
-    direct, _ = line_by_line(air, slope, 0.0, 0.3, 0.5, 1.3)
+    direct, _ = line_by_line(scattering_air, slope, 0.0, 0.3, 0.5, 1.3)
     assert float(scattered_shares(0.3, 0.5, light.sea_sky) @ (light.sea_sky.spectral @ slope)) == pytest.approx(float(direct[0]), rel=3e-3)
 
 
-def test_tables_are_kept_for_the_same_air_and_sun_alone(air, weights):
-    first = scattered_in(_Only(air), slice(None), weights, 30.0, 1.2)
-    assert scattered_in(_Only(air), slice(None), weights.copy(), 30.0, 1.2) is first
+def test_tables_are_kept_for_the_same_air_and_sun_alone(scattering_air, weights):
+    first = scattered_in(_Only(scattering_air), slice(None), weights, 30.0, 1.2)
+    assert scattered_in(_Only(scattering_air), slice(None), weights.copy(), 30.0, 1.2) is first
     for other in ((2.0 * weights, 30.0, 1.2), (weights, 31.0, 1.2), (weights, 30.0, 1.21), (weights, 30.0, 1.2, 0.01)):
-        assert scattered_in(_Only(air), slice(None), *other) is not first
+        assert scattered_in(_Only(scattering_air), slice(None), *other) is not first
 
 
-def test_paths_beyond_the_horizon_stay_those_of_the_horizon(air, weights):
-    light = ScatteredLight(air, weights, 30.0, 1.3)
+def test_paths_beyond_the_horizon_stay_those_of_the_horizon(scattering_air, weights):
+    light = ScatteredLight(scattering_air, weights, 30.0, 1.3)
     edge = np.sqrt(light.path.longest**2 - 900.0) * EFFECTIVE_EARTH_RADIUS / (EFFECTIVE_EARTH_RADIUS + 15.0)
     assert float(slant_range(30.0, edge)) == pytest.approx(light.path.longest, rel=1e-6)
     ends = scattered_path([edge, 1.3 * edge], -0.003, 0.1, light.path)
@@ -239,20 +239,20 @@ def test_night_and_the_far_infrared_are_dark():
     assert not covers((8.0, 12.0))
 
 
-def test_places_in_view_see_their_own_sun(air, weights):
+def test_places_in_view_see_their_own_sun(scattering_air, weights):
     """Sky over a place towards the Sun is that under a Sun so much higher; beyond its horizon a Sun scatters nothing."""
     sun, turn = 0.5 * np.pi - 0.01, 0.02
-    light = ScatteredLight(air, weights, 1000.0, sun, turn)
-    direct, _ = line_by_line(air, weights, 0.0, 0.1, 0.3, sun - turn)
+    light = ScatteredLight(scattering_air, weights, 1000.0, sun, turn)
+    direct, _ = line_by_line(scattering_air, weights, 0.0, 0.1, 0.3, sun - turn)
     found = scattered_shares(0.1, 0.3, light.sea_sky, sun - turn) @ (light.sea_sky.spectral @ weights)
     assert float(found) == pytest.approx(float(direct[0]), rel=1e-2)
     assert not np.any(scattered_shares(0.1, 0.3, light.sea_sky, 0.5 * np.pi + 1.01 * SOLAR_ANGULAR_RADIUS))
 
 
-def test_cut_air_is_the_air_of_the_cut_band(air):
-    some = air.cut(slice(20, 60))
+def test_cut_air_is_the_air_of_the_cut_band(scattering_air):
+    some = scattering_air.cut(slice(20, 60))
     lines = np.array([[1.2, 0.3, 1.0]])
-    np.testing.assert_allclose(some.amplitudes(30.0, lines)[0], air.amplitudes(30.0, lines)[0][..., 20:60], rtol=1e-12)
+    np.testing.assert_allclose(some.amplitudes(30.0, lines)[0], scattering_air.amplitudes(30.0, lines)[0][..., 20:60], rtol=1e-12)
 
 
 def test_unknown_models_and_channels_are_refused():

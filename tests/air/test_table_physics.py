@@ -30,7 +30,7 @@ NOISE = 2e-5  # what 16-bit scores may add to a transmittance
 
 
 @pytest.fixture(scope="module", params=sorted(LEVELS))
-def air(request) -> TableAtmosphere:
+def table_air(request) -> TableAtmosphere:
     return TableAtmosphere.load(request.param, wind_speed=7.0)
 
 
@@ -52,132 +52,138 @@ def test_shipped_models():
 
 
 @pytest.mark.parametrize("height", HEIGHTS)
-def test_transmittance_lies_between_0_and_1_and_falls_with_range(air, height):
-    tau = air.transmittance(height, arcs(height))
+def test_transmittance_lies_between_0_and_1_and_falls_with_range(table_air, height):
+    tau = table_air.transmittance(height, arcs(height))
     assert np.all((tau >= 0.0) & (tau <= 1.0))
     assert np.all(np.diff(tau, axis=0) <= NOISE)
-    assert np.all(np.diff(band(air, tau)) < 0.0)
+    assert np.all(np.diff(band(table_air, tau)) < 0.0)
 
 
 @pytest.mark.parametrize("height", HEIGHTS)
-def test_curves_have_no_bands_over_range(air, height):
+def test_curves_have_no_bands_over_range(table_air, height):
     # Curvature of log transmittance per step of log range changes smoothly: a kink or a stair would stand out as a spike.
     x = np.linspace(np.log(0.05 * height), np.log(0.98 * horizon_range(height)), 3000)
-    y = np.log(band(air, air.transmittance(height, np.exp(x))))
+    y = np.log(band(table_air, table_air.transmittance(height, np.exp(x))))
     curvature = np.diff(y, 2) / (x[1] - x[0]) ** 2
     assert np.abs(np.diff(curvature)).max() < 0.05 * np.abs(curvature).max()
 
 
 @pytest.mark.parametrize("height", [2.0, 30.0, 640.0])
-def test_the_first_kilometre_emits_between_its_temperatures(air, height):
-    cold, warm = sorted(LEVELS[air.model])
+def test_the_first_kilometre_emits_between_its_temperatures(table_air, height):
+    cold, warm = sorted(LEVELS[table_air.model])
     arc = arcs(height)
-    emitted = air.path_radiance(height, arc) / (1.0 - air.transmittance(height, arc))
-    assert np.all(emitted <= planck_wavenumber(air.wavenumber_cm, warm + 0.1))
-    assert np.all(emitted >= planck_wavenumber(air.wavenumber_cm, cold - 0.1))
+    emitted = table_air.path_radiance(height, arc) / (1.0 - table_air.transmittance(height, arc))
+    assert np.all(emitted <= planck_wavenumber(table_air.wavenumber_cm, warm + 0.1))
+    assert np.all(emitted >= planck_wavenumber(table_air.wavenumber_cm, cold - 0.1))
 
 
 @pytest.mark.parametrize("zenith_deg", [0.0, 60.0, 85.0, 90.0])
-def test_kirchhoff_opaque_sky_shines_like_a_blackbody_at_air_temperature(air, zenith_deg):
-    cold, warm = sorted(LEVELS[air.model])
-    i = opaque(air)
-    sky = air.sky_radiance(np.radians(zenith_deg))[i]
-    assert planck_wavenumber(air.wavenumber_cm[i], cold - 0.1) < sky < planck_wavenumber(air.wavenumber_cm[i], warm + 0.1)
+def test_kirchhoff_opaque_sky_shines_like_a_blackbody_at_air_temperature(table_air, zenith_deg):
+    cold, warm = sorted(LEVELS[table_air.model])
+    i = opaque(table_air)
+    sky = table_air.sky_radiance(np.radians(zenith_deg))[i]
+    assert planck_wavenumber(table_air.wavenumber_cm[i], cold - 0.1) < sky < planck_wavenumber(table_air.wavenumber_cm[i], warm + 0.1)
 
 
-def test_opaque_paths_shine_like_a_blackbody(air):
-    i = opaque(air)
-    cold, warm = sorted(LEVELS[air.model])
-    assert air.transmittance(100.0, 8000.0)[i] < 1e-6
-    glow = air.path_radiance(100.0, 8000.0)[i]
-    assert planck_wavenumber(air.wavenumber_cm[i], cold - 0.1) < glow < planck_wavenumber(air.wavenumber_cm[i], warm + 0.1)
+def test_opaque_paths_shine_like_a_blackbody(table_air):
+    i = opaque(table_air)
+    cold, warm = sorted(LEVELS[table_air.model])
+    assert table_air.transmittance(100.0, 8000.0)[i] < 1e-6
+    glow = table_air.path_radiance(100.0, 8000.0)[i]
+    assert planck_wavenumber(table_air.wavenumber_cm[i], cold - 0.1) < glow < planck_wavenumber(table_air.wavenumber_cm[i], warm + 0.1)
 
 
-def test_sunlight_falls_with_zenith_angle_and_ends_at_the_horizon(air):
-    sun = air.solar_irradiance(np.radians(np.linspace(0.0, 90.0, 181)))
-    assert np.all(sun <= exoatmospheric_irradiance(air.wavenumber_cm) * (1.0 + 1e-9))
-    assert np.all(np.diff(band(air, sun)) < 0.0)
-    assert band(air, sun[-1]) > 0.0
-    assert not air.solar_irradiance(np.radians(90.1)).any()
+def test_sunlight_falls_with_zenith_angle_and_ends_at_the_horizon(table_air):
+    sun = table_air.solar_irradiance(np.radians(np.linspace(0.0, 90.0, 181)))
+    assert np.all(sun <= exoatmospheric_irradiance(table_air.wavenumber_cm) * (1.0 + 1e-9))
+    assert np.all(np.diff(band(table_air, sun)) < 0.0)
+    assert band(table_air, sun[-1]) > 0.0
+    assert not table_air.solar_irradiance(np.radians(90.1)).any()
 
 
-def test_two_air_masses_hold_between_one_and_two_times_the_optical_depth(air):
+def test_two_air_masses_hold_between_one_and_two_times_the_optical_depth(table_air):
     # Band models grow between the square root (strong lines) and linearly (weak lines, aerosol) with the amount of air.
-    solar = exoatmospheric_irradiance(air.wavenumber_cm)
-    depth = -np.log(air.solar_irradiance([0.0, np.pi / 3]) / solar)
+    solar = exoatmospheric_irradiance(table_air.wavenumber_cm)
+    depth = -np.log(table_air.solar_irradiance([0.0, np.pi / 3]) / solar)
     seen = depth[0] < 5.0
     ratio = depth[1, seen] / depth[0, seen]
     assert np.all((ratio > 1.3) & (ratio < 2.02))
 
 
-def test_sky_brightens_towards_the_horizon(air):
-    ground, above = LEVELS[air.model]
+def test_sky_brightens_towards_the_horizon(table_air):
+    ground, above = LEVELS[table_air.model]
     lowest = 90.0 if ground > above else 88.0  # under an inversion the last degree looks through the colder air at the sea
-    sky = band(air, air.sky_radiance(np.radians(np.linspace(0.0, lowest, 91))))
+    sky = band(table_air, table_air.sky_radiance(np.radians(np.linspace(0.0, lowest, 91))))
     assert np.all(np.diff(sky) > 0.0)
 
 
 @pytest.mark.parametrize("winds", [11, pytest.param(41, marks=pytest.mark.validation)])
-def test_wind_adds_aerosol(air, winds):
-    tau = [band(air, TableAtmosphere.load(air.model, w).transmittance(20.0, 8000.0)) for w in np.linspace(0.0, 20.0, winds)]
+def test_wind_adds_aerosol(table_air, winds):
+    tau = [band(table_air, TableAtmosphere.load(table_air.model, w).transmittance(20.0, 8000.0)) for w in np.linspace(0.0, 20.0, winds)]
     assert np.all(np.diff(tau) < 1e-4 * tau[0])
     assert tau[-1] < 0.75 * tau[0]
 
 
-def test_shorter_columns_absorb_less(air):
-    down = band(air, air.transmittance(2.0, 0.0)), band(air, air.transmittance(200.0, 0.0)), band(air, air.transmittance(3000.0, 0.0))
+def test_shorter_columns_absorb_less(table_air):
+    down = (
+        band(table_air, table_air.transmittance(2.0, 0.0)),
+        band(table_air, table_air.transmittance(200.0, 0.0)),
+        band(table_air, table_air.transmittance(3000.0, 0.0)),
+    )
     assert down[0] > down[1] > down[2]
 
 
 @pytest.mark.parametrize("height", [5.0, 100.0, 640.0, 2480.0])
-def test_the_sky_just_above_the_sea_horizon_continues_through_the_tangent_point(air, height):
+def test_the_sky_just_above_the_sea_horizon_continues_through_the_tangent_point(table_air, height):
     # The line of sight that grazes the sea: air up to the horizon, and behind it the sky that the horizon itself sees.
     # Band models do not multiply exactly (20 cm-1 averages): 5 %.
     arc = horizon_range(height)
-    behind = air.transmittance(height, arc) * air.sky_radiance(0.5 * np.pi)
-    seen = air.sky_radiance(0.5 * np.pi + horizon_depression(height), height)
-    assert band(air, seen) == pytest.approx(band(air, air.path_radiance(height, arc) + behind), rel=0.05)
+    behind = table_air.transmittance(height, arc) * table_air.sky_radiance(0.5 * np.pi)
+    seen = table_air.sky_radiance(0.5 * np.pi + horizon_depression(height), height)
+    assert band(table_air, seen) == pytest.approx(band(table_air, table_air.path_radiance(height, arc) + behind), rel=0.05)
 
 
-def test_sky_from_two_metres_is_the_sky_from_the_sea(air):
+def test_sky_from_two_metres_is_the_sky_from_the_sea(table_air):
     zenith = np.radians([0.0, 30.0, 60.0, 80.0])
-    np.testing.assert_allclose(band(air, air.sky_radiance(zenith, 2.0)), band(air, air.sky_radiance(zenith)), rtol=2e-3)
+    np.testing.assert_allclose(
+        band(table_air, table_air.sky_radiance(zenith, 2.0)), band(table_air, table_air.sky_radiance(zenith)), rtol=2e-3
+    )
 
 
 @pytest.mark.parametrize("height", [5.0, 100.0, 2480.0])
-def test_steep_rays_do_not_notice_refraction(air, height):
+def test_steep_rays_do_not_notice_refraction(table_air, height):
     depression = np.radians([5.0, 20.0, 60.0, 89.0])
-    np.testing.assert_allclose(air.range_of_depression(height, depression), surface_range(height, depression), rtol=0.02)
+    np.testing.assert_allclose(table_air.range_of_depression(height, depression), surface_range(height, depression), rtol=0.02)
 
 
-def test_rays_above_the_horizon_miss_the_sea(air):
+def test_rays_above_the_horizon_miss_the_sea(table_air):
     dip = horizon_depression(50.0)
-    assert np.isnan(air.range_of_depression(50.0, 0.5 * dip))
-    assert np.isfinite(air.range_of_depression(50.0, 1.2 * dip))
+    assert np.isnan(table_air.range_of_depression(50.0, 0.5 * dip))
+    assert np.isfinite(table_air.range_of_depression(50.0, 1.2 * dip))
 
 
-def test_wave_crests_beyond_the_horizon_are_looked_up_smoothly(air):
+def test_wave_crests_beyond_the_horizon_are_looked_up_smoothly(table_air):
     horizon = horizon_range(20.0)
-    tau = band(air, air.transmittance(20.0, horizon * np.array([0.98, 1.0, 1.02, 1.2, 1.5])))
+    tau = band(table_air, table_air.transmittance(20.0, horizon * np.array([0.98, 1.0, 1.02, 1.2, 1.5])))
     slope = np.diff(np.log(tau[:3]))
     assert slope[1] == pytest.approx(slope[0], rel=0.15)
     assert np.all(np.diff(tau) < 0.0)
 
 
-def test_it_answers_the_protocol_with_the_shapes_it_promises(air):
-    n = air.wavenumber_cm.size
-    assert isinstance(air, Atmosphere)
-    assert air.transmittance(10.0, np.full((3, 2), 500.0)).shape == (3, 2, n)
-    assert air.path_radiance(10.0, 5.0).shape == (n,)
-    assert air.solar_irradiance(np.ones(4)).shape == (4, n)
-    assert air.sky_radiance(np.ones((2, 2)), height=3.0).shape == (2, 2, n)
-    tau, glow = air.path(10.0, [5.0, 500.0])
-    np.testing.assert_array_equal(tau, air.transmittance(10.0, [5.0, 500.0]))
-    np.testing.assert_array_equal(glow, air.path_radiance(10.0, [5.0, 500.0]))
+def test_it_answers_the_protocol_with_the_shapes_it_promises(table_air):
+    n = table_air.wavenumber_cm.size
+    assert isinstance(table_air, Atmosphere)
+    assert table_air.transmittance(10.0, np.full((3, 2), 500.0)).shape == (3, 2, n)
+    assert table_air.path_radiance(10.0, 5.0).shape == (n,)
+    assert table_air.solar_irradiance(np.ones(4)).shape == (4, n)
+    assert table_air.sky_radiance(np.ones((2, 2)), height=3.0).shape == (2, 2, n)
+    tau, glow = table_air.path(10.0, [5.0, 500.0])
+    np.testing.assert_array_equal(tau, table_air.transmittance(10.0, [5.0, 500.0]))
+    np.testing.assert_array_equal(glow, table_air.path_radiance(10.0, [5.0, 500.0]))
 
 
-def test_provenance_says_where_the_numbers_come_from(air):
-    assert {"code", "cards", "fortran_sha256", "built", "sha256"} <= set(air.provenance)
+def test_provenance_says_where_the_numbers_come_from(table_air):
+    assert {"code", "cards", "fortran_sha256", "built", "sha256"} <= set(table_air.provenance)
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ pixel_shape = "any"
 """
 
 
-def scene(folder, name, air, height=30.0, sun=76):
+def write_scenario(folder, name, air, height=30.0, sun=76):
     path = folder / name
     path.write_text(SCENE.format(height=height, sun=sun) + air)
     return path
@@ -71,8 +71,8 @@ def run_lowtran7(program, folder, samples):
 def test_decks_run_and_read_back_give_the_same_air(seaglint, program, tmp_path, height, scattered):
     """Three printed digits and other nodes leave 0.1 %, at 2500 m, where rays graze levels, 0.4 % of single pixels; 0.5 % is promised."""
     light = "" if scattered == "--scattered" else "scattered_sunlight = false\n"
-    ours = scene(tmp_path, "low.toml", 'source = "lowtran"\n' + light, height)
-    theirs = scene(tmp_path, "file.toml", 'source = "file"\npath = "air.nc"\n' + light, height)
+    ours = write_scenario(tmp_path, "low.toml", 'source = "lowtran"\n' + light, height)
+    theirs = write_scenario(tmp_path, "file.toml", 'source = "file"\npath = "air.nc"\n' + light, height)
     answer = seaglint("atmosphere", "write", ours, "--format", "tape5-lowtran7", "-o", tmp_path / "d", scattered)
     assert (answer.code, answer.out) == (0, "")
     run_lowtran7(program, tmp_path / "d", 27)
@@ -109,7 +109,7 @@ def test_scattered_light_of_a_known_case(program, tmp_path):
 )
 def test_modtran_decks_and_results_belong_together_by_the_manifest(seaglint, tmp_path, form, deck_name, output, writer):
     """Results in MODTRAN's layouts, one a line of the manifest, come back at its ranges and angles."""
-    ours = scene(tmp_path, "table.toml", 'source = "table"\n')
+    ours = write_scenario(tmp_path, "table.toml", 'source = "table"\n')
     assert seaglint("atmosphere", "write", ours, "--format", form, "-o", tmp_path / "d").code == 0
     lines = json.loads((tmp_path / "d" / "manifest.json").read_text())["lines"]
     text = (tmp_path / "d" / deck_name).read_text()
@@ -156,17 +156,17 @@ def test_scattered_light_of_an_unknown_azimuth_is_left_out_and_told(seaglint, tm
 
 
 def test_a_sun_below_the_horizon_scatters_nothing(seaglint, tmp_path):
-    assert seaglint("atmosphere", "write", scene(tmp_path, "a.toml", 'source = "table"\n', sun=95), "-o", tmp_path / "d").code == 0
+    assert seaglint("atmosphere", "write", write_scenario(tmp_path, "a.toml", 'source = "table"\n', sun=95), "-o", tmp_path / "d").code == 0
     manifest = json.loads((tmp_path / "d" / "manifest.json").read_text())
     assert manifest["solar_zenith_deg"] is None
     assert all("azimuth_deg" not in line for line in manifest["lines"])
 
 
 def test_what_cannot_be_written_or_read_is_refused_in_a_line(seaglint, tmp_path):
-    ours = scene(tmp_path, "a.toml", 'source = "table"\n')
+    ours = write_scenario(tmp_path, "a.toml", 'source = "table"\n')
     assert seaglint("atmosphere", "write", ours, "-o", tmp_path / "d").code == 0
     (tmp_path / "f").write_text("x")
-    none = scene(tmp_path, "none.toml", 'source = "none"\n')
+    none = write_scenario(tmp_path, "none.toml", 'source = "none"\n')
     for told, *command in (
         ("exists already", "write", ours, "-o", tmp_path / "d"),
         ("is a file; give the name of a folder", "write", ours, "-o", tmp_path / "f"),

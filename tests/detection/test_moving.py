@@ -16,7 +16,7 @@ SPOT = gaussian_filter(np.pad([[1.0]], 4), 1.0)
 SPOT /= SPOT.max()
 
 
-def scene(rows: int, columns: int, shift: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
+def wave_sum(rows: int, columns: int, shift: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
     """Sum of waves, exact at any shift."""
     generator = np.random.default_rng(51)
     y, x = np.indices((rows, columns)) - np.array(shift).reshape(2, 1, 1)
@@ -29,7 +29,7 @@ def scene(rows: int, columns: int, shift: tuple[float, float] = (0.0, 0.0)) -> n
 def test_displacement_is_found_to_a_fraction_of_a_pixel(shift: tuple[float, float], noise: float) -> None:
     """A tenth of a pixel for a tenth of the scene (5.5 rms) as noise; a twentieth for what enters and leaves at the borders."""
     grain = np.random.default_rng(52).standard_normal((2, 128, 140)) * noise
-    found = displacement(280 + scene(128, 140) + grain[0], 280 + scene(128, 140, shift) + grain[1])
+    found = displacement(280 + wave_sum(128, 140) + grain[0], 280 + wave_sum(128, 140, shift) + grain[1])
     assert found == pytest.approx(shift, abs=0.1 if noise else 0.05)
 
 
@@ -37,14 +37,14 @@ def test_moved_undoes_a_displacement() -> None:
     by = (1.3, -2.6)
     inner = np.s_[8:-8, 8:-8]
     # Cubic splines at 0.8 rad per pixel: 1 % of the amplitude.
-    assert moved(scene(60, 60), by)[inner] == pytest.approx(scene(60, 60, by)[inner], abs=0.3)
-    assert np.isnan(moved(scene(60, 60), by)[0]).all()
+    assert moved(wave_sum(60, 60), by)[inner] == pytest.approx(wave_sum(60, 60, by)[inner], abs=0.3)
+    assert np.isnan(moved(wave_sum(60, 60), by)[0]).all()
 
 
 @pytest.fixture(scope="module")
 def crossing() -> np.ndarray:
     """Standing waves 50 times stronger than the noise, and a target of a tenth of them that crosses at 2 px per frame."""
-    frames = np.tile(10 * scene(80, 90), (12, 1, 1)) + np.random.default_rng(53).standard_normal((12, 80, 90))
+    frames = np.tile(10 * wave_sum(80, 90), (12, 1, 1)) + np.random.default_rng(53).standard_normal((12, 80, 90))
     for k in range(12):
         frames[k, 36:45, 20 + 2 * k : 29 + 2 * k] += 15 * SPOT
     return frames.astype(np.float32)
@@ -62,7 +62,7 @@ def test_difference_finds_a_moving_target_in_standing_clutter(crossing: np.ndarr
 
 
 def test_registered_difference_cancels_what_the_camera_moves() -> None:
-    frames = np.stack([scene(100, 110, (0.4 * k, -0.9 * k)) for k in range(4)])
+    frames = np.stack([wave_sum(100, 110, (0.4 * k, -0.9 * k)) for k in range(4)])
     inner = np.s_[:, 8:-8, 8:-8]
     assert FrameDifference(1, register=True)(frames)[inner].std() < 0.15 * FrameDifference(1)(frames)[inner].std()
 
@@ -85,7 +85,7 @@ def test_integration_along_the_track_keeps_the_target() -> None:
 
 
 def test_registered_integration_holds_a_moving_scene() -> None:
-    frames = np.stack([scene(100, 110, (0.7 * k, -1.3 * k)) for k in range(4)])
+    frames = np.stack([wave_sum(100, 110, (0.7 * k, -1.3 * k)) for k in range(4)])
     out = RegisteredIntegration(4)(frames)[0]
     inner = np.s_[12:-12, 12:-12]
     assert (out - frames[-1])[inner].std() < 0.1 * frames[-1].std()

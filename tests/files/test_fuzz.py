@@ -173,7 +173,7 @@ def map_file(folder: Path) -> bytes:
     return write_netcdf(data, folder / "whole.nc", overwrite=True).read_bytes()
 
 
-def air() -> bytes:
+def air_csv() -> bytes:
     rows = [f"path,30,{r},,{v},0.9,1e-5," for r in (10, 1000) for v in (2000, 2005)]
     rows += [f"sky,0,,{z},{v},,1e-4," for z in (0, 90) for v in (2000, 2005)]
     rows += [f"sun,,,{z},{v},,,1e-3" for z in (0, 90) for v in (2000, 2005)]
@@ -227,7 +227,7 @@ READERS: dict[str, tuple[Callable[[Path], bytes], Callable[[Path], object]]] = {
     "a.h5": (hdf5_file, look),
     "map.nc": (map_file, lambda path: lines(describe(path))),
     "rec.nc": (map_file, look),
-    "air.csv": (lambda _: air(), look_at_air),
+    "air.csv": (lambda _: air_csv(), look_at_air),
     "air.nc": (air_netcdf, look_at_air),
     "track.csv": (lambda _: b"time_s,east_m,height_m\n0,0,30\n1,5,31\n2,9,32\n", look_at_track),
     "response.csv": (lambda _: b"wavelength_um,response\n3.0,0\n3.5,0.5\n4,1\n4.5,0.5\n5,0\n", read_response),

@@ -20,7 +20,7 @@ def radiance(nodes, scale):
     return scale * (1.0 + np.arange(nodes)[:, None, None] + 0.1 * np.arange(AZIMUTH.size)[:, None] + 1e-3 * np.arange(NU.size))
 
 
-def air():
+def scattered_columns():
     grid = np.ones((4, NU.size))
     three = ("azimuth_from_sun_deg", "wavenumber_cm")
     return xr.Dataset(
@@ -39,7 +39,7 @@ def air():
 
 @pytest.mark.parametrize("ending", ["nc", "csv"])
 def test_scattered_light_comes_back(tmp_path, ending):
-    dataset = air()
+    dataset = scattered_columns()
     if ending == "nc":  # any order of dimensions and nodes
         dataset = dataset.transpose("wavenumber_cm", ...).isel(azimuth_from_sun_deg=[2, 0, 1], range_m=[3, 2, 0, 1])
     found = read_atmosphere(write_atmosphere(dataset, tmp_path / f"a.{ending}"), 30.0).scattered
@@ -54,11 +54,11 @@ def test_scattered_light_comes_back(tmp_path, ending):
 
 
 def test_a_file_without_it_holds_none(tmp_path):
-    path = write_atmosphere(air().drop_vars(["path_scattered", "sky_scattered"]), tmp_path / "a.nc")
+    path = write_atmosphere(scattered_columns().drop_vars(["path_scattered", "sky_scattered"]), tmp_path / "a.nc")
     assert read_atmosphere(path, 30.0).scattered is None
 
 
-def scene(path, zenith):
+def file_air_scenario(path, zenith):
     return parse_scenario(
         {
             "band": {"min_um": 3.9, "max_um": 4.1},
@@ -70,11 +70,11 @@ def scene(path, zenith):
 
 
 def test_another_sun_is_refused(tmp_path):
-    path = write_atmosphere(air(), tmp_path / "a.nc")
+    path = write_atmosphere(scattered_columns(), tmp_path / "a.nc")
     for zenith in (76.0, 76.05, 95.0):  # one below the horizontal scatters nothing
-        wanted = scene(path, zenith)
+        wanted = file_air_scenario(path, zenith)
         assert prepare.atmosphere(wanted, prepare.band(wanted)).scattered is not None
-    wanted = scene(path, 70.0)
+    wanted = file_air_scenario(path, 70.0)
     with pytest.raises(DomainError, match=r"solar zenith = 70 deg: .*a\.nc holds scattered sunlight of a Sun at 76 deg only") as caught:
         prepare.atmosphere(wanted, prepare.band(wanted))
     assert caught.value.name == "solar_zenith"
@@ -93,7 +93,7 @@ MISTAKES = [
 
 @pytest.mark.parametrize(("spoil", "told"), MISTAKES)
 def test_netcdf_mistakes_are_named(tmp_path, spoil, told):
-    spoil(air()).to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
+    spoil(scattered_columns()).to_netcdf(tmp_path / "a.nc", engine="h5netcdf")
     with pytest.raises(DataError, match=rf"a\.nc: {told}"):
         read_atmosphere(tmp_path / "a.nc", 30.0)
 
@@ -112,7 +112,7 @@ def test_netcdf_mistakes_are_named(tmp_path, spoil, told):
     ],
 )
 def test_csv_mistakes_are_named(tmp_path, change, told):
-    path = write_atmosphere(air(), tmp_path / "a.csv")
+    path = write_atmosphere(scattered_columns(), tmp_path / "a.csv")
     path.write_text(change(path.read_text()))
     with pytest.raises(DataError, match=told):
         read_atmosphere(path, 30.0)

@@ -23,7 +23,7 @@ def imager(projection="pinhole", width=12.0, height=9.0, columns=32, rows=24):
     return Imager(projection, float(np.radians(width)), float(np.radians(height)), columns, rows)
 
 
-def scene(air, eye, pointing, waves=None, *, height=30.0, sun=(60.0, 0.0), place=(0.0, 0.0), **options):
+def prepared_view(air, eye, pointing, waves=None, *, height=30.0, sun=(60.0, 0.0), place=(0.0, 0.0), **options):
     still = Track.standing(height, pointing)
     track = Track(still.time, still.values + np.array([*place, 0.0, 0.0, 0.0, 0.0]))
     return turned_scene(lambda h: sea_view(air, SLOPES, h, *sun, shadowing=Shadowing(bands=1)), eye, track, waves, **options)

@@ -22,15 +22,15 @@ PARTS = ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radiance")
 
 
 @pytest.fixture(scope="module")
-def air():
+def clear_air():
     return table_air(WIND)
 
 
 @pytest.fixture(scope="module")
-def swept(air):
+def swept(clear_air):
     """From the sky over the horizon down to the foreground, towards the Sun, with sparkles."""
     eye = camera(30.0, 0.6, -9.0, 120, width=12.0, columns=24)
-    return swept_scene(sea_view(air, SLOPES, 30.0, 70.0), eye, elfouhaily(WIND), layers=LAYERS, sparkles=SPARKLES)
+    return swept_scene(sea_view(clear_air, SLOPES, 30.0, 70.0), eye, elfouhaily(WIND), layers=LAYERS, sparkles=SPARKLES)
 
 
 def turned(air, elevation, *, roll=20.0, height=30.0, waves=None, **accuracy):
@@ -54,11 +54,11 @@ def test_the_parts_add_up_to_the_radiance(swept):
 
 
 @pytest.mark.parametrize("elevation", [-4.0, -60.0], ids=["swept", "walked"])
-def test_the_parts_of_a_turned_camera_add_up(air, elevation):
-    require_sum(shown(turned(air, elevation, waves=elfouhaily(WIND)), 1.0))
+def test_the_parts_of_a_turned_camera_add_up(clear_air, elevation):
+    require_sum(shown(turned(clear_air, elevation, waves=elfouhaily(WIND)), 1.0))
 
 
-def test_asking_for_layers_changes_no_byte_of_the_radiance(air, swept):
+def test_asking_for_layers_changes_no_byte_of_the_radiance(clear_air, swept):
     plain = swept_scene(swept.view, swept.camera, swept.waves, sparkles=SPARKLES)
     found, more = shown(plain, 1.0), shown(swept, 1.0)
     assert set(found) == {"radiance", "glint_radiance"}
@@ -67,20 +67,20 @@ def test_asking_for_layers_changes_no_byte_of_the_radiance(air, swept):
 
 
 @pytest.mark.parametrize("sun", [40.0, 100.0])
-def test_without_waves_the_layers_are_the_components_of_the_mean(air, sun):
+def test_without_waves_the_layers_are_the_components_of_the_mean(clear_air, sun):
     eye = camera(30.0, -1.0, -40.0, 240, width=8.0, columns=3)
-    view = sea_view(air, SLOPES, 30.0, sun)
+    view = sea_view(clear_air, SLOPES, 30.0, sun)
     found, model = shown(swept_scene(view, eye, layers=LAYERS), 0.0), mean_radiance(view, eye.elevations, eye.azimuths)
     for name, part in zip(PARTS[:3], (model.path, model.emission, model.sky), strict=True):
         # of the whole: tables of facets and path
         np.testing.assert_allclose(found[name], np.broadcast_to(part, found[name].shape), atol=2e-3 * found.radiance.mean(), err_msg=name)
 
 
-def test_range_and_coverage_of_a_calm_sea(air):
+def test_range_and_coverage_of_a_calm_sea(clear_air):
     """Straight distance over the round sea; above the horizon there is none."""
     height = 100.0
     eye = camera(height, 0.5, -30.0, 305)
-    found = shown(swept_scene(sea_view(air, SLOPES, height), eye, layers=["range", "coverage"]), 0.0)
+    found = shown(swept_scene(sea_view(clear_air, SLOPES, height), eye, layers=["range", "coverage"]), 0.0)
     fine = eye.elevations[:, None] - ((np.arange(50) + 0.5) / 50 - 0.5) * eye.row_step
     arc = surface_range(height, -fine)
     seen = np.isfinite(arc)
@@ -94,10 +94,12 @@ def test_range_and_coverage_of_a_calm_sea(air):
     assert set(found) == {"radiance", "glint_radiance", "range", "coverage"}
 
 
-def test_range_of_sweep_and_of_walked_rays(air):
+def test_range_of_sweep_and_of_walked_rays(clear_air):
     """The same pixels by both ways: the range differs by less than a step of the sweep."""
     waves = elfouhaily(WIND)
-    swept, walked = (shown(turned(air, -20.0, height=20.0, waves=waves, walk_below=np.radians(lowest)), 0.7) for lowest in (-60.0, -1.0))
+    swept, walked = (
+        shown(turned(clear_air, -20.0, height=20.0, waves=waves, walk_below=np.radians(lowest)), 0.7) for lowest in (-60.0, -1.0)
+    )
     step = 0.5  # a quarter of the shortest wave, 2 m
     assert np.abs(swept["range"] - walked["range"]).max() < step
     assert np.abs(swept["range"] - walked["range"]).mean() < 0.1 * step
@@ -105,12 +107,12 @@ def test_range_of_sweep_and_of_walked_rays(air):
 
 
 @pytest.mark.parametrize("walked", [False, True], ids=["swept", "walked"])
-def test_slope_is_the_rise_of_the_places_seen(air, walked):
+def test_slope_is_the_rise_of_the_places_seen(clear_air, walked):
     """From the ranges of neighbouring rows, steep enough that no crest hides a trough."""
     height, below = 20.0, {"walk_below": np.radians(-1.0)} if walked else {}
     eye = Imager("pinhole", np.radians(6.0), np.radians(5.0), 28, 30)
     track = Track.standing(height, Attitude(0.2, np.radians(-35.0)))
-    scene = turned_scene(lambda h: sea_view(air, SLOPES, h, 70.0), eye, track, elfouhaily(WIND), layers=LAYERS, **below)
+    scene = turned_scene(lambda h: sea_view(clear_air, SLOPES, h, 70.0), eye, track, elfouhaily(WIND), layers=LAYERS, **below)
     found = shown(scene, 0.7)
     azimuth, elevation = scene.imager.centres(scene.pose.attitude)
     along, up = found["range"] * np.cos(elevation), height + found["range"] * np.sin(elevation)
@@ -121,9 +123,9 @@ def test_slope_is_the_rise_of_the_places_seen(air, walked):
     assert azimuth.shape == found["slope"].shape
 
 
-def test_a_calm_sea_has_no_slope_and_its_glint_a_share(air):
+def test_a_calm_sea_has_no_slope_and_its_glint_a_share(clear_air):
     eye = camera(30.0, 0.5, -30.0, 60, width=8.0, columns=3)
-    found = shown(swept_scene(sea_view(air, SLOPES, 30.0, 60.0), eye, layers=LAYERS), 0.0)
+    found = shown(swept_scene(sea_view(clear_air, SLOPES, 30.0, 60.0), eye, layers=LAYERS), 0.0)
     sea = found["coverage"] > 0.0
     assert np.isnan(found["slope"][~sea]).all()
     assert np.all(found["slope"][sea] == 0.0)
@@ -192,14 +194,14 @@ def test_realisations_share_nothing_but_the_sea_state(swept):
     assert abs(np.corrcoef(one[lit] / mean[lit], two[lit] / mean[lit])[0, 1]) < 0.2
 
 
-def test_a_reseeded_scene_is_the_scene_of_that_seed(air):
+def test_a_reseeded_scene_is_the_scene_of_that_seed(clear_air):
     eye = camera(30.0, 0.5, -6.0, 32, width=8.0, columns=8)
-    view = sea_view(air, SLOPES, 30.0, 70.0)
+    view = sea_view(clear_air, SLOPES, 30.0, 70.0)
     made = swept_scene(view, eye, elfouhaily.__wrapped__(WIND, seed=9), sparkles=Sparkles(9, 0.003, 0.07, "on"))
     other = swept_scene(view, eye, elfouhaily.__wrapped__(WIND, seed=2), sparkles=Sparkles(2, 0.003, 0.07, "on")).reseeded(9)
     assert shown(made, 0.3).radiance.tobytes() == shown(other, 0.3).radiance.tobytes()
-    rays = turned(air, -30.0, waves=elfouhaily.__wrapped__(WIND, seed=9))
-    other = turned(air, -30.0, waves=elfouhaily.__wrapped__(WIND, seed=2)).reseeded(9)
+    rays = turned(clear_air, -30.0, waves=elfouhaily.__wrapped__(WIND, seed=9))
+    other = turned(clear_air, -30.0, waves=elfouhaily.__wrapped__(WIND, seed=2)).reseeded(9)
     assert shown(rays, 0.3).radiance.tobytes() == shown(other, 0.3).radiance.tobytes()
 
 
@@ -229,8 +231,8 @@ def test_a_camera_outside_what_was_prepared_is_refused(swept, change, message):
     assert "\n" not in str(caught.value)
 
 
-def test_a_turned_scene_takes_other_cameras_inside_its_view(air):
-    scene = turned(air, -5.0, roll=0.0, waves=elfouhaily(WIND))
+def test_a_turned_scene_takes_other_cameras_inside_its_view(clear_air):
+    scene = turned(clear_air, -5.0, roll=0.0, waves=elfouhaily(WIND))
     narrow = Imager("pinhole", np.radians(7.0), np.radians(5.0), 14, 10)
     assert shown(scene.with_camera(narrow), 0.0).radiance.mean() == pytest.approx(shown(scene, 0.0).radiance[5:15, 7:21].mean(), rel=0.05)
     with pytest.raises(DomainError, match="prepare a scene"):
@@ -245,8 +247,8 @@ def test_a_turned_scene_takes_other_cameras_inside_its_view(air):
         Pose(np.nan, 0.0, 30.0, Attitude(0.2, np.radians(-5.0), np.radians(20.0))),
     ],
 )
-def test_a_turned_scene_refuses_poses_off_its_track(air, pose):
-    scene = turned(air, -5.0)
+def test_a_turned_scene_refuses_poses_off_its_track(clear_air, pose):
+    scene = turned(clear_air, -5.0)
     with pytest.raises(DomainError, match="prepare"):
         image(scene, pose, 0.0)
     again = Pose(0.0, 0.0, 30.0, Attitude(0.2 + 2.0 * np.pi, np.radians(-5.0), np.radians(20.0)))
@@ -265,9 +267,9 @@ def test_cuts_that_are_none_are_refused(swept, cuts):
         swept.intervals(swept.pose, 0.0, cuts)
 
 
-def test_a_panorama_can_be_cut_into_looks(air):
+def test_a_panorama_can_be_cut_into_looks(clear_air):
     eye = camera(30.0, -1.0, -6.0, 20, width=360.0, columns=72)
-    whole = swept_scene(sea_view(air, SLOPES, 30.0, 70.0), eye, elfouhaily(WIND))
+    whole = swept_scene(sea_view(clear_air, SLOPES, 30.0, 70.0), eye, elfouhaily(WIND))
     look = camera(30.0, -1.0, -6.0, 20, azimuth=370.0, width=20.0, columns=4)  # ten degrees, once round
     one, all_round = shown(whole.with_camera(look), 0.0).radiance, shown(whole, 0.0).radiance
     np.testing.assert_allclose(one, all_round[:, 36:40], rtol=1e-3)

@@ -16,7 +16,7 @@ BOX = {"name": "box", "shape": {"kind": "box", "size_m": [12, 12, 8]}, "temperat
 LAYERS = ["range", "slope", "glint_share", "object_id"]
 
 
-def scene(*objects, sun=60.0, **sensor):
+def scenario_with(*objects, sun=60.0, **sensor):
     about = {"pixels": [64, 48], "fov_deg": [4.0, 3.0], "azimuth_deg": 0.0, "elevation_deg": -1.0, "height_m": 20.0, "frames": 1, **sensor}
     scenario = {**CALM, "sun": {"zenith_deg": sun, "azimuth_deg": 0.0}}
     return parse_scenario({"sensor": about, "objects": list(objects), "render": {"layers": LAYERS}, **scenario})
@@ -24,7 +24,7 @@ def scene(*objects, sun=60.0, **sensor):
 
 def test_layers_have_the_object_where_it_stands(tmp_path):
     far = {**BOX, "name": "far", "shape": {"kind": "box", "size_m": [30, 2, 8]}, "east_m": 0, "north_m": 900}
-    found = scene({**BOX, "east_m": 3, "north_m": 600}, far)
+    found = scenario_with({**BOX, "east_m": 3, "north_m": 600}, far)
     image, run = sg.image(found, layers=[*LAYERS, "glint_radiance"]), prepare_sequence(found)
     bare = run.scene.drawn(run.track.at(0.0), 0.0)
     number, cover = image.object_id.values, image.radiance.values != bare.radiance
@@ -48,7 +48,7 @@ def test_layers_have_the_object_where_it_stands(tmp_path):
 
 
 def labelled(**keys):
-    run = prepare_sequence(scene({**BOX, **keys}, sun=110.0, fov_deg=[360, 3], pixels=[720, 24], pixel_shape="any"))
+    run = prepare_sequence(scenario_with({**BOX, **keys}, sun=110.0, fov_deg=[360, 3], pixels=[720, 24], pixel_shape="any"))
     drawn = run.drawn(0.0)
     assert run.objects is not None
     truth = run.objects.truth(drawn, run.scene)

@@ -32,7 +32,7 @@ class Still:
         return self.placement
 
 
-def scene(eye, fov, *, waves):
+def sea_sequence(eye, fov, *, waves):
     sensor = {"pixels": [128, 64], "fov_deg": fov, "elevation_deg": -0.2, "azimuth_deg": 0.0, "height_m": eye}
     return prepare_sequence(parse_scenario({"sensor": sensor, "wind": {"speed_m_s": 10.0}, "sea": {"resolve_waves": waves}}))
 
@@ -46,7 +46,7 @@ def stage(run, time):
 
 def test_a_rough_sea_hides_low_objects_as_often_as_lines_of_sight_say():
     eye, far, width = 8.0, 3000.0, 0.3
-    run = scene(eye, [8.0, 4.0], waves=True)
+    run = sea_sequence(eye, [8.0, 4.0], waves=True)
     azimuths = np.radians(np.linspace(-3.5, 3.5, 29))
     post = solid(primitives.box((width, width, 1.0)), 300.0, 1.0)
     bodies = tuple(Body(f"{i}", (post,), Still((far * math.sin(a), far * math.cos(a), 0.5))) for i, a in enumerate(azimuths))
@@ -127,7 +127,7 @@ def test_labels_say_hidden_as_often_as_lines_of_sight_over_the_exported_sea(tmp_
 
 
 def test_a_million_triangles_are_drawn():
-    run = scene(20.0, [2.0, 1.0], waves=False)
+    run = sea_sequence(20.0, [2.0, 1.0], waves=False)
     ball = trimesh.creation.icosphere(8, 3.0)
     assert len(ball.faces) > 1e6
     mesh = (np.asarray(ball.vertices), np.asarray(ball.faces, np.int32))
@@ -137,7 +137,7 @@ def test_a_million_triangles_are_drawn():
 
 
 def test_a_combination_covers_pixels_as_its_mesh_does():
-    at = stage(scene(20.0, [2.0, 1.0], waves=False), 0.0)
+    at = stage(sea_sequence(20.0, [2.0, 1.0], waves=False), 0.0)
     block, hole = solid(primitives.box((6.0, 6.0, 6.0)), 300.0, 1.0), solid(primitives.cylinder(1.5, 20.0), 300.0, 1.0)
     drilled = combined("difference", [block, placed(hole, (0.5, 0.2, 0.0), np.eye(3))])
     mesh = trimesh.Trimesh(drilled.vertices, drilled.triangles).subdivide()

@@ -17,7 +17,7 @@ COMPONENTS = ("path_radiance", "emitted_radiance", "sky_radiance", "glint_radian
 FLOAT32 = 1e-6  # relative: maps are stored in single precision
 
 
-def scene(mode: str, **tables) -> xr.Dataset:
+def mean_map(mode: str, **tables) -> xr.Dataset:
     """A map of 24 x 12 pixels, the horizon at its top."""
     values = {
         "mean": {"mode": mode},
@@ -31,7 +31,7 @@ def scene(mode: str, **tables) -> xr.Dataset:
 
 @pytest.mark.parametrize("mode", ["spectral", "article"])
 def test_components_add_up_on_both_sides_of_the_horizon(mode):
-    found = scene(mode)
+    found = mean_map(mode)
     assert found.attrs["mean_mode"] == mode
     assert found["radiance"].dims == ("y", "x")
     total = sum(found[name] for name in COMPONENTS)
@@ -43,7 +43,7 @@ def test_components_add_up_on_both_sides_of_the_horizon(mode):
 
 @pytest.mark.parametrize("mode", ["spectral", "article"])
 def test_a_camera_that_looks_up_sees_the_sky_alone(mode):
-    found = scene(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [24, 12], "elevation_deg": 20.0})
+    found = mean_map(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [24, 12], "elevation_deg": 20.0})
     np.testing.assert_allclose(found.radiance, found.sky_radiance, rtol=FLOAT32)
     assert float(found.radiance.min()) > 0.0
     assert float(found.glint_std.max()) == 0.0
@@ -51,16 +51,16 @@ def test_a_camera_that_looks_up_sees_the_sky_alone(mode):
 
 def test_the_articles_mode_is_the_articles_case():
     """Its sea without Sun is a blackbody behind the path, its slopes take the wind as given, whatever the scenario's directional model."""
-    found = scene("article")
+    found = mean_map("article")
     wind_as_given = 0.003 + 0.00512 * 10.0  # Cox and Munk's total for 10 m/s at the height of their fit
     assert found.attrs["mss_up"] + found.attrs["mss_cross"] == pytest.approx(wind_as_given, rel=1e-9)
     below = found["elevation"] < -0.5
     assert (found["sky_radiance"].where(below, drop=True) == 0.0).all()
-    other = scene("article", sea={"water": "article", "slopes": {"kind": "cox-munk-anisotropic"}})
+    other = mean_map("article", sea={"water": "article", "slopes": {"kind": "cox-munk-anisotropic"}})
     xr.testing.assert_equal(found["radiance"], other["radiance"])
     # Band means miss the lines that sunlight and path have in common: 1.1 to 2.1 times (5-95 % of cases in 3-5 um). The wind at
     # 12.5 m instead of 10 m changes the glint by some per cent more.
-    ratio = float((scene("spectral")["glint_radiance"].where(below) / found["glint_radiance"].where(below)).median())
+    ratio = float((mean_map("spectral")["glint_radiance"].where(below) / found["glint_radiance"].where(below)).median())
     assert 1.05 < ratio < 2.2
 
 
@@ -73,7 +73,7 @@ def test_the_preset_of_the_article_rises_as_its_figure_does():
 
 
 def test_a_mirror_stays_a_mirror():
-    found = scene("article", sea={"water": "article", "slopes": {"kind": "flat"}})
+    found = mean_map("article", sea={"water": "article", "slopes": {"kind": "flat"}})
     assert found.attrs["mss_up"] == 0.0
     # the Sun at 77 deg is mirrored at 13 deg depression, below this picture
     assert (found["glint_radiance"] == 0.0).all()
@@ -82,7 +82,7 @@ def test_a_mirror_stays_a_mirror():
 @pytest.mark.parametrize("mode", ["spectral", "article"])
 def test_one_temperature_is_one_radiance(mode):
     """White furnace, with the scenario's own water: air, sky and sea at 288.15 K."""
-    found = scene(mode, atmosphere={"source": "isothermal", "temperature_k": 288.15}, sea={"temperature_k": 288.15})
+    found = mean_map(mode, atmosphere={"source": "isothermal", "temperature_k": 288.15}, sea={"temperature_k": 288.15})
     grid = np.arange(1990.0, 2870.0, 5.0)
     expected = Band.rectangular(3.5, 5.0).radiance(288.15, grid)
     np.testing.assert_allclose(found["radiance"], expected, rtol=1e-5)  # splines of the article's mode, float32
@@ -93,7 +93,7 @@ def test_the_water_is_the_scenarios():
     """Segelstein's index is lower than Hale and Querry's with salt, so less is mirrored, in the article's mode as well."""
     nu = np.array([2500.0])
     assert sea_water.segelstein().index(nu).real < sea_water.hale_querry_sea().index(nu).real
-    maps = [scene("article", sea={"water": water})["glint_radiance"].sum().item() for water in ("segelstein", "hale-querry-sea")]
+    maps = [mean_map("article", sea={"water": water})["glint_radiance"].sum().item() for water in ("segelstein", "hale-querry-sea")]
     assert maps[0] < 0.99 * maps[1]
 
 
@@ -115,15 +115,15 @@ def test_coarse_maps_are_averages_over_their_rows_as_images_are(wind):
 @pytest.mark.parametrize("mode", [pytest.param("spectral", marks=pytest.mark.validation), "article"])
 def test_glint_of_coarse_pixels_is_that_of_fine_ones_averaged(mode):
     """Cells are independent: the variance of a pixel is the mean of its parts' variances over their number."""
-    coarse = scene(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [24, 12], "elevation_deg": -3.6})
-    fine = scene(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [72, 36], "elevation_deg": -3.6})
+    coarse = mean_map(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [24, 12], "elevation_deg": -3.6})
+    fine = mean_map(mode, sensor={"height_m": 100.0, "fov_deg": [12.0, 6.0], "pixels": [72, 36], "elevation_deg": -3.6})
     parts = fine["glint_std"].to_numpy().astype(np.float64).reshape(12, 3, 24, 3) ** 2
     # The rows of both are averages over elevation, the columns middles: 1 % of a glitter pattern some degrees wide.
     np.testing.assert_allclose(parts.mean(axis=(1, 3)) / 9.0, coarse["glint_std"].to_numpy().astype(np.float64) ** 2, rtol=0.03)
 
 
 def test_glint_varies_with_the_area_of_its_cells():
-    short, long = (scene("spectral", sea={"glint": {"correlation_time_s": t, "dispersion": "article"}}) for t in (0.07, 0.07 * 8.0))
+    short, long = (mean_map("spectral", sea={"glint": {"correlation_time_s": t, "dispersion": "article"}}) for t in (0.07, 0.07 * 8.0))
     # Surface tension alone: the length goes as the time to 2/3, the deviation as the length.
     below = short["elevation"] < -1.0
     ratio = long["glint_std"].where(below, drop=True) / short["glint_std"].where(below, drop=True)

@@ -34,14 +34,14 @@ VIEWS = {
 }
 
 
-def scene(sensor, **more):
+def scenario_with_sensor(sensor, **more):
     base = {"sea": {"resolve_waves": False}, "sun": {"zenith_deg": 60, "azimuth_deg": 180}, "wind": {"speed_m_s": 7, "from_deg": 140}}
     return parse_scenario(base | {"sensor": SENSOR | sensor} | more)
 
 
 @pytest.mark.parametrize(("sensor", "more"), VIEWS.values(), ids=VIEWS.keys())
 def test_the_picture_without_waves_is_the_map(sensor, more):
-    scenario = scene(sensor, **more)
+    scenario = scenario_with_sensor(sensor, **more)
     found, image = mean(scenario), prepare_sequence(scenario).at(0.0).radiance
     assert found.azimuth.dims == found.elevation.dims == ("y", "x")
     pose = prepare.track(scenario).at(0.0)
@@ -56,7 +56,7 @@ def test_the_picture_without_waves_is_the_map(sensor, more):
 
 @pytest.mark.parametrize("kind", ["cox-munk-anisotropic", "cox-munk-gram-charlier", "cox-munk-isotropic", "flat"])
 def test_lines_of_sight_are_those_of_a_grid(kind):
-    scenario = scene({}, sea={"slopes": {"kind": kind}})
+    scenario = scenario_with_sensor({}, sea={"slopes": {"kind": kind}})
     model = MeanModel.prepare(prepare.view(scenario))
     rows, columns = np.radians([10.0, 0.1, -0.3, -2.0, -30.0, -90.0]), np.radians([150.0, 179.0, 181.0, -100.0])
     grid, lines_of_sight = model.map(rows, columns), model.along(np.repeat(rows, columns.size), np.tile(columns, rows.size))
@@ -67,7 +67,7 @@ def test_lines_of_sight_are_those_of_a_grid(kind):
 
 
 def test_lines_of_sight_of_the_articles_mode_are_those_of_a_grid():
-    view = prepare.article_view(scene({}))
+    view = prepare.article_view(scenario_with_sensor({}))
     rows, columns = np.radians([1.0, -2.0, -30.0]), np.radians([150.0, 181.0])
     grid = article_radiance(view, rows, columns).total
     own = article_radiance(view, np.repeat(rows, 2), np.tile(columns, 3)[:, None]).total
@@ -92,7 +92,7 @@ def test_solid_angles_of_pixels_add_up(imager, closed_form):
 def test_one_temperature_is_one_radiance(mode, view):
     """White furnace: air, sky and sea at 288.15 K, and no Sun."""
     warm = {"atmosphere": {"source": "isothermal", "temperature_k": 288.15}, "sea": {"temperature_k": 288.15}}
-    found = mean(scene(VIEWS[view][0], mean={"mode": mode}, **warm))
+    found = mean(scenario_with_sensor(VIEWS[view][0], mean={"mode": mode}, **warm))
     expected = Band.rectangular(3.5, 5.0).radiance(288.15, np.arange(1990.0, 2870.0, 5.0))
     np.testing.assert_allclose(found.radiance, expected, rtol=1e-5)  # splines of the article's mode, float32
     assert float(found.elevation.min()) > -90.0
@@ -102,7 +102,7 @@ def test_a_view_straight_down_turns_with_the_scene():
     """Sun, wind and camera by 180 deg: the seam of azimuth lies elsewhere, the picture is the same."""
     one, other = (
         mean(
-            scene(
+            scenario_with_sensor(
                 DOWN | {"azimuth_deg": turn},
                 sun={"zenith_deg": 20, "azimuth_deg": 30 + turn},
                 wind={"speed_m_s": 7, "from_deg": 70 + turn},
@@ -119,7 +119,7 @@ def test_a_view_straight_down_turns_with_the_scene():
 def test_glint_of_coarse_pixels_is_that_of_fine_ones_averaged(mode):
     """Cells are independent: the variance of a pixel is the mean of its parts' variances over their number."""
     sensor = {"projection": "pinhole", "elevation_deg": -12, "roll_deg": 20}
-    coarse, fine = (mean(scene(sensor | {"pixels": pixels}, mean={"mode": mode})) for pixels in ([12, 9], [36, 27]))
+    coarse, fine = (mean(scenario_with_sensor(sensor | {"pixels": pixels}, mean={"mode": mode})) for pixels in ([12, 9], [36, 27]))
     for name, power in (("radiance", 1), ("glint_radiance", 1), ("glint_std", 2)):
         parts = fine[name].to_numpy().astype(np.float64).reshape(9, 3, 12, 3) ** power
         # nine lines of sight in a pixel of 1.3 deg against 81
@@ -132,27 +132,28 @@ def test_pixels_that_the_horizon_cuts_are_averaged():
     """A low Sun's glint may end in half a pixel: a coarse map is the fine one averaged there too."""
     sensor = {"projection": "pinhole", "elevation_deg": -1, "fov_deg": [4, 3], "roll_deg": 25}
     coarse, fine = (
-        mean(scene(sensor | {"pixels": pixels}, sun={"zenith_deg": 84, "azimuth_deg": 180})) for pixels in ([16, 12], [128, 96])
+        mean(scenario_with_sensor(sensor | {"pixels": pixels}, sun={"zenith_deg": 84, "azimuth_deg": 180}))
+        for pixels in ([16, 12], [128, 96])
     )
     parts = fine.radiance.to_numpy().astype(np.float64).reshape(12, 8, 16, 8).mean(axis=(1, 3))
     np.testing.assert_allclose(coarse.radiance, parts, rtol=2e-3)
 
 
 def test_a_moving_sensor_is_mapped_where_it_begins():
-    scenario = scene(VIEWS["platform"][0], **VIEWS["platform"][1])
-    here, there = mean(scenario), mean(scene({"elevation_deg": -7, "roll_deg": 10, "height_m": 50}))
+    scenario = scenario_with_sensor(VIEWS["platform"][0], **VIEWS["platform"][1])
+    here, there = mean(scenario), mean(scenario_with_sensor({"elevation_deg": -7, "roll_deg": 10, "height_m": 50}))
     np.testing.assert_array_equal(here.radiance, there.radiance)
     assert (float(here.sensor_height), float(here.sensor_roll)) == (50.0, pytest.approx(10.0))
     # upright at the beginning: a grid, whatever comes later
-    upright = mean(scene({}, platform={"keyframes": [{"time_s": 0, "roll_deg": 0}, {"time_s": 1, "roll_deg": 5}]}))
+    upright = mean(scenario_with_sensor({}, platform={"keyframes": [{"time_s": 0, "roll_deg": 0}, {"time_s": 1, "roll_deg": 5}]}))
     assert upright.azimuth.dims == ("x",)
-    xr.testing.assert_equal(upright.radiance.variable, mean(scene({})).radiance.variable)
+    xr.testing.assert_equal(upright.radiance.variable, mean(scenario_with_sensor({})).radiance.variable)
 
 
 @pytest.mark.parametrize("view", ["pinhole", "straight down, seam in view", "platform"])
 def test_a_map_with_directions_of_pixels_is_read_again(tmp_path, view):
     sensor, more = VIEWS[view]
-    path = write_netcdf(mean(scene(sensor, **more)), tmp_path / "m.nc")
+    path = write_netcdf(mean(scenario_with_sensor(sensor, **more)), tmp_path / "m.nc")
     with open_netcdf(path) as stored:
         assert stored.radiance.dims == ("y", "x")
         assert {"azimuth", "elevation"} <= set(stored.radiance.coords)
@@ -171,7 +172,7 @@ def test_a_map_with_directions_of_pixels_is_read_again(tmp_path, view):
 
 @pytest.mark.parametrize(("sensor", "lines_of_azimuth"), [(DOWN, 8), ({"roll_deg": 5, "fov_deg": [200, 20], "pixels": [100, 10]}, 5)])
 def test_pictures_round_the_nadir_have_lines_of_azimuth(sensor, lines_of_azimuth):
-    figure = draw(mean(scene(sensor)))
+    figure = draw(mean(scenario_with_sensor(sensor)))
     labels = [text.get_text() for text in figure.axes[0].texts]
     assert sum(label.endswith("° az") for label in labels) == lines_of_azimuth
 
@@ -181,9 +182,9 @@ def test_the_middle_of_a_small_pixel_serves(monkeypatch, sensor, sun):
     """A pixel of 1.7 mrad, in the glint of a Sun that is low and of one near the nadir: the middle against nine lines of sight."""
     raw = sensor | {"projection": "pinhole", "roll_deg": 10, "fov_deg": [2.4, 1.8]}
     tables = {"sun": {"zenith_deg": sun, "azimuth_deg": 185}}
-    middles = mean(scene(raw, **tables))
+    middles = mean(scenario_with_sensor(raw, **tables))
     monkeypatch.setattr(mean_pixels, "SMALL", 0.0)
-    averages = mean(scene(raw, **tables))
+    averages = mean(scenario_with_sensor(raw, **tables))
     assert not np.array_equal(middles.radiance, averages.radiance)
     assert float(averages.glint_radiance.min()) > 0.0
     for name in ("radiance", "glint_radiance", "glint_std"):

@@ -22,16 +22,16 @@ STEPS = 1440
 
 
 @pytest.fixture(scope="module")
-def scene():
-    def air(model, wind):
+def light_and_seas():
+    def band_air(model, wind):
         return TableAtmosphere.load(model, wind, BAND)
 
-    light = mirrored_light(air, ["midlatitude-summer"], None, (30.0, 30.0), DEPRESSION, Band.rectangular(*BAND), hale_querry_sea())
+    light = mirrored_light(band_air, ["midlatitude-summer"], None, (30.0, 30.0), DEPRESSION, Band.rectangular(*BAND), hale_querry_sea())
     return light, seas(lambda wind: cox_munk_gram_charlier(wind, 0.0), (0.0, 20.0), NESTED)
 
 
 @pytest.mark.parametrize("degrees", [(0.0, 360.0), (-15.0, 15.0), (40.0, 350.0)])
-def test_shares_are_those_of_looks_at_all_azimuths(scene, degrees):
+def test_shares_are_those_of_looks_at_all_azimuths(light_and_seas, degrees):
     u = np.random.default_rng(6).random((40, 5))
     first, last = np.radians(degrees)
     azimuth = first + (last - first) * (np.arange(STEPS) + 0.5) / STEPS
@@ -42,8 +42,8 @@ def test_shares_are_those_of_looks_at_all_azimuths(scene, degrees):
     rows = np.column_stack(columns)
     every = np.repeat(rows, STEPS, axis=0)
     every[:, 7] = every[:, 5] + np.tile(azimuth, 40)
-    radiance = looks(every, *scene).radiance.reshape(40, STEPS)
+    radiance = looks(every, *light_and_seas).radiance.reshape(40, STEPS)
     exact = np.stack([np.mean(radiance > threshold, axis=1) for threshold in THRESHOLDS], axis=1)
     assert np.mean((exact > 0.0) & (exact < 1.0)) > 0.3
     # Counting azimuths errs by half a step at each of two borders, and by a tenth of one for radiances found within 2e-4.
-    assert np.max(np.abs(azimuth_shares(rows, *scene, (first, last), THRESHOLDS) - exact)) < 1.3 / STEPS
+    assert np.max(np.abs(azimuth_shares(rows, *light_and_seas, (first, last), THRESHOLDS) - exact)) < 1.3 / STEPS

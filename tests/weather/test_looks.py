@@ -35,7 +35,7 @@ STATED = 0.005  # of radiance, at the 95th percentile
 SLOPES = {"gaussian": cox_munk_anisotropic, "skewed": cox_munk_gram_charlier}
 
 
-def air(model, wind):
+def band_air(model, wind):
     return TableAtmosphere.load(model, wind, BAND)
 
 
@@ -47,7 +47,7 @@ def kinks(*models):
 def light():
     models = ("midlatitude-summer",)
     band = Band.rectangular(*BAND)
-    return mirrored_light(air, models, (0.0, 20.0), (30.0, 30.0), DEPRESSION, band, hale_querry_sea(), kinks=kinks(*models))
+    return mirrored_light(band_air, models, (0.0, 20.0), (30.0, 30.0), DEPRESSION, band, hale_querry_sea(), kinks=kinks(*models))
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +75,7 @@ def drawn(count, seed, heights=(30.0, 30.0), suns=(25.0, 89.9), beside=40.0, mod
 
 def direct(row, slopes_of, model="midlatitude-summer"):
     return SeaView(
-        air(model, row[1]), Band.rectangular(*BAND), hale_querry_sea(), slopes_of(row[1], row[2]), 288.15, row[3], row[4], row[5],
+        band_air(model, row[1]), Band.rectangular(*BAND), hale_querry_sea(), slopes_of(row[1], row[2]), 288.15, row[3], row[4], row[5],
         sun_distance_factor=row[6], scattering=False, background="blackbody",
     )  # fmt: skip
 
@@ -99,7 +99,9 @@ def test_looks_equal_the_model(light, sea, kind):
 @pytest.mark.parametrize("heights", [(30.0, 30.0), (5.0, 3000.0)])
 def test_looks_equal_the_model_in_all_air(sea, kind, heights):
     models = ("midlatitude-summer", "midlatitude-winter", "subarctic-summer", "subarctic-winter", "tropical", "us-standard-1976")
-    table = mirrored_light(air, models, (0.0, 20.0), heights, DEPRESSION, Band.rectangular(*BAND), hale_querry_sea(), kinks=kinks(*models))
+    table = mirrored_light(
+        band_air, models, (0.0, 20.0), heights, DEPRESSION, Band.rectangular(*BAND), hale_querry_sea(), kinks=kinks(*models)
+    )
     rows = drawn(600, 5, heights, models=6)
     found = errors(rows, looks(rows, table, sea[kind]), SLOPES[kind], models)
     assert np.quantile(found, 0.95) < STATED
@@ -109,7 +111,7 @@ def test_looks_equal_the_model_in_all_air(sea, kind, heights):
 def test_the_aerosol_of_every_model_has_its_own_kink(sea):
     models = ("subarctic-winter", "us-standard-1976", "subarctic-summer")  # 12.33 m/s, none, 13.31 m/s
     table = mirrored_light(
-        air, models, (0.0, 20.0), (30.0, 30.0), DEPRESSION, Band.rectangular(*BAND), hale_querry_sea(), kinks=kinks(*models)
+        band_air, models, (0.0, 20.0), (30.0, 30.0), DEPRESSION, Band.rectangular(*BAND), hale_querry_sea(), kinks=kinks(*models)
     )
     rows = drawn(45, 6, suns=(70.0, 88.0), beside=10.0, models=3)
     rows[:, 1] = np.linspace(11.5, 14.0, 45)
