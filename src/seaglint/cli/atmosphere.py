@@ -106,7 +106,7 @@ def read(
     sun = f"; scattered sunlight of a Sun at {air.attrs['solar_zenith_deg']:g} deg" if "solar_zenith_deg" in air.attrs else ""
     if "cases_without_azimuth" in air.attrs:
         log(
-            f"scattered sunlight of {air.attrs['cases_without_azimuth']} cases is left out: nothing tells their azimuth from the Sun; "
+            f"scattered sunlight of {air.attrs['cases_without_azimuth']} cases is left out: their azimuth from the Sun is not known; "
             "run them with IPARM = 2"
         )
     log(

@@ -44,9 +44,9 @@ detect = typer.Typer(
     rich_markup_mode=None,
     no_args_is_help=True,
     help="Probabilities of detection and false alarm of a detector.\n\n"
-    "Objects are injected into a recording or into rendered scenes; errors of place are told as well. "
+    "Objects are injected into a recording or into rendered scenes; errors of place are given as well. "
     "'seaglint detect SOURCE' takes the options of all four and chooses by the file: SCENARIO.toml, "
-    "with --design or --range, or a recording. A file that is called like a command is given as ./range.",
+    "with --design or --range, or a recording. A file with the name of a command is written as ./range.",
 )
 
 

@@ -40,7 +40,8 @@ def sense(
     output: StoreOption,
     seed: Annotated[int | None, typer.Option("--seed", min=0, help="of the noise; the scenario's where nothing is said")] = None,
     oversampling: Annotated[
-        int | None, typer.Option("--oversampling", min=1, help="pixels of INPUT along each side of the detector's; told by our own files")
+        int | None,
+        typer.Option("--oversampling", min=1, help="pixels of INPUT along each side of the detector's; files of seaglint say it"),
     ] = None,
     electrons: Annotated[bool, typer.Option("--electrons", help="write electrons beside counts")] = False,
     sensor_preset: SensorPreset = None,
@@ -114,7 +115,7 @@ def sensor(
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
     plot: Annotated[Path | None, typer.Option("--plot", metavar="F.png", help="draw MTF and noise budget")] = None,
     frequency: Annotated[
-        list[float] | None, typer.Option("--frequency", min=0.0, help="where the MTF is told, in cycles/mrad; repeatable")
+        list[float] | None, typer.Option("--frequency", min=0.0, help="frequencies of the MTF, in cycles/mrad; repeatable")
     ] = None,
     sensor_preset: SensorPreset = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the picture that is there")] = False,

@@ -100,7 +100,11 @@ EXAMPLES: Final[dict[str, tuple[str, ...]]] = {
     "detect recording": (*_RUN, "seaglint detect recording example.zarr --contrast 0.1,0.2 --report detected.html"),
     "detect scene": (*_BOAT, "seaglint detect scene boat.toml --contrast 0.2,0.5 --frames 4 -o seas"),
     "detect design": (*_BOAT, "seaglint detect design boat.toml --p-fa 3e-3 --frames 4 -o need"),
-    "detect range": (*_BOAT, "seaglint detect range boat.toml --p-fa 3e-3 --frames 2 --range-limits 500:4000 -o far"),
+    "detect range": (
+        *_BOAT,
+        "seaglint detect range boat.toml --detector matched --bearings 90 --p-fa 3e-3 \\",
+        "    --frames 2 --injections 30 --range-limits 500:4000 -o far",
+    ),
     "likelihood": (
         "printf '[likelihood]\\nthreshold_w_m2_sr = [0.25, 2.5]\\n' > looks.toml",
         "seaglint likelihood looks.toml -o likelihood",
