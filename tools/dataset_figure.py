@@ -10,7 +10,7 @@ import tempfile
 import tomllib
 from pathlib import Path
 
-from seaglint.scenario.ensemble import parse_ensemble
+from seaglint.scenario.ensemble_file import parse_ensemble
 from seaglint.studies.ensemble.ensemble_dataset import EnsembleSource, ensemble_dataset
 from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
 

@@ -8,7 +8,7 @@ import os
 
 import matplotlib.pyplot as plt
 
-from seaglint.scenario.ensemble import parse_ensemble
+from seaglint.scenario.ensemble_file import parse_ensemble
 from seaglint.studies.ensemble.render_ensemble import draw
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"

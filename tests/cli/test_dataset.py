@@ -17,7 +17,7 @@ from PIL import Image
 
 import seaglint as sg
 from seaglint.files.dataset.grey_picture import read_about
-from seaglint.scenario.ensemble import load_ensemble, parse_ensemble
+from seaglint.scenario.ensemble_file import load_ensemble, parse_ensemble
 from seaglint.studies.ensemble.render_ensemble import draw
 from seaglint.studies.sequence.sensed import prepare_sensed
 

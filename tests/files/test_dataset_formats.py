@@ -25,7 +25,7 @@ from seaglint.files.dataset.masks import compressed, decoded, expanded
 from seaglint.files.dataset.split import SPLITS, split_of
 from seaglint.files.store.object_labels import Label, run_lengths
 from seaglint.files.store.store import Interrupted
-from seaglint.scenario.records.dataset import Dataset
+from seaglint.scenario.records.dataset_table import Dataset
 from seaglint.studies.ensemble import scenes_to_dataset as module
 from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset
 

@@ -14,7 +14,7 @@ from seaglint.cluster.job import outgoing
 from seaglint.files.dataset import check
 from seaglint.files.dataset.split import SPLITS
 from seaglint.files.store.store import Interrupted
-from seaglint.scenario.records.dataset import Dataset
+from seaglint.scenario.records.dataset_table import Dataset
 from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset
 
 PLAN = DatasetPlan("small", 3, Dataset(), "[ensemble]\nscenes = 4\n")

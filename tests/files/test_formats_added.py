@@ -18,7 +18,7 @@ from seaglint.files.dataset.split import SPLITS
 from seaglint.files.export.export_format import ExportFormat
 from seaglint.files.export.stack import select
 from seaglint.files.export.stack_writing import write_stack
-from seaglint.scenario.records.dataset import Dataset
+from seaglint.scenario.records.dataset_table import Dataset
 from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset
 
 

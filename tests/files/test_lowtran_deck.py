@@ -8,7 +8,7 @@ import pytest
 from seaglint.base.errors import DataError, DomainError
 from seaglint.files.lowtran.deck import HAZES, MODELS, MOST_LEVELS, Aerosol, LowtranAir, LowtranCase, ProfileLevel
 from seaglint.files.lowtran.sounding import read_sounding, saturation_density
-from seaglint.scenario.records.atmosphere import LowtranAtmosphere
+from seaglint.scenario.records.atmosphere_table import LowtranAtmosphere
 
 
 def columns(line, width):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from seaglint.base.errors import ScenarioError
-from seaglint.scenario.ensemble import load_ensemble, parse_ensemble
+from seaglint.scenario.ensemble_file import load_ensemble, parse_ensemble
 from seaglint.scenario.records.laws import Choice, LogUniform, Normal, Uniform
 from seaglint.scenario.records.quantity import Quantity
 from seaglint.scenario.text.toml_text import document

@@ -14,7 +14,7 @@ from seaglint.base.errors import ScenarioError
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.quantity import convert
-from seaglint.scenario.records.sensor import SQUARE_PIXEL_TOLERANCE
+from seaglint.scenario.records.sensor_table import SQUARE_PIXEL_TOLERANCE
 
 ROUNDING = 1e-12  # relative; unit conversions are one multiplication
 

@@ -20,7 +20,7 @@ from seaglint.cluster import Done, Here
 from seaglint.files.store.store import Interrupted
 from seaglint.objects.body import Placement
 from seaglint.objects.drawing.eye import stand
-from seaglint.scenario.ensemble import Ensemble, load_ensemble, parse_ensemble
+from seaglint.scenario.ensemble_file import Ensemble, load_ensemble, parse_ensemble
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.studies.ensemble import render_ensemble as module
 from seaglint.studies.ensemble.ensemble_folder import ensemble_text

@@ -65,7 +65,7 @@ def ensemble(
     [3.0, 3.0]
     """
     from seaglint.cluster import LocalProcesses
-    from seaglint.scenario.ensemble import load_ensemble, parse_ensemble
+    from seaglint.scenario.ensemble_file import load_ensemble, parse_ensemble
     from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
 
     resolved = parse_ensemble(source) if isinstance(source, Mapping) else load_ensemble(source)

@@ -73,6 +73,7 @@ class Scale:
         span, top = self.high - self.low, LEVELS - 1
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
             if self.steps is None:
+                share: NDArray[np.floating[Any]]
                 if self.width is not None:
                     share = self.share(image) * top
                 else:  # in the precision of the image: a viewer draws many large ones

@@ -31,7 +31,7 @@ def ensemble(
     from seaglint.cli.terminal.logs import show_logs
     from seaglint.cli.terminal.progress import progress
     from seaglint.cli.terminal.workers import chosen
-    from seaglint.scenario.ensemble import load_ensemble
+    from seaglint.scenario.ensemble_file import load_ensemble
     from seaglint.studies.ensemble.render_ensemble import render_ensemble
 
     show_logs(quiet=show is ProgressMode.NONE)

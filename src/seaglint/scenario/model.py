@@ -14,10 +14,10 @@ from typing import Annotated, Any, ClassVar, Self
 from pydantic import Field, model_validator
 
 from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, TABLE_BANDS_UM, TABLE_HEIGHTS
-from seaglint.scenario.records.atmosphere import Atmosphere, LowtranAtmosphere, TableAtmosphereSettings
-from seaglint.scenario.records.band import TABLE_BANDS_TEXT, BandSettings
-from seaglint.scenario.records.likelihood import Likelihood
-from seaglint.scenario.records.mean import Mean
+from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, TableAtmosphereSettings
+from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT, BandSettings
+from seaglint.scenario.records.likelihood_table import Likelihood
+from seaglint.scenario.records.mean_table import Mean
 from seaglint.scenario.records.objects import Object, in_degrees
 from seaglint.scenario.records.place import Place, Sun, Time
 from seaglint.scenario.records.platform import Platform
@@ -26,7 +26,7 @@ from seaglint.scenario.records.record import YEARS, Record, rule
 from seaglint.scenario.records.render import Render
 from seaglint.scenario.records.sea import Sea
 from seaglint.scenario.records.sea_slopes import FlatSlopes, SpectrumSlopes
-from seaglint.scenario.records.sensor import HIGHEST_SENSOR, Sensor
+from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR, Sensor
 from seaglint.scenario.records.wind import Wind
 
 

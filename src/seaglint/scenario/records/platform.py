@@ -8,7 +8,7 @@ from pydantic import Field, StrictBool, model_validator
 
 from seaglint.scenario.records.quantity import Quantity
 from seaglint.scenario.records.record import InputFile, Record, rule
-from seaglint.scenario.records.sensor import HIGHEST_SENSOR
+from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
 
 
 class Keyframe(Record):

@@ -39,9 +39,10 @@ class Record(BaseModel):
         """Return the values in SI units, by their keys without the unit: ``pitch_um = 15`` is ``pitch = 1.5e-5``."""
         out = {}
         for key in type(self).model_fields:
-            value, unit = getattr(self, key), next((unit for unit in _UNITS if key.endswith(f"_{unit}")), None)
-            scaled = unit is not None and isinstance(value, int | float) and _UNITS[unit] != 1
-            out[key.removesuffix(f"_{unit}")] = _UNITS[unit] * value if scaled else value
+            value = getattr(self, key)
+            unit = next((unit for unit in _UNITS if key.endswith(f"_{unit}")), "")
+            factor = _UNITS.get(unit, 1)
+            out[key.removesuffix(f"_{unit}")] = factor * value if factor != 1 and isinstance(value, int | float) else value
         return out
 
     def build(self, kind: type[_Built], **derived: Any) -> _Built:

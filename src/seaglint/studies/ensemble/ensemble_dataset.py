@@ -12,7 +12,7 @@ from seaglint.cluster import Workers
 from seaglint.files.dataset.check import ABOUT
 from seaglint.files.dataset.part import Entry
 from seaglint.files.dataset.split import split_of
-from seaglint.scenario.ensemble import Ensemble, load_ensemble
+from seaglint.scenario.ensemble_file import Ensemble, load_ensemble
 from seaglint.studies.ensemble.ensemble_folder import Folder, ensemble_text
 from seaglint.studies.ensemble.render_ensemble import draw, render_ensemble
 from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, DatasetPlan, make_dataset

@@ -15,7 +15,7 @@ from seaglint.base.errors import DataError
 from seaglint.files.failures import storage_errors
 from seaglint.files.tables.rows import write_rows
 from seaglint.files.text_file import write_text
-from seaglint.scenario.ensemble import Ensemble, read_toml
+from seaglint.scenario.ensemble_file import Ensemble, read_toml
 from seaglint.scenario.text.toml_text import document
 from seaglint.studies.ensemble.law_draws import EnsembleScene
 

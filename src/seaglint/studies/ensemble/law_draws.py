@@ -15,7 +15,7 @@ from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError, ScenarioError
 from seaglint.base.random import stream
 from seaglint.files.weather.weather_file import SHIPPED, read_weather
-from seaglint.scenario.ensemble import COUNT, Ensemble, Template, law_of
+from seaglint.scenario.ensemble_file import COUNT, Ensemble, Template, law_of
 from seaglint.scenario.keys import key_at
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.laws import Choice, LogUniform, Normal, Uniform, Weather, in_unit, value_of

@@ -18,7 +18,7 @@ from seaglint.files.stopping import stop_on_signal
 from seaglint.files.store.claim import exclusive
 from seaglint.files.store.store import Interrupted, check_output, write_sequence
 from seaglint.files.text_file import write_text
-from seaglint.scenario.ensemble import Ensemble, with_absolute_paths
+from seaglint.scenario.ensemble_file import Ensemble, with_absolute_paths
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records.laws import Weather, value_of
@@ -128,7 +128,7 @@ def render_ensemble(
     Parameters
     ----------
     ensemble : Ensemble
-        See :func:`seaglint.scenario.ensemble.load_ensemble`.
+        See :func:`seaglint.scenario.ensemble_file.load_ensemble`.
     output : path
         Folder to make: ``ensemble.toml``, ``parameters.csv``, ``objects.csv`` (both also as Parquet where PyArrow is installed), and
         ``scenes/0000.toml``, ``scenes/0000.zarr`` and so on.

@@ -25,8 +25,8 @@ from seaglint.files.stopping import stop_on_signal
 from seaglint.files.store.claim import exclusive
 from seaglint.files.store.store import Interrupted, partial_path
 from seaglint.files.text_file import read_json, write_json, write_text
-from seaglint.scenario.ensemble import read_toml
-from seaglint.scenario.records.dataset import Dataset
+from seaglint.scenario.ensemble_file import read_toml
+from seaglint.scenario.records.dataset_table import Dataset
 from seaglint.studies.ensemble.ensemble_folder import differences
 from seaglint.version import __version__
 

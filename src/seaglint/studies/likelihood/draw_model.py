@@ -20,9 +20,9 @@ from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.files.weather.weather_cells import read_cells
 from seaglint.files.weather.weather_file import SHIPPED, read_weather
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import atmosphere as wanted_air
+from seaglint.scenario.records import atmosphere_table as wanted_air
 from seaglint.scenario.records import sea_slopes as wanted_slopes
-from seaglint.scenario.records.likelihood import Likelihood
+from seaglint.scenario.records.likelihood_table import Likelihood
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.slopes.cox_munk import WIND_HEIGHT, cox_munk_isotropic
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics

@@ -15,7 +15,7 @@ from seaglint.base.errors import ScenarioError
 from seaglint.files.modtran.lines import AZIMUTHS
 from seaglint.files.provenance import provenance
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import atmosphere as wanted_air
+from seaglint.scenario.records import atmosphere_table as wanted_air
 from seaglint.scenario.sun import sun_position
 from seaglint.studies.prepare import prepare
 

@@ -10,7 +10,7 @@ from seaglint.imaging.camera.pose import Track
 from seaglint.objects.floating import Swell
 from seaglint.objects.floating_track import MOST_SAMPLES, FloatingTrack
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records.sensor import HIGHEST_SENSOR
+from seaglint.scenario.records.sensor_table import HIGHEST_SENSOR
 from seaglint.sea.field import WaveField
 
 

@@ -21,7 +21,7 @@ from seaglint.files.modtran.tape5 import deck
 from seaglint.files.outputs import ELSEWHERE, refuse_existing
 from seaglint.files.text_file import write_text
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import atmosphere as wanted_air
+from seaglint.scenario.records import atmosphere_table as wanted_air
 from seaglint.scenario.sun import sun_position
 from seaglint.studies.prepare import prepare
 

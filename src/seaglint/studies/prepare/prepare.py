@@ -29,9 +29,9 @@ from seaglint.optics.band import Band
 from seaglint.optics.sea_water import WaterIndex
 from seaglint.radiance.glint_correlation import capillary_length, correlation_length
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records import atmosphere as wanted_air
+from seaglint.scenario.records import atmosphere_table as wanted_air
 from seaglint.scenario.records import sea_slopes as wanted_slopes
-from seaglint.scenario.records.band import TABLE_BANDS_TEXT
+from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT
 from seaglint.scenario.records.platform import Keyframe
 from seaglint.scenario.sun import SunPosition, sun_position
 from seaglint.sea.field import WaveField

@@ -29,7 +29,7 @@ from seaglint.instrument.detector import PhotonPixels
 from seaglint.instrument.transfer import require_divides
 from seaglint.optics.band import Band
 from seaglint.scenario.model import Scenario
-from seaglint.scenario.records.sensor import AGREEMENT
+from seaglint.scenario.records.sensor_table import AGREEMENT
 from seaglint.studies.prepare.sensor_model import sensor_attributes, sensor_model
 from seaglint.studies.sequence.spread import over
 

@@ -16,7 +16,7 @@ from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.scene_presets import PRESETS
 from seaglint.scenario.presets.sensor_presets import with_sensor
-from seaglint.scenario.records.dataset import Dataset
+from seaglint.scenario.records.dataset_table import Dataset
 from seaglint.scenario.records.laws import Choice, Law, LogUniform, Normal, Number, Uniform, Vary, Weather
 from seaglint.scenario.records.quantity import Quantity
 from seaglint.scenario.records.record import Record, rule
