@@ -5,6 +5,7 @@ Four commands, each with the options of its own request; ``seaglint detect SOURC
 
 from __future__ import annotations
 
+import re
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -31,8 +32,15 @@ class DetectGroup(TyperGroup):
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
         """Return the context of the group, or of the command without a name."""
         group = not args or args[0] in self.commands or args[0] == "--help"
+        if not group:
+            self._require_file(args[0])
         make = super().make_context if group else self.bare.make_context
         return make(info_name, args, parent=parent, **extra)
+
+    def _require_file(self, word: str) -> None:
+        """Refuse a first word that can only be a misspelt command: one without an ending or a folder, where no file has its name."""
+        if re.fullmatch(r"\w[\w-]*", word) and not Path(word).exists():
+            raise DataError(f"{word}: is no file, and none of the commands {', '.join(self.commands)}; give one of them, or a file's name")
 
     def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
         """Return the commands, and the options of the command without a name."""
