@@ -59,7 +59,7 @@ detect = typer.Typer(
 
 
 @detect.command("recording", cls=RecordCommand)
-@takes_records
+@takes_records(order="frame_rate pixel_mrad")
 def recording(request: RecordingRequest, results: ResultOptions, run: Annotated[RunOptions, Without((*ALONE, "resume"))]) -> None:
     """Detection on a recording without objects."""
     from seaglint.cli.detect_recording import detect_recording
@@ -68,7 +68,7 @@ def recording(request: RecordingRequest, results: ResultOptions, run: Annotated[
 
 
 @detect.command("scene", cls=RecordCommand)
-@takes_records
+@takes_records()
 def scene(request: SceneRequest, results: ResultOptions, run: RunOptions) -> None:
     """Detection in independent rendered seas of a scenario."""
     from seaglint.cli.detect_scene import detect_scene
@@ -77,7 +77,7 @@ def scene(request: SceneRequest, results: ResultOptions, run: RunOptions) -> Non
 
 
 @detect.command("design", cls=RecordCommand)
-@takes_records
+@takes_records()
 def design(request: DesignRequest, results: ResultOptions, run: RunOptions) -> None:
     """Contrast that an object needs, and loss against white noise.
 
@@ -89,7 +89,7 @@ def design(request: DesignRequest, results: ResultOptions, run: RunOptions) -> N
 
 
 @detect.command("range", cls=RecordCommand)
-@takes_records
+@takes_records()
 def detection_range(
     request: RangeRequest, results: Annotated[ResultOptions, Without(("report",))], run: Annotated[RunOptions, Without(ALONE)]
 ) -> None:
@@ -100,7 +100,7 @@ def detection_range(
 
 
 @detect.command(BARE, cls=RecordCommand, hidden=True)
-@takes_records
+@takes_records(order="frame_rate pixel_mrad")
 def detect_source(
     recorded: RecordingRequest,
     rendered: DesignRequest,

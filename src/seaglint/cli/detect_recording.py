@@ -29,7 +29,6 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
     from seaglint.cli.terminal.messages import log, print_json
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.files.outputs import refuse_existing
-    from seaglint.files.recording import open_recording
     from seaglint.files.tables.detection_tables import DetectionFiles
     from seaglint.studies.detect.recordings import run_recording, settings_of
 
@@ -41,16 +40,7 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
     if results.report is not None:
         refuse_existing(results.report, overwrite=run.overwrite, inputs=inputs)
     settings = settings_of(o.vary or ())
-    opened = open_recording(
-        o.source,
-        frame_rate=o.frame_rate,
-        units=o.units,
-        raw=o.raw,
-        variable=o.variable,
-        channel=o.channel,
-        axes=o.axes,
-        saturation=o.saturation,
-    )
+    opened = o.opened(o.source)
     judged = o.detection(o.contrast, opened.frame_rate, _pixel(o.source, o.pixel_mrad))
     with warnings.catch_warnings():
         # Of numbers that do not exist (a detector that divides by 0): the result says what is absent and why.
