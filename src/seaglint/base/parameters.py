@@ -60,16 +60,16 @@ def described(record: type) -> dict[str, Parameter]:
 def documented(record: type, **words: str) -> Callable[[Function], Function]:
     """Return a decorator that writes the parameters of a request into a function's docstring, at a line ``{request}``.
 
-    Names and defaults stay in the function's own signature, from which types are taken; ``words`` replace ``{NAME}`` in texts.
+    Names and defaults stay in the function's own signature, from which types are taken; ``words`` replace ``{name}`` and ``NAME``.
     """
 
     def document(function: Function) -> Function:
         if function.__doc__:  # none under python -OO
-            signature = inspect.signature(function)
+            signature, texts = inspect.signature(function), described(record)
             entries = [
-                f"{name} : {_type(str(signature.parameters[name].annotation))}\n{_sentences(parameter, words)}"
-                for name, parameter in ((name, described(record).get(name)) for name in signature.parameters)
-                if parameter is not None
+                f"{name} : {_type(str(signature.parameters[name].annotation))}\n{_sentences(name, texts[name], words)}"
+                for name in signature.parameters
+                if name in texts
             ]
             indent = re.search(rf"^([ \t]*){re.escape(LINE)}", function.__doc__, flags=re.MULTILINE)
             before = indent[1] if indent else ""
@@ -79,10 +79,12 @@ def documented(record: type, **words: str) -> Callable[[Function], Function]:
     return document
 
 
-def _sentences(parameter: Parameter, words: Mapping[str, str]) -> str:
+def _sentences(name: str, parameter: Parameter, words: Mapping[str, str]) -> str:
     """Return help and detail as sentences, indented as the text of a parameter."""
-    text = re.sub(r"\{(\w+)\}", lambda match: words.get(match[1], match[0]), parameter.help)
+    text = re.sub(r"\{(\w+)\}|\b([A-Z]{3,})\b", lambda match: words.get(match[1] or match[2], match[0]), parameter.help)
     text = re.sub(r"`(\w+)`", r"``\1``", text)
+    if text.startswith("of "):  # an option's name is the subject of its help
+        text = f"{name.replace('_', ' ')} {text}"
     whole = f"{text[0].upper()}{text[1:]}. {parameter.detail}".strip()
     return textwrap.indent("\n".join(textwrap.wrap(whole, 130, break_long_words=False)), "    ")
 

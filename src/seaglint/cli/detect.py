@@ -60,7 +60,9 @@ detect = typer.Typer(
 
 @detect.command("recording", cls=RecordCommand)
 @takes_records(order="frame_rate pixel_mrad")
-def recording(request: RecordingRequest, results: ResultOptions, run: Annotated[RunOptions, Without((*ALONE, "resume"))]) -> None:
+def recording(
+    request: RecordingRequest, results: ResultOptions, run: Annotated[RunOptions, Without((*ALONE, "threads", "resume"))]
+) -> None:
     """Detection on a recording without objects."""
     from seaglint.cli.detect_recording import detect_recording
 
@@ -68,8 +70,8 @@ def recording(request: RecordingRequest, results: ResultOptions, run: Annotated[
 
 
 @detect.command("scene", cls=RecordCommand)
-@takes_records()
-def scene(request: SceneRequest, results: ResultOptions, run: RunOptions) -> None:
+@takes_records(order="workers dask dask_slurm")
+def scene(request: SceneRequest, results: ResultOptions, run: Annotated[RunOptions, Without(("threads",))]) -> None:
     """Detection in independent rendered seas of a scenario."""
     from seaglint.cli.detect_scene import detect_scene
 
@@ -77,8 +79,8 @@ def scene(request: SceneRequest, results: ResultOptions, run: RunOptions) -> Non
 
 
 @detect.command("design", cls=RecordCommand)
-@takes_records()
-def design(request: DesignRequest, results: ResultOptions, run: RunOptions) -> None:
+@takes_records(order="workers dask dask_slurm")
+def design(request: DesignRequest, results: ResultOptions, run: Annotated[RunOptions, Without(("threads",))]) -> None:
     """Contrast that an object needs, and loss against white noise.
 
     For P_d 0.9 at one false alarm per hour and field, where nothing else is said.
@@ -91,7 +93,7 @@ def design(request: DesignRequest, results: ResultOptions, run: RunOptions) -> N
 @detect.command("range", cls=RecordCommand)
 @takes_records()
 def detection_range(
-    request: RangeRequest, results: Annotated[ResultOptions, Without(("report",))], run: Annotated[RunOptions, Without(ALONE)]
+    request: RangeRequest, results: Annotated[ResultOptions, Without(("report",))], run: Annotated[RunOptions, Without((*ALONE, "threads"))]
 ) -> None:
     """Range up to which an object of a scenario is detected."""
     from seaglint.cli.detect_range import detect_range
@@ -100,13 +102,13 @@ def detection_range(
 
 
 @detect.command(BARE, cls=RecordCommand, hidden=True)
-@takes_records(order="frame_rate pixel_mrad")
+@takes_records(order="frame_rate pixel_mrad workers dask dask_slurm")
 def detect_source(
     recorded: RecordingRequest,
     rendered: DesignRequest,
     far: RangeRequest,
     results: ResultOptions,
-    run: RunOptions,
+    run: Annotated[RunOptions, Without(("threads",))],
     as_design: Annotated[
         bool,
         typer.Option(
