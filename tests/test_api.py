@@ -20,9 +20,13 @@ from seaglint.analysis import analyze as run_analysis
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.schema import LAYERS
+from seaglint.cli import dataset as dataset_command
 from seaglint.cluster import Here
+from seaglint.files import export as export_formats
 from seaglint.files.recording import open_recording
 from seaglint.optics.band import Band
+from seaglint.plot.video_formats import VIDEO_ENDINGS
+from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
 from seaglint.studies.mean.mean_map import mean as pipeline_mean
 from seaglint.studies.sequence.sequence_requests import ExportRequest, RenderRequest, SenseRequest
 
@@ -110,13 +114,21 @@ def test_every_name_is_there_and_documented() -> None:
         sg.rendering  # noqa: B018
 
 
-REQUESTS = {"render": RenderRequest, "sense": SenseRequest, "export": ExportRequest}
+REQUESTS = {
+    "render": RenderRequest,
+    "sense": SenseRequest,
+    "export": ExportRequest,
+    "ensemble": EnsembleRequest,
+    "dataset": DatasetRequest,
+}
 """Records from which commands make their options and functions their documentation."""
 
 NAMED = {
     "render": ("frames", "electrons", "radiance", "threads", "workers", "resume", "overwrite"),
     "sense": ("seed", "oversampling", "electrons", "frame_rate", "overwrite"),
     "export": ("variable", "frames", "dtype", "limits", "colours", "rate", "scale", "overwrite"),
+    "ensemble": ("workers", "threads", "resume", "overwrite", "draw_only"),
+    "dataset": ("format", "bits", "image", "workers", "threads", "resume", "overwrite"),
 }
 """Parameters of functions that their requests describe."""
 
@@ -132,6 +144,16 @@ def test_a_function_takes_what_its_request_describes(name: str) -> None:
     assert "    {request}\n" in written
     assert [key for key in shared if re.search(rf"^    ([a-z_, ]*, )?{key}( :|, )", written, flags=re.MULTILINE)] == []
     assert shared >= set(NAMED[name])
+
+
+def test_documentation_lists_the_formats_that_there_are() -> None:
+    """Libraries are not loaded for the documentation, which therefore has its own list."""
+    plain = sg.dataset.__doc__.replace("``", "")
+    assert f"{dataset_command._formats()}." in plain
+    assert f"{dataset_command._bits()}." in plain
+    output = sg.export.__doc__.partition("    output : path\n")[2].partition("\n    variable")[0]
+    listed = re.findall(r"``(\.\w+)``", output)
+    assert listed == [*(ending for form in export_formats.FORMATS for ending in form.endings), *VIDEO_ENDINGS]
 
 
 def test_scenarios_come_from_files_and_mappings(tmp_path) -> None:

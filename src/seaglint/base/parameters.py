@@ -81,8 +81,8 @@ def documented(record: type, **words: str) -> Callable[[Function], Function]:
 
 def _sentences(name: str, parameter: Parameter, words: Mapping[str, str]) -> str:
     """Return help and detail as sentences, indented as the text of a parameter."""
-    text = re.sub(r"\{(\w+)\}|\b([A-Z]{3,})\b", lambda match: words.get(match[1] or match[2], match[0]), parameter.help)
-    text = re.sub(r"`(\w+)`", r"``\1``", text)
+    text = re.sub(r"`(\w+)`", r"``\1``", parameter.help)
+    text = re.sub(r"\{(\w+)\}|\b([A-Z]{3,})\b", lambda match: words.get(match[1] or match[2], match[0]), text)
     if text.startswith("of "):  # an option's name is the subject of its help
         text = f"{name.replace('_', ' ')} {text}"
     whole = f"{text[0].upper()}{text[1:]}. {parameter.detail}".strip()
