@@ -26,6 +26,7 @@ from seaglint.files import export as export_formats
 from seaglint.files.recording import open_recording
 from seaglint.optics.band import Band
 from seaglint.plot.video_formats import VIDEO_ENDINGS
+from seaglint.studies.analysis_requests import AnalysisRequest
 from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
 from seaglint.studies.mean.mean_map import mean as pipeline_mean
 from seaglint.studies.sequence.sequence_requests import ExportRequest, RenderRequest, SenseRequest
@@ -120,6 +121,7 @@ REQUESTS = {
     "export": ExportRequest,
     "ensemble": EnsembleRequest,
     "dataset": DatasetRequest,
+    "analyze": AnalysisRequest,
 }
 """Records from which commands make their options and functions their documentation."""
 
@@ -129,6 +131,7 @@ NAMED = {
     "export": ("variable", "frames", "dtype", "limits", "colours", "rate", "scale", "overwrite"),
     "ensemble": ("workers", "threads", "resume", "overwrite", "draw_only"),
     "dataset": ("format", "bits", "image", "workers", "threads", "resume", "overwrite"),
+    "analyze": ("frame_rate", "units", "variable", "filter", "thresholds", "scope", "rows", "mask", "border", "detectors", "seed"),
 }
 """Parameters of functions that their requests describe."""
 

@@ -30,13 +30,16 @@ class Parameter(NamedTuple):
     form : str
         Form of the text that stands for it on a command line: "numbers" (``1,2,4`` or ``FIRST:LAST:STEP``), "pair" (``X,Y``), "limits"
         (``NEAR:FAR``), "frames" (``37:38``), "every" (``0:100:2``), "shares" (``0.2:0.8``), "weights" (file of numbers), "mask" (image),
-        "raw" (layout of a raw file), "switch" (auto, always or never); empty where the type says it.
+        "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for what may be objects in Python); empty
+        where the type says it.
     metavar : str
         Stand-in for the value on a help page; the type's own where empty.
     least : int, optional
         Smallest value allowed.
     option : str
         Option that sets it, where that is not the parameter's own name.
+    subject : str
+        Words that documentation has before the help, where a help page has the option's name for them.
     detail : str
         Sentences that documentation adds to the help.
     """
@@ -47,6 +50,7 @@ class Parameter(NamedTuple):
     metavar: str = ""
     least: int | None = None
     option: str = ""
+    subject: str = ""
     detail: str = ""
 
 
@@ -83,8 +87,9 @@ def _sentences(name: str, parameter: Parameter, words: Mapping[str, str]) -> str
     """Return help and detail as sentences, indented as the text of a parameter."""
     text = re.sub(r"`(\w+)`", r"``\1``", parameter.help)
     text = re.sub(r"\{(\w+)\}|\b([A-Z]{3,})\b", lambda match: words.get(match[1] or match[2], match[0]), text)
-    if text.startswith("of "):  # an option's name is the subject of its help
-        text = f"{name.replace('_', ' ')} {text}"
+    text = text.removesuffix("; repeatable")
+    subject = parameter.subject or (name.replace("_", " ") if text.startswith("of ") else "")
+    text = f"{subject} {text}".strip()
     whole = f"{text[0].upper()}{text[1:]}. {parameter.detail}".strip()
     return textwrap.indent("\n".join(textwrap.wrap(whole, 130, break_long_words=False)), "    ")
 

@@ -116,13 +116,15 @@ def _option(field: Field[Any], hint: Any, text: Parameter | None) -> tuple[inspe
     reader: Callable[[Any, str], Any] = READERS.get(text.form, lambda value, _: value)
     if text.form == "switch":
         kind, default = Literal["auto", "always", "never"], next(word for word, value in SWITCH.items() if value is default)
+    elif text.form == "name":
+        kind = str
+    elif get_origin(kind) is tuple and get_args(kind)[1:] == (...,) and text.form in ("", "names"):
+        several = list[str if text.form else get_args(kind)[0]] | None  # type: ignore[misc]
+        parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[several, info])
+        return parameter, lambda value: tuple(value or ())
     elif text.form:
         kind = Path | None if text.form in ("weights", "mask") else str | None
         default = None if default is None else WRITTEN.get(text.form, _commas)(default)
-    elif get_origin(kind) is tuple and get_args(kind)[1:] == (...,):
-        several = list[get_args(kind)[0]] | None  # type: ignore[misc]
-        parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[several, info])
-        return parameter, lambda value: tuple(value or ())
     parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info])
     return parameter, lambda value: None if value is None else reader(value, option)
 
