@@ -7,6 +7,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from seaglint.base.free_form import TableRow
 from seaglint.base.parameters import documented
 from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
 
@@ -26,7 +27,7 @@ def ensemble(
     overwrite: bool = False,
     draw_only: bool = False,
     progress: Progress | None = None,
-) -> list[dict[str, Any]]:
+) -> list[TableRow]:
     """Draw scenes from laws of a scenario's keys, and render each as a sequence of its own.
 
     Parameters

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from seaglint.base.free_form import TableRow
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -24,7 +26,7 @@ def _figure(width: float, height: float) -> Figure:
     return made
 
 
-def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[dict[str, Any]], unit: str) -> Figure:
+def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], unit: str) -> Figure:
     """Operating characteristics with bands, and P_d against contrast."""
     figure = _figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
@@ -101,11 +103,11 @@ def _square(middle: int, colour: str) -> Any:
     return Rectangle((middle - 3.0, middle - 3.0), 6.0, 6.0, fill=False, edgecolor=colour, linewidth=0.9)
 
 
-def draw_sweep(rows: Sequence[dict[str, Any]], key: str) -> Figure:
+def draw_sweep(rows: Sequence[TableRow], key: str) -> Figure:
     """P_d and P_fa against a number that was varied; a line for each of what else was varied and each contrast."""
     figure = _figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
-    lines: dict[str, list[dict[str, Any]]] = {}
+    lines: dict[str, list[TableRow]] = {}
     for row in rows:
         lines.setdefault(row["_line"], []).append(row)
     for name, some in lines.items():
@@ -124,7 +126,7 @@ def draw_sweep(rows: Sequence[dict[str, Any]], key: str) -> Figure:
 
 def draw_ranges(found: Sequence[dict[str, Any]]) -> Figure:
     """Ranges of detection: about the bearing from the Sun as polar curves where there are several bearings, else P_d against range."""
-    lines: dict[str, list[dict[str, Any]]] = {}
+    lines: dict[str, list[TableRow]] = {}
     for one in found:
         lines.setdefault(", ".join(f"{k} = {v}" for k, v in one["parameters"].items()), []).append(one)
     polar = len({one["bearing_deg"] for one in found}) > 1

@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.plot.video import Colours, palette, write_video
 from seaglint.viewer.picture import Scales, Show
 from seaglint.viewer.scaling import Scaling
@@ -86,7 +87,7 @@ def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) ->
         return made.read_bytes()
 
 
-def table(result: dict[str, Any]) -> str:
+def table(result: JsonObject) -> str:
     """Return statistics as CSV, one row for each number: ``fits.gamma.shape,3.21``."""
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")

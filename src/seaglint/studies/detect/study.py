@@ -11,6 +11,7 @@ from typing import Any
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.base.representation import card, notes, table
 from seaglint.cluster import Workers
 from seaglint.clutter.filters import named as named_filter
@@ -57,7 +58,7 @@ class Study:
         told = [] if self.stopped is None else [self.stopped]
         return card(f"Study of {len(self.cases)} cases", table(names, [[line.get(name) for name in names] for line in lines]) + notes(told))
 
-    def rows(self) -> list[dict[str, Any]]:
+    def rows(self) -> list[TableRow]:
         """Tidy table: a row a contrast of each case, with what was varied first, then results, then the whole scenario."""
         columns: dict[str, None] = {}
         out = []
@@ -80,12 +81,12 @@ class Study:
         out: dict[str, list[float]] = {"case": [float(k) for k, case in numbered for _ in case["roc"]["contrast"]]}
         return out | {name: [v for _, case in numbered for v in case["roc"][name]] for name in names}
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Plain numbers and text; of a single case its own keys as well."""
         told = [
             {"parameters": case["parameters"], **(case["result"] if "result" in case else {"error": case["error"]})} for case in self.cases
         ]
-        whole: dict[str, Any] = dict(told[0]) if len(told) == 1 else {}
+        whole: JsonObject = dict(told[0]) if len(told) == 1 else {}
         return whole | {"cases": told, "study_stopped": self.stopped}
 
 
