@@ -119,7 +119,8 @@ def _option(field: Field[Any], hint: Any, text: Parameter | None) -> tuple[inspe
     elif text.form == "name":
         kind = str
     elif get_origin(kind) is tuple and get_args(kind)[1:] == (...,) and text.form in ("", "names"):
-        several = list[str if text.form else get_args(kind)[0]] | None  # type: ignore[misc]
+        item: Any = str if text.form else get_args(kind)[0]
+        several: Any = list[item] | None
         parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[several, info])
         return parameter, lambda value: tuple(value or ())
     elif text.form:
