@@ -12,6 +12,8 @@ from seaglint.base.free_form import TableRow
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from seaglint.files.detection_case import Chips, FalseAlarmMap
+
 
 MOST_CURVES: Final = 6
 """Characteristics drawn, evenly chosen from the contrasts."""
@@ -57,15 +59,14 @@ def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], u
     return figure
 
 
-def draw_map(found: dict[str, Any]) -> Figure:
+def draw_map(found: FalseAlarmMap) -> Figure:
     """P_fa over azimuth and elevation; tiles without a pixel that is judged are left out."""
     figure = _figure(7.0, 3.6)
     axes = figure.subplots()
-    pixels = np.asarray(found["pixels"], float)
-    rate = np.asarray(found["exceedances"], float) / np.where(pixels > 0, pixels, np.nan)
-    grid = "azimuth_deg" in found
-    x, y = (found["azimuth_deg"], found["elevation_deg"]) if grid else (found["column_px"], found["row_px"])
-    drawn = axes.pcolormesh(x, y, np.ma.masked_invalid(rate), cmap="magma", shading="flat")
+    pixels = np.asarray(found.pixels, float)
+    rate = np.asarray(found.exceedances, float) / np.where(pixels > 0, pixels, np.nan)
+    grid = found.in_degrees
+    drawn = axes.pcolormesh(found.right, found.down, np.ma.masked_invalid(rate), cmap="magma", shading="flat")
     if not grid:
         axes.invert_yaxis()
     axes.set(xlabel="azimuth [deg]" if grid else "column [px]", ylabel="elevation [deg]" if grid else "row [px]")
@@ -74,9 +75,9 @@ def draw_map(found: dict[str, Any]) -> Figure:
     return figure
 
 
-def draw_chips(found: dict[str, Any], threshold_sigma: float) -> Figure | None:
+def draw_chips(found: Chips, threshold_sigma: float) -> Figure | None:
     """Missed objects above, false alarms below; None where there are neither."""
-    lines = [(name, found[name]) for name in ("missed", "false") if found[name]]
+    lines = [(name, some) for name, some in (("missed", found.missed), ("false", found.false)) if some]
     if not lines:
         return None
     columns = max(len(items) for _, items in lines)
@@ -88,11 +89,11 @@ def draw_chips(found: dict[str, Any], threshold_sigma: float) -> Figure | None:
             if k >= len(items):
                 one.set_axis_off()
                 continue
-            pixels = np.array([[np.nan if v is None else v for v in line] for line in items[k]["pixels"]], float)
+            pixels = np.array([[np.nan if v is None else v for v in line] for line in items[k].pixels], float)
             one.imshow(pixels, cmap="gray", interpolation="nearest")
             middle = pixels.shape[0] // 2
             one.add_patch(_square(middle, "#4cc9f0" if name == "missed" else "#f94144"))
-            one.set_title(f"{'missed' if name == 'missed' else 'false alarm'}, {items[k]['score']:.3g} σ", fontsize=8)
+            one.set_title(f"{'missed' if name == 'missed' else 'false alarm'}, {items[k].score:.3g} σ", fontsize=8)
     figure.suptitle(f"threshold {threshold_sigma:.3g} σ", fontsize=9)
     return figure
 
