@@ -83,7 +83,7 @@ class FalseAlarmMap:
 
 @dataclass(frozen=True)
 class Judged:
-    """What a detector does in one scene or recording.
+    """Performance of a detector in one scene or recording.
 
     Attributes
     ----------
@@ -132,7 +132,7 @@ class DetectionCase:
 
     @property
     def done(self) -> Judged:
-        """What the detector does, in a case that did not fail."""
+        """Performance of the detector, in a case that did not fail."""
         if self.judged is None:
             raise ValueError(f"the case failed: {self.error}")
         return self.judged
@@ -144,7 +144,7 @@ class DetectionCase:
 
     @property
     def named(self) -> str:
-        """What was varied, as text: ``wind.speed_m_s = 4, detector = log``; empty where nothing was."""
+        """Varied keys as text: ``wind.speed_m_s = 4, detector = log``; empty where nothing was."""
         return ", ".join(f"{key} = {value}" for key, value in self.parameters.items())
 
     def with_error(self, text: str) -> Self:

@@ -136,7 +136,7 @@ def _commas(values: Sequence[float]) -> str:
 
 def _weights(path: Path, option: str) -> Any:
     """Return the numbers of a small CSV or NumPy file, with its place."""
-    from seaglint.cli.analyze import weights
+    from seaglint.cli.terminal.small_files import weights
     from seaglint.studies.reading_requests import WeightsFile
 
     return WeightsFile(path, weights(path))
@@ -144,7 +144,7 @@ def _weights(path: Path, option: str) -> Any:
 
 def _mask(path: Path, option: str) -> Any:
     """Return the mask of an image or a NumPy file, with its place."""
-    from seaglint.cli.analyze import read_mask
+    from seaglint.cli.terminal.small_files import read_mask
     from seaglint.studies.reading_requests import WeightsFile
 
     return WeightsFile(path, read_mask(path))
@@ -164,7 +164,7 @@ def _shares(text: str, option: str) -> tuple[float, float]:
 
 
 def _raw(text: str, option: str) -> Any:
-    from seaglint.cli.analyze import raw_layout
+    from seaglint.cli.terminal.small_files import raw_layout
 
     return raw_layout(text)
 
