@@ -7,6 +7,7 @@ import re
 import subprocess
 import sys
 from contextlib import nullcontext
+from dataclasses import fields
 from functools import partial
 
 import numpy as np
@@ -19,10 +20,16 @@ from seaglint.analysis import analyze as run_analysis
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError, DomainError, ScenarioError
 from seaglint.base.schema import LAYERS
+from seaglint.cli import dataset as dataset_command
 from seaglint.cluster import Here
+from seaglint.files import export as export_formats
 from seaglint.files.recording import open_recording
 from seaglint.optics.band import Band
+from seaglint.plot.video_formats import VIDEO_ENDINGS
+from seaglint.studies.analysis_requests import AnalysisRequest
+from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
 from seaglint.studies.mean.mean_map import mean as pipeline_mean
+from seaglint.studies.sequence.sequence_requests import ExportRequest, RenderRequest, SenseRequest
 
 RATE = 20.0
 SCENE = {
@@ -106,6 +113,50 @@ def test_every_name_is_there_and_documented() -> None:
         assert [p for p in parameters if not re.search(rf"\b{p}\b", described)] == []
     with pytest.raises(AttributeError, match=r"'rendering'; it has .*render"):
         sg.rendering  # noqa: B018
+
+
+REQUESTS = {
+    "render": RenderRequest,
+    "sense": SenseRequest,
+    "export": ExportRequest,
+    "ensemble": EnsembleRequest,
+    "dataset": DatasetRequest,
+    "analyze": AnalysisRequest,
+}
+"""Records from which commands make their options and functions their documentation."""
+
+NAMED = {
+    "render": ("frames", "electrons", "radiance", "threads", "workers", "resume", "overwrite"),
+    "sense": ("seed", "oversampling", "electrons", "frame_rate", "overwrite"),
+    "export": ("variable", "frames", "dtype", "limits", "colours", "rate", "scale", "overwrite"),
+    "ensemble": ("workers", "threads", "resume", "overwrite", "draw_only"),
+    "dataset": ("format", "bits", "image", "workers", "threads", "resume", "overwrite"),
+    "analyze": ("frame_rate", "units", "variable", "filter", "thresholds", "scope", "rows", "mask", "border", "detectors", "seed"),
+}
+"""Parameters of functions that their requests describe."""
+
+
+@pytest.mark.parametrize("name", REQUESTS)
+def test_a_function_takes_what_its_request_describes(name: str) -> None:
+    parameters = inspect.signature(getattr(sg, name)).parameters
+    defaults = {field.name: field.default for field in fields(REQUESTS[name])}
+    shared = parameters.keys() & defaults.keys()
+    assert {key: parameters[key].default for key in shared} == {key: defaults[key] for key in shared}
+    # what is said of a parameter is said once, in the request
+    written = inspect.getsource(getattr(sg, name)).partition('"""')[2].partition("    Returns\n")[0]
+    assert "    {request}\n" in written
+    assert [key for key in shared if re.search(rf"^    ([a-z_, ]*, )?{key}( :|, )", written, flags=re.MULTILINE)] == []
+    assert shared >= set(NAMED[name])
+
+
+def test_documentation_lists_the_formats_that_there_are() -> None:
+    """Libraries are not loaded for the documentation, which therefore has its own list."""
+    plain = sg.dataset.__doc__.replace("``", "")
+    assert f"{dataset_command._formats()}." in plain
+    assert f"{dataset_command._bits()}." in plain
+    output = sg.export.__doc__.partition("    output : path\n")[2].partition("\n    variable")[0]
+    listed = re.findall(r"``(\.\w+)``", output)
+    assert listed == [*(ending for form in export_formats.FORMATS for ending in form.endings), *VIDEO_ENDINGS]
 
 
 def test_scenarios_come_from_files_and_mappings(tmp_path) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import seaglint as sg
+from seaglint.files.detection_case import DetectionCase
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.sun import sun_position
 from seaglint.scenario.text.compass import compass
@@ -84,7 +85,7 @@ def test_an_analysis_shows_its_regions():
 
 
 def test_a_study_shows_what_was_varied_and_escapes_it():
-    cases = [{"parameters": {"wind.speed_m_s": 5.0}, "scenario": {}, "error": HOSTILE}]
+    cases = [DetectionCase({"wind.speed_m_s": 5.0}, error=HOSTILE)]
     html = Study(cases, None, False)._repr_html_()
     assert "wind.speed_m_s" in html
     _harmless(html)

@@ -133,7 +133,7 @@ def commands(tree: Trees) -> list[tuple[int, str]]:
     classes: dict[str, tuple[list[str], set[str]]] = {}
     names: set[str] = set()
     for path, node in nodes(tree):
-        if isinstance(node, ast.ClassDef) and (path.parts[0] == "cli" or path.name == "requests.py"):
+        if isinstance(node, ast.ClassDef) and (path.parts[0] == "cli" or path.stem.endswith("requests")):
             fields = {ast.unparse(field.target) for field in node.body if isinstance(field, ast.AnnAssign)}
             classes[node.name] = [ast.unparse(base) for base in node.bases], fields
         elif isinstance(node, ast.Call) and isinstance(node.func, ast.Call) and ast.unparse(node.func.func).endswith(".command"):

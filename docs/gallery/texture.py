@@ -10,7 +10,8 @@ import numpy as np
 
 import seaglint as sg
 from seaglint.analysis import Recording
-from seaglint.studies.texture.texture_sequences import FitOptions, fit, loop
+from seaglint.studies.texture.texture_requests import FitRequest
+from seaglint.studies.texture.texture_sequences import fit, loop
 
 SMALL = os.environ.get("SEAGLINT_GALLERY_SIZE") == "small"
 SIZE = 48 if SMALL else 128
@@ -24,7 +25,7 @@ scene = sg.load(
 )
 frames = sg.image(scene).radiance.values[np.newaxis]
 recording = Recording("sea", *frames.shape, read_block=lambda start, stop: frames[start:stop])
-fitted = fit(recording, FitOptions(tails="gamma", any_region=True))
+fitted = fit(recording, FitRequest(tails="gamma", any_region=True))
 sample = loop(fitted.stored, size=(SIZE, SIZE), frames=1, seed=1).texture
 figure, panels = plt.subplots(1, 2, figsize=(9.6, 4.4), sharey=True, layout="constrained")
 low, high = np.percentile(frames, [1, 99])

@@ -119,3 +119,20 @@ def test_errors_speak_of_options(seaglint, clip: Path, arguments: tuple[str, ...
     answer = seaglint("detect", *arguments, "--progress", "none")
     assert answer.code == 2
     assert says in answer.err
+
+
+@pytest.mark.parametrize("words", [("recordng", "clip.npy"), ("scenes",), ("desing", "my.toml", "--p-d", "0.9")])
+def test_a_misspelt_command_is_answered_in_one_line_with_those_there_are(seaglint, words: tuple[str, ...]) -> None:
+    answer = seaglint("detect", *words)
+    assert answer.code == 2
+    (line,) = answer.err.strip().splitlines()
+    assert line.startswith(f"seaglint: {words[0]}: ")
+    assert "recording, scene, design, range" in line
+
+
+def test_a_folder_or_file_without_an_ending_is_a_recording(seaglint, clip: Path, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "frames").mkdir()
+    answer = seaglint("detect", "frames", "--contrast", "8")
+    assert answer.code == 2
+    assert "none of the commands" not in answer.err

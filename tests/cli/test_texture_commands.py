@@ -10,7 +10,8 @@ import xarray as xr
 
 from seaglint.files.recording import open_recording
 from seaglint.files.texture_file import read_texture, write_texture
-from seaglint.studies.texture.texture_sequences import FitOptions, fit
+from seaglint.studies.texture.texture_requests import FitRequest
+from seaglint.studies.texture.texture_sequences import fit
 from seaglint.texture.gauss_markov import GaussMarkov
 from seaglint.texture.gaussian_texture import GaussianTexture
 from seaglint.texture.marginals import Marginal
@@ -29,7 +30,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory):
 @pytest.fixture(scope="module")
 def model(recording):
     """A texture fitted to it."""
-    found = fit(open_recording(recording, frame_rate=50.0, units="W m-2 sr-1"), FitOptions(tails="gamma"))
+    found = fit(open_recording(recording, frame_rate=50.0, units="W m-2 sr-1"), FitRequest(tails="gamma"))
     return write_texture(found.stored, recording.with_name("model.json"))
 
 

@@ -124,10 +124,10 @@ def test_saturation_is_told_whatever_the_noise() -> None:
 def test_pictures_of_misses_show_what_was_judged() -> None:
     source = Dim(Counting(50.0, 0.0025), saturation=0.06)
     found = detect(source, DetectionOptions(InjectedObjects(GaussianSpot(0.3), (0.04,), 300, "centre", 0.0, seed=3), threshold=100.0))
-    missed = chips(found, source)["missed"]
+    missed = chips(found, source).missed
     assert len(missed) == 6
     for chip in missed:
         # its score is that of the pixel in the middle: two electrons or so, in steps, cut at saturation
-        value = chip["score"] * found.background[1] + found.background[0]
-        assert chip["pixels"][12][12] == pytest.approx(value, abs=1e-6)
-    assert len({round(chip["pixels"][12][12], 2) for chip in missed}) > 1
+        value = chip.score * found.background[1] + found.background[0]
+        assert chip.pixels[12][12] == pytest.approx(value, abs=1e-6)
+    assert len({round(chip.pixels[12][12], 2) for chip in missed}) > 1

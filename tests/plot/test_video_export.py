@@ -116,9 +116,9 @@ def test_other_variables_have_their_units_below(run, tmp_path, monkeypatch):
     ("name", "choice", "message"),
     [
         ("x.avi", {}, r"allowed are \.nc, \.h5, .*\.raw, \.mp4, \.gif"),
-        ("x.mp4", {"dtype": "uint16"}, "takes no --dtype"),
-        ("x.tif", {"colours": "black-hot"}, "takes no --map"),
-        ("x.tif", {"rate": 3.0}, "takes no --fps"),
+        ("x.mp4", {"dtype": "uint16"}, "takes no `dtype`"),
+        ("x.tif", {"colours": "black-hot"}, "takes no `colours`"),
+        ("x.tif", {"rate": 3.0}, "takes no `rate`"),
         ("x.gif", {"rate": 60.0}, "outside 0.01-50"),
         ("x.mp4", {"rate": float("nan")}, "outside 0.01-1000"),
         ("x.mp4", {"colours": "rainbow"}, "allowed are white-hot, black-hot, perceptual"),

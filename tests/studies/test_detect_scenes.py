@@ -28,6 +28,7 @@ from seaglint.detection.scoring import interval_of_sequences
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
 from seaglint.detection.trials import InjectedObjects, run_trials
+from seaglint.files.detection_case import DetectionCase
 from seaglint.files.detection_parts import Parts
 from seaglint.imaging.wave_surface import course, height
 from seaglint.scenario.load import parse_scenario
@@ -185,7 +186,7 @@ def test_contrast_needed_in_white_noise_is_the_q_functions() -> None:
 def test_a_scene_of_white_noise_gives_the_q_functions(tmp_path: Path) -> None:
     scenario = parse_scenario({"wind": {"speed_m_s": 5.0}, "sensor": {"pixels": [48, 40]}})
     case = run_scene(scenario, scene_options(strength=Strength((8.0,)), design=Design(p_fa=1e-3)), parts_at(tmp_path))
-    result = case["result"]
+    result = case.result
     assert result["p_d_interval"][0] < norm.sf(3.0 - 8.0 / SIGMA) < result["p_d_interval"][1]
     assert result["p_fa"] == pytest.approx(norm.sf(3.0), rel=0.6)
     assert (result["stopped"], result["seas"], result["contrast_unit"]) == ("frames", 12, "W m-2 sr-1")
@@ -196,28 +197,30 @@ def test_a_scene_of_white_noise_gives_the_q_functions(tmp_path: Path) -> None:
     assert result["injections"] == 400
     rate = result["false_alarms"]["pixels_per_frame"] * 25.0 / (0.025**2 * 48 * 40)
     assert result["false_alarms"]["pixels_per_deg2_s"] == pytest.approx(rate)
-    cells = case["map"]
-    assert sum(map(sum, cells["pixels"])) == 12 * 48 * 40
-    assert len(case["chips"]["missed"][0]["pixels"]) == 25
-    assert json.loads(json.dumps(case, allow_nan=False)) == case
+    assert sum(map(sum, case.map.pixels)) == 12 * 48 * 40
+    assert len(case.chips.missed[0].pixels) == 25
+    # what a file keeps is the whole of it
+    held = DetectionCase({"wind.speed_m_s": 5.0}, {"seed": 0}, case)
+    stored = json.loads(json.dumps(held.as_dict(), allow_nan=False))
+    assert DetectionCase.of(stored) == held
 
 
 def test_it_stops_at_the_stated_precision_or_the_time(tmp_path: Path) -> None:
     scenario = parse_scenario({"wind": {"speed_m_s": 5.0}, "sensor": {"pixels": [48, 40]}})
     many = scene_options(strength=Strength((6.0,)), seas=64, precision=0.2)
     case = run_scene(scenario, many, parts_at(tmp_path))
-    assert (case["stopped"], case["result"]["seas"]) == ("precision", 8)
-    assert "stated precision is reached" in case["result"]["notes"][-1]
+    assert (case.stopped, case.result["seas"]) == ("precision", 8)
+    assert "stated precision is reached" in case.result["notes"][-1]
     ticks = iter(range(10_000))
     case = run_scene(scenario, replace(many, precision=0.001), parts_at(tmp_path), clock=Clock(5.0, now=lambda: float(next(ticks))))
-    assert case["stopped"] == "time budget"
-    assert 1 <= case["result"]["seas"] < 8
-    assert "--resume" in case["result"]["notes"][-1]
+    assert case.stopped == "time budget"
+    assert 1 <= case.result["seas"] < 8
+    assert "--resume" in case.result["notes"][-1]
 
 
 def test_dark_objects_are_found_as_bright_ones_are(tmp_path: Path) -> None:
     scenario = parse_scenario({"wind": {"speed_m_s": 5.0}, "sensor": {"pixels": [48, 40]}})
-    found = run_scene(scenario, scene_options(strength=Strength((-10.0,))), parts_at(tmp_path))["result"]
+    found = run_scene(scenario, scene_options(strength=Strength((-10.0,))), parts_at(tmp_path)).result
     assert found["p_d"] == pytest.approx(norm.sf(3.0 - 5.0), abs=0.05)
     assert found["sweep"][0]["contrast_pixel"] == -10.0
 
@@ -245,7 +248,7 @@ def test_a_study_goes_on_where_it_was_and_loses_nothing(path: Path, tmp_path: Pa
     monkeypatch.setattr(WhiteSeas, "sea", lambda self, number, length: drawn.append(number) or whole(self, number, length))
     wanted = scene_options(strength=Strength((6.0,)), seas=6)
     study = run_study(cases, wanted, parts_at(tmp_path))
-    assert [("error" in case) for case in study.cases] == [False, True, False, True]
+    assert [case.error is not None for case in study.cases] == [False, True, False, True]
     assert "nowhere" in study.errors[0]
     assert study.unfinished
     first, before = study.rows(), len(drawn)
@@ -257,7 +260,7 @@ def test_a_study_goes_on_where_it_was_and_loses_nothing(path: Path, tmp_path: Pa
     assert len(drawn) == before  # finished cases draw nothing anew
     late = run_study(cases[:3], wanted, parts_at(tmp_path), budget=0.0)
     assert late.stopped is not None
-    assert (len(late.cases), late.cases[0]["stopped"]) == (1, "time budget")
+    assert (len(late.cases), late.cases[0].stopped) == (1, "time budget")
     with pytest.raises(DataError, match="resume=True"):
         parts_at(tmp_path, overwrite=False)
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base import random
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.clutter.correlation import (
     SpatialCorrelation,
     TemporalCorrelation,
@@ -71,7 +72,7 @@ class Region:
             self._tails[name] = fit_tail(alarms.curve(), alarms.events(alarms.thresholds[0])) if alarms.pixels else (None, "no pixels")
         return self._tails[name]
 
-    def as_dict(self, frame_rate: float | None) -> dict[str, Any]:
+    def as_dict(self, frame_rate: float | None) -> JsonObject:
         """Return plain numbers and text; missing values are None."""
         m = self.moments
         return {
@@ -117,7 +118,7 @@ class Region:
             return "no change of brightness but the slowly varying surface that is taken off"
         return "correlation does not fall to 1/e within a third of the picture"
 
-    def _fit(self, family: str) -> dict[str, Any]:
+    def _fit(self, family: str) -> JsonObject:
         fitted, good = self.fits.get(family), self.goodness.get(family)
         if fitted is None:
             fitted = fit(np.empty(0), family)  # type: ignore[arg-type]
@@ -138,7 +139,7 @@ class Region:
             "reason": fitted.reason or None,
         }
 
-    def _spectrum(self) -> dict[str, Any] | None:
+    def _spectrum(self) -> JsonObject | None:
         if self.spectrum is None or self.spectrum.segments == 0:
             return None
         frequency, density = self.spectrum.radial()
@@ -162,7 +163,7 @@ def _alarm_entry(
     tail_reason: str | None,
     frame_rate: float | None,
     saturated: float,
-) -> dict[str, Any]:
+) -> JsonObject:
     cut = f"{100 * saturated:.3g} % of the values saturated" if saturated > 0.0 else None
     events = alarms.events(rate.threshold_sigma) if alarms.pixels else None
     duration = events.mean_duration if events is not None else None
@@ -188,7 +189,7 @@ def _alarm_entry(
     }
 
 
-def _tail(tail: TailFit | None, reason: str | None) -> dict[str, Any]:
+def _tail(tail: TailFit | None, reason: str | None) -> JsonObject:
     if tail is None:
         return {"reason": reason}
     return {

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from seaglint.analysis.region import Gatherer, Region, region
 from seaglint.analysis.survey import Passes, Survey, ahead, survey
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
 from seaglint.base.representation import card, notes, table
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.clutter.false_alarms import FalseAlarms, lone_lines
@@ -113,7 +114,7 @@ class Analysis:
     notes: tuple[str, ...]
     border_kept: bool = True
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Return plain numbers and text of all results; absent regions are None."""
         segmentation = self.segmentation
         rate = self.recording.frame_rate

@@ -2,63 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import NDArray
 
-    from seaglint.analysis import AnalysisOptions, Recording
-    from seaglint.analysis.run import Border
-    from seaglint.clutter.filters import Filter
-    from seaglint.clutter.thresholds import Scope
-    from seaglint.detection.interface import Detector
+    from seaglint.analysis import Recording
     from seaglint.optics.band import Band
 
 
 AXES = ("time", "y", "x")
 """Names of the last axes of an array without names."""
-
-
-def analysis_options(
-    *,
-    filter: str | Filter,
-    thresholds: Sequence[float],
-    scope: Scope,
-    rows: tuple[float, float],
-    mask: ArrayLike | None,
-    border: Border,
-    detectors: str | Detector | Sequence[str | Detector],
-    seed: int,
-) -> AnalysisOptions:
-    """Return the options as a record: filters and detectors from names, sequences as tuples, masks as plain arrays."""
-    from typing import get_args
-
-    import numpy as np
-
-    from seaglint.analysis import AnalysisOptions
-    from seaglint.analysis.run import Border
-    from seaglint.base.errors import DataError
-    from seaglint.clutter import filters
-    from seaglint.clutter.thresholds import Scope
-    from seaglint.detection import named_detectors as choice
-
-    for name, value, allowed in (("scope", scope, get_args(Scope)), ("border", border, get_args(Border))):
-        if value not in allowed:
-            raise DataError(f"{name} = {value!r} is not one of {', '.join(allowed)}; give one of them or leave it out")
-    several = detectors if isinstance(detectors, list | tuple) else (detectors,)
-    return AnalysisOptions(
-        filter=filters.named(filter) if isinstance(filter, str) else filter,
-        thresholds=tuple(thresholds),
-        scope=scope,
-        rows=(rows[0], rows[1]),
-        mask=None if mask is None else np.asarray(mask, dtype=np.bool_),
-        detectors=tuple(choice.named(d) if isinstance(d, str) else d for d in several),
-        seed=seed,
-        border=border,
-    )
 
 
 def recording_of(given: Any, frame_rate: float | None, units: str | None, variable: str | None) -> Recording:

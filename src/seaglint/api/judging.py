@@ -154,5 +154,5 @@ def detect(
     strength = None if contrasts is None else Strength(contrasts)
     scene_options = SceneOptions(options, objects, strength, own, frames, precision, None, design_options)
     with parts_folder(None) as (parts, _):
-        case = run_scene(source, scene_options, parts, clock=Clock(time_budget), name="scenario", progress=progress)
-    return Judgement(case["result"])
+        judged_scene = run_scene(source, scene_options, parts, clock=Clock(time_budget), name="scenario", progress=progress)
+    return Judgement(judged_scene.result)

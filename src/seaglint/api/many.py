@@ -7,11 +7,16 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from seaglint.base.free_form import TableRow
+from seaglint.base.parameters import documented
+from seaglint.studies.ensemble.ensemble_requests import DatasetRequest, EnsembleRequest
+
 if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
     from seaglint.cluster import Workers
 
 
+@documented(EnsembleRequest)
 def ensemble(
     source: str | Path | Mapping[str, Any],
     output: str | Path,
@@ -22,7 +27,7 @@ def ensemble(
     overwrite: bool = False,
     draw_only: bool = False,
     progress: Progress | None = None,
-) -> list[dict[str, Any]]:
+) -> list[TableRow]:
     """Draw scenes from laws of a scenario's keys, and render each as a sequence of its own.
 
     Parameters
@@ -31,15 +36,7 @@ def ensemble(
         An ensemble's TOML file, or its content as tables in a mapping.
     output : path
         Folder to make: tables, ``scenes/0000.toml`` and ``scenes/0000.zarr`` for each scene.
-    workers : int or Workers, optional
-        Number of processes on this machine that share the scenes, or what :func:`seaglint.cluster.dask.connected` gives; this process
-        by default. The bytes do not depend on it.
-    threads : int, optional
-        Processor threads of each worker; all by default.
-    resume, overwrite : bool
-        Render the scenes that are missing, or begin anew.
-    draw_only : bool
-        Write scenario files and tables, and render nothing.
+    {request}
     progress : callable, optional
         ``progress(scenes done, scenes in all)``.
 
@@ -76,6 +73,11 @@ def ensemble(
     return [scene.row for scene in draw(resolved)]
 
 
+@documented(
+    DatasetRequest,
+    formats="``coco``, ``yolo``, ``sirst`` or ``zarr``: the scenes' stores as they are",
+    bits="16 for ``coco``, 8 for ``yolo`` and ``sirst``",
+)
 def dataset(
     source: str | Path,
     output: str | Path,
@@ -97,14 +99,9 @@ def dataset(
         An ensemble's TOML file, or the folder that :func:`ensemble` made.
     output : path
         Folder to make.
-    format : str
-        ``coco``, ``yolo``, ``sirst`` or ``zarr``.
-    bits : 8 or 16, optional
-        Bits of a pixel; 16 for ``coco``, 8 for ``yolo`` and ``sirst``.
-    image : str, optional
-        ``png`` (default) or ``tiff``.
-    workers, threads, resume, overwrite, progress
-        Settings of the run, as for :func:`ensemble`.
+    {request}
+    progress : callable, optional
+        ``progress(scenes done, scenes in all)``.
 
     Returns
     -------
@@ -124,9 +121,8 @@ def dataset(
     """
     from seaglint.cluster import LocalProcesses
     from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source
-    from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
 
-    resolved, options = read_source(Path(source)), DatasetOptions.of(format, bits, image)
+    resolved, options = read_source(Path(source)), DatasetRequest(format=format, bits=bits, image=image).options()
     with LocalProcesses(workers, threads=threads) if isinstance(workers, int) else nullcontext(workers) as others:
         ensemble_dataset(resolved, output, options, workers=others, threads=threads, resume=resume, overwrite=overwrite, progress=progress)
     return Path(output)

@@ -6,6 +6,9 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from seaglint.base.parameters import documented
+from seaglint.studies.sequence.sequence_requests import ExportRequest, RenderRequest, SenseRequest
+
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
@@ -16,6 +19,7 @@ if TYPE_CHECKING:
     from seaglint.scenario.model import Scenario
 
 
+@documented(RenderRequest)
 def render(
     scenario: Scenario,
     output: str | Path,
@@ -37,18 +41,9 @@ def render(
         See :func:`load`.
     output : path
         Store to make, customarily ``*.zarr``.
-    frames : range, optional
-        Frames to render, counted from 0; all of the scenario's by default.
-    threads : int, optional
-        Processor threads; all by default. The bytes do not depend on them.
-    resume, overwrite : bool
-        Go on with an unfinished store, or replace what is there.
     progress : callable, optional
         Called with (frames done, frames in all).
-    electrons, radiance : bool
-        Write electrons, and the radiance at the aperture, beside counts, for a scenario with a detector.
-    workers : int or Workers, optional
-        Number of processes on this machine that share the frames, or what :func:`seaglint.cluster.dask.connected` gives.
+    {request}
 
     Returns
     -------
@@ -90,6 +85,7 @@ def render(
     return with_band(open_sequence(path))
 
 
+@documented(ExportRequest, videos="videos")
 def export(
     run: xr.Dataset | str | Path,
     output: str | Path,
@@ -112,22 +108,7 @@ def export(
         Result of :func:`render` or a part of it, or a finished store.
     output : path
         ``.nc``, ``.h5``, ``.tif``, ``.fits``, ``.npy``, ``.raw`` (the last two with a JSON header beside them), ``.mp4`` or ``.gif``.
-    variable : str, optional
-        Images to export; ``signal`` if there, else ``radiance``.
-    frames : range, optional
-        Numbers of the frames, counted in the whole sequence.
-    dtype : {"float32", "uint16"}, optional
-        Type of the numbers; that of the run by default. Not for videos.
-    limits : (float, float), optional
-        Values at both ends of ``uint16`` or of a video's scale; those of the frames by default.
-    colours : {"white-hot", "black-hot", "perceptual"}, optional
-        Colours of a video.
-    rate : float, optional
-        Frames per second that a video shows [Hz]; those of the run by default.
-    scale : {"auto", "linear", "log"}, optional
-        Brightness scale of a video.
-    overwrite : bool
-        Replace what is there.
+    {request}
     progress : callable, optional
         Called with (frames done, frames in all).
 
@@ -168,6 +149,7 @@ def export(
     )
 
 
+@documented(SenseRequest, INPUT="the radiance")
 def sense(
     radiance: xr.Dataset | xr.DataArray | NDArray[Any] | str | Path,
     scenario: Scenario,
@@ -189,16 +171,7 @@ def sense(
         With ``[sensor.optics]`` and ``[sensor.detector]``; its ``band`` is that of the radiance.
     output : path, optional
         Zarr store to write and open; without it the counts are made in memory.
-    seed : int, optional
-        Seed of the noise; the scenario's by default.
-    oversampling : int, optional
-        Pixels of the radiance along each side of the detector's; found from the coordinates of a dataset, else 1.
-    electrons : bool
-        Whether electrons are there beside counts.
-    frame_rate : float, optional
-        Frames per second [Hz], where the radiance does not tell it; the scenario's by default.
-    overwrite : bool
-        Replace the store that is there.
+    {request}
 
     Returns
     -------

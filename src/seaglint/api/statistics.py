@@ -6,6 +6,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from seaglint.base.parameters import documented
+from seaglint.studies.analysis_requests import AnalysisRequest
+
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
@@ -17,6 +20,7 @@ if TYPE_CHECKING:
     from seaglint.optics.band import Band
 
 
+@documented(AnalysisRequest)
 def analyze(
     recording: xr.Dataset | xr.DataArray | NDArray[Any] | str | Path | Recording,
     *,
@@ -40,28 +44,7 @@ def analyze(
     recording : xarray.Dataset, xarray.DataArray, ndarray, path or Recording
         What :func:`render` gives or a part of it, an array (rows, columns) or (frames, rows, columns), or a file of any format that
         :func:`seaglint.files.recording.open_recording` reads.
-    frame_rate : float, optional
-        Frames per second [Hz], where attributes and time coordinate do not tell it or tell it wrong.
-    units : str, optional
-        Units of the values, likewise.
-    variable : str, optional
-        Which image of several; ``radiance`` by default.
-    filter : str or Filter
-        Filter before the thresholds, or its name: the article's Laplacian by default, "none" for none.
-    thresholds : sequence of float
-        Thresholds beside 3.0 and 3.5 [standard deviations].
-    scope : {"frame", "sequence", "local"}
-        Whose standard deviation: of the region in each frame, in the whole sequence, or around each pixel.
-    rows : (float, float)
-        Part of the rows to analyse, as shares of the height from the top [1].
-    mask : array_like of bool, optional
-        Glinting pixels, instead of the segmentation.
-    border : {"auto", "keep", "drop"}
-        Treatment of pixels whose filter reaches beyond the border; see :class:`seaglint.analysis.AnalysisOptions`.
-    detectors : str, Detector or sequence of them
-        Detectors, or their names, that are counted like the filter.
-    seed : int
-        Seed of the samples that are drawn.
+    {request}
     progress : callable, optional
         Called with (frames read, frames to read in all).
 
@@ -84,11 +67,19 @@ def analyze(
     0.1
     """
     from seaglint.analysis import analyze as analysed
-    from seaglint.api.inputs import analysis_options, recording_of
+    from seaglint.api.inputs import recording_of
 
-    resolved = analysis_options(
-        filter=filter, thresholds=thresholds, scope=scope, rows=rows, mask=mask, border=border, detectors=detectors, seed=seed
+    request = AnalysisRequest(
+        filter=filter,
+        thresholds=tuple(thresholds),
+        scope=scope,
+        rows=rows,
+        mask=mask,
+        border=border,
+        detectors=tuple(detectors) if isinstance(detectors, list | tuple) else (detectors,),
+        seed=seed,
     )
+    resolved = request.options()
     opened = recording_of(recording, frame_rate, units, variable)
     return analysed(opened, resolved) if progress is None else analysed(opened, resolved, progress)
 

@@ -2,10 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+import inspect
+import re
+import textwrap
+from collections.abc import Callable, Mapping
+from dataclasses import fields
+from typing import Any, Final, NamedTuple, TypeVar, get_args, get_type_hints
 
 GROUPS: Final = ("Object", "Detector", "Recording", "Scenes", "Design", "Range", "Results", "Run")
-"""Headings of the parameters of requests, in the order of a help page."""
+"""Headings of the parameters of requests, in the order of a help page that has headings."""
+
+LINE: Final = "{request}"
+"""Line of a docstring for which :func:`documented` writes the parameters of a request."""
+
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 class Parameter(NamedTuple):
@@ -19,15 +29,81 @@ class Parameter(NamedTuple):
         Heading under which a help page has it, one of :data:`GROUPS`.
     form : str
         Form of the text that stands for it on a command line: "numbers" (``1,2,4`` or ``FIRST:LAST:STEP``), "pair" (``X,Y``), "limits"
-        (``NEAR:FAR``), "weights" (file of numbers), "raw" (layout of a raw file); empty where the type says it.
+        (``NEAR:FAR``), "frames" (``37:38``), "every" (``0:100:2``), "shares" (``0.2:0.8``), "weights" (file of numbers), "mask" (image),
+        "raw" (layout of a raw file), "switch" (auto, always or never), "name" and "names" (words for what may be objects in Python); empty
+        where the type says it.
     metavar : str
         Stand-in for the value on a help page; the type's own where empty.
     least : int, optional
         Smallest value allowed.
+    option : str
+        Option that sets it, where that is not the parameter's own name.
+    subject : str
+        Words that documentation has before the help, where a help page has the option's name for them.
+    detail : str
+        Sentences that documentation adds to the help.
     """
 
     help: str
-    group: str
+    group: str = ""
     form: str = ""
     metavar: str = ""
     least: int | None = None
+    option: str = ""
+    subject: str = ""
+    detail: str = ""
+
+
+def described(record: type) -> dict[str, Parameter]:
+    """Return the descriptions of a record's fields by name; fields without one are left out."""
+    hints = get_type_hints(record, include_extras=True)
+    found = {field.name: [extra for extra in get_args(hints[field.name]) if isinstance(extra, Parameter)] for field in fields(record)}
+    return {name: extras[0] for name, extras in found.items() if extras}
+
+
+def documented(record: type, **words: str) -> Callable[[Function], Function]:
+    """Return a decorator that writes the parameters of a request into a function's docstring, at a line ``{request}``.
+
+    Names and defaults stay in the function's own signature, from which types are taken; ``words`` replace ``{name}`` and ``NAME``.
+    """
+
+    def document(function: Function) -> Function:
+        if function.__doc__:  # none under python -OO
+            signature, texts = inspect.signature(function), described(record)
+            entries = [
+                f"{name} : {_type(str(signature.parameters[name].annotation))}\n{_sentences(name, texts[name], words)}"
+                for name in signature.parameters
+                if name in texts
+            ]
+            indent = re.search(rf"^([ \t]*){re.escape(LINE)}", function.__doc__, flags=re.MULTILINE)
+            before = indent[1] if indent else ""
+            function.__doc__ = function.__doc__.replace(before + LINE, textwrap.indent("\n".join(entries), before))
+        return function
+
+    return document
+
+
+def _sentences(name: str, parameter: Parameter, words: Mapping[str, str]) -> str:
+    """Return help and detail as sentences, indented as the text of a parameter."""
+    text = re.sub(r"`(\w+)`", r"``\1``", parameter.help)
+    text = re.sub(r"\{(\w+)\}|\b([A-Z]{3,})\b", lambda match: words.get(match[1] or match[2], match[0]), text)
+    text = text.removesuffix("; repeatable")
+    subject = parameter.subject or (name.replace("_", " ") if text.startswith("of ") else "")
+    text = f"{subject} {text}".strip()
+    whole = f"{text[0].upper()}{text[1:]}. {parameter.detail}".strip()
+    return textwrap.indent("\n".join(textwrap.wrap(whole, 130, break_long_words=False)), "    ")
+
+
+def _type(annotation: str) -> str:
+    """Return a type in the words of documentation.
+
+    >>> _type("int | Workers | None"), _type("Literal['uint16', 'float32'] | None"), _type("tuple[float, float]")
+    ('int or Workers, optional', "{'uint16', 'float32'}, optional", '(float, float)')
+    >>> _type("Sequence[float]"), _type("str | Filter"), _type("ArrayLike | None")
+    ('sequence of float', 'str or Filter', 'array_like, optional')
+    """
+    text, optional = annotation.removesuffix(" | None"), annotation.endswith(" | None")
+    text = re.sub(r"Literal\[([^\]]*)\]", r"{\1}", text)
+    text = re.sub(r"tuple\[([^\]]*)\]", r"(\1)", text)
+    text = re.sub(r"Sequence\[([^\]]*)\]", r"sequence of \1", text)
+    return text.replace(" | ", " or ").replace("ArrayLike", "array_like") + (", optional" if optional else "")

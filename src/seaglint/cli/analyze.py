@@ -3,94 +3,42 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
+from seaglint.cli.terminal.options import ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
-
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    from seaglint.analysis import AnalysisOptions
-    from seaglint.clutter.filters import Filter
-
-RAW_NAMES = ("rows", "columns", "dtype", "byte_order", "offset", "frame_header")
-RAW_HELP = "layout of a raw file, e.g. rows=512,columns=640,dtype=uint16,offset=0,frame_header=0"
+from seaglint.cli.terminal.records import takes_records
+from seaglint.studies.analysis_requests import AnalysisRequest
 
 
+@takes_records(
+    order="recording as_json report frame_rate units mask rows filter kernel signature thresholds scope detectors "
+    "variable channel axes saturation border raw seed"
+)
 def analyze(
     recording: Annotated[
         str, typer.Argument(metavar="INPUT", help="sequence or image: Zarr, NetCDF, PNG, TIFF, FITS, NumPy, HDF5, video, raw")
     ],
+    request: AnalysisRequest,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
     report: Annotated[Path | None, typer.Option("--report", metavar="OUT.html", help="write a report, one file")] = None,
-    frame_rate: Annotated[float | None, typer.Option("--frame-rate", help="frames per second, where the file does not say [Hz]")] = None,
-    units: Annotated[str | None, typer.Option("--units", help="units of the values, where the file does not say")] = None,
-    mask: Annotated[
-        Path | None, typer.Option("--mask", help="image or .npy, not zero where the sea glints; instead of the segmentation")
-    ] = None,
-    rows: Annotated[str, typer.Option("--rows", help="part of the rows to analyse, as shares from the top: 0.45: or 0.2:0.8")] = ":",
-    filter_name: Annotated[
-        str, typer.Option("--filter", help="laplacian, difference-of-gaussians, median-subtraction, top-hat, matched, none")
-    ] = "laplacian",
-    kernel: Annotated[Path | None, typer.Option("--kernel", help="CSV or .npy of filter weights of your own, instead of --filter")] = None,
-    signature: Annotated[Path | None, typer.Option("--signature", help="CSV or .npy of the target for --filter matched")] = None,
-    threshold: Annotated[
-        list[float] | None, typer.Option("--threshold", help="thresholds beside 3.0 and 3.5, in standard deviations; repeatable")
-    ] = None,
-    sigma: Annotated[
-        str, typer.Option("--sigma", help="standard deviation of each 'frame', of the whole 'sequence', or 'local'")
-    ] = "frame",
-    detector: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--detector",
-            help="ca-cfar, os-cfar, os-cfar-exponential, frame-difference, integration, or package.module:function; repeatable",
-        ),
-    ] = None,
-    variable: Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")] = None,
-    channel: Annotated[str | None, typer.Option("--channel", help="mean, red, green or blue of true colour images")] = None,
-    axes: Annotated[
-        str | None, typer.Option("--axes", help="order of an array of three axes: tyx (time first, the default) or yxt (time last)")
-    ] = None,
-    saturation: Annotated[float | None, typer.Option("--saturation", help="value from which on the sensor is saturated")] = None,
-    border: Annotated[
-        str,
-        typer.Option(
-            "--border", help="'keep' or 'drop' filtered pixels that see repeated ones beyond the border; 'auto': keep in one image"
-        ),
-    ] = "auto",
-    raw: Annotated[str | None, typer.Option("--raw", help=RAW_HELP)] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="of the samples that are drawn")] = 0,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the report that is there")] = False,
-    show: Annotated[
-        ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")
-    ] = ProgressMode.AUTO,
+    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Clutter statistics and false alarms of a recording, by region."""
     from seaglint.analysis import analyze as run
     from seaglint.base.errors import DataError
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.files.outputs import refuse_existing
-    from seaglint.files.recording import open_recording
 
     if report is not None:
         if report.suffix.lower() not in (".html", ".htm"):
             raise DataError(f"--report {report}: a report is an HTML file; give a name that ends in .html")
-        refuse_existing(report, overwrite=overwrite, inputs=[path for path in (recording, mask, kernel, signature) if path is not None])
-    opened = open_recording(
-        recording,
-        frame_rate=frame_rate,
-        units=units,
-        raw=raw_layout(raw),
-        variable=variable,
-        channel=channel,
-        axes=axes,
-        saturation=saturation,
-    )
-    options = _options(filter_name, kernel, signature, threshold or [], sigma, rows, mask, detector or [], seed, border)
+        refuse_existing(report, overwrite=overwrite, inputs=[recording, *request.files])
+    _require_words(request)
+    opened, options = request.opened(recording), request.options()
     import warnings
 
     with warnings.catch_warnings():
@@ -112,120 +60,17 @@ def analyze(
         typer.echo("\n".join(lines(analysis.as_dict())))
 
 
-def _options(
-    filter_name: str,
-    kernel: Path | None,
-    signature: Path | None,
-    thresholds: list[float],
-    sigma: str,
-    rows: str,
-    mask: Path | None,
-    detectors: list[str],
-    seed: int,
-    border: str,
-) -> AnalysisOptions:
-    from seaglint.analysis import AnalysisOptions
+def _require_words(request: AnalysisRequest) -> None:
+    """Refuse thresholds and words that cannot be, as they are written on the command line."""
     from seaglint.base.errors import DataError
-    from seaglint.detection.named_detectors import named
 
-    for value in thresholds:
+    for value in request.thresholds:
         if not 0.0 < value < 100.0:
             raise DataError(f"--threshold {value:g}: give standard deviations above 0 and below 100")
-    if sigma not in ("frame", "sequence", "local"):
-        raise DataError(f"--sigma {sigma}: allowed are frame, sequence, local")
-    if border not in ("auto", "keep", "drop"):
-        raise DataError(f"--border {border}: allowed are auto, keep, drop")
-    return AnalysisOptions(
-        filter=filter_of(filter_name, kernel, signature),
-        thresholds=tuple(thresholds),
-        scope=sigma,  # type: ignore[arg-type]
-        rows=_part(rows),
-        mask=None if mask is None else read_mask(mask),
-        detectors=tuple(named(name) for name in detectors),
-        seed=seed,
-        border=border,  # type: ignore[arg-type]
-    )
-
-
-def filter_of(name: str, kernel: Path | None, signature: Path | None) -> Filter:
-    """Filter by name, or of the user's own weights or target."""
-    from seaglint.base.errors import DataError
-    from seaglint.clutter.filters import Kernel, MatchedFilter, named
-
-    if kernel is not None:
-        return Kernel(weights(kernel), name=kernel.stem)
-    if name == "matched":
-        if signature is None:
-            raise DataError("--filter matched needs the target's signature: --signature FILE (CSV or .npy)")
-        return MatchedFilter(weights(signature))
-    return named(name)
-
-
-def weights(path: Path) -> NDArray[np.float64]:
-    """Numbers of a small CSV or NumPy file."""
-    import numpy as np
-
-    from seaglint.base.errors import DataError
-    from seaglint.files.text_file import read_text
-
-    try:
-        if path.suffix == ".npy":
-            return np.asarray(np.load(path, allow_pickle=False), dtype=np.float64)
-        text = read_text(path, "give a CSV or .npy file").replace(";", " ").replace(",", " ")
-        return np.loadtxt(text.splitlines(), dtype=np.float64, ndmin=2)
-    except (OSError, ValueError) as error:
-        raise DataError(f"{path}: cannot be read as rows of numbers ({str(error).splitlines()[0]}); give a CSV or .npy file") from error
-
-
-def read_mask(path: Path) -> NDArray[np.bool_]:
-    """Mask from an image or a NumPy file: true where it is not zero."""
-    import numpy as np
-
-    from seaglint.base.errors import DataError
-    from seaglint.files.recording import open_recording
-
-    opened = open_recording(path, channel=None)
-    if opened.frames != 1:
-        raise DataError(f"{path}: a mask is one image, this has {opened.frames} frames")
-    return np.asarray(np.nan_to_num(opened.read(0, 1)[0]) != 0.0)
-
-
-def _part(text: str) -> tuple[float, float]:
-    from seaglint.base.errors import DataError
-
-    first, colon, last = text.partition(":")
-    try:
-        if not colon:
-            raise ValueError
-        return float(first or 0.0), float(last or 1.0)
-    except ValueError:
-        raise DataError(f"--rows {text}: give FIRST:LAST as shares of the height from the top, e.g. 0.45: or 0.2:0.8") from None
-
-
-def raw_layout(text: str | None) -> Any:
-    """Layout of a raw file from ``name=value`` pairs; None where nothing is said."""
-    if text is None:
-        return None
-    from seaglint.base.errors import DataError
-    from seaglint.files.recording import RawLayout
-
-    table: dict[str, Any] = {}
-    for pair in text.split(","):
-        name, sign, value = (part.strip() for part in pair.partition("="))
-        if not sign:
-            raise DataError(f"--raw {text}: give name=value pairs of {', '.join(RAW_NAMES)}, separated by commas")
-        table[name] = _typed(value)
-    return RawLayout.of(table, "--raw")
-
-
-def _typed(value: str) -> int | float | str:
-    """A whole number, a number, or text."""
-    for kind in (int, float):
-        try:
-            return kind(value)
-        except ValueError:
-            continue
-    return value
+    if request.scope not in ("frame", "sequence", "local"):
+        raise DataError(f"--sigma {request.scope}: allowed are frame, sequence, local")
+    if request.border not in ("auto", "keep", "drop"):
+        raise DataError(f"--border {request.border}: allowed are auto, keep, drop")
 
 
 def lines(result: dict[str, Any]) -> list[str]:

@@ -38,12 +38,14 @@ from seaglint.cli.terminal.completion import InstallCompletion, ShowCompletion
 from seaglint.cli.terminal.examples import add_examples
 from seaglint.cli.terminal.groups import write_groups
 from seaglint.cli.terminal.messages import files_read, log, naming_file, option_names, print_json, spelled_as_options
-from seaglint.cli.terminal.options import Overwrite, PreviewScale, ProgressOption, ShardOption, place_given
+from seaglint.cli.terminal.options import Overwrite, PreviewScale, ShardOption, place_given
 from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen
+from seaglint.cli.terminal.records import takes_records
+from seaglint.cli.terminal.run_options import RunOptions
 from seaglint.cli.texture import texture
 from seaglint.cli.view import view
 from seaglint.cli.weather import weather
+from seaglint.studies.sequence.sequence_requests import RenderRequest
 
 if TYPE_CHECKING:
     from seaglint.files.store.share import Share
@@ -227,24 +229,19 @@ def mean(
 
 
 @app.command()
+@takes_records(
+    order="scenario output frames threads resume overwrite preview scale show sensor_preset electrons radiance workers dask dask_slurm"
+)
 def render(
     scenario: RenderedFile,
+    request: RenderRequest,
+    run: RunOptions,
     output: Annotated[
         str | None, typer.Option("-o", "--output", help="Zarr store to write: run.zarr, or a URL like s3://bucket/run.zarr")
     ] = None,
-    frames: Annotated[str | None, typer.Option("--frames", help="frames to render: 37, 37:38 (end not included), 10:")] = None,
-    threads: Annotated[int | None, typer.Option("--threads", min=1, help="processor threads; all where nothing is said")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished sequence")] = False,
-    overwrite: Overwrite = False,
     preview: Annotated[bool, typer.Option("--preview", help="write a picture and a video beside the store")] = False,
     scale: ScaleOption = PreviewScale.AUTO,
-    show: ProgressOption = ProgressMode.AUTO,
     sensor_preset: SensorPreset = None,
-    electrons: Annotated[bool, typer.Option("--electrons", help="with a detector: write electrons beside counts")] = False,
-    radiance: Annotated[bool, typer.Option("--radiance", help="with a detector: write radiance at the aperture beside counts")] = False,
-    workers: WorkersOption = None,
-    dask: DaskOption = None,
-    dask_slurm: DaskSlurmOption = None,
     shard: ShardOption = None,
     finish: Annotated[
         bool, typer.Option("--finish", help="check that all frames of a store are there, and name it: --finish RUN.zarr")
@@ -262,9 +259,9 @@ def render(
     from seaglint.files.store.store import check_output
     from seaglint.scenario.load import load_scenario
 
-    show_logs(quiet=show is ProgressMode.NONE)
+    show_logs(quiet=run.show is ProgressMode.NONE)
     if finish:
-        require_one_way(shard=shard, overwrite=overwrite)
+        require_one_way(shard=shard, overwrite=request.overwrite)
         if preview:
             _beside(place_given(output or scenario), None)  # before anything is done
         finished = finish_store(scenario, output, sensor_preset)
@@ -276,25 +273,26 @@ def render(
     share = None if shard is None else Share.parse(shard)
     file = Path(scenario)
     loaded = load_scenario(file, sensor=sensor_preset)
-    numbers = parse_frames(frames, loaded.sensor.frames)
+    numbers = parse_frames(request.frames, loaded.sensor.frames)
     store = place_given(output)
     inputs = files_read(file, loaded)
-    check_output(store, resume=resume, overwrite=overwrite, inputs=inputs, share=share)
-    pictures = _Pictures(_beside(store, share), inputs, replace=overwrite or resume) if preview else None
+    check_output(store, resume=request.resume, overwrite=request.overwrite, inputs=inputs, share=share)
+    pictures = _Pictures(_beside(store, share), inputs, replace=request.overwrite or request.resume) if preview else None
     render_sequence: Callable[..., Path | str]
-    if loaded.sensor.senses or electrons or radiance:
+    if loaded.sensor.senses or request.electrons or request.radiance:
         from seaglint.studies.sequence.sensed import render as render_counts
 
-        render_sequence = partial(render_counts, electrons=electrons, radiance=radiance)
+        render_sequence = partial(render_counts, electrons=request.electrons, radiance=request.radiance)
     else:
         from seaglint.studies.sequence.render_sequence import render as render_radiance
 
         render_sequence = render_radiance
-    with naming_file(file, loaded), chosen(workers, dask, dask_slurm, threads=threads) as others, progress(show, "frames") as report:
+    with naming_file(file, loaded), run.chosen() as others, progress(run.show, "frames") as report:
         more: dict[str, Any] = {"share": share} if share is not None else {}
         more |= {"workers": others} if others is not None else {}
-        alone = None if others is not None else threads
-        render_sequence(loaded, store, frames=numbers, threads=alone, resume=resume, overwrite=overwrite, progress=report, **more)
+        alone = None if others is not None else request.threads
+        more |= {"resume": request.resume, "overwrite": request.overwrite}
+        render_sequence(loaded, store, frames=numbers, threads=alone, progress=report, **more)
     if share is not None:
         tell_share(store, share)
         return

@@ -10,9 +10,10 @@ import typer
 from seaglint.base.errors import DataError
 from seaglint.cli.terminal.derived_help import derived_help, listed
 from seaglint.cli.terminal.messages import log
-from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption
+from seaglint.cli.terminal.records import takes_records
+from seaglint.cli.terminal.run_options import RunOptions
+from seaglint.studies.ensemble.ensemble_requests import DatasetRequest
 
 MOST_LISTED = 20
 """Lines of what is wrong with a data set, of which more are only counted."""
@@ -39,24 +40,15 @@ def _bits() -> str:
 Command = derived_help(formats=_formats, bits=_bits)
 
 
+@takes_records(order="source output format bits image workers dask dask_slurm threads resume overwrite check show")
 def dataset(
     source: Annotated[
         Path, typer.Argument(metavar="ENSEMBLE.toml", help="ensemble file, or the folder of a rendered one; with --check a data set")
     ],
+    request: DatasetRequest,
+    run: RunOptions,
     output: Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="folder to make")] = None,
-    form: Annotated[str, typer.Option("--format", help="{formats}")] = "coco",
-    bits: Annotated[int | None, typer.Option("--bits", help="8 or 16 bits of a pixel; {bits}")] = None,
-    image: Annotated[str | None, typer.Option("--image", help="png or tiff; png where nothing is said")] = None,
-    workers: WorkersOption = None,
-    dask: DaskOption = None,
-    dask_slurm: DaskSlurmOption = None,
-    threads: Annotated[
-        int | None, typer.Option("--threads", min=1, help="processor threads of each process; all where nothing is said")
-    ] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished data set")] = False,
-    overwrite: Overwrite = False,
     check: Annotated[bool, typer.Option("--check", help="check a data set that is there, and make none")] = False,
-    show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Render labelled pictures of an ensemble: masks, boxes, tables.
 
@@ -69,25 +61,24 @@ def dataset(
         raise DataError("-o is missing: the folder of the data set; give one, e.g. -o data")
     from seaglint.cli.terminal.logs import show_logs
     from seaglint.cli.terminal.progress import progress
-    from seaglint.cli.terminal.workers import chosen
     from seaglint.files.dataset.check import read_about
     from seaglint.studies.ensemble.ensemble_dataset import ensemble_dataset, read_source
-    from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions, require_output
+    from seaglint.studies.ensemble.scenes_to_dataset import require_output
 
-    show_logs(quiet=show is ProgressMode.NONE)
-    options = DatasetOptions.of(form, bits, image)
+    show_logs(quiet=run.show is ProgressMode.NONE)
+    options = request.options()
     output = Path(str(output).rstrip("/\\"))
-    require_output(output, resume=resume, overwrite=overwrite)
+    require_output(output, resume=request.resume, overwrite=request.overwrite)
     loaded = read_source(source)
-    with chosen(workers, dask, dask_slurm, threads=threads) as hands, progress(show, "scenes") as report:
+    with run.chosen() as hands, progress(run.show, "scenes") as report:
         ensemble_dataset(
             loaded,
             output,
             options,
             workers=hands,
-            threads=threads,
-            resume=resume,
-            overwrite=overwrite,
+            threads=request.threads,
+            resume=request.resume,
+            overwrite=request.overwrite,
             progress=report,
         )
     statistics = read_about(output)["statistics"]

@@ -5,6 +5,7 @@ Four commands, each with the options of its own request; ``seaglint detect SOURC
 
 from __future__ import annotations
 
+import re
 from dataclasses import fields
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -31,8 +32,15 @@ class DetectGroup(TyperGroup):
     def make_context(self, info_name: str | None, args: list[str], parent: Any = None, **extra: Any) -> Any:
         """Return the context of the group, or of the command without a name."""
         group = not args or args[0] in self.commands or args[0] == "--help"
+        if not group:
+            self._require_file(args[0])
         make = super().make_context if group else self.bare.make_context
         return make(info_name, args, parent=parent, **extra)
+
+    def _require_file(self, word: str) -> None:
+        """Refuse a first word that can only be a misspelt command: one without an ending or a folder, where no file has its name."""
+        if re.fullmatch(r"\w[\w-]*", word) and not Path(word).exists():
+            raise DataError(f"{word}: is no file, and none of the commands {', '.join(self.commands)}; give one of them, or a file's name")
 
     def shell_complete(self, ctx: Any, incomplete: str) -> list[Any]:
         """Return the commands, and the options of the command without a name."""
@@ -51,8 +59,10 @@ detect = typer.Typer(
 
 
 @detect.command("recording", cls=RecordCommand)
-@takes_records
-def recording(request: RecordingRequest, results: ResultOptions, run: Annotated[RunOptions, Without((*ALONE, "resume"))]) -> None:
+@takes_records(order="frame_rate pixel_mrad")
+def recording(
+    request: RecordingRequest, results: ResultOptions, run: Annotated[RunOptions, Without((*ALONE, "threads", "resume"))]
+) -> None:
     """Detection on a recording without objects."""
     from seaglint.cli.detect_recording import detect_recording
 
@@ -60,8 +70,8 @@ def recording(request: RecordingRequest, results: ResultOptions, run: Annotated[
 
 
 @detect.command("scene", cls=RecordCommand)
-@takes_records
-def scene(request: SceneRequest, results: ResultOptions, run: RunOptions) -> None:
+@takes_records(order="workers dask dask_slurm")
+def scene(request: SceneRequest, results: ResultOptions, run: Annotated[RunOptions, Without(("threads",))]) -> None:
     """Detection in independent rendered seas of a scenario."""
     from seaglint.cli.detect_scene import detect_scene
 
@@ -69,8 +79,8 @@ def scene(request: SceneRequest, results: ResultOptions, run: RunOptions) -> Non
 
 
 @detect.command("design", cls=RecordCommand)
-@takes_records
-def design(request: DesignRequest, results: ResultOptions, run: RunOptions) -> None:
+@takes_records(order="workers dask dask_slurm")
+def design(request: DesignRequest, results: ResultOptions, run: Annotated[RunOptions, Without(("threads",))]) -> None:
     """Contrast that an object needs, and loss against white noise.
 
     For P_d 0.9 at one false alarm per hour and field, where nothing else is said.
@@ -81,9 +91,9 @@ def design(request: DesignRequest, results: ResultOptions, run: RunOptions) -> N
 
 
 @detect.command("range", cls=RecordCommand)
-@takes_records
+@takes_records()
 def detection_range(
-    request: RangeRequest, results: Annotated[ResultOptions, Without(("report",))], run: Annotated[RunOptions, Without(ALONE)]
+    request: RangeRequest, results: Annotated[ResultOptions, Without(("report",))], run: Annotated[RunOptions, Without((*ALONE, "threads"))]
 ) -> None:
     """Range up to which an object of a scenario is detected."""
     from seaglint.cli.detect_range import detect_range
@@ -92,13 +102,13 @@ def detection_range(
 
 
 @detect.command(BARE, cls=RecordCommand, hidden=True)
-@takes_records
+@takes_records(order="frame_rate pixel_mrad workers dask dask_slurm")
 def detect_source(
     recorded: RecordingRequest,
     rendered: DesignRequest,
     far: RangeRequest,
     results: ResultOptions,
-    run: RunOptions,
+    run: Annotated[RunOptions, Without(("threads",))],
     as_design: Annotated[
         bool,
         typer.Option(

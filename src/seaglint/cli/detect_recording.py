@@ -29,7 +29,6 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
     from seaglint.cli.terminal.messages import log, print_json
     from seaglint.cli.terminal.progress import patient_progress
     from seaglint.files.outputs import refuse_existing
-    from seaglint.files.recording import open_recording
     from seaglint.files.tables.detection_tables import DetectionFiles
     from seaglint.studies.detect.recordings import run_recording, settings_of
 
@@ -41,23 +40,14 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
     if results.report is not None:
         refuse_existing(results.report, overwrite=run.overwrite, inputs=inputs)
     settings = settings_of(o.vary or ())
-    opened = open_recording(
-        o.source,
-        frame_rate=o.frame_rate,
-        units=o.units,
-        raw=o.raw,
-        variable=o.variable,
-        channel=o.channel,
-        axes=o.axes,
-        saturation=o.saturation,
-    )
+    opened = o.opened(o.source)
     judged = o.detection(o.contrast, opened.frame_rate, _pixel(o.source, o.pixel_mrad))
     with warnings.catch_warnings():
         # Of numbers that do not exist (a detector that divides by 0): the result says what is absent and why.
         warnings.simplefilter("ignore", RuntimeWarning)
         with patient_progress(run.show, "frames and objects") as progress:
             study = run_recording(opened, judged, settings, progress=progress)
-    result = study.as_dict() if o.vary else study.good[0]["result"]
+    result = study.as_dict() if o.vary else study.good[0].done.result
     if files is not None:
         _write(study, result, files, single=not o.vary)
         log(f"{', '.join(str(path) for path in files.paths)} written")
@@ -71,8 +61,7 @@ def detect_recording(request: RecordingRequest, results: ResultOptions, run: Run
         print_json(result)
     else:
         for case in study.good:
-            named = ", ".join(f"{key} = {value}" for key, value in case["parameters"].items())
-            typer.echo("\n".join([*([f"{named}:"] if named else []), *lines(case["result"])]))
+            typer.echo("\n".join([*([f"{case.named}:"] if case.named else []), *lines(case.done.result)]))
     if study.errors:
         failed = "\n".join(study.errors)
         raise DataError(f"{failed}\n{len(study.errors)} of {len(study.cases)} cases failed{'; the others are written' if files else ''}")
@@ -85,16 +74,16 @@ def _write(study: Study, result: dict[str, Any], files: Any, *, single: bool) ->
     from seaglint.files.outputs import moved_when_whole
     from seaglint.plot.detection_study import draw_characteristic
 
-    first = study.good[0]
+    first = study.good[0].done
     columns = {name: np.asarray(values, float) for name, values in study.characteristic().items()}
     if single:
         columns.pop("case")
 
     def draw(path: Path) -> None:
         with moved_when_whole(path) as partial:
-            draw_characteristic(first["roc"], first["rows"], first["result"]["units"] or "").savefig(partial, dpi=120, format="png")
+            draw_characteristic(first.roc, first.rows, first.result["units"] or "").savefig(partial, dpi=120, format="png")
 
-    rows = first["rows"] if single else study.rows()
+    rows = first.rows if single else study.rows()
     files.write(result, rows, columns, draw)
 
 

@@ -94,16 +94,16 @@ def _write(study: Study, result: dict[str, Any], files: Any) -> None:
     from seaglint.files.outputs import moved_when_whole
     from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map
 
-    first = study.good[0]
+    first = study.good[0].done
 
     def draw(path: Path) -> None:
         with moved_when_whole(path) as partial:
-            draw_characteristic(first["roc"], first["rows"], first["result"]["contrast_unit"]).savefig(partial, dpi=120, format="png")
+            draw_characteristic(first.roc, first.rows, first.result["contrast_unit"]).savefig(partial, dpi=120, format="png")
 
     columns = {name: np.asarray(values, float) for name, values in study.characteristic().items()}
     files.write(result, study.rows(), columns, draw)
     base = files.result.with_suffix("")
-    pictures = {"map": draw_map(first["map"]), "chips": draw_chips(first["chips"], first["result"]["threshold_sigma"])}
+    pictures = {"map": draw_map(first.map), "chips": draw_chips(first.chips, first.result["threshold_sigma"])}
     for name, figure in pictures.items():
         if figure is not None:
             with moved_when_whole(base.with_name(f"{base.name}_{name}.png")) as partial:
@@ -114,8 +114,7 @@ def lines(study: Study) -> list[str]:
     """The result as lines of text."""
     out = []
     for case in study.good:
-        result = case["result"]
-        named = ", ".join(f"{key} = {value}" for key, value in case["parameters"].items())
+        result, named = case.done.result, case.named
         out.append(
             f"{named + ': ' if named else ''}{result['frames']} frames of {result['seas']} seas, {result['columns']} x {result['rows']}, "
             f"detector {result['detector']}, threshold {result['threshold_sigma']:.4g} sigma"

@@ -14,6 +14,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from seaglint.base.free_form import JsonObject
 from seaglint.files.provenance import package_version
 from seaglint.version import __version__
 
@@ -44,7 +45,7 @@ class Report:
         out.append("all well" if not self.problems else f"{len(self.problems)} problem(s), see below")
         return out
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Plain values, for JSON."""
         return {**self.sections, "problems": self.problems}
 

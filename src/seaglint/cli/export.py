@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -11,25 +11,12 @@ import typer
 from seaglint.base.errors import DataError
 from seaglint.cli.terminal.derived_help import derived_help, listed
 from seaglint.cli.terminal.messages import files_read, log, naming_file
-from seaglint.cli.terminal.options import Overwrite, PreviewScale, ProgressOption
+from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
+from seaglint.cli.terminal.records import takes_records
+from seaglint.studies.sequence.sequence_requests import ExportRequest
 
 KINDS = (".ply", ".nc")
-
-
-class NumberType(StrEnum):
-    """Types of exported numbers."""
-
-    UINT16 = "uint16"
-    FLOAT32 = "float32"
-
-
-class ColourMap(StrEnum):
-    """Colours of videos."""
-
-    WHITE_HOT = "white-hot"
-    BLACK_HOT = "black-hot"
-    PERCEPTUAL = "perceptual"
 
 
 def _endings() -> str:
@@ -50,27 +37,14 @@ def _videos() -> str:
 Command = derived_help(endings=_endings, videos=_videos)
 
 
+@takes_records(order="run output")
 def export(
     run: Annotated[Path, typer.Argument(metavar="RUN.zarr", help="finished sequence of 'seaglint render'")],
     output: Annotated[
         Path,
         typer.Option("-o", "--output", help="file to write: {endings}"),
     ],
-    variable: Annotated[str | None, typer.Option("--variable", help="images to export; signal if there, else radiance")] = None,
-    frames: Annotated[
-        str | None, typer.Option("--frames", help="frames to export, by number: 37, 37:38 (end not included), 0:100:2")
-    ] = None,
-    dtype: Annotated[
-        NumberType | None, typer.Option("--dtype", help="type of the numbers; as stored where nothing is said (not of {videos})")
-    ] = None,
-    limits: Annotated[
-        tuple[float, float] | None,
-        typer.Option("--range", metavar="LOW HIGH", help="values of the first and last count of uint16, or of black and white"),
-    ] = None,
-    colours: Annotated[ColourMap | None, typer.Option("--map", help="colours of {videos}; white-hot")] = None,
-    rate: Annotated[float | None, typer.Option("--fps", help="frames per second shown by {videos}; those of the run")] = None,
-    scale: Annotated[PreviewScale | None, typer.Option("--scale", help="brightness of {videos}; auto")] = None,
-    overwrite: Overwrite = False,
+    request: ExportRequest,
     show: ProgressOption = ProgressMode.AUTO,
 ) -> None:
     """Write frames of a run for another program."""
@@ -81,21 +55,9 @@ def export(
     from seaglint.plot.run_export import export_run
 
     with open_sequence(run) as dataset:
-        numbers = parse_frames(frames, held_frames(dataset), steps=True)
+        numbers = parse_frames(request.frames, held_frames(dataset), steps=True)
         with patient_progress(show, "frames") as report:
-            written = export_run(
-                dataset,
-                output,
-                variable=variable,
-                frames=numbers,
-                dtype=dtype.value if dtype else None,
-                limits=limits,
-                colours=colours.value if colours else None,
-                rate=rate,
-                scale=scale.value if scale else None,
-                overwrite=overwrite,
-                progress=report,
-            )
+            written = export_run(dataset, output, **vars(replace(request, frames=numbers)), progress=report)
     log(written.line)
 
 

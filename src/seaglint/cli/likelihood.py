@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
-from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen, done_here
+from seaglint.cli.terminal.records import Without, takes_records
+from seaglint.cli.terminal.run_options import RunOptions
 
 if TYPE_CHECKING:
     from seaglint.cluster import Workers
@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 _FILES = ("likelihood.json", "likelihood.csv", "strata.csv", "likelihood.png")
 
 
+@takes_records(order="scenario output as_json by_month step track overwrite show workers dask dask_slurm")
 def likelihood(
     scenario: Annotated[Path, typer.Argument(metavar="SCENARIO.toml", help="scenario file with a table [likelihood]")],
+    run: Annotated[RunOptions, Without(("threads", "resume"))],
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="OUT", help="folder for JSON, CSV and charts, or one file: .json, .csv, .png, .nc (map)"),
@@ -32,11 +34,6 @@ def likelihood(
         Path | None,
         typer.Option("--track", help="CSV of a ship's way: time_utc, latitude_deg, longitude_deg and, if it looks one way, bearing_deg"),
     ] = None,
-    overwrite: Overwrite = False,
-    show: ProgressOption = ProgressMode.AUTO,
-    workers: WorkersOption = None,
-    dask: DaskOption = None,
-    dask_slurm: DaskSlurmOption = None,
 ) -> None:
     """Tell how often glint is brighter than thresholds.
 
@@ -48,22 +45,22 @@ def likelihood(
     loaded = load_scenario(scenario)
     inputs = files_read(scenario, loaded)
     if by_month:
-        with chosen(workers, dask, dask_slurm) as team:
-            _mapped(scenario, loaded, output, step, overwrite, show, inputs, team)
+        with run.chosen() as team:
+            _mapped(scenario, loaded, output, step, run.overwrite, run.show, inputs, team)
         return
-    done_here(workers, dask, dask_slurm, "all but maps is computed")
+    run.done_here("all but maps is computed")
     if track is not None:
-        _along(scenario, loaded, track, output, as_json, overwrite, [*inputs, track])
+        _along(scenario, loaded, track, output, as_json, run.overwrite, [*inputs, track])
         return
-    files = _files(output, overwrite, inputs)
+    files = _files(output, run.overwrite, inputs)
     from seaglint.studies.likelihood.glint_chance import likelihood as compute
 
-    with naming_file(scenario, loaded), progress(show, "steps") as report:
+    with naming_file(scenario, loaded), progress(run.show, "steps") as report:
         result = compute(loaded, progress=report)
     values = result.as_dict()
     for note in values["notes"]:
         log(note)
-    _write(result, values, files, overwrite)
+    _write(result, values, files, run.overwrite)
     if as_json:
         print_json(values)
     else:

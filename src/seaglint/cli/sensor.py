@@ -9,8 +9,9 @@ import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
 from seaglint.cli.terminal.options import ShardOption, StoreOption, place_given
-from seaglint.cli.terminal.progress import ProgressMode
-from seaglint.cli.terminal.workers import DaskOption, DaskSlurmOption, WorkersOption, chosen
+from seaglint.cli.terminal.records import Without, takes_records
+from seaglint.cli.terminal.run_options import RunOptions
+from seaglint.studies.sequence.sequence_requests import SenseRequest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,35 +33,24 @@ def _list_presets(requested: bool) -> None:
         raise typer.Exit
 
 
+@takes_records(
+    order="recording scenario output seed oversampling electrons sensor_preset frame_rate variable "
+    "resume overwrite show workers dask dask_slurm"
+)
 def sense(
     recording: Annotated[
         str, typer.Argument(metavar="INPUT", help="radiance at the aperture in W m-2 sr-1: Zarr, NetCDF, NumPy, TIFF and more")
     ],
     scenario: ScenarioFile,
     output: StoreOption,
-    seed: Annotated[int | None, typer.Option("--seed", min=0, help="of the noise; the scenario's where nothing is said")] = None,
-    oversampling: Annotated[
-        int | None,
-        typer.Option("--oversampling", min=1, help="pixels of INPUT along each side of the detector's; files of seaglint say it"),
-    ] = None,
-    electrons: Annotated[bool, typer.Option("--electrons", help="write electrons beside counts")] = False,
+    request: Annotated[SenseRequest, Without(("units", "channel", "axes", "saturation", "raw", "threads"))],
+    run: Annotated[RunOptions, Without(("threads",))],
     sensor_preset: SensorPreset = None,
-    frame_rate: Annotated[float | None, typer.Option("--frame-rate", help="frames per second, where the file does not say [Hz]")] = None,
-    variable: Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")] = None,
-    resume: Annotated[bool, typer.Option("--resume", help="go on with an unfinished sequence")] = False,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output")] = False,
-    show: Annotated[
-        ProgressMode, typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing")
-    ] = ProgressMode.AUTO,
-    workers: WorkersOption = None,
-    dask: DaskOption = None,
-    dask_slurm: DaskSlurmOption = None,
     shard: ShardOption = None,
 ) -> None:
     """Put a sensor on recorded radiance: counts of its detector."""
     from seaglint.cli.terminal.finish import tell_share
     from seaglint.cli.terminal.progress import patient_progress
-    from seaglint.files.recording import open_recording
     from seaglint.files.recording.image_attributes import source_of
     from seaglint.files.store.share import Share
     from seaglint.files.store.store import check_output, open_sequence
@@ -70,23 +60,25 @@ def sense(
 
     loaded = load_scenario(scenario, sensor=sensor_preset)
     store, share = place_given(output), None if shard is None else Share.parse(shard)
-    check_output(store, resume=resume, overwrite=overwrite, inputs=[*files_read(scenario, loaded), Path(recording)], share=share)
-    opened = open_recording(recording, frame_rate=frame_rate, variable=variable)
-    with naming_file(scenario, loaded), chosen(workers, dask, dask_slurm) as others, patient_progress(show, "frames") as report:
+    check_output(
+        store, resume=request.resume, overwrite=request.overwrite, inputs=[*files_read(scenario, loaded), Path(recording)], share=share
+    )
+    opened = request.opened(recording)
+    with naming_file(scenario, loaded), run.chosen() as others, patient_progress(run.show, "frames") as report:
         sensed(
             opened,
             loaded,
             store,
             source=source_of(Path(recording)),
-            seed=seed,
-            oversampling=oversampling,
-            electrons=electrons,
-            resume=resume,
-            overwrite=overwrite,
+            seed=request.seed,
+            oversampling=request.oversampling,
+            electrons=request.electrons,
+            resume=request.resume,
+            overwrite=request.overwrite,
             progress=report,
             share=share,
             workers=others,
-            reopen=Reopen(Path(recording), frame_rate, variable),
+            reopen=Reopen(Path(recording), request.frame_rate, request.variable),
         )
     if share is not None:
         tell_share(store, share)

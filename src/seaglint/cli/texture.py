@@ -4,52 +4,18 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from seaglint.cli.terminal.messages import files_read, log, naming_file, print_json
 from seaglint.cli.terminal.options import Overwrite, ProgressOption
 from seaglint.cli.terminal.progress import ProgressMode
-
-if TYPE_CHECKING:
-    from seaglint.analysis.recording import Recording
+from seaglint.cli.terminal.records import Without, takes_records
+from seaglint.studies.reading_requests import ReadingRequest
+from seaglint.studies.texture.texture_requests import FitRequest
 
 texture = typer.Typer(rich_markup_mode=None, no_args_is_help=True, help="Statistical textures: fit, sample, compare, lay on the sea.")
-
-
-class TextureModel(StrEnum):
-    """Fields that there are."""
-
-    AUTOBINOMIAL = "autobinomial"
-    GAUSS_MARKOV = "gauss-markov"
-
-
-class TailsOption(StrEnum):
-    """Distributions of the pixels."""
-
-    GAUSSIAN = "gaussian"
-    GAMMA = "gamma"
-    LOGNORMAL = "lognormal"
-    K = "k"
-    EMPIRICAL = "empirical"
-
-
-class MethodOption(StrEnum):
-    """Ways to fit an autobinomial field."""
-
-    AUTO = "auto"
-    PSEUDO_LIKELIHOOD = "pseudo-likelihood"
-    MONTE_CARLO = "monte-carlo"
-    MONTE_CARLO_EXCHANGE = "monte-carlo-exchange"
-
-
-class Product(StrEnum):
-    """Choices of a slow field that multiplies the fast one."""
-
-    AUTO = "auto"
-    ALWAYS = "always"
-    NEVER = "never"
 
 
 class Contrast(StrEnum):
@@ -61,77 +27,36 @@ class Contrast(StrEnum):
 
 
 Input = Annotated[str, typer.Argument(metavar="INPUT", help="what 'seaglint analyze' reads: Zarr, NetCDF, PNG, TIFF, FITS, NumPy, video")]
-FrameRate = Annotated[float | None, typer.Option("--frame-rate", help="frames per second, where the file does not say [Hz]")]
-Units = Annotated[str | None, typer.Option("--units", help="units of the values, where the file does not say")]
-Variable = Annotated[str | None, typer.Option("--variable", help="which array of a file that holds several")]
-Channel = Annotated[str | None, typer.Option("--channel", help="mean, red, green or blue of true colour images")]
-Axes = Annotated[str | None, typer.Option("--axes", help="order of an array of three axes: tyx (time first) or yxt (time last)")]
-Raw = Annotated[str | None, typer.Option("--raw", help="layout of a raw file, e.g. rows=512,columns=640,dtype=uint16")]
+Reading = Annotated[ReadingRequest, Without(("saturation",))]
 Seed = Annotated[int, typer.Option("--seed", min=0, help="of the random numbers: the same seed gives the same bytes")]
 
 
 @texture.command()
+@takes_records(
+    order="recording output model tails region any_region detrend product order isotropic levels method keep_histogram report as_json "
+    "frame_rate units variable channel axes raw"
+)
 def fit(
     recording: Input,
     output: Annotated[Path, typer.Option("-o", "--output", help="texture to write, e.g. model.json")],
-    model: Annotated[TextureModel, typer.Option("--model", help="field of the texture")] = TextureModel.GAUSS_MARKOV,
-    tails: Annotated[TailsOption, typer.Option("--tails", help="distribution of the pixels (gauss-markov)")] = TailsOption.GAUSSIAN,
-    region: Annotated[
-        str | None, typer.Option("--region", metavar="ROWS,COLUMNS", help="part of the picture in pixels, e.g. 120:248,64:192")
-    ] = None,
-    any_region: Annotated[bool, typer.Option("--any-region", help="fit also where the picture is not stationary")] = False,
-    detrend: Annotated[bool, typer.Option("--detrend", help="take slow changes of mean and contrast off first")] = False,
-    product: Annotated[
-        Product, typer.Option("--product", help="multiply fine structure by a slow gamma field where the tails ask for it, always or never")
-    ] = Product.AUTO,
-    order: Annotated[int, typer.Option("--order", min=1, help="order of the neighbourhood (autobinomial)")] = 2,
-    isotropic: Annotated[bool, typer.Option("--isotropic", help="one weight for each distance (autobinomial)")] = False,
-    levels: Annotated[int, typer.Option("--levels", min=2, help="grey levels (autobinomial)")] = 16,
-    method: Annotated[
-        MethodOption, typer.Option("--method", help="how it is fitted (autobinomial); auto: as its regime asks for")
-    ] = MethodOption.AUTO,
-    keep_histogram: Annotated[
-        bool, typer.Option("--keep-histogram", help="draw samples with exactly the picture's histogram (autobinomial)")
-    ] = False,
+    request: FitRequest,
+    reading: Reading,
     report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="write data and sample side by side")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print the texture's file")] = False,
-    frame_rate: FrameRate = None,
-    units: Units = None,
-    variable: Variable = None,
-    channel: Channel = None,
-    axes: Axes = None,
-    raw: Raw = None,
-    seed: Seed = 0,
     overwrite: Overwrite = False,
 ) -> None:
     """Fit a texture to a recording, and say how good it is."""
     from seaglint.base.errors import DataError
     from seaglint.files.outputs import refuse_existing
     from seaglint.files.texture_file import check_name, write_texture
-    from seaglint.studies.texture.texture_sequences import FitOptions
     from seaglint.studies.texture.texture_sequences import fit as fitted
 
     refuse_existing(check_name(output), overwrite=overwrite, inputs=[recording])
     if report is not None:
         _refuse_report(report, overwrite, [recording, output])
-    if model is TextureModel.AUTOBINOMIAL and tails is not TailsOption.GAUSSIAN:
-        raise DataError(f"--tails {tails.value}: an autobinomial texture has the histogram of its picture; leave --tails out")
-    opened = _opened(recording, frame_rate, units, variable, channel, axes, raw)
-    options = FitOptions(
-        model=model.value,
-        tails=tails.value,
-        region=region,
-        any_region=any_region,
-        detrend=detrend,
-        order=order,
-        isotropic=isotropic,
-        levels=levels,
-        method=method.value,
-        keep_histogram=keep_histogram,
-        product={Product.AUTO: None, Product.ALWAYS: True, Product.NEVER: False}[product],
-        seed=seed,
-    )
-    result = fitted(opened, options)
+    if request.model == "autobinomial" and request.tails != "gaussian":
+        raise DataError(f"--tails {request.tails}: an autobinomial texture has the histogram of its picture; leave --tails out")
+    result = fitted(reading.opened(recording), request)
     write_texture(result.stored, output, overwrite=overwrite)
     log(f"{output} written")
     if report is not None:
@@ -178,21 +103,17 @@ def sample(
 
 
 @texture.command()
+@takes_records(order="first second region report as_json")
 def compare(
     first: Annotated[str, typer.Argument(metavar="A", help="the data: a recording")],
     second: Annotated[str, typer.Argument(metavar="B", help="what is judged: a recording, or a texture .json, of which a sample is drawn")],
+    reading: Reading,
     region: Annotated[
         list[str] | None,
         typer.Option("--region", metavar="ROWS,COLUMNS", help="part of A; given twice, of A and of B"),
     ] = None,
     report: Annotated[Path | None, typer.Option("--report", metavar="F.html", help="write both side by side")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="print JSON")] = False,
-    frame_rate: FrameRate = None,
-    units: Units = None,
-    variable: Variable = None,
-    channel: Channel = None,
-    axes: Axes = None,
-    raw: Raw = None,
     seed: Seed = 0,
     overwrite: Overwrite = False,
 ) -> None:
@@ -210,10 +131,7 @@ def compare(
     if report is not None:
         _refuse_report(report, overwrite, [first, second])
 
-    def opened(path: str | Path) -> Recording:
-        return _opened(str(path), frame_rate, units, variable, channel, axes, raw)
-
-    comparison, one, other, likelihood = compare_files(first, second, opened, regions=parts, seed=seed)
+    comparison, one, other, likelihood = compare_files(first, second, reading.opened, regions=parts, seed=seed)
     result = {**comparison.as_dict(), "likelihood": likelihood}
     if report is not None:
         from seaglint.plot.texture_report import write_comparison
@@ -275,15 +193,6 @@ def place(
         log(f"{output}: {summarise(dataset).line}")
         if dataset.attrs["texture_contrast"] == "model":
             log("standard deviations are the texture's own ratio to what comes from the sea: fit it to a sea of this band and light")
-
-
-def _opened(
-    path: str, frame_rate: float | None, units: str | None, variable: str | None, channel: str | None, axes: str | None, raw: str | None
-) -> Recording:
-    from seaglint.cli.analyze import raw_layout
-    from seaglint.files.recording import open_recording
-
-    return open_recording(path, frame_rate=frame_rate, units=units, raw=raw_layout(raw), variable=variable, channel=channel, axes=axes)
 
 
 def _refuse_report(report: Path, overwrite: bool, inputs: list[Any]) -> None:

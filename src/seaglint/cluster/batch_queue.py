@@ -7,9 +7,10 @@ import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from seaglint.base.errors import BackendError, DataError, one_line
+from seaglint.base.free_form import TomlTables
 from seaglint.cluster.dask import DaskWorkers, Say, client_of, quiet, require_dask
 
 KINDS: Final = {
@@ -27,7 +28,7 @@ TIMEOUT: Final = 600.0
 """Time within which the queue must give the first worker, where the file does not say [s]."""
 
 
-def read_settings(path: Path) -> tuple[str, int, float, dict[str, Any]]:
+def read_settings(path: Path) -> tuple[str, int, float, TomlTables]:
     """Read kind of queue, number of jobs, time-out [s], and the settings passed to dask-jobqueue.
 
     Raises

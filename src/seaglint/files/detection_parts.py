@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.failures import storage_errors
 from seaglint.files.outputs import moved_when_whole
 from seaglint.files.text_file import read_json, write_json
@@ -65,15 +65,15 @@ class Parts:
         """Remove the frames of a scene."""
         shutil.rmtree(self.folder / f"frames-{key}", ignore_errors=True)
 
-    def case(self, key: str) -> dict[str, Any] | None:
+    def case(self, key: str) -> JsonObject | None:
         """Return a finished case; None where it is missing or incomplete."""
         try:
-            stored: dict[str, Any] = read_json(self.folder / f"case-{key}.json", "compute it again")
+            stored: JsonObject = read_json(self.folder / f"case-{key}.json", "compute it again")
         except DataError:
             return None
         return stored
 
-    def keep_case(self, key: str, value: dict[str, Any]) -> None:
+    def keep_case(self, key: str, value: JsonObject) -> None:
         """Write a finished case."""
         write_json(value, self.folder / f"case-{key}.json", indent=None)
 

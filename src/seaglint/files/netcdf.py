@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import Attributes
 from seaglint.base.schema import VARIABLES
 from seaglint.files.outputs import moved_when_whole, refuse_existing
 
@@ -60,13 +61,13 @@ def labelled(dataset: xr.Dataset) -> xr.Dataset:
     return out
 
 
-def plain_attributes(attributes: Mapping[Any, Any]) -> dict[str, Any]:
+def plain_attributes(attributes: Mapping[Any, Any]) -> Attributes:
     """Return attributes that any file can hold: tables as JSON text, truth values as 0 and 1, no empty ones.
 
     >>> plain_attributes({"table": {"winds": [0, 20]}, "step": None, "whole": True})
     {'table': '{"winds": [0, 20]}', 'whole': 1}
     """
-    out: dict[str, Any] = {}
+    out: Attributes = {}
     for name, value in attributes.items():
         if isinstance(value, bool):
             out[str(name)] = int(value)

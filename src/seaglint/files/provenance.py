@@ -12,6 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from seaglint.base.free_form import Attributes
 from seaglint.optics.band import Band
 from seaglint.version import __version__
 
@@ -32,7 +33,7 @@ def package_version(name: str) -> str:
         return "not installed"
 
 
-def provenance(title: str, scenario_json: str, seed: int, **more: Any) -> dict[str, Any]:
+def provenance(title: str, scenario_json: str, seed: int, **more: Any) -> Attributes:
     """Return the global attributes of a file.
 
     Parameters

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.outputs import refuse_existing
 from seaglint.files.text_file import read_json, write_json
 from seaglint.texture.autobinomial import KIND as AUTOBINOMIAL
@@ -55,7 +56,7 @@ class StoredTexture:
         rate = self.source.get("frame_rate_hz")
         return None if rate is None else float(rate)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """Return the content of the file."""
         return {
             "format": FORMAT,

@@ -4,28 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
-from typing import Any
 
+from seaglint.base.free_form import JsonObject, TableRow
+from seaglint.files.detection_case import DetectionCase
 from seaglint.plot.clutter import png
 from seaglint.plot.detection_study import draw_characteristic, draw_chips, draw_map, draw_sweep
 from seaglint.plot.page import all_numbers, bullets, figure, interval, notes, number, page, section, table
 from seaglint.version import __version__
 
 
-def study_report(title: str, cases: Sequence[dict[str, Any]], stopped: str | None) -> str:
+def study_report(title: str, cases: Sequence[DetectionCase], stopped: str | None) -> str:
     """The report as text.
 
     Parameters
     ----------
     title : str
         What was judged.
-    cases : sequence of dict
-        Of each ``parameters`` and ``result``, ``rows``, ``roc``, ``map``, ``chips``, or ``error``.
+    cases : sequence of DetectionCase
+        What was set, and what came of it.
     stopped : str, optional
         Why some cases are missing.
     """
-    good = [case for case in cases if "error" not in case]
-    remarks = [*([stopped] if stopped else []), *(case["error"] for case in cases if "error" in case)]
+    good = [case for case in cases if case.error is None]
+    remarks = [*([stopped] if stopped else []), *(case.error for case in cases if case.error is not None)]
     body = [f"<h1>{escape(title)}</h1>", f'<p class="facts">{len(good)} cases · seaglint {__version__}</p>']
     if remarks:
         body.append(notes(remarks))
@@ -33,27 +34,28 @@ def study_report(title: str, cases: Sequence[dict[str, Any]], stopped: str | Non
     body += [section(f"Against {key}", figure(png(draw_sweep(rows, key)), key, "Bands: intervals of P_d.")) for key, rows in _swept(good)]
     for case in good:
         body.append(_case(case))
-    numbers = [{"parameters": case["parameters"], "result": case.get("result"), "error": case.get("error")} for case in cases]
+    results = [None if case.judged is None else case.judged.result for case in cases]
+    numbers = [{"parameters": case.parameters, "result": got, "error": case.error} for case, got in zip(cases, results, strict=True)]
     body.append(all_numbers(numbers))
     return page(title, body)
 
 
-def _named(case: dict[str, Any]) -> str:
-    return ", ".join(f"{key} = {value}" for key, value in case["parameters"].items()) or "the whole"
+def _named(case: DetectionCase) -> str:
+    return case.named or "the whole"
 
 
-def _unit(result: dict[str, Any]) -> str:
+def _unit(result: JsonObject) -> str:
     """Unit of a result's contrasts; of a recording that of its values."""
     return str(result.get("contrast_unit") or result["units"] or "")
 
 
-def _summary(good: Sequence[dict[str, Any]]) -> str:
+def _summary(good: Sequence[DetectionCase]) -> str:
     head = ["case", "detector", "contrast", "unit", "P_d", "interval", "P_fa", "interval", "for P_d 0.9", "loss [dB]", "seas", "stopped by"]
     lines = []
     for case in good:
-        result = case["result"]
+        result = case.done.result
         design = result.get("design") or {}
-        for row in case["rows"]:
+        for row in case.done.rows:
             lines.append(
                 [
                     _named(case),
@@ -73,36 +75,36 @@ def _summary(good: Sequence[dict[str, Any]]) -> str:
     return table(head, lines, words=(0,))
 
 
-def _swept(good: Sequence[dict[str, Any]]) -> list[tuple[str, list[dict[str, Any]]]]:
+def _swept(good: Sequence[DetectionCase]) -> list[tuple[str, list[TableRow]]]:
     """Numbers that were varied, with the rows told by what else was."""
-    keys = list(dict.fromkeys(key for case in good for key in case["parameters"]))
+    keys = list(dict.fromkeys(key for case in good for key in case.parameters))
     out = []
     for key in keys:
-        values = [case["parameters"].get(key) for case in good]
+        values = [case.parameters.get(key) for case in good]
         if len({str(v) for v in values}) < 2 or not all(isinstance(v, int | float) and not isinstance(v, bool) for v in values):
             continue
         rows = []
         for case in good:
-            others = ", ".join(f"{k} = {v}" for k, v in case["parameters"].items() if k != key)
-            for row in case["rows"]:
-                line = f"{row['contrast']:g} {_unit(case['result'])}" + (f", {others}" if others else "")
-                rows.append({**row, key: case["parameters"][key], "_line": line})
+            others = ", ".join(f"{k} = {v}" for k, v in case.parameters.items() if k != key)
+            for row in case.done.rows:
+                line = f"{row['contrast']:g} {_unit(case.done.result)}" + (f", {others}" if others else "")
+                rows.append({**row, key: case.parameters[key], "_line": line})
         out.append((key, rows))
     return out
 
 
-def _case(case: dict[str, Any]) -> str:
-    result = case["result"]
+def _case(case: DetectionCase) -> str:
+    judged, result = case.done, case.done.result
     scattered = "independent seas" if "seas" in result else "tiles and times"
     pictures = [
         figure(
-            png(draw_characteristic(case["roc"], case["rows"], _unit(result))),
+            png(draw_characteristic(judged.roc, judged.rows, _unit(result))),
             "operating characteristic",
             f"Bands: intervals of each rate alone, from the scatter between {scattered}.",
         ),
-        figure(png(draw_map(case["map"])), "false alarms over the field", "Share of pixels above the threshold, in tiles."),
+        figure(png(draw_map(judged.map)), "false alarms over the field", "Share of pixels above the threshold, in tiles."),
     ]
-    chips = draw_chips(case["chips"], result["threshold_sigma"])
+    chips = draw_chips(judged.chips, result["threshold_sigma"])
     if chips is not None:
         caption = "Missed objects (they are in the middle), the nearest and the farthest from the threshold, and the highest false alarms."
         pictures.append(figure(png(chips), "misses and false alarms", caption))

@@ -7,8 +7,12 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from seaglint.base.free_form import TableRow
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from seaglint.files.detection_case import Chips, FalseAlarmMap
 
 
 MOST_CURVES: Final = 6
@@ -24,7 +28,7 @@ def _figure(width: float, height: float) -> Figure:
     return made
 
 
-def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[dict[str, Any]], unit: str) -> Figure:
+def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[TableRow], unit: str) -> Figure:
     """Operating characteristics with bands, and P_d against contrast."""
     figure = _figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
@@ -55,15 +59,14 @@ def draw_characteristic(roc: dict[str, list[float]], rows: Sequence[dict[str, An
     return figure
 
 
-def draw_map(found: dict[str, Any]) -> Figure:
+def draw_map(found: FalseAlarmMap) -> Figure:
     """P_fa over azimuth and elevation; tiles without a pixel that is judged are left out."""
     figure = _figure(7.0, 3.6)
     axes = figure.subplots()
-    pixels = np.asarray(found["pixels"], float)
-    rate = np.asarray(found["exceedances"], float) / np.where(pixels > 0, pixels, np.nan)
-    grid = "azimuth_deg" in found
-    x, y = (found["azimuth_deg"], found["elevation_deg"]) if grid else (found["column_px"], found["row_px"])
-    drawn = axes.pcolormesh(x, y, np.ma.masked_invalid(rate), cmap="magma", shading="flat")
+    pixels = np.asarray(found.pixels, float)
+    rate = np.asarray(found.exceedances, float) / np.where(pixels > 0, pixels, np.nan)
+    grid = found.in_degrees
+    drawn = axes.pcolormesh(found.right, found.down, np.ma.masked_invalid(rate), cmap="magma", shading="flat")
     if not grid:
         axes.invert_yaxis()
     axes.set(xlabel="azimuth [deg]" if grid else "column [px]", ylabel="elevation [deg]" if grid else "row [px]")
@@ -72,9 +75,9 @@ def draw_map(found: dict[str, Any]) -> Figure:
     return figure
 
 
-def draw_chips(found: dict[str, Any], threshold_sigma: float) -> Figure | None:
+def draw_chips(found: Chips, threshold_sigma: float) -> Figure | None:
     """Missed objects above, false alarms below; None where there are neither."""
-    lines = [(name, found[name]) for name in ("missed", "false") if found[name]]
+    lines = [(name, some) for name, some in (("missed", found.missed), ("false", found.false)) if some]
     if not lines:
         return None
     columns = max(len(items) for _, items in lines)
@@ -86,11 +89,11 @@ def draw_chips(found: dict[str, Any], threshold_sigma: float) -> Figure | None:
             if k >= len(items):
                 one.set_axis_off()
                 continue
-            pixels = np.array([[np.nan if v is None else v for v in line] for line in items[k]["pixels"]], float)
+            pixels = np.array([[np.nan if v is None else v for v in line] for line in items[k].pixels], float)
             one.imshow(pixels, cmap="gray", interpolation="nearest")
             middle = pixels.shape[0] // 2
             one.add_patch(_square(middle, "#4cc9f0" if name == "missed" else "#f94144"))
-            one.set_title(f"{'missed' if name == 'missed' else 'false alarm'}, {items[k]['score']:.3g} σ", fontsize=8)
+            one.set_title(f"{'missed' if name == 'missed' else 'false alarm'}, {items[k].score:.3g} σ", fontsize=8)
     figure.suptitle(f"threshold {threshold_sigma:.3g} σ", fontsize=9)
     return figure
 
@@ -101,11 +104,11 @@ def _square(middle: int, colour: str) -> Any:
     return Rectangle((middle - 3.0, middle - 3.0), 6.0, 6.0, fill=False, edgecolor=colour, linewidth=0.9)
 
 
-def draw_sweep(rows: Sequence[dict[str, Any]], key: str) -> Figure:
+def draw_sweep(rows: Sequence[TableRow], key: str) -> Figure:
     """P_d and P_fa against a number that was varied; a line for each of what else was varied and each contrast."""
     figure = _figure(10.0, 4.0)
     left, right = figure.subplots(1, 2)
-    lines: dict[str, list[dict[str, Any]]] = {}
+    lines: dict[str, list[TableRow]] = {}
     for row in rows:
         lines.setdefault(row["_line"], []).append(row)
     for name, some in lines.items():
@@ -124,7 +127,7 @@ def draw_sweep(rows: Sequence[dict[str, Any]], key: str) -> Figure:
 
 def draw_ranges(found: Sequence[dict[str, Any]]) -> Figure:
     """Ranges of detection: about the bearing from the Sun as polar curves where there are several bearings, else P_d against range."""
-    lines: dict[str, list[dict[str, Any]]] = {}
+    lines: dict[str, list[TableRow]] = {}
     for one in found:
         lines.setdefault(", ".join(f"{k} = {v}" for k, v in one["parameters"].items()), []).append(one)
     polar = len({one["bearing_deg"] for one in found}) > 1

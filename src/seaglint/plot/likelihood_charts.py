@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
+from seaglint.base.free_form import TableRow
 from seaglint.files.outputs import moved_when_whole
 from seaglint.weather.weather_table import MONTHS
 
@@ -68,7 +69,7 @@ def _causes(axes: Axes, result: dict[str, Any], threshold: float) -> None:
     _bars(axes, _of(result, "wind_speed_m_s", threshold), "wind [m/s]")
 
 
-def _bars(axes: Axes, rows: list[dict[str, Any]], label: str) -> None:
+def _bars(axes: Axes, rows: list[TableRow], label: str) -> None:
     names = [f"{row['low']:g}-{row['high']:g}" if row["high"] is not None else f">{row['low']:g}" for row in rows]
     axes.bar(names, [row["contribution"] or 0.0 for row in rows], color="tab:orange", label="share of all glint")
     axes.bar(names, [row["share"] for row in rows], fill=False, edgecolor="black", label="share of all draws")

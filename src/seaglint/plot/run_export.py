@@ -71,7 +71,7 @@ def export_run(
     if ending not in allowed:
         raise DataError(f"{output}: the ending says what is written; allowed are {', '.join(allowed)}")
     shows = ending in VIDEO_ENDINGS
-    _require_unused(output, {"--dtype": dtype} if shows else {"--map": colours, "--fps": rate, "--scale": scale}, shows=shows)
+    _require_unused(output, {"dtype": dtype} if shows else {"colours": colours, "rate": rate, "scale": scale}, shows=shows)
     source = str(dataset.encoding.get("source", "dataset"))
     if Path(source).resolve() in output.resolve().parents:
         raise DataError(f"{output}: lies inside the run {source}; choose another place")
@@ -81,12 +81,12 @@ def export_run(
     return _show(stack, output, limits, colours or "white-hot", rate, scale, overwrite, progress)
 
 
-def _require_unused(output: Path, options: Mapping[str, Any], *, shows: bool) -> None:
-    given = [name for name, value in options.items() if value is not None]
+def _require_unused(output: Path, choices: Mapping[str, Any], *, shows: bool) -> None:
+    given = [name for name, value in choices.items() if value is not None]
     if given:
         kind = "shows levels of brightness" if shows else "holds numbers"
         others = ", ".join(endings() if shows else VIDEO_ENDINGS)
-        raise DataError(f"{output}: {output.suffix} {kind} and takes no {given[0]}; leave it out, or choose {others}")
+        raise DataError(f"{output}: {output.suffix} {kind} and takes no `{given[0]}`; leave it out, or choose {others}")
 
 
 def _show(

@@ -12,6 +12,7 @@ from pydantic import ConfigDict, Field, PrivateAttr, TypeAdapter, ValidationErro
 from pydantic_core import ErrorDetails
 
 from seaglint.base.errors import Mistake, ScenarioError
+from seaglint.base.free_form import TomlTables
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.scene_presets import PRESETS
@@ -71,7 +72,7 @@ class Template(Record):
     ] = 0.0
 
     @property
-    def others(self) -> dict[str, Any]:
+    def others(self) -> TomlTables:
         """Return the keys of the object itself."""
         return dict(self.model_extra or {})
 
@@ -98,7 +99,7 @@ class Template(Record):
 class Ensemble(Record):
     """Ensemble as read; its base no longer depends on a file."""
 
-    base: Annotated[dict[str, Any], Field(description="a scenario's tables; in the file also its path")]
+    base: Annotated[TomlTables, Field(description="a scenario's tables; in the file also its path")]
     ensemble: EnsembleSettings
     vary: Annotated[tuple[Vary, ...], Field(description="laws of keys")] = ()
     objects: Annotated[tuple[Template, ...], Field(description="objects that every scene draws anew, beside those of the base")] = ()
@@ -148,7 +149,7 @@ def load_ensemble(path: str | Path) -> Ensemble:
     return parse_ensemble(read_toml(path, "ensemble"), name=str(path), folder=path.parent)
 
 
-def read_toml(path: Path, what: str) -> dict[str, Any]:
+def read_toml(path: Path, what: str) -> TomlTables:
     """Read the tables of a TOML file.
 
     Raises
@@ -210,7 +211,7 @@ def law_of(raw: object, name: str) -> Uniform | LogUniform | Normal | Choice | N
     return law
 
 
-def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> dict[str, Any]:
+def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> TomlTables:
     """Return the tables of the base with absolute paths."""
     beside: Path | None
     if isinstance(given, str):
@@ -229,7 +230,7 @@ def _base(given: object, sensor: str | None, name: str, folder: Path | None) -> 
     return with_absolute_paths(raw, parse_scenario(raw, name=where, base=beside))
 
 
-def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> TomlTables:
     """Merge two sets of tables, table by table; the keys of ``above`` replace those of the other."""
     out = dict(below)
     for key, value in above.items():
@@ -238,7 +239,7 @@ def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]
     return out
 
 
-def with_absolute_paths(raw: Mapping[str, Any], scenario: Scenario) -> dict[str, Any]:
+def with_absolute_paths(raw: Mapping[str, Any], scenario: Scenario) -> TomlTables:
     """Return tables in which every path is absolute, so that they mean the same in any folder."""
 
     def walk(given: Any, resolved: Any) -> Any:

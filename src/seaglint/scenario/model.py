@@ -13,6 +13,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
+from seaglint.base.free_form import TomlTables
 from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS, NAVY_AEROSOL_WIND, TABLE_BANDS_UM, TABLE_HEIGHTS
 from seaglint.scenario.records.atmosphere_table import Atmosphere, LowtranAtmosphere, TableAtmosphereSettings
 from seaglint.scenario.records.band_table import TABLE_BANDS_TEXT, BandSettings
@@ -159,7 +160,7 @@ class Scenario(Record):
         raise rule("wind.speed_m_s", text, value=speed, allowed=slopes.winds)
 
 
-def _places_itself(raw: dict[str, Any]) -> bool:
+def _places_itself(raw: TomlTables) -> bool:
     """Return true where a ``[likelihood]`` not yet validated names a region, or takes places from its weather."""
     table = raw.get("likelihood")
     return isinstance(table, dict) and (table.get("latitudes_deg") is not None or table.get("place_from_weather") is True)

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from typing import Any
 
 from seaglint.base.errors import ScenarioError
+from seaglint.base.free_form import TomlTables
 
 
-def set_key(raw: dict[str, Any], key: str, value: Any, name: str) -> None:
+def set_key(raw: TomlTables, key: str, value: Any, name: str) -> None:
     """Set a dotted key in place.
 
     Parameters

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
 from seaglint.texture.neighbourhood import Classes, classes, reach
 
 IntArray = NDArray[np.integer[Any]]
@@ -95,7 +96,7 @@ class Autobinomial:
         """Return the field with other alpha and couplings."""
         return Autobinomial(self.levels, self.neighbours, float(parameters[0]), tuple(map(float, parameters[1:])))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """Return the field as values for JSON."""
         return {
             "kind": KIND,
@@ -106,7 +107,7 @@ class Autobinomial:
         }
 
     @classmethod
-    def from_dict(cls, held: dict[str, Any]) -> Autobinomial:
+    def from_dict(cls, held: JsonObject) -> Autobinomial:
         """Read the output of :meth:`to_dict`.
 
         Raises

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final, Literal, get_args
+from typing import Final, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
+from seaglint.base.free_form import JsonObject
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.texture.autobinomial import Autobinomial, IntArray, checked_field
 from seaglint.texture.monte_carlo import maximum_likelihood
@@ -85,7 +86,7 @@ class AutobinomialFit:
             messages.append(self.regime.text)
         return tuple(messages)
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Return the fit as values for JSON."""
         return {
             "model": self.model.to_dict(),

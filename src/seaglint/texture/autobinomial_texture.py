@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base import random
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
 from seaglint.texture.autobinomial import Autobinomial
 from seaglint.texture.autobinomial_fit import AutobinomialFit, Method
 from seaglint.texture.autobinomial_fit import fit as fit_field
@@ -90,7 +91,7 @@ class AutobinomialTexture:
         frames = np.array(data, np.float64, ndmin=3)
         return float(np.mean([conditional_log_likelihood(self.grey.to_levels(frame), self.field) for frame in frames]))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """Return the texture as values for JSON."""
         return {
             **self.field.to_dict(),

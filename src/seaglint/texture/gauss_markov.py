@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
 
 KIND: Final = "gauss-markov"
 
@@ -94,7 +95,7 @@ class GaussMarkov:
         sides = np.abs(np.array(self.offsets, int).reshape(-1, 3)).max(axis=0, initial=0)
         return int(sides[0]), int(sides[1]), int(sides[2])
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """Return the field as values for JSON."""
         return {
             "kind": KIND,

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.texture import gauss_markov_fit as estimation
 from seaglint.texture.gauss_markov import GaussMarkov, canonical, pseudo_log_likelihood
 from seaglint.texture.long_tails import find_modulation
@@ -64,7 +65,7 @@ class GaussianTexture:
         x = self.marginal.gaussian(data)
         return pseudo_log_likelihood(self.field, x) - float(np.mean(self.marginal.log_slope(x)))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """Return the texture as values for JSON."""
         return {
             **self.field.to_dict(),

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import JsonObject
 from seaglint.base.jit import in_threads, njit
 
 Tails = Literal["gaussian", "gamma", "lognormal", "k", "empirical"]
@@ -183,9 +184,9 @@ class Marginal:
         rising, places = np.unique(values, return_index=True)
         return np.interp(np.asarray(output, np.float64), rising, grid[places])
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """Return the distribution as values for JSON."""
-        result: dict[str, Any] = {"kind": self.kind, "loc": self.loc, "scale": self.scale}
+        result: JsonObject = {"kind": self.kind, "loc": self.loc, "scale": self.scale}
         if self.shape is not None:
             result["shape"] = self.shape
         if self.quantiles:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.clutter.correlation import spatial_correlation, temporal_correlation
 from seaglint.clutter.false_alarms import FalseAlarmRate, FalseAlarms, RateCurve
 from seaglint.clutter.spectrum import Spectrum, power_spectrum
@@ -103,7 +104,7 @@ class Comparison:
     first: Likeness
     second: Likeness
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Return the comparison as plain numbers and words."""
         a, b = self.first, self.second
         rates = [_rates(p, q) for p, q in zip(a.rates, b.rates, strict=True)]
@@ -125,14 +126,14 @@ class Comparison:
         }
         return {**result, "fails": _fails(result)}
 
-    def _values(self) -> dict[str, Any]:
+    def _values(self) -> JsonObject:
         a, b = self.first.values, self.second.values
         every = np.concatenate([a, b])
         every.sort()
         shares = [np.searchsorted(v, every, side="right") / v.size for v in (a, b)]
         steps = np.linspace(0.0005, 0.9995, 1000)
         spread = max(float(a.std()), 1e-300)
-        out: dict[str, Any] = {
+        out: JsonObject = {
             "ks": float(np.abs(shares[0] - shares[1]).max()),
             "wasserstein_std": float(np.abs(np.quantile(a, steps) - np.quantile(b, steps)).mean()) / spread,
         }
@@ -143,7 +144,7 @@ class Comparison:
         return out
 
 
-def _rates(a: FalseAlarmRate, b: FalseAlarmRate) -> dict[str, Any]:
+def _rates(a: FalseAlarmRate, b: FalseAlarmRate) -> JsonObject:
     ratio = b.rate / a.rate if a.exceedances and b.exceedances else None
     return {
         "threshold_sigma": a.threshold_sigma,

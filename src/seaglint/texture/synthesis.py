@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from seaglint.base import random
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError
+from seaglint.base.free_form import JsonObject
 from seaglint.texture.gauss_markov import GaussMarkov, Offset, half_weights, require_torus
 from seaglint.texture.marginals import Marginal
 
@@ -58,7 +59,7 @@ class Modulation:
         if not all(math.isfinite(v) and v > 0.0 for v in (self.shape, *self.lengths)):
             raise DomainError(f"modulation of shape {self.shape:g} and lengths {self.lengths}: give numbers above 0")
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> JsonObject:
         """Return the modulation as values for JSON."""
         return {"shape": self.shape, "lengths": list(self.lengths)}
 

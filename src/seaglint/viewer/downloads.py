@@ -13,6 +13,7 @@ import numpy as np
 
 from seaglint.base.brightness import Scale
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.tables.table_text import csv_text
 from seaglint.plot.video import Colours, palette, write_video
 from seaglint.viewer.picture import Scales, Show
@@ -86,7 +87,7 @@ def clip(show: Show, first: int, last: int, scales: Scales, colours: Colours) ->
         return made.read_bytes()
 
 
-def table(result: dict[str, Any]) -> str:
+def table(result: JsonObject) -> str:
     """Return statistics as CSV, one row for each number: ``fits.gamma.shape,3.21``."""
     return csv_text([("quantity", "value"), *_flat("", result)])
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from seaglint.analysis.region import Gatherer, number
 from seaglint.analysis.run import FEWEST_PIXELS
 from seaglint.analysis.survey import survey
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.clutter import filters
 from seaglint.clutter.fits import Family, fit
 from seaglint.clutter.thresholds import gaussian_rate, standardise
@@ -58,7 +59,7 @@ class Rectangle:
         return out
 
 
-def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None = None) -> dict[str, Any]:
+def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None = None) -> JsonObject:
     """Return moments, histogram and fits of a region of one frame, named and computed as by ``seaglint analyze`` with a mask.
 
     Raises
@@ -81,7 +82,7 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
     low, high = float(inside.min()), float(inside.max())
     density, edges = np.histogram(inside, bins=BINS, range=(low, high) if high > low else (low - 0.5, low + 0.5), density=True)
     at = np.linspace(edges[0], edges[-1], _CURVE)
-    fits: dict[str, Any] = {}
+    fits: JsonObject = {}
     for family in SHOWN:
         fitted = fit(values, family)
         with np.errstate(all="ignore"):
@@ -104,7 +105,7 @@ def quick(source: ViewerSource, index: int, where: Rectangle, layer: str | None 
     }
 
 
-def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int | None, progress: Progress) -> dict[str, Any]:
+def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int | None, progress: Progress) -> JsonObject:
     """Return all statistics of ``seaglint analyze`` with a mask, for a region of one frame or of all frames that exist.
 
     Raises
@@ -130,7 +131,7 @@ def whole(source: ViewerSource, where: Rectangle, layer: str | None, only: int |
 
 def exceedances(
     source: ViewerSource, index: int, sigma: float, filter_name: str, layer: str | None = None, where: Rectangle | None = None
-) -> tuple[dict[str, Any], BoolArray]:
+) -> tuple[JsonObject, BoolArray]:
     """Return the pixels of a frame above a threshold after a filter, as ``seaglint analyze`` counts them, and their mask.
 
     Parameters

@@ -7,9 +7,10 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.free_form import JsonObject
 
 if TYPE_CHECKING:
     from seaglint.base.conventions import Progress
@@ -32,7 +33,7 @@ class AnalysisJob:
 
     done: int = 0
     total: int = 1
-    result: dict[str, Any] | None = None
+    result: JsonObject | None = None
     error: str | None = None
     asked: float = field(default_factory=time.monotonic)
     finished: threading.Event = field(default_factory=threading.Event)
@@ -52,7 +53,7 @@ class Jobs:
         self._jobs: dict[int, AnalysisJob] = {}
         self._numbers = itertools.count()
 
-    def start(self, work: Callable[[Progress], dict[str, Any]]) -> int:
+    def start(self, work: Callable[[Progress], JsonObject]) -> int:
         """Start ``work(progress)`` in a thread and return its number.
 
         Raises

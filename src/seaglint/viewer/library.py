@@ -6,9 +6,10 @@ import os
 import threading
 from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.recording import images
 from seaglint.files.recording import video_file as video
 from seaglint.viewer.frame_source import ViewerSource, open_source
@@ -66,7 +67,7 @@ class Library:
                 self._paths.append(path)
             return self._paths.index(path)
 
-    def listed(self) -> list[dict[str, Any]]:
+    def listed(self) -> list[JsonObject]:
         """Return number and name of every file that may be opened, those given first; folders are read again."""
         for folder in self._folders:
             for path in _files(folder):

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.viewer.frame_source import ViewerSource
 
 
-def probe(source: ViewerSource, index: int, row: int, column: int) -> dict[str, Any]:
+def probe(source: ViewerSource, index: int, row: int, column: int) -> JsonObject:
     """Return the values of a pixel of one frame, by layer, with units; direction and objects where they are known.
 
     Raises
@@ -56,7 +55,7 @@ def towards(source: ViewerSource, index: int, row: int, column: int) -> tuple[fl
     return float(azimuth[row, column]), float(elevation[row, column])
 
 
-def trace(source: ViewerSource, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False) -> dict[str, Any]:
+def trace(source: ViewerSource, row: int, column: int, around: int, layer: str | None = None, *, spread: bool = False) -> JsonObject:
     """Return the values of a pixel over time, around a frame or ``spread`` over all: frames, times [s] where known, values.
 
     Raises

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -15,10 +15,6 @@ from seaglint.base.errors import DomainError, Mistake, ScenarioError
 
 if TYPE_CHECKING:
     from seaglint.scenario.model import Scenario
-
-
-RENAMED: Final[Mapping[str, Mapping[str, str]]] = {"export": {"limits": "--range", "colours": "--map", "rate": "--fps"}}
-"""Parameters of Python whose options have another name, by command; all others are spelled as their option with underscores."""
 
 
 def option_names(group: Any, words: Sequence[str]) -> dict[str, str]:
@@ -32,13 +28,12 @@ def option_names(group: Any, words: Sequence[str]) -> dict[str, str]:
         Words behind the program's name, as typed.
     """
     command, rest = group, list(words)
-    name = ""
     while command is not None and hasattr(command, "commands") and rest:
         name, *rest = rest
         command = command.commands.get(name) or getattr(command, "bare", None)
     options = [max(parameter.opts, key=len) for parameter in getattr(command, "params", ())]
     spelled = {option[2:].replace("-", "_"): option for option in options if option.startswith("--")}
-    return {**spelled, **RENAMED.get(name, {})}
+    return {**spelled, **getattr(getattr(command, "callback", None), "renamed", {})}
 
 
 def spelled_as_options(text: str, options: Mapping[str, str], *, of_file: bool = False) -> str:

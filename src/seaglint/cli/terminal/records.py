@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any, Final, NamedTuple, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Final, Literal, NamedTuple, get_args, get_origin, get_type_hints
 
 import typer
 from typer.core import TyperCommand
 
-from seaglint.base.parameters import GROUPS, Parameter
+from seaglint.base.parameters import GROUPS, Parameter, described
 from seaglint.cli.terminal.numbers import contrasts_of
 
 
@@ -45,16 +45,27 @@ def option_of(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
 
-def takes_records(command: Callable[..., None]) -> Callable[..., None]:
-    """Return a command with an option for each field of the records among its parameters.
+def takes_records(*, order: str = "") -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Return a decorator that gives a command an option for each field of the records among its parameters.
 
-    Fields of one name in several records are one option, with the help of the first record, and its value goes to all of them.
+    Fields of one name in several records are one option, with the help of the first record, and its value goes to all of them. A help page
+    lists the names in ``order`` first.
     """
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        return _with_options(command, order.split())
+
+    return decorate
+
+
+def _with_options(command: Callable[..., None], first: Sequence[str]) -> Callable[..., None]:
+    """Return a command with an option for each field of its records."""
     hints = get_type_hints(command, include_extras=True)
     hints.pop("return", None)
     records: dict[str, type] = {}
     parameters: dict[str, inspect.Parameter] = {}
     readers: dict[str, Callable[[Any], Any]] = {}
+    renamed: dict[str, str] = {}
     for name, hint in hints.items():
         record = get_args(hint)[0] if get_origin(hint) is Annotated else hint
         if not is_dataclass(record):
@@ -63,10 +74,13 @@ def takes_records(command: Callable[..., None]) -> Callable[..., None]:
             continue
         records[name] = record  # type: ignore[assignment]
         left_out = next((extra.names for extra in get_args(hint)[1:] if isinstance(extra, Without)), ())
-        types = get_type_hints(record, include_extras=True)
+        types, texts = get_type_hints(record, include_extras=True), described(record)  # type: ignore[arg-type]
         for field in fields(record):
             if field.name not in left_out and field.name not in parameters:
-                parameters[field.name], readers[field.name] = _option(field, types[field.name])
+                text = texts.get(field.name)
+                parameters[field.name], readers[field.name] = _option(field, types[field.name], text)
+                if text is not None and text.option:
+                    renamed[field.name] = text.option
 
     @wraps(command)
     def called(**given: Any) -> None:
@@ -77,44 +91,80 @@ def takes_records(command: Callable[..., None]) -> Callable[..., None]:
         }
         command(**built, **{name: read[name] for name in hints if name not in records})
 
-    called.__annotations__ = {name: parameter.annotation for name, parameter in parameters.items()} | {"return": None}
-    ordered = sorted(parameters.values(), key=lambda parameter: parameter.default is not inspect.Parameter.empty)
+    listed = {name: parameters[name] for name in first} | parameters
+    called.__annotations__ = {name: parameter.annotation for name, parameter in listed.items()} | {"return": None}
+    ordered = sorted(listed.values(), key=lambda parameter: parameter.default is not inspect.Parameter.empty)
     called.__signature__ = inspect.Signature(ordered, return_annotation=None)  # type: ignore[attr-defined]
+    called.renamed = renamed  # type: ignore[attr-defined]
     return called
 
 
-def _option(field: Field[Any], hint: Any) -> tuple[inspect.Parameter, Callable[[Any], Any]]:
+def _option(field: Field[Any], hint: Any, text: Parameter | None) -> tuple[inspect.Parameter, Callable[[Any], Any]]:
     """Return the parameter of a command for a field of a record, and what reads its text."""
-    kind, *extras = get_args(hint) if get_origin(hint) is Annotated else (hint,)
     default: Any = inspect.Parameter.empty if field.default is MISSING else field.default
-    described = next((extra for extra in extras if isinstance(extra, Parameter)), None)
-    if described is None:  # an option as Typer has it
+    if text is None:  # an option as Typer has it
         return inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=hint), lambda value: value
-    option, help_text = option_of(field.name), re.sub(r"`(\w+)`", lambda match: option_of(match[1]), described.help)
-    more: dict[str, Any] = {"metavar": described.metavar} if described.metavar else {}
+    kind = get_args(hint)[0]
+    option = text.option or option_of(field.name)
+    help_text = re.sub(r"`(\w+)`", lambda match: option_of(match[1]), text.help) + SPELLED.get(text.form, "")
+    more: dict[str, Any] = {"metavar": text.metavar} if text.metavar else {}
     if field.default is MISSING:
         info: Any = typer.Argument(help=help_text, **more)
     else:
-        limit: dict[str, Any] = {} if described.least is None else {"min": described.least}
-        info = typer.Option(option, help=help_text, rich_help_panel=described.group, **limit, **more)
-    if described.form:
-        kind = Path | None if described.form == "weights" else str | None
-        default = None if default is None else ",".join(f"{value:g}" for value in default)
-    reader: Callable[[Any, str], Any] = READERS.get(described.form, lambda value, _: value)
+        limit: dict[str, Any] = {} if text.least is None else {"min": text.least}
+        info = typer.Option(option, help=help_text, rich_help_panel=text.group or None, **limit, **more)
+    reader: Callable[[Any, str], Any] = READERS.get(text.form, lambda value, _: value)
+    if text.form == "switch":
+        kind, default = Literal["auto", "always", "never"], next(word for word, value in SWITCH.items() if value is default)
+    elif text.form == "name":
+        kind = str
+    elif get_origin(kind) is tuple and get_args(kind)[1:] == (...,) and text.form in ("", "names"):
+        item: Any = str if text.form else get_args(kind)[0]
+        several: Any = list[item] | None
+        parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[several, info])
+        return parameter, lambda value: tuple(value or ())
+    elif text.form:
+        kind = Path | None if text.form in ("weights", "mask") else str | None
+        default = None if default is None else WRITTEN.get(text.form, _commas)(default)
     parameter = inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=Annotated[kind, info])
     return parameter, lambda value: None if value is None else reader(value, option)
 
 
+def _commas(values: Sequence[float]) -> str:
+    return ",".join(f"{value:g}" for value in values)
+
+
 def _weights(path: Path, option: str) -> Any:
     """Return the numbers of a small CSV or NumPy file, with its place."""
-    from seaglint.cli.analyze import weights
-    from seaglint.studies.detect.requests import WeightsFile
+    from seaglint.cli.terminal.small_files import weights
+    from seaglint.studies.reading_requests import WeightsFile
 
     return WeightsFile(path, weights(path))
 
 
+def _mask(path: Path, option: str) -> Any:
+    """Return the mask of an image or a NumPy file, with its place."""
+    from seaglint.cli.terminal.small_files import read_mask
+    from seaglint.studies.reading_requests import WeightsFile
+
+    return WeightsFile(path, read_mask(path))
+
+
+def _shares(text: str, option: str) -> tuple[float, float]:
+    """Return the ends of a part of the height, of FIRST:LAST."""
+    from seaglint.base.errors import DataError
+
+    first, colon, last = text.partition(":")
+    try:
+        if not colon:
+            raise ValueError
+        return float(first or 0.0), float(last or 1.0)
+    except ValueError:
+        raise DataError(f"{option} {text}: give FIRST:LAST as shares of the height from the top, e.g. 0.45: or 0.2:0.8") from None
+
+
 def _raw(text: str, option: str) -> Any:
-    from seaglint.cli.analyze import raw_layout
+    from seaglint.cli.terminal.small_files import raw_layout
 
     return raw_layout(text)
 
@@ -140,11 +190,27 @@ def _limits(text: str, option: str) -> tuple[float, float]:
     return near, far
 
 
+SWITCH: Final[Mapping[str, bool | None]] = {"auto": None, "always": True, "never": False}
+"""Values of the words of a switch."""
+
 READERS: Final[Mapping[str, Callable[[Any, str], Any]]] = {
     "numbers": contrasts_of,
     "pair": _pair,
     "limits": _limits,
+    "shares": _shares,
     "weights": _weights,
+    "mask": _mask,
     "raw": _raw,
+    "switch": lambda text, _: SWITCH[text],
 }
-"""Readers of texts by the form of a parameter; each takes text and option."""
+"""Readers of texts by the form of a parameter; each takes text and option. Frames are read where it is known how many there are."""
+
+SPELLED: Final[Mapping[str, str]] = {
+    "frames": ": 37, 37:38 (end not included), 10:",
+    "every": ", by number: 37, 37:38 (end not included), 0:100:2",
+    "shares": ", as shares from the top: 0.45: or 0.2:0.8",
+}
+"""Ends of help texts by the form of a parameter: how a value is written on the command line."""
+
+WRITTEN: Final[Mapping[str, Callable[[Any], str]]] = {"shares": lambda ends: ":" if ends == (0.0, 1.0) else f"{ends[0]:g}:{ends[1]:g}"}
+"""Texts of defaults by the form of a parameter; numbers with commas between them for other forms."""

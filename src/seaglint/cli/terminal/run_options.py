@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from seaglint.base.parameters import Parameter
 from seaglint.cli.terminal.progress import ProgressMode
 from seaglint.cli.terminal.workers import chosen, done_here
+from seaglint.studies.reading_requests import WorkRequest
 
 if TYPE_CHECKING:
     from seaglint.cluster import Workers
@@ -37,13 +39,9 @@ class ResultOptions:
 
 
 @dataclass(frozen=True)
-class RunOptions:
+class RunOptions(WorkRequest):
     """How work is run: by whom, over what is there, and how its progress is shown."""
 
-    workers: Annotated[
-        int | None,
-        typer.Option("--workers", metavar="N", min=1, help="processes on this machine that share the work", rich_help_panel="Run"),
-    ] = None
     dask: Annotated[
         str | None,
         typer.Option("--dask", metavar="tcp://HOST:PORT", help="scheduler of a Dask cluster that does the work", rich_help_panel="Run"),
@@ -57,8 +55,7 @@ class RunOptions:
             rich_help_panel="Run",
         ),
     ] = None
-    resume: Annotated[bool, typer.Option("--resume", help="go on with what is kept beside RESULT", rich_help_panel="Run")] = False
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace what stands at the output", rich_help_panel="Run")] = False
+    resume: Annotated[bool, Parameter("go on with what is kept beside RESULT", "Run")] = False
     show: Annotated[
         ProgressMode,
         typer.Option("--progress", help="bar on a terminal, log lines elsewhere, or nothing", rich_help_panel="Run"),
@@ -66,7 +63,7 @@ class RunOptions:
 
     def chosen(self) -> AbstractContextManager[Workers | None]:
         """Return the workers asked for; see :func:`seaglint.cli.terminal.workers.chosen`."""
-        return chosen(self.workers, self.dask, self.dask_slurm)
+        return chosen(self.workers, self.dask, self.dask_slurm, threads=self.threads)
 
     def done_here(self, what: str) -> None:
         """Say that nobody shares a piece of work that cannot be parted."""

@@ -1,23 +1,14 @@
-"""Options that say who does the work: processes on this machine, or a Dask cluster."""
+"""Workers that options ask for: processes on this machine, or a Dask cluster."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from seaglint.cluster import Workers
-
-WorkersOption = Annotated[int | None, typer.Option("--workers", metavar="N", min=1, help="processes on this machine that share the work")]
-DaskOption = Annotated[str | None, typer.Option("--dask", metavar="tcp://HOST:PORT", help="scheduler of a Dask cluster that does the work")]
-DaskSlurmOption = Annotated[
-    Path | None,
-    typer.Option("--dask-slurm", metavar="CLUSTER.toml", help="batch queue that workers are asked of, with the settings in this file"),
-]
 
 
 def done_here(workers: int | None, dask: str | None, dask_slurm: Path | None, what: str) -> None:

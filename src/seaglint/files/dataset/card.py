@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from seaglint.base.free_form import JsonObject
 from seaglint.files.dataset.dataset_format import DatasetFormat
 from seaglint.files.dataset.part import Catalogue
 from seaglint.files.dataset.split import SPLITS
@@ -16,7 +17,7 @@ _SNR_EDGES: Final = (0.0, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0, 50.0, float
 _SIZE_EDGES: Final = (0.0, 0.01, 0.1, 1.0, 4.0, 9.0, 25.0, 81.0, float("inf"))
 
 
-def statistics(catalogue: Catalogue) -> dict[str, Any]:
+def statistics(catalogue: Catalogue) -> JsonObject:
     """Numbers of a data set."""
     rows = [(part, row) for part in catalogue.parts for row in part.rows]
     seen = [(part, row) for part, row in rows if row.pieces]
@@ -52,9 +53,9 @@ def _quartiles(values: Iterable[float | None]) -> dict[str, float]:
     return {name: float(f"{value:.5g}") for name, value in zip(names, np.percentile(known, (0, 25, 50, 75, 100)), strict=True)}
 
 
-def _ranges(catalogue: Catalogue) -> dict[str, Any]:
+def _ranges(catalogue: Catalogue) -> JsonObject:
     """Least and greatest number of what was drawn; of words, how often each."""
-    out: dict[str, Any] = {}
+    out: JsonObject = {}
     for name in dict.fromkeys(key for part in catalogue.parts for key in part.parameters if key not in ("scene", "seed")):
         values = [part.parameters[name] for part in catalogue.parts if part.parameters.get(name) is not None]
         numbers = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.dataset import format_named
 from seaglint.files.dataset.dataset_format import DatasetFormat
 from seaglint.files.dataset.grey_picture import read_picture
@@ -36,7 +37,7 @@ def _digest(path: Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def read_about(folder: Path) -> dict[str, Any]:
+def read_about(folder: Path) -> JsonObject:
     """``dataset.json``.
 
     Raises

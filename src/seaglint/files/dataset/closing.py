@@ -9,6 +9,7 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.errors import BackendError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.dataset import format_named
 from seaglint.files.dataset.card import card, statistics
 from seaglint.files.dataset.check import ABOUT, KIND, write_sums
@@ -76,7 +77,7 @@ def finish(folder: Path, catalogue: Catalogue, settings: ConversionSettings, abo
     write_sums(folder)
 
 
-def _scene(part: DatasetScene) -> dict[str, Any]:
+def _scene(part: DatasetScene) -> JsonObject:
     rows, columns = part.shape
     lines = part.levels.attributes if part.levels is not None else {}
     images = [picture.name for picture in part.pictures]

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.dataset.dataset_format import DatasetFormat
 from seaglint.files.dataset.grey_levels import Bits
 from seaglint.files.dataset.masks import box_of, decoded
@@ -50,11 +51,11 @@ def _write(folder: Path, catalogue: Catalogue, about: Mapping[str, Any]) -> None
         write_json({**whole, "images": images, "annotations": annotations}, folder / f"annotations_{split}.json", indent=None)
 
 
-def _document(catalogue: Catalogue, info: Mapping[str, Any], licence: str) -> dict[str, Any]:
+def _document(catalogue: Catalogue, info: Mapping[str, Any], licence: str) -> JsonObject:
     numbers = {name: number for number, name in enumerate(catalogue.categories, 1)}
     tracks = catalogue.tracks()
-    images: list[dict[str, Any]] = []
-    annotations: list[dict[str, Any]] = []
+    images: list[JsonObject] = []
+    annotations: list[JsonObject] = []
     for part in catalogue.parts:
         first = len(images) + 1
         images += [_image(part, picture, first + i, catalogue.image) for i, picture in enumerate(part.pictures)]
@@ -72,14 +73,14 @@ def _document(catalogue: Catalogue, info: Mapping[str, Any], licence: str) -> di
     }
 
 
-def _image(part: DatasetScene, picture: DatasetFrame, number: int, ending: str) -> dict[str, Any]:
+def _image(part: DatasetScene, picture: DatasetFrame, number: int, ending: str) -> JsonObject:
     rows, columns = part.shape
     about = {"id": number, "file_name": f"{picture.name}.{ending}", "width": columns, "height": rows, "license": 1}
     lines = part.levels.attributes if part.levels is not None else {}
     return {**about, "scene": part.scene, "split": part.split, "frame": picture.frame, "time_s": picture.time_s, **lines}
 
 
-def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> dict[str, Any]:
+def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> JsonObject:
     values = row.values
     return {
         "bbox": list(piece.box),
@@ -105,7 +106,7 @@ def _annotation(part: DatasetScene, row: DatasetObject, piece: Piece) -> dict[st
 
 def _problems(folder: Path) -> Iterator[str]:
     names = (ANNOTATIONS, *(f"annotations_{split}.json" for split in SPLITS))
-    documents: dict[str, Any] = {}
+    documents: JsonObject = {}
     for name in names:
         try:
             documents[name] = read_json(folder / name, "make the data set again")

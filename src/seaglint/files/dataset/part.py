@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import TableRow
 from seaglint.files.dataset.grey_levels import PictureLevels
 from seaglint.files.text_file import read_json, write_json
 from seaglint.objects.drawing.truth_names import NUMBERS
@@ -161,7 +162,7 @@ class Catalogue:
             count += len(part.names)
         return out
 
-    def truth(self) -> list[dict[str, Any]]:
+    def truth(self) -> list[TableRow]:
         """Return one row for each object and frame."""
         tracks = self.tracks()
         return [
@@ -184,10 +185,10 @@ class Catalogue:
             for row in part.rows
         ]
 
-    def parameters(self) -> list[dict[str, Any]]:
+    def parameters(self) -> list[TableRow]:
         """Return one row for each scene: the drawn values, and the linear relation of its levels."""
         columns = list(dict.fromkeys(name for part in self.parts for name in part.parameters))
-        rows: list[dict[str, Any]] = []
+        rows: list[TableRow] = []
         for part in self.parts:
             about = {"scene": part.scene, "split": part.split, "frames": len(part.pictures), "frame_rate_hz": part.frame_rate_hz}
             drawn = {name: part.parameters.get(name) for name in columns if name not in about}

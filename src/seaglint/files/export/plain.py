@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from seaglint.base.free_form import JsonObject
 from seaglint.files.export.export_format import ExportFormat
 
 if TYPE_CHECKING:
@@ -59,7 +60,7 @@ class Raw(ExportFormat):
         _write(path, numbers, frames, None)
 
 
-def header(stack: Stack, numbers: NumberFormat) -> dict[str, Any]:
+def header(stack: Stack, numbers: NumberFormat) -> JsonObject:
     """Layout with the names of :class:`~seaglint.files.recording.RawLayout`, and the rest in ``metadata``."""
     _, rows, columns = stack.shape
     table = {

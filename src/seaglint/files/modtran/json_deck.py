@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Final
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.lowtran.deck import STEP_CM, Haze, LowtranAir
 from seaglint.files.modtran.lines import ModtranCase
 from seaglint.files.modtran.tape5 import AT_1_AU, FWHM_CM
@@ -52,9 +53,9 @@ def json_deck(lines: Sequence[ModtranCase], air: LowtranAir, solar_zenith_deg: f
     return json.dumps({"MODTRAN": cases}, indent=1) + "\n"
 
 
-def _case(index: int, line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, name: str) -> dict[str, Any]:
+def _case(index: int, line: ModtranCase, air: LowtranAir, solar_zenith_deg: float | None, name: str) -> JsonObject:
     model, aerosol = MODELS[air.model], air.aerosol
-    geometry: dict[str, Any] = {
+    geometry: JsonObject = {
         "ITYPE": 2 if line.kind == "path" else 3,
         "H1ALT": line.height_m / 1e3,
         "H2ALT": 0.0 if line.kind == "path" else 100.0,
@@ -66,7 +67,7 @@ def _case(index: int, line: ModtranCase, air: LowtranAir, solar_zenith_deg: floa
     lit = line.kind == "sun" or (line.azimuth_deg is not None and solar is not None)
     if lit:
         geometry |= {"IPARM": 2, "PARM1": line.azimuth_deg or 0.0, "PARM2": solar}
-    aerosols: dict[str, Any] = {"IHAZE": HAZES[aerosol.haze], "IPH": 2}
+    aerosols: JsonObject = {"IHAZE": HAZES[aerosol.haze], "IPH": 2}
     if aerosol.visibility_km is not None:
         aerosols["VIS"] = aerosol.visibility_km
     if aerosol.haze == "navy-maritime":

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,6 +14,7 @@ from seaglint.air.coordinates import Refraction, elevation_of_coordinate, straig
 from seaglint.air.sky_spline import grazing_share
 from seaglint.base.conventions import FloatArray, horizon_depression
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.text_file import read_json
 
 MANIFEST: Final = "manifest.json"
@@ -101,7 +102,7 @@ def read_manifest(path: Path) -> Manifest:
         raise DataError(f"{path}: is damaged ({' '.join(str(error).split())[:80] or type(error).__name__}); {again}") from None
 
 
-def _line(entry: dict[str, Any]) -> ModtranCase:
+def _line(entry: JsonObject) -> ModtranCase:
     line = ModtranCase(**entry)
     numbers = [value for name, value in asdict(line).items() if name != "kind" and value is not None]
     if line.kind not in ("path", "sky", "sun") or not all(isinstance(x, int | float) and abs(x) < 1e9 for x in numbers):

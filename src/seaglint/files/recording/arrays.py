@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import BackendError, DataError
+from seaglint.base.free_form import Attributes
 from seaglint.files.netcdf import open_netcdf
 from seaglint.files.recording.stored import full_scale, grey
 
@@ -271,7 +272,7 @@ def _spacing(dataset: Any) -> float | None:
     return 1.0 / middle if middle > 0.0 and np.all(np.abs(steps - middle) < 1e-3 * middle) else None
 
 
-def _rate(attributes: dict[str, Any]) -> float | None:
+def _rate(attributes: Attributes) -> float | None:
     for name in ("frame_rate", "frame_rate_hz", "fps"):
         value = attributes.get(name)
         if value is not None:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from seaglint.analysis.recording import Recording
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.recording.stored import full_scale
 
 TYPES = ("uint8", "int8", "uint16", "int16", "uint32", "int32", "float32", "float64")
@@ -65,7 +66,7 @@ class RawLayout:
         )
 
     @classmethod
-    def of(cls, table: dict[str, Any], source: str) -> RawLayout:
+    def of(cls, table: JsonObject, source: str) -> RawLayout:
         """Check a table with the layout's names and return the layout."""
         known = {f.name for f in fields(cls)}
         table = {name: value for name, value in table.items() if name != "metadata"}
@@ -93,7 +94,7 @@ class RawLayout:
         return layout
 
 
-def _parse(sidecar: Path) -> dict[str, Any]:
+def _parse(sidecar: Path) -> JsonObject:
     try:
         text = sidecar.read_text(encoding="utf-8")
         table = tomllib.loads(text) if sidecar.suffix == ".toml" else json.loads(text)

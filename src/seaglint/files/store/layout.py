@@ -10,6 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.conventions import FloatArray
+from seaglint.base.free_form import Attributes
 from seaglint.base.schema import VARIABLES
 from seaglint.files.provenance import band_attributes
 from seaglint.files.store.stored_truth import Truth
@@ -86,7 +87,7 @@ class Layout:
         return replace(self, frames_per_unit=max(min(-(-frames // MOST_UNITS), most), 1))
 
     @property
-    def all_attributes(self) -> dict[str, Any]:
+    def all_attributes(self) -> Attributes:
         """Return the global attributes: provenance without a date, so that equal frames are equal files, format and band."""
         return {
             **self.attributes,

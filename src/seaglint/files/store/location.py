@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.errors import BackendError, DataError, SeaglintError, StorageError
+from seaglint.base.free_form import Attributes
 from seaglint.files.failures import storage_errors
 from seaglint.files.outputs import ELSEWHERE, refuse_inputs, require_folder
 from seaglint.files.store.claim import Claim, exclusive, shared
@@ -30,7 +31,7 @@ def partial_path(output: Path) -> Path:
     return output.with_name(output.name + ".partial")
 
 
-def attributes(store: Path | str) -> dict[str, Any]:
+def attributes(store: Path | str) -> Attributes:
     """Return the attributes of a store; empty where they cannot be read."""
     import zarr
 

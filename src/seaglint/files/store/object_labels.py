@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.outputs import refuse_existing
 from seaglint.files.store.store import open_sequence
 from seaglint.files.store.stored_truth import BITS, GROUP
@@ -112,11 +113,11 @@ def _cell(value: float) -> str:
     return "" if math.isnan(value) else f"{value:.9g}"
 
 
-def _coco(labels: Labels) -> dict[str, Any]:
+def _coco(labels: Labels) -> JsonObject:
     """Return COCO's dictionary: an image for each frame, a category for each name, an annotation for each object in view."""
     rows, columns = labels.shape
     categories = {name: number for number, name in enumerate(dict.fromkeys(labels.names), 1)}
-    annotations: list[dict[str, Any]] = []
+    annotations: list[JsonObject] = []
     for label in labels:
         values = label.values
         if not label.mask.any():

@@ -19,6 +19,7 @@ import numpy as np
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import Attributes
 from seaglint.base.processor import processor
 from seaglint.files.failures import storage_errors
 from seaglint.files.outputs import ELSEWHERE
@@ -270,7 +271,7 @@ def _settle(place: Place, kind: str, share: Share | None = None) -> None:
         others = known | {kind}
         counts = stored.get(UNFINISHED, {}).get("shares", [])
         shares = sorted({*counts, share.count}) if share is not None else counts
-        changed: dict[str, Any] = {}
+        changed: Attributes = {}
         if others != known:
             changed = {"processor": "; ".join(sorted(others)), "processors_mixed": PROCESSORS_MIXED}
             log.warning("seaglint: %s: %s: %s", place.work, PROCESSORS_MIXED, changed["processor"])
@@ -333,7 +334,7 @@ def _require_ours(path: Path | str) -> None:
         raise DataError(f"{path}: is not a seaglint sequence and is left alone; choose another name or remove it yourself")
 
 
-def _require_readable(path: Path | str) -> dict[str, Any]:
+def _require_readable(path: Path | str) -> Attributes:
     stored = attributes(path)
     if stored.get("seaglint_format") != FORMAT:
         raise DataError(f"{path}: is not a readable seaglint sequence; choose another name or remove it yourself")

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from seaglint.base.free_form import TableRow
 from seaglint.files.tables.rows import write_rows
 
 
@@ -21,8 +22,8 @@ def write_table(rows: Sequence[Mapping[str, Any]], output: Path) -> None:
     write_rows([{name: row.get(name) for name in flat[0]} for row in flat], output)
 
 
-def _flat(row: Mapping[str, Any]) -> dict[str, Any]:
-    out: dict[str, Any] = {}
+def _flat(row: Mapping[str, Any]) -> TableRow:
+    out: TableRow = {}
     for name, value in row.items():
         if isinstance(value, list | tuple):
             out |= {f"{name}_low": _rounded(value[0]), f"{name}_high": _rounded(value[1])}

@@ -15,6 +15,7 @@ from typing import Any, Final
 import numpy as np
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files import text_file
 from seaglint.files.tables.table_text import read_cell_lines
 from seaglint.files.waves.bands import Bands, DirectionalMoments
@@ -48,7 +49,7 @@ def read_csv(path: Path) -> Held:
 def _record(row: Mapping[str, str]) -> Record:
     """Return one row of the table, laid out as the JSON's records are."""
     count = sum(name.startswith("f_") for name in row)
-    record: dict[str, Any] = {name: [float(row[f"{'f' if name == 'frequency' else name}_{i}"]) for i in range(count)] for name in _COLUMNS}
+    record: JsonObject = {name: [float(row[f"{'f' if name == 'frequency' else name}_{i}"]) for i in range(count)] for name in _COLUMNS}
     moment = datetime.fromtimestamp(float(row["Epoch Time"]), UTC)
     return record | {"timestamp": moment.isoformat(), "latitude": row.get("Latitude"), "longitude": row.get("Longitude")}
 

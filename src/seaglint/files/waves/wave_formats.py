@@ -5,11 +5,12 @@ from __future__ import annotations
 import gzip
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import JsonObject
 from seaglint.files.waves import datawell, octopus, spotter, swan, triaxys, ww3
 from seaglint.files.waves import era5_waves as era5
 from seaglint.files.waves import ndbc_waves as ndbc
@@ -42,7 +43,7 @@ class WavesFromFile:
     """
 
     spectrum: MeasuredSpectrum
-    report: dict[str, Any]
+    report: JsonObject
 
 
 def read_waves(
@@ -88,7 +89,7 @@ def _chosen(path: Path, kind: Format, choice: WaveChoice, wind_to_azimuth: float
     latitude, longitude = (None if values is None else values[moment] for values in (held.latitude_deg, held.longitude_deg))
     site, away = choice.nearest_site(held.sites, latitude, longitude, what)
     spectrum, directions = spectrum_of(held.bands(moment, site), choice, wind_to_azimuth, what)
-    report: dict[str, Any] = {
+    report: JsonObject = {
         "file": path.name,
         "format": kind,
         "directions": directions,

@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
+from seaglint.base.free_form import TomlTables
+
 
 @dataclass(frozen=True)
 class ObjectPreset:
@@ -21,11 +23,11 @@ class ObjectPreset:
     values: Mapping[str, Any]
 
 
-def _box(size: list[float], at: list[float], **more: Any) -> dict[str, Any]:
+def _box(size: list[float], at: list[float], **more: Any) -> TomlTables:
     return {"kind": "box", "size_m": size, "at_m": at, **more}
 
 
-def _hull(beam: float, length: float, depth: float, draught: float, bow: float) -> dict[str, Any]:
+def _hull(beam: float, length: float, depth: float, draught: float, bow: float) -> TomlTables:
     """Return a box whose bow is cut to a point, with its waterline at z = 0; ``bow`` is the length of the point [m]."""
     side, reach = 2.0 * beam + bow, math.hypot(0.5 * beam, bow)
     turn = math.degrees(math.atan2(0.5 * beam, bow))
@@ -38,16 +40,16 @@ def _hull(beam: float, length: float, depth: float, draught: float, bow: float) 
     return {"kind": "difference", "parts": [_box([beam, length, depth], [0.0, 0.0, 0.5 * depth - draught]), *cuts]}
 
 
-def _union(*parts: dict[str, Any]) -> dict[str, Any]:
+def _union(*parts: TomlTables) -> TomlTables:
     return {"kind": "union", "parts": list(parts)}
 
 
-def _bird(east: float, ahead: float, up: float) -> list[dict[str, Any]]:
+def _bird(east: float, ahead: float, up: float) -> list[TomlTables]:
     body = {"kind": "ellipsoid", "semi_axes_m": [0.07, 0.3, 0.07], "at_m": [east, ahead, up], "temperature_k": 295.0}
     return [body, _box([1.4, 0.16, 0.02], [east, ahead + 0.05, up + 0.02])]
 
 
-_AFLOAT: Final[dict[str, Any]] = {"floats": True, "height_m": 0.0}
+_AFLOAT: Final[TomlTables] = {"floats": True, "height_m": 0.0}
 
 OBJECTS: Final[dict[str, ObjectPreset]] = {
     "buoy": ObjectPreset(

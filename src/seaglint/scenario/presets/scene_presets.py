@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Final
+
+from seaglint.base.free_form import TomlTables
 
 
 @dataclass(frozen=True)
@@ -13,7 +15,7 @@ class Preset:
     title: str
     notes: tuple[str, ...]
     """Sources and remarks, one line each."""
-    values: dict[str, Any] = field(default_factory=dict)
+    values: TomlTables = field(default_factory=dict)
 
 
 PRESETS: Final[dict[str, Preset]] = {

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from seaglint.base.errors import ScenarioError
+from seaglint.base.free_form import TomlTables
 
 
 @dataclass(frozen=True)
@@ -195,7 +196,7 @@ TABLES: Final = ("optics", "detector", "scan", "noise")
 """Tables of ``[sensor]`` that a preset replaces as a whole."""
 
 
-def with_sensor(raw: Mapping[str, Any], name: str) -> dict[str, Any]:
+def with_sensor(raw: Mapping[str, Any], name: str) -> TomlTables:
     """Return a scenario's raw tables with the pixels, rate, band and four tables of a preset's sensor in place of its own.
 
     Height, direction and projection stay the scenario's, and so does everything else.

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from seaglint.base.errors import DataError, ScenarioError, StorageError
+from seaglint.base.free_form import JsonObject
 from seaglint.scenario.keys import Key, choices_of_kind, fields_of, is_list
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.scene_presets import PRESETS, Preset
@@ -82,7 +83,7 @@ _IN_LISTS = {
 """Keys of one table in each list of tables."""
 
 
-def json_schema() -> dict[str, Any]:
+def json_schema() -> JsonObject:
     """Return the JSON Schema of scenario files, for editors and other programs."""
     schema = Scenario.model_json_schema(mode="validation")
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema, "title": "seaglint scenario"}

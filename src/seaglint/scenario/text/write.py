@@ -8,13 +8,14 @@ from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
+from seaglint.base.free_form import TomlTables
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.text.toml_text import document, inline
 
 _HEADER: Final = "seaglint scenario: what differs from the defaults; 'seaglint init' writes every key with its comment."
 
 
-def differing(scenario: Scenario) -> dict[str, Any]:
+def differing(scenario: Scenario) -> TomlTables:
     """Return the tables and keys of a scenario that differ from the defaults, laid out as the TOML file.
 
     A key is left out where the scenario reads the same without it: defaults that follow from other keys (a field of view from the optics,
@@ -26,7 +27,7 @@ def differing(scenario: Scenario) -> dict[str, Any]:
     >>> differing(parse_scenario({"wind": {"speed_m_s": 9, "from_deg": 230}}))
     {'wind': {'speed_m_s': 9.0}}
     """
-    whole: dict[str, Any] = scenario.model_dump(exclude_none=True)
+    whole: TomlTables = scenario.model_dump(exclude_none=True)
     for item in whole.get("objects", ()):
         if "preset" in item:  # it brings the shape, and refuses another
             del item["shape"]
@@ -41,7 +42,7 @@ def differing(scenario: Scenario) -> dict[str, Any]:
     return whole
 
 
-def _thin(table: dict[str, Any], same: Callable[[], bool]) -> None:
+def _thin(table: TomlTables, same: Callable[[], bool]) -> None:
     """Remove every key of a table without which the scenario is the same."""
     order = list(table)
     for key in order:

@@ -9,12 +9,13 @@ chosen here.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import Progress
+from seaglint.base.free_form import TomlTables
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.sequence.image import image
 from seaglint.texture.autobinomial import Autobinomial
@@ -27,7 +28,7 @@ from seaglint.texture.regime import Regime, correlations, mean_field, regime
 if TYPE_CHECKING:
     import xarray as xr
 
-SCENE: Final[dict[str, Any]] = {
+SCENE: Final[TomlTables] = {
     "sensor": {"height_m": 150, "projection": "pinhole", "fov_deg": [24, 24], "elevation_deg": -90, "azimuth_deg": 0, "pixels": [128, 128]},
     "wind": {"speed_m_s": 8, "from_deg": 0},
     "sun": {"zenith_deg": 8, "azimuth_deg": 0},

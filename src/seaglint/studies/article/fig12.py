@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from seaglint.base.conventions import FloatArray, Progress
+from seaglint.base.free_form import TomlTables
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
 from seaglint.studies.prepare import prepare
@@ -32,7 +33,7 @@ FRAME_RATE: Final = 10.0
 SPEED: Final = 50.0
 """Speed of the viewpoint [m/s]."""
 
-_ATTACKING: Final[dict[str, Any]] = {
+_ATTACKING: Final[TomlTables] = {
     "name": "attacking body",
     "temperature_k": 320,
     "emissivity": 0.9,
@@ -53,7 +54,7 @@ _ATTACKING: Final[dict[str, Any]] = {
     },
 }
 
-_DEFENDING: Final[dict[str, Any]] = {
+_DEFENDING: Final[TomlTables] = {
     "name": "defending body",
     "temperature_k": 310,
     "emissivity": 0.9,

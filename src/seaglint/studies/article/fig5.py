@@ -13,11 +13,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from seaglint.base.conventions import FloatArray, Progress
+from seaglint.base.free_form import TomlTables
 from seaglint.scenario.load import parse_scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.likelihood.glint_chance import draw
@@ -48,12 +49,12 @@ class Fig5:
     """Largest chance of the caption's threshold at any azimuth [1]."""
 
 
-def scenario(case: str, weather: Path | None, mode: str = "article", samples: int = SAMPLES) -> dict[str, Any]:
+def scenario(case: str, weather: Path | None, mode: str = "article", samples: int = SAMPLES) -> TomlTables:
     """Mapping of the scenario of one case."""
-    table: dict[str, Any] = {"case": case, "samples": samples, "threshold_w_m2_sr": list(THRESHOLDS), **NORTH_ATLANTIC}
+    table: TomlTables = {"case": case, "samples": samples, "threshold_w_m2_sr": list(THRESHOLDS), **NORTH_ATLANTIC}
     if weather is not None:
         table["weather"] = str(weather)
-    sea: dict[str, Any] = {"water": "article", "slopes": {"kind": "cox-munk-isotropic"}} if mode == "article" else {}
+    sea: TomlTables = {"water": "article", "slopes": {"kind": "cox-munk-isotropic"}} if mode == "article" else {}
     return {
         "band": {"min_um": 3.0, "max_um": 5.0},
         "sensor": {"height_m": HEIGHT},

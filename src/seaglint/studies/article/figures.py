@@ -16,6 +16,7 @@ import numpy as np
 from seaglint.air.protocol import slant_range
 from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.base.conventions import FloatArray, Progress, horizon_depression, horizon_range, surface_range, view_zenith
+from seaglint.base.free_form import Attributes
 from seaglint.facet.legs import VIEWER
 from seaglint.facet.sea_view import SeaView
 from seaglint.optics import sea_water
@@ -84,7 +85,7 @@ def _view(band: Band, wind_speed: float, height: float) -> SeaView:
     )
 
 
-def _attributes(title: str, band: tuple[float, float], height: float, **more: Any) -> dict[str, Any]:
+def _attributes(title: str, band: tuple[float, float], height: float, **more: Any) -> Attributes:
     from seaglint.version import __version__
 
     common = {"title": title, "seaglint_version": __version__, "atmosphere": f"LOWTRAN7 {MODEL}, Navy maritime aerosol", "band_um": band}

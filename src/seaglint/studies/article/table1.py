@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from seaglint.analysis import Analysis, AnalysisOptions, Recording, analyze
 from seaglint.base.conventions import FloatArray, Progress
+from seaglint.base.free_form import JsonObject
 from seaglint.facet.sea_view import SeaView
 from seaglint.imaging.camera.image_grid import Camera
 from seaglint.imaging.scene import Scene, image
@@ -147,7 +148,7 @@ class Table1:
                 columns[f"{region}_{key}"] = [alarms[region, m][key] for m in thresholds]
         return {name: np.array(values, dtype=np.float64) for name, values in columns.items()}  # None becomes NaN
 
-    def settings(self) -> dict[str, Any]:
+    def settings(self) -> JsonObject:
         """Return the settings that all rows share."""
         s, sun = self.scenario, self.scenario.sun
         recording = self.analysis.recording

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from seaglint.detection.background import FrameSource
 from seaglint.detection.counting import Counting
 from seaglint.detection.injection import Batch, inject
 from seaglint.detection.interface import Frames
+from seaglint.files.detection_case import Chip, Chips, FalseAlarmMap
 from seaglint.studies.detect.performance import Performance
 
 CHIPS: Final = 6
@@ -21,7 +22,7 @@ HALF: Final = 12
 """Pixels from their middle to their edge [px]."""
 
 
-def chips(found: Performance, source: FrameSource) -> dict[str, Any]:
+def chips(found: Performance, source: FrameSource) -> Chips:
     """Pixels about missed objects, with the object in them, and about the highest false alarms.
 
     Missed ones are the nearest to the threshold and the farthest from it in turn, of the contrast that is missed most nearly half the time.
@@ -33,10 +34,10 @@ def chips(found: Performance, source: FrameSource) -> dict[str, Any]:
         window = found.judged.place.of_event(int(events.first[k]))
         frame = _last(found, source, min(window, found.judged.windows - 1))
         place = (int(events.row[k]), int(events.column[k]))
-        false.append({"score": float(events.peak[k]), "frame": window, "row": place[0], "column": place[1], "pixels": _cut(frame, *place)})
+        false.append(Chip(float(events.peak[k]), window, *place, _cut(frame, *place)))
     rates = [float((~s.detected(threshold)).mean()) for s in found.trials.scores]
     lost = [k for k, rate in enumerate(rates) if rate > 0.0]
-    missed: list[dict[str, Any]] = []
+    missed: list[Chip] = []
     contrast = None
     if lost:
         number = min(lost, key=lambda k: abs(rates[k] - 0.5))
@@ -50,8 +51,8 @@ def chips(found: Performance, source: FrameSource) -> dict[str, Any]:
             frame = _with_object(found, source, batch, contrast)
             score = float(scores.score[k])
             score = score if np.isfinite(score) else -99.0
-            missed.append({"score": score, "frame": window, "row": row, "column": column, "pixels": _cut(frame, row, column)})
-    return {"missed": missed, "false": false, "missed_contrast_pixel": contrast}
+            missed.append(Chip(score, window, row, column, _cut(frame, row, column)))
+    return Chips(tuple(missed), tuple(false), contrast)
 
 
 def characteristic(found: Performance, contrasts: Sequence[float]) -> dict[str, list[float]]:
@@ -90,7 +91,7 @@ def _cut(frame: Frames, row: int, column: int) -> list[list[float | None]]:
     return [[float(f"{v:.6g}") if np.isfinite(v) else None for v in line] for line in part]
 
 
-def false_alarm_map(found: Performance, azimuth_deg: FloatArray, elevation_deg: FloatArray) -> dict[str, Any]:
+def false_alarm_map(found: Performance, azimuth_deg: FloatArray, elevation_deg: FloatArray) -> FalseAlarmMap:
     """False alarms and pixels of each tile of the field, with the tiles' edges as azimuth and elevation; in pixels where the field is no
     grid of them.
     """
@@ -100,12 +101,8 @@ def false_alarm_map(found: Performance, azimuth_deg: FloatArray, elevation_deg: 
     edges = [np.minimum(np.arange(n + 1) * cells.tile, size) for n, size in zip(sums.shape[1:], (rows, columns), strict=True)]
     grid = azimuth_deg.ndim == 1
     axes = [_at_edges(e, values) if grid else e for e, values in zip(edges, (elevation_deg, azimuth_deg), strict=True)]
-    return {
-        "exceedances": sums[1].astype(int).tolist(),
-        "pixels": sums[0].astype(int).tolist(),
-        "elevation_deg" if grid else "row_px": np.asarray(axes[0], float).tolist(),
-        "azimuth_deg" if grid else "column_px": np.asarray(axes[1], float).tolist(),
-    }
+    down, right = (np.asarray(axis, float).tolist() for axis in axes)
+    return FalseAlarmMap(sums[1].astype(int).tolist(), sums[0].astype(int).tolist(), down, right, grid)
 
 
 def _at_edges(edges: np.ndarray, centres: FloatArray) -> FloatArray:

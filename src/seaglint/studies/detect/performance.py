@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DomainError
+from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.base.representation import as_text, card, notes, table
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.clutter.filters import Filter, Unfiltered
@@ -103,7 +104,7 @@ class Performance:
         """What a notebook shows: detection of each contrast, false alarms, and the notes."""
         return shown(self.as_dict(), self.notes)
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Plain numbers and text; what is not known is None."""
         o, fa = self.options, self.alarms.per_pixel
         sweep = [self._contrast(k) for k in range(len(self.detections))]
@@ -142,7 +143,7 @@ class Performance:
             "notes": list(self.notes),
         }
 
-    def _contrast(self, k: int) -> dict[str, Any]:
+    def _contrast(self, k: int) -> JsonObject:
         scores, found = self.trials.scores[k], self.detections[k]
         return {
             "contrast": scores.contrast,
@@ -156,7 +157,7 @@ class Performance:
             "pointing_error": self._pointing(scores),
         }
 
-    def _pointing(self, scores: Scores) -> dict[str, Any]:
+    def _pointing(self, scores: Scores) -> JsonObject:
         """Errors of place of the detected objects: across rows and columns, and along and across their motion."""
         known = scores.error[np.isfinite(scores.error).all(axis=1)]
         axes: dict[str, NDArray[np.float64]] = {"row": known[:, 0], "column": known[:, 1]}
@@ -165,7 +166,7 @@ class Performance:
             down, right = (v / speed for v in self.options.objects.velocity)
             axes |= {"along": known @ np.array([down, right]), "across": known @ np.array([-right, down])}
         pixel = self.options.pixel_deg
-        out: dict[str, Any] = {"objects": int(known.shape[0])}
+        out: JsonObject = {"objects": int(known.shape[0])}
         for name, values in axes.items():
             bias, deviation, half_bias, half_deviation = mean_interval(values, self.options.level)
             entry = {
@@ -180,7 +181,7 @@ class Performance:
             out[name] = entry
         return out
 
-    def _false_alarms(self) -> dict[str, Any]:
+    def _false_alarms(self) -> JsonObject:
         o, count = self.options, self.alarms
         windows = self.judged.windows
         events = count.alarms.events(self.threshold.sigma)
@@ -204,10 +205,10 @@ class Performance:
             "events_per_hour": None if rate is None else per_frame_events * rate * 3600.0,
         }
 
-    def _tail(self) -> dict[str, Any]:
+    def _tail(self) -> JsonObject:
         fit, at = self.tail.fit, self.tail.at(self.threshold.sigma)
 
-        def told(found: RareRate) -> dict[str, Any]:
+        def told(found: RareRate) -> JsonObject:
             return {
                 "threshold_sigma": found.threshold_sigma,
                 "p_fa": found.rate,
@@ -228,7 +229,7 @@ class Performance:
             "rare": [told(found) for found in rare],
         }
 
-    def rows(self) -> list[dict[str, Any]]:
+    def rows(self) -> list[TableRow]:
         """Tidy table: a row a contrast, with every parameter."""
         whole = self.as_dict()
         parameters = (

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
 from seaglint.analysis import Recording
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.free_form import TomlTables
+from seaglint.files.detection_case import DetectionCase, Judged
 from seaglint.studies.detect.chips import characteristic, chips, false_alarm_map
 from seaglint.studies.detect.performance import DetectionOptions, Performance, detect
 from seaglint.studies.detect.study import Study, with_settings
 from seaglint.studies.detect.varied_cases import STUDY_KEYS, parse_vary
 
 
-def settings_of(vary: Sequence[str]) -> list[dict[str, Any]]:
+def settings_of(vary: Sequence[str]) -> list[TomlTables]:
     """Every combination of some settings; one without any where nothing is varied.
 
     Raises
@@ -39,7 +41,7 @@ def settings_of(vary: Sequence[str]) -> list[dict[str, Any]]:
 
 
 def run_recording(
-    source: Recording, options: DetectionOptions, settings: Sequence[dict[str, Any]], *, progress: Progress | None = None
+    source: Recording, options: DetectionOptions, settings: Sequence[TomlTables], *, progress: Progress | None = None
 ) -> Study:
     """Judge a detector on a recording with each of some settings; what fails with one is not lost to the others.
 
@@ -59,35 +61,29 @@ def run_recording(
     SeaglintError
         What fails with every setting.
     """
-    cases: list[dict[str, Any]] = []
+    cases: list[DetectionCase] = []
     for number, setting in enumerate(settings):
-        told: dict[str, Any] = {"parameters": setting, "scenario": {}}
+        case = DetectionCase(setting)
         try:
             found = detect(source, with_settings(options, setting), name=source.source, progress=_shown(progress, number, len(settings)))
-            cases.append(told | case_of(found, source))
+            cases.append(replace(case, judged=judged_of(found, source)))
         except SeaglintError as error:
             if len(settings) == 1:
                 raise
-            cases.append(told | {"error": f"case {number}: {error}"})
-    if all("error" in case for case in cases):
-        raise DataError("\n".join(case["error"] for case in cases))
+            cases.append(case.with_error(f"case {number}: {error}"))
+    if all(case.error for case in cases):
+        raise DataError("\n".join(str(case.error) for case in cases))
     return Study(cases, None, unfinished=False)
 
 
-def case_of(found: Performance, source: Recording) -> dict[str, Any]:
-    """Return the case of a judged recording, as :func:`seaglint.studies.detect.rendered_seas.run_scene` gives that of a scene."""
+def judged_of(found: Performance, source: Recording) -> Judged:
+    """Return the numbers of a judged recording, as :func:`seaglint.studies.detect.rendered_seas.run_scene` gives that of a scene."""
     result = found.as_dict() | {"units": source.units, "frame_rate_hz": source.frame_rate}
     result["notes"] += list(source.notes)
     rows = found.rows()
     rows_px, columns_px = (np.arange(n, dtype=np.float64) for n in found.size[1:])
-    return {
-        "result": result,
-        "rows": rows,
-        "roc": characteristic(found, [row["contrast"] for row in rows]),
-        "map": false_alarm_map(found, *np.meshgrid(columns_px, rows_px)),
-        "chips": chips(found, source),
-        "stopped": None,
-    }
+    alarms = false_alarm_map(found, *np.meshgrid(columns_px, rows_px))
+    return Judged(result, rows, characteristic(found, [row["contrast"] for row in rows]), alarms, chips(found, source), None)
 
 
 def _shown(progress: Progress | None, number: int, cases: int) -> Progress | None:

@@ -6,12 +6,13 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 import numpy as np
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DomainError, SeaglintError
+from seaglint.base.free_form import JsonObject
 from seaglint.cluster import Workers
 from seaglint.detection.background import FrameSource
 from seaglint.detection.interface import Detector
@@ -19,6 +20,7 @@ from seaglint.detection.isolated import IsolatedDetector
 from seaglint.detection.level import Rescaled
 from seaglint.detection.named_detectors import named_for
 from seaglint.detection.spot import GaussianSpot, SpotShape
+from seaglint.files.detection_case import Judged
 from seaglint.files.detection_parts import Parts
 from seaglint.scenario.model import Scenario
 from seaglint.studies.detect.chips import characteristic, chips, false_alarm_map
@@ -128,14 +130,8 @@ def run_scene(
     name: str = "scene",
     progress: Progress | None = None,
     workers: Workers | None = None,
-) -> dict[str, Any]:
+) -> Judged:
     """Judge a detector in one scene, of which ``workers`` render the seas.
-
-    Returns
-    -------
-    dict
-        ``result`` (as :meth:`seaglint.studies.detect.performance.Performance.as_dict`), ``rows``, ``roc``, ``map``, ``chips``, ``stopped``
-        and why.
 
     Raises
     ------
@@ -188,14 +184,8 @@ def run_scene(
         result["design"] = found_out | {"contrast_unit": strength.unit}
         for row in rows:
             row |= {f"design_{key}": result["design"].get(key) for key in ("contrast", "loss_db", "p_fa", "p_d")}
-    return {
-        "result": result,
-        "rows": rows,
-        "roc": characteristic(found, strength.values),
-        "map": false_alarm_map(found, *seas.directions),
-        "chips": chips(found, judged),
-        "stopped": reason,
-    }
+    alarms = false_alarm_map(found, *seas.directions)
+    return Judged(result, rows, characteristic(found, strength.values), alarms, chips(found, judged), reason)
 
 
 def _stopped(found: Performance, wanted: SceneOptions, seas: int, clock: Clock) -> tuple[Reason | None, str]:
@@ -244,7 +234,7 @@ def _inverse(strength: Strength, seas: IndependentSeas, mean: float, share: floa
 
 def _designed(
     found: Performance, source: FrameSource, options: DetectionOptions, wanted: Design, inverse: Callable[[float], float]
-) -> dict[str, Any]:
+) -> JsonObject:
     """The designer's figures; where they do not exist, why."""
     try:
         told = design(found, source, options, wanted)

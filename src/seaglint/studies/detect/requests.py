@@ -8,9 +8,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from seaglint.base.parameters import Parameter
+from seaglint.studies.reading_requests import ReadingRequest, WeightsFile, filter_of, values_of
 
 if TYPE_CHECKING:
     from seaglint.clutter.filters import Filter
@@ -21,18 +22,6 @@ if TYPE_CHECKING:
     from seaglint.studies.detect.performance import DetectionOptions
     from seaglint.studies.detect.range_search import RangeOptions
     from seaglint.studies.detect.rendered_seas import SceneOptions
-
-
-class WeightsFile(NamedTuple):
-    """Numbers of a small file, with its place."""
-
-    path: Path
-    values: Any
-
-
-def _values(given: Any) -> Any:
-    """Return the numbers of a file or an array."""
-    return given.values if isinstance(given, WeightsFile) else given
 
 
 @dataclass(frozen=True)
@@ -115,17 +104,7 @@ class DetectorRequest:
         return DetectionOptions(objects, self.detector, chosen, self.threshold, law, level, frame_rate, pixel_deg, limit)
 
     def _filter(self) -> Filter:
-        from seaglint.base.errors import DataError
-        from seaglint.clutter.filters import Kernel, MatchedFilter, named
-
-        if self.kernel is not None:
-            name = self.kernel.path.stem if isinstance(self.kernel, WeightsFile) else "kernel"
-            return Kernel(_values(self.kernel), name=name)
-        if self.filter == "matched":
-            if self.signature is None:
-                raise DataError("filter = matched needs the target's signature: give signature=ARRAY, or a file (CSV or .npy)")
-            return MatchedFilter(_values(self.signature))
-        return named(self.filter)
+        return filter_of(self.filter, self.kernel, self.signature)
 
 
 @dataclass(frozen=True)
@@ -162,25 +141,15 @@ class SpotRequest(DetectorRequest):
             return GaussianSpot(0.8 if self.object_sigma_px is None else self.object_sigma_px)
         if self.object_sigma_px is not None:
             raise DataError("`psf` and `object_sigma_px` are two shapes of one object; give one of them")
-        return SampledSpot(_values(self.psf))
+        return SampledSpot(values_of(self.psf))
 
 
 @dataclass(frozen=True)
-class RecordingRequest(SpotRequest):
+class RecordingRequest(ReadingRequest, SpotRequest):
     """Request to evaluate a detector on a recording without objects."""
 
     source: Annotated[str, Parameter("frames without objects: Zarr, NetCDF, PNG, TIFF, FITS, NumPy, HDF5, video, raw", "", metavar="INPUT")]
-    frame_rate: Annotated[float | None, Parameter("frames per second, where the file does not say [Hz]", "Recording")] = None
     pixel_mrad: Annotated[float | None, Parameter("angle of a pixel, where the file does not say [mrad]", "Recording")] = None
-    units: Annotated[str | None, Parameter("units of the values, where the file does not say", "Recording")] = None
-    variable: Annotated[str | None, Parameter("which array of a file that holds several", "Recording")] = None
-    channel: Annotated[str | None, Parameter("mean, red, green or blue of true colour images", "Recording")] = None
-    axes: Annotated[str | None, Parameter("order of an array of three axes: tyx (time first, the default) or yxt", "Recording")] = None
-    saturation: Annotated[float | None, Parameter("value from which on the sensor is saturated", "Recording")] = None
-    raw: Annotated[
-        Any,
-        Parameter("layout of a raw file, e.g. rows=512,columns=640,dtype=uint16,offset=0,frame_header=0", "Recording", "raw"),
-    ] = None
     vary: Annotated[list[str] | None, Parameter("values of detector, filter or threshold; repeatable", "Detector", metavar="KEY=A,B,C")] = (
         None
     )

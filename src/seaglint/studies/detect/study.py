@@ -11,9 +11,11 @@ from typing import Any
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, SeaglintError
+from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.base.representation import card, notes, table
 from seaglint.cluster import Workers
 from seaglint.clutter.filters import named as named_filter
+from seaglint.files.detection_case import DetectionCase
 from seaglint.files.detection_parts import Parts
 from seaglint.studies.detect.performance import DetectionOptions
 from seaglint.studies.detect.rendered_seas import Clock, SceneOptions, run_scene
@@ -27,45 +29,45 @@ class Study:
 
     Attributes
     ----------
-    cases : list of dict
-        Of each case ``parameters`` and what :func:`seaglint.studies.detect.rendered_seas.run_scene` gives, or ``error``.
+    cases : list of DetectionCase
+        What was set in each case, and what :func:`seaglint.studies.detect.rendered_seas.run_scene` gives, or why it failed.
     stopped : str or None
         Why some cases were not begun.
     unfinished : bool
         Whether a resumed study has something left to compute.
     """
 
-    cases: list[dict[str, Any]]
+    cases: list[DetectionCase]
     stopped: str | None
     unfinished: bool
 
     @property
     def errors(self) -> list[str]:
         """Messages of the cases that failed."""
-        return [case["error"] for case in self.cases if "error" in case]
+        return [case.error for case in self.cases if case.error is not None]
 
     @property
-    def good(self) -> list[dict[str, Any]]:
+    def good(self) -> list[DetectionCase]:
         """Cases with a result."""
-        return [case for case in self.cases if "error" not in case]
+        return [case for case in self.cases if case.error is None]
 
     def _repr_html_(self) -> str:
         """What a notebook shows: what was varied, and what came of it."""
         lines = self.rows()
-        varied = dict.fromkeys(key for case in self.cases for key in case["parameters"])
+        varied = dict.fromkeys(key for case in self.cases for key in case.parameters)
         names = [*varied, *(name for name in ("contrast", "p_d", "p_fa", "error") if any(line.get(name) is not None for line in lines))]
         told = [] if self.stopped is None else [self.stopped]
         return card(f"Study of {len(self.cases)} cases", table(names, [[line.get(name) for name in names] for line in lines]) + notes(told))
 
-    def rows(self) -> list[dict[str, Any]]:
+    def rows(self) -> list[TableRow]:
         """Tidy table: a row a contrast of each case, with what was varied first, then results, then the whole scenario."""
         columns: dict[str, None] = {}
         out = []
         for number, case in enumerate(self.cases):
-            lines = case.get("rows") or [{}]
+            lines: list[TableRow] = [{}] if case.judged is None else case.judged.rows or [{}]
             for line in lines:
-                row = {"case": number, **case["parameters"], **line, "stopped": case.get("stopped"), "error": case.get("error")}
-                row |= {key: value for key, value in case["scenario"].items() if key not in row}
+                row = {"case": number, **case.parameters, **line, "stopped": case.stopped, "error": case.error}
+                row |= {key: value for key, value in case.scenario.items() if key not in row}
                 out.append(row)
                 columns |= dict.fromkeys(row)
         # what only cases with a result have stands before the scenario all the same
@@ -76,16 +78,16 @@ class Study:
     def characteristic(self) -> dict[str, list[float]]:
         """Columns of all operating characteristics."""
         names = ("contrast", "threshold_sigma", "p_fa", "p_fa_low", "p_fa_high", "p_d", "p_d_low", "p_d_high")
-        numbered = [(k, case) for k, case in enumerate(self.cases) if "error" not in case]
-        out: dict[str, list[float]] = {"case": [float(k) for k, case in numbered for _ in case["roc"]["contrast"]]}
-        return out | {name: [v for _, case in numbered for v in case["roc"][name]] for name in names}
+        numbered = [(k, case.judged.roc) for k, case in enumerate(self.cases) if case.judged is not None]
+        out: dict[str, list[float]] = {"case": [float(k) for k, roc in numbered for _ in roc["contrast"]]}
+        return out | {name: [v for _, roc in numbered for v in roc[name]] for name in names}
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Plain numbers and text; of a single case its own keys as well."""
         told = [
-            {"parameters": case["parameters"], **(case["result"] if "result" in case else {"error": case["error"]})} for case in self.cases
+            {"parameters": case.parameters, **({"error": case.error} if case.judged is None else case.judged.result)} for case in self.cases
         ]
-        whole: dict[str, Any] = dict(told[0]) if len(told) == 1 else {}
+        whole: JsonObject = dict(told[0]) if len(told) == 1 else {}
         return whole | {"cases": told, "study_stopped": self.stopped}
 
 
@@ -155,16 +157,17 @@ def run_study(
         What stops every case.
     """
     begin, unfinished, stopped = time.monotonic(), False, None
-    out: list[dict[str, Any]] = []
+    out: list[DetectionCase] = []
     last_use = {_frames(case): k for k, case in enumerate(cases)}
     for number, case in enumerate(cases):
-        told = {"parameters": case.parameters, "scenario": flattened(bare(case.scenario))}
+        begun = DetectionCase(case.parameters, flattened(bare(case.scenario)))
         left = None if budget is None else budget - (time.monotonic() - begin)
         key = ""
         try:
             mine = with_case(wanted, case)
             key = case_key(case, mine)
-            kept = parts.case(key)
+            stored = parts.case(key)
+            kept = None if stored is None else DetectionCase.of(stored)
             if kept is None:
                 if left is not None and left <= 0 and out:
                     stopped = f"stopped after {number} of {len(cases)} cases: the time budget of {budget:g} s is reached"
@@ -173,23 +176,24 @@ def run_study(
                 clock = Clock(None if left is None else max(left, 0.0) / (len(cases) - number))
                 shown = None if progress is None else _shown(progress, number, wanted.seas, len(cases))
                 name = _name(case, number)
-                kept = told | run_scene(case.scenario, mine, parts, clock=clock, name=name, progress=shown, workers=workers)
-                if kept["stopped"] == "time budget":
+                judged = run_scene(case.scenario, mine, parts, clock=clock, name=name, progress=shown, workers=workers)
+                kept = replace(begun, judged=judged)
+                if judged.stopped == "time budget":
                     unfinished = True
                 else:
-                    parts.keep_case(key, kept)
+                    parts.keep_case(key, kept.as_dict())
             out.append(kept)
         except SeaglintError as error:
             if len(cases) == 1:
                 raise
-            out.append(told | {"error": f"case {number}: {error}"})
+            out.append(begun.with_error(f"case {number}: {error}"))
             unfinished = True
         say(_line(number, len(cases), out[-1]))
-        if last_use[_frames(case)] == number and out[-1].get("stopped") != "time budget" and "error" not in out[-1]:
-            for length in {1, int(out[-1]["result"]["frames_needed"])}:
+        if last_use[_frames(case)] == number and out[-1].stopped != "time budget" and out[-1].error is None:
+            for length in {1, int(out[-1].done.result["frames_needed"])}:
                 parts.forget_frames(frames_key(case.scenario, length))
-    if out and all("error" in case for case in out):
-        raise DataError("\n".join(case["error"] for case in out))
+    if out and all(case.error for case in out):
+        raise DataError("\n".join(str(case.error) for case in out))
     return Study(out, stopped, unfinished)
 
 
@@ -205,11 +209,11 @@ def _shown(progress: Progress, number: int, seas: int, cases: int) -> Progress:
     return lambda done, _: progress(number * seas + done, cases * seas)
 
 
-def _line(number: int, cases: int, case: dict[str, Any]) -> str:
-    if "error" in case:
-        return str(case["error"])
-    named = ", ".join(f"{key} = {value}" for key, value in case["parameters"].items())
-    first, result = case["result"]["sweep"][0], case["result"]
+def _line(number: int, cases: int, case: DetectionCase) -> str:
+    if case.error is not None:
+        return case.error
+    named, result = case.named, case.done.result
+    first = result["sweep"][0]
     rate = "none" if first["p_d"] is None else f"{first['p_d']:.3g}"
     seas = result["seas"]
     return f"case {number + 1} of {cases}{': ' + named if named else ''}: {seas} seas, P_d {rate} at contrast {first['contrast']:g}"

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import TomlTables
 from seaglint.files.tables.cases import read_cases
 from seaglint.scenario.load import parse_scenario
 from seaglint.scenario.model import Scenario
@@ -39,9 +40,9 @@ class StudyCase:
         Those of :data:`STUDY_KEYS` among them.
     """
 
-    parameters: dict[str, Any]
+    parameters: TomlTables
     scenario: Scenario
-    study: dict[str, Any]
+    study: TomlTables
 
 
 def parse_vary(texts: Sequence[str]) -> list[tuple[str, list[Any]]]:
@@ -145,7 +146,7 @@ def cases_of(path: Path, *, vary: Sequence[str] = (), table: Path | None = None,
     return out
 
 
-def _rows(table: Path) -> list[tuple[dict[str, Any], str]]:
+def _rows(table: Path) -> list[tuple[TomlTables, str]]:
     cases = read_cases(table)
     cells = [cases.text(name) for name in cases.header]
     out = []
@@ -155,7 +156,7 @@ def _rows(table: Path) -> list[tuple[dict[str, Any], str]]:
     return out
 
 
-def flattened(scenario: Scenario) -> dict[str, Any]:
+def flattened(scenario: Scenario) -> TomlTables:
     """Every value of a scenario by its dotted key; lists as JSON.
 
     Examples
@@ -163,7 +164,7 @@ def flattened(scenario: Scenario) -> dict[str, Any]:
     >>> flattened(parse_scenario({"wind": {"speed_m_s": 4.0}}))["wind.speed_m_s"]
     4.0
     """
-    out: dict[str, Any] = {}
+    out: TomlTables = {}
 
     def walk(value: Any, key: str) -> None:
         if isinstance(value, dict):

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.errors import DataError
+from seaglint.base.free_form import TableRow, TomlTables
 from seaglint.files.failures import storage_errors
 from seaglint.files.tables.rows import write_rows
 from seaglint.files.text_file import write_text
@@ -108,7 +109,7 @@ class Folder:
         self._write_table("parameters", [scene.row for scene in scenes])
         self._write_table("objects", object_rows(scenes))
 
-    def _write_table(self, name: str, rows: list[dict[str, Any]]) -> None:
+    def _write_table(self, name: str, rows: list[TableRow]) -> None:
         for ending in _ENDINGS:
             if rows and (ending == ".csv" or find_spec("pyarrow") is not None):
                 write_rows(rows, self.path / f"{name}{ending}")
@@ -144,23 +145,23 @@ def ensemble_text(ensemble: Ensemble) -> str:
     for law in laws:
         if "table" in law:
             law["table"] = str(Path(law["table"]).absolute())
-    tables: dict[str, Any] = {"ensemble": ensemble.ensemble.model_dump(exclude_none=True), "base": ensemble.base}
+    tables: TomlTables = {"ensemble": ensemble.ensemble.model_dump(exclude_none=True), "base": ensemble.base}
     tables["vary"] = laws
     tables["objects"] = [template.model_dump(exclude_unset=True) for template in ensemble.objects]
     tables["dataset"] = ensemble.dataset.model_dump(exclude_unset=True)
     return document({name: value for name, value in tables.items() if value or name == "base"}, "as it was drawn, its base written out")
 
 
-def object_rows(scenes: Sequence[EnsembleScene]) -> list[dict[str, Any]]:
+def object_rows(scenes: Sequence[EnsembleScene]) -> list[TableRow]:
     """Objects of all scenes, a row each, with every key that any of them has; lists as JSON."""
     rows = [{"scene": scene.number, **_flat(item)} for scene in scenes for item in scene.objects]
     columns = dict.fromkeys(name for row in rows for name in row)
     return [{name: row.get(name) for name in columns} for row in rows]
 
 
-def _flat(value: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+def _flat(value: Mapping[str, Any], above: str = "") -> TomlTables:
     """Values by dotted key."""
-    out: dict[str, Any] = {}
+    out: TomlTables = {}
     for name, inner in value.items():
         key = f"{above}.{name}" if above else name
         if isinstance(inner, Mapping):
@@ -173,7 +174,7 @@ def _flat(value: Mapping[str, Any], above: str = "") -> dict[str, Any]:
 def differences(there: Mapping[str, Any], here: Mapping[str, Any]) -> list[str]:
     """Dotted keys that are not the same in both; of a list of tables, such as ``vary``, the tables by their place."""
 
-    def spread(tables: Mapping[str, Any]) -> dict[str, Any]:
+    def spread(tables: Mapping[str, Any]) -> TomlTables:
         lists = {name: value for name, value in tables.items() if isinstance(value, list) and all(isinstance(v, Mapping) for v in value)}
         out = _flat({name: value for name, value in tables.items() if name not in lists})
         for name, items in lists.items():

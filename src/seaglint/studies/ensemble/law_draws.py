@@ -13,6 +13,7 @@ import numpy as np
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError, ScenarioError
+from seaglint.base.free_form import TableRow, TomlTables
 from seaglint.base.random import stream
 from seaglint.files.weather.weather_file import SHIPPED, read_weather
 from seaglint.scenario.ensemble_file import COUNT, Ensemble, Template, law_of
@@ -56,9 +57,9 @@ class EnsembleScene:
     number: int
     label: str
     scenario: Scenario
-    tables: dict[str, Any]
-    parameters: dict[str, Any]
-    objects: tuple[dict[str, Any], ...]
+    tables: TomlTables
+    parameters: TableRow
+    objects: tuple[TomlTables, ...]
 
     @property
     def seed(self) -> int:
@@ -71,7 +72,7 @@ class EnsembleScene:
         return document(self.tables, f"scene {self.number} of an ensemble; 'seaglint render' renders it alone to the same bytes")
 
     @property
-    def row(self) -> dict[str, Any]:
+    def row(self) -> TableRow:
         """Its row of the table of parameters; lists and tables as JSON."""
         drawn = {key: value for key, value in self.parameters.items() if key != "seed"}
         columns = {"scene": self.number, "seed": self.seed, **drawn}
@@ -166,10 +167,10 @@ class WeatherRows:
         except DomainError as error:
             raise ScenarioError(f"{name}: {law.table or SHIPPED[0]}: {error}") from None
 
-    def at(self, uniform: float, direction: float) -> dict[str, Any]:
+    def at(self, uniform: float, direction: float) -> TomlTables:
         """Keys and values of a row; ``direction`` is a uniform number for a wind whose direction is missing."""
         row = int(self.table.draw(np.array([min(uniform, 1.0 - 2.0**-53)]))[0])
-        out: dict[str, Any] = {}
+        out: TomlTables = {}
         for column, key in zip(self.law.columns, self.law.keys, strict=True):
             if column in TEXTS:
                 out[key] = str(self.table.text(column)[row])
@@ -185,7 +186,7 @@ class DrawnObjects:
 
     ensemble: Ensemble
     numbers: UniformNumbers
-    _laws: dict[str, dict[str, Any]] = field(default_factory=dict)
+    _laws: dict[str, TomlTables] = field(default_factory=dict)
 
     def count(self, template: Template, scene: int) -> int:
         """Return the number of objects of a template."""
@@ -198,9 +199,7 @@ class DrawnObjects:
         except Exception as error:
             raise ScenarioError(f"{where} = {value} {error} (scene {scene})") from None
 
-    def draw(
-        self, template: Template, count: int, scene: int, picture: PixelGrid, taken: list[tuple[float, float]]
-    ) -> list[dict[str, Any]]:
+    def draw(self, template: Template, count: int, scene: int, picture: PixelGrid, taken: list[tuple[float, float]]) -> list[TomlTables]:
         """Tables of a template's objects; ``taken`` are places in the picture, which grow."""
         out = []
         for i in range(1, count + 1):
@@ -213,7 +212,7 @@ class DrawnObjects:
 
     def _placed(
         self, template: Template, name: str, item: Mapping[str, Any], scene: int, picture: PixelGrid, taken: list[tuple[float, float]]
-    ) -> dict[str, Any]:
+    ) -> TomlTables:
         height = item.get("height_m")
         height = None if height is None else in_unit(height, quantity_of("objects.0.height_m"))
         for tried in range(MOST_TRIES):

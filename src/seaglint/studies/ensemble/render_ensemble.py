@@ -11,6 +11,7 @@ from typing import Any, Final
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, ScenarioError
+from seaglint.base.free_form import TableRow
 from seaglint.base.threads import thread_limit
 from seaglint.cluster import Failed, Here, Job, Workers
 from seaglint.files.failures import storage_errors
@@ -56,7 +57,7 @@ def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
     rows = {i: WeatherRows.of(law, f"{ensemble.name}: vary[{i}]") for i, law in enumerate(ensemble.vary) if isinstance(law, Weather)}
     objects, width = DrawnObjects(ensemble, numbers), max(4, len(str(settings.scenes - 1)))
     for number in range(settings.scenes):
-        where, parameters = f"{ensemble.name}, scene {number}", dict[str, Any]()
+        where, parameters = f"{ensemble.name}, scene {number}", TableRow()
         for i, law in enumerate(ensemble.vary):
             if isinstance(law, Weather):
                 parameters |= rows[i].at(numbers.of("weather", number), numbers.of("weather direction", number))
@@ -68,7 +69,7 @@ def scenes(ensemble: Ensemble) -> Iterator[EnsembleScene]:
             tables.setdefault("sensor", {})["frames"] = settings.frames
         for key, value in parameters.items():
             set_key(tables, key, list(value) if isinstance(value, tuple) else copy.deepcopy(value), where)
-        made: list[dict[str, Any]] = []
+        made: list[TableRow] = []
         if ensemble.objects:
             # Places in the picture need the sensor, as it is drawn, before there are objects.
             picture = PixelGrid(_checked(ensemble, {k: v for k, v in tables.items() if k != "objects"}, parameters, where))

@@ -12,6 +12,7 @@ from typing import Any, Final
 
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DataError, StorageError
+from seaglint.base.free_form import JsonObject
 from seaglint.cluster import Done, Here, Job, Workers
 from seaglint.files.dataset import check, format_named
 from seaglint.files.dataset.closing import finish
@@ -207,14 +208,14 @@ def make_dataset(
     return output
 
 
-def _settings(plan: DatasetPlan, options: DatasetOptions) -> dict[str, Any]:
+def _settings(plan: DatasetPlan, options: DatasetOptions) -> JsonObject:
     """What two halves of a data set must have in common."""
     digest = hashlib.sha256(plan.source.encode("utf-8")).hexdigest()
     shown = {"bits": options.bits, "image": options.image} if format_named(options.format).pictures else {}
     return {"format": options.format, **shown, "version": __version__, "ensemble": digest}
 
 
-def _require_same(old: Any, new: dict[str, Any], where: Path, source: str) -> None:
+def _require_same(old: Any, new: JsonObject, where: Path, source: str) -> None:
     """Refuse what was made otherwise; of another ensemble with the keys that differ."""
     differ = [name for name in {**old, **new} if old.get(name) != new.get(name)]
     if "ensemble" in differ and (where / SOURCE).is_file():
@@ -237,7 +238,7 @@ def _clear(partial: Path) -> None:
     shutil.rmtree(partial)
 
 
-def _is_whole(partial: Path, made_from: dict[str, Any]) -> bool:
+def _is_whole(partial: Path, made_from: JsonObject) -> bool:
     """Return True where the data set only has to be renamed; the checksums are written last."""
     return (
         (partial / check.SUMS).is_file()
@@ -247,7 +248,7 @@ def _is_whole(partial: Path, made_from: dict[str, Any]) -> bool:
     )
 
 
-def _begin(partial: Path, made_from: dict[str, Any], source: str) -> None:
+def _begin(partial: Path, made_from: JsonObject, source: str) -> None:
     """Make the folder, or see that an unfinished one is of the same settings."""
     path = partial / FOLDER / _SETTINGS
     if path.is_file():

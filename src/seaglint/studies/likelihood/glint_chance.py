@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray, Progress
+from seaglint.base.free_form import JsonObject, TableRow
 from seaglint.scenario.model import Scenario
 from seaglint.studies.likelihood.draw_model import LikelihoodModel
 from seaglint.studies.prepare import prepare
@@ -85,13 +86,13 @@ class GlintLikelihood:
         """Chance that the Sun's centre is above the horizon [1]."""
         return estimate((self.draws.solar_zenith < 0.5 * math.pi).astype(np.float64), self.draws.plan, weight=self.draws.weight)
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Everything but the draws, for JSON."""
         settings, plan = self.model.wanted, self.draws.plan
         rate = self._looks_per_hour if settings.quantity == "false-alarms" else None
         results = []
         for threshold, chance in zip(self.thresholds, self.estimates, strict=True):
-            row: dict[str, Any] = {"threshold_w_m2_sr": threshold, "probability": chance.value, "interval": [chance.low, chance.high]}
+            row: TableRow = {"threshold_w_m2_sr": threshold, "probability": chance.value, "interval": [chance.low, chance.high]}
             if rate is not None:
                 row["false_alarms_per_hour"] = chance.value * rate
                 row["false_alarms_per_hour_interval"] = [chance.low * rate, chance.high * rate]
@@ -385,6 +386,6 @@ def _classes_of_looks(drawn: Draws) -> dict[str, tuple[FloatArray, FloatArray]]:
     }
 
 
-def _plain(row: dict[str, Any]) -> dict[str, Any]:
+def _plain(row: TableRow) -> TableRow:
     """JSON knows no infinities and no NaN."""
     return {key: None if isinstance(value, float) and not math.isfinite(value) else value for key, value in row.items()}

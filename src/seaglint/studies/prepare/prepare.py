@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, assert_never
+from typing import assert_never
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from seaglint.air.table.lowtran7 import TableAtmosphere
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.conventions import FloatArray, surface_range, travel_azimuth
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
+from seaglint.base.free_form import Attributes, JsonObject
 from seaglint.facet.legs import VIEWER, Shadowing
 from seaglint.facet.sea_view import SeaView
 from seaglint.files.tables.response import read_response
@@ -55,7 +56,7 @@ class PreparedSea:
     """Resolved waves, and the decisions behind them."""
 
     waves: WaveField | None
-    report: dict[str, Any]
+    report: JsonObject
     """For the provenance: cut wavenumber and why, tiles, resolved and remaining slope variances."""
     reason: str = ""
     """Reason why no waves are resolved although the scenario requests them."""
@@ -377,7 +378,7 @@ def sea(scenario: Scenario, statistics: SlopeStatistics) -> PreparedSea:
     """
     resolved = waves(scenario) if scenario.sea.resolve_waves else Waves(None)
     spectral = resolved.spectrum
-    facts: dict[str, Any] = {"facet_density": facet_density(statistics)}
+    facts: JsonObject = {"facet_density": facet_density(statistics)}
     if resolved.sources:
         facts["wave_spectra"] = json.dumps(resolved.sources)  # NetCDF has no lists of tables
     none = {
@@ -444,6 +445,6 @@ def facet_density(statistics: SlopeStatistics) -> str:
     return "Gaussian of the slope model's variances; its skewness and peakedness are in mean maps only"
 
 
-def atmosphere_provenance(air: Atmosphere) -> dict[str, Any]:
+def atmosphere_provenance(air: Atmosphere) -> Attributes:
     """Return the provenance that the atmosphere's table holds."""
     return dict(getattr(air, "provenance", {"table": type(air).__name__}))

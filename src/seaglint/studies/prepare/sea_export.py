@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from seaglint.base.conventions import FloatArray
 from seaglint.base.errors import DomainError, ScenarioError
+from seaglint.base.free_form import Attributes
 from seaglint.base.schema import VARIABLES
 from seaglint.files.ply import MOST_VERTICES, ply_bytes
 from seaglint.files.provenance import provenance
@@ -96,7 +97,7 @@ class ExportedSea:
     patch: SeaPatch
     patch_surface: NDArray[np.float32]
     facets: SlopeStatistics
-    attributes: dict[str, Any]
+    attributes: Attributes
 
     @property
     def comments(self) -> list[str]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
+from seaglint.base.free_form import Attributes
 from seaglint.files.tables.response import read_response
 from seaglint.imaging.camera.pose import Track
 from seaglint.instrument.bolometer import ThermalPixels
@@ -157,7 +158,7 @@ def line_of_sight_rates(track: Track, time: float, exposure: float, projection: 
     return right / (end - begin), -up / (end - begin)
 
 
-def sensor_attributes(model: SensorModel, oversampling: int) -> dict[str, Any]:
+def sensor_attributes(model: SensorModel, oversampling: int) -> Attributes:
     """Return the attributes with which a file of counts is converted to radiance and temperature."""
     line, photon = model.readout, isinstance(model.detector, PhotonPixels)
     unit = "electrons" if photon else "nanowatts absorbed"

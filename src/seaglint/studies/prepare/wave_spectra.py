@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final, assert_never
+from typing import Final, assert_never
 
 import numpy as np
 
 from seaglint.base.conventions import travel_azimuth
 from seaglint.base.errors import DomainError, Mistake, ScenarioError
+from seaglint.base.free_form import JsonObject
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.records import sea_spectrum as wanted
 from seaglint.sea.spectra.directional import DirectionalSpectrum
@@ -25,7 +26,7 @@ class Waves:
     """A spectrum, None for a sea without waves, and where what was read is from."""
 
     spectrum: DirectionalSpectrum | None
-    sources: tuple[dict[str, Any], ...] = ()
+    sources: tuple[JsonObject, ...] = ()
     """For the provenance, one for every file: format, time, place, and how far they are from those wanted."""
 
 

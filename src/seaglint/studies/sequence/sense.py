@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from seaglint.analysis.recording import Recording
 from seaglint.base.conventions import FloatArray, Progress
 from seaglint.base.errors import DataError, DomainError
+from seaglint.base.free_form import Attributes
 from seaglint.base.threads import single_threaded_algebra
 from seaglint.cluster import Workers
 from seaglint.cluster.job import ATTEMPTS
@@ -256,7 +257,7 @@ def prepare_sense(
     return SensedFrames(_require_radiance(model, recording), fine, times, numbers.start), layout
 
 
-def signal_attributes(model: SensorModel) -> dict[str, Any]:
+def signal_attributes(model: SensorModel) -> Attributes:
     """Attributes of the variable ``signal``: the line to radiance."""
     line = model.readout
     return {

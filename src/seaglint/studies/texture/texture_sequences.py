@@ -22,8 +22,9 @@ from seaglint.files.provenance import provenance
 from seaglint.files.store.layout import Layout
 from seaglint.files.store.store import check_output, write_sequence
 from seaglint.files.texture_file import StoredTexture, read_texture
+from seaglint.studies.texture.texture_requests import FitRequest
 from seaglint.texture import gauss_markov_fit as estimation
-from seaglint.texture.autobinomial_texture import AutobinomialTexture, Way
+from seaglint.texture.autobinomial_texture import AutobinomialTexture
 from seaglint.texture.autobinomial_texture import fit_texture as fit_autobinomial
 from seaglint.texture.gauss_markov import GaussMarkov
 from seaglint.texture.gaussian_texture import GaussianTexture, fit_texture
@@ -51,43 +52,6 @@ NOMINAL_RATE: Final = 25.0
 
 BYTES_PER_PIXEL: Final = 13
 """Memory that a sample takes at most: field, its transform and the noise."""
-
-
-@dataclass(frozen=True)
-class FitOptions:
-    """How to fit.
-
-    Attributes
-    ----------
-    model : {"gauss-markov", "autobinomial"}
-    tails : str
-        Distribution of the pixels of a Gauss-Markov texture (:data:`seaglint.texture.marginals.TAILS`).
-    region : str or None
-        Rows and columns as ``FIRST:END,FIRST:END``; the whole picture by default.
-    any_region : bool
-        Fit also where the picture is not stationary.
-    detrend : bool
-        Take slow changes of mean and contrast off first.
-    order, isotropic, levels, method, keep_histogram : int, bool, int, str, bool
-        Of an autobinomial field (:func:`seaglint.texture.autobinomial_texture.fit_texture`).
-    product : bool or None
-        Whether a slow field multiplies the fast one; None to find out.
-    seed : int
-        Of the samples.
-    """
-
-    model: Kind = "gauss-markov"
-    tails: Tails = "gaussian"
-    region: str | None = None
-    any_region: bool = False
-    detrend: bool = False
-    order: int = 2
-    isotropic: bool = False
-    levels: int = 16
-    method: Way = "auto"
-    keep_histogram: bool = False
-    product: bool | None = None
-    seed: int = 0
 
 
 @dataclass(frozen=True)
@@ -127,7 +91,7 @@ def detrended(frames: Frames) -> Frames:
 
 
 @single_threaded_algebra()
-def fit(recording: Recording, options: FitOptions) -> Fitted:
+def fit(recording: Recording, options: FitRequest) -> Fitted:
     """Fit a texture to a recording and judge it.
 
     Raises
@@ -176,7 +140,7 @@ def fit(recording: Recording, options: FitOptions) -> Fitted:
     return Fitted(StoredTexture(texture, source, fitted, quality, tuple(notes)), data, sample, comparison, gaussian)
 
 
-def _gauss_markov(data: Frames, options: FitOptions) -> tuple[GaussianTexture, dict[str, Any], tuple[str, ...]]:
+def _gauss_markov(data: Frames, options: FitRequest) -> tuple[GaussianTexture, dict[str, Any], tuple[str, ...]]:
     result = fit_texture(data, options.tails, product=options.product, seed=options.seed)
     field = result.field
     values = {
@@ -191,7 +155,7 @@ def _gauss_markov(data: Frames, options: FitOptions) -> tuple[GaussianTexture, d
     return result.texture, values, result.notes
 
 
-def _autobinomial(data: Frames, options: FitOptions) -> tuple[AutobinomialTexture, dict[str, Any], tuple[str, ...]]:
+def _autobinomial(data: Frames, options: FitRequest) -> tuple[AutobinomialTexture, dict[str, Any], tuple[str, ...]]:
     result = fit_autobinomial(
         data[len(data) // 2],
         options.levels,
@@ -223,7 +187,7 @@ def _refit(texture: GaussianTexture, data: Frames, tails: Tails) -> GaussianText
     return GaussianTexture(field, marginal)
 
 
-def _held_out(data: Frames, options: FitOptions, texture: GaussianTexture | AutobinomialTexture) -> dict[str, Any]:
+def _held_out(data: Frames, options: FitRequest, texture: GaussianTexture | AutobinomialTexture) -> dict[str, Any]:
     """Pseudo-likelihood of the half that a fit has not seen, beside that of independent Gaussian pixels."""
     half = len(data) // 2
     if len(data) >= 2 * STILL:

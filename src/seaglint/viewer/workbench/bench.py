@@ -7,11 +7,12 @@ import math
 from functools import cache
 from html import escape
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 from nicegui import app, background_tasks, ui
 
 from seaglint.base.errors import Mistake, ScenarioError, SeaglintError
+from seaglint.base.free_form import TomlTables
 from seaglint.scenario.model import Scenario
 from seaglint.scenario.presets.scene_presets import PRESETS
 from seaglint.scenario.text.compass import compass
@@ -259,7 +260,7 @@ class Bench:
             picture.classes(remove="old")
             picture.content = map_svg(result, self._quantity, _TITLES[job])
 
-    def _tell(self, mistakes: tuple[Mistake, ...], raw: dict[str, Any]) -> None:
+    def _tell(self, mistakes: tuple[Mistake, ...], raw: TomlTables) -> None:
         self._form.tell(mistakes, raw)
         self._problems.clear()
         self._problems.set_visibility(bool(mistakes))

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from seaglint.base.errors import DataError, Mistake, ScenarioError
+from seaglint.base.free_form import TomlTables
 from seaglint.files.outputs import moved_when_whole
 from seaglint.scenario.load import load_scenario, parse_scenario
 from seaglint.scenario.model import Scenario
@@ -45,7 +46,7 @@ class Draft:
     def __init__(self, source: str | Path | None = None, preset: str = "glint") -> None:
         self.source = None if source is None else Path(source)
         self.preset = preset
-        self.raw: dict[str, Any] = {}
+        self.raw: TomlTables = {}
         self._read = b""
         if self.source is None:
             self.raw = copy.deepcopy(PRESETS[preset].values)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, Final, Literal
 
+from seaglint.base.free_form import JsonObject
 from seaglint.scenario.text.template import json_schema
 from seaglint.scenario.text.write import toml_value
 
@@ -132,7 +133,7 @@ def _group(name: str, table: Mapping[str, Any], defs: Mapping[str, Any], depth: 
     )
 
 
-def _field(name: str, schema: Mapping[str, Any], ways: list[dict[str, Any]], hint: str, required: bool) -> Field:
+def _field(name: str, schema: Mapping[str, Any], ways: list[JsonObject], hint: str, required: bool) -> Field:
     default = schema.get("default")
     kinds = {way.get("type") for way in ways}
     for way in ways:
@@ -146,7 +147,7 @@ def _field(name: str, schema: Mapping[str, Any], ways: list[dict[str, Any]], hin
     return Field(name, kind, hint, default, required=required)
 
 
-def _resolved(schema: Mapping[str, Any], defs: Mapping[str, Any]) -> dict[str, Any]:
+def _resolved(schema: Mapping[str, Any], defs: Mapping[str, Any]) -> JsonObject:
     """Return the schema behind a reference, with the attributes beside it."""
     if "$ref" not in schema:
         return dict(schema)

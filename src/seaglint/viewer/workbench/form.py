@@ -8,6 +8,7 @@ from typing import Any
 from nicegui import ui
 
 from seaglint.base.errors import Mistake
+from seaglint.base.free_form import TomlTables
 from seaglint.viewer.workbench.draft import Draft, dotted, keys_of, text_of
 from seaglint.viewer.workbench.fields import Field, Group, form
 from seaglint.viewer.workbench.fields import Path as Keys
@@ -222,7 +223,7 @@ class Form:
         finally:
             self._quiet = False
 
-    def tell(self, mistakes: Iterable[Mistake], raw: dict[str, Any]) -> None:
+    def tell(self, mistakes: Iterable[Mistake], raw: TomlTables) -> None:
         """Show mistakes below their fields, or below the table that holds them, and remove the old texts."""
         for keys in self._marked:
             label, hint = self._notes[keys]

@@ -1,0 +1,20 @@
+"""Types of what has no fields of its own: texts of JSON and TOML, attributes of files, and rows of tables.
+
+A result that more than one place reads is a record instead, with ``as_dict`` where it leaves the program.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+JsonObject = dict[str, Any]
+"""Object of a JSON text as it is written or was read: texts, numbers, truth values, None, lists and further objects by name."""
+
+TomlTables = dict[str, Any]
+"""Tables of a TOML file, or a part of them, before they are checked: values and further tables by key."""
+
+Attributes = dict[str, Any]
+"""Attributes of a file or a variable: texts, numbers and arrays by name."""
+
+TableRow = dict[str, Any]
+"""Row of a tidy table: texts and numbers by the name of their column; None where there is nothing."""

@@ -1,0 +1,51 @@
+"""Requests for many scenes: to render an ensemble, and to write a data set of its pictures.
+
+Importing this module loads nothing else: a help page needs it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+from seaglint.base.parameters import Parameter
+from seaglint.studies.reading_requests import WorkRequest
+
+if TYPE_CHECKING:
+    from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
+
+
+@dataclass(frozen=True)
+class ScenesRequest(WorkRequest):
+    """Parameters of how many scenes are rendered."""
+
+    threads: Annotated[
+        int | None,
+        Parameter(
+            "processor threads of each process; all where nothing is said", "Run", least=1, detail="The bytes do not depend on them."
+        ),
+    ] = None
+
+
+@dataclass(frozen=True)
+class EnsembleRequest(ScenesRequest):
+    """Request to draw scenes from laws of a scenario's keys, and to render them."""
+
+    resume: Annotated[bool, Parameter("render the scenes that are missing", "Run")] = False
+    draw_only: Annotated[bool, Parameter("write scenario files and tables, and render nothing")] = False
+
+
+@dataclass(frozen=True)
+class DatasetRequest(ScenesRequest):
+    """Request to write labelled pictures of an ensemble."""
+
+    resume: Annotated[bool, Parameter("go on with an unfinished data set", "Run")] = False
+    format: Annotated[str, Parameter("{formats}")] = "coco"
+    bits: Annotated[int | None, Parameter("8 or 16 bits of a pixel; {bits}")] = None
+    image: Annotated[str | None, Parameter("png or tiff; png where nothing is said")] = None
+
+    def options(self) -> DatasetOptions:
+        """Return how the data set is written, checked."""
+        from seaglint.studies.ensemble.scenes_to_dataset import DatasetOptions
+
+        return DatasetOptions.of(self.format, self.bits, self.image)

@@ -1,0 +1,103 @@
+"""Parts of requests that several commands share: how a recording is read, and how work is run.
+
+Importing this module loads nothing else: a help page needs it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+
+from seaglint.base.parameters import Parameter
+
+if TYPE_CHECKING:
+    from seaglint.analysis import Recording
+    from seaglint.clutter.filters import Filter
+
+
+class WeightsFile(NamedTuple):
+    """Numbers of a small file, with its place."""
+
+    path: Path
+    values: Any
+
+
+def values_of(given: Any) -> Any:
+    """Return the numbers of a file or an array."""
+    return given.values if isinstance(given, WeightsFile) else given
+
+
+def filter_of(name: str, kernel: Any, signature: Any) -> Filter:
+    """Return a filter by its name, or one of the user's own weights or target; both are arrays or :class:`WeightsFile`.
+
+    Raises
+    ------
+    DataError
+        A matched filter without its target, or an unknown name.
+    """
+    from seaglint.base.errors import DataError
+    from seaglint.clutter.filters import Kernel, MatchedFilter, named
+
+    if kernel is not None:
+        return Kernel(values_of(kernel), name=kernel.path.stem if isinstance(kernel, WeightsFile) else "kernel")
+    if name == "matched":
+        if signature is None:
+            raise DataError("filter = matched needs the target's signature: give signature=ARRAY, or a file (CSV or .npy)")
+        return MatchedFilter(values_of(signature))
+    return named(name)
+
+
+@dataclass(frozen=True)
+class ReadingRequest:
+    """Parameters of a recording: what its file does not say, or says wrong."""
+
+    frame_rate: Annotated[float | None, Parameter("frames per second, where the file does not say [Hz]", "Recording")] = None
+    units: Annotated[str | None, Parameter("units of the values, where the file does not say", "Recording")] = None
+    variable: Annotated[str | None, Parameter("which array of a file that holds several", "Recording")] = None
+    channel: Annotated[str | None, Parameter("mean, red, green or blue of true colour images", "Recording")] = None
+    axes: Annotated[
+        str | None, Parameter("order of an array of three axes: tyx (time first, the default) or yxt (time last)", "Recording")
+    ] = None
+    saturation: Annotated[float | None, Parameter("value from which on the sensor is saturated", "Recording")] = None
+    raw: Annotated[
+        Any,
+        Parameter("layout of a raw file, e.g. rows=512,columns=640,dtype=uint16,offset=0,frame_header=0", "Recording", "raw"),
+    ] = None
+
+    def opened(self, path: str | Path) -> Recording:
+        """Return the recording of a file, read so."""
+        from seaglint.files.recording import open_recording
+
+        return open_recording(
+            path,
+            frame_rate=self.frame_rate,
+            units=self.units,
+            raw=self.raw,
+            variable=self.variable,
+            channel=self.channel,
+            axes=self.axes,
+            saturation=self.saturation,
+        )
+
+
+@dataclass(frozen=True)
+class WorkRequest:
+    """Parameters of how work is run: by whom, and over what is there."""
+
+    threads: Annotated[
+        int | None,
+        Parameter("processor threads; all where nothing is said", "Run", least=1, detail="The bytes do not depend on them."),
+    ] = None
+    workers: Annotated[
+        int | None,
+        Parameter(
+            "processes on this machine that share the work",
+            "Run",
+            metavar="N",
+            least=1,
+            detail="Or workers as :func:`seaglint.cluster.dask.connected` gives them.",
+        ),
+    ] = None
+    resume: Annotated[bool, Parameter("go on with an unfinished sequence", "Run")] = False
+    overwrite: Annotated[bool, Parameter("replace what stands at the output", "Run")] = False
