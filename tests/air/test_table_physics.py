@@ -81,7 +81,7 @@ def test_the_first_kilometre_emits_between_its_temperatures(air, height):
 def test_kirchhoff_opaque_sky_shines_like_a_blackbody_at_air_temperature(air, zenith_deg):
     cold, warm = sorted(LEVELS[air.model])
     i = opaque(air)
-    sky = air.sky_radiance(np.radians(zenith_deg))[i]
+    sky = air.sky_radiance(np.radians(zenith_deg), 0.0)[i]
     assert planck_wavenumber(air.wavenumber_cm[i], cold - 0.1) < sky < planck_wavenumber(air.wavenumber_cm[i], warm + 0.1)
 
 
@@ -113,7 +113,7 @@ def test_two_air_masses_hold_between_one_and_two_times_the_optical_depth(air):
 def test_sky_brightens_towards_the_horizon(air):
     ground, above = LEVELS[air.model]
     lowest = 90.0 if ground > above else 88.0  # under an inversion the last degree looks through the colder air at the sea
-    sky = band(air, air.sky_radiance(np.radians(np.linspace(0.0, lowest, 91))))
+    sky = band(air, air.sky_radiance(np.radians(np.linspace(0.0, lowest, 91)), 0.0))
     assert np.all(np.diff(sky) > 0.0)
 
 
@@ -134,14 +134,14 @@ def test_the_sky_just_above_the_sea_horizon_continues_through_the_tangent_point(
     # The line of sight that grazes the sea: air up to the horizon, and behind it the sky that the horizon itself sees.
     # Band models do not multiply exactly (20 cm-1 averages): 5 %.
     arc = horizon_range(height)
-    behind = air.transmittance(height, arc) * air.sky_radiance(0.5 * np.pi)
-    seen = air.sky_radiance(0.5 * np.pi + horizon_depression(height), height)
+    behind = air.transmittance(height, arc) * air.sky_radiance(0.5 * np.pi, 0.0)
+    seen = air.sky_radiance(0.5 * np.pi + horizon_depression(height), 0.0, height)
     assert band(air, seen) == pytest.approx(band(air, air.path_radiance(height, arc) + behind), rel=0.05)
 
 
 def test_sky_from_two_metres_is_the_sky_from_the_sea(air):
     zenith = np.radians([0.0, 30.0, 60.0, 80.0])
-    np.testing.assert_allclose(band(air, air.sky_radiance(zenith, 2.0)), band(air, air.sky_radiance(zenith)), rtol=2e-3)
+    np.testing.assert_allclose(band(air, air.sky_radiance(zenith, 0.0, 2.0)), band(air, air.sky_radiance(zenith, 0.0)), rtol=2e-3)
 
 
 @pytest.mark.parametrize("height", [5.0, 100.0, 2480.0])
@@ -170,7 +170,7 @@ def test_it_answers_the_protocol_with_the_shapes_it_promises(air):
     assert air.transmittance(10.0, np.full((3, 2), 500.0)).shape == (3, 2, n)
     assert air.path_radiance(10.0, 5.0).shape == (n,)
     assert air.solar_irradiance(np.ones(4)).shape == (4, n)
-    assert air.sky_radiance(np.ones((2, 2)), height=3.0).shape == (2, 2, n)
+    assert air.sky_radiance(np.ones((2, 2)), 0.0, height=3.0).shape == (2, 2, n)
     tau, glow = air.path(10.0, [5.0, 500.0])
     np.testing.assert_array_equal(tau, air.transmittance(10.0, [5.0, 500.0]))
     np.testing.assert_array_equal(glow, air.path_radiance(10.0, [5.0, 500.0]))
@@ -188,7 +188,7 @@ def test_provenance_says_where_the_numbers_come_from(air):
         (lambda: TableAtmosphere.load("midlatitude-summer", 5.0, (1.0, 2.0)), "um"),
         (lambda: TableAtmosphere.load("midlatitude-summer", 5.0).transmittance(1.0, 10.0), "height"),
         (lambda: TableAtmosphere.load("midlatitude-summer", 5.0).transmittance(10.0, np.nan), "range_m"),
-        (lambda: TableAtmosphere.load("midlatitude-summer", 5.0).sky_radiance(1.7), "zenith"),
+        (lambda: TableAtmosphere.load("midlatitude-summer", 5.0).sky_radiance(1.7, 0.0), "zenith"),
         (lambda: TableAtmosphere.load("midlatitude-summer", 5.0).solar_irradiance(60.0), "radians"),
     ],
 )

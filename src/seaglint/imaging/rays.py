@@ -20,11 +20,12 @@ from seaglint.base.conventions import FloatArray, horizon_depression, horizon_ra
 from seaglint.base.jit import in_threads, kernel, njit
 from seaglint.facet.facet_sunlight import FacetLevels, FacetOptics, facet_sunlight, level_optics
 from seaglint.facet.facet_tables import FacetDomain, PathTerms, facet_tables
-from seaglint.facet.haze import Haze, haze_between, haze_column, sky_haze
+from seaglint.facet.haze import haze_between, haze_column
 from seaglint.facet.local_sun import SunTable, strength_kernel
 from seaglint.facet.path_basis import path_basis
 from seaglint.facet.roughness import Sight, line_of_sight
 from seaglint.facet.sea_view import SeaView
+from seaglint.facet.sky import SkyAbove, sky_above, sky_between
 from seaglint.facet.solar_disc import DiscLine, no_disc_line
 from seaglint.facet.sunlight import Sunlight, sunlight_at
 from seaglint.facet.thermal import azimuth_node, facet_thermal, thermal_line
@@ -55,17 +56,15 @@ MOST_STEPS = 200_000
 class Air(NamedTuple):
     """Path by arc and sky by elevation, from one height.
 
-    The fields are ``path`` at the arcs ``scale (e^(i/parts) - 1)``, and ``sky`` and its scattered sunlight at the elevations
-    ``i^2/sky_parts^2 - dip``.
+    The fields are ``path`` at the arcs ``scale (e^(i/parts) - 1)``, and ``sky`` at the elevations ``i^2/sky_parts^2 - dip``.
     """
 
     scale: float
     parts: float
     path: PathTerms
-    sky: np.ndarray
+    sky: SkyAbove
     dip: float
     sky_parts: float
-    haze: Haze
 
 
 class RayTables(NamedTuple):
@@ -138,13 +137,8 @@ def meet(surface: Surface, line: SurfaceLine, bounds: Bounds, eye: float, run: f
 @kernel
 def sky_at(air: Air, elevation: float, azimuth: float) -> float:
     """Radiance of the sky at an elevation and an azimuth [rad], without the Sun."""
-    at = math.sqrt(max(elevation + air.dip, 0.0)) * air.sky_parts
-    i = min(int(at), air.sky.shape[0] - 2)
-    f = min(at - i, 1.0)
-    sky = (1.0 - f) * air.sky[i] + f * air.sky[i + 1]
-    if air.haze.values.shape[0] > 0:
-        sky += haze_between(air.haze, haze_column(air.haze, azimuth), i + f)
-    return float(sky)
+    row = math.sqrt(max(elevation + air.dip, 0.0)) * air.sky_parts
+    return sky_between(air.sky, azimuth, min(row, air.sky.thermal.shape[1] - 1.0))
 
 
 @njit
@@ -281,9 +275,7 @@ class WalkedRays:
             return np.ascontiguousarray(table.reshape(*shape, table.shape[1]).transpose(1, 0, 2, 3, 4))
 
         above = np.linspace(0.0, np.sqrt(0.5 * np.pi + dip), SKY_ROWS)
-        sky = view.in_band(view.atmosphere.sky_radiance(np.maximum(0.5 * np.pi + dip - above**2, 0.0), eye))
-        haze = sky_haze(view, above**2 - dip)
-        air = Air(scale, (PATH_NODES - 1) / float(log[-1]), path, sky, dip, 1.0 / float(above[1]), haze)
+        air = Air(scale, (PATH_NODES - 1) / float(log[-1]), path, sky_above(view, above**2 - dip), dip, 1.0 / float(above[1]))
         return cls(RayTables(sun, view.sun_table, levels, by_azimuth(levels.thermal), by_azimuth(levels.emitted), air))
 
     def __call__(
