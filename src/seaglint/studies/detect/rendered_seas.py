@@ -13,11 +13,11 @@ import numpy as np
 from seaglint.base.conventions import Progress
 from seaglint.base.errors import DomainError, SeaglintError
 from seaglint.cluster import Workers
-from seaglint.detection.background import FrameSource
 from seaglint.detection.interface import Detector
 from seaglint.detection.isolated import IsolatedDetector
 from seaglint.detection.level import Rescaled
 from seaglint.detection.named_detectors import named_for
+from seaglint.detection.sources import FrameSource
 from seaglint.detection.spot import GaussianSpot, SpotShape
 from seaglint.files.detection_parts import Parts
 from seaglint.scenario.model import Scenario
