@@ -7,8 +7,9 @@ from render_scenes import bilinear, camera, elfouhaily, one_tile, sea_view, show
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
 from seaglint.facet.sunlight import sunlight
+from seaglint.imaging.launch import surface_of
 from seaglint.imaging.wave_shadow import disc_share, sun_share
-from seaglint.imaging.wave_surface import course, surface_of
+from seaglint.imaging.wave_surface import course
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 
 
