@@ -162,7 +162,7 @@ def test_boxes_that_touch_do_not_cross():
 def test_boxes_that_overlap_by_rounding_touch(aside, overlap, crosses):
     """Up to a millionth of the mesh, which is 2 m long: files hold seven digits."""
     corners, triangles = primitives.box((1.0, 1.0, 1.0))
-    mesh = np.concatenate([corners, corners + (1.0 - overlap, *aside)]), np.concatenate([triangles, triangles + 8])
+    mesh = np.concatenate([corners, corners + np.array([1.0 - overlap, *aside])]), np.concatenate([triangles, triangles + 8])
     with pytest.raises(DomainError, match="crosses itself") if crosses else nullcontext():
         oriented(mesh)
 
