@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from sample_tails import tail_of
 from scipy.stats import binom, gamma, norm
 
 from seaglint.analysis import Recording
 from seaglint.base.errors import DataError, DomainError
-from seaglint.clutter.false_alarms import FalseAlarms
-from seaglint.clutter.thresholds import standardise
 from seaglint.detection.background import Background, count_false_alarms
 from seaglint.detection.interface import Detector
 from seaglint.detection.named_detectors import named_for
-from seaglint.detection.rare_alarms import LOWEST_THRESHOLD, RareTail, rare_tail
 from seaglint.detection.scoring import exact_interval, interval, match_offsets
 from seaglint.detection.spatial import FilterThreshold
 from seaglint.detection.spot import GaussianSpot
@@ -110,14 +108,6 @@ def test_intervals_of_few_occurrences_say_so() -> None:
     assert "independent" in found.note
     assert interval(np.array([[[0]]]), trials, None, 0.95).low == 0.0
     assert match_offsets(1.5).shape == (9, 2)
-
-
-def tail_of(values: np.ndarray, seed: int = 0) -> tuple[RareTail, float, float]:
-    """Tail of an image, and the mean and standard deviation of its thresholds' scale."""
-    mean, sigma = float(values.mean()), float(values.std())
-    alarms = FalseAlarms((LOWEST_THRESHOLD,))
-    alarms.add(standardise(values[None] - mean, scope="sequence", scale=(0.0, sigma)))
-    return rare_tail(alarms.curve(), alarms.events(LOWEST_THRESHOLD), seed=seed), mean, sigma
 
 
 def test_tail_says_what_it_cannot() -> None:

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from render_scenes import bilinear, camera, elfouhaily, one_tile, sea_view, shown, swept_scene
 
+from seaglint.air.setting_sun import visible_part_kernel
 from seaglint.air.vacuum import VacuumAtmosphere
 from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
-from seaglint.facet.sunlight import sunlight
+from seaglint.facet.sunlight import raised_sun, sunlight, sunlight_at
 from seaglint.imaging.launch import surface_of
-from seaglint.imaging.wave_shadow import disc_share, sun_share
+from seaglint.imaging.wave_shadow import sun_over_waves
 from seaglint.imaging.wave_surface import course
 from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 
@@ -16,16 +17,27 @@ from seaglint.sea.slopes.cox_munk import cox_munk_anisotropic
 @pytest.mark.kernel
 @pytest.mark.parametrize(("height", "share"), [(-1.5, 0.0), (-1.0, 0.0), (0.0, 0.5), (1.0, 1.0), (2.0, 1.0)])
 def test_disc_over_an_edge(height, share):
-    assert disc_share(height) == pytest.approx(share)
+    assert visible_part_kernel(height * SOLAR_ANGULAR_RADIUS)[0] == pytest.approx(share)
 
 
 @pytest.mark.kernel
-def test_share_of_a_disc_is_its_area():
+def test_part_of_a_disc_is_its_area_and_its_middle():
     """Points spread over a disc."""
     n = 200_000
     y = np.sqrt((np.arange(n) + 0.5) / n) * np.sin(np.arange(n) * np.pi * (3.0 - np.sqrt(5.0)))
     for height in (-0.7, -0.2, 0.4, 0.9):
-        assert disc_share(height) == pytest.approx(np.mean(y > -height), abs=2e-3)
+        share, lift = visible_part_kernel(height * SOLAR_ANGULAR_RADIUS)
+        assert share == pytest.approx(np.mean(y > -height), abs=2e-3)
+        assert lift / SOLAR_ANGULAR_RADIUS == pytest.approx(np.mean(y[y > -height]), abs=2e-3)
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("zenith_deg", [20.0, 45.0, 80.0, 89.0])
+def test_a_raised_sun_is_one_of_a_smaller_zenith_angle(zenith_deg):
+    lift = 0.4 * SOLAR_ANGULAR_RADIUS
+    at_the_foot = sunlight_at(sunlight(np.radians(zenith_deg) - lift, 0.8, True), 0.0, 1.0, 0.0)
+    raised = raised_sun(sunlight(np.radians(zenith_deg), 0.8, True), lift)
+    np.testing.assert_allclose(raised, at_the_foot, rtol=2e-5, atol=2e-5)
 
 
 @pytest.mark.parametrize("sun_zenith_deg", [84.0, 86.0, 88.0])
@@ -40,14 +52,14 @@ def test_share_of_the_sun_is_that_above_the_skyline(sun_zenith_deg):
     march = (step, float(np.hypot(lattices[0][..., 1], lattices[0][..., 2]).max()))
     found, expected = [], []
     for r in np.linspace(5.0, 400.0, 150):
-        found.append(sun_share(sea, 0, line, sunward, float(r), march, sun))
+        found.append(sun_over_waves(sea, 0, line, sunward, float(r), march, sun)[0])
         d = np.concatenate([[0.25, 0.5], np.arange(1, 4000)]) * step
         x, y = r * view[0] + d * np.sin(azimuth), r * view[1] + d * np.cos(azimuth)
         z = bilinear(lattices[0], tile.spacing, tile.rotation, x, y)[..., 0]
         own = bilinear(lattices[0], tile.spacing, tile.rotation, np.array([r * view[0]]), np.array([r * view[1]]))[0, 0]
         skyline = np.arctan(((z - own) / d).max())
-        height = (np.radians(90.0 - sun_zenith_deg) - skyline) / SOLAR_ANGULAR_RADIUS
-        expected.append(disc_share(float(height)))
+        height = np.radians(90.0 - sun_zenith_deg) - skyline
+        expected.append(visible_part_kernel(float(height))[0])
     assert 0.05 < np.mean(expected) < 0.98  # some of both
     # skipped samples cannot reach the ray; where they graze it the skyline is that of the samples looked at
     np.testing.assert_allclose(found, expected, atol=0.02)

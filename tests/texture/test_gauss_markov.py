@@ -48,6 +48,14 @@ def test_likelihood_is_that_of_the_dense_matrix() -> None:
     assert log_likelihood(SPACE_TIME, x) == pytest.approx(dense, abs=1e-10, rel=1e-13)
 
 
+def test_likelihood_of_a_fit_is_that_of_its_model() -> None:
+    x = draw(PLANE, (1, 48, 40), 3)
+    for among in (PLANE.offsets, PLANE.offsets[:1]):
+        fitted = fit(x, among, periodic=True)
+        assert fitted.log_likelihood == pytest.approx(log_likelihood(fitted.model, x), rel=1e-9)
+        assert fitted.bic == pytest.approx(-2.0 * fitted.log_likelihood + (len(among) + 2) * math.log(x.size))
+
+
 def test_covariance_is_the_inverse_of_the_dense_matrix() -> None:
     shape = (5, 6, 7)
     dense = np.linalg.inv(precision(SPACE_TIME, shape))

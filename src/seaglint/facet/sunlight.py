@@ -58,6 +58,21 @@ def sunlight_at(sun: Sunlight, away_east: float, away_north: float, arc: float) 
         # raised by so little, the horizontal part keeps its length within 1e-5
         share, lift = visible_part_kernel(up)
         east, north, up = east * (1.0 - lift * up), north * (1.0 - lift * up), up + lift
+    return _directed(sun, (east, north, up), share)
+
+
+@kernel
+def raised_sun(sun: Sunlight, lift: float) -> Sunlight:
+    """Sun at a place, raised by ``lift`` [rad], at most two thirds of its radius: to the middle of what waves leave of its disc."""
+    length = math.sqrt(max(1.0 - sun.up * sun.up, 0.0))
+    up, per_length = sun.up + lift * length, 1.0 - lift * sun.up / max(length, 1e-9)
+    return _directed(sun, (sun.east * per_length, sun.north * per_length, up), sun.share)
+
+
+@kernel
+def _directed(sun: Sunlight, direction: tuple[float, float, float], share: float) -> Sunlight:
+    """Sun of another direction and visible share."""
+    east, north, up = direction
     flat = math.sqrt(max(1.0 - up * up, 1e-18))
     per_flat = 1.0 / flat
     he, hn = east * per_flat, north * per_flat

@@ -26,10 +26,10 @@ from seaglint.facet.roughness import Sight, line_of_sight
 from seaglint.facet.sea_view import SeaView
 from seaglint.facet.sky import SkyAbove, sky_above, sky_between
 from seaglint.facet.solar_disc import DiscLine, no_disc_line
-from seaglint.facet.sunlight import Sunlight, sunlight_at
+from seaglint.facet.sunlight import Sunlight, raised_sun, sunlight_at
 from seaglint.facet.thermal import azimuth_node, facet_thermal, thermal_line
 from seaglint.imaging.layers import COVERAGE, DISTANCE, EMITTED, PATH, SLOPE, SUN, TOTAL
-from seaglint.imaging.wave_shadow import sun_share
+from seaglint.imaging.wave_shadow import sun_over_waves
 from seaglint.imaging.wave_surface import Bounds, Surface, SurfaceLine, course, height, lay_course, slopes
 from seaglint.sea.slopes.slope_statistics import SlopeStatistics
 
@@ -179,12 +179,19 @@ def ray(
     warm = warm_light(tables.thermal, axes, air.path.thermal, i, sight, sine, slope)
     there = sunlight_at(sun, -sight.east, -sight.north, arc)
     lit = FacetOptics(there, optics.roughness, optics.tables)
-    solar, _ = facet_sunlight(lit, room.disc, air.path.sun, (i, 0.0), sight, (sine, math.sqrt(1.0 - sine * sine)), slope)
+    grazing = (sine, math.sqrt(1.0 - sine * sine))
+    solar, _ = facet_sunlight(lit, room.disc, air.path.sun, (i, 0.0), sight, grazing, slope)
     if solar > 0.0:
         solar *= there.share * strength_kernel(tables.strength, there.up)
     if solar > 0.0 and bounds.steepest > there.lower_tangent:
         lay_course(surface, 0, (sun.horizontal_east, sun.horizontal_north), (0.0, 0.0), room.sunward)
-        solar *= sun_share(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), there)
+        share, lift = sun_over_waves(surface, 0, room.line, room.sunward, arc, (bounds.spacing, bounds.steepest), there)
+        if lift > 0.0:
+            there = raised_sun(there, lift)
+            risen = FacetOptics(there, optics.roughness, optics.tables)
+            solar, _ = facet_sunlight(risen, room.disc, air.path.sun, (i, 0.0), sight, grazing, slope)
+            solar *= there.share * strength_kernel(tables.strength, there.up)
+        solar *= share
     path = air.path.radiance[i]
     if air.path.sunlit.haze.values.shape[0] > 0:
         path += haze_between(air.path.sunlit.haze, haze_column(air.path.sunlit.haze, azimuth), air.path.sunlit.row[i])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from seaglint.base.constants import SOLAR_ANGULAR_RADIUS
+from seaglint.air.setting_sun import visible_part_kernel
 from seaglint.base.jit import kernel
 from seaglint.facet.sunlight import Sunlight
 from seaglint.imaging.wave_surface import Surface, SurfaceLine, bilinear, height, position
@@ -14,20 +14,12 @@ FARTHEST = 4000
 
 
 @kernel
-def disc_share(distance: float) -> float:
-    """Share of a disc above a straight edge, by the height of its centre over the edge in radii."""
-    if distance >= 1.0:
-        return 1.0
-    if distance <= -1.0:
-        return 0.0
-    return 0.5 + (distance * math.sqrt(1.0 - distance * distance) + math.asin(distance)) / math.pi
-
-
-@kernel
-def sun_share(
+def sun_over_waves(
     surface: Surface, level: int, line: SurfaceLine, sunward: SurfaceLine, r: float, march: tuple[float, float], sun: Sunlight
-) -> float:
+) -> tuple[float, float]:
     """Share of the solar disc visible from the sea ``r`` metres along a line, over the waves of a level towards the Sun there.
+
+    With it comes the height of that part's middle above the whole disc's [rad].
 
     The skyline is looked for in the Sun's own azimuth, in steps [m] of ``march[0]`` or as many as a sea that rises by ``march[1]`` at
     most allows, as far as the highest crest could reach over the lower limb; the round sea's drop over that distance is left out. Tiles are
@@ -48,10 +40,10 @@ def sun_share(
             z += bilinear(surface, line.part[j, 0], line.part[j, 1], u, v)
         skyline = max(skyline, (z - own) / d)
         if skyline >= sun.upper_tangent:
-            return 0.0
+            return 0.0, 0.0
         # the sea cannot rise to the ray before it has made up for the gap
         ray = max(low, skyline)
         n = max(2.0 * n if n < 1.0 else n + 1.0, math.floor(n + (own + d * ray - z) / (max(rise - ray, 1e-6) * step)))
     if skyline <= low:
-        return 1.0
-    return disc_share((math.asin(sun.up) - math.atan(skyline)) / SOLAR_ANGULAR_RADIUS)
+        return 1.0, 0.0
+    return visible_part_kernel(math.asin(sun.up) - math.atan(skyline))

@@ -25,14 +25,14 @@ from seaglint.facet.local_sun import SunTable, strength_kernel
 from seaglint.facet.roughness import Sight, line_of_sight
 from seaglint.facet.sky import SkyAbove, sky_column, thermal_between
 from seaglint.facet.solar_disc import DISC_ROWS, DiscLine, disc_line
-from seaglint.facet.sunlight import Sunlight, sunlight_at
+from seaglint.facet.sunlight import Sunlight, raised_sun, sunlight_at
 from seaglint.facet.thermal import ThermalLine, facet_thermal, thermal_along
 from seaglint.imaging.layers import COVERAGE, DISTANCE, EMITTED, FEWEST, PATH, SLOPE, SPREAD, SUN, TOTAL
 from seaglint.imaging.sparkle import Sparkle, facet_spread
 from seaglint.imaging.sun_in_sky import NO_SUN, SunInSky, add_disc
 from seaglint.imaging.sweep.pieces import Merging, Pieces, merge, new_pieces, read_slopes
 from seaglint.imaging.sweep.walk import Walk, bend, elevation, walk_line
-from seaglint.imaging.wave_shadow import sun_share
+from seaglint.imaging.wave_shadow import sun_over_waves
 from seaglint.imaging.wave_surface import Surface, SurfaceLine, course, height, new_strip
 
 NEGLIGIBLE_SUN = 3e-4
@@ -178,7 +178,12 @@ def shade_piece(swept: Swept, surface: Surface, lit: FacetOptics, line: Line, pi
         solar *= sun.share * strength_kernel(swept.strength, sun.up)
     march = (walk.shadow[line.level, 0], walk.shadow[line.level, 1])
     if march[0] > 0.0 and solar > NEGLIGIBLE_SUN * warm:
-        share = sun_share(surface, line.level, line.course, line.sunward, r, march, sun)
+        share, lift = sun_over_waves(surface, line.level, line.course, line.sunward, r, march, sun)
+        if lift > 0.0:
+            sun = raised_sun(sun, lift)
+            risen = FacetOptics(sun, lit.roughness, lit.tables)
+            solar, factor = facet_sunlight(risen, line.disc, walk.path.sun, (p, f), line.sight, grazing, slope, spread)
+            solar *= sun.share * strength_kernel(swept.strength, sun.up)
         solar *= share
         factor *= share
     across = line.width / swept.rows.per_radian * reach * reach / cosine
