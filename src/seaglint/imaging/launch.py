@@ -104,7 +104,7 @@ def add_sparkles(
 
 
 def planes_of(columns: FloatArray, planes: NDArray[np.int64], kind: DTypeLike) -> NDArray[np.floating]:
-    """Planes of an image (planes, rows, columns), as numbers of a kind, from the channels of its columns (columns, channels, rows)."""
+    """Planes of an image [(planes, rows, columns)], as numbers of a kind, from the channels of its columns [(columns, channels, rows)]."""
     out = np.empty((planes.size, columns.shape[2], columns.shape[0]), kind)
     upright(columns, planes, out)
     return out
@@ -119,7 +119,7 @@ def pixels_of_rays(
     pixels: NDArray[np.int64],
     samples: NDArray[np.int64],
 ) -> FloatArray:
-    """Mean channels of some pixels (pixels, channels), from rays; arguments as of :func:`~seaglint.imaging.rays.walk_pixels`."""
+    """Mean channels of some pixels [(pixels, channels)], from rays; arguments as of :func:`~seaglint.imaging.rays.walk_pixels`."""
     channels = np.zeros((pixels.size, CHANNELS))
     in_threads(lambda part: walk_pixels(surface, bounds, eye, tables, corner, pixels, samples, channels, part), pixels.size)
     return channels

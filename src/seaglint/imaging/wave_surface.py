@@ -386,7 +386,7 @@ def steepest_rise(lattices: tuple[NDArray[np.float32], ...], spacing: FloatArray
 
 
 def wander_rows(wander: tuple[Wander, ...], spacing: FloatArray, turn: FloatArray, origin: tuple[float, float]) -> FloatArray:
-    """Rows :attr:`Surface.wander` for a sensor above ``origin``."""
+    """Rows :attr:`Surface.wander` for a sensor above ``origin`` [m]."""
     out = np.zeros((len(wander), max((w.phase.size for w in wander), default=0), 5))
     for row, one, d, angle in zip(out, wander, spacing, turn, strict=False):
         c, s = np.cos(angle), np.sin(angle)
